@@ -27,8 +27,8 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
       admission(config, members, outbox),
       time(config, members, outbox, counters),
       greeter(config, members),
-      owners(model.scene->instances.size()),
-      own(*model.scene, config.owned, config.policy.surface_error),
+      owners(model->scene->instances.size()),
+      own(*model->scene, config.owned, config.policy.surface_error),
       scene(model),
       replica(model),
       scripted(model),
@@ -62,31 +62,31 @@ void PeerParts::extend_motions(SimTime t) {
 }
 
 Vec3 PeerParts::file_velocity(SimTime at, ObjectId object) {
-  return velocity_in_world(at, object, model.scene->object(object).velocity);
+  return velocity_in_world(at, object, model->scene->object(object).velocity);
 }
 
 Vec3 PeerParts::velocity_in_world(SimTime at, ObjectId object, const Vec3& in_parent) {
-  const ModelNode* const node = model.node(object);
+  const ModelNode* const node = model->node(object);
   if (node == nullptr || node->carrier == ModelNode::kNone || !replica.begun()) {
     return scripted.to_world(at, world_time.zero(), object, in_parent);
   }
   // The carrier stands above the parent, and nothing between them moves.
-  const Quat of_carrier = model.scene->rigid_pose(model.nodes[node->carrier].object).orientation;
-  return replica.truth().vector_in_world(object, at, of_carrier.conjugate() * model.scene->to_world(object, in_parent));
+  const Quat of_carrier = model->scene->rigid_pose(model->nodes[node->carrier].object).orientation;
+  return replica.truth().vector_in_world(object, at, of_carrier.conjugate() * model->scene->to_world(object, in_parent));
 }
 
 // These objects have an owner from now on: that matters to their pairs, and to those of what they are paired with.
 void PeerParts::watch_pairs_around(std::span<const ObjectId> objects) {
   const auto pairs_of = [&](std::span<const ObjectId> some) {
     std::vector<std::uint32_t> pairs;
-    for (const ObjectId object : some) std::ranges::copy(model.pairs_of(object), std::back_inserter(pairs));
+    for (const ObjectId object : some) std::ranges::copy(model->pairs_of(object), std::back_inserter(pairs));
     return without_doubles(std::move(pairs));
   };
   const std::vector<std::uint32_t> theirs = pairs_of(objects);
   std::vector<ObjectId> paired;
   for (const std::uint32_t number : theirs) {
-    paired.push_back(model.pairs[number].collider);
-    paired.push_back(model.pairs[number].collidee);
+    paired.push_back(model->pairs[number].collider);
+    paired.push_back(model->pairs[number].collidee);
   }
   const std::vector<std::uint32_t> around = pairs_of(without_doubles(std::move(paired)));
   regions.measure_contact_ranges(theirs, false);

@@ -151,7 +151,7 @@ void SessionKeeper::declare_all() {
 }
 
 void SessionKeeper::watch_all_pairs() {
-  std::vector<std::uint32_t> all(p_.model.pairs.size());
+  std::vector<std::uint32_t> all(p_.model->pairs.size());
   std::iota(all.begin(), all.end(), 0U);
   p_.regions.measure_contact_ranges(all, true);
   p_.decisions.watch(all);
@@ -161,7 +161,7 @@ void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects) {
   assert(peer != kNobody && peer != p_.config.id);
   std::vector<ObjectId> changed, lost;
   for (const ObjectId object : objects) {
-    if (object.value >= p_.model.scene->instances.size()) {
+    if (object.value >= p_.model->scene->instances.size()) {
       p_.drop(peer, "object");
       continue;
     }

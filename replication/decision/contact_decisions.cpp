@@ -33,7 +33,7 @@ constexpr std::size_t kOfPairMax = 4000;
 
 }  // namespace
 
-ContactDecisions::ContactDecisions(const PeerConfig& config, const WorldModel& model, Membership& members,
+ContactDecisions::ContactDecisions(const PeerConfig& config, const ModelInForce& model, Membership& members,
                                    const Owners& owners, const SceneObjects& scene, OwnObjects& own, Replica& replica,
                                    const TickGrid& ticks, Outbox& outbox, PeerCounters& counters, OnDecided on_decided)
     : config_(config),
@@ -85,15 +85,15 @@ void ContactDecisions::watch(std::span<const std::uint32_t> pairs) {
   const auto is_partner = [&](ObjectId object) {
     const auto [at, is_new] = partners.try_emplace(object, false);
     if (is_new && !own_.contains(object) && owners_.of(object) != kNobody) {
-      at->second = std::ranges::any_of(model_.pairs_of(object), [&](std::uint32_t number) {
-        return searches_contacts_of(model_.pairs[number].collider, model_.pairs[number].collidee);
+      at->second = std::ranges::any_of(model_->pairs_of(object), [&](std::uint32_t number) {
+        return searches_contacts_of(model_->pairs[number].collider, model_->pairs[number].collidee);
       });
     }
     return at->second;
   };
   for (const std::uint32_t number : pairs) {
-    assert(number < model_.pairs.size());
-    const CollisionPair& pair = model_.pairs[number];
+    assert(number < model_->pairs.size());
+    const CollisionPair& pair = model_->pairs[number];
     const ObjectId a = pair.collider, b = pair.collidee;
     const bool here = replica_.receives(a) && replica_.receives(b), mine = own_.contains(a) || own_.contains(b);
     const bool of_nobody = owners_.of(a) == kNobody && owners_.of(b) == kNobody;  // that is no prediction
@@ -142,7 +142,7 @@ PeerId ContactDecisions::choose_decider(ObjectId a, ObjectId b, SimTime contact)
   const SimTime at = decided_as_of(contact, lookback());
   std::vector<WorldBox> meeting;  // around the two, where they are then
   for (const ObjectId object : {a, b}) {
-    const collision::Body& body = *model_.body(object);
+    const collision::Body& body = *model_->body(object);
     const Vec3 center = replica_.ghosts().at(object, at).pose() * body.center;
     meeting.push_back(WorldBox{center.array() - body.radius_m, center.array() + body.radius_m});
   }
@@ -226,7 +226,7 @@ void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
   (void)name_owners(changes);
   // All peers that receive the decision will do so: the own object's ghost moves, too, or this peer's copy of their
   // ghosts would differ.
-  if (model_.is_answered(c.collider, c.collidee)) {
+  if (model_->is_answered(c.collider, c.collidee)) {
     MotionWorld& ghosts = replica_.ghosts();
     const auto goes_on = [&](ObjectId object, const KinematicState& after) {
       if (binds(record, object)) ghosts.set_base(object, c.at, outcome_in(ghosts, object, c.at, after));
@@ -465,7 +465,7 @@ void ContactDecisions::apply(const DecisionRecord& d, PeerId author, SimTime kno
 // The law after a decision, in the frame of the object's carrier in that world.
 MotionModel ContactDecisions::outcome_in(const MotionWorld& world, ObjectId object, SimTime t,
                                          const KinematicState& after) const {
-  return law_of_outcome(model_.response_of(object), world.in_carrier(object, t, after));
+  return law_of_outcome(model_->response_of(object), world.in_carrier(object, t, after));
 }
 
 // Gives both worlds the object's way from there on, by all that is known: the decisions in force, and its owner's last
@@ -480,7 +480,7 @@ void ContactDecisions::rebase(ObjectId object, SimTime from) {
   for (const DecisionLog::Entry& e : log_.entries()) {
     const DecisionRecord& d = e.record;
     if (!e.in_force || d.contact < from || !binds(d, object)) continue;
-    if (!model_.is_answered(d.collider, d.collidee)) continue;
+    if (!model_->is_answered(d.collider, d.collidee)) continue;
     const KinematicState& after = d.collider == object ? d.collider_after : d.collidee_after;
     MotionWorld& truth = replica_.truth();
     if (moved_by_physics) truth.set_base(object, d.contact, outcome_in(truth, object, d.contact, after));

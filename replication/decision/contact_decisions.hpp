@@ -34,7 +34,7 @@ class ContactDecisions {
   using OnDecided = std::function<void(ObjectId object, PeerId author, SimTime contact)>;
 
   // All arguments outlive this object.
-  ContactDecisions(const PeerConfig& config, const WorldModel& model, Membership& members, const Owners& owners,
+  ContactDecisions(const PeerConfig& config, const ModelInForce& model, Membership& members, const Owners& owners,
                    const SceneObjects& scene, OwnObjects& own, Replica& replica, const TickGrid& ticks, Outbox& outbox,
                    PeerCounters& counters, OnDecided on_decided);
 
@@ -150,7 +150,7 @@ class ContactDecisions {
   [[nodiscard]] bool is_acknowledged_by_all(const DecisionLog::Entry& own) const;
 
   const PeerConfig& config_;
-  const WorldModel& model_;
+  const ModelInForce& model_;
   Membership& members_;
   const Owners& owners_;
   const SceneObjects& scene_;

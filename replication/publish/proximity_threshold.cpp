@@ -22,12 +22,12 @@ double apart_for_s(const collision::MovingBody& a, const collision::MovingBody& 
 
 }  // namespace
 
-ProximityThreshold::ProximityThreshold(const PeerConfig& config, const WorldModel& model, const Owners& owners,
+ProximityThreshold::ProximityThreshold(const PeerConfig& config, const ModelInForce& model, const Owners& owners,
                                        const Replica& replica, PeerCounters& counters)
     : config_(config), model_(model), owners_(owners), replica_(replica), counters_(counters) {}
 
 double ProximityThreshold::usual_m(ObjectId object) const {
-  return config_.policy.error_threshold_m.value_or(model_.scene->object(object).distance_threshold_m);
+  return config_.policy.error_threshold_m.value_or(model_->scene->object(object).distance_threshold_m);
 }
 
 double ProximityThreshold::least_m(ObjectId object) const {
@@ -51,17 +51,17 @@ double ProximityThreshold::at(ObjectId object, SimTime t) const {
 double ProximityThreshold::time_to_contact_s(ObjectId object, SimTime t, double threshold_m) const {
   const bool by_time = config_.policy.threshold_by_time;
   double least_s = config_.policy.close_proximity_s;
-  const collision::Body* body = model_.body(object);
+  const collision::Body* body = model_->body(object);
   if (body == nullptr) return least_s;
   const KinematicState state = replica_.truth().at(object, t);
-  for (const std::uint32_t number : model_.pairs_of(object)) {
-    const CollisionPair& pair = model_.pairs[number];
+  for (const std::uint32_t number : model_->pairs_of(object)) {
+    const CollisionPair& pair = model_->pairs[number];
     const ObjectId other = pair.collider == object ? pair.collidee : pair.collider;
     const PeerId other_owner = owners_.of(other);
     if (other_owner == kNobody || other_owner == config_.id || !replica_.receives(other)) continue;
     ++counters_.proximity_tests;
     const KinematicState other_state = replica_.truth().at(other, t);
-    const collision::MovingBody here{*body, state}, there{*model_.body(other), other_state};
+    const collision::MovingBody here{*body, state}, there{*model_->body(other), other_state};
     double left_s = collision::proximity_time_s(here, there);
     if (!(left_s < least_s)) continue;
     if (config_.policy.refine_proximity && pair.type != CollisionType::kBox) {

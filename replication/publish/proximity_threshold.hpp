@@ -5,7 +5,7 @@
 #include "replication/policy/peer_config.hpp"
 #include "replication/replica/owners.hpp"
 #include "replication/replica/replica.hpp"
-#include "replication/world/world_model.hpp"
+#include "replication/world/model_in_force.hpp"
 
 namespace peerd::replication {
 
@@ -14,7 +14,7 @@ namespace peerd::replication {
 class ProximityThreshold {
  public:
   // All arguments outlive this object.
-  ProximityThreshold(const PeerConfig& config, const WorldModel& model, const Owners& owners, const Replica& replica,
+  ProximityThreshold(const PeerConfig& config, const ModelInForce& model, const Owners& owners, const Replica& replica,
                      PeerCounters& counters);
 
   // The threshold in force at t, >= least_m().
@@ -28,7 +28,7 @@ class ProximityThreshold {
   [[nodiscard]] double time_to_contact_s(ObjectId object, SimTime t, double threshold_m) const;
 
   const PeerConfig& config_;
-  const WorldModel& model_;
+  const ModelInForce& model_;
   const Owners& owners_;
   const Replica& replica_;
   PeerCounters& counters_;

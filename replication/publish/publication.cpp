@@ -31,7 +31,7 @@ bool sendable(const MotionModel& model) { return acceptable(model.state) && with
 
 }  // namespace
 
-Publication::Publication(const PeerConfig& config, const WorldModel& model, const Membership& members,
+Publication::Publication(const PeerConfig& config, const ModelInForce& model, const Membership& members,
                          const Owners& owners, OwnObjects& own, Launches& launches, Replica& replica,
                          RegionSubscriptions& regions, ContactDecisions& decisions, const TickGrid& ticks,
                          Outbox& outbox, PeerCounters& counters)

@@ -31,7 +31,7 @@ namespace peerd::replication {
 class Publication {
  public:
   // All arguments outlive this object.
-  Publication(const PeerConfig& config, const WorldModel& model, const Membership& members, const Owners& owners,
+  Publication(const PeerConfig& config, const ModelInForce& model, const Membership& members, const Owners& owners,
               OwnObjects& own, Launches& launches, Replica& replica, RegionSubscriptions& regions,
               ContactDecisions& decisions, const TickGrid& ticks, Outbox& outbox, PeerCounters& counters);
 

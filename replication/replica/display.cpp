@@ -6,7 +6,7 @@
 
 namespace peerd::replication {
 
-Display::Display(const PeerConfig& config, const WorldModel& model, const OwnObjects& own, const Replica& replica,
+Display::Display(const PeerConfig& config, const ModelInForce& model, const OwnObjects& own, const Replica& replica,
                  PeerCounters& counters)
     : config_(config), model_(model), own_(own), replica_(replica), counters_(counters) {}
 
@@ -25,12 +25,12 @@ Duration Display::delay() const {
 // Whether the way from one place to the other, straight and turned as the ghost is, passes the object's partners as
 // they go from where they were drawn with it last.
 bool Display::may_pass(ObjectId object, SimTime since, SimTime t, const Vec3& from, const Vec3& to) const {
-  const collision::Body* body = model_.body(object);
+  const collision::Body* body = model_->body(object);
   if (body == nullptr) return true;
   KinematicState way = at_rest({from, replica_.ghosts().at(object, t).orientation});
   way.velocity = to - from;  // in one second
-  return std::ranges::none_of(model_.pairs_of(object), [&](std::uint32_t number) {
-    const CollisionPair& pair = model_.pairs[number];
+  return std::ranges::none_of(model_->pairs_of(object), [&](std::uint32_t number) {
+    const CollisionPair& pair = model_->pairs[number];
     const ObjectId other = pair.collider == object ? pair.collidee : pair.collider;
     if (!replica_.receives(other)) return false;
     const MotionWorld& drawn = own_.contains(other) ? replica_.truth() : replica_.ghosts();
@@ -39,7 +39,7 @@ bool Display::may_pass(ObjectId object, SimTime since, SimTime t, const Vec3& fr
     KinematicState goes = at_rest({then, now.orientation});
     goes.velocity = now.position - goes.position;
     const collision::ContactState met =
-        collision::first_contact({*body, way}, {*model_.body(other), goes}, pair.type, 1.0).state;
+        collision::first_contact({*body, way}, {*model_->body(other), goes}, pair.type, 1.0).state;
     return met == collision::ContactState::kContact || met == collision::ContactState::kOverlapped;
   });
 }

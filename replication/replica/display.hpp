@@ -18,7 +18,7 @@ namespace peerd::replication {
 class Display {
  public:
   // All arguments outlive this object.
-  Display(const PeerConfig& config, const WorldModel& model, const OwnObjects& own, const Replica& replica,
+  Display(const PeerConfig& config, const ModelInForce& model, const OwnObjects& own, const Replica& replica,
           PeerCounters& counters);
 
   // For each object, t never goes back; the ghosts have been advanced to t. What is shown doesn't go through what an
@@ -37,7 +37,7 @@ class Display {
   [[nodiscard]] bool may_pass(ObjectId object, SimTime since, SimTime t, const Vec3& from, const Vec3& to) const;
 
   const PeerConfig& config_;
-  const WorldModel& model_;
+  const ModelInForce& model_;
   const OwnObjects& own_;
   const Replica& replica_;
   PeerCounters& counters_;

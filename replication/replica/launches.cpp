@@ -23,7 +23,7 @@ void Launches::launch(SimTime t, ObjectId object, const FileVelocity& file_veloc
   state.acceleration = truth.vector_in_carrier(object, t, launch.acceleration);
   state.angular_velocity_body = truth.at(object, t).orientation.conjugate() * launch.angular_velocity;
   replica_.truth().set_free_acceleration(object, launch.acceleration);
-  replica_.truth().set_base(object, t, law_after(model_.response_of(object), MotionModel{}, state));
+  replica_.truth().set_base(object, t, law_after(model_->response_of(object), MotionModel{}, state));
 }
 
 void Launches::begin_due(SimTime until, const FileVelocity& file_velocity) {
@@ -49,7 +49,7 @@ void Launches::change_velocity(SimTime t, ObjectId object, const Vec3& velocity,
   KinematicState state = law.state;
   const Vec3 relative = replica_.truth().vector_in_carrier(object, t, velocity);
   state.velocity = absolute ? relative : Vec3(state.velocity + relative);
-  replica_.truth().set_base(object, t, law_after(model_.response_of(object), law, state));
+  replica_.truth().set_base(object, t, law_after(model_->response_of(object), law, state));
   scheduled_.erase(object);
   unpublished_[object] = t;
 }

@@ -7,7 +7,7 @@
 #include "core/time.hpp"
 #include "replication/replica/own_objects.hpp"
 #include "replication/replica/replica.hpp"
-#include "replication/world/world_model.hpp"
+#include "replication/world/model_in_force.hpp"
 
 namespace peerd::replication {
 
@@ -16,7 +16,7 @@ namespace peerd::replication {
 class Launches {
  public:
   // All arguments outlive this object.
-  Launches(const WorldModel& model, OwnObjects& own, Replica& replica) : model_(model), own_(own), replica_(replica) {}
+  Launches(const ModelInForce& model, OwnObjects& own, Replica& replica) : model_(model), own_(own), replica_(replica) {}
 
   // The object stands until `at`.
   void schedule(ObjectId object, SimTime at) { scheduled_[object] = at; }
@@ -40,7 +40,7 @@ class Launches {
   void forget(ObjectId object);
 
  private:
-  const WorldModel& model_;
+  const ModelInForce& model_;
   OwnObjects& own_;
   Replica& replica_;
   std::map<ObjectId, SimTime> scheduled_;

@@ -3,7 +3,7 @@
 namespace peerd::replication {
 
 KinematicState Replica::ghost(ObjectId object, SimTime t) const {
-  return ghosts().has(object) ? ghosts().at(object, t) : at_rest(model_.scene->rigid_pose(object));
+  return ghosts().has(object) ? ghosts().at(object, t) : at_rest(model_->scene->rigid_pose(object));
 }
 
 KinematicState Replica::truth(ObjectId object, SimTime t) const {

@@ -13,7 +13,7 @@
 #include "replication/wire/wire.hpp"
 #include "replication/world/colliding_objects.hpp"
 #include "replication/world/motion_world.hpp"
-#include "replication/world/world_model.hpp"
+#include "replication/world/model_in_force.hpp"
 
 namespace peerd::replication {
 
@@ -27,7 +27,7 @@ class Replica {
   };
 
   // The model outlives the replica.
-  explicit Replica(const WorldModel& model) : model_(model), colliding_(model) {
+  explicit Replica(const ModelInForce& model) : model_(model), colliding_(model) {
     if (!model.flexible.empty()) flexible_ = std::make_unique<FlexibleParts>(model);
   }
 
@@ -122,7 +122,7 @@ class Replica {
   void forget_updates() { last_updates_.clear(); }
 
  private:
-  const WorldModel& model_;
+  const ModelInForce& model_;
   std::optional<Worlds> worlds_;
   SimTime begun_at_{};
   CollidingObjects colliding_;

@@ -13,15 +13,15 @@ constexpr double kFarthest_s = 3.2e9;
 
 }  // namespace
 
-ScriptedMotion::ScriptedMotion(const WorldModel& model) : model_(model) {
+ScriptedMotion::ScriptedMotion(const ModelInForce& model) : model_(model) {
   if (!model.moving.empty()) motion_.emplace(*model.scene);
 }
 
 void ScriptedMotion::restart() {
   pieces_.clear();
-  for (const ObjectId object : model_.moving) {
-    const std::uint32_t carrier = model_.node(object)->carrier;
-    const auto above = carrier == ModelNode::kNone ? std::nullopt : std::optional(model_.nodes[carrier].object);
+  for (const ObjectId object : model_->moving) {
+    const std::uint32_t carrier = model_->node(object)->carrier;
+    const auto above = carrier == ModelNode::kNone ? std::nullopt : std::optional(model_->nodes[carrier].object);
     pieces_.push_back({object, above, std::nullopt, std::nullopt});
   }
 }
@@ -92,7 +92,7 @@ void ScriptedMotion::extend(Piece& p, SimTime to, SimTime world_zero, Replica& r
 }
 
 Vec3 ScriptedMotion::to_world(SimTime at, std::optional<SimTime> world_zero, ObjectId object, const Vec3& in_parent) {
-  if (!motion_ || !world_zero) return model_.scene->to_world(object, in_parent);
+  if (!motion_ || !world_zero) return model_->scene->to_world(object, in_parent);
   return motion_->to_world(object, in_parent, to_seconds(at - *world_zero));
 }
 

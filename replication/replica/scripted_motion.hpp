@@ -8,7 +8,7 @@
 #include "replication/replica/owners.hpp"
 #include "replication/replica/replica.hpp"
 #include "replication/replica/scene_objects.hpp"
-#include "replication/world/world_model.hpp"
+#include "replication/world/model_in_force.hpp"
 
 namespace peerd::replication {
 
@@ -17,7 +17,7 @@ namespace peerd::replication {
 class ScriptedMotion {
  public:
   // The model outlives this.
-  explicit ScriptedMotion(const WorldModel& model);
+  explicit ScriptedMotion(const ModelInForce& model);
 
   // Begins the motion anew, after both worlds or world time have begun anew: the worlds are given the motion from now
   // on.
@@ -49,7 +49,7 @@ class ScriptedMotion {
   void extend_answering(SimTime to, SimTime world_zero, const Owners& owners, const SceneObjects& scene,
                         Replica& replica);
 
-  const WorldModel& model_;
+  const ModelInForce& model_;
   std::optional<PredefinedMotion> motion_;  // none: the file moves no body
   std::vector<Piece> pieces_;
 };

@@ -34,7 +34,7 @@ void RegionSubscriptions::Announcement::note_sent(SimTime t) {
   sent_at = t;
 }
 
-RegionSubscriptions::RegionSubscriptions(const PeerConfig& config, const WorldModel& model, Membership& members,
+RegionSubscriptions::RegionSubscriptions(const PeerConfig& config, const ModelInForce& model, Membership& members,
                                          const Owners& owners, OwnObjects& own, Replica& replica, const TickGrid& ticks,
                                          Outbox& outbox, PeerCounters& counters,
                                          OnReceptionChanged on_reception_changed)
@@ -72,10 +72,10 @@ void RegionSubscriptions::measure_contact_ranges(std::span<const std::uint32_t> 
   }
   if (!grid_.cuts()) return;
   for (const std::uint32_t number : pairs) {
-    assert(number < model_.pairs.size());
-    const CollisionPair& pair = model_.pairs[number];
+    assert(number < model_->pairs.size());
+    const CollisionPair& pair = model_->pairs[number];
     if (!owners_.have_two(pair.collider, pair.collidee)) continue;
-    const double within_m = model_.body(pair.collider)->extent_m() + model_.body(pair.collidee)->extent_m();
+    const double within_m = model_->body(pair.collider)->extent_m() + model_->body(pair.collidee)->extent_m();
     for (const ObjectId object : {pair.collider, pair.collidee}) {
       if (OwnObject* own = own_.find(object)) own->contact_range_m = std::max(own->contact_range_m, within_m);
     }
@@ -203,8 +203,8 @@ void RegionSubscriptions::stop_receiving(ObjectId object) {
 }
 
 std::size_t RegionSubscriptions::pairs_with_received(ObjectId object) const {
-  return static_cast<std::size_t>(std::ranges::count_if(model_.pairs_of(object), [&](std::uint32_t number) {
-    const CollisionPair& pair = model_.pairs[number];
+  return static_cast<std::size_t>(std::ranges::count_if(model_->pairs_of(object), [&](std::uint32_t number) {
+    const CollisionPair& pair = model_->pairs[number];
     return replica_.receives(pair.collider == object ? pair.collidee : pair.collider);
   }));
 }
@@ -220,7 +220,7 @@ void RegionSubscriptions::leave_interest(ObjectId object, SimTime t) {
 void RegionSubscriptions::on_claimed(ObjectId object, SimTime last_tick) {
   if (!grid_.cuts()) return;
   if (config_.interest_radius_m) {
-    remote_radius_m_ = std::max(remote_radius_m_, bounding_radius_m(*model_.scene, object));
+    remote_radius_m_ = std::max(remote_radius_m_, bounding_radius_m(*model_->scene, object));
   }
   stop_receiving(object);
   if (replica_.begun()) replica_.colliding().forget(object, last_tick);

@@ -31,7 +31,7 @@ class RegionSubscriptions {
   using OnReceptionChanged = std::function<void(ObjectId object, bool received)>;
 
   // All arguments outlive this object.
-  RegionSubscriptions(const PeerConfig& config, const WorldModel& model, Membership& members, const Owners& owners,
+  RegionSubscriptions(const PeerConfig& config, const ModelInForce& model, Membership& members, const Owners& owners,
                       OwnObjects& own, Replica& replica, const TickGrid& ticks, Outbox& outbox, PeerCounters& counters,
                       OnReceptionChanged on_reception_changed);
 
@@ -121,7 +121,7 @@ class RegionSubscriptions {
   void drop(PeerId sender, const char* reason);
 
   const PeerConfig& config_;
-  const WorldModel& model_;
+  const ModelInForce& model_;
   Membership& members_;
   const Owners& owners_;
   OwnObjects& own_;

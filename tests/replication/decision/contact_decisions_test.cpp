@@ -59,13 +59,13 @@ class Deciding : public testing::Test {
   Membership members{1750ms};
   Owners owners{world.scene.instances.size()};
   OwnObjects own{world.scene, conf.owned, false};
-  SceneObjects scene{*world.model};
-  Replica replica{*world.model};
+  SceneObjects scene{*world.in_force};
+  Replica replica{*world.in_force};
   TickGrid ticks{60};
   Outbox outbox{conf.id, conf.incarnation, counters};
   std::vector<std::pair<ObjectId, PeerId>> adopted;
   ContactDecisions decisions{conf,
-                             *world.model,
+                             *world.in_force,
                              members,
                              owners,
                              scene,

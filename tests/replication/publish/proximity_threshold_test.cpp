@@ -41,8 +41,8 @@ class Near : public testing::Test {
   PeerConfig own = config(1);
   PeerCounters counters;
   Owners owners{world.scene.instances.size()};
-  Replica replica{*world.model};
-  ProximityThreshold threshold{own, *world.model, owners, replica, counters};
+  Replica replica{*world.in_force};
+  ProximityThreshold threshold{own, *world.in_force, owners, replica, counters};
 };
 class NoInterest : public Near {
  protected:

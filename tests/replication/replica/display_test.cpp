@@ -32,8 +32,8 @@ class Shown : public testing::Test {
   PeerConfig conf = config(1, {{mine, true}});
   PeerCounters counters;
   OwnObjects own{world.scene, conf.owned, false};
-  Replica replica{*world.model};
-  Display display{conf, *world.model, own, replica, counters};
+  Replica replica{*world.in_force};
+  Display display{conf, *world.in_force, own, replica, counters};
 };
 
 TEST_F(Shown, EverythingWhereItIs) {

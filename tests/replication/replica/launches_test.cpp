@@ -23,8 +23,8 @@ class Launched : public testing::Test {
   ObjectId a = world["A"], b = world["B"], c = world["C"];
   std::vector<OwnedObject> objects{{a, false, {0s, Vec3(1, 0, 0), Vec3(0, 0, 2)}}, {b, false}, {c, false}};
   OwnObjects own{world.scene, objects, false};
-  Replica replica{*world.model};
-  Launches launches{*world.model, own, replica};
+  Replica replica{*world.in_force};
+  Launches launches{*world.in_force, own, replica};
   Launches::FileVelocity by_file = [this](SimTime t, ObjectId object) {
     return Vec3(0, 0, object == b ? to_seconds(t.time_since_epoch()) : 99);
   };
@@ -43,7 +43,7 @@ TEST_F(Launched, ALaunchTurnsInTheWorldsFrame) {
   KinematicState lying;
   lying.orientation = Quat(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitX()));
   replica.truth().set_base(a, sim(1s), lying);
-  Launches(*world.model, turning, replica).launch(sim(2s), a, by_file);
+  Launches(*world.in_force, turning, replica).launch(sim(2s), a, by_file);
   const KinematicState state = replica.truth().at(a, sim(2s));
   EXPECT_NEAR((state.orientation * state.angular_velocity_body - Vec3(0, 3, 0)).norm(), 0.0, 1e-14);
   EXPECT_NEAR((state.angular_velocity_body - Vec3(0, 0, -3)).norm(), 0.0, 1e-14);

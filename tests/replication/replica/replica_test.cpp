@@ -16,11 +16,11 @@ class Copy : public testing::Test {
   World world{box("BALL", "1 1 1", "0 0 0") + box("WALL", "1 9 9", "50 0 0") + box("LONE", "1 1 1", "0 20 0") +
               interest("BALL", "\"WALL\"")};
   ObjectId ball = world["BALL"], lone = world["LONE"];
-  Replica replica{*world.model};
+  Replica replica{*world.in_force};
 };
 
 TEST_F(Copy, BeginsWithEverythingAtItsPlace) {
-  EXPECT_FALSE(Replica(*world.model).begun());
+  EXPECT_FALSE(Replica(*world.in_force).begun());
   EXPECT_TRUE(replica.begun());
   for (const ObjectId object : {ball, lone}) {
     EXPECT_EQ(replica.ghost(object, sim(2s)).position, world.scene.rigid_pose(object).position);

@@ -34,9 +34,9 @@ class Scripted : public testing::Test {
   World world{kMachine};
   ObjectId plate = world["PLATE"];
   Owners owners{world.scene.instances.size()};
-  SceneObjects scene{*world.model};
-  Replica replica{*world.model};
-  ScriptedMotion scripted{*world.model};
+  SceneObjects scene{*world.in_force};
+  Replica replica{*world.in_force};
+  ScriptedMotion scripted{*world.in_force};
 };
 
 TEST_F(Scripted, NothingMovesBeforeWorldTimeIsKnown) {
@@ -55,9 +55,9 @@ TEST_F(Scripted, BothWorldsMoveAsTheFileSays) {
 }
 
 TEST_F(Scripted, WhoJoinsLaterSeesTheSameBits) {
-  Replica late(*world.model);
+  Replica late(*world.in_force);
   late.begin(sim(4s));
-  ScriptedMotion joined(*world.model);
+  ScriptedMotion joined(*world.in_force);
   joined.restart();
   for (Duration t = 0s; t <= 6s; t += 100ms) {
     extend(t);
@@ -97,18 +97,18 @@ TEST_F(Scripted, VelocitiesOfTheFileAreInTheParentsFrame) {
       "DEF O OrientationInterpolator { key [ 0 0.25 1 ] keyValue [ 0 0 1 0, 0 0 1 1.5707963, 0 0 1 0 ] }\n"
       "ROUTE T.fraction_changed TO O.set_fraction ROUTE O.value_changed TO TURN.rotation\n" +
       interest("BALL", "\"TURN/IN\""));
-  ScriptedMotion turned(*turning.model);
+  ScriptedMotion turned(*turning.in_force);
   const Vec3 v = turned.to_world(sim(3s), sim(2s), turning["TURN/IN"], {1, 0, 0});  // a quarter of a turn
   EXPECT_NEAR((v - Vec3(0, 1, 0)).norm(), 0.0, 1e-6);
 }
 
 TEST(ScriptedMotion, AWorldThatStandsStillHasNone) {
   const World world(box("A", "1 1 1", "0 0 0"));
-  ScriptedMotion scripted(*world.model);
-  Replica replica(*world.model);
+  ScriptedMotion scripted(*world.in_force);
+  Replica replica(*world.in_force);
   replica.begin(sim(0s));
   scripted.restart();
-  scripted.extend(sim(1s), sim(0s), Owners(world.scene.instances.size()), SceneObjects(*world.model), replica);
+  scripted.extend(sim(1s), sim(0s), Owners(world.scene.instances.size()), SceneObjects(*world.in_force), replica);
   EXPECT_EQ(scripted.to_world(sim(1s), sim(0s), world["A"], {1, 0, 0}), Vec3(1, 0, 0));
   EXPECT_FALSE(scripted.limited_at());
 }

@@ -41,7 +41,7 @@ struct Subscribing {
   void place(double x, double v = 0.0) { replica.truth().set_base(mine, sim(0s), moving({x, 0, 0}, {0, 0, v})); }
   RegionSubscriptions& part() {
     if (!regions) {
-      regions.emplace(conf, *world.model, members, owners, own, replica, ticks, outbox, counters,
+      regions.emplace(conf, *world.in_force, members, owners, own, replica, ticks, outbox, counters,
                       [this](ObjectId object, bool received) { changes.emplace_back(object, received); });
     }
     return *regions;
@@ -78,7 +78,7 @@ struct Subscribing {
   Membership members{conf.lost_after};
   Owners owners{world.scene.instances.size()};
   OwnObjects own{world.scene, conf.owned, false};
-  Replica replica{*world.model};
+  Replica replica{*world.in_force};
   TickGrid ticks{10};
   Outbox outbox{conf.id, conf.incarnation, counters};
   std::vector<std::pair<ObjectId, bool>> changes;
