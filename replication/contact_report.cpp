@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <set>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -37,18 +38,40 @@ std::vector<MotionWorld::Event> poll_standing_events(MotionWorld& world) {
   return events;
 }
 
+// Scene objects have met: every peer finds that, and the file does not move them any more.
+void note_scene_contact(PeerParts& p, const ContactEvent& contact) {
+  for (const ObjectId object : {contact.collider, contact.collidee}) {
+    const bool is_collider = object == contact.collider;
+    const bool moved = !moves_alike(is_collider ? contact.collider_before : contact.collidee_before,
+                                    is_collider ? contact.collider_after : contact.collidee_after);
+    if (moved && p.scene.contains(object)) p.scene.note_moved(object);
+  }
+}
+
+void note_retraction(PeerParts& p, ObjectId object, SimTime t) {
+  if (!p.scene.is_moved(object) || p.owners.of(object) != kNobody) return;
+  if (!p.replica.truth().is_moved_by_contact(object, t)) p.scene.note_unmoved(object);
+}
+
 // Reports contacts of own objects; as the server, those of all objects.
 void report_truth(PeerParts& p, SimTime t) {
   std::vector<ContactEvent> decided;  // in order of time, the last contact of each touch
+  std::set<ObjectId> adopted;         // by these decisions
+  const auto is_ours = [&](ObjectId id) { return p.own.contains(id) || adopted.contains(id); };
   for (const MotionWorld::Event& event : poll_standing_events(p.replica.truth())) {
     if (const auto* overlap = std::get_if<BodiesOverlap>(&event)) {
       if (p.own.contains(overlap->collider) || p.own.contains(overlap->collidee)) p.outbox.push(*overlap);
       continue;
     }
+    if (const auto* retracted = std::get_if<ContactsRetracted>(&event)) note_retraction(p, retracted->object, t);
     const auto* contact = std::get_if<ContactEvent>(&event);
     if (contact == nullptr) continue;
-    const bool mine = p.own.contains(contact->collider) || p.own.contains(contact->collidee);
-    const bool shared = p.owners.have_two(contact->collider, contact->collidee);
+    const bool mine = is_ours(contact->collider) || is_ours(contact->collidee);
+    const bool both = is_ours(contact->collider) && is_ours(contact->collidee);
+    const auto moved = both ? std::nullopt : p.decisions.scene_object_moved(*contact);
+    if (moved && mine && !contact->deferred) adopted.insert(*moved);
+    if (moved && !mine) note_scene_contact(p, *contact);
+    const bool shared = p.owners.have_two(contact->collider, contact->collidee) || (moved && mine);
     if (!mine && !(shared && p.config.is_decision_server())) continue;  // a partner's own contact, which ghosts show
     if (shared) {
       if (contact->deferred) {
@@ -89,6 +112,9 @@ void report_ghosts(PeerParts& p, SimTime t) {
     auto& contact = std::get<ContactEvent>(*event);
     p.publication.on_predicted_contact(contact);
     p.decisions.note_found(contact);
+    for (const ObjectId object : {contact.collider, contact.collidee}) {
+      if (p.scene.contains(object) && p.owners.of(object) == kNobody) p.scene.differing().try_emplace(object, t);
+    }
     const bool mine = p.own.contains(contact.collider) || p.own.contains(contact.collidee);
     const bool remote = is_remote(contact.collider) || is_remote(contact.collidee);
     if (mine && !remote) continue;

@@ -16,11 +16,6 @@ constexpr Duration kDecisionStands = std::chrono::seconds(2);
 // A decision may be of what happened up to 3 s ago (contact_decisions.cpp), and repeated where datagrams get lost.
 constexpr Duration kDecisionAgeMax = MotionWorld::kHistory;
 
-bool is_transform_above(const Scene& scene, ObjectId upper, ObjectId lower) {
-  if (lower.value >= scene.instances.size() || upper >= lower) return false;
-  return scene.at(upper).kind == NodeKind::kTransform && lower.value < scene.at(upper).subtree_end;
-}
-
 // The delay of a hello, in session time; a negative one counts as 0, and one longer than any latency as kLatencyMax.
 Duration delay_of(SimTime sent, SimTime came) {
   if (sent >= came) return Duration{0};
@@ -49,7 +44,8 @@ std::expected<void, Drop> Intake::on_packet(HostTime now, RegionId region, std::
   Message& m = **message;
   assert(m.sender != kNobody);
   if (m.identity) return dropped(region, p_.admission.on_identity_check(now, m));
-  const bool for_all = m.hello || m.leaving || !m.decisions.empty() || !m.subscriptions.empty();
+  const bool for_all =
+      m.hello || m.leaving || !m.decisions.empty() || !m.subscriptions.empty() || !m.scene.states.empty();
   if (for_all && region != kWholeScene) return dropped(region, Drop::kRegion);
   if (const auto admitted = admit(now, m); !admitted) return dropped(region, admitted.error());
   ++p_.counters.datagrams_in;
@@ -68,7 +64,7 @@ std::expected<void, Drop> Intake::on_packet(HostTime now, RegionId region, std::
     return {};
   }
   if (!p_.replica.begun()) {
-    if (m.updates.empty() && m.decisions.empty()) return {};
+    if (m.updates.empty() && m.decisions.empty() && m.scene.states.empty()) return {};
     return dropped(region, Drop::kNotYetInSession);
   }
   on_records(m.sender, m, p_.to_session(now));
@@ -125,6 +121,7 @@ void Intake::on_hello(HostTime now, PeerId sender, std::uint32_t number, const H
     const SimTime session_now = p_.to_session(now);
     member.delays.add(delay_of(*hello.session_tx, session_now));
     p_.decisions.on_contact_notes(sender, hello, session_now);
+    scene_.on_digest(member, hello);
   }
   const auto zero = hello.introduction && hello.session_tx ? hello.introduction->world_zero : std::nullopt;
   if (zero && p_.world_time.on_zero(sender, p_.time.follows(), *zero)) {
@@ -191,6 +188,7 @@ void Intake::on_records(PeerId sender, Message& m, SimTime session_now) {
       on_update(sender, m.number, u, session_now);
     }
   }
+  if (!m.scene.states.empty()) scene_.on_states(sender, m.scene);
   for (const DecisionRecord& d : m.decisions) {
     if (d.contact < session_now - kDecisionAgeMax || d.contact > session_now + kUpdateAheadMax) {
       p_.drop(sender, "decision_time");
@@ -205,7 +203,10 @@ void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, Sim
   const bool relayed = relay.through == sender;
   if (relay.through != kNobody && !relayed && relay.through != p_.config.id) return;  // the relay passes it on
   PeerId owner = p_.owners.of(u.object);
-  if (owner == kNobody && !relayed) {  // its hello may have been lost
+  if (p_.scene.contains(u.object) && u.decision != SimTime{} && !relayed) {
+    if (!scene_.take_over(sender, u)) return p_.drop(sender, "not_owner");
+    owner = p_.owners.of(u.object);
+  } else if (owner == kNobody && !relayed) {  // its hello may have been lost
     keeper_.claim(sender, {&u.object, 1});
     owner = p_.owners.of(u.object);
   }
@@ -220,7 +221,7 @@ void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, Sim
     if (!p_.regions.cuts()) p_.members.find(sender)->received[kWholeScene].mark_as_missing(number);
     return p_.drop(sender, "not_owner");
   }
-  if (u.carrier && !is_transform_above(*p_.model->scene, *u.carrier, u.object)) return p_.drop(sender, "carrier");
+  if (u.carrier && !p_.model->may_carry(*u.carrier, u.object)) return p_.drop(sender, "carrier");
   std::uint32_t& last = owning->last_sequence[u.object];
   const bool elsewhere = !p_.replica.receives(u.object) && p_.regions.interest().receives(p_.replica.position_of(u));
   if (u.sequence == last && !elsewhere) {
@@ -238,7 +239,7 @@ void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, Sim
   }
   if (!p_.regions.accept(u, session_now)) return;
   const DecisionLog& decisions = p_.decisions.log();
-  const SimTime decided = decisions.last(u.object);
+  const SimTime decided = p_.decisions.last_binding(u.object);
   if (u.decision < decided && u.at < decided + kDecisionStands) return p_.drop(sender, "before_decision");
   if (decisions.overruled(u.object, u.decision) && u.at < u.decision + kDecisionStands) {
     return p_.drop(sender, "before_decision");

@@ -7,6 +7,7 @@
 #include "core/ids.hpp"
 #include "core/time.hpp"
 #include "replication/peer_parts.hpp"
+#include "replication/scene_keeper.hpp"
 #include "replication/session_keeper.hpp"
 #include "replication/wire/codec.hpp"
 
@@ -15,7 +16,7 @@ namespace peerd::replication {
 // The way in: datagrams become messages, and their records go to the parts that they concern.
 class Intake {
  public:
-  Intake(PeerParts& parts, SessionKeeper& keeper) : p_(parts), keeper_(keeper) {}
+  Intake(PeerParts& parts, SessionKeeper& keeper, SceneKeeper& scene) : p_(parts), keeper_(keeper), scene_(scene) {}
 
   // A datagram from the network: hostile until proven otherwise. The error says why it changed nothing.
   std::expected<void, Drop> on_packet(HostTime now, RegionId region, std::span<const std::byte> datagram);
@@ -33,6 +34,7 @@ class Intake {
 
   PeerParts& p_;
   SessionKeeper& keeper_;
+  SceneKeeper& scene_;
   Codec codec_;
 };
 

@@ -8,6 +8,7 @@
 #include "replication/contact_report.hpp"
 #include "replication/intake.hpp"
 #include "replication/peer_parts.hpp"
+#include "replication/scene_keeper.hpp"
 #include "replication/session_keeper.hpp"
 
 namespace peerd::replication {
@@ -15,7 +16,7 @@ namespace peerd::replication {
 class Peer::Impl {
  public:
   Impl(PeerConfig config, const WorldModel& model)
-      : parts(std::move(config), model), keeper(parts), intake(parts, keeper) {
+      : parts(std::move(config), model), scene(parts), keeper(parts, scene), intake(parts, keeper, scene) {
     parts.outbox.push(Join{kWholeScene});
   }
 
@@ -25,6 +26,7 @@ class Peer::Impl {
   void send_hello(HostTime now, bool leaving);
 
   PeerParts parts;
+  SceneKeeper scene;
   SessionKeeper keeper;
   Intake intake;
 
@@ -58,6 +60,7 @@ void Peer::Impl::on_tick(HostTime now, std::span<const OwnSample> samples) {
     send_hello(now, false);
     parts.publication.repeat_updates(now, parts.to_session(now));
     parts.decisions.repeat_unacknowledged();
+    scene.offer(now);
     parts.greeter.schedule_next(now, parts.time.clock().synchronised());
   }
   if (ticks) parts.regions.announce();
@@ -76,6 +79,7 @@ void Peer::Impl::tick(SimTime t, std::span<const OwnSample> samples) {
   parts.replica.ghosts().advance(t);
   report_contacts(parts, t);
   parts.publication.publish(t);
+  scene.maintain(t);
 }
 
 // Does what a tick does, except for the contacts: those wait for the next tick, which finds them at their own times.
@@ -120,19 +124,23 @@ void Peer::Impl::send_hello(HostTime now, bool leaving) {
   hello.sessions = parts.greeter.sessions();
   hello.latency = parts.members.own_latency();
   hello.notes = parts.decisions.notes();
+  if (hello.session_tx) hello.scene_digest = scene.digest(*hello.session_tx);
   parts.greeter.fill_echoes(hello, now, parts.regions.cuts());
   if (parts.greeter.introduces(parts.time.clock().synchronised())) {
     std::vector<ObjectId> own;
-    for (const auto& [object, each] : std::as_const(parts.own)) own.push_back(object);
+    for (const auto& [object, each] : std::as_const(parts.own)) {
+      if (!each.adopted) own.push_back(object);  // decisions and updates say whose that is, and since when
+    }
     Introduction& introduction =
         hello.introduction.emplace(parts.greeter.introduction(own, parts.world_time.start(), parts.world_time.zero()));
     for (std::size_t k = 0; k < introduction.owned.size(); ++k) {
       if (parts.owners.as_founder(introduction.owned[k])) introduction.owned_as_founder |= std::uint64_t{1} << k;
     }
   }
-  const bool as_founder =
-      hello.introduction && hello.introduction->owned_as_founder != 0;  // takes a subscription's room
-  if (!leaving) m.subscriptions = parts.regions.take(kSubscriptionsWithHello - (as_founder ? 1 : 0), true);
+  // Each of these takes the room of one subscription.
+  const bool as_founder = hello.introduction && hello.introduction->owned_as_founder != 0;
+  const std::size_t subscriptions = kSubscriptionsWithHello - (as_founder ? 1 : 0) - (hello.scene_digest != 0 ? 1 : 0);
+  if (!leaving) m.subscriptions = parts.regions.take(subscriptions, true);
   parts.greeter.on_hello_sent(now, parts.outbox.send(m));
 }
 
@@ -158,7 +166,7 @@ void Peer::start_motions(HostTime now, SimTime start) {
   if (!p.replica.begun()) return;
   const SimTime from = std::max(start, p.to_session(now));
   for (const auto& [object, own] : std::as_const(p.own)) {
-    if (!own.driven) p.launches.schedule(object, from + own.launch.after);
+    if (!own.driven && !own.adopted) p.launches.schedule(object, from + own.launch.after);
   }
 }
 
@@ -221,7 +229,7 @@ const Interest& Peer::interest() const { return impl_->parts.regions.interest();
 void Peer::advance_ghosts(SimTime t) {
   PeerParts& p = impl_->parts;
   if (!p.replica.begun()) return;
-  p.scripted.extend(t, p.world_time.zero(), p.owners, p.replica);
+  p.scripted.extend(t, p.world_time.zero(), p.owners, p.scene, p.replica);
   p.replica.ghosts().advance(t);
 }
 

@@ -1,9 +1,22 @@
 #include "replication/peer_parts.hpp"
 
+#include <algorithm>
 #include <cassert>
+#include <iterator>
 #include <utility>
+#include <vector>
 
 namespace peerd::replication {
+namespace {
+
+template <class T>
+std::vector<T> without_doubles(std::vector<T> all) {
+  std::ranges::sort(all);
+  all.erase(std::ranges::unique(all).begin(), all.end());
+  return all;
+}
+
+}  // namespace
 
 PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
     : config(std::move(peer_config)),
@@ -16,6 +29,7 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
       greeter(config, members),
       owners(model->scene->instances.size()),
       own(*model->scene, config.owned, config.policy.surface_error),
+      scene(model),
       replica(model),
       scripted(model),
       launches(model, own, replica),
@@ -25,9 +39,14 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
                 if (received) display.forget(object);
                 watch_pairs_of(object);
               }),
-      decisions(config, model, members, owners, own, replica, ticks, outbox, counters),
+      decisions(
+          config, model, members, owners, scene, own, replica, ticks, outbox, counters,
+          [this](ObjectId object, PeerId author, SimTime contact) { give_scene_object(object, author, contact); }),
       publication(config, model, members, owners, own, launches, replica, regions, decisions, ticks, outbox, counters) {
-  for (const auto& [object, each] : std::as_const(own)) owners.set(object, config.id);
+  for (const auto& [object, each] : std::as_const(own)) {
+    owners.set(object, config.id);
+    scene.remove(object);
+  }
   assert(own.size() <= owners.size());
 }
 
@@ -38,7 +57,7 @@ void PeerParts::drop(PeerId sender, const char* reason) {
 
 void PeerParts::extend_motions(SimTime t) {
   replica.set_world_zero(world_time.zero(), t);
-  scripted.extend(t, world_time.zero(), owners, replica);
+  scripted.extend(t, world_time.zero(), owners, scene, replica);
   launches.begin_due(t, [this](SimTime at, ObjectId object) { return file_velocity(at, object); });
 }
 
@@ -66,6 +85,78 @@ Vec3 PeerParts::velocity_in_world(SimTime at, ObjectId object, const Vec3& in_pa
   const Quat of_carrier = model->scene->rigid_pose(model->nodes[node->carrier].object).orientation;
   return replica.truth().vector_in_world(object, at,
                                          of_carrier.conjugate() * model->scene->to_world(object, in_parent));
+}
+
+// These objects have an owner from now on: that matters to their pairs, and to those of what they are paired with.
+void PeerParts::watch_pairs_around(std::span<const ObjectId> objects) {
+  const auto pairs_of = [&](std::span<const ObjectId> some) {
+    std::vector<std::uint32_t> pairs;
+    for (const ObjectId object : some) std::ranges::copy(model->pairs_of(object), std::back_inserter(pairs));
+    return without_doubles(std::move(pairs));
+  };
+  const std::vector<std::uint32_t> theirs = pairs_of(objects);
+  std::vector<ObjectId> paired;
+  for (const std::uint32_t number : theirs) {
+    paired.push_back(model->pairs[number].collider);
+    paired.push_back(model->pairs[number].collidee);
+  }
+  const std::vector<std::uint32_t> around = pairs_of(without_doubles(std::move(paired)));
+  // Interests in what they carry, or in what carries them, matter, too.
+  std::vector<std::uint32_t> moved = theirs;
+  for (const ObjectId object : objects) {
+    if (model->node(object) == nullptr) continue;
+    for (const std::uint32_t k : model->moved_part_pairs[model->index_of(object)]) {
+      moved.push_back(model->part_pairs[k].pair);
+    }
+  }
+  regions.measure_contact_ranges(without_doubles(std::move(moved)), false);
+  decisions.watch(around);
+}
+
+void PeerParts::give_scene_object(ObjectId object, PeerId owner, SimTime decided) {
+  assert(owner != kNobody && scene.contains(object));
+  const bool is_here = owner == config.id || members.contains(owner);
+  const PeerId before = owners.of(object);
+  SceneObject& known = scene.at(object);
+  known.decided = decided;
+  known.decided_by = owner;
+  known.is_free = !is_here;  // its owner is gone already: it goes on by the decision
+  known.sequence = 1;
+  known.freed = SimTime::min();
+  scene.note_moved(object);
+  scene.differing().erase(object);
+  set_owner_of_scene_object(object, is_here ? owner : kNobody, before);
+}
+
+void PeerParts::set_owner_of_scene_object(ObjectId object, PeerId owner, PeerId before) {
+  assert(before == owners.of(object));
+  if (owner == before) return;
+  SceneObject& known = scene.at(object);
+  if (before == config.id) {
+    known.own_sequence = own.at(object).sequence;
+    launches.forget(object);
+    regions.forget_handovers_of(object);
+    own.remove({&object, 1});
+    scene.adopted().erase(object);
+  }
+  owners.set(object, owner);
+  // Its updates go to a region that this peer listens to.
+  const bool is_near =
+      replica.begun() && regions.interest().receives(replica.ghost(object, ticks.last_time()).position);
+  if (owner == config.id) {
+    own.adopt(object, known.own_sequence);
+    scene.adopted().insert(object);
+    // The decision has said how it moves; to a peer that hears of some regions only, an update says where.
+    if (!regions.cuts()) own.at(object).last_sent = ticks.last_time();
+  } else if (owner != kNobody && !is_near) {
+    regions.on_claimed(object, ticks.last_time());
+  }
+  if (owner == config.id || owner == kNobody) regions.on_known_everywhere(object);
+  if (replica.begun()) {
+    replica.declare_remote(object, Role::kPredicted);
+    if (owner == config.id) replica.truth().declare(object, Role::kAuthoritative);
+  }
+  watch_pairs_around({&object, 1});
 }
 
 }  // namespace peerd::replication

@@ -1,4 +1,6 @@
 #pragma once
+#include <span>
+
 #include "replication/decision/contact_decisions.hpp"
 #include "replication/output/outbox.hpp"
 #include "replication/output/peer_counters.hpp"
@@ -10,6 +12,7 @@
 #include "replication/replica/own_objects.hpp"
 #include "replication/replica/owners.hpp"
 #include "replication/replica/replica.hpp"
+#include "replication/replica/scene_objects.hpp"
 #include "replication/replica/scripted_motion.hpp"
 #include "replication/session/admission.hpp"
 #include "replication/session/greeter.hpp"
@@ -41,6 +44,7 @@ struct PeerParts {
   // The world, as far as this peer knows it.
   Owners owners;
   OwnObjects own;
+  SceneObjects scene;
   Replica replica;
   ScriptedMotion scripted;
   Launches launches;
@@ -66,6 +70,13 @@ struct PeerParts {
   [[nodiscard]] Vec3 velocity_in_world(SimTime at, ObjectId object, const Vec3& in_parent);
   // The decisions and the truth watch these pairs of the model by who owns and receives their objects now.
   void watch_pairs_of(ObjectId object) { decisions.watch(model->pairs_of(object)); }
+  // These objects have an owner from now on, or none any more: that matters to their pairs, and to those of what they
+  // are paired with.
+  void watch_pairs_around(std::span<const ObjectId> objects);
+  // A decision on a contact of that time makes the peer the owner of the scene object.
+  void give_scene_object(ObjectId object, PeerId owner, SimTime decided);
+  // kNobody: it is nobody's from now on.
+  void set_owner_of_scene_object(ObjectId object, PeerId owner, PeerId before);
 };
 
 }  // namespace peerd::replication

@@ -13,13 +13,6 @@ namespace {
 // The truth keeps the positions of driven own objects for so long: contacts with them are found as the samples come.
 constexpr Duration kDrivenKept = std::chrono::milliseconds(500);
 
-template <class T>
-std::vector<T> without_doubles(std::vector<T> all) {
-  std::ranges::sort(all);
-  all.erase(std::ranges::unique(all).begin(), all.end());
-  return all;
-}
-
 }  // namespace
 
 bool SessionKeeper::check_suspension(HostTime now) {
@@ -80,7 +73,7 @@ void SessionKeeper::own_as_founder() {
     if (p_.owners.of(each.object) == kNobody) taken.push_back(each);
   }
   if (taken.empty()) return;
-  p_.own.add(*p_.model->scene, taken, p_.config.policy.surface_error);
+  p_.own.add(taken);
   for (const OwnedObject& each : taken) p_.owners.set(each.object, p_.config.id, true);
 }
 
@@ -91,6 +84,7 @@ void SessionKeeper::enter_session(HostTime host_now) {
   p_.greeter.greet_anew(host_now);
   begin_worlds(now);
   p_.ticks.set_last(p_.ticks.number_at(now));
+  p_.scene.restart(now);
   declare_all();
   p_.scripted.restart();
   for (auto& [object, own] : p_.own) {
@@ -116,6 +110,8 @@ void SessionKeeper::move_to_session_time(SimTime before, SimTime now, bool same_
   begin_worlds(now);
   p_.ticks.set_last(p_.ticks.number_at(now));
   p_.decisions.restart(same_session);
+  if (!same_session) p_.scene.shift(now - before);
+  p_.scene.restart_moved(now);
   p_.replica.forget_updates();
   p_.regions.restart_at(now);
   p_.publication.restart();
@@ -131,6 +127,7 @@ void SessionKeeper::move_to_session_time(SimTime before, SimTime now, bool same_
     // An orphan stands until somebody claims it, as one whose owner has gone: one that flew on would be a racket.
     const MotionModel model = old.ghosts.model_at(object, before);
     ghosts.set_base(object, now, orphan ? MotionModel(at_rest(model.state.pose())) : model);
+    if (p_.scene.is_moved(object)) p_.scene.at(object).model = old.truth.model_at(object, before);
   }
   p_.scripted.restart();
   p_.launches.forget_unpublished();
@@ -163,6 +160,9 @@ void SessionKeeper::declare_all() {
       p_.replica.declare_remote(object, Role::kPredicted);
     }
   }
+  for (const auto& [object, each] : p_.scene.all()) {
+    if (p_.owners.of(object) == kNobody) p_.replica.declare_remote(object, Role::kPredicted);
+  }
   watch_all_pairs();
 }
 
@@ -171,32 +171,6 @@ void SessionKeeper::watch_all_pairs() {
   std::iota(all.begin(), all.end(), 0U);
   p_.regions.measure_contact_ranges(all, true);
   p_.decisions.watch(all);
-}
-
-// These objects have an owner from now on: that matters to their pairs, and to those of what they are paired with.
-void SessionKeeper::watch_pairs_around(std::span<const ObjectId> objects) {
-  const auto pairs_of = [&](std::span<const ObjectId> some) {
-    std::vector<std::uint32_t> pairs;
-    for (const ObjectId object : some) std::ranges::copy(p_.model->pairs_of(object), std::back_inserter(pairs));
-    return without_doubles(std::move(pairs));
-  };
-  const std::vector<std::uint32_t> theirs = pairs_of(objects);
-  std::vector<ObjectId> paired;
-  for (const std::uint32_t number : theirs) {
-    paired.push_back(p_.model->pairs[number].collider);
-    paired.push_back(p_.model->pairs[number].collidee);
-  }
-  const std::vector<std::uint32_t> around = pairs_of(without_doubles(std::move(paired)));
-  // Interests in what they carry, or in what carries them, matter, too.
-  std::vector<std::uint32_t> moved = theirs;
-  for (const ObjectId object : objects) {
-    if (p_.model->node(object) == nullptr) continue;
-    for (const std::uint32_t k : p_.model->moved_part_pairs[p_.model->index_of(object)]) {
-      moved.push_back(p_.model->part_pairs[k].pair);
-    }
-  }
-  p_.regions.measure_contact_ranges(without_doubles(std::move(moved)), false);
-  p_.decisions.watch(around);
 }
 
 void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects, std::uint64_t as_founder) {
@@ -211,16 +185,22 @@ void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects, std::u
     const PeerId before = p_.owners.of(object);
     const bool by_founder = k < 64 && (as_founder >> k & 1) != 0;
     const bool added = before == kNobody;
-    const bool taken =
-        !added && peer != before && std::pair(by_founder, peer) < std::pair(p_.owners.as_founder(object), before);
+    // A decision has given it to the peer before: what a configuration or the file says comes first.
+    const bool adopted = p_.scene.contains(object) && !added && before != peer;
+    p_.scene.remove(object);
+    const bool is_better = std::pair(by_founder, peer) < std::pair(p_.owners.as_founder(object), before);
+    const bool taken = !added && peer != before && (adopted || is_better);
     if (before == peer) p_.owners.set(object, peer, by_founder);
     if (!added && !taken) continue;
-    if (taken) {
+    if (adopted) p_.decisions.forget(object, p_.ticks.last_time());
+    if (taken && !adopted) {
       if (p_.owners.as_founder(object) && !by_founder) {
         p_.outbox.push(FounderGaveWay{object, before, peer});
       } else {
         p_.outbox.push(OwnershipConflict{object, peer});
       }
+    }
+    if (taken) {
       if (before == p_.config.id) {
         lost.push_back(object);
         p_.launches.forget(object);
@@ -236,7 +216,7 @@ void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects, std::u
     if (p_.replica.begun()) p_.replica.declare_remote(object, Role::kPredicted);
   }
   p_.own.remove(lost);
-  more_moves ? watch_all_pairs() : watch_pairs_around(changed);
+  more_moves ? watch_all_pairs() : p_.watch_pairs_around(changed);
 }
 
 void SessionKeeper::let_move(ObjectId carrier) {
@@ -260,6 +240,10 @@ void SessionKeeper::orphan_objects_of(PeerId peer, HostTime now, bool for_good) 
   for (const auto& [object, owner] : p_.owners) {
     if (owner != peer) continue;
     owned_any = true;
+    if (p_.scene.contains(object) && p_.replica.begun()) {
+      scene_.orphan(object, t);
+      continue;
+    }
     if (p_.replica.begun()) {
       p_.replica.set_ghost(object, t, at_rest(p_.replica.ghosts().relative_at(object, t).pose()), false);
       p_.replica.declare_remote(object, Role::kScene);

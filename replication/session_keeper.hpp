@@ -7,6 +7,7 @@
 #include "core/ids.hpp"
 #include "core/time.hpp"
 #include "replication/peer_parts.hpp"
+#include "replication/scene_keeper.hpp"
 
 namespace peerd::replication {
 
@@ -14,7 +15,7 @@ namespace peerd::replication {
 // members and of owners.
 class SessionKeeper {
  public:
-  explicit SessionKeeper(PeerParts& parts) : p_(parts) {}
+  SessionKeeper(PeerParts& parts, SceneKeeper& scene) : p_(parts), scene_(scene) {}
 
   // The caller calls it first whenever time arrives. True where this host was suspended: no time of before this call
   // means anything.
@@ -46,9 +47,9 @@ class SessionKeeper {
   void begin_worlds(SimTime now);
   void declare_all();
   void watch_all_pairs();
-  void watch_pairs_around(std::span<const ObjectId> objects);
 
   PeerParts& p_;
+  SceneKeeper& scene_;
 };
 
 }  // namespace peerd::replication

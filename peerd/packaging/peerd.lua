@@ -13,7 +13,7 @@ peerd.prefs.group = Pref.string("Group of region 0", "239.192.80.0",
 peerd.prefs.regions = Pref.string("Group of region 1", "",
   "as peers log it when they start: a datagram to the n-th group after it is of region n + 1. Empty: no grid has more than 1,023 regions")
 
-local VERSION = 7
+local VERSION = 8
 local MOST_BYTES = 1200
 local REGION_MARK, GREETING_MARK = 0x52, 0x47
 
@@ -59,6 +59,7 @@ local F = {
     clock_error = field("uint64", "hello.clock_error_us", "Session time may be off by [us]"),
     os_minus_session = field("int64", "hello.os_minus_session_ns", "OS clock minus session time [ns]"),
     os_error = field("uint64", "hello.os_error_us", "OS clock may be off by [us]"),
+    scene_digest = field("uint64", "hello.scene_digest", "Digest of the scene objects that contacts have moved", base.HEX),
   },
   echo = {
     peer = field("uint32", "echo.peer", "Peer"),
@@ -115,6 +116,10 @@ local F = {
     object = field("uint32", "gone.object", "Object"),
     sequence = field("uint32", "gone.sequence", "Sequence"),
     to = field("uint32", "gone.region", "Told in region"),
+  },
+  scene = {
+    since = field("int64", "scene.since_ns", "The scene is computed since [ns]"),
+    base = field("int64", "scene.base_ns", "Base time [ns]"),
   },
   base_low = field("uint64", "records.base_low", "Base time, lowest 5 bytes [ns]"),
   base = field("int64", "records.base_ns", "Base time nearest to the capture's [ns]"),
@@ -533,7 +538,7 @@ local function check_limits(kind, m)
   end
 end
 
-local function dissect_record(tvb, tree, at, base_time)
+local function dissect_record(tvb, tree, at, base_time, only_exact)
   local bits = Bits.new(tvb, at)
   local kind, step = bits:get(4), bits:get(4)
   if kind >= UNKNOWN_KIND then
@@ -557,6 +562,7 @@ local function dissect_record(tvb, tree, at, base_time)
     decision = bits:time(time)
     if decision == Int64.new(0) then refuse("a zero that is sent") end
   end
+  if only_exact and step ~= EXACT then refuse("a state that is rounded") end
   local m
   if step == EXACT then
     if level or upright then refuse("a record of another form") end
@@ -601,6 +607,20 @@ local function dissect_records(tvb, tree, pinfo)
   local at, count = 5, 0
   while at < tvb:len() do
     at = dissect_record(tvb, tree, at, base_time)
+    count = count + 1
+  end
+  return count
+end
+
+local function dissect_scene(tvb, tree)
+  if not tvb then return 0 end
+  if tvb:len() <= 16 then refuse("times without states") end
+  local base_time = check_time(tvb(8, 8):le_int64())
+  tree:add(F.scene.since, tvb(0, 8), check_time(tvb(0, 8):le_int64()))
+  tree:add(F.scene.base, tvb(8, 8), base_time)
+  local at, count = 16, 0
+  while at < tvb:len() do
+    at = dissect_record(tvb, tree, at, base_time, true)
     count = count + 1
   end
   return count
@@ -726,6 +746,7 @@ local function dissect_hello(tvb, tree)
     microseconds(tree, H.clock_error, CLOCK_ERROR_MOST),
     { varint = function(value, range) os_minus_session, os_range = unzigzag(value), range end },
     microseconds(tree, H.os_error, OS_ERROR_MOST, function() os_known = true end),
+    { fixed64 = function(_, range) tree:add_le(H.scene_digest, range) end },
   })
   if os_known and os_range then tree:add(H.os_minus_session, os_range, check_time(os_minus_session)) end
   dissect_notes(notes, tree, session_tx)
@@ -873,7 +894,7 @@ local function dissect_datagram(tvb, tree, pinfo, whole)
   if tvb:len() > MOST_BYTES then refuse("more than " .. MOST_BYTES .. " bytes") end
   local version, sender, number, boot_low, introduced = 0, 0, 0, nil, false
   local decisions, updates, hello, leaving, latest = 0, 0, false, false, Int64.new(0)
-  local entered, gone, kinds = {}, {}, {}
+  local entered, gone, kinds, states = {}, {}, {}, 0
   local function is(kind, range)
     kinds[#kinds + 1] = kind
     tree:add(F.kind, range, kind)
@@ -900,6 +921,8 @@ local function dissect_datagram(tvb, tree, pinfo, whole)
     numbers(entered),
     time64(tree, F.entered.latest, function(t) latest = t end),
     numbers(gone),
+    nil,  -- a question of identity
+    { bytes = function(inner, range) states = dissect_scene(inner, tree:add(range, "Scene objects")) end },
   })
   if version ~= VERSION then refuse("version " .. version .. ", and this dissector knows " .. VERSION) end
   if sender == 0 then refuse("sender 0") end
@@ -908,6 +931,7 @@ local function dissect_datagram(tvb, tree, pinfo, whole)
   if #gone > 0 then dissect_gone(gone, tree) end
   if updates > 0 then is(count_of(updates, "update"), whole) end
   if decisions > 0 then is(count_of(decisions, "decision"), whole) end
+  if states > 0 then is(count_of(states, "scene object"), whole) end
   if #entered > 0 then is(count_of(#entered / 2, "region") .. " entered", whole) end
   if #gone > 0 then is(count_of(#gone / 3, "object") .. " gone", whole) end
   if leaving then is("leaving", whole) end

@@ -35,17 +35,21 @@ constexpr std::size_t kOfPairMax = 4000;
 }  // namespace
 
 ContactDecisions::ContactDecisions(const PeerConfig& config, const ModelInForce& model, Membership& members,
-                                   const Owners& owners, OwnObjects& own, Replica& replica, const TickGrid& ticks,
-                                   Outbox& outbox, PeerCounters& counters)
+                                   const Owners& owners, const SceneObjects& scene, OwnObjects& own, Replica& replica,
+                                   const TickGrid& ticks, Outbox& outbox, PeerCounters& counters, OnDecided on_decided)
     : config_(config),
       model_(model),
       members_(members),
       owners_(owners),
+      scene_(scene),
       own_(own),
       replica_(replica),
       ticks_(ticks),
       outbox_(outbox),
-      counters_(counters) {}
+      counters_(counters),
+      on_decided_(std::move(on_decided)) {
+  assert(on_decided_);
+}
 
 // ---- the contacts that this peer looks for ----
 
@@ -54,6 +58,13 @@ bool ContactDecisions::may_decide(PeerId peer, PeerId owner_a, PeerId owner_b) c
   if (config_.decisions.policy == DecisionPolicy::kId) return peer == decider_by_id(owner_a, owner_b);
   const bool is_server = config_.decisions.policy == DecisionPolicy::kServer && peer == config_.decisions.server;
   return peer == owner_a || peer == owner_b || is_server;
+}
+
+// Of a contact of a scene object the receiver may know another owner than the decider did, or none: which of several
+// decisions count is for the log to say.
+bool ContactDecisions::may_have_decided(PeerId peer, const DecisionRecord& d) const {
+  return scene_.contains(d.collider) || scene_.contains(d.collidee) ||
+         may_decide(peer, owners_.of(d.collider), owners_.of(d.collidee));
 }
 
 // Whether this peer looks for contacts of the two. By the policy `id` a peer that doesn't decide has no need to; else
@@ -83,10 +94,15 @@ void ContactDecisions::watch(std::span<const std::uint32_t> pairs) {
   };
   for (const std::uint32_t number : pairs) {
     assert(number < model_->pairs.size());
-    const auto& [a, b, type, mutual] = model_->pairs[number];
+    const CollisionPair& pair = model_->pairs[number];
+    const ObjectId a = pair.collider, b = pair.collidee;
     const bool here = replica_.receives(a) && replica_.receives(b), mine = own_.contains(a) || own_.contains(b);
-    replica_.truth().watch(number, here && (mine ? searches_contacts_of(a, b) : is_partner(a) || is_partner(b)));
     const bool of_nobody = owners_.of(a) == kNobody && owners_.of(b) == kNobody;  // that is no prediction
+    // In the truth only what is certain moves a scene object: not a remote one, before its owner has decided.
+    const bool moves_scene =
+        (scene_.answers(pair, a) && owners_.of(a) == kNobody) || (scene_.answers(pair, b) && owners_.of(b) == kNobody);
+    const bool as_partner = moves_scene ? of_nobody : is_partner(a) || is_partner(b);
+    replica_.truth().watch(number, here && (mine ? searches_contacts_of(a, b) : as_partner));
     replica_.ghosts().watch(number, here && (config_.policy.predict_collisions || of_nobody));
   }
 }
@@ -151,6 +167,10 @@ bool ContactDecisions::reaches_all_in_time(SimTime contact) const {
 
 // A contact of two other peers' objects is nothing but a prediction.
 ContactAuthority ContactDecisions::authority(ObjectId a, ObjectId b, SimTime contact) const {
+  const bool mine = own_.contains(a) || own_.contains(b);
+  if (mine && (is_free_scene_object(a) || is_free_scene_object(b))) {
+    return reaches_all_in_time(contact) ? ContactAuthority::kAsPublished : ContactAuthority::kDeferred;
+  }
   if (!owners_.have_two(a, b) || !searches_contacts_of(a, b)) return ContactAuthority::kAsPublished;
   if (!reaches_all_in_time(contact)) return ContactAuthority::kDeferred;
   if (config_.decisions.policy == DecisionPolicy::kId) return ContactAuthority::kLocal;
@@ -199,7 +219,7 @@ std::vector<DecisionLog::Change> ContactDecisions::add_own(const DecisionRecord&
 // A contact that was decided here before and overruled, and is found again on the way that the other peer's decision
 // gave, is another decision: it is a nanosecond later, for decisions are distinguished by their times.
 void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
-  assert(owners_.have_two(contact.collider, contact.collidee) && !contact.deferred);
+  assert(!contact.deferred);
   ContactEvent c = within_wire_limits(contact);
   // Two peers that find one contact at one instant decide it once: the one that comes second takes the other's.
   if (log_.is_decided_by_another(c.at, config_.id, c.collider, c.collidee, config_.decisions.policy)) {
@@ -210,13 +230,18 @@ void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
     if (known->in_force) break;  // the same once more
     c.at += Duration{1};
   }
-  const auto changes = add_own(record_of(c, config_.decisions.policy), c.type);
+  const DecisionRecord record = record_of(c, config_.decisions.policy);
+  const auto changes = add_own(record, c.type);
+  (void)name_owners(changes);
   // All peers that receive the decision will do so: the own object's ghost moves, too, or this peer's copy of their
   // ghosts would differ.
   if (model_->is_answered(c.collider, c.collidee)) {
     MotionWorld& ghosts = replica_.ghosts();
-    ghosts.set_base(c.collider, c.at, outcome_in(ghosts, c.collider, c.at, c.collider_after));
-    ghosts.set_base(c.collidee, c.at, outcome_in(ghosts, c.collidee, c.at, c.collidee_after));
+    const auto goes_on = [&](ObjectId object, const KinematicState& after) {
+      if (binds(record, object)) ghosts.set_base(object, c.at, outcome_in(ghosts, object, c.at, after));
+    };
+    goes_on(c.collider, c.collider_after);
+    goes_on(c.collidee, c.collidee_after);
   }
   replica_.colliding().on_contact(c);
   outbox_.push(ContactSeen{ContactKind::kDecided, c, known_at});
@@ -224,10 +249,23 @@ void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
   if (!alone) apply(changes, known_at);
 }
 
+std::optional<ObjectId> ContactDecisions::scene_object_moved(const ContactEvent& c) const {
+  const auto moves = [&](ObjectId object, const KinematicState& before, const KinematicState& after) {
+    return is_free_scene_object(object) && !moves_alike(before, after);
+  };
+  if (moves(c.collider, c.collider_before, c.collider_after)) return c.collider;
+  if (moves(c.collidee, c.collidee_before, c.collidee_after)) return c.collidee;
+  return std::nullopt;
+}
+
 // A contact just before one that has been decided is the same collision, found here by somewhat other states than the
 // decider's: its decision has come before this peer's own tick.
 void ContactDecisions::defer(const ContactEvent& c) {
-  assert(owners_.have_two(c.collider, c.collidee) && c.deferred);
+  assert(c.deferred);
+  if (!owners_.have_two(c.collider, c.collidee)) {  // a scene object goes on
+    ++counters_.contacts_too_late;
+    return;
+  }
   const SimTime decided = log_.last(c.collider, c.collidee);
   if (decided >= c.at && decided <= c.at + DecisionLog::kSameCollision) return;
   if (!reaches_all_in_time(c.at)) {
@@ -316,7 +354,7 @@ void ContactDecisions::on_contact_notes(PeerId sender, const Hello& hello, SimTi
 // it is repeated.
 const char* ContactDecisions::on_decision(PeerId sender, std::uint32_t number, const DecisionRecord& d,
                                           SimTime known_at) {
-  if (!may_decide(sender, owners_.of(d.collider), owners_.of(d.collidee))) {
+  if (!may_have_decided(sender, d)) {
     members_.find(sender)->received[kWholeScene].mark_as_missing(number);
     return "not_decider";
   }
@@ -333,7 +371,12 @@ const char* ContactDecisions::on_decision(PeerId sender, std::uint32_t number, c
   }
   const auto changes = log_.add(d, sender);
   if (!changes) return "decision_known";
-  if (changes->empty()) return "decision_overruled";
+  if (changes->empty()) {
+    // An update may have come before it, by which its author owned the object.
+    const auto last = DecisionLog::Change{d, sender, false};
+    for (const ObjectId object : name_owners({&last, 1})) rebase(object, log_.last(object));
+    return "decision_overruled";
+  }
   apply(*changes, known_at);
   return nullptr;
 }
@@ -358,12 +401,33 @@ void ContactDecisions::apply_early(SimTime t) {
   std::erase_if(early_, [&](const Early& e) { return e.decision.contact <= t; });
   std::ranges::sort(due, {}, [](const Early& e) { return std::pair(e.decision.contact, e.author); });
   for (const auto& [d, author] : due) {
-    if (!may_decide(author, owners_.of(d.collider), owners_.of(d.collidee)) || why_void(d) != nullptr) continue;
+    if (!may_have_decided(author, d) || why_void(d) != nullptr) continue;
     if (const auto changes = log_.add(d, author)) apply(*changes, t);
   }
 }
 
+// The decision itself gives a scene object to its author. A decision that has been overruled names no owner.
+// Returns the objects that have another owner now.
+std::vector<ObjectId> ContactDecisions::name_owners(std::span<const DecisionLog::Change> changes) const {
+  std::vector<ObjectId> given;
+  for (const DecisionLog::Change& change : changes) {
+    for (const ObjectId object : {change.record.collider, change.record.collidee}) {
+      if (!scene_.contains(object)) continue;
+      const DecisionLog::Entry* const last = log_.last_entry(object);
+      if (last == nullptr) continue;
+      const SceneObject& known = scene_.at(object);
+      const SimTime contact = last->record.contact;
+      if (contact < known.decided && !log_.overruled(object, known.decided)) continue;
+      if (contact == known.decided && (known.is_free || last->author <= known.decided_by)) continue;
+      on_decided_(object, last->author, contact);
+      given.push_back(object);
+    }
+  }
+  return given;
+}
+
 void ContactDecisions::apply(const std::vector<DecisionLog::Change>& changes, SimTime known_at) {
+  (void)name_owners(changes);
   for (const DecisionLog::Change& change : changes) {
     const DecisionRecord& d = change.record;
     if (change.in_force) {
@@ -377,10 +441,26 @@ void ContactDecisions::apply(const std::vector<DecisionLog::Change>& changes, Si
   replica_.truth().catch_up();  // walls that an own object met after the contact
 }
 
+bool ContactDecisions::binds(const DecisionRecord& d, ObjectId object) const {
+  if (object != d.collider && object != d.collidee) return false;
+  const bool is_collider = object == d.collider;
+  const bool moved = is_collider ? !moves_alike(d.collider_before, d.collider_after)
+                                 : !moves_alike(d.collidee_before, d.collidee_after);
+  return moved || !scene_.contains(is_collider ? d.collidee : d.collider);
+}
+
+SimTime ContactDecisions::last_binding(ObjectId object) const {
+  for (auto e = log_.entries().rbegin(); e != log_.entries().rend(); ++e) {
+    if (e->in_force && binds(e->record, object)) return e->record.contact;
+  }
+  return SimTime{};
+}
+
 // The decision holds from the contact time on, not from its arrival.
 void ContactDecisions::apply(const DecisionRecord& d, PeerId author, SimTime known_at) {
   std::erase_if(deferred_, [&](const Deferred& h) { return of_pair(d, h.contact.collider, h.contact.collidee); });
   for (const ObjectId object : {d.collider, d.collidee}) {
+    if (!binds(d, object)) continue;
     rebase(object, d.contact);
     const OwnObject* own = own_.find(object);
     if (own != nullptr && own->last_sent && *own->last_sent > d.contact) own_.republish(object);
@@ -443,13 +523,17 @@ void ContactDecisions::rebase(ObjectId object, SimTime from) {
   SimTime last = from;
   for (const DecisionLog::Entry& e : log_.entries()) {
     const DecisionRecord& d = e.record;
-    if (!e.in_force || d.contact < from || (d.collider != object && d.collidee != object)) continue;
+    if (!e.in_force || d.contact < from || !binds(d, object)) continue;
     if (!model_->is_answered(d.collider, d.collidee)) continue;
     const KinematicState& after = d.collider == object ? d.collider_after : d.collidee_after;
     MotionWorld& truth = replica_.truth();
     if (moved_by_physics) truth.set_base(object, d.contact, outcome_in(truth, object, d.contact, after));
     replica_.set_ghost(object, d.contact, outcome_in(replica_.ghosts(), object, d.contact, after), owned);
     last = d.contact;
+  }
+  if (is_free_scene_object(object) && scene_.at(object).freed >= last) {
+    replica_.set_ghost(object, scene_.at(object).freed, scene_.at(object).model, false);
+    return;
   }
   const UpdateRecord* u = replica_.last_update_of(object);
   if (owned || u == nullptr) return;

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -18,19 +19,25 @@
 #include "replication/replica/own_objects.hpp"
 #include "replication/replica/owners.hpp"
 #include "replication/replica/replica.hpp"
+#include "replication/replica/scene_objects.hpp"
 #include "replication/session/membership.hpp"
 #include "replication/wire/wire.hpp"
 #include "replication/world/motion_world.hpp"
 
 namespace peerd::replication {
 
-// Contacts between objects of two owners: which peer decides each, what this peer decides, what it defers to another
-// peer, and what becomes of decisions on their way to all (Ohlenburg 2003, section 4.4.4).
+// Contacts between objects of two owners, and of a scene object with an owner's: which peer decides each, what this
+// peer decides, what it defers to another peer, and what becomes of decisions on their way to all (Ohlenburg 2003,
+// section 4.4.4).
 class ContactDecisions {
  public:
+  // Called when the last decision in force on a scene object is that of `author` on a contact of that time.
+  using OnDecided = std::function<void(ObjectId object, PeerId author, SimTime contact)>;
+
   // All arguments outlive this object.
   ContactDecisions(const PeerConfig& config, const ModelInForce& model, Membership& members, const Owners& owners,
-                   OwnObjects& own, Replica& replica, const TickGrid& ticks, Outbox& outbox, PeerCounters& counters);
+                   const SceneObjects& scene, OwnObjects& own, Replica& replica, const TickGrid& ticks, Outbox& outbox,
+                   PeerCounters& counters, OnDecided on_decided);
 
   // ---- the contacts that this peer looks for
 
@@ -44,7 +51,10 @@ class ContactDecisions {
 
   // ---- contacts that this peer has found
 
-  // Decides, for all, a contact of two owners that the truth has answered.
+  // The scene object of nobody's that the contact has moved; the collider of two. None: there is none.
+  [[nodiscard]] std::optional<ObjectId> scene_object_moved(const ContactEvent& contact) const;
+  // Decides, for all, a contact of two owners, or of an own object and such a scene object, that the truth has
+  // answered.
   void decide(const ContactEvent& contact, SimTime known_at);
   // The ghosts have found a contact: a decision on it does not say the type of its interest.
   void note_found(const ContactEvent& contact);
@@ -83,12 +93,22 @@ class ContactDecisions {
   void note_sent(std::span<const DecisionRecord> decisions, std::uint32_t number);
 
   [[nodiscard]] const DecisionLog& log() const { return log_; }
+  // The contact time of the last decision in force that says how the object moves: an update that does not know it is
+  // of another way. What strikes a scene object without being moved itself goes on as its owner says.
+  [[nodiscard]] SimTime last_binding(ObjectId object) const;
+  // The contact time of the last decision on the object that this peer knows of; SimTime{}: none.
+  [[nodiscard]] SimTime last_on(ObjectId object) const { return std::max(log_.last(object), scene_.decided(object)); }
   // Session time has stepped, and the worlds begin anew. Into another session: what was decided is void. Within the
   // same one the decisions stay known, so that none is applied again.
   void restart(bool same_session);
   // The object's owner has left or started anew: decisions on its contacts of before t concern no later life of it. One
   // that was only silent comes back with the life it had.
   void end_life_of(ObjectId object, SimTime t) { life_since_[object] = t; }
+  // The object was taken for a scene object until t: what was decided on it is void.
+  void forget(ObjectId object, SimTime t) {
+    end_life_of(object, t);
+    log_.forget(object);
+  }
 
   // The pose of a viewpoint's camera; none where the pose of its object at that time is not known.
   [[nodiscard]] std::optional<Pose> camera_pose(const Viewpoint& viewpoint, SimTime at) const;
@@ -108,7 +128,12 @@ class ContactDecisions {
 
   [[nodiscard]] const char* why_void(const DecisionRecord& decision) const;
   void apply_early(SimTime t);
+  [[nodiscard]] bool binds(const DecisionRecord& decision, ObjectId object) const;
+  [[nodiscard]] bool may_have_decided(PeerId peer, const DecisionRecord& decision) const;
   [[nodiscard]] bool searches_contacts_of(ObjectId a, ObjectId b) const;
+  [[nodiscard]] bool is_free_scene_object(ObjectId object) const {
+    return scene_.contains(object) && owners_.of(object) == kNobody;
+  }
   [[nodiscard]] Duration lookback() const;
   [[nodiscard]] WorldBox box_of_end(ObjectId object, SimTime at) const;
   [[nodiscard]] PeerId choose_decider(ObjectId a, ObjectId b, SimTime contact) const;
@@ -122,6 +147,7 @@ class ContactDecisions {
   [[nodiscard]] DecisionRecord record_of(const ContactEvent& contact, DecisionRule rule) const;
   std::vector<DecisionLog::Change> add_own(const DecisionRecord& record, CollisionType type);
   [[nodiscard]] CollisionType type_of(const DecisionRecord& decision, PeerId author) const;
+  std::vector<ObjectId> name_owners(std::span<const DecisionLog::Change> changes) const;
   void apply(const std::vector<DecisionLog::Change>& changes, SimTime known_at);
   void apply(const DecisionRecord& decision, PeerId author, SimTime known_at);
   void rebase(ObjectId object, SimTime from);
@@ -132,11 +158,13 @@ class ContactDecisions {
   const ModelInForce& model_;
   Membership& members_;
   const Owners& owners_;
+  const SceneObjects& scene_;
   OwnObjects& own_;
   Replica& replica_;
   const TickGrid& ticks_;
   Outbox& outbox_;
   PeerCounters& counters_;
+  OnDecided on_decided_;
   DecisionLog log_;
   std::vector<Deferred> deferred_;
   std::vector<Early> early_;

@@ -103,11 +103,25 @@ void DecisionLog::forget_before(SimTime contact) {
   std::erase_if(entries_, [&](const Entry& e) { return e.record.contact < contact; });
 }
 
+void DecisionLog::forget(ObjectId object) {
+  std::erase_if(entries_, [&](const Entry& e) { return involves(e.record, object); });
+}
+
 SimTime DecisionLog::last(ObjectId object) const {
   for (auto e = entries_.rbegin(); e != entries_.rend(); ++e) {
     if (e->in_force && involves(e->record, object)) return e->record.contact;
   }
   return SimTime{};
+}
+
+const DecisionLog::Entry* DecisionLog::last_entry(ObjectId object) const {
+  for (auto e = entries_.rbegin(); e != entries_.rend(); ++e) {
+    const DecisionRecord& d = e->record;
+    const bool moves = (d.collider == object && !moves_alike(d.collider_before, d.collider_after)) ||
+                       (d.collidee == object && !moves_alike(d.collidee_before, d.collidee_after));
+    if (e->in_force && moves) return &*e;
+  }
+  return nullptr;
 }
 
 SimTime DecisionLog::last(ObjectId a, ObjectId b) const {

@@ -48,11 +48,14 @@ class DecisionLog {
   // The number of decisions of that peer on the two.
   [[nodiscard]] std::size_t count(PeerId author, ObjectId a, ObjectId b) const;
   void forget_before(SimTime contact);
+  void forget(ObjectId object);
   void clear() { entries_.clear(); }
 
   // The contact time of the last decision in force on an object, or on a pair; SimTime{} where there is none.
   [[nodiscard]] SimTime last(ObjectId object) const;
   [[nodiscard]] SimTime last(ObjectId a, ObjectId b) const;
+  // The last decision in force that moves the object; null where there is none.
+  [[nodiscard]] const Entry* last_entry(ObjectId object) const;
   // Whether a decision on the object at that contact time is known and overruled.
   [[nodiscard]] bool overruled(ObjectId object, SimTime contact) const;
 

@@ -49,6 +49,12 @@ struct MotionModel {
   return s.velocity.isZero(0.0) && s.acceleration.isZero(0.0) && s.angular_velocity_body.isZero(0.0);
 }
 
+// Whether two states of one body at one instant are of one motion.
+[[nodiscard]] inline bool moves_alike(const KinematicState& a, const KinematicState& b) {
+  return a.position == b.position && a.velocity == b.velocity && a.acceleration == b.acceleration &&
+         a.angular_velocity_body == b.angular_velocity_body;
+}
+
 // Rates above this are refused (16 turns a second): a piece of kShortestPiece must stay a small part of a turn.
 inline constexpr double kRateMax_rad_s = 100.0;
 // A model lasts so long [s]; then the object goes on with the velocity and spin that it has. It is twice the default

@@ -7,8 +7,8 @@
 #include "replication/policy/peer_config.hpp"
 #include "replication/replica/owners.hpp"
 #include "replication/replica/replica.hpp"
-#include "replication/world/part_at.hpp"
 #include "replication/world/model_in_force.hpp"
+#include "replication/world/part_at.hpp"
 
 namespace peerd::replication {
 

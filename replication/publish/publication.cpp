@@ -318,8 +318,9 @@ std::size_t Publication::publish_update(ObjectId object, OwnObject& own, SimTime
       own.driven ? rounding_tolerance(policy, threshold_m, own.bounding_radius_m, model.kind, expected_error_m)
                  : Tolerance{};
   const EncodedUpdate& due = updates_due_.emplace_back(
-      quantised({object, ++own.sequence, at, model, decisions_.log().last(object), {}, replica_.carrier_of(object)},
-                tolerance),
+      quantised(
+          {object, ++own.sequence, at, model, decisions_.last_on(object), {}, replica_.model().carrier_of(object)},
+          tolerance),
       t);
   const UpdateRecord& record = due.record();
   if (exact && at == t) replica_.truth().set_base(object, t, record.model);

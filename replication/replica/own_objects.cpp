@@ -8,11 +8,11 @@
 namespace peerd::replication {
 
 OwnObjects::OwnObjects(const Scene& scene, std::span<const OwnedObject> objects, bool surface_error)
-    : index_(scene.instances.size()) {
-  add(scene, objects, surface_error);
+    : scene_(scene), surface_error_(surface_error), index_(scene.instances.size()) {
+  add(objects);
 }
 
-void OwnObjects::add(const Scene& scene, std::span<const OwnedObject> objects, bool surface_error) {
+void OwnObjects::add(std::span<const OwnedObject> objects) {
   std::vector<OwnedObject> sorted(objects.begin(), objects.end());
   std::ranges::sort(sorted, {}, &OwnedObject::object);
   map_.reserve(map_.size() + sorted.size());
@@ -21,9 +21,18 @@ void OwnObjects::add(const Scene& scene, std::span<const OwnedObject> objects, b
     OwnObject& own = map_[e.object];
     own.driven = e.driven;
     own.launch = e.launch;
-    if (surface_error) own.bounding_radius_m = bounding_radius_m(scene, e.object);
+    if (surface_error_) own.bounding_radius_m = bounding_radius_m(scene_, e.object);
     assert(own.bounding_radius_m >= 0.0);
   }
+  build_index();
+}
+
+void OwnObjects::adopt(ObjectId object, std::uint32_t sequence) {
+  assert(!contains(object) && object.value < index_.size());
+  OwnObject& own = map_[object];
+  own.adopted = true;
+  own.sequence = sequence;
+  if (surface_error_) own.bounding_radius_m = bounding_radius_m(scene_, object);
   build_index();
 }
 

@@ -41,7 +41,8 @@ struct Delivery {
 
 // An object that this peer owns, and the state of its publication.
 struct OwnObject {
-  bool driven = false;  // samples move it; else physics does
+  bool driven = false;   // samples move it; else physics does
+  bool adopted = false;  // a scene object that a decision has given to this peer until it rests
   Launch launch;
   double bounding_radius_m = 0.0;  // of its farthest vertex from its origin, where errors count by its surface; else 0
   std::optional<SimTime> last_sent;
@@ -61,7 +62,8 @@ class OwnObjects {
  public:
   using Map = boost::container::flat_map<ObjectId, OwnObject>;
 
-  // `objects` in any order. `surface_error`: errors count by how far an object's surface is off.
+  // `objects` in any order. The scene outlives this. `surface_error`: errors count by how far an object's surface is
+  // off.
   OwnObjects(const Scene& scene, std::span<const OwnedObject> objects, bool surface_error);
 
   [[nodiscard]] bool contains(ObjectId object) const { return map_.contains(object); }
@@ -84,7 +86,9 @@ class OwnObjects {
   [[nodiscard]] Map::const_iterator end() const { return map_.end(); }
 
   // This peer owns these, too, from now on; in any order.
-  void add(const Scene& scene, std::span<const OwnedObject> objects, bool surface_error);
+  void add(std::span<const OwnedObject> objects);
+  // A decision gives this peer a scene object, whose next update has a higher number than `sequence`.
+  void adopt(ObjectId object, std::uint32_t sequence);
   // Other peers own these from now on: they are no longer here. Objects that are not are left out.
   void remove(std::span<const ObjectId> objects);
 
@@ -107,6 +111,8 @@ class OwnObjects {
   static constexpr std::uint32_t kNoIndex = std::numeric_limits<std::uint32_t>::max();
   void build_index();
 
+  const Scene& scene_;
+  const bool surface_error_;
   Map map_;
   Schedule checks_;                   // by the objects' indices in map_
   std::vector<std::uint32_t> index_;  // by object; kNoIndex: not here

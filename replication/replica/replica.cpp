@@ -36,7 +36,7 @@ void Replica::change_model(ModelInForce& model, std::unique_ptr<const WorldModel
 }
 
 MotionModel Replica::in_own_frame(const UpdateRecord& update) const {
-  if (carrier_of(update.object) == update.carrier || !ghosts().has(update.object)) return update.model;
+  if (model_->carrier_of(update.object) == update.carrier || !ghosts().has(update.object)) return update.model;
   const KinematicState& state = update.model.state;
   const KinematicState world = update.carrier ? composed(ghost(*update.carrier, update.at), state) : state;
   return ghosts().in_carrier(update.object, update.at, world);

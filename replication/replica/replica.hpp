@@ -31,6 +31,7 @@ class Replica {
     if (!model->flexible.empty()) flexible_ = std::make_unique<FlexibleParts>(*model);
   }
 
+  [[nodiscard]] const WorldModel& model() const { return *model_; }
   [[nodiscard]] bool begun() const { return worlds_.has_value(); }
   // Both worlds go on by another model, which is put in force.
   void change_model(ModelInForce& model, std::unique_ptr<const WorldModel> next);
@@ -89,12 +90,6 @@ class Replica {
   // The state of any object at t by the truth; by the ghosts where nothing can meet the object.
   [[nodiscard]] KinematicState truth(ObjectId object, SimTime t) const;
 
-  // The node in whose frame the object moves; none: the world.
-  [[nodiscard]] std::optional<ObjectId> carrier_of(ObjectId object) const {
-    const ModelNode* const node = model_->node(object);
-    if (node == nullptr || node->carrier == ModelNode::kNone) return std::nullopt;
-    return model_->nodes[node->carrier].object;
-  }
   // Names the polygons that touch in a contact that is reported: in one that the truth has found, or else the ghosts.
   void name_polygons(ContactEvent& contact, bool of_truth) const;
 

@@ -37,35 +37,69 @@ void ScriptedMotion::follow_model() {
   }
 }
 
-void ScriptedMotion::extend(SimTime to, std::optional<SimTime> world_zero, const Owners& owners, Replica& replica) {
+void ScriptedMotion::extend(SimTime to, std::optional<SimTime> world_zero, const Owners& owners,
+                            const SceneObjects& scene, Replica& replica) {
   assert(replica.begun());
   if (!world_zero) return;
-  // The session time is rounded up, so that the nanosecond lies within the piece.
-  const auto session_time = [&](double world_s) {
-    return *world_zero + Duration{static_cast<std::int64_t>(std::ceil(world_s * 1e9))};
-  };
   assert(pieces_.empty() || motion_);
+  bool answers = false;
   for (Piece& p : pieces_) {
     if (owners.of(p.object) != kNobody) {
       p.known_until.reset();
       p.owned_until = to;
-      continue;
-    }
-    while (!p.known_until || *p.known_until <= to) {
-      const SimTime from = p.known_until.value_or(to);
-      const PredefinedMotion::Piece piece = motion_->piece(p.object, to_seconds(from - *world_zero), p.carrier);
-      const SimTime begin = std::max(session_time(piece.begin_s), p.owned_until.value_or(SimTime::min()));
-      MotionModel law(piece.state);
-      law.rate_rad_s = piece.turning_rad_s;
-      if (!piece.turning_rad_s.isZero(0.0)) law.kind = MotionKind::kTurning;
-      law = rebased(law, std::max(0.0, to_seconds(begin - *world_zero) - piece.begin_s));
-      replica.truth().set_base(p.object, begin, law);
-      replica.ghosts().set_base(p.object, begin, law);
-      const bool ends = piece.end_s < kFarthest_s;
-      p.known_until = ends ? std::max(session_time(piece.end_s), from + Duration{1}) : SimTime::max();
-      assert(*p.known_until > from);
+    } else if (scene.contains(p.object)) {
+      answers = true;
+    } else {
+      while (!p.known_until || *p.known_until <= to) extend(p, to, *world_zero, replica);
     }
   }
+  if (answers) extend_answering(to, *world_zero, owners, scene, replica);
+}
+
+// What answers contacts has the next piece of its way only if it has met nothing on the last one: pieces are given in
+// order of time, each once both worlds have come to its begin.
+void ScriptedMotion::extend_answering(SimTime to, SimTime world_zero, const Owners& owners, const SceneObjects& scene,
+                                      Replica& replica) {
+  const auto is_due = [&](const Piece& p) {
+    return owners.of(p.object) == kNobody && scene.contains(p.object) && !scene.is_moved(p.object) &&
+           (!p.known_until || *p.known_until <= to);
+  };
+  for (;;) {
+    Piece* next = nullptr;
+    for (Piece& p : pieces_) {
+      if (is_due(p) && (next == nullptr || p.known_until < next->known_until)) next = &p;
+    }
+    if (next == nullptr) return;
+    if (next->known_until) {
+      const SimTime begin = *next->known_until;
+      replica.truth().advance(begin);
+      replica.ghosts().advance(begin);
+      if (replica.truth().is_moved_by_contact(next->object, begin)) {
+        next->known_until = to + Duration{1};  // that contact may still be retracted
+        continue;
+      }
+    }
+    extend(*next, to, world_zero, replica);
+  }
+}
+
+void ScriptedMotion::extend(Piece& p, SimTime to, SimTime world_zero, Replica& replica) {
+  // The session time is rounded up, so that the nanosecond lies within the piece.
+  const auto session_time = [&](double world_s) {
+    return world_zero + Duration{static_cast<std::int64_t>(std::ceil(world_s * 1e9))};
+  };
+  const SimTime from = p.known_until.value_or(to);
+  const PredefinedMotion::Piece piece = motion_->piece(p.object, to_seconds(from - world_zero), p.carrier);
+  const SimTime begin = std::max(session_time(piece.begin_s), p.owned_until.value_or(SimTime::min()));
+  MotionModel law(piece.state);
+  law.rate_rad_s = piece.turning_rad_s;
+  if (!piece.turning_rad_s.isZero(0.0)) law.kind = MotionKind::kTurning;
+  law = rebased(law, std::max(0.0, to_seconds(begin - world_zero) - piece.begin_s));
+  replica.truth().set_base(p.object, begin, law);
+  replica.ghosts().set_base(p.object, begin, law);
+  const bool ends = piece.end_s < kFarthest_s;
+  p.known_until = ends ? std::max(session_time(piece.end_s), from + Duration{1}) : SimTime::max();
+  assert(*p.known_until > from);
 }
 
 Vec3 ScriptedMotion::to_world(SimTime at, std::optional<SimTime> world_zero, ObjectId object, const Vec3& in_parent) {

@@ -7,6 +7,7 @@
 #include "core/time.hpp"
 #include "replication/replica/owners.hpp"
 #include "replication/replica/replica.hpp"
+#include "replication/replica/scene_objects.hpp"
 #include "replication/world/model_in_force.hpp"
 
 namespace peerd::replication {
@@ -25,8 +26,9 @@ class ScriptedMotion {
   void follow_model();
   // Gives both worlds of the replica, which have begun, the motion until `to`. Does nothing before world time is
   // known. Pieces begin at the same instants with the same bits on every peer, whenever it joined; but an object that
-  // a peer owned until now is not moved in its past.
-  void extend(SimTime to, std::optional<SimTime> world_zero, const Owners& owners, Replica& replica);
+  // a peer owned until now is not moved in its past, and one that a contact has moved goes on by itself.
+  void extend(SimTime to, std::optional<SimTime> world_zero, const Owners& owners, const SceneObjects& scene,
+              Replica& replica);
 
   // A vector in the frame of the object's parent, in which the file has velocities, turned into the world's frame as
   // the parent stands at that time.
@@ -44,6 +46,10 @@ class ScriptedMotion {
     std::optional<ObjectId> carrier;  // its motion is relative to it
     std::optional<SimTime> known_until, owned_until;
   };
+
+  void extend(Piece& piece, SimTime to, SimTime world_zero, Replica& replica);
+  void extend_answering(SimTime to, SimTime world_zero, const Owners& owners, const SceneObjects& scene,
+                        Replica& replica);
 
   const ModelInForce& model_;
   std::optional<PredefinedMotion> motion_;  // none: the file moves no body

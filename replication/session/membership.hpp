@@ -43,6 +43,8 @@ struct Member {
   Duration latency{0};  // the latency that it publishes: how late it receives others
   std::optional<Viewpoint> viewpoint;
   std::unordered_map<ObjectId, std::uint32_t> last_sequence;  // of the updates that were applied
+  bool has_scene_states = false;    // by its last hello's digest, which may differ from this peer's
+  std::uint32_t scene_differs = 0;  // its last hellos in a row whose digest of the scene's states differs
 
   // The loss of its datagrams in all regions together.
   [[nodiscard]] LossMeter received_in_all() const;

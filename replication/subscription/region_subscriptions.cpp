@@ -319,6 +319,13 @@ void RegionSubscriptions::on_claimed(ObjectId object, SimTime last_tick) {
   if (replica_.begun()) replica_.colliding().forget(object, last_tick);
 }
 
+void RegionSubscriptions::on_known_everywhere(ObjectId object) {
+  last_receptions_.erase(object);
+  if (!replica_.set_received(object, true)) return;
+  unreceived_pairs_ -= pairs_with_received(object);
+  on_reception_changed_(object, true);
+}
+
 void RegionSubscriptions::restart_at(SimTime now) {
   pending_subscriptions_.clear();
   interest_.restart_at(now);

@@ -60,6 +60,8 @@ class RegionSubscriptions {
   void on_handovers(PeerId sender, std::span<const Handover> handovers, SimTime session_now);
   // The object has lost its owner and stays where it is: a peer that leaves its region keeps it.
   void on_orphaned(ObjectId object) { last_receptions_.erase(object); }
+  // Nobody owns the scene object any more, or this peer does: every peer knows where it is.
+  void on_known_everywhere(ObjectId object);
   // Session time has stepped: everything is published anew, and remote objects may be anywhere.
   void restart_at(SimTime now);
 

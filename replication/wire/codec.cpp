@@ -20,6 +20,7 @@ constexpr std::size_t kUsualRecord_bytes = 24;
 constexpr int kListMax = 1024;  // entries; a datagram of kDatagramMax_bytes cannot hold more
 constexpr int kBase_bytes = kLowTime_bits / 8;
 static_assert(8 * kBase_bytes == kLowTime_bits);
+constexpr int kTime_bytes = 8;
 static_assert(kListMax >= 2 * static_cast<int>(kSubscriptionsMax));
 
 // ---- to Protobuf ----
@@ -46,6 +47,24 @@ void put(std::span<const EncodedUpdate> updates, proto::Datagram* out) {
   for (int i = 0; i < kBase_bytes; ++i, low >>= 8) bytes.push_back(static_cast<char>(low & 0xFF));
   for (const EncodedUpdate& u : updates) {
     bytes.append(reinterpret_cast<const char*>(u.bytes().data()), u.bytes().size());
+  }
+}
+
+void append_time(SimTime t, std::string& bytes) {
+  auto ns = static_cast<std::uint64_t>(t.time_since_epoch().count());
+  for (int i = 0; i < kTime_bytes; ++i, ns >>= 8) bytes.push_back(static_cast<char>(ns & 0xFF));
+}
+
+// States may be of any age, so that no time is cut.
+void put(const SceneStates& scene, proto::Datagram* out) {
+  if (scene.states.empty()) return;
+  std::string& bytes = *out->mutable_scene();
+  const SimTime base = scene.states.front().at;
+  append_time(scene.since, bytes);
+  append_time(base, bytes);
+  std::array<std::byte, kRecordMax_bytes> record;
+  for (const UpdateRecord& state : scene.states) {
+    bytes.append(reinterpret_cast<const char*>(record.data()), encode_record(state, base, record));
   }
 }
 
@@ -91,6 +110,7 @@ void put(const Hello& h, std::uint64_t incarnation, proto::Hello* out) {
       static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(h.latency).count()));
   out->set_echoes(packed(h.echoes));
   out->set_notes(packed(h.notes, h.session_tx.value_or(SimTime{})));
+  out->set_scene_digest(h.scene_digest);
   if (h.introduction) put(*h.introduction, incarnation, out->mutable_introduction());
 }
 
@@ -119,6 +139,8 @@ void clear(Message& m) {
   m.decisions.clear();
   m.subscriptions.clear();
   m.handovers.clear();
+  m.scene.states.clear();
+  m.scene.since = SimTime{};
   m.identity.reset();
   m.unknown_models = 0;
 }
@@ -147,24 +169,47 @@ bool take_base(std::span<const std::byte, kBase_bytes> bytes, SimTime near, SimT
 }
 
 // An update of a later version's model is left out; it must not cost the rest of its datagram.
-bool take_records(const proto::Datagram& in, SimTime near, Message& m) {
-  auto rest = std::as_bytes(std::span(in.records()));
-  if (rest.empty()) return true;
-  SimTime base;
-  if (rest.size() <= kBase_bytes || !take_base(rest.first<kBase_bytes>(), near, base)) return false;
-  rest = rest.subspan(kBase_bytes);
-  m.updates.reserve(rest.size() / kUsualRecord_bytes);
+bool take_each(std::span<const std::byte> rest, SimTime base, std::vector<UpdateRecord>& updates,
+               std::uint32_t& unknown_models) {
+  updates.reserve(rest.size() / kUsualRecord_bytes);
   while (!rest.empty()) {
     const auto update = decode_record(rest, base);
     if (update) {
-      m.updates.push_back(*update);
+      updates.push_back(*update);
     } else if (update.error() == RecordError::kUnknownModel) {
-      ++m.unknown_models;
+      ++unknown_models;
     } else {
       return false;
     }
   }
   return true;
+}
+
+bool take_records(const proto::Datagram& in, SimTime near, Message& m) {
+  const auto bytes = std::as_bytes(std::span(in.records()));
+  if (bytes.empty()) return true;
+  SimTime base;
+  if (bytes.size() <= kBase_bytes || !take_base(bytes.first<kBase_bytes>(), near, base)) return false;
+  return take_each(bytes.subspan(kBase_bytes), base, m.updates, m.unknown_models);
+}
+
+bool take_whole_time(std::span<const std::byte, kTime_bytes> bytes, SimTime& t) {
+  std::uint64_t ns = 0;
+  for (int i = kTime_bytes - 1; i >= 0; --i) ns = ns << 8 | std::to_integer<std::uint64_t>(bytes[i]);
+  return take(static_cast<std::int64_t>(ns), t);
+}
+
+bool take_scene(const proto::Datagram& in, Message& m) {
+  const auto bytes = std::as_bytes(std::span(in.scene()));
+  if (bytes.empty()) return true;
+  SimTime base;
+  if (bytes.size() <= 2 * kTime_bytes || !take_whole_time(bytes.first<kTime_bytes>(), m.scene.since) ||
+      !take_whole_time(bytes.subspan<kTime_bytes, kTime_bytes>(), base)) {
+    return false;
+  }
+  if (!take_each(bytes.subspan(2 * kTime_bytes), base, m.scene.states, m.unknown_models)) return false;
+  if (m.scene.states.empty()) m.scene.since = SimTime{};
+  return std::ranges::none_of(m.scene.states, [](const UpdateRecord& u) { return u.position_step_log2.has_value(); });
 }
 
 bool take_subscriptions(const proto::Datagram& in, std::vector<Subscription>& subscriptions) {
@@ -233,6 +278,7 @@ bool take(const proto::Hello& in, Hello& h) {
   }
   if (in.latency_ms() > static_cast<std::uint32_t>(kLatencyMax.count())) return false;
   h.sessions = in.sessions();
+  h.scene_digest = in.scene_digest();
   h.latency = std::chrono::milliseconds(in.latency_ms());
   return take_echoes(in.echoes(), h.echoes) && take_notes(in.notes(), h.session_tx.value_or(SimTime{}), h.notes) &&
          (!in.has_introduction() || take(in.introduction(), h.introduction.emplace()));
@@ -272,6 +318,7 @@ void Codec::encode(const Message& m, std::span<const EncodedUpdate> updates, Byt
   put(m.decisions, &d);
   put(m.subscriptions, &d);
   put(m.handovers, &d);
+  put(m.scene, &d);
   d.set_leaving(m.leaving);
   if (m.identity) {
     d.mutable_identity()->set_asker(m.identity->asker);
@@ -302,6 +349,7 @@ std::expected<Message*, DecodeError> Codec::decode(std::span<const std::byte> da
   m.incarnation =
       m.introduction() != nullptr ? d.hello().introduction().incarnation() : incarnation_low(d.incarnation_low());
   if (!take_records(d, near, m)) return std::unexpected(DecodeError::kValue);
+  if (!take_scene(d, m)) return std::unexpected(DecodeError::kValue);
   if (!take_decisions(d, near, m.decisions)) return std::unexpected(DecodeError::kValue);
   if (!take_subscriptions(d, m.subscriptions) || !take_handovers(d, m.handovers))
     return std::unexpected(DecodeError::kValue);

@@ -13,7 +13,7 @@ class Datagram;
 
 namespace peerd::replication {
 
-inline constexpr std::uint32_t kProtocolVersion = 7;
+inline constexpr std::uint32_t kProtocolVersion = 8;
 // The largest datagram. It is never fragmented: below every tunnel's MTU once UDP, IP and a link's headers are added.
 inline constexpr std::size_t kDatagramMax_bytes = 1200;
 
@@ -73,6 +73,8 @@ class Codec {
 // The first update of a datagram adds kUpdatesHeader_bytes besides: the base time, and the length of all updates.
 [[nodiscard]] std::size_t encoded_size_bytes(const UpdateRecord& record, SimTime first);
 inline constexpr std::size_t kUpdatesHeader_bytes = 8;
+// The bytes that the first state of a scene object adds besides its record, whose times count from its own.
+inline constexpr std::size_t kSceneHeader_bytes = 20;
 // The bytes that a decision adds; the first one adds kDecisionsHeader_bytes besides.
 [[nodiscard]] std::size_t encoded_size_bytes(const DecisionRecord& record);
 inline constexpr std::size_t kDecisionsHeader_bytes = 3;

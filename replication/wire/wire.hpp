@@ -120,6 +120,7 @@ struct Hello {
   // Deferred contacts first, then the newest decisions of the sender, until all peers have them.
   std::vector<ContactNote> notes;
   std::optional<Introduction> introduction;
+  std::uint64_t scene_digest = 0;  // of the SceneStates that the sender holds; 0: none
 };
 
 // The low bits of the incarnation go with every datagram; the whole of it goes with introductions.
@@ -145,6 +146,14 @@ struct Handover {
   RegionId to;
 };
 
+// How scene objects move that a contact has moved, and that nobody owns any more. `decision` of a state is the contact
+// time of the decision that last gave the object an owner (none: scene objects met), and `sequence` counts what is
+// known under that decision.
+struct SceneStates {
+  SimTime since{};  // the session time since which the sender, or whoever it has them from, has computed what they meet
+  std::vector<UpdateRecord> states;  // exact ones, of any age
+};
+
 // A program that starts asks whether a peer of its id, the sender's, is alive in a world, or such a peer answers that
 // it is. Peers of other ids have nothing to do with it.
 struct IdentityCheck {
@@ -162,6 +171,7 @@ struct Message {
   std::vector<DecisionRecord> decisions;
   std::vector<Subscription> subscriptions;
   std::vector<Handover> handovers;  // from the region that the message goes to
+  SceneStates scene;
   bool leaving = false;
   std::optional<IdentityCheck> identity;
   // The updates that decode() left out, because they name a model that this build does not know.

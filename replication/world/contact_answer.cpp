@@ -29,20 +29,15 @@ MotionModel motion_after_response(const WorldModel& model, const MovingObjects& 
       after.position = back;
     }
   }
-  if (same_motion(after, self.state)) return self;
+  if (moves_alike(after, self.state)) return self;
   if (response->type == ResponseType::kImpulse) return law_after(response, self, after);
   return after_contact(self, after, n, response->type == ResponseType::kInverse);
 }
 
 }  // namespace
 
-bool same_motion(const KinematicState& a, const KinematicState& b) {
-  return a.position == b.position && a.velocity == b.velocity && a.acceleration == b.acceleration &&
-         a.angular_velocity_body == b.angular_velocity_body;
-}
-
 bool ContactAnswer::changes_motion() const {
-  return !same_motion(before_a.state, after_a.state) || !same_motion(before_b.state, after_b.state);
+  return !moves_alike(before_a.state, after_a.state) || !moves_alike(before_b.state, after_b.state);
 }
 
 ContactAnswer answer_to(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair,

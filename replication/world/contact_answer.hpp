@@ -26,8 +26,6 @@ struct ContactAnswer {
   [[nodiscard]] bool changes_motion() const;
 };
 
-[[nodiscard]] bool same_motion(const KinematicState& a, const KinematicState& b);
-
 // Whether the later update of an object that does not respond to a contact holds its part of it: its owner has seen
 // the first contact of the burst. What this peer owns has had none that this world does not know.
 [[nodiscard]] inline bool is_in_later_update(const MovingObject& o, const WatchedPair& pair) {

@@ -575,7 +575,7 @@ void MotionWorld::answer_squeezed(WatchedPair& pair, SimTime t) {
   const KinematicState before_a = objects_.world_law(a, t).state, before_b = objects_.world_law(b, t).state;
   if (++pair.squeezed <= kAnswersMax) settle_velocities(pair, t, Touching::kAny);
   const bool changed =
-      !same_motion(before_a, objects_.world_law(a, t).state) || !same_motion(before_b, objects_.world_law(b, t).state);
+      !moves_alike(before_a, objects_.world_law(a, t).state) || !moves_alike(before_b, objects_.world_law(b, t).state);
   if (pair.squeezed > kAnswersMax || !changed) stop(pair, t);
   settle(pair.collider, pair.collidee, t);
 }
@@ -756,6 +756,11 @@ bool MotionWorld::is_at_rest_from(ObjectId object, SimTime t) const {
     if (!is_motionless(timeline.at(t)) || timeline.next_change_after(t)) return false;
   }
   return true;
+}
+
+bool MotionWorld::stands_in_carrier_from(ObjectId object, SimTime t) const {
+  const Timeline& timeline = objects_[objects_.index_of(object)].timeline;
+  return is_motionless(timeline.at(t)) && !timeline.next_change_after(t);
 }
 
 MotionModel MotionWorld::model_at(ObjectId object, SimTime t) const {

@@ -117,6 +117,12 @@ class MotionWorld {
   [[nodiscard]] SimTime base_time(ObjectId object) const;
   // Whether the object stands still from t on, by all that this world knows now.
   [[nodiscard]] bool is_at_rest_from(ObjectId object, SimTime t) const;
+  // Whether the object stands still in its carrier from t on, by all that this world knows now.
+  [[nodiscard]] bool stands_in_carrier_from(ObjectId object, SimTime t) const;
+  // Whether the law in force at t is an answer to a contact.
+  [[nodiscard]] bool is_moved_by_contact(ObjectId object, SimTime t) const {
+    return objects_[objects_.index_of(object)].timeline.segment_at(t).cause.has_value();
+  }
   // Calls `function` for the objects whose motion may have changed since the last call, each once and in any order.
   // `function` must not change this world.
   template <class Function>

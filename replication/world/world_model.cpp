@@ -345,6 +345,11 @@ const CollisionResponse* WorldModel::response_of(ObjectId id) const {
   return response ? &*response : nullptr;
 }
 
+bool WorldModel::may_carry(ObjectId carrier, ObjectId object) const {
+  if (object.value >= scene->instances.size() || carrier >= object) return false;
+  return scene->at(carrier).kind == NodeKind::kTransform && object.value < scene->at(carrier).subtree_end;
+}
+
 bool WorldModel::is_answered(ObjectId a, ObjectId b) const {
   return std::ranges::any_of(pairs_of(a), [&](std::uint32_t number) {
     const CollisionPair& pair = pairs[number];

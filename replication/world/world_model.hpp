@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -50,9 +51,9 @@ struct PartPair {
 // The nodes of one world that collide or carry, with their geometry, and the pairs to watch. Built once per world; a
 // peer's two MotionWorlds and every peer of a simulation read the same one.
 struct WorldModel {
-  const Scene* scene = nullptr;         // outlives the model
-  std::vector<ObjectId> owned;          // nodes that somebody is known to own, ascending
-  std::vector<ModelNode> nodes;         // sorted by object
+  const Scene* scene = nullptr;  // outlives the model
+  std::vector<ObjectId> owned;   // nodes that configurations or the file give to peers, or that others move, ascending
+  std::vector<ModelNode> nodes;  // sorted by object
   std::vector<collision::Body> bodies;  // of each node: what is below it and goes with it, and with no carrier below it
   std::vector<FlexiblePart> flexible;
   std::vector<CollisionPair> pairs;      // in the file's order, each unordered pair once for each type
@@ -68,6 +69,14 @@ struct WorldModel {
 
   [[nodiscard]] const collision::Body* body(ObjectId id) const;
   [[nodiscard]] const ModelNode* node(ObjectId id) const;  // null where the model does not need it
+  // The node in whose frame the object moves; none: the world.
+  [[nodiscard]] std::optional<ObjectId> carrier_of(ObjectId id) const {
+    const ModelNode* const of = node(id);
+    if (of == nullptr || of->carrier == ModelNode::kNone) return std::nullopt;
+    return nodes[of->carrier].object;
+  }
+  // Whether an update of `object` may be in the frame of that node: a Transform above it.
+  [[nodiscard]] bool may_carry(ObjectId carrier, ObjectId object) const;
   [[nodiscard]] bool is_carrier(ObjectId id) const {
     const ModelNode* const of = node(id);
     return of != nullptr && of->is_carrier;

@@ -36,8 +36,9 @@ class Arriving : public testing::Test {
   World world{field(3)};
   ObjectId o0 = world["O0"], o1 = world["O1"], o2 = world["O2"];
   PeerParts p{config(5, {{o0}}), *world.model};
-  SessionKeeper keeper{p};
-  Intake intake{p, keeper};
+  SceneKeeper scene{p};
+  SessionKeeper keeper{p, scene};
+  Intake intake{p, keeper, scene};
 };
 
 TEST_F(Arriving, AnIntroductionMakesAMemberWithItsObjects) {
@@ -98,8 +99,9 @@ TEST(ArrivingInAFrame, IsWhereItsSenderSees) {
                 box("BIRD", "1 1 1", "0 9 0"));
   const ObjectId car = w["CAR"], wheel = w["WHEEL"];
   PeerParts p{config(5), *w.model};
-  SessionKeeper keeper{p};
-  Intake intake{p, keeper};
+  SceneKeeper scene{p};
+  SessionKeeper keeper{p, scene};
+  Intake intake{p, keeper, scene};
   for (Duration t = 0s; t <= 1s; t += 100ms) (void)keeper.maintain(host(t));
   ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(hello_of(7, host(1s)))));
   const auto take = [&](ObjectId object, std::uint32_t sequence, std::optional<ObjectId> carrier, const Vec3& at) {
@@ -215,8 +217,9 @@ TEST_F(Arriving, APeerInANewSessionIsSentEverythingAnew) {
 TEST(Intake, RecordsBeforeTheSessionAreNotUsed) {
   const World world(field(2));
   PeerParts p{config(5), *world.model};
-  SessionKeeper keeper{p};
-  Intake intake{p, keeper};
+  SceneKeeper scene{p};
+  SessionKeeper keeper{p, scene};
+  Intake intake{p, keeper, scene};
   (void)keeper.maintain(host(0s));
   ASSERT_TRUE(intake.on_packet(host(0s), kWholeScene, encode(hello_of(7, host(0s)))));
   Message m = message_of(7);
@@ -231,8 +234,9 @@ TEST(Intake, RecordsBeforeTheSessionAreNotUsed) {
 TEST(Intake, AnUnintroducedPeerIsAskedForItsIntroduction) {
   const World world(field(2));
   PeerParts p{config(5), *world.model};
-  SessionKeeper keeper{p};
-  Intake intake{p, keeper};
+  SceneKeeper scene{p};
+  SessionKeeper keeper{p, scene};
+  Intake intake{p, keeper, scene};
   for (Duration t = 0s; t <= 1s; t += 100ms) (void)keeper.maintain(host(t));
   while (p.greeter.must_introduce(true)) (void)p.greeter.introduction({}, {}, {});
   EXPECT_EQ(intake.on_packet(host(9s), kWholeScene, encode(message_of(7))), std::unexpected(Drop::kUnintroduced));

@@ -37,6 +37,11 @@ class MessageMaker {
       m.handovers.push_back({ObjectId{number<std::uint32_t>()}, 1 + number<std::uint32_t>() % 0xFFFF'FFFEU,
                              RegionId{number<std::uint32_t>()}});
     }
+    for (std::uint32_t i = number<std::uint32_t>() % 3; i > 0; --i) {
+      m.scene.since = latest;
+      m.scene.states.push_back(update());
+      m.scene.states.back().position_step_log2.reset();
+    }
     return m;
   }
 
@@ -82,6 +87,7 @@ class MessageMaker {
     if (coin()) h.clock_error = std::chrono::microseconds(number<std::uint32_t>());
     if (coin()) h.os_clock = {time(), std::chrono::microseconds(number<std::uint32_t>() % 16'000'001)};
     h.sessions = number<std::uint32_t>();
+    if (coin()) h.scene_digest = number<std::uint64_t>();
     h.latency = std::chrono::milliseconds(number<std::uint32_t>() % 2001);
     for (std::uint32_t i = number<std::uint32_t>() % 5; i > 0; --i) {
       const std::uint32_t heard = 1 + number<std::uint32_t>() / 2;
@@ -227,15 +233,16 @@ inline bool same_bits(const Message& a, const Message& b) {
   const auto same_hello = [&](const std::optional<Hello>& h, const std::optional<Hello>& g) {
     if (!h || !g) return !h && !g;
     return h->session_tx == g->session_tx && h->sessions == g->sessions && h->latency == g->latency &&
-           h->clock_error == g->clock_error && same_os_clock(h->os_clock, g->os_clock) &&
-           std::ranges::equal(h->echoes, g->echoes, same_echo) && std::ranges::equal(h->notes, g->notes, same_note) &&
-           same_introduction(h->introduction, g->introduction);
+           h->scene_digest == g->scene_digest && h->clock_error == g->clock_error &&
+           same_os_clock(h->os_clock, g->os_clock) && std::ranges::equal(h->echoes, g->echoes, same_echo) &&
+           std::ranges::equal(h->notes, g->notes, same_note) && same_introduction(h->introduction, g->introduction);
   };
   return std::ranges::equal(a.subscriptions, b.subscriptions, same_subscription) &&
          std::ranges::equal(a.handovers, b.handovers, same_handover) && a.sender == b.sender &&
          a.incarnation == b.incarnation && a.number == b.number && a.leaving == b.leaving &&
          same_hello(a.hello, b.hello) && std::ranges::equal(a.updates, b.updates, same_update) &&
-         std::ranges::equal(a.decisions, b.decisions, same_decision);
+         std::ranges::equal(a.decisions, b.decisions, same_decision) && a.scene.since == b.scene.since &&
+         std::ranges::equal(a.scene.states, b.scene.states, same_update);
 }
 
 inline bool is_sound(const KinematicState& s) {
@@ -270,6 +277,11 @@ inline bool is_sound(const Message& m) {
   for (const UpdateRecord& u : m.updates) {
     sound = sound && u.sequence != 0 && is_sound(u.at.time_since_epoch()) && is_sound(u.decision.time_since_epoch()) &&
             is_sound(u.model);
+  }
+  sound = sound && is_sound(m.scene.since.time_since_epoch());
+  for (const UpdateRecord& u : m.scene.states) {
+    sound = sound && u.sequence != 0 && is_sound(u.at.time_since_epoch()) && is_sound(u.decision.time_since_epoch()) &&
+            is_sound(u.model) && !u.position_step_log2;
   }
   for (const DecisionRecord& d : m.decisions) {
     sound = sound && is_sound(d.contact.time_since_epoch()) && std::abs(d.normal.norm() - 1.0) <= 1e-6 &&

@@ -32,7 +32,8 @@ class Keeping : public testing::Test {
   World world{field(4)};
   ObjectId o0 = world["O0"], o1 = world["O1"], o2 = world["O2"], o3 = world["O3"];
   PeerParts p{make(world), *world.model};
-  SessionKeeper keeper{p};
+  SceneKeeper scene{p};
+  SessionKeeper keeper{p, scene};
 };
 
 TEST_F(Keeping, EntersItsOwnSessionAfterListening) {
@@ -124,7 +125,8 @@ class Founding : public testing::Test {
   World world{field(4)};
   ObjectId o0 = world["O0"], o1 = world["O1"], o2 = world["O2"];
   PeerParts p{make(world), *world.model};
-  SessionKeeper keeper{p};
+  SceneKeeper scene{p};
+  SessionKeeper keeper{p, scene};
 };
 
 TEST_F(Founding, ThePeerThatFoundsOwnsWhatTheFileGivesToTheFounder) {

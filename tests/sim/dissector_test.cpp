@@ -91,6 +91,7 @@ void add(Expected& out, const Hello& h, std::uint64_t incarnation) {
     out.add("note.contact_ns", n.contact);
     out.add("note.held", n.deferred);
   }
+  if (h.scene_digest != 0) out.add("hello.scene_digest", h.scene_digest);
   if (!h.introduction) return;
   const Introduction& i = *h.introduction;
   out.add("introduction.name", i.name);
@@ -168,6 +169,10 @@ Fields expected_of(std::span<const std::byte> datagram, RegionId region, SimTime
   if (m->hello) add(out, *m->hello, m->incarnation);
   for (const UpdateRecord& u : m->updates) add(out, u);
   for (const DecisionRecord& d : m->decisions) add(out, d);
+  if (!m->scene.states.empty()) {
+    out.add("scene.since_ns", m->scene.since);
+    for (const UpdateRecord& u : m->scene.states) add(out, u);
+  }
   for (const Subscription& e : m->subscriptions) {
     out.add("entered.region", e.region.value);
     out.add("entered.since_ns", e.since);
@@ -188,7 +193,9 @@ std::vector<std::string> all_fields() {
     for (const char* end : ends) names.push_back("peerd." + prefix + end);
   };
   with("", {"region", "version", "sender", "number", "boot_low", "leaving", "malformed"});
-  with("hello.", {"session_tx_ns", "sessions", "latency_ms", "clock_error_us", "os_minus_session_ns", "os_error_us"});
+  with("hello.", {"session_tx_ns", "sessions", "latency_ms", "clock_error_us", "os_minus_session_ns", "os_error_us",
+                  "scene_digest"});
+  with("scene.", {"since_ns"});
   with("echo.", {"peer", "hello", "held_ns", "newer", "run", "absent", "loss_permille"});
   with("note.", {"collider", "collidee", "contact_ns", "held"});
   with("introduction.", {"name", "world_hash", "boot", "enslaved", "owned_as_founder", "start_ns", "world_zero_ns"});
@@ -333,6 +340,15 @@ Message farewell() {
   s.orientation = Quat(0.5, -0.5, 0.5, -0.5);
   s.angular_velocity_body = Vec3(0, 1e4, 0);
   d.collider_before = d.collidee_after = s;
+  m.scene.since = SimTime{Duration{-3}};
+  UpdateRecord& rests = m.scene.states.emplace_back();
+  rests.object = ObjectId{9};
+  rests.sequence = 3;
+  rests.at = SimTime{std::chrono::hours(1)};
+  rests.model.state.position = Vec3(1.0 / 7.0, 0, 2);
+  m.scene.states.push_back(rests);
+  m.scene.states.back().object = ObjectId{10};
+  m.scene.states.back().at += std::chrono::hours(20);
   return m;
 }
 
@@ -344,6 +360,7 @@ Message of_a_good_clock() {
   m.number = 1;
   Hello& hello = m.hello.emplace();
   hello.session_tx = SimTime{std::chrono::seconds(10'000'003)};
+  hello.scene_digest = 0x8123'4567'89AB'CDEF;
   hello.os_clock = OsClockNote{std::chrono::nanoseconds(-1'234'567'891), std::chrono::microseconds(15'999'999)};
   return m;
 }

@@ -1,7 +1,8 @@
-// Worlds of one object each: a body that turns, a body that cannot collide yet.
+// Small worlds: a body that turns, a ball at a wall, balls that nobody owns, a car in a street.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <numbers>
 
 #include "tests/sim/run_scenario.hpp"
@@ -67,6 +68,27 @@ TEST(Ball, BouncesOffTheWallAsTheBoxDoes) {
     }
   }
   EXPECT_EQ(ran.summary["counters"]["contact_searches_unsupported"], 0);
+}
+
+// Whoever strikes a ball of nobody's decides, and all agree, whatever the policy and the network.
+TEST(Struck, BallsOfNobodyHaveOneOutcome) {
+  for (const std::string policy : {"id", "velocity", "field-of-view", "expected-error", "server"}) {
+    for (const std::string latency_ms : {"0", "50", "200"}) {
+      SCOPED_TRACE(policy + " at " + latency_ms + " ms");
+      const std::vector<std::string> sets{"decisions.policy=" + policy, "decisions.server=c",
+                                          "network.latency_ms=" + latency_ms, "network.loss=0.05"};
+      const Ran ran = run_scenario(kWorlds + "struck.toml", sets).front();
+      std::map<PeerId, std::vector<double>> times_s;  // by peer: of contacts with an outcome for all
+      for (const auto& c : ran.record.contacts) {
+        if (c.kind == "decided" || c.kind == "applied") times_s[c.peer].push_back(c.t_s);
+      }
+      for (auto& [peer, times] : times_s) std::ranges::sort(times);
+      EXPECT_GE(times_s[PeerId{1}].size(), 2u);
+      EXPECT_EQ(times_s[PeerId{2}], times_s[PeerId{1}]);
+      EXPECT_EQ(times_s[PeerId{3}], times_s[PeerId{1}]);
+      EXPECT_EQ(run_scenario(kWorlds + "struck.toml", sets).front().summary["counters"], ran.summary["counters"]);
+    }
+  }
 }
 
 // A long wall's sphere contains places where the wall is not: these cost no update.

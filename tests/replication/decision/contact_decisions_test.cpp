@@ -50,7 +50,8 @@ class Deciding : public testing::Test {
   std::size_t decided() { return drain<ContactSeen>(outbox).size(); }
 
   World world{box("A", "1 1 1", "0 0 0", kBounces) + box("B", "1 1 1", "-5 0 0") + box("C", "1 1 1", "9 9 9") +
-              interest("A", "\"B\" \"C\"") + interest("B", "\"C\"")};
+                  interest("A", "\"B\" \"C\"") + interest("B", "\"C\""),
+              {"A", "B", "C"}};
   ObjectId a = world["A"], b = world["B"], c = world["C"];
   PeerId other;
   PeerConfig conf;
@@ -58,10 +59,22 @@ class Deciding : public testing::Test {
   Membership members{1750ms};
   Owners owners{world.scene.instances.size()};
   OwnObjects own{world.scene, conf.owned, false};
+  SceneObjects scene{*world.in_force};
   Replica replica{*world.in_force};
   TickGrid ticks{60};
   Outbox outbox{conf.id, conf.incarnation, counters};
-  ContactDecisions decisions{conf, *world.in_force, members, owners, own, replica, ticks, outbox, counters};
+  std::vector<std::pair<ObjectId, PeerId>> adopted;
+  ContactDecisions decisions{conf,
+                             *world.in_force,
+                             members,
+                             owners,
+                             scene,
+                             own,
+                             replica,
+                             ticks,
+                             outbox,
+                             counters,
+                             [this](ObjectId object, PeerId author, SimTime) { adopted.emplace_back(object, author); }};
 };
 // The other peer has the lower id.
 class Deferring : public Deciding {
@@ -120,7 +133,18 @@ TEST(DecidingByParts, AnEndIsInViewWhereItsPartsAre) {
   Replica replica{*world.in_force};
   TickGrid ticks{60};
   Outbox outbox{conf.id, conf.incarnation, counters};
-  const ContactDecisions decisions{conf, *world.in_force, members, owners, own, replica, ticks, outbox, counters};
+  const SceneObjects scene{*world.in_force};
+  const ContactDecisions decisions{conf,
+                                   *world.in_force,
+                                   members,
+                                   owners,
+                                   scene,
+                                   own,
+                                   replica,
+                                   ticks,
+                                   outbox,
+                                   counters,
+                                   [](ObjectId, PeerId, SimTime) {}};
   owners.set(world["ARM"], PeerId{3});
   owners.set(world["B"], PeerId{2});
   echo_us(add_member(members, 2), 0.001);

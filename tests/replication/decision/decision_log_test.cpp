@@ -47,6 +47,20 @@ TEST(DecisionLog, ACopyChangesNothing) {
   EXPECT_EQ(log.find(sim(1s), PeerId{2}, kLorry, kCar), nullptr);
 }
 
+TEST(DecisionLog, TheLastThatMovesAnObjectMayNotBeTheLastOnIt) {
+  DecisionLog log;
+  DecisionRecord moves = decision(1s);
+  moves.collidee_after.velocity = Vec3(1, 0, 0);
+  ASSERT_TRUE(log.add(moves, PeerId{2}));
+  ASSERT_TRUE(log.add(decision(4s), PeerId{3}));
+  EXPECT_EQ(log.last(kCube), sim(4s));
+  ASSERT_NE(log.last_entry(kCube), nullptr);
+  EXPECT_EQ(log.last_entry(kCube)->author, PeerId{2});
+  EXPECT_EQ(log.last_entry(kCar), nullptr) << "none has moved it";
+  log.forget(kCube);
+  EXPECT_TRUE(log.entries().empty());
+}
+
 struct Conflict {
   const char* name;
   DecisionRecord one, two;  // by peers 1 and 2

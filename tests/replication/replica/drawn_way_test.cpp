@@ -37,7 +37,7 @@ struct Drawing {
   bool free(const char* object, const Vec3& from, const Vec3& to) {
     replica->truth().advance(sim(1s));
     replica->ghosts().advance(sim(1s));
-    return is_free({world[object], sim(900ms), sim(1s), from, to}, *world.in_force, *own, *replica);
+    return is_free({world[object], sim(900ms), sim(1s), from, to}, *world.model, *own, *replica);
   }
 
   World world;

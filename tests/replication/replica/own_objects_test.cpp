@@ -43,6 +43,17 @@ TEST_F(Owned, AreThoseOfTheConfigurationInOrder) {
   EXPECT_EQ(own.at(a).bounding_radius_m, 0.0) << "errors count by the origin";
 }
 
+TEST_F(Owned, ASceneObjectIsOneOfThemForAWhile) {
+  own.adopt(d, 7);
+  EXPECT_TRUE(own.at(d).adopted && !own.at(d).driven);
+  EXPECT_EQ(own.at(d).sequence, 7u);
+  EXPECT_FALSE(own.at(b).adopted);
+  own.republish(d);
+  EXPECT_TRUE(own.at(d).republish);
+  own.remove({&d, 1});
+  EXPECT_FALSE(own.contains(d));
+}
+
 TEST_F(Owned, SurfaceErrorsCountByTheFarthestVertex) {
   const OwnObjects by_surface(world.scene, objects, true);
   EXPECT_NEAR(by_surface.at(a).bounding_radius_m, std::sqrt(3.0), 1e-12);

@@ -25,7 +25,7 @@ class Scripted : public testing::Test {
     scripted.restart();
   }
   void extend(Duration to, std::optional<SimTime> zero = sim(1s)) {
-    scripted.extend(sim(to), zero, owners, replica);
+    scripted.extend(sim(to), zero, owners, scene, replica);
     replica.truth().advance(sim(to));
     replica.ghosts().advance(sim(to));
   }
@@ -34,6 +34,7 @@ class Scripted : public testing::Test {
   World world{kMachine};
   ObjectId plate = world["PLATE"];
   Owners owners{world.scene.instances.size()};
+  SceneObjects scene{*world.in_force};
   Replica replica{*world.in_force};
   ScriptedMotion scripted{*world.in_force};
 };
@@ -60,7 +61,7 @@ TEST_F(Scripted, WhoJoinsLaterSeesTheSameBits) {
   joined.restart();
   for (Duration t = 0s; t <= 6s; t += 100ms) {
     extend(t);
-    if (t >= 4s) joined.extend(sim(t), sim(1s), owners, late);
+    if (t >= 4s) joined.extend(sim(t), sim(1s), owners, scene, late);
   }
   for (Duration t = 4s; t <= 6s; t += 37ms) {
     ASSERT_TRUE(same_bits(late.ghost(plate, sim(t)), replica.ghost(plate, sim(t)))) << to_seconds(t);
@@ -107,7 +108,7 @@ TEST(ScriptedMotion, AWorldThatStandsStillHasNone) {
   Replica replica(*world.in_force);
   replica.begin(sim(0s));
   scripted.restart();
-  scripted.extend(sim(1s), sim(0s), Owners(world.scene.instances.size()), replica);
+  scripted.extend(sim(1s), sim(0s), Owners(world.scene.instances.size()), SceneObjects(*world.in_force), replica);
   EXPECT_EQ(scripted.to_world(sim(1s), sim(0s), world["A"], {1, 0, 0}), Vec3(1, 0, 0));
   EXPECT_FALSE(scripted.limited_at());
 }

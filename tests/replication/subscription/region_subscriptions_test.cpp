@@ -165,7 +165,7 @@ struct Reaching {
   TickGrid ticks{10};
   Outbox outbox{conf.id, conf.incarnation, counters};
   RegionSubscriptions regions{conf,    *world.in_force, members, owners,   own,
-                              replica, ticks,        outbox,  counters, [](ObjectId, bool) {}};
+                              replica, ticks,           outbox,  counters, [](ObjectId, bool) {}};
 };
 const double kCube_m = std::sqrt(0.75);
 
@@ -212,7 +212,7 @@ TEST(ContactRangeOfParts, WhatCarriesAnOwnObjectIsListenedTo) {
   TickGrid ticks{10};
   Outbox outbox{conf.id, conf.incarnation, counters};
   RegionSubscriptions regions{conf,    *world.in_force, members, owners,   own,
-                              replica, ticks,        outbox,  counters, [](ObjectId, bool) {}};
+                              replica, ticks,           outbox,  counters, [](ObjectId, bool) {}};
   owners.set(world["HAND"], PeerId{1});
   owners.set(world["OTHER"], PeerId{2});
   replica.begin(sim(0s));

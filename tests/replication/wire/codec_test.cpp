@@ -348,6 +348,22 @@ TEST(Update, TimesAreTakenToBeNear) {
   }
 }
 
+TEST(SceneStates, KeepTheirTimesHoweverOldTheyAre) {
+  Message m = updating([](auto&) {});
+  m.scene.since = sim(-5s);
+  m.scene.states.assign(2, m.updates[0]);
+  m.scene.states[0].at = sim(3'000'000s);
+  m.scene.states[1].at = sim(7s);
+  m.scene.states[1].decision = sim(6s);
+  for (UpdateRecord& u : m.scene.states) u.position_step_log2.reset();
+  const auto back = decode(encode(m), m.updates[0].at);
+  ASSERT_TRUE(back);
+  EXPECT_TRUE(same_bits(m, *back));
+  m.scene.states[0] = quantised(m.scene.states[0], {0.1, 0.1});
+  ASSERT_TRUE(m.scene.states[0].position_step_log2);
+  EXPECT_EQ(decode(encode(m), m.updates[0].at).error(), DecodeError::kValue) << "states are exact";
+}
+
 // Every datagram carries the low bits of the incarnation, one with an introduction all of them.
 TEST(Boot, IsWholeWhereTheSenderIsIntroduced) {
   Message m = introducing([](auto&) {});
@@ -459,6 +475,8 @@ TEST(HelloSize, AFullHelloFits) {
   EXPECT_LE(encode(m).size(), kDatagramMax_bytes);
   i.owned_as_founder = ~std::uint64_t{0};
   m.subscriptions.erase(m.subscriptions.begin());
+  h.scene_digest = ~std::uint64_t{0};  // instead of one of the subscriptions
+  m.subscriptions.pop_back();
   EXPECT_LE(encode(m).size(), kDatagramMax_bytes);
 }
 

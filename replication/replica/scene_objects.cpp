@@ -1,0 +1,101 @@
+#include "replication/replica/scene_objects.hpp"
+
+#include <algorithm>
+
+#include "replication/wire/wire_limits.hpp"
+
+namespace peerd::replication {
+namespace {
+
+// The bits of a value, well mixed (the finalizer of splitmix64; Steele, Lea and Flood 2014).
+std::uint64_t mixed_bits(std::uint64_t x) {
+  x = (x ^ (x >> 30)) * 0xBF58'476D'1CE4'E5B9;
+  x = (x ^ (x >> 27)) * 0x94D0'49BB'1331'11EB;
+  return x ^ (x >> 31);
+}
+
+}  // namespace
+
+SceneObjects::SceneObjects(const ModelInForce& model) : model_(model) {
+  for (const CollisionPair& pair : model->pairs) {
+    for (const ObjectId object : {pair.collider, pair.collidee}) {
+      const bool registered = object == pair.collider || pair.mutual;
+      if (!registered || model->response_of(object) == nullptr) continue;
+      if (!std::ranges::binary_search(model->owned, object)) all_.try_emplace(object);
+    }
+  }
+}
+
+bool SceneObjects::answers(const CollisionPair& pair, ObjectId object) const {
+  assert(object == pair.collider || object == pair.collidee);
+  return (object == pair.collider || pair.mutual) && contains(object);
+}
+
+SimTime SceneObjects::decided(ObjectId object) const {
+  const auto known = all_.find(object);
+  return known == all_.end() ? SimTime{} : known->second.decided;
+}
+
+void SceneObjects::remove(ObjectId object) {
+  all_.erase(object);
+  moved_.erase(object);
+  differing_.erase(object);
+  adopted_.erase(object);
+  std::erase(left_, object);
+}
+
+void SceneObjects::note_moved(ObjectId object) {
+  assert(contains(object));
+  moved_.insert(object);
+}
+
+void SceneObjects::restart_moved(SimTime now) {
+  restart(now);
+  for (const ObjectId object : moved_) at(object).freed = now;
+}
+
+void SceneObjects::shift(Duration by) {
+  for (auto& [object, scene] : all_) {
+    if (scene.decided != SimTime{}) scene.decided += by;
+    if (scene.freed != SimTime::min()) scene.freed += by;
+  }
+}
+
+void SceneObjects::note_unmoved(ObjectId object) {
+  const SceneObject& known = at(object);
+  if (known.decided == SimTime{} && known.freed == SimTime::min()) moved_.erase(object);
+}
+
+bool SceneObjects::supersedes(const UpdateRecord& state, SimTime since) const {
+  const SceneObject& known = at(state.object);
+  if (state.decision != known.decided) return state.decision > known.decided;
+  if (state.sequence != known.sequence) return state.sequence > known.sequence;
+  return known.is_free && since < since_;
+}
+
+std::vector<UpdateRecord> SceneObjects::states(const Owners& owners, const MotionWorld& truth, SimTime now) const {
+  std::vector<UpdateRecord> states;
+  for (const ObjectId object : moved_) {
+    if (owners.of(object) != kNobody) continue;
+    const SceneObject& scene = this->at(object);
+    const SimTime at = truth.law_since(object, now);
+    const UpdateRecord state{
+        object, scene.sequence, at, truth.model_at(object, at), scene.decided, {}, model_->carrier_of(object)};
+    if (acceptable(state.model.state) && within_limits(state.model)) states.push_back(state);
+  }
+  assert(states.size() <= moved_.size());
+  return states;
+}
+
+std::uint64_t SceneObjects::digest(const Owners& owners, const MotionWorld& truth, SimTime at) const {
+  std::uint64_t sum = 0;
+  for (const ObjectId object : moved_) {
+    if (owners.of(object) != kNobody) continue;
+    const SimTime began = std::max(this->at(object).freed, truth.law_since(object, at));
+    const auto ns = static_cast<std::uint64_t>(began.time_since_epoch().count());
+    sum ^= mixed_bits(mixed_bits(object.value + 1) + ns) | 1;  // that of one object is not 0
+  }
+  return sum;
+}
+
+}  // namespace peerd::replication
