@@ -21,7 +21,8 @@ Duration seconds(double s) { return from_seconds(s); }
 class AssembleTest : public testing::Test {
  protected:
   AssembleTest() {
-    shared = *share_world(folder.write("w.wrl", "#VRML V2.0 utf8\nDEF CAR Transform { }\nDEF CUBE Transform { }\n"));
+    shared = *share_world(
+        folder.write("w.wrl", "#VRML V2.0 utf8\nDEF CAR Transform { }\nDEF CUBE Transform { }\nDEF WALL Shape { }\n"));
     run.duration_s = 10;
     run.params = {{"replication.order", 2}};
     config::PeerSettings a, b;
@@ -129,7 +130,7 @@ TEST_F(AssembleTest, WhatIsBeforeTheStartOrAfterTheEndIsLeftOut) {
 
 TEST_F(AssembleTest, ContactsKeepTheirTypeAndTheirPolygonsHaveNames) {
   believe(kA, 5.0, kCar, kA, {25, 0, 0});
-  const ShapePair pair{{kCar, 3}, {ObjectId{kCube.value + 1}, 1}};
+  const ShapePair pair{{kCar, 3}, {ObjectId{2}, 1}};
   logs[0].contacts.push_back({kStart + seconds(1), "owner", kCar, kCube, Vec3::UnitX(), kStart + seconds(1),
                               CollisionType::kAllPairs, TouchedPolygons{99, {pair}}});
   const auto r = record();
@@ -137,7 +138,7 @@ TEST_F(AssembleTest, ContactsKeepTheirTypeAndTheirPolygonsHaveNames) {
   EXPECT_EQ(r.contacts[0].type, CollisionType::kAllPairs);
   EXPECT_EQ(r.contacts[0].polygons.count, 99u);
   EXPECT_EQ(r.contacts[0].polygons.pairs, std::vector{pair});
-  EXPECT_TRUE(r.scene_paths.contains(pair.collidee.shape));
+  EXPECT_EQ(r.scene_paths.at(pair.collidee.shape), "WALL");
 }
 
 TEST_F(AssembleTest, IsSortedAsTheReportWantsItAndSumsTheCounters) {
