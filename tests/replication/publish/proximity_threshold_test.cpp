@@ -89,12 +89,13 @@ TEST_F(Near, TheUsualOneStandsWhereNothingIsTracked) {
 
 // ARM, this peer's, has no Shape of its own; HAND, a cube, is 20 m along x from it. CUBE is peer 2's.
 struct Arm {
-  explicit Arm(const std::string& collider, int type = 1, const std::string& cube = box("CUBE", "1 1 1", "0 0 0"))
+  explicit Arm(const std::string& collider, int type = 1, const std::string& cube = box("CUBE", "1 1 1", "0 0 0"),
+               const std::string& collidee = "CUBE")
       : world(
             "DEF ARM Transform { children DEF HAND Transform { translation 20 0 0 children Shape { geometry Box { size "
             "1 "
             "1 1 } } } }\n" +
-                cube + interest(collider, "\"CUBE\"", type),
+                cube + interest(collider, "\"" + collidee + "\"", type),
             {"ARM", "ARM/HAND", "CUBE"}) {
     own.policy.error_threshold_m = 0.5;
     own.policy.tight_threshold_m = 0.01;
@@ -134,10 +135,12 @@ TEST(ProximityOfParts, WhatAnotherPeerCarriesIsAnothers) {
   const std::string cube =
       "DEF CUBE Transform { children DEF TIP Transform { translation 0 0 30 children Shape { geometry "
       "Box { size 1 1 1 } } } }\n";
-  Arm arm("HAND", 1, cube);
-  EXPECT_EQ(arm.at(20.0), 0.5);
-  arm.replica.truth().set_base(arm.world["CUBE"], sim(1s), moving({20, 0, -29.5}));
-  EXPECT_EQ(arm.threshold.at(arm.world["ARM"], sim(1s)), 0.01) << "its tip is at the hand";
+  for (const char* const collidee : {"CUBE", "TIP"}) {
+    Arm arm("HAND", 1, cube, collidee);
+    EXPECT_EQ(arm.at(20.0), 0.5) << collidee;
+    arm.replica.truth().set_base(arm.world["CUBE"], sim(1s), moving({20, 0, -29.5}));
+    EXPECT_EQ(arm.threshold.at(arm.world["ARM"], sim(1s)), 0.01) << "the tip is at the hand: " << collidee;
+  }
 }
 
 // GROWS is within 20 m of its peer's object; at 1 s its half width is 1.25 m, and in half a second 1.625 m.
