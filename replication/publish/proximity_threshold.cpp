@@ -59,6 +59,8 @@ double ProximityThreshold::time_to_contact_s(ObjectId object, SimTime t, double 
   if (model_->node(object) == nullptr) return least_s;
   const std::uint32_t node = model_->index_of(object);
   std::optional<Side> mine;  // the last one: an object mostly has one part
+  PartAt a;
+  collision::MovingSphere sphere_a;
   for (const std::uint32_t k : model_->moved_part_pairs[node]) {
     const PartPair& parts = model_->part_pairs[k];
     const CollisionPair& pair = model_->pairs[parts.pair];
@@ -67,13 +69,13 @@ double ProximityThreshold::time_to_contact_s(ObjectId object, SimTime t, double 
     ++counters_.proximity_tests;
     const Side here{collider_is_mine ? parts.a : parts.b, collider_is_mine ? pair.collider : pair.collidee};
     const Side there{collider_is_mine ? parts.b : parts.a, collider_is_mine ? pair.collidee : pair.collider};
-    if (!mine || mine->part != here.part || mine->end != here.end) {
+    if (mine != here) {
       mine = here;
-      mine->at = side_at(here, t);
+      a = side_at(here, t);
+      sphere_a = sphere_of_part(a);
     }
-    const PartAt& a = mine->at;
     const PartAt b = side_at(there, t);
-    double left_s = collision::proximity_time_s(sphere_of_part(a), sphere_of_part(b));
+    double left_s = collision::proximity_time_s(sphere_a, sphere_of_part(b));
     if (!(left_s < least_s)) continue;
     const bool refines = config_.policy.refine_proximity && pair.type != CollisionType::kBox;
     if (refines && a.body != nullptr && b.body != nullptr) {
@@ -98,8 +100,8 @@ bool ProximityThreshold::is_anothers(const PartPair& parts, bool collider) const
     return owner != kNobody && owner != config_.id && replica_.receives(id);
   };
   const ObjectId end = collider ? model_->pairs[parts.pair].collider : model_->pairs[parts.pair].collidee;
-  if (!replica_.receives(end)) return false;
-  return owned(end) ||
+  if (owned(end)) return true;
+  return replica_.receives(end) &&
          model_->any_mover(parts, collider, [&](std::uint32_t i) { return owned(model_->nodes[i].object); });
 }
 

@@ -27,11 +27,11 @@ class ProximityThreshold {
   [[nodiscard]] double least_m(ObjectId object) const;
 
  private:
-  // A side of a pair: a part, or for kNone the whole end; where it stands once that is known.
+  // A side of a pair: a part, or for kNone the whole end.
   struct Side {
     std::uint32_t part;
     ObjectId end;
-    PartAt at{};
+    friend bool operator==(const Side&, const Side&) = default;
   };
 
   [[nodiscard]] double usual_m(ObjectId object) const;

@@ -16,7 +16,9 @@ struct PartAt {
   double radius_m = 0.0;                  // of that sphere; of a flexible part, for as long as was asked
   double extent_m = 0.0;                  // no point of it is farther from the frame's origin, for as long
 
-  [[nodiscard]] Vec3 center_world() const { return state.pose() * center; }
+  [[nodiscard]] Vec3 center_world() const {  // most bodies are centred, and need no turning
+    return center.isZero(0.0) ? state.position : Vec3(state.position + state.orientation * center);
+  }
   // A box around the sphere, in the world.
   [[nodiscard]] WorldBox box() const {
     const Vec3 at = center_world();
