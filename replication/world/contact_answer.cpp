@@ -99,6 +99,7 @@ ContactAnswer answer_to_closing(const WorldModel& model, const MovingObjects& ob
 }
 
 bool comes_to_rest_at(const MovingObjects& objects, const WatchedPair& pair, const ContactAnswer& answer) {
+  assert(pair.contact);
   const Vec3& n = pair.normal;
   if (pair.resting) return true;
   if (pair.overlapped) return false;

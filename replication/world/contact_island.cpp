@@ -1,6 +1,7 @@
 #include "replication/world/contact_island.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 namespace peerd::replication {
 
@@ -49,6 +50,7 @@ ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, s
 }
 
 std::vector<std::uint32_t> solve(ContactIsland& island) {
+  assert(island.objects.size() == island.bodies.size() && island.pairs.size() == island.constraints.size());
   if (change_least(island.bodies, island.constraints)) return {};
   // What comes and gives way to nothing leaves no room: it goes through, rather than push the others through what
   // stands.

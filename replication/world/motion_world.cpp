@@ -141,6 +141,7 @@ void MotionWorld::change_model(const WorldModel& next) {
     pair.searched = true;
     pair.inside = search().touch_at(pair, advanced_);
   }
+  assert(pairs_.size() == next.part_pairs.size());
   pair_checks_ = Schedule(pairs_.size());
   in_pair_checks_.assign(pairs_.size(), false);
   watched_ = 0;

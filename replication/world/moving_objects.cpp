@@ -61,6 +61,7 @@ void MovingObjects::change_model(const WorldModel& next) {
       o.timeline.change_frame(relative_to(outer, at_rest(next.scene->rigid_pose(*to))).pose());
     }
   }
+  assert(objects_.size() >= next.nodes.size() && objects_.size() >= before.objects_.size());
   for (std::size_t i = 0; i < objects_.size(); ++i) timeline_changed(i);
 }
 

@@ -257,6 +257,7 @@ void PairSearch::search_interval(WatchedPair& pair, SimTime begin, SimTime end) 
 }
 
 void PairSearch::search(WatchedPair& pair, SimTime to) {
+  assert(pair.watched && !pair.fixed);
   if (pair.contact || pair.clear_until > to) {
     ++counters_.searches_skipped;
     return;
