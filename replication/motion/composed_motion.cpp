@@ -40,10 +40,10 @@ Levels levels_at(Chain chain, SimTime t) {
   return levels;
 }
 
-KinematicState composed(const Levels& levels, SimTime t) {
+KinematicState state_of(const Levels& levels, SimTime t) {
   // From the bottom up, so that each carrier is a law of its own, whose spin does not change.
   KinematicState state = levels.back().at(t);
-  for (std::size_t i = levels.size() - 1; i-- > 0;) state = replication::composed(levels[i].at(t), state);
+  for (std::size_t i = levels.size() - 1; i-- > 0;) state = composed(levels[i].at(t), state);
   return state;
 }
 
@@ -113,12 +113,12 @@ KinematicState relative_to(const KinematicState& carrier, const KinematicState& 
 
 KinematicState composed_at(Chain chain, SimTime t) {
   assert(!chain.empty());
-  return composed(levels_at(chain, t), t);
+  return state_of(levels_at(chain, t), t);
 }
 
 KinematicState composed_at(Chain chain, SimTime law_at, SimTime t) {
   assert(!chain.empty() && law_at <= t);
-  return composed(levels_at(chain, law_at), t);
+  return state_of(levels_at(chain, law_at), t);
 }
 
 std::optional<SimTime> smooth_until(Chain chain, SimTime t) {
@@ -153,7 +153,7 @@ ComposedPiece composed_piece(Chain chain, SimTime t, double extent_m, double err
   }
   piece.begin = begin.value_or(t);
   if (piece.still || exact) {
-    piece.state = composed(levels, piece.begin);
+    piece.state = state_of(levels, piece.begin);
     if (piece.still) piece.state = at_rest(piece.state.pose());
     return piece;
   }
@@ -174,10 +174,10 @@ ComposedPiece composed_piece(Chain chain, SimTime t, double extent_m, double err
   piece.end = std::min(window_end, floor_to(t, step) + step);
   const double h = to_seconds(*piece.end - piece.begin);
   const SimTime half = piece.begin + (*piece.end - piece.begin) / 2;
-  piece.state = composed(levels, piece.begin);
-  const Pose first = piece.state.pose(), last = composed(levels, *piece.end).pose();
+  piece.state = state_of(levels, piece.begin);
+  const Pose first = piece.state.pose(), last = state_of(levels, *piece.end).pose();
   const double m = to_seconds(half - piece.begin);
-  const Vec3 to_middle = composed(levels, half).position - first.position, to_end = last.position - first.position;
+  const Vec3 to_middle = state_of(levels, half).position - first.position, to_end = last.position - first.position;
   // The parabola through the three places, of which the second is within a nanosecond of the middle.
   piece.state.acceleration = 2.0 * (to_end / h - to_middle / m) / (h - m);
   piece.state.velocity = to_end / h - (0.5 * h) * piece.state.acceleration;
