@@ -14,7 +14,7 @@ namespace {
 // farther apart are one touch, and the last of them is what becomes of it.
 constexpr Duration kSameTouch = std::chrono::milliseconds(4);
 
-// Of a pair that nobody answers, each of its interests has its own.
+// Each interest in a pair that nobody answers has contacts of its own.
 bool is_same_touch(const WorldModel& model, const ContactEvent& a, const ContactEvent& b) {
   const bool pair =
       (a.collider == b.collider && a.collidee == b.collidee) || (a.collider == b.collidee && a.collidee == b.collider);

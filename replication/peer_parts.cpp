@@ -62,11 +62,14 @@ void PeerParts::extend_motions(SimTime t) {
 }
 
 bool PeerParts::let_move(std::span<const ObjectId> objects) {
-  std::vector<ObjectId> owned;
-  for (const auto& [object, owner] : owners) owned.push_back(object);
-  auto next = extended(*model, objects, owned);
-  if (next == nullptr) return false;
-  replica.change_model(model, std::move(next));
+  const auto is_owned = [&](ObjectId object) { return owners.of(object) != kNobody; };
+  const auto needs = [&](ObjectId object) { return needs_carrier(*model, object, is_owned); };
+  if (std::ranges::none_of(objects, needs)) return false;
+  std::vector<ObjectId> moved(objects.begin(), objects.end());
+  for (const auto& [object, owner] : owners) moved.push_back(object);
+  auto next = extended(*model, moved);
+  replica.change_model(*next);
+  model.replace(std::move(next));
   scripted.follow_model();
   ++counters.models_changed;
   return true;

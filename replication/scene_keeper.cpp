@@ -19,7 +19,7 @@ constexpr std::uint32_t kStateCopies = 3;
 // Digests are of the last whole second that was over for so long when the hello left: by then all peers have computed
 // what has happened.
 constexpr Duration kDigestGrid = std::chrono::seconds(1), kDigestAge = std::chrono::milliseconds(500);
-// What is on its way to a member explains one hello with another digest, but not two.
+// A state on its way to a member explains one hello with another digest, but not two.
 constexpr std::uint32_t kDiffersFor = 2;
 // States are sent anew no more often, in at most so many datagrams, about 400 objects that rest; the next
 // ones follow the next time.
@@ -164,7 +164,7 @@ void SceneKeeper::on_states(PeerId sender, const SceneStates& scene) {
   p_.scene.note_states_since(scene.since);
 }
 
-// Of all peers with one digest that with the lowest id sends, so that not all answer a joining peer.
+// The lowest id of all peers with one digest sends, so that not all answer a joining peer.
 void SceneKeeper::offer(HostTime now) {
   if (!p_.replica.begun() || (offered_at_ && now - *offered_at_ < kOffersApart)) return;
   bool wanted = false;
@@ -183,7 +183,7 @@ void SceneKeeper::offer(HostTime now) {
   next_offered_ = next_offered_ + sent < states.size() ? next_offered_ + sent : 0;
 }
 
-// What this peer has just left goes out a few times, a tick apart.
+// The states of objects that this peer has just let go are sent a few times, a tick apart.
 void SceneKeeper::send_copies() {
   if (p_.scene.left().empty()) return;
   std::vector<UpdateRecord> due;

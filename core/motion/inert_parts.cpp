@@ -265,8 +265,8 @@ class NodeCheck {
     if (object.response) name("collisionResponse");
   }
 
-  // Of a collidee that does not respond, an IMPULSE says the restitution; its friction counts without any contact. A
-  // node may be in the scene several times, and what acts for one of them acts.
+  // The restitution of an IMPULSE counts for a collidee that does not respond, too; its friction counts without any
+  // contact. A node may be in the scene several times, and what acts for one of them acts.
   void check_response(ObjectId id) {
     const auto& response = scene_.object(id).response;
     if (!response) return;

@@ -21,7 +21,7 @@ namespace peerd {
 struct SharedWorld {
   config::LoadedWorld world;
   std::unique_ptr<const replication::WorldModel> model;
-  // What the world asks for in vain, and other warnings about it: one sentence each.
+  // Returns a sentence for each thing that the world asks for in vain, and for each other warning about it.
   [[nodiscard]] std::vector<std::string> findings() const;
 };
 // `runs`: what their peers own carries what is below it, and goes with what carries it.

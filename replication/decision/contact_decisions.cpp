@@ -6,9 +6,9 @@
 #include <map>
 #include <utility>
 
+#include "replication/motion/response.hpp"
 #include "replication/wire/wire_limits.hpp"
 #include "replication/world/part_at.hpp"
-#include "replication/world/response.hpp"
 
 namespace peerd::replication {
 namespace {
@@ -60,8 +60,8 @@ bool ContactDecisions::may_decide(PeerId peer, PeerId owner_a, PeerId owner_b) c
   return peer == owner_a || peer == owner_b || is_server;
 }
 
-// Of a contact of a scene object the receiver may know another owner than the decider did, or none: which of several
-// decisions count is for the log to say.
+// The receiver may know another owner of a scene object than the decider did, or none. The log says which of several
+// decisions count.
 bool ContactDecisions::may_have_decided(PeerId peer, const DecisionRecord& d) const {
   return scene_.contains(d.collider) || scene_.contains(d.collidee) ||
          may_decide(peer, owners_.of(d.collider), owners_.of(d.collidee));
@@ -485,8 +485,8 @@ void ContactDecisions::note_found(const ContactEvent& c) {
   last_found_.insert_or_assign({lower, higher, c.type}, c.at);
 }
 
-// Of another peer's decision, which does not say it: that whose contact was found here nearest in time, or else that of
-// the file's first interest in the two.
+// A decision of another peer does not carry the type. The interest whose contact was found here nearest in time gives
+// it, or else the file's first interest in the two.
 CollisionType ContactDecisions::type_of(const DecisionRecord& d, PeerId author) const {
   const DecisionLog::Entry* const entry = log_.find(d.contact, author, d.collider, d.collidee);
   if (entry != nullptr && entry->type) return *entry->type;

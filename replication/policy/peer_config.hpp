@@ -70,7 +70,7 @@ struct PeerConfig {
   std::vector<OwnedObject> owned_by_founder;
   PublishPolicy policy;
   ConvergencePolicy convergence;
-  // Of the nodes that the world's file marks as `remote`.
+  // The nodes that the world's file marks as `remote` converge in this way.
   ConvergencePolicy remote_convergence{ConvergenceMethod::kParabola};
   DecisionSettings decisions;
   RelaySettings relay;

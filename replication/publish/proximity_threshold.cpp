@@ -53,7 +53,7 @@ double ProximityThreshold::at(ObjectId object, SimTime t) const {
 
 // The time [s] until what moves with the object could meet what moves with one of another peer (Ohlenburg 2003, table
 // 4.1: remote-enslaved pairs only), not more than that; at least the policy's close proximity where nothing is close.
-// By steps 0 where anything is.
+// A policy of steps (not threshold_by_time) gets 0 where anything is close.
 double ProximityThreshold::time_to_contact_s(ObjectId object, SimTime t, double threshold_m) const {
   double least_s = config_.policy.close_proximity_s;
   if (model_->node(object) == nullptr) return least_s;

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "replication/world/response.hpp"
+#include "replication/motion/response.hpp"
 
 namespace peerd::replication {
 

@@ -21,18 +21,16 @@ Vec3 Replica::position_of(const UpdateRecord& update) const {
   return composed(ghost(*update.carrier, update.at), update.model.state).position;
 }
 
-void Replica::change_model(ModelInForce& model, std::unique_ptr<const WorldModel> next) {
-  assert(&model == &model_);
+void Replica::change_model(const WorldModel& next) {
   if (flexible_ != nullptr) {  // the numbers of the parts change
-    flexible_ = std::make_unique<FlexibleParts>(*next, flexible_->world_zero());
+    flexible_ = std::make_unique<FlexibleParts>(next, flexible_->world_zero());
   }
   if (begun()) {
     for (MotionWorld* world : {&worlds_->truth, &worlds_->ghosts}) {
       if (flexible_ != nullptr) world->set_flexible(*flexible_);
-      world->change_model(*next);
+      world->change_model(next);
     }
   }
-  static_cast<void>(model.replace(std::move(next)));
 }
 
 MotionModel Replica::in_own_frame(const UpdateRecord& update) const {

@@ -33,8 +33,8 @@ class Replica {
 
   [[nodiscard]] const WorldModel& model() const { return *model_; }
   [[nodiscard]] bool begun() const { return worlds_.has_value(); }
-  // Both worlds go on by another model, which is put in force.
-  void change_model(ModelInForce& model, std::unique_ptr<const WorldModel> next);
+  // Both worlds go on by another model, which comes in force next (MotionWorld::change_model).
+  void change_model(const WorldModel& next);
   // Begins both worlds anew at t, with everything at its place in the file.
   void begin(SimTime t) {
     worlds_.emplace(Worlds{MotionWorld(*model_, t), MotionWorld(*model_, t)});

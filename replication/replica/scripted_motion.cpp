@@ -56,8 +56,8 @@ void ScriptedMotion::extend(SimTime to, std::optional<SimTime> world_zero, const
   if (answers) extend_answering(to, *world_zero, owners, scene, replica);
 }
 
-// What answers contacts has the next piece of its way only if it has met nothing on the last one: pieces are given in
-// order of time, each once both worlds have come to its begin.
+// An object that answers contacts gets the next piece of its way only if it has met nothing on the last one. Pieces are
+// given in order of time, each once both worlds have come to its begin.
 void ScriptedMotion::extend_answering(SimTime to, SimTime world_zero, const Owners& owners, const SceneObjects& scene,
                                       Replica& replica) {
   const auto is_due = [&](const Piece& p) {

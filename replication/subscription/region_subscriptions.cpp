@@ -117,7 +117,7 @@ void RegionSubscriptions::note_partners(Partners& partners, const Reach& partner
   }
 }
 
-// What moves a part below `common`; of a whole end, all that moves any part of it.
+// Returns the nodes that move a part, below `common`; for a whole end those that move any of its parts.
 std::vector<std::uint32_t> RegionSubscriptions::chain_of(const Reach& reach, std::uint32_t common) const {
   if (reach.part != ModelNode::kNone) return model_->chain_of(reach.part, common);
   std::vector<std::uint32_t> all;
@@ -163,7 +163,7 @@ std::vector<Area> RegionSubscriptions::contact_areas(SimTime t, double within_s)
   return areas;
 }
 
-// What carries an own object moves it, however far away its origin is.
+// A carrier of another peer moves an own object, however far away its origin is.
 void RegionSubscriptions::add_carriers(SimTime t, double within_s, std::vector<Area>& areas) const {
   for (const auto& [object, own] : std::as_const(own_)) {
     const ModelNode* const node = model_->node(object);

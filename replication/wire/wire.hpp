@@ -146,9 +146,9 @@ struct Handover {
   RegionId to;
 };
 
-// How scene objects move that a contact has moved, and that nobody owns any more. `decision` of a state is the contact
-// time of the decision that last gave the object an owner (none: scene objects met), and `sequence` counts what is
-// known under that decision.
+// The motions of scene objects that a contact has moved and that nobody owns any more. `decision` of a state is the
+// contact time of the decision that last gave the object an owner (none: scene objects met), and `sequence` counts what
+// is known under that decision.
 struct SceneStates {
   SimTime since{};  // the session time since which the sender, or whoever it has them from, has computed what they meet
   std::vector<UpdateRecord> states;  // exact ones, of any age

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "replication/world/response.hpp"
+#include "replication/motion/response.hpp"
 
 namespace peerd::replication {
 namespace {
@@ -20,7 +20,7 @@ MotionModel motion_after_response(const WorldModel& model, const MovingObjects& 
   // At a contact time the object still stands where it did not collide; only an overlap leaves something to set back.
   if (pair.overlapped && response->set_back && pair.free_at) {
     const Vec3 back = objects.world_at(object, *pair.free_at).position;
-    // What is set back against its weight takes the work from its speed, or stays.
+    // An object that is set back against its weight takes the work from its speed, or stays.
     const double left = after.velocity.squaredNorm() + 2.0 * after.acceleration.dot(back - after.position);
     if (left >= after.velocity.squaredNorm()) {
       after.position = back;

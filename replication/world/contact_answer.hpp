@@ -32,7 +32,7 @@ struct ContactAnswer {
   return o.role == Role::kPredicted && pair.in_burst <= 1;
 }
 
-// What the two do at the contact that the pair has, by their responses.
+// Returns what the responses of the two objects make of the contact that the pair has.
 [[nodiscard]] ContactAnswer answer_to(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair,
                                       ContactAuthority authority);
 

@@ -52,8 +52,8 @@ ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, s
 std::vector<std::uint32_t> solve(ContactIsland& island) {
   assert(island.objects.size() == island.bodies.size() && island.pairs.size() == island.constraints.size());
   if (change_least(island.bodies, island.constraints)) return {};
-  // What comes and gives way to nothing leaves no room: it goes through, rather than push the others through what
-  // stands.
+  // A body that comes and gives way to nothing leaves no room. It goes through, rather than push the others through one
+  // that stands.
   std::vector<std::uint32_t> through;
   std::vector<OneSided> standing;
   for (std::size_t i = 0; i < island.constraints.size(); ++i) {

@@ -18,11 +18,11 @@ class ModelInForce {
   [[nodiscard]] const WorldModel& operator*() const { return *model_; }
   [[nodiscard]] const WorldModel* operator->() const { return model_; }
 
-  // Puts `next`, of the same scene, in force. Returns the model before, if it was not shared.
-  std::unique_ptr<const WorldModel> replace(std::unique_ptr<const WorldModel> next) {
+  // Puts `next`, of the same scene, in force. Nothing may need the model before any more.
+  void replace(std::unique_ptr<const WorldModel> next) {
     assert(next && next->scene == model_->scene);
-    model_ = next.get();
-    return std::exchange(own_, std::move(next));
+    own_ = std::move(next);
+    model_ = own_.get();
   }
 
  private:

@@ -21,8 +21,8 @@ struct ContactEvent {
   TouchedPolygons polygons{};  // only of what a peer puts out (contact_polygons.hpp)
 };
 
-// Two bodies overlap when they are looked at for the first time, as soon as one of them moves. They part as they will;
-// if they approach or are pressed together, that is answered once, by their responses.
+// Two bodies overlap when their pair is checked for the first time, as soon as one of them moves. They part as they
+// will; if they approach or are pressed together, that is answered once, by their responses.
 struct BodiesOverlap {
   SimTime at;
   ObjectId collider, collidee;
@@ -42,7 +42,7 @@ struct ContactsRetracted {
   }
 };
 
-// What happens in a MotionWorld.
+// An event of a MotionWorld.
 using MotionEvent = std::variant<ContactEvent, ContactsRetracted, BodiesOverlap>;
 
 // The work of a MotionWorld since it was made.

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <map>
 #include <tuple>
 #include <utility>
 
 #include "collision/contact/contact_time.hpp"
-#include "replication/world/response.hpp"
+#include "replication/motion/response.hpp"
 
 namespace peerd::replication {
 namespace {
@@ -50,46 +49,11 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
       start_(start),
       advanced_(start),
       objects_(model, start),
-      pairs_(make_pairs()),
+      pairs_(pairs_to_watch(model, start)),
       pair_checks_(pairs_.size()),
       in_pair_checks_(pairs_.size()) {
   note_who_answers();
   for (std::size_t i = 0; i < pairs_.size(); ++i) reschedule(i);
-}
-
-std::vector<WatchedPair> MotionWorld::make_pairs() const {
-  std::vector<WatchedPair> pairs;
-  pairs.reserve(model_->part_pairs.size());
-  for (const PartPair& parts : model_->part_pairs) {
-    const CollisionPair& p = model_->pairs[parts.pair];
-    const auto answers = [&](ObjectId id) { return model_->response_of(id) != nullptr; };
-    const std::size_t collider = objects_.index_of(p.collider), collidee = objects_.index_of(p.collidee);
-    const bool box = p.type == CollisionType::kBox;
-    const auto flexes = [&](std::uint32_t part) { return model_->is_flexible(part); };
-    const bool flexible = parts.a != kNone ? flexes(parts.a) || flexes(parts.b)
-                                           : std::ranges::any_of(model_->parts_of_node[collider], flexes) ||
-                                                 std::ranges::any_of(model_->parts_of_node[collidee], flexes);
-    pairs.push_back({.collider = static_cast<std::uint32_t>(collider),
-                     .collidee = static_cast<std::uint32_t>(collidee),
-                     .part_a = parts.a,
-                     .part_b = parts.b,
-                     .common = parts.common,
-                     .number = parts.pair,
-                     .type = p.type,
-                     .fixed = parts.fixed,
-                     .is_plain = parts.a == collider && parts.b == collidee && objects_[collider].carrier == kNone &&
-                                 objects_[collidee].carrier == kNone,
-                     .is_flexible = flexible,
-                     .collider_responds = answers(p.collider),
-                     .collidee_responds = p.mutual && answers(p.collidee),
-                     .has_exact_search =
-                         box || flexible || collision::has_exact_answer(objects_.body(parts.a), objects_.body(parts.b)),
-                     .clear_until = start_,
-                     .contact = {},
-                     .free_at = {},
-                     .normals = {}});
-  }
-  return pairs;
 }
 
 void MotionWorld::note_who_answers() {
@@ -100,48 +64,19 @@ void MotionWorld::note_who_answers() {
 }
 
 void MotionWorld::change_model(const WorldModel& next) {
-  assert(next.scene == model_->scene && next.pairs.size() == model_->pairs.size());
-  // The same two bodies, or Shapes that flex, are the same pair of parts: a body shares its surface with its copies.
-  using PartKey = std::pair<const void*, ObjectId>;
-  using PairKey = std::tuple<std::uint32_t, PartKey, PartKey>;
-  const auto key_in = [](const WorldModel& model, const WatchedPair& pair) {
-    const auto part_key = [&](std::uint32_t part) -> PartKey {
-      if (part == kNone) return {nullptr, {}};
-      if (model.is_flexible(part)) return {nullptr, model.flexible_part(part).shape};
-      return {model.bodies[part].surface.get(), model.nodes[part].object};
-    };
-    return PairKey{pair.number, part_key(pair.part_a), part_key(pair.part_b)};
-  };
-  std::map<PairKey, WatchedPair> known;
-  std::vector<bool> watched(next.pairs.size(), true), inside(next.pairs.size(), false);
-  for (WatchedPair& pair : pairs_) {
-    watched[pair.number] = pair.watched;
-    inside[pair.number] = inside[pair.number] || pair.inside;
-    known.emplace(key_in(*model_, pair), std::move(pair));
-  }
+  std::vector<WatchedPair> pairs = pairs_to_watch(next, start_);
+  const std::vector<std::uint32_t> added = carry_over(*model_, std::move(pairs_), next, pairs);
   objects_.change_model(next);
   model_ = &next;
-  pairs_ = make_pairs();
+  pairs_ = std::move(pairs);
   note_who_answers();
-  for (WatchedPair& pair : pairs_) {
-    if (const auto same = known.find(key_in(next, pair)); same != known.end()) {
-      const WatchedPair fresh = std::exchange(pair, std::move(same->second));
-      pair.collider = fresh.collider;
-      pair.collidee = fresh.collidee;
-      pair.part_a = fresh.part_a;
-      pair.part_b = fresh.part_b;
-      pair.common = fresh.common;
-      pair.fixed = fresh.fixed;
-      pair.is_plain = fresh.is_plain;
-      continue;
-    }
+  for (const std::uint32_t i : added) {
+    WatchedPair& pair = pairs_[i];
     pair.clear_until = advanced_;
-    pair.watched = watched[pair.number];
-    if (!inside[pair.number] || pair.fixed) continue;  // the contact of the whole goes on in one of its parts
+    if (!pair.inside) continue;  // else the contact of the whole goes on in one of its parts
     pair.searched = true;
     pair.inside = search().touch_at(pair, advanced_);
   }
-  assert(pairs_.size() == next.part_pairs.size());
   pair_checks_ = Schedule(pairs_.size());
   in_pair_checks_.assign(pairs_.size(), false);
   watched_ = 0;
@@ -306,8 +241,8 @@ void MotionWorld::forget_bursts(std::size_t object, SimTime t) {
   }
 }
 
-// What the pairs of the object know of contacts since then is void. Pairs with an authoritative or driven object are
-// not searched again in the past because another object moved otherwise; its own change (a decision) makes them
+// The pairs of the object know nothing of contacts since then any more. Pairs with an authoritative or driven object
+// are not searched again in the past because another object moved otherwise; its own change (a decision) makes them
 // searched there.
 void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
   for (const std::uint32_t i : model_->part_pairs_moved_by(object)) {
@@ -408,8 +343,8 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
   report(pair, t, answer);
 }
 
-// What others that touch the two have handed on may have made them faster; of two that both answer contacts none is a
-// racket, so they go as they would, only slower.
+// Others that touch the two may have made them faster. Where both answer contacts neither is a racket, so they go as
+// they would, only slower.
 void MotionWorld::remove_gain(const WatchedPair& pair, SimTime t, const ContactAnswer& answer) {
   const std::size_t a = pair.collider, b = pair.collidee;
   if (!objects_[a].is_answering() || !objects_[b].is_answering()) return;
@@ -489,8 +424,8 @@ void MotionWorld::come_to_rest(WatchedPair& pair, SimTime t) {
   if (objects_[a].will_respond(pair.collider_responds, t)) end_rolling(a, t, pair.normal, b);
   if (objects_[b].will_respond(pair.collidee_responds, t)) end_rolling(b, t, pair.normal, a);
   const MotionModel law_a = objects_.world_law(a, t), law_b = objects_.world_law(b, t);
-  // What parts too slowly to come apart would be lifted off for good without the acceleration that presses it. Where a
-  // body rolls, the speed of its centre is not that of the contact.
+  // Two that part too slowly to come apart would be lifted off for good without the acceleration that presses them.
+  // Where a body rolls, the speed of its centre is not that of the contact.
   const double speed = pair.normal.dot(law_a.state.velocity - law_b.state.velocity);
   const bool rolls = rolling_off(a, law_a.state, pair.normal) || rolling_off(b, law_b.state, pair.normal);
   const bool driven = (!gives_way(a, pair.collider_responds, t) && !is_motionless(law_a.state)) ||
@@ -670,7 +605,6 @@ void MotionWorld::lift(WatchedPair& pair, SimTime t) {
 
 // ---- advancing ----
 
-// Of the pairs that are due until then: the one with the earliest contact, the first in the model's order of those.
 std::optional<std::size_t> MotionWorld::first_contact_until(SimTime to) {
   std::optional<std::size_t> first;
   const std::size_t watched = watched_;

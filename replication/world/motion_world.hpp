@@ -141,9 +141,9 @@ class MotionWorld {
 
  private:
   [[nodiscard]] PairSearch search() { return {*model_, objects_, pairs_, start_, counters_, events_}; }
-  [[nodiscard]] std::vector<WatchedPair> make_pairs() const;
   void note_who_answers();
-  // Of the pairs that are due until then: the one with the earliest contact, the first in the model's order of those.
+  // Returns the pair with the earliest contact of those that are due until then; of several the first in the model's
+  // order.
   [[nodiscard]] std::optional<std::size_t> first_contact_until(SimTime to);
   // Called after any change of whether the pair is watched, or of what is known of it.
   void reschedule(std::size_t pair);
@@ -168,17 +168,17 @@ class MotionWorld {
   void stop(WatchedPair& pair, SimTime t);
   // Whether one of the two gives way and the other stands: a wall, for all that this contact knows.
   [[nodiscard]] bool stands_firm(const WatchedPair& pair, SimTime t) const;
-  // What is pressed into a wall without end stops there, and what presses it goes through it.
+  // An object that is pressed into a wall without end stops there, and the one that presses it goes through it.
   void hold_against_wall(WatchedPair& pair, SimTime t);
   // Gives all that rest on each other around the two the velocities and accelerations that their bearing leaves.
   void settle(std::size_t a, std::size_t b, SimTime t);
   void settle_velocities(WatchedPair& pair, SimTime t, Touching which);
-  // Of a spin that is not about the normal of a contact, the part about it [rad/s, of the body]; nothing where the spin
-  // is about it, or the body a Sphere, none of which presses corners into what it touches.
+  // Returns the part about the normal of a contact of a spin that is not about it [rad/s, of the body]; nothing where
+  // the spin is about it, or the body a Sphere: neither presses corners into what it touches.
   [[nodiscard]] std::optional<Vec3> rolling_off(std::size_t object, const KinematicState& state,
                                                 const Vec3& normal) const;
-  // Of the spin of a body that rests against another along that normal what is about the normal is left: its corners
-  // would press into the other.
+  // Leaves a body that rests against another along that normal only the spin about the normal: its corners would press
+  // into the other.
   void end_rolling(std::size_t object, SimTime t, const Vec3& normal, std::size_t cause);
   void change_velocity(std::size_t object, SimTime t, const Vec3& velocity, std::size_t cause);
   void release_parting(std::size_t object, SimTime t);
@@ -189,7 +189,7 @@ class MotionWorld {
 
   void retract_contacts_of_carried(std::size_t object, SimTime t);
   void retract(std::size_t cause, SimTime t);
-  // What was counted of contacts since then is void.
+  // Forgets the counts of contacts since then.
   void forget_bursts(std::size_t object, SimTime t);
   // The object's pieces changed from t on. `elsewhere`: also where it is.
   void reopen_pairs(std::size_t object, SimTime t, bool elsewhere);

@@ -41,18 +41,19 @@ void MovingObjects::add(const ModelNode& node) {
 
 void MovingObjects::change_model(const WorldModel& next) {
   assert(next.scene == model_->scene);
-  const MovingObjects before = std::exchange(*this, MovingObjects(next, start_));
+  MovingObjects before = std::exchange(*this, MovingObjects(next, start_));
   flexible_ = before.flexible_;
   driven_history_ = before.driven_history_;
-  const auto id_of = [](const MovingObjects& objects, std::uint32_t index) {
-    return index == kNone ? std::nullopt : std::optional(objects[index].id);
+  const auto id_of = [](const WorldModel& model, std::uint32_t node) {
+    return node == kNone ? std::nullopt : std::optional(model.nodes[node].object);
   };
-  for (const MovingObject& old : before.objects_) {
-    if (find(old.id) == nullptr) add({old.id});
+  const WorldModel& model_before = *before.model_;
+  for (MovingObject& old : before.objects_) {
+    if (find(old.id) == nullptr) add({old.id});  // nothing needs it: it meets nothing
     MovingObject& o = objects_[index_of(old.id)];
     const std::uint32_t carrier = o.carrier;
-    const auto from = id_of(before, old.carrier), to = id_of(*this, carrier);
-    o = old;
+    const auto from = id_of(model_before, old.carrier), to = id_of(next, carrier);
+    o = std::move(old);
     o.carrier = carrier;
     o.answers = o.pruning_scheduled = o.changed = false;
     if (from != to) {

@@ -185,7 +185,7 @@ void PairSearch::search_interval(WatchedPair& pair, SimTime begin, SimTime end) 
   const MovingObject &a = objects_[pair.collider], &b = objects_[pair.collidee];
   const SimTime s = pair.clear_until;
   assert(begin <= s && s < end);
-  // What nobody answered because a base was given later is answered from that base on.
+  // A contact that nobody answered because a base was given later is answered from that base on.
   const auto answers_since = [&](const MovingObject& o, bool registered) {
     return o.will_respond(registered, s) && o.base_time > pair.touched;
   };

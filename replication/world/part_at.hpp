@@ -26,8 +26,8 @@ struct PartAt {
   }
 };
 
-// Of the model's part at t, by that world; what flexes keeps within the sphere from t on for h_s. `flexible`: null
-// where the model has no flexible parts.
+// Returns the model's part at t, by that world. A flexible part keeps within its sphere from t on for h_s. `flexible`:
+// null where the model has no flexible parts.
 [[nodiscard]] PartAt part_at(const WorldModel& model, const MotionWorld& world, FlexibleParts* flexible,
                              std::uint32_t part, SimTime t, double h_s = 0.0);
 

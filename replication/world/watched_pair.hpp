@@ -6,7 +6,7 @@
 #include "core/math.hpp"
 #include "core/scene/scene.hpp"
 #include "core/time.hpp"
-#include "replication/world/response.hpp"
+#include "replication/motion/response.hpp"
 #include "replication/world/world_model.hpp"
 
 namespace peerd::replication {
@@ -53,5 +53,14 @@ struct WatchedPair {
 inline constexpr Duration kShortestFlight{static_cast<std::int64_t>(kShortestFlight_s * 1e9)};
 
 [[nodiscard]] inline bool met_lately(SimTime met, SimTime t, Duration within) { return met <= t && t <= met + within; }
+
+// The model's part pairs, of which nothing is known from `start` on.
+[[nodiscard]] std::vector<WatchedPair> pairs_to_watch(const WorldModel& model, SimTime start);
+
+// Gives the pairs of `next` what is known of those of `before`, a model of the same scene in which fewer nodes are
+// carriers, where their two parts are the same. Returns the indices of the other ones: each is watched if its ends
+// were, and `inside` if another pair of its ends was.
+std::vector<std::uint32_t> carry_over(const WorldModel& before, std::vector<WatchedPair> known, const WorldModel& next,
+                                      std::vector<WatchedPair>& pairs);
 
 }  // namespace peerd::replication

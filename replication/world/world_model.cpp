@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <functional>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -376,32 +375,26 @@ std::unique_ptr<const WorldModel> make_world_model(const Scene& scene, std::span
   return model;
 }
 
-std::unique_ptr<const WorldModel> extended(const WorldModel& model, std::span<const ObjectId> added,
-                                           std::span<const ObjectId> owned) {
-  assert(std::ranges::is_sorted(owned));
+bool needs_carrier(const WorldModel& model, ObjectId id, const IsOwned& is_owned) {
   const Scene& scene = *model.scene;
-  const auto is_related = [&](ObjectId id) {
-    if (scene.at(id).kind != NodeKind::kTransform) return false;
-    if (model.is_carrier(id)) return false;
-    const auto moves = [&](ObjectId other) {
-      return model.node(other) != nullptr || std::ranges::binary_search(owned, other);
-    };
-    for (std::int32_t p = scene.at(id).parent; p >= 0; p = scene.instances[static_cast<std::size_t>(p)].parent) {
-      if (moves({static_cast<std::uint32_t>(p)})) return true;
-    }
-    const auto has_below = [&](const auto& ids, auto projection) {
-      const auto next = std::ranges::upper_bound(ids, id, {}, projection);
-      return next != ids.end() && std::invoke(projection, *next).value < scene.at(id).subtree_end;
-    };
-    return model.node(id) != nullptr || has_below(model.nodes, &ModelNode::object) || has_below(owned, std::identity{});
-  };
-  if (std::ranges::none_of(added, is_related)) return nullptr;
-  std::vector<ObjectId> all(owned.begin(), owned.end());
+  if (scene.at(id).kind != NodeKind::kTransform || model.is_carrier(id)) return false;
+  const auto moves = [&](ObjectId other) { return model.node(other) != nullptr || is_owned(other); };
+  if (model.node(id) != nullptr) return true;
+  for (std::int32_t p = scene.at(id).parent; p >= 0; p = scene.instances[static_cast<std::size_t>(p)].parent) {
+    if (moves({static_cast<std::uint32_t>(p)})) return true;
+  }
+  for (std::uint32_t below = id.value + 1; below < scene.at(id).subtree_end; ++below) {
+    if (moves({below})) return true;
+  }
+  return false;
+}
+
+std::unique_ptr<const WorldModel> extended(const WorldModel& model, std::span<const ObjectId> moved) {
+  std::vector<ObjectId> all(moved.begin(), moved.end());
   all.insert(all.end(), model.owned.begin(), model.owned.end());
-  all.insert(all.end(), added.begin(), added.end());
   auto next = std::make_unique<WorldModel>();
-  next->scene = &scene;
-  ModelBuilder(scene, &model, *next).build(all);
+  next->scene = model.scene;
+  ModelBuilder(*model.scene, &model, *next).build(all);
   return next;
 }
 

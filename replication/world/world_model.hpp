@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -131,10 +132,12 @@ struct WorldModel {
 [[nodiscard]] std::unique_ptr<const WorldModel> make_world_model(const Scene& scene,
                                                                  std::span<const ObjectId> owned = {});
 
-// Returns the model with these nodes as carriers, too, because somebody owns them or moves something relative to them.
-// Null where that changes nothing: each is a carrier already, or meets nothing, and carries and is carried by nothing
-// of the model or of `owned`, all nodes that somebody owns. Bodies that stay as they are are shared with `model`.
-[[nodiscard]] std::unique_ptr<const WorldModel> extended(const WorldModel& model, std::span<const ObjectId> added,
-                                                         std::span<const ObjectId> owned);
+// Whether the node has to be a carrier of the model, and is not, if somebody moves it: it carries, or is carried by,
+// something of the model or what somebody owns.
+using IsOwned = std::function<bool(ObjectId)>;
+[[nodiscard]] bool needs_carrier(const WorldModel& model, ObjectId id, const IsOwned& is_owned);
+
+// Returns the model with these nodes as carriers, too. Bodies that stay as they are are shared with `model`.
+[[nodiscard]] std::unique_ptr<const WorldModel> extended(const WorldModel& model, std::span<const ObjectId> moved);
 
 }  // namespace peerd::replication

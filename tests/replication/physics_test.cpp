@@ -2,7 +2,7 @@
 // updates find the same, to the last bit.
 #include <gtest/gtest.h>
 
-#include "replication/world/response.hpp"
+#include "replication/motion/response.hpp"
 #include "tests/replication/worlds.hpp"
 
 namespace peerd::replication::physics_test {

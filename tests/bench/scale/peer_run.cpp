@@ -93,7 +93,7 @@ class TwoPeers {
       if (auto* send = std::get_if<Send>(&*out)) {
         flights_.push_back({now_ + kLatency, &peer == &sender_, std::move(send->datagram)});
       } else if (cost != nullptr && std::holds_alternative<ContactSeen>(*out)) {
-        ++cost->predicted;
+        ++cost->contacts;
       }
     }
   }

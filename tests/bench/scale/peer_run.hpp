@@ -12,8 +12,8 @@ namespace peerd::bench {
 struct PeerCost {
   double packets_s = 0.0, ticks_s = 0.0;  // of the thread's time, in all
   double simulated_s = 0.0;
-  std::vector<double> shares;                                               // of a core, second by second
-  std::uint64_t ticks = 0, updates_in = 0, updates_out = 0, predicted = 0;  // predicted: contacts
+  std::vector<double> shares;  // of a core, second by second
+  std::uint64_t ticks = 0, updates_in = 0, updates_out = 0, contacts = 0;
   replication::MotionWorld::Counters motion;
   std::size_t unknown = 0;  // bodies of the other peer that the measured one knows nothing of
 };

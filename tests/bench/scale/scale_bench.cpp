@@ -156,7 +156,7 @@ class Bench {
       add(prefix + ".contacts", static_cast<double>(cost.motion.contacts), "");
       grown.push_back({static_cast<double>(bodies), quartiles(cost.shares).median});
       if (cost.unknown > 0) wrong(prefix + ": bodies without an update: " + std::to_string(cost.unknown));
-      if (cost.predicted == 0) wrong(prefix + ": nothing has met");
+      if (cost.contacts == 0) wrong(prefix + ": nothing has met");
     }
     exponent("peer", grown);
   }

@@ -235,42 +235,43 @@ const std::string kCarInALot =
     "DEF LOT Transform { children [ " + box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")) +
     "] }\n" + box("CURB", "0.5 0.6 4", "8 0.5 0") + box("BIRD", "1 1 1", "0 9 0") + interest("LOT", "\"CURB\"");
 
+const IsOwned kNoneIsOwned = [](ObjectId) { return false; };
+
 TEST(Extended, AddsTheCarriersThatSomebodyMoves) {
   const World w(kCarInALot);
   ASSERT_EQ(w.model->parts_of_node[0].size(), 1u) << "LOT is one body";
-  const auto next = extended(*w.model, std::vector{w["WHEEL"]}, std::vector{w["WHEEL"]});
-  ASSERT_NE(next, nullptr);
+  const auto next = extended(*w.model, std::vector{w["WHEEL"]});
   EXPECT_TRUE(next->is_carrier(w["WHEEL"]));
-  EXPECT_EQ(next->nodes[next->node(w["WHEEL"])->carrier].object, w["LOT"]);
+  EXPECT_EQ(next->carrier_of(w["WHEEL"]), w["LOT"]);
   EXPECT_EQ(next->parts_of_node[0].size(), 2u);
   EXPECT_EQ(next->pairs.size(), w.model->pairs.size());
   EXPECT_EQ(next->part_pairs.size(), 2u);
   EXPECT_EQ(next->body(w["CURB"])->surface, w.model->body(w["CURB"])->surface) << "shared";
   EXPECT_NE(next->body(w["LOT"])->surface, w.model->body(w["LOT"])->surface) << "without the wheel";
-  const auto more = extended(*next, std::vector{w["CAR"]}, std::vector{w["CAR"]});
-  ASSERT_NE(more, nullptr);
-  EXPECT_EQ(more->nodes[more->node(w["WHEEL"])->carrier].object, w["CAR"]);
+  const auto more = extended(*next, std::vector{w["CAR"]});
+  EXPECT_EQ(more->carrier_of(w["WHEEL"]), w["CAR"]);
   EXPECT_EQ(more->body(w["WHEEL"])->surface, next->body(w["WHEEL"])->surface);
 }
 
-TEST(Extended, IsNothingWhereNothingElseMoves) {
+TEST(NeedsCarrier, WhereSomethingElseMovesAboveOrBelow) {
   const World w(kCarInALot);
+  EXPECT_TRUE(needs_carrier(*w.model, w["CAR"], kNoneIsOwned)) << "it is part of an end";
+  EXPECT_TRUE(needs_carrier(*w.model, w["WHEEL"], kNoneIsOwned));
   for (const char* path : {"LOT", "CURB", "BIRD", "LOT/CAR/0"}) {
-    EXPECT_EQ(extended(*w.model, std::vector{w[path]}, std::vector{w[path]}), nullptr) << path;
+    EXPECT_FALSE(needs_carrier(*w.model, w[path], kNoneIsOwned)) << path;
   }
-  const auto next = extended(*w.model, std::vector{w["CAR"]}, std::vector{w["CAR"]});
-  EXPECT_EQ(extended(*next, std::vector{w["CAR"]}, std::vector{w["CAR"]}), nullptr);
+  const auto next = extended(*w.model, std::vector{w["CAR"]});
+  EXPECT_FALSE(needs_carrier(*next, w["CAR"], kNoneIsOwned));
 }
 
-TEST(Extended, KnowsWhatIsOwnedAndMeetsNothing) {
+TEST(NeedsCarrier, WhereWhatMeetsNothingIsOwned) {
   const World w(box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")));
-  const std::vector car{w["CAR"]}, wheel{w["WHEEL"]}, both{w["CAR"], w["WHEEL"]};
-  EXPECT_EQ(extended(*w.model, car, car), nullptr);
-  for (const auto& [added, owned] : {std::pair{wheel, both}, std::pair{car, both}}) {
-    const auto next = extended(*w.model, added, owned);
-    ASSERT_NE(next, nullptr);
-    EXPECT_EQ(next->node(w["WHEEL"])->depth, 1u);
+  const ObjectId car = w["CAR"], wheel = w["WHEEL"];
+  for (const auto& [id, owned] : {std::pair{car, wheel}, std::pair{wheel, car}}) {
+    EXPECT_FALSE(needs_carrier(*w.model, id, kNoneIsOwned));
+    EXPECT_TRUE(needs_carrier(*w.model, id, [other = owned](ObjectId each) { return each == other; }));
   }
+  EXPECT_EQ(extended(*w.model, std::vector{car, wheel})->node(wheel)->depth, 1u);
 }
 
 }  // namespace peerd::replication::world_model_test

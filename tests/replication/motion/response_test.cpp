@@ -1,4 +1,4 @@
-#include "replication/world/response.hpp"
+#include "replication/motion/response.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "replication/world/response.hpp"
+#include "replication/motion/response.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -30,7 +30,8 @@ Vec3 velocity_of_other(const ContactSide& m) {
   return m.other_side == OtherSide::kGoesOn || shared ? m.other.velocity : Vec3(Vec3::Zero());
 }
 
-// What would slide for less than kShortestFlight_s stands: what pushes it would meet it again without end.
+// An object that would slide for less than kShortestFlight_s stands: the one that pushes it would meet it again without
+// end.
 MotionModel slide(const KinematicState& after, double friction_m_s2) {
   KinematicState state = after;
   if (state.velocity.norm() < friction_m_s2 * kShortestFlight_s) state.velocity.setZero();

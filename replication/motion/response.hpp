@@ -5,7 +5,7 @@
 
 namespace peerd::replication {
 
-// What the other object of a contact does.
+// The part of the other object in a contact.
 enum class OtherSide : std::uint8_t {
   kGoesOn,        // as before: it answers no contacts, or something else moves it
   kAnswers,       // in this contact

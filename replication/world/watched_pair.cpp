@@ -1,0 +1,99 @@
+#include "replication/world/watched_pair.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "collision/contact/contact_time.hpp"
+
+namespace peerd::replication {
+namespace {
+
+// A part by what does not depend on the model: a body shares its surface with its copies, and a Shape that flexes has
+// none.
+using PartKey = std::pair<const collision::Surface*, ObjectId>;
+using PairKey = std::tuple<std::uint32_t, PartKey, PartKey>;
+
+PartKey key_of_part(const WorldModel& model, std::uint32_t part) {
+  if (part == ModelNode::kNone) return {nullptr, {}};
+  if (model.is_flexible(part)) return {nullptr, model.flexible_part(part).shape};
+  return {model.bodies[part].surface.get(), model.nodes[part].object};
+}
+
+PairKey key_of_pair(const WorldModel& model, const WatchedPair& pair) {
+  return {pair.number, key_of_part(model, pair.part_a), key_of_part(model, pair.part_b)};
+}
+
+}  // namespace
+
+std::vector<WatchedPair> pairs_to_watch(const WorldModel& model, SimTime start) {
+  std::vector<WatchedPair> pairs;
+  pairs.reserve(model.part_pairs.size());
+  for (const PartPair& parts : model.part_pairs) {
+    const CollisionPair& p = model.pairs[parts.pair];
+    const auto answers = [&](ObjectId id) { return model.response_of(id) != nullptr; };
+    const std::uint32_t collider = model.index_of(p.collider), collidee = model.index_of(p.collidee);
+    const bool box = p.type == CollisionType::kBox, whole = parts.a == ModelNode::kNone;
+    const auto flexes = [&](std::uint32_t part) { return model.is_flexible(part); };
+    const bool flexible = whole ? std::ranges::any_of(model.parts_of_node[collider], flexes) ||
+                                      std::ranges::any_of(model.parts_of_node[collidee], flexes)
+                                : flexes(parts.a) || flexes(parts.b);
+    const bool is_carried =
+        model.nodes[collider].carrier != ModelNode::kNone || model.nodes[collidee].carrier != ModelNode::kNone;
+    pairs.push_back({.collider = collider,
+                     .collidee = collidee,
+                     .part_a = parts.a,
+                     .part_b = parts.b,
+                     .common = parts.common,
+                     .number = parts.pair,
+                     .type = p.type,
+                     .fixed = parts.fixed,
+                     .is_plain = parts.a == collider && parts.b == collidee && !is_carried,
+                     .is_flexible = flexible,
+                     .collider_responds = answers(p.collider),
+                     .collidee_responds = p.mutual && answers(p.collidee),
+                     .has_exact_search =
+                         box || flexible || collision::has_exact_answer(model.bodies[parts.a], model.bodies[parts.b]),
+                     .clear_until = start,
+                     .contact = {},
+                     .free_at = {},
+                     .normals = {}});
+  }
+  return pairs;
+}
+
+std::vector<std::uint32_t> carry_over(const WorldModel& before, std::vector<WatchedPair> known, const WorldModel& next,
+                                      std::vector<WatchedPair>& pairs) {
+  assert(next.scene == before.scene && next.pairs.size() == before.pairs.size());
+  assert(known.size() == before.part_pairs.size() && pairs.size() == next.part_pairs.size());
+  std::map<PairKey, WatchedPair*> same;
+  std::vector<bool> watched(next.pairs.size(), true), inside(next.pairs.size(), false);
+  for (WatchedPair& pair : known) {
+    watched[pair.number] = pair.watched;
+    inside[pair.number] = inside[pair.number] || pair.inside;
+    same.emplace(key_of_pair(before, pair), &pair);
+  }
+  std::vector<std::uint32_t> added;
+  for (std::uint32_t i = 0; i < pairs.size(); ++i) {
+    WatchedPair& pair = pairs[i];
+    if (const auto at = same.find(key_of_pair(next, pair)); at != same.end()) {
+      const WatchedPair fresh = std::exchange(pair, std::move(*at->second));
+      pair.collider = fresh.collider;
+      pair.collidee = fresh.collidee;
+      pair.part_a = fresh.part_a;
+      pair.part_b = fresh.part_b;
+      pair.common = fresh.common;
+      pair.fixed = fresh.fixed;
+      pair.is_plain = fresh.is_plain;
+    } else {
+      pair.watched = watched[pair.number];
+      pair.inside = inside[pair.number] && !pair.fixed;
+      added.push_back(i);
+    }
+  }
+  return added;
+}
+
+}  // namespace peerd::replication
