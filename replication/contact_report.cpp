@@ -41,10 +41,7 @@ std::vector<MotionWorld::Event> poll_standing_events(MotionWorld& world) {
 // Scene objects have met: every peer finds that, and the file does not move them any more.
 void note_scene_contact(PeerParts& p, const ContactEvent& contact) {
   for (const ObjectId object : {contact.collider, contact.collidee}) {
-    const bool is_collider = object == contact.collider;
-    const bool moved = !moves_alike(is_collider ? contact.collider_before : contact.collidee_before,
-                                    is_collider ? contact.collider_after : contact.collidee_after);
-    if (moved && p.scene.contains(object)) p.scene.note_moved(object);
+    if (changes_motion_of(object, contact) && p.scene.contains(object)) p.scene.note_moved(object);
   }
 }
 
@@ -87,10 +84,7 @@ void report_truth(PeerParts& p, SimTime t) {
     p.replica.name_polygons(named, true);
     p.outbox.push(ContactSeen{ContactKind::kOwner, std::move(named), t});
   }
-  for (ContactEvent& contact : decided) {
-    p.replica.name_polygons(contact, true);
-    p.decisions.decide(contact, t);
-  }
+  for (const ContactEvent& contact : decided) p.decisions.decide(contact, t);
   p.decisions.resolve_overdue(t);
 }
 

@@ -202,6 +202,7 @@ void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, Sim
   const RelaySettings& relay = p_.config.relay;
   const bool relayed = relay.through == sender;
   if (relay.through != kNobody && !relayed && relay.through != p_.config.id) return;  // the relay passes it on
+  if (u.carrier && !p_.model->may_carry(*u.carrier, u.object)) return p_.drop(sender, "carrier");
   PeerId owner = p_.owners.of(u.object);
   if (p_.scene.contains(u.object) && u.decision != SimTime{} && !relayed) {
     if (!scene_.take_over(sender, u)) return p_.drop(sender, "not_owner");
@@ -221,7 +222,6 @@ void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, Sim
     if (!p_.regions.cuts()) p_.members.find(sender)->received[kWholeScene].mark_as_missing(number);
     return p_.drop(sender, "not_owner");
   }
-  if (u.carrier && !p_.model->may_carry(*u.carrier, u.object)) return p_.drop(sender, "carrier");
   std::uint32_t& last = owning->last_sequence[u.object];
   const bool elsewhere = !p_.replica.receives(u.object) && p_.regions.interest().receives(p_.replica.position_of(u));
   if (u.sequence == last && !elsewhere) {

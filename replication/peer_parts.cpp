@@ -69,6 +69,9 @@ bool PeerParts::let_move(std::span<const ObjectId> objects) {
   for (const auto& [object, owner] : owners) moved.push_back(object);
   auto next = extended(*model, moved);
   replica.change_model(*next);
+  for (auto& [object, each] : own) {  // the samples of the models are in the frame before
+    if (next->carrier_of(object) != model->carrier_of(object)) each.models.reset();
+  }
   model.replace(std::move(next));
   scripted.follow_model();
   ++counters.models_changed;

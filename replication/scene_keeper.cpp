@@ -68,6 +68,7 @@ void SceneKeeper::let_go(const UpdateRecord& state) {
   known.sequence = state.sequence;
   known.freed = state.at;
   known.model = p_.replica.in_own_frame(state);
+  known.carrier = p_.model->carrier_of(state.object);
   known.copies = 0;
   p_.scene.note_moved(state.object);
   p_.scene.differing().erase(state.object);
@@ -76,6 +77,7 @@ void SceneKeeper::let_go(const UpdateRecord& state) {
 }
 
 void SceneKeeper::reset_ghosts(SimTime t) {
+  if (p_.scene.differing().empty()) return;
   const Duration patience = 2 * p_.members.longest_latency() + 3 * p_.config.hello_period;
   MotionWorld &truth = p_.replica.truth(), &ghosts = p_.replica.ghosts();
   for (auto at = p_.scene.differing().begin(); at != p_.scene.differing().end();) {
@@ -107,6 +109,7 @@ void SceneKeeper::orphan(ObjectId object, SimTime t) {
   const SimTime since = ghosts.law_since(object, t);
   known.freed = since;
   known.model = ghosts.model_at(object, since);
+  known.carrier = p_.model->carrier_of(object);
   p_.replica.truth().set_base(object, since, known.model);
   p_.replica.forget_update_of(object);
 }
@@ -155,13 +158,13 @@ void SceneKeeper::on_states(PeerId sender, const SceneStates& scene) {
       p_.drop(sender, "update_time");
       continue;
     }
-    const SceneObject& known = p_.scene.at(state.object);
     if (!p_.scene.supersedes(state, scene.since)) continue;
+    SceneObject& known = p_.scene.at(state.object);
     const bool is_same = p_.owners.of(state.object) == kNobody && p_.scene.is_moved(state.object) &&
                          known.decided == state.decision && truth.law_since(state.object, state.at) == state.at;
     if (!is_same) let_go(state);
+    known.since = scene.since;
   }
-  p_.scene.note_states_since(scene.since);
 }
 
 // The lowest id of all peers with one digest sends, so that not all answer a joining peer.
@@ -204,7 +207,10 @@ std::size_t SceneKeeper::send(std::span<const UpdateRecord> states) {
   Message m = p_.outbox.blank();
   const auto flush = [&] {
     if (m.scene.states.empty()) return;
-    m.scene.since = p_.scene.since();
+    m.scene.since = SimTime::min();
+    for (const UpdateRecord& state : m.scene.states) {
+      m.scene.since = std::max(m.scene.since, p_.scene.at(state.object).since);
+    }
     sent += m.scene.states.size();
     p_.outbox.send(m);
     m = p_.outbox.blank();

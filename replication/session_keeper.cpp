@@ -127,7 +127,10 @@ void SessionKeeper::move_to_session_time(SimTime before, SimTime now, bool same_
     // An orphan stands until somebody claims it, as one whose owner has gone: one that flew on would be a racket.
     const MotionModel model = old.ghosts.model_at(object, before);
     ghosts.set_base(object, now, orphan ? MotionModel(at_rest(model.state.pose())) : model);
-    if (p_.scene.is_moved(object)) p_.scene.at(object).model = old.truth.model_at(object, before);
+    if (p_.scene.is_moved(object)) {
+      p_.scene.at(object).model = old.truth.model_at(object, before);
+      p_.scene.at(object).carrier = p_.model->carrier_of(object);
+    }
   }
   p_.scripted.restart();
   p_.launches.forget_unpublished();
@@ -211,6 +214,7 @@ void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects, std::u
     changed.push_back(object);
   }
   const bool more_moves = p_.let_move(changed);
+  if (more_moves) not_carriers_.clear();
   for (const ObjectId object : changed) {
     p_.regions.on_claimed(object, p_.ticks.last_time());
     if (p_.replica.begun()) p_.replica.declare_remote(object, Role::kPredicted);
@@ -220,7 +224,9 @@ void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects, std::u
 }
 
 void SessionKeeper::let_move(ObjectId carrier) {
+  if (not_carriers_.contains(carrier)) return;
   if (p_.let_move({&carrier, 1})) watch_all_pairs();
+  if (!p_.model->is_carrier(carrier)) not_carriers_.insert(carrier);
 }
 
 void SessionKeeper::lose(PeerId peer, const std::string& name, HostTime now, bool left_gracefully) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 
@@ -50,6 +51,8 @@ class SessionKeeper {
 
   PeerParts& p_;
   SceneKeeper& scene_;
+  // Nodes that updates name as carriers, and that cannot be: nothing rigid moves what a driven scale distorts.
+  std::set<ObjectId> not_carriers_;
 };
 
 }  // namespace peerd::replication

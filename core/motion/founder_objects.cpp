@@ -7,25 +7,16 @@
 
 namespace peerd {
 
-FounderObjects founder_objects(const Scene& scene) {
+std::vector<ObjectId> founder_objects(const Scene& scene) {
   std::vector<ObjectId> marked;
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     if (scene.object({i}).enslaved) marked.push_back({i});
   }
-  FounderObjects found;
-  if (marked.empty()) return found;
+  if (marked.empty()) return marked;
   const PredefinedMotion motion(scene);
   const Carriers carriers(scene, motion, {});
-  for (const ObjectId id : marked) {
-    if (carriers.distorted(id)) {
-      found.distorted.push_back(id);
-    } else if (motion.fields_of(id).empty()) {
-      found.owned.push_back(id);
-    } else {
-      found.routed.push_back(id);
-    }
-  }
-  return found;
+  std::erase_if(marked, [&](ObjectId id) { return carriers.distorted(id) || !motion.fields_of(id).empty(); });
+  return marked;
 }
 
 }  // namespace peerd

@@ -6,14 +6,10 @@
 
 namespace peerd {
 
-// The nodes with `enslaved TRUE` (the thesis, C.5), ascending. All peers have one file, so it says that the founder of
-// the session owns them.
-struct FounderObjects {
-  std::vector<ObjectId> owned;
-  // These have no owner by the file. A ROUTE moves the first, the same on all peers, and would not while somebody owns
-  // them. The second change their shape, so that no rigid motion is theirs (Carriers::distorted).
-  std::vector<ObjectId> routed, distorted;
-};
-[[nodiscard]] FounderObjects founder_objects(const Scene& scene);
+// Returns the nodes with `enslaved TRUE` (the thesis, C.5) that the founder of the session owns, ascending: all peers
+// have one file. Two kinds of marked nodes have no owner by the file: those that a ROUTE moves, the same on all peers,
+// which it would not while somebody owns them; and those that change their shape, so that no rigid motion is theirs
+// (Carriers::distorted).
+[[nodiscard]] std::vector<ObjectId> founder_objects(const Scene& scene);
 
 }  // namespace peerd

@@ -81,7 +81,7 @@ class Resolver {
   void assign_to_founder() {
     const std::size_t founder = founder_in(run_);
     std::vector<ObjectId>& owned = peers_.size() > 1 ? peers_[founder].owned : peers_[founder].owned_by_founder;
-    for (const ObjectId object : founder_objects(scene_).owned) {
+    for (const ObjectId object : founder_objects(scene_)) {
       if (runs_.try_emplace(object, founder).second) owned.push_back(object);
     }
   }
@@ -179,7 +179,7 @@ std::map<ObjectId, std::string> own_motions(const RunSettings& run, const Scene&
     }
     for (const ObjectId object : of_peer[p]) owned.emplace(object, "");
   }
-  for (const ObjectId object : founder_objects(scene).owned) {
+  for (const ObjectId object : founder_objects(scene)) {
     if (owned.emplace(object, "").second) of_peer[founder_in(run)].insert(object);
   }
   for (std::size_t p = 0; p < of_peer.size(); ++p) {

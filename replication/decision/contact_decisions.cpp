@@ -244,17 +244,16 @@ void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
     goes_on(c.collidee, c.collidee_after);
   }
   replica_.colliding().on_contact(c);
+  replica_.name_polygons(c, true);
   outbox_.push(ContactSeen{ContactKind::kDecided, c, known_at});
   const bool alone = changes.size() == 1 && changes.front().author == config_.id;
   if (!alone) apply(changes, known_at);
 }
 
 std::optional<ObjectId> ContactDecisions::scene_object_moved(const ContactEvent& c) const {
-  const auto moves = [&](ObjectId object, const KinematicState& before, const KinematicState& after) {
-    return is_free_scene_object(object) && !moves_alike(before, after);
-  };
-  if (moves(c.collider, c.collider_before, c.collider_after)) return c.collider;
-  if (moves(c.collidee, c.collidee_before, c.collidee_after)) return c.collidee;
+  for (const ObjectId object : {c.collider, c.collidee}) {
+    if (is_free_scene_object(object) && changes_motion_of(object, c)) return object;
+  }
   return std::nullopt;
 }
 
@@ -354,6 +353,7 @@ void ContactDecisions::on_contact_notes(PeerId sender, const Hello& hello, SimTi
 // it is repeated.
 const char* ContactDecisions::on_decision(PeerId sender, std::uint32_t number, const DecisionRecord& d,
                                           SimTime known_at) {
+  if (!model_->are_paired(d.collider, d.collidee)) return "no_pair";
   if (!may_have_decided(sender, d)) {
     members_.find(sender)->received[kWholeScene].mark_as_missing(number);
     return "not_decider";
@@ -443,10 +443,7 @@ void ContactDecisions::apply(const std::vector<DecisionLog::Change>& changes, Si
 
 bool ContactDecisions::binds(const DecisionRecord& d, ObjectId object) const {
   if (object != d.collider && object != d.collidee) return false;
-  const bool is_collider = object == d.collider;
-  const bool moved = is_collider ? !moves_alike(d.collider_before, d.collider_after)
-                                 : !moves_alike(d.collidee_before, d.collidee_after);
-  return moved || !scene_.contains(is_collider ? d.collidee : d.collider);
+  return changes_motion_of(object, d) || !scene_.contains(object == d.collider ? d.collidee : d.collider);
 }
 
 SimTime ContactDecisions::last_binding(ObjectId object) const {
@@ -532,13 +529,15 @@ void ContactDecisions::rebase(ObjectId object, SimTime from) {
     last = d.contact;
   }
   if (is_free_scene_object(object) && scene_.at(object).freed >= last) {
-    replica_.set_ghost(object, scene_.at(object).freed, scene_.at(object).model, false);
+    const SceneObject& freed = scene_.at(object);
+    const UpdateRecord state{object, freed.sequence, freed.freed, freed.model, freed.decided, {}, freed.carrier};
+    replica_.set_ghost(object, freed.freed, replica_.in_own_frame(state), false);
     return;
   }
   const UpdateRecord* u = replica_.last_update_of(object);
   if (owned || u == nullptr) return;
   if (u->at > last && u->decision >= last && !log_.overruled(object, u->decision)) {
-    replica_.set_ghost(object, u->at, u->model, owned);
+    replica_.set_ghost(object, u->at, replica_.in_own_frame(*u), owned);
   }
 }
 

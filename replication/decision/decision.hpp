@@ -6,6 +6,7 @@
 #include "core/ids.hpp"
 #include "core/kinematics.hpp"
 #include "core/time.hpp"
+#include "replication/motion/motion_model.hpp"
 #include "replication/wire/decision_policy.hpp"
 
 namespace peerd::replication {
@@ -32,6 +33,13 @@ struct Contender {
 // The instant whose states decide a contact: `lookback` before the last whole 125 ms. The two owners' contact times
 // differ by a little; on a grid they still take the same states, but for one in (125 ms / difference).
 [[nodiscard]] SimTime decided_as_of(SimTime contact, Duration lookback);
+
+// Whether a contact or a decision on it changes the motion of one of its two objects.
+template <class Contact>
+[[nodiscard]] bool changes_motion_of(ObjectId object, const Contact& c) {
+  return (object == c.collider && !moves_alike(c.collider_before, c.collider_after)) ||
+         (object == c.collidee && !moves_alike(c.collidee_before, c.collidee_after));
+}
 
 // Whether a camera sees anything of a box.
 [[nodiscard]] bool sees(const collision::Camera& camera, const WorldBox& box);

@@ -116,10 +116,7 @@ SimTime DecisionLog::last(ObjectId object) const {
 
 const DecisionLog::Entry* DecisionLog::last_entry(ObjectId object) const {
   for (auto e = entries_.rbegin(); e != entries_.rend(); ++e) {
-    const DecisionRecord& d = e->record;
-    const bool moves = (d.collider == object && !moves_alike(d.collider_before, d.collider_after)) ||
-                       (d.collidee == object && !moves_alike(d.collidee_before, d.collidee_after));
-    if (e->in_force && moves) return &*e;
+    if (e->in_force && changes_motion_of(object, e->record)) return &*e;
   }
   return nullptr;
 }

@@ -49,8 +49,14 @@ void SceneObjects::note_moved(ObjectId object) {
   moved_.insert(object);
 }
 
+void SceneObjects::restart(SimTime now) {
+  for (auto& [object, scene] : all_) scene.since = now;
+}
+
 void SceneObjects::restart_moved(SimTime now) {
   restart(now);
+  differing_.clear();  // both worlds begin with one motion of each
+  for (auto& [object, scene] : all_) scene.ghost_reset.reset();
   for (const ObjectId object : moved_) at(object).freed = now;
 }
 
@@ -70,7 +76,7 @@ bool SceneObjects::supersedes(const UpdateRecord& state, SimTime since) const {
   const SceneObject& known = at(state.object);
   if (state.decision != known.decided) return state.decision > known.decided;
   if (state.sequence != known.sequence) return state.sequence > known.sequence;
-  return known.is_free && since < since_;
+  return known.is_free && since < known.since;
 }
 
 std::vector<UpdateRecord> SceneObjects::states(const Owners& owners, const MotionWorld& truth, SimTime now) const {

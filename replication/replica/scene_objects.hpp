@@ -25,6 +25,8 @@ struct SceneObject {
   std::uint32_t sequence = 1;      // of the last state or update under that decision
   SimTime freed = SimTime::min();  // the time of the state that its last owner left, and how it moves from then on
   MotionModel model;
+  std::optional<ObjectId> carrier{};  // in whose frame the model is; none: the world
+  SimTime since{};  // the session time since which this peer, or whoever it has the state from, has computed its way
   std::uint32_t copies = 0;              // of that state: those that this peer still has to send
   std::uint32_t own_sequence = 0;        // of this peer's last update of it
   std::optional<SimTime> ghost_reset{};  // the instant at which its ghost was last given the motion of the truth
@@ -61,13 +63,10 @@ class SceneObjects {
   // Those that this peer has let go, and of which copies of the state are still to be sent.
   [[nodiscard]] std::vector<ObjectId>& left() { return left_; }
 
-  // The session time since which this peer, or whoever it has states from, has computed what scene objects meet. Of two
-  // peers, what the earlier one has computed counts.
-  [[nodiscard]] SimTime since() const { return since_; }
-  void restart(SimTime now) { since_ = now; }
+  // This peer computes what scene objects meet from now on. Of two peers, what the earlier one has computed counts.
+  void restart(SimTime now);
   // The worlds have begun anew: those that contacts have moved go on from where they are by now.
   void restart_moved(SimTime now);
-  void note_states_since(SimTime since) { since_ = std::min(since_, since); }
   // Session time has stepped into another session's.
   void shift(Duration by);
 
@@ -89,7 +88,6 @@ class SceneObjects {
   std::map<ObjectId, SimTime> differing_;
   std::set<ObjectId> adopted_;
   std::vector<ObjectId> left_;
-  SimTime since_{};
 };
 
 }  // namespace peerd::replication

@@ -24,11 +24,12 @@ void ScriptedMotion::restart() {
 
 void ScriptedMotion::follow_model() {
   if (!motion_ && !model_->moving.empty()) motion_.emplace(*model_->scene);
+  const std::size_t before = pieces_.size();
   for (const ObjectId object : model_->moving) {
-    const std::uint32_t carrier = model_->node(object)->carrier;
-    const auto above = carrier == ModelNode::kNone ? std::nullopt : std::optional(model_->nodes[carrier].object);
-    const auto known = std::ranges::find(pieces_, object, &Piece::object);
-    if (known == pieces_.end()) {
+    const auto above = model_->carrier_of(object);
+    const auto end = pieces_.begin() + static_cast<std::ptrdiff_t>(before);
+    const auto known = std::find_if(pieces_.begin(), end, [&](const Piece& p) { return p.object == object; });
+    if (known == end) {
       pieces_.push_back({object, above, std::nullopt, std::nullopt});
     } else if (known->carrier != above) {
       known->carrier = above;

@@ -73,6 +73,7 @@ Duration RegionSubscriptions::state_request_takes() const {
 void RegionSubscriptions::measure_contact_ranges(std::span<const std::uint32_t> pairs, bool anew) {
   if (anew) contact_ranges_.clear();
   if (!grid_.cuts()) return;
+  forget_ranges_of_others();
   for (const std::uint32_t number : pairs) {
     assert(number < model_->pairs.size());
     for (std::uint32_t k = model_->first_part_pair[number]; k < model_->first_part_pair[number + 1]; ++k) {
@@ -80,6 +81,19 @@ void RegionSubscriptions::measure_contact_ranges(std::span<const std::uint32_t> 
       note_contact_range(model_->part_pairs[k], true);
       note_contact_range(model_->part_pairs[k], false);
     }
+  }
+}
+
+// An object may have gone to another owner, or to none.
+void RegionSubscriptions::forget_ranges_of_others() {
+  assert(grid_.cuts());
+  const auto is_mine = [&](std::uint32_t node) { return own_.contains(model_->nodes[node].object); };
+  std::erase_if(contact_ranges_, [&](const auto& range) {
+    return std::ranges::none_of(chain_of(range.first, ModelNode::kNone), is_mine);
+  });
+  for (auto& [reach, partners] : contact_ranges_) {
+    std::erase_if(partners.moving,
+                  [&](const auto& partner) { return !is_anothers(model_->nodes[partner.first].object); });
   }
 }
 

@@ -130,6 +130,7 @@ class RegionSubscriptions {
     double extent_m = 0.0;
   };
 
+  void forget_ranges_of_others();
   void note_contact_range(const PartPair& parts, bool of_collider);
   [[nodiscard]] bool is_anothers(ObjectId object) const;
   void note_partners(Partners& partners, const Reach& partner, std::uint32_t common) const;

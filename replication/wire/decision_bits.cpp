@@ -74,6 +74,7 @@ bool take_change(BitReader& in, const KinematicState& was, KinematicState& is) {
 bool take(BitReader& in, SimTime near, DecisionRecord& d) {
   if (!take_low_time(in.get(kLowTime_bits), near, d.contact)) return false;
   if (!take_varint(in, d.collider.value) || !take_varint(in, d.collidee.value)) return false;
+  if (d.collider == d.collidee) return false;
   const std::uint64_t rule = in.get(kRule_bits);
   if (rule < static_cast<std::uint64_t>(DecisionRule::kId) || rule > static_cast<std::uint64_t>(DecisionRule::kServer))
     return false;

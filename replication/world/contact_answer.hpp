@@ -1,6 +1,4 @@
 #pragma once
-#include <functional>
-
 #include "replication/world/moving_objects.hpp"
 #include "replication/world/watched_pair.hpp"
 

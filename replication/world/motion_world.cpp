@@ -64,9 +64,13 @@ void MotionWorld::note_who_answers() {
 }
 
 void MotionWorld::change_model(const WorldModel& next) {
+  for (WatchedPair& pair : pairs_) {  // they are not searched, but may be from now on
+    if (pair.fixed && !pair.is_answered() && !pair.unsupported)
+      pair.inside = search().fixed_parts_touch(pair, advanced_);
+  }
   std::vector<WatchedPair> pairs = pairs_to_watch(next, start_);
   const std::vector<std::uint32_t> added = carry_over(*model_, std::move(pairs_), next, pairs);
-  objects_.change_model(next);
+  objects_.change_model(next, advanced_);
   model_ = &next;
   pairs_ = std::move(pairs);
   note_who_answers();
@@ -201,12 +205,20 @@ std::optional<Vec3> MotionWorld::free_acceleration(ObjectId object) const {
 // Contacts that what the object carries has had outside of it may not be; those within it hold.
 void MotionWorld::retract_contacts_of_carried(std::size_t object, SimTime t) {
   if (objects_.carried_by(object).empty()) return;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> met;  // what is carried, and what it may have met
   for (const std::uint32_t i : model_->part_pairs_moved_by(object)) {
     const std::uint32_t collider = pairs_[i].collider, collidee = pairs_[i].collidee;
     if (collider == object || collidee == object) continue;  // retracted with all of its own
     const bool has_collider = objects_.is_in_side(object, collider, pairs_[i].part_a);
-    const std::uint32_t carried = has_collider ? collider : collidee, other = has_collider ? collidee : collider;
+    met.emplace_back(has_collider ? collider : collidee, has_collider ? collidee : collider);
+  }
+  std::ranges::sort(met);
+  met.erase(std::ranges::unique(met).begin(), met.end());
+  for (std::size_t k = 0; k < met.size(); ++k) {
+    const auto [carried, other] = met[k];
     events_.push_back(ContactsRetracted{objects_[carried].id, t - Duration{1}, objects_[other].id});
+    retract_answers(carried, objects_[other].id, t);
+    if (k > 0 && met[k - 1].first == carried) continue;
     retract(carried, t);
     forget_bursts(carried, t);
   }
@@ -215,23 +227,27 @@ void MotionWorld::retract_contacts_of_carried(std::size_t object, SimTime t) {
 // Retracts what followed from a contact with `cause` at t or later. Responses of authoritative objects stand.
 void MotionWorld::retract(std::size_t cause, SimTime t) {
   if (cause >= model_->partners_of_node.size()) return;  // it meets nothing
-  for (const std::uint32_t i : model_->partners_of_node[cause]) {
-    MovingObject& o = objects_[i];
-    if (o.role != Role::kPredicted) continue;
-    std::size_t wrong = o.timeline.first_not_before(t);
-    while (wrong < o.timeline.segment_count() && o.timeline.segment(wrong).cause != objects_[cause].id) ++wrong;
-    if (wrong == 0 || wrong == o.timeline.segment_count()) continue;
-    const SimTime from = o.timeline.segment(wrong).from;
-    if (o.base_time >= from) continue;  // its owner has published since
-    o.timeline.truncate_from(from);
-    objects_.timeline_changed(i);
-    ++o.revision;
-    events_.push_back(ContactsRetracted{o.id, from - Duration{1}});
-    ++counters_.contacts_undone;
-    forget_bursts(i, from);
-    reopen_pairs(i, from, true);
-    retract(i, from);
-  }
+  for (const std::uint32_t i : model_->partners_of_node[cause]) retract_answers(i, objects_[cause].id, t);
+}
+
+// Retracts the answers of one object to `cause` at t or later, and what followed from them.
+void MotionWorld::retract_answers(std::size_t index, ObjectId cause, SimTime t) {
+  assert(objects_[index].id != cause);
+  MovingObject& o = objects_[index];
+  if (o.role != Role::kPredicted) return;
+  std::size_t wrong = o.timeline.first_not_before(t);
+  while (wrong < o.timeline.segment_count() && o.timeline.segment(wrong).cause != cause) ++wrong;
+  if (wrong == 0 || wrong == o.timeline.segment_count()) return;
+  const SimTime from = o.timeline.segment(wrong).from;
+  if (o.base_time >= from) return;  // its owner has published since
+  o.timeline.truncate_from(from);
+  objects_.timeline_changed(index);
+  ++o.revision;
+  events_.push_back(ContactsRetracted{o.id, from - Duration{1}});
+  ++counters_.contacts_undone;
+  forget_bursts(index, from);
+  reopen_pairs(index, from, true);
+  retract(index, from);
 }
 
 void MotionWorld::forget_bursts(std::size_t object, SimTime t) {
@@ -277,8 +293,7 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
 }
 
 bool MotionWorld::ends_touch(ObjectId a, ObjectId b, SimTime t) {
-  for (const std::uint32_t number : model_->pairs_of(a)) {
-    if (model_->pairs[number].collider != b && model_->pairs[number].collidee != b) continue;
+  return model_->any_pair(a, b, [&](std::uint32_t number) {
     for (std::uint32_t i = model_->first_part_pair[number]; i < model_->first_part_pair[number + 1]; ++i) {
       WatchedPair& pair = pairs_[i];
       if (pair.unsupported) continue;
@@ -288,8 +303,8 @@ bool MotionWorld::ends_touch(ObjectId a, ObjectId b, SimTime t) {
         return true;
       }
     }
-  }
-  return false;
+    return false;
+  });
 }
 
 // ---- answers to a contact ----

@@ -189,6 +189,7 @@ class MotionWorld {
 
   void retract_contacts_of_carried(std::size_t object, SimTime t);
   void retract(std::size_t cause, SimTime t);
+  void retract_answers(std::size_t object, ObjectId cause, SimTime t);
   // Forgets the counts of contacts since then.
   void forget_bursts(std::size_t object, SimTime t);
   // The object's pieces changed from t on. `elsewhere`: also where it is.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <utility>
 
 #include "replication/motion/composed_motion.hpp"
@@ -39,7 +40,7 @@ void MovingObjects::add(const ModelNode& node) {
                       .bound = {}});
 }
 
-void MovingObjects::change_model(const WorldModel& next) {
+void MovingObjects::change_model(const WorldModel& next, SimTime now) {
   assert(next.scene == model_->scene);
   MovingObjects before = std::exchange(*this, MovingObjects(next, start_));
   flexible_ = before.flexible_;
@@ -48,6 +49,15 @@ void MovingObjects::change_model(const WorldModel& next) {
     return node == kNone ? std::nullopt : std::optional(model.nodes[node].object);
   };
   const WorldModel& model_before = *before.model_;
+  std::map<ObjectId, Pose> moved;  // new carriers that have left their places in the file
+  for (const MovingObject& old : before.objects_) {
+    if (next.is_carrier(old.id) && !model_before.is_carrier(old.id)) moved[old.id] = old.timeline.at(now).pose();
+  }
+  const auto pose_in = [&](std::optional<ObjectId> outer, ObjectId id) {
+    if (const auto at = moved.find(id); at != moved.end()) return at->second;
+    const KinematicState frame = outer ? at_rest(next.scene->rigid_pose(*outer)) : KinematicState{};
+    return relative_to(frame, at_rest(next.scene->rigid_pose(id))).pose();
+  };
   for (MovingObject& old : before.objects_) {
     if (find(old.id) == nullptr) add({old.id});  // nothing needs it: it meets nothing
     MovingObject& o = objects_[index_of(old.id)];
@@ -58,8 +68,7 @@ void MovingObjects::change_model(const WorldModel& next) {
     o.answers = o.pruning_scheduled = o.changed = false;
     if (from != to) {
       assert(to && "there are more carriers, so the nearest one is nearer");
-      const KinematicState outer = from ? at_rest(next.scene->rigid_pose(*from)) : KinematicState{};
-      o.timeline.change_frame(relative_to(outer, at_rest(next.scene->rigid_pose(*to))).pose());
+      o.timeline.change_frame(pose_in(from, *to));
     }
   }
   assert(objects_.size() >= next.nodes.size() && objects_.size() >= before.objects_.size());

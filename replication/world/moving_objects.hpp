@@ -75,7 +75,7 @@ class MovingObjects {
   }
   void add(const ModelNode& node);
   // Goes on by another model of the same scene, in which more nodes are carriers. Indices change.
-  void change_model(const WorldModel& next);
+  void change_model(const WorldModel& next, SimTime now);
 
   void set_flexible(FlexibleParts& flexible) { flexible_ = &flexible; }
   [[nodiscard]] FlexibleParts* flexible() const { return flexible_; }

@@ -78,7 +78,8 @@ std::vector<std::uint32_t> carry_over(const WorldModel& before, std::vector<Watc
   std::vector<std::uint32_t> added;
   for (std::uint32_t i = 0; i < pairs.size(); ++i) {
     WatchedPair& pair = pairs[i];
-    if (const auto at = same.find(key_of_pair(next, pair)); at != same.end()) {
+    const auto at = same.find(key_of_pair(next, pair));
+    if (at != same.end() && at->second->fixed == pair.fixed) {
       const WatchedPair fresh = std::exchange(pair, std::move(*at->second));
       pair.collider = fresh.collider;
       pair.collidee = fresh.collidee;

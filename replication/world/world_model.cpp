@@ -129,14 +129,9 @@ class ModelBuilder {
     for (ModelNode& node : model_.nodes) {
       const auto above = carriers_->above(node.object);
       if (!above) continue;
-      node.carrier = index_of(*above);
+      node.carrier = model_.index_of(*above);
       node.depth = model_.nodes[node.carrier].depth + 1;
     }
-  }
-
-  [[nodiscard]] std::uint32_t index_of(ObjectId id) const {
-    assert(model_.node(id) != nullptr);
-    return static_cast<std::uint32_t>(model_.node(id) - model_.nodes.data());
   }
 
   // The part of a flexible Shape, whichever ends have it.
@@ -145,7 +140,7 @@ class ModelBuilder {
     const auto [known, is_new] = part_of_shape_.try_emplace(shape, next);
     if (is_new) {
       const auto carrier = carriers_->above(shape);
-      model_.flexible.push_back({carrier ? index_of(*carrier) : kNone, shape});
+      model_.flexible.push_back({carrier ? model_.index_of(*carrier) : kNone, shape});
     }
     return known->second;
   }
@@ -154,9 +149,10 @@ class ModelBuilder {
   void add_bodies() {
     std::vector<bool> is_part(model_.nodes.size(), false);
     for (const ObjectId end : named_) {
-      for (std::uint32_t i = index_of(end); i < model_.nodes.size(); ++i) {
+      const std::uint32_t index = model_.index_of(end);
+      for (std::uint32_t i = index; i < model_.nodes.size(); ++i) {
         if (model_.nodes[i].object.value >= scene_.at(end).subtree_end) break;
-        is_part[i] = is_part[i] || i == index_of(end) || model_.nodes[i].is_carrier;
+        is_part[i] = is_part[i] || i == index || model_.nodes[i].is_carrier;
       }
     }
     for (std::uint32_t i = 0; i < model_.nodes.size(); ++i) {
@@ -174,7 +170,7 @@ class ModelBuilder {
     }
     model_.parts_of_node.resize(model_.nodes.size());
     for (const ObjectId end : named_) {
-      const std::uint32_t index = index_of(end);
+      const std::uint32_t index = model_.index_of(end);
       std::vector<std::uint32_t>& parts = model_.parts_of_node[index];
       for (std::uint32_t i = index; i < model_.nodes.size(); ++i) {
         if (model_.nodes[i].object.value >= scene_.at(end).subtree_end) break;
@@ -208,9 +204,9 @@ class ModelBuilder {
       }
       return ids;
     };
-    if (before_->node(id) == nullptr || carriers_below(*before_) != carriers_below(model_)) return nullptr;
     const collision::Body* const body = before_->body(id);
-    return body->surface ? body : nullptr;
+    if (body == nullptr || !body->surface) return nullptr;
+    return carriers_below(*before_) == carriers_below(model_) ? body : nullptr;
   }
 
   [[nodiscard]] bool is_flexible(ObjectId shape) const {
@@ -237,8 +233,8 @@ class ModelBuilder {
     for (std::uint32_t number = 0; number < model_.pairs.size(); ++number) {
       model_.first_part_pair.push_back(static_cast<std::uint32_t>(model_.part_pairs.size()));
       const CollisionPair& pair = model_.pairs[number];
-      const auto& of_a = model_.parts_of_node[index_of(pair.collider)];
-      const auto& of_b = model_.parts_of_node[index_of(pair.collidee)];
+      const auto& of_a = model_.parts_of_node[model_.index_of(pair.collider)];
+      const auto& of_b = model_.parts_of_node[model_.index_of(pair.collidee)];
       const bool single =
           of_a.size() + of_b.size() == 2 && !model_.is_flexible(of_a.front()) && !model_.is_flexible(of_b.front());
       if (pair.type == CollisionType::kBox && !single) {
@@ -266,7 +262,7 @@ class ModelBuilder {
       lists->resize(count);
     }
     for (std::uint32_t i = 0; i < model_.pairs.size(); ++i) {
-      const std::uint32_t a = index_of(model_.pairs[i].collider), b = index_of(model_.pairs[i].collidee);
+      const std::uint32_t a = model_.index_of(model_.pairs[i].collider), b = model_.index_of(model_.pairs[i].collidee);
       for (const auto& [of, partner] : {std::pair{a, b}, std::pair{b, a}}) {
         model_.pairs_of_node[of].push_back(i);
         model_.partners_of_node[of].push_back(partner);
@@ -292,7 +288,7 @@ class ModelBuilder {
         continue;
       }
       for (const ObjectId end : {model_.pairs[parts.pair].collider, model_.pairs[parts.pair].collidee}) {
-        for (const std::uint32_t part : model_.parts_of_node[index_of(end)]) moves(part);
+        for (const std::uint32_t part : model_.parts_of_node[model_.index_of(end)]) moves(part);
       }
     }
     for (std::vector<std::uint32_t>& moved : model_.moved_part_pairs) keep_each_once(moved);
@@ -350,9 +346,8 @@ bool WorldModel::may_carry(ObjectId carrier, ObjectId object) const {
 }
 
 bool WorldModel::is_answered(ObjectId a, ObjectId b) const {
-  return std::ranges::any_of(pairs_of(a), [&](std::uint32_t number) {
+  return any_pair(a, b, [&](std::uint32_t number) {
     const CollisionPair& pair = pairs[number];
-    if (pair.collider != b && pair.collidee != b) return false;
     return response_of(pair.collider) != nullptr || (pair.mutual && response_of(pair.collidee) != nullptr);
   });
 }
@@ -368,7 +363,7 @@ std::vector<std::uint32_t> WorldModel::chain_of(std::uint32_t part, std::uint32_
 std::unique_ptr<const WorldModel> make_world_model(const Scene& scene, std::span<const ObjectId> owned) {
   auto model = std::make_unique<WorldModel>();
   model->scene = &scene;
-  std::vector<ObjectId> ownable = founder_objects(scene).owned;
+  std::vector<ObjectId> ownable = founder_objects(scene);
   ownable.insert(ownable.end(), owned.begin(), owned.end());
   keep_each_once(ownable);
   ModelBuilder(scene, nullptr, *model).build(ownable);
@@ -376,6 +371,7 @@ std::unique_ptr<const WorldModel> make_world_model(const Scene& scene, std::span
 }
 
 bool needs_carrier(const WorldModel& model, ObjectId id, const IsOwned& is_owned) {
+  assert(is_owned && id.value < model.scene->instances.size());
   const Scene& scene = *model.scene;
   if (scene.at(id).kind != NodeKind::kTransform || model.is_carrier(id)) return false;
   const auto moves = [&](ObjectId other) { return model.node(other) != nullptr || is_owned(other); };

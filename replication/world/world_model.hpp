@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "collision/contact/body.hpp"
@@ -94,6 +95,17 @@ struct WorldModel {
     return moved_part_pairs[node];
   }
   [[nodiscard]] const CollisionResponse* response_of(ObjectId id) const;  // null where the object has none
+  // Whether `holds` of any pair of the two.
+  template <class Predicate>
+  [[nodiscard]] bool any_pair(ObjectId a, ObjectId b, Predicate holds) const {
+    if (pairs_of(b).size() < pairs_of(a).size()) std::swap(a, b);
+    return std::ranges::any_of(pairs_of(a), [&](std::uint32_t number) {
+      return (pairs[number].collider == b || pairs[number].collidee == b) && holds(number);
+    });
+  }
+  [[nodiscard]] bool are_paired(ObjectId a, ObjectId b) const {
+    return a != b && any_pair(a, b, [](std::uint32_t) { return true; });
+  }
   // Whether one of the two answers their contacts.
   [[nodiscard]] bool is_answered(ObjectId a, ObjectId b) const;
   [[nodiscard]] bool is_flexible(std::uint32_t part) const { return part >= nodes.size(); }

@@ -127,6 +127,61 @@ TEST(ArrivingInAFrame, IsWhereItsSenderSees) {
   EXPECT_LT((at(wheel) - Vec3(5, 5, 5)).norm(), 1e-12);
 }
 
+// What a decision has interrupted goes on by the owner's update, wherever that was in.
+TEST(ArrivingInAFrame, GoesOnThereAfterADecision) {
+  const World w(box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")) +
+                box("BALL", "1 1 1", "0 9 0") + interest("WHEEL", "\"BALL\""));
+  const ObjectId car = w["CAR"], wheel = w["WHEEL"], ball = w["BALL"];
+  PeerParts p{config(5), *w.model};
+  SceneKeeper scene{p};
+  SessionKeeper keeper{p, scene};
+  Intake intake{p, keeper, scene};
+  for (Duration t = 0s; t <= 1s; t += 100ms) (void)keeper.maintain(host(t));
+  ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(hello_of(3, host(1s), {car, wheel}))));
+  ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(hello_of(7, host(1s), {ball}))));
+  p.ticks.set_last(p.ticks.number_at(sim(1s)));
+  Message m = message_of(3);
+  UpdateRecord moved{car, 1, sim(900ms), moving({0, 2, 10})}, u{wheel, 1, sim(1s), moving({5, 5, 5}), sim(950ms)};
+  m.updates = {moved, u};
+  ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(m)));
+  m.updates.clear();
+  m.decisions.push_back({wheel, ball, sim(950ms), Vec3::UnitX(), moving({1, 1, 13}), moving({0, 9, 0}),
+                         moving({1, 1, 13}), moving({0, 9, 0}), DecisionRule::kId});
+  ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(m)));
+  EXPECT_EQ(p.decisions.log().entries().size(), 1u);
+  EXPECT_LT((p.replica.ghost(wheel, sim(1s)).position - Vec3(5, 5, 5)).norm(), 1e-12) << "the update was in the world";
+}
+
+// Nothing rigid moves what a driven scale distorts: that it is named as a carrier makes no model anew, again and again.
+TEST(ArrivingInAFrame, WhatCanBeNoCarrierIsTriedOnce) {
+  const World w("DEF GROWS Transform { children " + box("INSIDE", "1 1 1", "1 0 0") + " }" + R"(
+DEF CLOCK TimeSensor { loop TRUE }
+DEF PATH PositionInterpolator { key [ 0 1 ] keyValue [ 1 1 1, 2 2 2 ] }
+ROUTE CLOCK.fraction_changed TO PATH.set_fraction
+ROUTE PATH.value_changed TO GROWS.scale
+)" + box("WALL", "1 1 1", "9 0 0") +
+                interest("WALL", "\"INSIDE\""));
+  PeerParts p{config(5), *w.model};
+  SceneKeeper scene{p};
+  SessionKeeper keeper{p, scene};
+  Intake intake{p, keeper, scene};
+  for (Duration t = 0s; t <= 1s; t += 100ms) (void)keeper.maintain(host(t));
+  ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(hello_of(7, host(1s), {w["INSIDE"]}))));
+  const auto changed = [&] { return p.counters.models_changed; };
+  Message m = message_of(7);
+  m.updates.push_back({w["INSIDE"], 1, sim(1s), moving({1, 0, 0})});
+  m.updates[0].carrier = w["GROWS"];
+  ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(m)));
+  const auto once = changed();
+  EXPECT_FALSE(p.model->is_carrier(w["GROWS"]));
+  for (std::uint32_t sequence = 2; sequence < 5; ++sequence) {
+    m.updates[0].sequence = sequence;
+    ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(m)));
+  }
+  EXPECT_EQ(p.counters.updates_in, 4u);
+  EXPECT_EQ(changed(), once);
+}
+
 TEST_F(Arriving, UpdatesCountWithinTheirTimesLimits) {
   for (const Duration at : {2s - kUpdateAgeMax - 1ns, 2s + kUpdateAheadMax + 1ns}) {
     ASSERT_TRUE(take(update(9, 4.0, sim(at))));

@@ -30,4 +30,21 @@ TEST(PeerParts, CountsDropsInAllAndByMember) {
   EXPECT_FALSE(p.members.contains(PeerId{8}));
 }
 
+// The samples that models are chosen by are in the frame of the carrier.
+TEST(PeerParts, ModelsAreChosenAnewInAnotherFrame) {
+  const World w(
+      box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")) + box("BALL", "1 1 1", "0 9 0"),
+      {"CAR/WHEEL", "BALL"});
+  const ObjectId car = w["CAR"], wheel = w["CAR/WHEEL"], ball = w["BALL"];
+  PeerParts p(config(4, {{wheel, true}, {ball, true}}), *w.model);
+  p.replica.begin(sim(0s));
+  for (const ObjectId object : {wheel, ball}) p.own.at(object).models.emplace(ModelPolicy{});
+  p.owners.set(car, PeerId{9});
+  const std::vector<ObjectId> moved{car};
+  ASSERT_TRUE(p.let_move(moved));
+  EXPECT_FALSE(p.own.at(wheel).models.has_value());
+  EXPECT_TRUE(p.own.at(ball).models.has_value());
+  EXPECT_FALSE(p.let_move(moved)) << "it is a carrier now";
+}
+
 }  // namespace peerd::replication::peer_parts_test

@@ -134,7 +134,18 @@ TEST_F(KeepingScene, ScenesAreThoseOfThePeerThatHasComputedThemForLonger) {
   EXPECT_EQ(x(), 0.0) << "this peer was here before";
   keeper.on_states(PeerId{9}, {sim(-1s), {record(0s, 1, 4)}});
   EXPECT_EQ(x(), 4.0);
-  EXPECT_EQ(p.scene.since(), sim(-1s));
+  EXPECT_EQ(p.scene.at(ball).since, sim(-1s));
+}
+
+TEST_F(KeepingScene, StatesOfOnePeerCountInAllItsDatagrams) {
+  UpdateRecord next = record(0s, 1, 4);
+  next.object = world["B1"];
+  keeper.on_states(PeerId{9}, {sim(-1s), {record(0s, 1, 4)}});
+  keeper.on_states(PeerId{9}, {sim(-1s), {next}});
+  EXPECT_EQ(p.replica.truth(ball, sim(10s)).position.x(), 4.0);
+  EXPECT_EQ(p.replica.truth(world["B1"], sim(10s)).position.x(), 4.0);
+  keeper.on_states(PeerId{3}, {sim(-1s), {record(0s, 1, 7)}});
+  EXPECT_EQ(x(), 4.0) << "no longer than peer 9";
 }
 
 TEST_F(KeepingScene, TheLowestOfThosePeersThatAgreeSends) {

@@ -263,6 +263,11 @@ TEST_F(Deferring, AnothersDecisionMovesBothWorldsAndEndsTheWaiting) {
 
 TEST_F(Deferring, ADecisionCountsOnceAndOfItsDeciderAlone) {
   EXPECT_STREQ(decisions.on_decision(PeerId{9}, 1, record(), sim(10s)), "not_decider");
+  for (const ObjectId stranger : {ObjectId{999}, world["A/0"], a}) {
+    DecisionRecord none = record();
+    none.collidee = stranger;
+    EXPECT_STREQ(decisions.on_decision(other, 1, none, sim(10s)), "no_pair");
+  }
   EXPECT_EQ(decisions.on_decision(other, 1, record(), sim(10s)), nullptr);
   EXPECT_STREQ(decisions.on_decision(other, 2, record(), sim(10s)), "decision_known");
   EXPECT_EQ(decided(), 1u);

@@ -91,9 +91,6 @@ TEST_F(SceneThings, OfTwoStatesTheLaterDecisionThenTheSequenceThenTheLongerPrese
   EXPECT_FALSE(scene.supersedes(state(ball, 6s, 4), sim(5s)));
   scene.at(ball).is_free = false;
   EXPECT_FALSE(scene.supersedes(state(ball, 6s, 4), sim(4s))) << "its owner is here";
-  scene.note_states_since(sim(2s));
-  scene.note_states_since(sim(3s));
-  EXPECT_EQ(scene.since(), sim(2s));
 }
 
 TEST_F(SceneThings, GoOnWhenSessionTimeSteps) {
@@ -102,8 +99,12 @@ TEST_F(SceneThings, GoOnWhenSessionTimeSteps) {
   scene.shift(100s);
   EXPECT_EQ(scene.decided(ball), sim(106s));
   EXPECT_EQ(scene.decided(free), SimTime{}) << "none is none";
+  scene.differing().emplace(ball, sim(7s));
+  scene.at(ball).ghost_reset = sim(7s);
   scene.restart_moved(sim(112s));
-  EXPECT_EQ(scene.since(), sim(112s));
+  EXPECT_EQ(scene.at(ball).since, sim(112s));
+  EXPECT_TRUE(scene.differing().empty()) << "those were times of the other session";
+  EXPECT_FALSE(scene.at(ball).ghost_reset.has_value());
   EXPECT_EQ(scene.at(ball).freed, sim(112s));
   EXPECT_EQ(scene.at(free).freed, SimTime::min());
 }

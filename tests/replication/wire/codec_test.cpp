@@ -234,6 +234,7 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Decision, Value,
     testing::Values(Case{"Good", deciding([](auto&) {}), true},
+                    Case{"DecisionOnOneObject", deciding([](DecisionRecord& d) { d.collidee = d.collider; }), false},
                     Case{"NoNormal", deciding([](auto& d) { d.normal.setZero(); }), false},
                     Case{"LongNormal", deciding([](auto& d) { d.normal *= 1.001; }), false},
                     Case{"NaNNormal", deciding([](auto& d) { d.normal.y() = kNaN; }), false},

@@ -1325,4 +1325,64 @@ TEST(ChangedModel, WhatRestsOnWhatBecomesACarrierGoesOnToRest) {
   EXPECT_LT(world.at(w["BALL"], sim(5500ms)).position.y(), lies.y() - 1.0) << "nothing bears it any more";
 }
 
+TEST(ChangedModel, PartsThatWereFixedToEachOtherAndTouchGoOnToTouch) {
+  const World w("DEF BUS Transform { children [ DEF INNER Group { children " + box("DOOR", "1 2 0.1", "0 1 1.5") +
+                    "} DEF OUTER Group { children " + box("POST", "0.2 2 0.2", "0.55 1 1.5") + "} ] }\n" +
+                    interest("INNER", "\"OUTER\""),
+                {"BUS"});
+  MotionWorld world(*w.model, sim(0s));
+  world.advance(sim(1s));
+  ASSERT_TRUE(world.ends_touch(w["INNER"], w["OUTER"], sim(1s)));
+  const auto next = extended(*w.model, std::vector{w["DOOR"]});
+  world.change_model(*next);
+  world.declare(w["DOOR"], Role::kDriven);
+  world.set_base(w["DOOR"], sim(1s), moving({0, 1, 1.5}));
+  world.advance(sim(2s));
+  EXPECT_TRUE(contacts(world).empty()) << "they have always touched";
+  world.set_base(w["DOOR"], sim(2s), moving({0, 1, 1.5}, {-1, 0, 0}));
+  world.advance(sim(2020ms));
+  EXPECT_TRUE(world.ends_touch(w["INNER"], w["OUTER"], sim(2020ms))) << "for 50 ms yet";
+  world.advance(sim(4s));
+  EXPECT_TRUE(contacts(world).empty());
+  EXPECT_FALSE(world.ends_touch(w["INNER"], w["OUTER"], sim(4s)));
+}
+
+// A car of a peer that has gone stands where that has left it, and somebody else owns its wheel.
+TEST(ChangedModel, ANewCarrierIsWhereItStands) {
+  const World w(box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")));
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* path : {"CAR", "CAR/WHEEL"}) world.declare(w[path], Role::kPredicted);
+  world.set_base(w["CAR"], sim(1s), moving({10, 2, 0}));
+  world.set_base(w["CAR/WHEEL"], sim(1s), moving({11, 1, 3}));
+  world.advance(sim(2s));
+  const auto next = extended(*w.model, std::vector{w["CAR"], w["CAR/WHEEL"]});
+  world.change_model(*next);
+  EXPECT_EQ(world.at(w["CAR/WHEEL"], sim(2s)).position, Vec3(11, 1, 3));
+  EXPECT_EQ(world.relative_at(w["CAR/WHEEL"], sim(2s)).position, Vec3(1, -1, 3));
+}
+
+// A ball in a bus bounces off a wall outside, and then the bus turns out to have stood.
+TEST(Carriers, WhatIsCarriedUndoesItsAnswerToWhatItsCarrierDidNotMeet) {
+  const World w("DEF BUS Transform { children [ " + box("BALL", "1 1 1", "0 2 0", kBounces) +
+                    box("CASE", "1 1 1", "0 4 0") + "] }\n" + "DEF WALL Group { children [ " +
+                    box("LOW", "1 9 9", "8 0 0") + box("HIGH", "1 9 9", "9 9 0") + "] }\n" +
+                    interest("BUS/BALL", "\"WALL\"") + interest("BUS/CASE", "\"WALL\""),
+                {"BUS"});
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* path : {"BUS", "BUS/BALL"}) world.declare(w[path], Role::kPredicted);
+  world.set_base(w["BUS"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
+  world.advance(sim(5s));
+  ASSERT_FALSE(contacts(world).empty());
+  ASSERT_NE(world.relative_at(w["BUS/BALL"], sim(5s)).velocity, Vec3(Vec3::Zero()));
+  world.set_base(w["BUS"], sim(1s), moving({2, 0, 0}));
+  EXPECT_EQ(world.relative_at(w["BUS/BALL"], sim(5s)).velocity, Vec3(Vec3::Zero()));
+  EXPECT_EQ(world.relative_at(w["BUS/BALL"], sim(5s)).position, Vec3(0, 2, 0));
+  std::size_t of_case = 0;
+  while (const auto event = world.poll_event()) {
+    const auto* retracted = std::get_if<ContactsRetracted>(&*event);
+    of_case += retracted != nullptr && retracted->object == w["BUS/CASE"] ? 1 : 0;
+  }
+  EXPECT_EQ(of_case, 1u) << "once, of however many parts the wall is";
+}
+
 }  // namespace peerd::replication::motion_world_test
