@@ -27,7 +27,6 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
       admission(config, members, outbox),
       time(config, members, outbox, counters),
       greeter(config, members),
-      owners(model->scene->instances.size()),
       own(*model->scene, config.owned, config.policy.surface_error),
       scene(model),
       replica(model),

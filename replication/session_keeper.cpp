@@ -181,7 +181,7 @@ void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects, std::u
   std::vector<ObjectId> changed, lost;
   for (std::size_t k = 0; k < objects.size(); ++k) {
     const ObjectId object = objects[k];
-    if (object.value >= p_.model->scene->instances.size()) {
+    if (!p_.model->scene->contains(object)) {
       p_.drop(peer, "object");
       continue;
     }

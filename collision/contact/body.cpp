@@ -94,15 +94,14 @@ class Reasons {
 }  // namespace
 
 Body make_body(const Scene& scene, ObjectId object, const Belongs& belongs) {
-  assert(object.value < scene.instances.size());
   Body body;
   body.object = object;
   body.surface = std::make_shared<Surface>();
   {
     std::size_t shapes = 0;
     Reasons not_convex_reason(scene, body.not_convex_reason), unsupported(scene, body.unsupported);
-    for (std::uint32_t i = object.value; i < scene.at(object).subtree_end; ++i) {
-      const ObjectId shape{i};
+    for (std::uint32_t i = scene.index_of(object); i < scene.at(object).subtree_end; ++i) {
+      const ObjectId shape = scene.id_of(i);
       const Geometry* const geometry = scene.geometry(shape);
       if (geometry == nullptr || !scene.at(shape).collides || (belongs && !belongs(shape))) continue;
       const Mesh mesh = build_mesh(*geometry, scene.tessellation);

@@ -35,24 +35,24 @@ CollisionWatch::CollisionWatch(const Scene& scene, HierarchyLoader load_hierarch
 
 void CollisionWatch::add_objects(const Scene& scene) {
   for (const WatchedInterest& interest : interests_) {
-    object_of_[interest.collider.value] = object_of_[interest.collidee.value] = 0;
+    object_of_[scene.index_of(interest.collider)] = object_of_[scene.index_of(interest.collidee)] = 0;
   }
   for (std::uint32_t i = 0; i < object_of_.size(); ++i) {
     if (object_of_[i] == kNoObject) continue;
     object_of_[i] = static_cast<BroadIndex>(objects_.size());
-    objects_.push_back({.id = {i}});
-    changes_.add_object({i}, scene.instances[i].kind == NodeKind::kTransform);
+    objects_.push_back({.id = scene.id_of(i), .instance = i});
+    changes_.add_object(scene.id_of(i), scene.instances[i].kind == NodeKind::kTransform);
     moved_objects_.push_back(object_of_[i]);
     broad_->add(object_of_[i], {});
   }
   for (const WatchedInterest& interest : interests_) {
-    changes_.add_interest(object_of_[interest.collider.value], object_of_[interest.collidee.value]);
+    changes_.add_interest(object_of(interest.collider), object_of(interest.collidee));
   }
 }
 
 void CollisionWatch::add_pairs() {
   const auto objects_of = [&](std::uint32_t i) {
-    return make_broad_pair(object_of_[interests_[i].collider.value], object_of_[interests_[i].collidee.value]);
+    return make_broad_pair(object_of(interests_[i].collider), object_of(interests_[i].collidee));
   };
   for (std::uint32_t i = 0; i < interests_.size(); ++i) interests_by_pair_.push_back(i);
   std::ranges::stable_sort(interests_by_pair_, {}, objects_of);
@@ -132,8 +132,8 @@ void CollisionWatch::mark(std::uint32_t instance) {
     moved_objects_.push_back(object_of_[i]);
   };
   const std::uint32_t end = scene_.instances[instance].subtree_end;
-  const auto first = std::ranges::lower_bound(objects_, ObjectId{instance}, {}, &Object::id);
-  for (auto object = first; object != objects_.end() && object->id.value < end; ++object) moved(object->id.value);
+  const auto first = std::ranges::lower_bound(objects_, instance, {}, &Object::instance);
+  for (auto object = first; object != objects_.end() && object->instance < end; ++object) moved(object->instance);
   for (std::int32_t i = scene_.instances[instance].parent; i >= 0;
        i = scene_.instances[static_cast<std::size_t>(i)].parent) {
     moved(static_cast<std::uint32_t>(i));

@@ -85,6 +85,7 @@ class CollisionWatch {
  private:
   struct Object {
     ObjectId id;
+    std::uint32_t instance = 0;   // its index
     bool moved = true;            // since the last tick
     double displacement_m = 0.0;  // a bound of how far its points went in this tick
     double travelled_m = 0.0;     // the sum of displacement_m over all ticks, rounded up
@@ -110,6 +111,7 @@ class CollisionWatch {
     bool touching = false;       // an exact interest of the pair collided, or was refused, at the last tick
   };
 
+  [[nodiscard]] BroadIndex object_of(ObjectId id) const { return object_of_[scene_.index_of(id)]; }
   void add_objects(const Scene& scene);
   void add_pairs();
   void mark(std::uint32_t instance);

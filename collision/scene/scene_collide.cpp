@@ -25,14 +25,15 @@ struct SceneCollide::Search {
   // True where the search has ended before all pairs were visited.
   bool run(ObjectId collider, ObjectId collidee) {
     const auto end = [&](std::uint32_t i) { return query.scene_.instances[i].subtree_end; };
-    const std::uint32_t end_a = end(collider.value), end_b = end(collidee.value);
-    for (std::uint32_t a = collider.value; a < end_a;) {
-      if (!overlap(box(a), box(collidee.value), gap_m)) {
+    const std::uint32_t first_a = query.scene_.index_of(collider), first_b = query.scene_.index_of(collidee);
+    const std::uint32_t end_a = end(first_a), end_b = end(first_b);
+    for (std::uint32_t a = first_a; a < end_a;) {
+      if (!overlap(box(a), box(first_b), gap_m)) {
         a = end(a);
         continue;
       }
       if (collides(a)) {
-        for (std::uint32_t b = collidee.value; b < end_b;) {
+        for (std::uint32_t b = first_b; b < end_b;) {
           const bool apart = !overlap(box(a), box(b), gap_m);
           if (!apart && a != b && collides(b) && visit_shapes(a, b)) return true;
           b = apart ? end(b) : b + 1;
@@ -93,7 +94,7 @@ std::expected<Collision, std::string> SceneCollide::collide(ObjectId collider, O
   }
   const auto searched = visit_close_pairs(collider, collidee, [&](const ClosePair& close) {
     const auto report = [&](const PolygonPair& pair) {
-      const ShapePolygon of_a{{close.a}, pair.a}, of_b{{close.b}, pair.b};
+      const ShapePolygon of_a{scene_.id_of(close.a), pair.a}, of_b{scene_.id_of(close.b), pair.b};
       found.pairs.push_back(close.collider_first ? ShapePair{of_a, of_b} : ShapePair{of_b, of_a});
     };
     if (type == CollisionType::kWitness) {

@@ -64,7 +64,8 @@ std::expected<void, std::string> ScenePick::test_shape(std::uint32_t shape, cons
   const Mat3 back = pose.orientation.toRotationMatrix().transpose();
   const Ray ray{multiply(back, Vec3(world.origin - pose.position)), multiply(back, world.direction),
                 nearest_ ? nearest_->t : world.longest};
-  if (!is_usable(ray)) return std::unexpected(scene_.path_of({shape}) + ": it has no finite place near the ray");
+  if (!is_usable(ray))
+    return std::unexpected(scene_.path_of(scene_.id_of(shape)) + ": it has no finite place near the ray");
   const auto hit = rays_.nearest(placement_.tree(shape, **of_shape), ray);
   if (!hit || (nearest_ && hit->t == nearest_->t && shape > nearest_->shape)) return {};
   assert(!nearest_ || hit->t <= nearest_->t);
@@ -102,7 +103,7 @@ std::expected<std::optional<Pick>, std::string> ScenePick::pick(const Vec3& orig
   const PlacedShape& placed = placement_.placed(nearest_->shape);
   const Mat3 rotation = placed.pose.pose.orientation.toRotationMatrix();
   const Triangle triangle = placed.scaled_geometry->soup.triangle(nearest_->hit.face);
-  return Pick{{{nearest_->shape}, nearest_->hit.polygon},
+  return Pick{{scene_.id_of(nearest_->shape), nearest_->hit.polygon},
               nearest_->t * length,
               origin_world + nearest_->t * direction_world,
               facing_normal(multiply(rotation, Vec3(triangle[1] - triangle[0])),

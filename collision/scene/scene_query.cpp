@@ -88,14 +88,14 @@ std::expected<bool, std::string> SceneQuery::may_be_in_view(ObjectId object, con
 
 const WorldBox& SceneQuery::box(ObjectId object) {
   parts_->apply_moves();
-  return parts_->boxes.box(object.value, Surfaces::kColliding);
+  return parts_->boxes.box(parts_->scene.index_of(object), Surfaces::kColliding);
 }
 
 double SceneQuery::displacement_m(ObjectId object) {
   parts_->apply_moves();
   const Scene& scene = parts_->scene;
   double most = 0.0;
-  for (std::uint32_t i = object.value; i < scene.at(object).subtree_end; ++i) {
+  for (std::uint32_t i = scene.index_of(object); i < scene.at(object).subtree_end; ++i) {
     if (is_surface(scene, i, Surfaces::kColliding)) most = std::max(most, parts_->placement.displacement_m(i));
   }
   assert(most >= 0.0);
@@ -120,14 +120,14 @@ std::expected<std::vector<SceneQuery::Baked>, std::string> SceneQuery::bake() {
   std::vector<Baked> files;
   std::map<std::string_view, const ScaledGeometry*> of_file;
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
-    const std::string_view url = scene.shape({i}).hierarchy_file;
+    const std::string_view url = scene.shape(scene.id_of(i)).hierarchy_file;
     if (url.empty() || !is_surface(scene, i, Surfaces::kColliding)) continue;
     const auto shape = parts_->placement.scaled_geometry(i);
     if (!shape) return std::unexpected(shape.error());
     if ((*shape)->soup.faces.empty()) continue;
     const auto [known, is_new] = of_file.try_emplace(url, *shape);
     if (!is_new && known->second != *shape) {
-      return std::unexpected(scene.path_of({i}) + ": hierarchyFile \"" + std::string(url) +
+      return std::unexpected(scene.path_of(scene.id_of(i)) + ": hierarchyFile \"" + std::string(url) +
                              "\" is another Shape's too, of another geometry or scale");
     }
     if (!is_new) continue;

@@ -38,7 +38,7 @@ std::expected<std::span<const ShapeInView>, std::string> SceneView::in_view(cons
     if (!seen) {
       error = seen.error();
     } else if (*seen) {
-      in_view_.push_back({{shape}, active == 0});
+      in_view_.push_back({scene_.id_of(shape), active == 0});
     }
     return !seen.has_value();
   });
@@ -48,10 +48,11 @@ std::expected<std::span<const ShapeInView>, std::string> SceneView::in_view(cons
 
 std::expected<bool, std::string> SceneView::may_be_in_view(ObjectId object, const Frustum& frustum) {
   std::expected<bool, std::string> answer = false;
-  cull_subtrees(object.value, scene_.at(object).subtree_end, frustum, [&](std::uint32_t shape, PlaneMask active) {
-    answer = shape_in_view(shape, frustum, active, ViewQuery::kAllLevels);
-    return !answer || *answer;
-  });
+  cull_subtrees(scene_.index_of(object), scene_.at(object).subtree_end, frustum,
+                [&](std::uint32_t shape, PlaneMask active) {
+                  answer = shape_in_view(shape, frustum, active, ViewQuery::kAllLevels);
+                  return !answer || *answer;
+                });
   return answer;
 }
 

@@ -137,12 +137,12 @@ void ShapeBoxes::set_box_bound(BoxBound bound) {
 std::expected<WorldBox, std::string> ShapeBoxes::tight_box(ObjectId object) {
   tight_boxes_.resize(scene_.instances.size());
   WorldBox box;
-  for (std::uint32_t i = object.value; i < scene_.at(object).subtree_end; ++i) {
+  for (std::uint32_t i = scene_.index_of(object); i < scene_.at(object).subtree_end; ++i) {
     if (!is_surface(scene_, i, Surfaces::kColliding)) continue;
     std::optional<WorldBox>& of_shape = tight_boxes_[i];
     if (!of_shape) of_shape = box_bound_ == BoxBound::kVertices ? tight_shape_box(i) : realigned_shape_box(i);
     if (!finite(*of_shape)) {
-      return std::unexpected(scene_.path_of({i}) + ": its vertices have no finite place in the world");
+      return std::unexpected(scene_.path_of(scene_.id_of(i)) + ": its vertices have no finite place in the world");
     }
     box.merge(*of_shape);
   }

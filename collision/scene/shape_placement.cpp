@@ -104,7 +104,7 @@ std::expected<ScaledGeometry*, std::string> ShapePlacement::scaled_geometry(std:
   PlacedShape& at = placed_[shape];
   if (at.scaled_geometry != nullptr) return at.scaled_geometry;
   const auto acquired = geometries_.acquire(geometry_of(shape), stretch, meshes_);
-  if (!acquired) return std::unexpected(scene_.path_of({shape}) + ": " + acquired.error());
+  if (!acquired) return std::unexpected(scene_.path_of(scene_.id_of(shape)) + ": " + acquired.error());
   at.scaled_geometry = *acquired;
   assert(at.scaled_geometry->key.geometry == geometry_of(shape) && at.scaled_geometry->use_count > 0);
   return at.scaled_geometry;

@@ -59,7 +59,7 @@ class ShapePlacement {
   // The scaled geometry of a Shape. The error names the Shape and says which vertex can't be used.
   [[nodiscard]] std::expected<ScaledGeometry*, std::string> scaled_geometry(std::uint32_t shape);
   [[nodiscard]] WideTree& tree(std::uint32_t shape, ScaledGeometry& scaled_geometry) {
-    return geometries_.tree({shape}, scaled_geometry);
+    return geometries_.tree(scene_.id_of(shape), scaled_geometry);
   }
   // How far a Shape's vertices went since the last batch of moves but one [m]; 0 where it did not move in that batch.
   [[nodiscard]] double displacement_m(std::uint32_t shape) {

@@ -5,12 +5,12 @@
 namespace peerd {
 
 Carriers::Carriers(const Scene& scene, const PredefinedMotion& motion, std::span<const ObjectId> movable)
-    : nodes_(scene.instances.size()) {
-  for (const ObjectId id : movable) nodes_[id.value].is_carrier = true;
+    : scene_(scene), nodes_(scene.instances.size()) {
+  for (const ObjectId id : movable) nodes_[scene.index_of(id)].is_carrier = true;
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
     Node& node = nodes_[i];
-    const ObjectId id{i};
-    const std::int32_t parent = scene.at(id).parent;
+    const ObjectId id = scene.id_of(i);
+    const std::int32_t parent = scene.instances[i].parent;
     if (parent >= 0) {
       const auto p = static_cast<std::uint32_t>(parent);
       assert(p < i && "instances stand in depth-first order");

@@ -20,18 +20,18 @@ namespace peerd {
 // distorted. Nothing distorted is a carrier, because no rigid body is where it is.
 class Carriers {
  public:
-  // `movable`: instances that something else than the world itself may move, such as an owner; in any order. Both
-  // arguments are read during the call only.
+  // `movable`: instances that something else than the world itself may move, such as an owner; in any order. The scene
+  // outlives the carriers, at its place.
   Carriers(const Scene& scene, const PredefinedMotion& motion, std::span<const ObjectId> movable);
 
-  [[nodiscard]] bool contains(ObjectId id) const { return nodes_[id.value].is_carrier; }
+  [[nodiscard]] bool contains(ObjectId id) const { return nodes_[scene_.index_of(id)].is_carrier; }
   // Returns the nearest carrier above the instance, not itself; none: it is fixed to the world.
   [[nodiscard]] std::optional<ObjectId> above(ObjectId id) const {
-    const std::uint32_t above = nodes_[id.value].above;
-    return above == kNone ? std::nullopt : std::optional(ObjectId{above});
+    const std::uint32_t above = nodes_[scene_.index_of(id)].above;
+    return above == kNone ? std::nullopt : std::optional(scene_.id_of(above));
   }
   // Returns whether the instance, and so all that is below it, changes its shape as the world moves.
-  [[nodiscard]] bool distorted(ObjectId id) const { return nodes_[id.value].distorted; }
+  [[nodiscard]] bool distorted(ObjectId id) const { return nodes_[scene_.index_of(id)].distorted; }
 
  private:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -41,6 +41,7 @@ class Carriers {
     bool distorted = false;
     bool uneven = false;  // what is below it is scaled unevenly
   };
+  const Scene& scene_;
   std::vector<Node> nodes_;  // by instance
 };
 

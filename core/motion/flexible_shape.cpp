@@ -19,9 +19,9 @@ FlexibleShape::FlexibleShape(const Scene& scene, const PredefinedMotion& motion,
     : scene_(scene), shape_(shape) {
   assert(scene.geometry(shape) != nullptr);
   std::vector<TransformFields> beyond;
-  for (auto i = static_cast<std::int32_t>(shape.value); i >= 0;) {
+  for (auto i = static_cast<std::int32_t>(scene.index_of(shape)); i >= 0;) {
     const Instance& instance = scene.instances[static_cast<std::size_t>(i)];
-    const ObjectId id{static_cast<std::uint32_t>(i)};
+    const ObjectId id = scene.id_of(static_cast<std::uint32_t>(i));
     if (!beyond.empty() || (carrier && id == *carrier)) {
       beyond.push_back(scene.transform(id));
     } else if (instance.transform != Instance::kNone) {

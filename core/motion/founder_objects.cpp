@@ -10,7 +10,8 @@ namespace peerd {
 std::vector<ObjectId> founder_objects(const Scene& scene) {
   std::vector<ObjectId> marked;
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
-    if (scene.object({i}).enslaved) marked.push_back({i});
+    const ObjectId id = scene.id_of(i);
+    if (scene.object(id).enslaved) marked.push_back(id);
   }
   if (marked.empty()) return marked;
   const PredefinedMotion motion(scene);

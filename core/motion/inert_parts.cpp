@@ -197,7 +197,7 @@ class NodeCheck {
 
   [[nodiscard]] bool collides(ObjectId id) {
     if (solid_before_.empty()) count_solid();
-    return solid_before_[scene_.at(id).subtree_end] > solid_before_[id.value];
+    return solid_before_[scene_.at(id).subtree_end] > solid_before_[scene_.index_of(id)];
   }
 
   void count_solid() {
@@ -218,7 +218,8 @@ class NodeCheck {
     std::vector<ObjectId> extended;
     for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
       const Instance& instance = scene_.instances[i];
-      if (instance.kind == NodeKind::kTransform && instance.extension != Instance::kNone) extended.push_back({i});
+      if (instance.kind == NodeKind::kTransform && instance.extension != Instance::kNone)
+        extended.push_back(scene_.id_of(i));
     }
     if (extended.empty() && scene_.key_sensors.empty()) return;
     const PredefinedMotion motion(scene_);
@@ -286,11 +287,10 @@ class NodeCheck {
     for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
       const Instance& instance = scene_.instances[i];
       if (instance.kind != NodeKind::kBillboard) continue;
-      const auto end = ends_.lower_bound({i});
-      bool concerned = end != ends_.end() && end->value < instance.subtree_end;
+      bool concerned = std::ranges::any_of(ends_, [&](ObjectId end) { return scene_.is_within(end, scene_.id_of(i)); });
       for (std::int32_t up = instance.parent; up >= 0 && !concerned;) {
         const auto above = static_cast<std::uint32_t>(up);
-        concerned = ends_.contains({above});
+        concerned = ends_.contains(scene_.id_of(above));
         up = scene_.instances[above].parent;
       }
       if (concerned)

@@ -73,7 +73,7 @@ void go_about_center(PredefinedMotion::Piece& piece, const TransformFields& own,
 PredefinedMotion::PredefinedMotion(const Scene& scene) : scene_(scene) {
   read_routes();
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
-    if (moves_in_parent({i})) driven_ids_.push_back({i});
+    if (const ObjectId id = scene.id_of(i); moves_in_parent(id)) driven_ids_.push_back(id);
   }
 }
 
@@ -162,17 +162,20 @@ bool PredefinedMotion::scales(ObjectId id) const {
 
 bool PredefinedMotion::moves(ObjectId id) const {
   if (driven_ids_.empty()) return false;
-  return std::ranges::any_of(way_to(id, std::nullopt).instances, [&](std::uint32_t i) { return moves_in_parent({i}); });
+  return std::ranges::any_of(way_to(id, std::nullopt).instances,
+                             [&](std::uint32_t i) { return moves_in_parent(scene_.id_of(i)); });
 }
 
 bool PredefinedMotion::stays_rigid(ObjectId id) const {
   if (driven_ids_.empty()) return true;
-  const auto within = std::ranges::upper_bound(driven_ids_, id);
-  if (within != driven_ids_.end() && within->value < scene_.at(id).subtree_end) return false;
+  const auto index = [&](ObjectId driven) { return scene_.index_of(driven); };
+  const auto behind = std::ranges::upper_bound(driven_ids_, scene_.index_of(id), {}, index);
+  if (behind != driven_ids_.end() && scene_.is_within(*behind, id)) return false;
   bool uneven = false;  // somewhere above
   for (const std::uint32_t i : way_to(id, std::nullopt).instances) {
-    if (scales({i}) || (uneven && turns_in_parent({i}))) return false;
-    uneven = uneven || !is_even(scene_.transform({i}).scale);
+    const ObjectId on_way = scene_.id_of(i);
+    if (scales(on_way) || (uneven && turns_in_parent(on_way))) return false;
+    uneven = uneven || !is_even(scene_.transform(on_way).scale);
   }
   return true;
 }
@@ -180,7 +183,7 @@ bool PredefinedMotion::stays_rigid(ObjectId id) const {
 // Whether a turn in the frame of the instance's parent is a turn in the world, about the turned axis.
 bool PredefinedMotion::is_evenly_scaled_above(ObjectId id) const {
   for (std::int32_t i = scene_.at(id).parent; i >= 0; i = scene_.instances[static_cast<std::size_t>(i)].parent) {
-    const ObjectId instance{static_cast<std::uint32_t>(i)};
+    const ObjectId instance = scene_.id_of(static_cast<std::uint32_t>(i));
     if (scales(instance) || !is_even(scene_.transform(instance).scale)) return false;
   }
   return true;
@@ -189,10 +192,11 @@ bool PredefinedMotion::is_evenly_scaled_above(ObjectId id) const {
 PredefinedMotion::Way PredefinedMotion::way_to(ObjectId id, std::optional<ObjectId> above) const {
   Way way;
   std::vector<TransformFields> beyond;
-  for (auto i = static_cast<std::int32_t>(id.value); i >= 0; i = scene_.instances[static_cast<std::size_t>(i)].parent) {
+  for (auto i = static_cast<std::int32_t>(scene_.index_of(id)); i >= 0;
+       i = scene_.instances[static_cast<std::size_t>(i)].parent) {
     const auto instance = static_cast<std::uint32_t>(i);
-    if (!beyond.empty() || (above && above->value == instance)) {
-      beyond.push_back(scene_.transform({instance}));
+    if (!beyond.empty() || (above && *above == scene_.id_of(instance))) {
+      beyond.push_back(scene_.transform(scene_.id_of(instance)));
     } else {
       way.instances.push_back(instance);
     }
@@ -234,7 +238,7 @@ TransformFields PredefinedMotion::transform(ObjectId id, double t_s) {
 
 Pose PredefinedMotion::pose_on(const Way& way, double t_s) {
   std::vector<TransformFields> fields;
-  for (const std::uint32_t i : way.instances) fields.push_back(transform({i}, t_s));
+  for (const std::uint32_t i : way.instances) fields.push_back(transform(scene_.id_of(i), t_s));
   return peerd::rigid_pose(way.stretch, fields);
 }
 
@@ -243,8 +247,8 @@ Pose PredefinedMotion::rigid_pose(ObjectId id, double t_s) { return pose_on(way_
 Vec3 PredefinedMotion::to_world(ObjectId id, const Vec3& in_parent, double t_s) {
   Affine world_from_parent;
   for (const std::uint32_t i : way_to(id, std::nullopt).instances) {
-    if (i == id.value || scene_.instances[i].transform == Instance::kNone) continue;
-    world_from_parent = multiply(world_from_parent, parent_from_local(transform({i}, t_s)));
+    if (scene_.id_of(i) == id || scene_.instances[i].transform == Instance::kNone) continue;
+    world_from_parent = multiply(world_from_parent, parent_from_local(transform(scene_.id_of(i), t_s)));
   }
   return multiply(world_from_parent.linear, in_parent);
 }

@@ -38,7 +38,7 @@ class PredefinedMotion {
   // driven, no scale of its path is, and no driven rotation stands below an uneven scale, which would shear it ever
   // differently.
   [[nodiscard]] bool stays_rigid(ObjectId id) const;
-  // The driven instances, by id, each once.
+  // The driven instances in depth-first order, each once.
   [[nodiscard]] const std::vector<ObjectId>& driven_transforms() const { return driven_ids_; }
 
   [[nodiscard]] std::vector<animation::FieldId> fields_of(ObjectId id) const;  // driven fields

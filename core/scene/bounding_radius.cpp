@@ -9,8 +9,8 @@ namespace peerd {
 
 double bounding_radius_m(const Scene& scene, ObjectId object) {
   double farthest_m2 = 0.0;
-  for (std::uint32_t i = object.value; i < scene.at(object).subtree_end; ++i) {
-    const ObjectId shape{i};
+  for (std::uint32_t i = scene.index_of(object); i < scene.at(object).subtree_end; ++i) {
+    const ObjectId shape = scene.id_of(i);
     const Geometry* geometry = scene.geometry(shape);
     if (geometry == nullptr) continue;
     const Mesh mesh = build_mesh(*geometry, scene.tessellation);

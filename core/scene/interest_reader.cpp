@@ -28,8 +28,10 @@ void InterestReader::check_key_routes() {
   }
 }
 
-void InterestReader::add_interest(const Node& node) {
+void InterestReader::add_interest(std::uint32_t index) {
+  const Node& node = document_.nodes[index];
   CollisionInterest interest;
+  interest.node = index;
   const Field& type = value_of(node, "collisionType");
   const std::int32_t written = type.as<std::int32_t>()[0];
   if (written > 2) {
@@ -77,13 +79,18 @@ void InterestReader::add_key_sensor(std::uint32_t index) {
     const std::string_view name = path->as<std::string_view>()[0];
     recipient = objects_.find(name, node.scope, path->at);
     if (!recipient) return;
-    if (scene_.at(*recipient).kind != NodeKind::kTransform) {
+    if (scene_.contains(*recipient) && scene_.at(*recipient).kind != NodeKind::kTransform) {
       problems_.error(path->at, quoted(name) + " is no Transform: it has no velocity that a key can change");
       return;
     }
   } else if (!routed_keys_.contains(index) && !node.damaged) {
     problems_.warning(node.at, "this KeySensor has no recipient: it moves nothing");
   }
+  add_bound_key_sensor(index, recipient);
+}
+
+void InterestReader::add_bound_key_sensor(std::uint32_t index, std::optional<ObjectId> recipient) {
+  const Node& node = document_.nodes[index];
   const auto velocity = value_of(node, "value").as<float>();
   const auto flag = [&](std::string_view field) { return value_of(node, field).as<bool>()[0]; };
   scene_.key_sensors.push_back({.node = index,

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <unordered_set>
 
 #include "core/scene/object_finder.hpp"
@@ -19,8 +20,10 @@ class InterestReader {
   // Notes the KeySensors that have a ROUTE, and reports ROUTEs between KeySensors and other nodes. It is called before
   // any KeySensor is added.
   void check_key_routes();
-  void add_interest(const Node& node);
+  void add_interest(std::uint32_t node);
   void add_key_sensor(std::uint32_t node);
+  // The same where the recipient is known.
+  void add_bound_key_sensor(std::uint32_t node, std::optional<ObjectId> recipient);
 
  private:
   const Document& document_;

@@ -9,12 +9,13 @@
 namespace peerd::vrml {
 
 ObjectFinder::ObjectFinder(const Document& document, const Scene& scene, const NameTable<std::uint32_t>& name_numbers,
-                           const std::vector<std::uint32_t>& first_of_name, Problems& problems)
+                           const std::vector<std::uint32_t>& first_of_name, Problems& problems, const Around& around)
     : document_(document),
       scene_(scene),
       name_numbers_(name_numbers),
       first_of_name_(first_of_name),
       problems_(problems),
+      around_(around),
       paths_(scene),
       unreadable_names_(document.unreadable_names.begin(), document.unreadable_names.end()) {}
 
@@ -37,13 +38,16 @@ std::optional<ObjectId> ObjectFinder::find(std::string_view path, std::uint32_t 
   if (problems_.full()) return std::nullopt;
   if (scope != 0) {
     if (!std::exchange(gathered_, true)) gather_inner_names();
-    if (const auto it = inner_names_.find({scope, path}); it != inner_names_.end()) return ObjectId{it->second};
+    if (const auto it = inner_names_.find({scope, path}); it != inner_names_.end()) return scene_.id_of(it->second);
   }
   if (const std::uint32_t* number = name_numbers_.find(path);
       number != nullptr && first_of_name_[*number] != Instance::kNone) {
-    return ObjectId{first_of_name_[*number]};
+    return scene_.id_of(first_of_name_[*number]);
   }
   if (const auto id = paths_.find(path)) return id;
+  if (around_.find) {
+    if (const auto id = around_.find(path)) return id;
+  }
   const std::string_view first = path.substr(0, path.find('/'));
   if (unreadable_names_.contains(first)) return std::nullopt;
   const auto named = std::ranges::find(document_.nodes, path, &Node::def);

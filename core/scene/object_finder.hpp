@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/scene/around.hpp"
 #include "core/scene/path_resolver.hpp"
 #include "core/scene/scene.hpp"
 #include "core/vrml/diagnostics.hpp"
@@ -19,10 +20,10 @@ namespace peerd::vrml {
 // it; the instances of the scene are complete.
 class ObjectFinder {
  public:
-  // `name_numbers` numbers the names of instances; `first_of_name` has the first instance of each that is named so
-  // outside of PROTOs and Inlines, or Instance::kNone.
+  // `around` finds what a path means that names nothing in the document. `name_numbers` numbers the names of instances;
+  // `first_of_name` has the first instance of each that is named so outside of PROTOs and Inlines, or Instance::kNone.
   ObjectFinder(const Document& document, const Scene& scene, const NameTable<std::uint32_t>& name_numbers,
-               const std::vector<std::uint32_t>& first_of_name, Problems& problems);
+               const std::vector<std::uint32_t>& first_of_name, Problems& problems, const Around& around);
 
   // Finds the instance of a path that stands at `at` in a node of that scope. A name inside of a PROTO or an Inline
   // means a node in there first. Reports a path that names nothing, unless the name was lost in an error.
@@ -36,6 +37,7 @@ class ObjectFinder {
   const NameTable<std::uint32_t>& name_numbers_;
   const std::vector<std::uint32_t>& first_of_name_;
   Problems& problems_;
+  const Around& around_;
   PathResolver paths_;
   std::unordered_set<std::string_view> unreadable_names_;
   bool gathered_ = false;  // inner_names_ are complete

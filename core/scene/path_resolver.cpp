@@ -44,8 +44,8 @@ std::optional<ObjectId> PathResolver::by_name(std::string_view name) {
     }
     knows_names_ = true;
   }
-  if (const std::uint32_t* outer = outer_names_.find(name)) return ObjectId{*outer};
-  if (const std::uint32_t* inner = inner_names_.find(name)) return ObjectId{*inner};
+  if (const std::uint32_t* outer = outer_names_.find(name)) return scene_.id_of(*outer);
+  if (const std::uint32_t* inner = inner_names_.find(name)) return scene_.id_of(*inner);
   return std::nullopt;
 }
 
@@ -58,7 +58,7 @@ std::optional<ObjectId> PathResolver::find(std::string_view path) {
     const std::size_t slash = std::min(rest.find('/'), rest.size());
     const std::optional<std::uint32_t> found = child(parent, rest.substr(0, slash));
     if (!found) return by_name(path);  // a DEF name may itself hold a '/'
-    if (slash == rest.size()) return ObjectId{*found};
+    if (slash == rest.size()) return scene_.id_of(*found);
     rest.remove_prefix(slash + 1);
     parent = static_cast<std::int32_t>(*found);
   }

@@ -20,13 +20,15 @@ std::set<std::pair<std::string, std::size_t>> needed_inlines(const Scene& scene,
   // The pending Inlines of an object are a range, as they stand in the order of their instances: `begins` counts how
   // many ranges begin at each of them, less those that end before it.
   std::vector<std::int64_t> begins(scene.pending_inlines.size() + 1, 0);
-  const auto from = [&](ObjectId first) -> std::int64_t& {
-    const auto it = std::ranges::lower_bound(scene.pending_inlines, first, {}, &PendingInline::instance);
+  const auto from = [&](std::uint32_t first) -> std::int64_t& {
+    const auto index = [&](const PendingInline& p) { return scene.index_of(p.instance); };
+    const auto it = std::ranges::lower_bound(scene.pending_inlines, first, {}, index);
     return begins[static_cast<std::size_t>(it - scene.pending_inlines.begin())];
   };
   const auto need = [&](ObjectId object) {
-    ++from(object);
-    --from(ObjectId{scene.at(object).subtree_end});
+    if (!scene.contains(object)) return;  // it is around
+    ++from(scene.index_of(object));
+    --from(scene.at(object).subtree_end);
   };
   for (const CollisionInterest& interest : scene.interests) {
     need(interest.collider);
@@ -54,7 +56,7 @@ ReadResult read_world(std::string_view text, const ReadOptions& options) {
   while (true) {
     const std::shared_ptr<const vrml::Document> document =
         vrml::parse({options.name, text, nullptr}, problems, parsing);
-    scene = vrml::build_scene(document, options.tessellation, options.limits, problems);
+    scene = vrml::build_scene(document, options.tessellation, options.limits, problems, options.around);
     const std::size_t before = parsing.undeferred_inlines.size();
     parsing.undeferred_inlines.merge(needed_inlines(scene, problems));
     if (parsing.undeferred_inlines.size() == before) break;

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/scene/around.hpp"
 #include "core/scene/scene.hpp"
 #include "core/vrml/diagnostics.hpp"
 #include "core/vrml/file_loader.hpp"
@@ -19,6 +20,7 @@ struct ReadOptions {
   bool defer_inlines = false;
   Tessellation tessellation{};  // fineness of curved geometry
   ReadLimits limits{};
+  vrml::Around around{};  // of a text that is added to a world
 };
 
 struct ReadResult {

@@ -10,7 +10,7 @@ namespace {
 // Returns the ancestors of `id` and itself below `above` (-1: all), from the top.
 std::vector<std::uint32_t> path_below(const Scene& scene, std::int32_t above, ObjectId id) {
   std::vector<std::uint32_t> path;
-  for (auto i = static_cast<std::int32_t>(id.value); i >= 0 && i != above; i = scene.instances[i].parent) {
+  for (auto i = static_cast<std::int32_t>(scene.index_of(id)); i >= 0 && i != above; i = scene.instances[i].parent) {
     path.push_back(static_cast<std::uint32_t>(i));
   }
   std::ranges::reverse(path);
@@ -41,6 +41,16 @@ bool names(const Instance& instance, std::string_view component) {
 }
 
 }  // namespace
+
+std::optional<ObjectId> Scene::parent_of(ObjectId id) const {
+  const std::int32_t parent = at(id).parent;
+  return parent < 0 ? std::nullopt : std::optional(id_of(static_cast<std::uint32_t>(parent)));
+}
+
+bool Scene::is_within(ObjectId inner, ObjectId outer) const {
+  const std::uint32_t i = index_of(inner), first = index_of(outer);
+  return i >= first && i < instances[first].subtree_end;
+}
 
 const TransformFields& Scene::transform(ObjectId id) const {
   static const TransformFields kIdentity;
@@ -73,7 +83,7 @@ std::optional<ObjectId> Scene::find(std::string_view path) const {
     auto it = std::ranges::find_if(instances, [&](const Instance& i) { return !i.inner_name && i.def == path; });
     if (it == instances.end()) it = std::ranges::find(instances, path, &Instance::def);
     if (it == instances.end()) return std::nullopt;
-    return ObjectId{static_cast<std::uint32_t>(it - instances.begin())};
+    return id_of(static_cast<std::uint32_t>(it - instances.begin()));
   };
   if (path.find('/') == std::string_view::npos) {
     if (const auto id = by_name()) return id;
@@ -86,7 +96,7 @@ std::optional<ObjectId> Scene::find(std::string_view path) const {
     std::uint32_t i = begin;
     while (i < end && !names(instances[i], component)) i = instances[i].subtree_end;
     if (i >= end) break;
-    if (slash == rest.size()) return ObjectId{i};
+    if (slash == rest.size()) return id_of(i);
     rest.remove_prefix(slash + 1);
     begin = i + 1;
     end = instances[i].subtree_end;
@@ -95,7 +105,6 @@ std::optional<ObjectId> Scene::find(std::string_view path) const {
 }
 
 std::string Scene::path_of(ObjectId id) const {
-  assert(id.value < instances.size());
   std::string path;
   for (const std::uint32_t i : path_below(*this, -1, id)) {
     const Instance& instance = instances[i];
@@ -107,12 +116,10 @@ std::string Scene::path_of(ObjectId id) const {
 }
 
 Eigen::Affine3d Scene::world_from_local(ObjectId id) const {
-  assert(id.value < instances.size());
   return to_eigen(product(*this, path_below(*this, -1, id)));
 }
 
 Pose Scene::rigid_pose(ObjectId id) const {
-  assert(id.value < instances.size());
   std::vector<TransformFields> fields;
   for (const std::uint32_t i : path_below(*this, -1, id)) {
     if (instances[i].transform != Instance::kNone) fields.push_back(transforms[instances[i].transform]);
@@ -127,10 +134,10 @@ Vec3 Scene::to_world(ObjectId id, const Vec3& in_parent) const {
 }
 
 Eigen::Affine3d Scene::object_from_shape(ObjectId object, ObjectId shape) const {
-  assert(object <= shape && shape.value < at(object).subtree_end);
+  assert(is_within(shape, object));
   const auto above = path_below(*this, -1, object);
-  const Affine below = product(*this, path_below(*this, static_cast<std::int32_t>(object.value), shape));
-  const bool scaled = std::ranges::any_of(above, [&](std::uint32_t i) { return is_scaled(transform({i})); });
+  const Affine below = product(*this, path_below(*this, static_cast<std::int32_t>(index_of(object)), shape));
+  const bool scaled = std::ranges::any_of(above, [&](std::uint32_t i) { return is_scaled(transform(id_of(i))); });
   // A path without scale is its own rigid pose, and the product of that with its inverse is left out rather than
   // rounded.
   if (!scaled) return to_eigen(below);

@@ -1,4 +1,5 @@
 #pragma once
+#include <cassert>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -8,6 +9,7 @@
 
 #include "core/geometry/geometry.hpp"
 #include "core/ids.hpp"
+#include "core/lasting_ids.hpp"
 #include "core/math.hpp"
 #include "core/transform.hpp"
 
@@ -56,8 +58,8 @@ struct ShapeFields {
   std::int32_t split_threshold = 10;
 };
 
-// An Instance is one node of the scene graph as it is instanced. Instances stand in depth-first file order, so a
-// subtree is the contiguous range [its own index, subtree_end).
+// An Instance is one node of the scene graph as it is instanced. Instances stand in depth-first order, so a subtree is
+// the contiguous range [its own index, subtree_end). An index is the place in one Scene; an ObjectId lasts.
 struct Instance {
   static constexpr std::uint32_t kNone = ~0u;
 
@@ -91,6 +93,7 @@ struct CollisionInterest {
   ObjectId collider;
   std::vector<ObjectId> collidees;
   CollisionType type = CollisionType::kBox;
+  std::uint32_t node = Instance::kNone;  // into Document::nodes
 };
 
 // A KeySensor (the thesis, C.3) changes the velocity of an object when a key is pressed.
@@ -115,7 +118,8 @@ struct PendingInline {
 };
 
 struct Scene {
-  std::vector<Instance> instances;  // index == ObjectId::value
+  std::vector<Instance> instances;
+  LastingIds<ObjectId> ids;  // of the instances
   std::vector<TransformFields> transforms;
   std::vector<Geometry> geometries;
   std::vector<ObjectFields> object_fields;
@@ -126,7 +130,18 @@ struct Scene {
   Tessellation tessellation;                       // fineness of all curved geometry
   std::shared_ptr<const vrml::Document> document;  // all fields of all nodes; names and arrays live in it
 
-  [[nodiscard]] const Instance& at(ObjectId id) const { return instances.at(id.value); }
+  [[nodiscard]] ObjectId id_of(std::uint32_t index) const { return ids.id_of(index); }
+  [[nodiscard]] bool contains(ObjectId id) const { return ids.find(id, instances.size()).has_value(); }
+  [[nodiscard]] std::uint32_t index_of(ObjectId id) const {  // of an instance that is there
+    const auto index = ids.find(id, instances.size());
+    assert(index && "it is an instance of this scene");
+    return *index;
+  }
+  [[nodiscard]] const Instance& at(ObjectId id) const { return instances[index_of(id)]; }
+  // Returns the instance above, if there is one.
+  [[nodiscard]] std::optional<ObjectId> parent_of(ObjectId id) const;
+  // Returns whether `inner` is `outer` or below it.
+  [[nodiscard]] bool is_within(ObjectId inner, ObjectId outer) const;
   // These return the defaults where the node is no Transform, or no Shape.
   [[nodiscard]] const TransformFields& transform(ObjectId id) const;
   [[nodiscard]] const ObjectFields& object(ObjectId id) const;

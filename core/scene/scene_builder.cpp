@@ -52,12 +52,14 @@ NodeKind kind_of(NodeRole role) {
 class Builder {
  public:
   Builder(const std::shared_ptr<const Document>& document, const Tessellation& tessellation, const ReadLimits& limits,
-          Problems& problems)
+          Problems& problems, const Bindings* bindings = nullptr, const Around& around = {})
       : document_(document),
         nodes_(document->nodes),
         tessellation_(tessellation),
         limits_(limits),
-        problems_(problems) {}
+        problems_(problems),
+        bindings_(bindings),
+        around_(around) {}
 
   Scene build();
 
@@ -111,6 +113,8 @@ class Builder {
   const Tessellation& tessellation_;
   const ReadLimits& limits_;
   Problems& problems_;
+  const Bindings* bindings_;  // null: names in it are read
+  const Around& around_;
   Scene scene_;
   std::uint64_t swept_polygons_ = 0;        // polygons of the Extrusions and ElevationGrids so far
   std::vector<std::uint32_t> geometry_of_;  // indexed by node
@@ -161,6 +165,7 @@ bool Builder::has_room(const Node& node, const Geometry& geometry) {
   }
   if (!std::holds_alternative<ExtrusionGeometry>(geometry) && !std::holds_alternative<ElevationGridGeometry>(geometry))
     return true;
+  if (bindings_ != nullptr) return true;  // the text that it came with was allowed it
   const std::uint64_t allowed = limits_.swept_polygons(problems_.bytes());
   if (polygons > allowed - swept_polygons_) {
     problems_.error(node.at, what + ", with which Extrusions and ElevationGrids have more than the " +
@@ -424,12 +429,14 @@ void Builder::add_pending_inline(const Node& node, std::uint32_t id) {
   const Field* url = node.find("url");
   const Vec3 size = to_vec3(value_of(node, "bboxSize"));
   if (url == nullptr || url->count == 0 || !(size.minCoeff() >= 0.0)) return;
+  if (bindings_ != nullptr && !bindings_->bases.contains(scene_.instances[id].node)) return;
   PendingInline& pending = scene_.pending_inlines.emplace_back();
-  pending.instance = {id};
+  pending.instance = scene_.id_of(id);
   pending.box_center = to_vec3(value_of(node, "bboxCenter")).cast<float>();
   pending.box_size = size.cast<float>();
   for (const std::string_view one : url->as<std::string_view>()) pending.urls.emplace_back(one);
-  pending.base = problems_.name_of(url->at);
+  pending.base =
+      bindings_ != nullptr ? bindings_->bases.at(scene_.instances[id].node) : std::string(problems_.name_of(url->at));
 }
 
 // Siblings of one name are found by it only if they are the first. A lone name, at the top level, means the first in
@@ -473,16 +480,25 @@ Scene Builder::build() {
     if (is_instance(role)) share(i);
   }
   if (!measure_instances()) return {};
+  scene_.ids = bindings_ != nullptr ? bindings_->ids : LastingIds<ObjectId>(around_.first_object);
   for (std::uint32_t i = 0; i < document_->top_level.size(); ++i) {
     instantiate({shared_by(document_->top_level[i])}, -1, i, {});
   }
   mark_siblings(kTop, 0, static_cast<std::uint32_t>(scene_.instances.size()));
-  ObjectFinder objects(*document_, scene_, name_numbers_, first_of_name_, problems_);
+  ObjectFinder objects(*document_, scene_, name_numbers_, first_of_name_, problems_, around_);
   InterestReader interests(*document_, scene_, objects, problems_);
-  interests.check_key_routes();
+  if (bindings_ == nullptr) interests.check_key_routes();
   for (const std::uint32_t i : with_paths) {
-    if (nodes_[i].type->role == NodeRole::kCollisionInterest) interests.add_interest(nodes_[i]);
-    if (nodes_[i].type->role == NodeRole::kKeySensor) interests.add_key_sensor(i);
+    const bool is_interest = nodes_[i].type->role == NodeRole::kCollisionInterest;
+    if (bindings_ == nullptr) {
+      is_interest ? interests.add_interest(i) : interests.add_key_sensor(i);
+    } else if (is_interest) {
+      if (const auto bound = bindings_->interests.find(i); bound != bindings_->interests.end()) {
+        scene_.interests.push_back(bound->second);
+      }
+    } else if (const auto bound = bindings_->recipients.find(i); bound != bindings_->recipients.end()) {
+      interests.add_bound_key_sensor(i, bound->second);
+    }
   }
   return std::move(scene_);
 }
@@ -490,8 +506,18 @@ Scene Builder::build() {
 }  // namespace
 
 Scene build_scene(const std::shared_ptr<const Document>& document, const Tessellation& tessellation,
-                  const ReadLimits& limits, Problems& problems) {
-  return Builder(document, tessellation, limits, problems).build();
+                  const ReadLimits& limits, Problems& problems, const Around& around) {
+  return Builder(document, tessellation, limits, problems, nullptr, around).build();
+}
+
+std::expected<Scene, std::string> rebuild_scene(const std::shared_ptr<const Document>& document,
+                                                const Tessellation& tessellation, const ReadLimits& limits,
+                                                const Bindings& bindings) {
+  Problems problems;
+  const Around nothing;
+  Scene scene = Builder(document, tessellation, limits, problems, &bindings, nothing).build();
+  if (problems.errors() > 0) return std::unexpected(problems.first_error());
+  return scene;
 }
 
 }  // namespace peerd::vrml

@@ -45,7 +45,7 @@ SceneDefects defects_of(const Scene& scene) {
   std::vector<std::optional<ObjectId>> first_shape(scene.geometries.size());
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     const std::uint32_t geometry = scene.instances[i].geometry;
-    if (geometry != Instance::kNone && !first_shape[geometry]) first_shape[geometry] = ObjectId{i};
+    if (geometry != Instance::kNone && !first_shape[geometry]) first_shape[geometry] = scene.id_of(i);
   }
 
   SceneDefects all;

@@ -36,7 +36,7 @@ SceneStatistics statistics_of(const Scene& scene) {
     ++(instance.kind == NodeKind::kShape ? s.shapes : s.groups);
     if (instance.kind == NodeKind::kShape && !instance.collides) ++s.shapes_not_colliding;
     if (instance.kind == NodeKind::kTransform &&
-        !scene.object(ObjectId{static_cast<std::uint32_t>(i)}).velocity.isZero(0))
+        !scene.object(scene.id_of(static_cast<std::uint32_t>(i))).velocity.isZero(0))
       ++s.moving_objects;
     if (instance.geometry == Instance::kNone) continue;
     s.polygons_instanced += sizes[instance.geometry].polygons;

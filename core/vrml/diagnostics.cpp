@@ -67,6 +67,12 @@ bool Problems::is_new(Position at, const std::string& message) {
   return reported_.insert(std::to_string(at) + message).second;
 }
 
+std::string Problems::first_error() const {
+  const auto first = std::ranges::find(list_, Severity::kError, &Entry::severity);
+  assert(first != list_.end());
+  return first->message;
+}
+
 void Problems::error(Position at, std::string message) {
   if (full() || !is_new(at, message)) return;
   ++errors_;

@@ -64,6 +64,7 @@ class Problems {
   void warning(Position at, std::string message);
   [[nodiscard]] bool full() const { return errors_ >= kLimit; }
   [[nodiscard]] std::size_t errors() const { return errors_; }
+  [[nodiscard]] std::string first_error() const;                // its message; there is one
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }  // of all texts
 
   [[nodiscard]] std::vector<SourceLocation> locate(const std::vector<Position>& sorted) const;

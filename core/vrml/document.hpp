@@ -3,10 +3,13 @@
 #include <cstdint>
 #include <deque>
 #include <limits>
+#include <memory>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "core/lasting_ids.hpp"
 #include "core/vrml/arena.hpp"
 #include "core/vrml/diagnostics.hpp"
 #include "core/vrml/node_types.hpp"
@@ -49,6 +52,7 @@ struct Node {
   // The scope of the names that are seen from the node: those of the world are 0, each copy of the body of a PROTO and
   // each Inline has its own.
   std::uint32_t scope = 0;
+  std::uint32_t source = 0;  // of an edited document: where its name and values are, into Document::sources
   std::uint32_t field_count = 0;
   bool damaged = false;  // an error inside it is reported: what follows from it needs no second report
 
@@ -89,6 +93,12 @@ struct Document {
   std::vector<std::string_view> unreadable_names;  // names of nodes of the world that errors made unreadable
   Arena arena;                                     // all values and names
   std::deque<NodeType> own_types;                  // types of Scripts, and of EXTERNPROTOs that were not found
+  LastingIds<NodeId> ids;                          // of the nodes
+
+  // The following members are those of an edited document (core/edit/document_editor.hpp).
+  std::vector<std::shared_ptr<const Document>> sources;  // the texts that its nodes came with
+  // The values that edits have set, which are in `arena`, by node and field; sorted.
+  std::vector<std::pair<std::uint32_t, const FieldSpec*>> set_values;
 };
 
 }  // namespace peerd::vrml

@@ -49,7 +49,7 @@ std::optional<std::uint32_t> PathRewriter::instance_of(std::string_view path, st
   }
   if (const auto first = first_in_world_scope(path)) return first;
   const auto id = paths_.find(path);
-  return id ? std::optional(static_cast<std::uint32_t>(id->value)) : std::nullopt;
+  return id ? std::optional(scene_.index_of(*id)) : std::nullopt;
 }
 
 bool PathRewriter::has_no_target(const Node& node) const {
@@ -84,14 +84,14 @@ void PathRewriter::rename(const std::vector<std::string_view>& names, const std:
 std::optional<std::uint32_t> PathRewriter::renamed_instance_of(std::string_view path) const {
   if (const auto it = first_renamed_.find(path); it != first_renamed_.end()) return it->second;
   const auto id = renamed_paths_.find(path);
-  return id ? std::optional(static_cast<std::uint32_t>(id->value)) : std::nullopt;
+  return id ? std::optional(renamed_.index_of(*id)) : std::nullopt;
 }
 
 std::optional<std::string> PathRewriter::rewritten(std::string_view path, std::uint32_t scope) const {
   const auto id = instance_of(path, scope);
   if (!id) return std::nullopt;
   if (renamed_instance_of(path) == id) return std::string(path);
-  std::string by_names = renamed_.path_of({*id});
+  std::string by_names = renamed_.path_of(renamed_.id_of(*id));
   if (renamed_instance_of(by_names) == id) return by_names;
   // A name with a '/' in it may be mistaken for a path; numbers never are.
   std::string by_numbers;

@@ -243,6 +243,7 @@ bool Comparison::compare_routes() {
 
 bool Comparison::compare_instance(std::uint32_t i) {
   const Instance &a = scene_a_.instances[i], &b = scene_b_.instances[i];
+  const ObjectId id_a = scene_a_.id_of(i), id_b = scene_b_.id_of(i);
   if (partner_[a.node] != b.node) return differs("it is another node");
   const bool as_group = a.kind == NodeKind::kInline && b.kind == NodeKind::kGroup && is_filled_inline(a_.nodes[a.node]);
   if (a.kind != b.kind && !as_group) return differs("its kind");
@@ -250,13 +251,13 @@ bool Comparison::compare_instance(std::uint32_t i) {
     return differs("its place");
   if (a.collides != b.collides) return differs("whether it collides");
   if (a.drawn != b.drawn) return differs("whether it is drawn");
-  const TransformFields &t = scene_a_.transform({i}), &u = scene_b_.transform({i});
+  const TransformFields &t = scene_a_.transform(id_a), &u = scene_b_.transform(id_b);
   if (!same_bytes(t.translation, u.translation) || !same_bytes(t.rotation, u.rotation) ||
       !same_bytes(t.scale, u.scale) || !same_bytes(t.scale_orientation, u.scale_orientation) ||
       !same_bytes(t.center, u.center)) {
     return differs("its transform");
   }
-  const ObjectFields &o = scene_a_.object({i}), &p = scene_b_.object({i});
+  const ObjectFields &o = scene_a_.object(id_a), &p = scene_b_.object(id_b);
   const auto response = [](const ObjectFields& f) {
     const CollisionResponse r = f.response.value_or(CollisionResponse{});
     return std::tuple(f.response.has_value(), r.type, r.set_back, r.mass_kg, r.restitution, r.friction_m_s2);
@@ -265,13 +266,13 @@ bool Comparison::compare_instance(std::uint32_t i) {
       o.enslaved != p.enslaved || o.remote != p.remote || response(o) != response(p)) {
     return differs("its velocity, threshold, owner, display or response");
   }
-  const ShapeFields &s = scene_a_.shape({i}), &q = scene_b_.shape({i});
+  const ShapeFields &s = scene_a_.shape(id_a), &q = scene_b_.shape(id_b);
   const auto same_point = [](const Eigen::Vector3f& x, const Eigen::Vector3f& y) { return same_bytes(x, y); };
   if (s.hierarchy_file != q.hierarchy_file || s.split_threshold != q.split_threshold ||
       !std::ranges::equal(s.convex_hull.span(), q.convex_hull.span(), same_point)) {
     return differs("its hull or hierarchy");
   }
-  const Geometry *g = scene_a_.geometry({i}), *h = scene_b_.geometry({i});
+  const Geometry *g = scene_a_.geometry(id_a), *h = scene_b_.geometry(id_b);
   if ((g == nullptr) != (h == nullptr) || (g != nullptr && g->index() != h->index())) return differs("its geometry");
   return true;  // a geometry is its node's fields, which are compared
 }
@@ -282,12 +283,13 @@ bool Comparison::compare_instances() {
                    std::to_string(scene_b_.instances.size()));
   }
   for (std::uint32_t i = 0; i < scene_a_.instances.size(); ++i) {
-    if (!compare_instance(i)) return differs(scene_a_.path_of({i}) + " differs: " + found_);
+    if (!compare_instance(i)) return differs(scene_a_.path_of(scene_a_.id_of(i)) + " differs: " + found_);
   }
   const auto pending = [](const Scene& scene) {
     std::vector<std::uint32_t> out;
     for (const PendingInline& p : scene.pending_inlines) {
-      if (!is_filled_inline(scene.document->nodes[scene.at(p.instance).node])) out.push_back(p.instance.value);
+      if (!is_filled_inline(scene.document->nodes[scene.at(p.instance).node]))
+        out.push_back(scene.index_of(p.instance));
     }
     return out;
   };
@@ -295,10 +297,14 @@ bool Comparison::compare_instances() {
 }
 
 bool Comparison::compare_interests() {
-  using Row = std::tuple<std::uint32_t, CollisionType, std::vector<ObjectId>>;
+  using Row = std::tuple<std::uint32_t, CollisionType, std::vector<std::uint32_t>>;
   const auto rows = [](const Scene& scene) {
     std::vector<Row> out;
-    for (const CollisionInterest& i : scene.interests) out.emplace_back(i.collider.value, i.type, i.collidees);
+    for (const CollisionInterest& i : scene.interests) {
+      std::vector<std::uint32_t> collidees;
+      for (const ObjectId collidee : i.collidees) collidees.push_back(scene.index_of(collidee));
+      out.emplace_back(scene.index_of(i.collider), i.type, std::move(collidees));
+    }
     std::ranges::sort(out);
     return out;
   };
@@ -309,7 +315,7 @@ bool Comparison::compare_key_sensors() {
   const auto rows = [&](const Scene& scene, bool first) {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> out;  // all else is their nodes' fields
     for (const KeySensor& k : scene.key_sensors) {
-      out.emplace_back(first ? partner_[k.node] : k.node, k.recipient ? k.recipient->value : Instance::kNone);
+      out.emplace_back(first ? partner_[k.node] : k.node, k.recipient ? scene.index_of(*k.recipient) : Instance::kNone);
     }
     std::ranges::sort(out);
     return out;

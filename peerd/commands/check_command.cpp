@@ -53,7 +53,7 @@ std::uint64_t polygons_of_bodies(const Scene& scene) {
     named.insert(interest.collidees.begin(), interest.collidees.end());
   }
   std::uint64_t polygons = 0;
-  for (const ObjectId id : named) polygons += before[scene.at(id).subtree_end] - before[id.value];
+  for (const ObjectId id : named) polygons += before[scene.at(id).subtree_end] - before[scene.index_of(id)];
   return polygons;
 }
 

@@ -159,8 +159,8 @@ std::vector<std::string> warnings_about(const Scene& scene) {
   std::string names;
   std::size_t count = 0;
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
-    if (!scene.object(ObjectId{i}).response) continue;
-    if (++count <= kShownProblems) names += (count == 1 ? "" : ", ") + scene.path_of(ObjectId{i});
+    if (!scene.object(scene.id_of(i)).response) continue;
+    if (++count <= kShownProblems) names += (count == 1 ? "" : ", ") + scene.path_of(scene.id_of(i));
   }
   if (count == 0) return {};
   if (count > kShownProblems) names += fmt::format(" and {} more", count - kShownProblems);

@@ -238,7 +238,7 @@ int run_peer(const PeerOptions& options) {
   const auto shared = share_world(scenario->world, scenario->reading, scenario->runs);
   if (!shared) return failed(shared.error());
   const Scene& scene = (*shared)->world.scene;
-  print_warnings(config::motions_without_effect(run, scene));
+  print_warnings(config::settings_without_effect(run, scene));
   auto objects = config::resolve(run, scene);
   if (!objects) return failed(objects.error());
 

@@ -56,7 +56,7 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
   }
   const auto shared = share_world(scenario->world, scenario->reading, scenario->runs);
   if (!shared) return failed(shared.error());
-  print_warnings(config::motions_without_effect(scenario->runs.front(), (*shared)->world.scene));
+  print_warnings(config::settings_without_effect(scenario->runs.front(), (*shared)->world.scene));
   print_warnings((*shared)->findings());
 
   const auto csv_rows = read_samples(options.samples);

@@ -148,7 +148,7 @@ int run_sim(const ScenarioOptions& options) {
   const auto shared = share_world(scenario->world, scenario->reading, scenario->runs);
   if (!shared) return failed(shared.error());
   const Scene& scene = (*shared)->world.scene;
-  print_warnings(config::motions_without_effect(scenario->runs.front(), scene));
+  print_warnings(config::settings_without_effect(scenario->runs.front(), scene));
 
   report::ScenarioInfo info{scenario->name, "sim", scenario->seed, {}, scenario->repeat, command_line("sim", options)};
   info.csv_rows = *csv_rows;

@@ -54,8 +54,8 @@ Result<std::vector<ObjectId>> find_objects(const Scene& scene, const NodePattern
     const Instance& instance = scene.instances[i];
     // Names inside of PROTOs and Inlines are private to them: only a whole path reaches them.
     const bool named = by_name && !instance.def.empty() && !instance.name_shadowed && !instance.inner_name;
-    if (matches(pattern.text, named ? std::string(instance.def) : scene.path_of(ObjectId{i}))) {
-      found.push_back(ObjectId{i});
+    if (matches(pattern.text, named ? std::string(instance.def) : scene.path_of(scene.id_of(i)))) {
+      found.push_back(scene.id_of(i));
     }
   }
   if (!found.empty()) return found;

@@ -5,7 +5,9 @@
 #include <cassert>
 #include <set>
 
+#include "core/motion/carriers.hpp"
 #include "core/motion/founder_objects.hpp"
+#include "core/motion/predefined_motion.hpp"
 #include "peerd/config/events.hpp"
 
 namespace peerd::config {
@@ -192,6 +194,39 @@ std::map<ObjectId, std::string> own_motions(const RunSettings& run, const Scene&
   return owned;
 }
 
+// A warning for the nodes of a peer's `owns` that its owner cannot move, and for those that only a ROUTE would move.
+void warn_of_idle_owned(const RunSettings& run, const Scene& scene, std::vector<std::string>& warnings) {
+  const PredefinedMotion predefined(scene);
+  const Carriers carriers(scene, predefined, {});
+  std::set<ObjectId> moved;
+  const auto add_moved = [&](const std::map<std::string, MotionSettings>& motions) {
+    for (const auto& [pattern, motion] : motions) {
+      const auto objects = objects_or_none(scene, NodePattern(pattern, motion.at));
+      moved.insert(objects.begin(), objects.end());
+    }
+  };
+  add_moved(run.motion);
+  for (const PeerSettings& peer : run.peers) add_moved(peer.motion);
+  for (const KeySensor& sensor : scene.key_sensors) {
+    if (sensor.recipient) moved.insert(*sensor.recipient);
+  }
+  for (const PeerSettings& peer : run.peers) {
+    for (const NodePattern& pattern : peer.owns) {
+      for (const ObjectId object : objects_or_none(scene, pattern)) {
+        const std::string who = pattern.at + "warning: peer." + peer.name + ".owns: \"" + scene.path_of(object) + "\" ";
+        if (carriers.distorted(object)) {
+          warnings.push_back(who +
+                             "stays where the world has it: no owner moves what a driven scale changes, or what "
+                             "turns below an uneven scale");
+        } else if (!predefined.fields_of(object).empty() && !moved.contains(object)) {
+          warnings.push_back(who +
+                             "stands still: a ROUTE moves it while nobody owns it, and no motion of its owner does");
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<ObjectId> owned_in(std::span<const RunSettings> runs, const Scene& scene) {
@@ -208,7 +243,7 @@ std::vector<ObjectId> owned_in(std::span<const RunSettings> runs, const Scene& s
   return {owned.begin(), owned.end()};
 }
 
-std::vector<std::string> motions_without_effect(const RunSettings& run, const Scene& scene) {
+std::vector<std::string> settings_without_effect(const RunSettings& run, const Scene& scene) {
   const std::map<ObjectId, std::string> owned = own_motions(run, scene);
   std::vector<std::string> names;
   for (const auto& [object, motion] : owned) names.push_back(scene.path_of(object));
@@ -227,6 +262,7 @@ std::vector<std::string> motions_without_effect(const RunSettings& run, const Sc
     if (!moved_by.empty()) why = moved_by + " comes first";
     warnings.push_back(motion.at + "warning: motion." + pattern + " has no effect: " + why);
   }
+  warn_of_idle_owned(run, scene, warnings);
   return warnings;
 }
 

@@ -34,8 +34,8 @@ struct PeerObjects {
 // them.
 [[nodiscard]] std::vector<ObjectId> owned_in(std::span<const RunSettings> runs, const Scene& scene);
 
-// The motions of the scenario that move nothing, as one warning each: no peer owns what they name, or motions of the
-// peers come first.
-[[nodiscard]] std::vector<std::string> motions_without_effect(const RunSettings& run, const Scene& scene);
+// The settings that do nothing, as one warning each: motions of the scenario where no peer owns what they name, or
+// motions of the peers come first; and owned nodes that their owner cannot move, or that only a ROUTE would move.
+[[nodiscard]] std::vector<std::string> settings_without_effect(const RunSettings& run, const Scene& scene);
 
 }  // namespace peerd::config

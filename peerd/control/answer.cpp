@@ -30,7 +30,7 @@ ordered_json object_row(const PeerNode& node, SimTime t, ObjectId object, PeerId
   const bool own = owner == peer.id();
   const KinematicState s = own ? peer.truth(object, t) : peer.ghost(object, t);
   ordered_json row = {
-      {"id", object.value},
+      {"id", object.packed()},
       {"path", node.scene().path_of(object)},
       {"owner", owner.value},
       {"own", own},
@@ -51,10 +51,10 @@ void add_objects(ordered_json& reply, const PeerNode& node, HostTime now, const 
   reply["next"] = nullptr;
   if (!node.peer().clock().synchronised()) return;  // without session time nothing has a position yet
   const SimTime t = node.peer().clock().to_session(now);
-  for (const auto& [object, owner] : node.peer().owners().from(ObjectId{request.from})) {
+  for (const auto& [object, owner] : node.peer().owners().from(ObjectId::unpacked(request.from))) {
     if (own && owner != node.peer().id()) continue;
     if (reply["objects"].size() == request.count) {
-      reply["next"] = object.value;
+      reply["next"] = object.packed();
       return;
     }
     reply["objects"].push_back(object_row(node, t, object, owner));

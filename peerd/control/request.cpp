@@ -10,6 +10,7 @@ namespace peerd::api {
 namespace {
 
 constexpr std::int64_t kCodeMax = std::numeric_limits<std::int32_t>::max();
+constexpr std::int64_t kObjectMax = std::numeric_limits<std::int64_t>::max();
 
 // The request names its key by a name with modifiers, or by the numbers of Qt.
 Request read_key(feed::JsonMembers& members) {
@@ -54,7 +55,7 @@ std::expected<Request, std::string> parse_request(std::string_view line) {
   } else if (what == "peers") {
     request = PeersRequest{static_cast<std::uint32_t>(members.whole("from", 0, 0, kCodeMax))};
   } else if (what == "objects") {
-    request = ObjectsRequest{static_cast<std::uint32_t>(members.whole("from", 0, 0, kCodeMax)),
+    request = ObjectsRequest{static_cast<std::uint64_t>(members.whole("from", 0, 0, kObjectMax)),
                              static_cast<std::uint32_t>(members.whole("count", kObjectsMax, 1, kObjectsMax))};
   } else if (what == "pose") {
     request = feed::read_pose_message(members);

@@ -24,7 +24,7 @@ struct KeyRequest {
 };
 struct StatusRequest {};
 struct ObjectsRequest {
-  std::uint32_t from = 0;  // the first object's number
+  std::uint64_t from = 0;  // the first object's number
   std::uint32_t count = kObjectsMax;
 };
 struct PeersRequest {

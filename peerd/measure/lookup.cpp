@@ -14,7 +14,7 @@ std::string object_path(const RunRecord& run, ObjectId object) {
   const auto it = std::ranges::lower_bound(run.objects, object, {}, &ObjectInfo::object);
   if (it != run.objects.end() && it->object == object) return it->path;
   const auto scene = run.scene_paths.find(object);
-  return scene != run.scene_paths.end() ? scene->second : "#" + std::to_string(object.value);
+  return scene != run.scene_paths.end() ? scene->second : "#" + std::to_string(object.packed());
 }
 
 bool same_side(const ContactRow& a, const ContactRow& b) {

@@ -32,7 +32,7 @@ class RowWriter {
   }
   RowWriter& operator<<(SimTime t) { return *this << t.time_since_epoch().count(); }
   RowWriter& operator<<(HostTime t) { return *this << t.time_since_epoch().count(); }
-  RowWriter& operator<<(ObjectId id) { return *this << id.value; }
+  RowWriter& operator<<(ObjectId id) { return *this << id.packed(); }
   RowWriter& operator<<(PeerId id) { return *this << id.value; }
   RowWriter& operator<<(const Vec3& v) { return *this << v.x() << v.y() << v.z(); }
   RowWriter& operator<<(const Pose& p) {
@@ -76,6 +76,12 @@ class RowReader {
     std::int64_t ns = 0;
     *this >> ns;
     t = std::chrono::time_point<InjectedClock<Tag>>{Duration{ns}};
+    return *this;
+  }
+  RowReader& operator>>(ObjectId& id) {
+    std::uint64_t packed = 0;
+    *this >> packed;
+    id = ObjectId::unpacked(packed);
     return *this;
   }
   template <class Tag, class Rep>

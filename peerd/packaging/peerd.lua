@@ -71,8 +71,8 @@ local F = {
     loss = field("uint32", "echo.loss_permille", "Lost, of a thousand"),
   },
   note = {
-    collider = field("uint32", "note.collider", "Collider"),
-    collidee = field("uint32", "note.collidee", "Collidee"),
+    collider = field("uint64", "note.collider", "Collider"),
+    collidee = field("uint64", "note.collidee", "Collidee"),
     contact = field("int64", "note.contact_ns", "Contact [ns]"),
     held = field("bool", "note.held", "Held"),
   },
@@ -80,21 +80,21 @@ local F = {
     name = field("string", "introduction.name", "Name"),
     world = field("uint64", "introduction.world_hash", "World's hash", base.HEX),
     boot = field("uint64", "introduction.boot", "Boot"),
-    enslaved = field("uint32", "introduction.enslaved", "Runs object"),
+    enslaved = field("uint64", "introduction.enslaved", "Runs object"),
     start = field("int64", "introduction.start_ns", "Motions begin [ns]"),
     zero = field("int64", "introduction.world_zero_ns", "Time 0 of the world's TimeSensors [ns]"),
     as_founder = field("uint64", "introduction.owned_as_founder", "Of those, bit by bit, as the founder", base.HEX),
   },
   view = {
-    object = field("uint32", "viewpoint.object", "In the frame of object"),
+    object = field("uint64", "viewpoint.object", "In the frame of object"),
     position = vector("viewpoint.position", "Position", "m"),
     orientation = quaternion("viewpoint.orientation", "Orientation"),
     fov = field("double", "viewpoint.field_of_view", "Field of view [rad]"),
     aspect = field("double", "viewpoint.aspect", "Aspect"),
   },
   decision = {
-    collider = field("uint32", "decision.collider", "Collider"),
-    collidee = field("uint32", "decision.collidee", "Collidee"),
+    collider = field("uint64", "decision.collider", "Collider"),
+    collidee = field("uint64", "decision.collidee", "Collidee"),
     contact = field("int64", "decision.contact_ns", "Contact [ns]"),
     normal = vector("decision.normal", "Normal"),
     rule = field("uint32", "decision.rule", "Rule", base.DEC, RULES),
@@ -113,7 +113,7 @@ local F = {
     latest = field("int64", "entered.latest_ns", "Latest since [ns]"),
   },
   gone = {
-    object = field("uint32", "gone.object", "Object"),
+    object = field("uint64", "gone.object", "Object"),
     sequence = field("uint32", "gone.sequence", "Sequence"),
     to = field("uint32", "gone.region", "Told in region"),
   },
@@ -127,7 +127,8 @@ local F = {
     kind = field("uint32", "record.kind", "Model", base.DEC, KINDS),
     step = field("int32", "record.step_log2", "Step of the position, log2 [m]"),
     exact = field("bool", "record.exact", "Exact"),
-    object = field("uint32", "record.object", "Object"),
+    object = field("uint64", "record.object", "Object"),
+    carrier = field("uint64", "record.carrier", "In the frame of"),
     sequence = field("uint32", "record.sequence", "Sequence"),
     time = field("int64", "record.time_ns", "Time [ns]"),
     decision = field("int64", "record.decision_ns", "Last decision known [ns]"),
@@ -291,6 +292,9 @@ local function uint32(tree, f, keep)
     tree:add(f, range, value:lower())
     if keep then keep(value:lower()) end
   end }
+end
+local function uint64(tree, f)
+  return { varint = function(value, range) tree:add(f, range, value) end }
 end
 local function time64(tree, f, keep)
   return { fixed64 = function(_, range)
@@ -541,18 +545,21 @@ end
 local function dissect_record(tvb, tree, at, base_time, only_exact)
   local bits = Bits.new(tvb, at)
   local kind, step = bits:get(4), bits:get(4)
-  if kind >= UNKNOWN_KIND then
+  if kind == UNKNOWN_KIND then
     local size = bits:get(8)
     if at + 2 + size > tvb:len() then refuse("a record is cut short") end
     tree:add(F.record.unknown, tvb(at, 2 + size), kind)
     return at + 2 + size
   end
   if kind == 0 then refuse("a record of kind 0") end
+  local is_carried = kind > UNKNOWN_KIND  -- its kind is that many higher
+  kind = kind % UNKNOWN_KIND
   local later, decided = bits:get(1) == 1, bits:get(1) == 1
   local turned, spins_up = bits:get(1) == 1, bits:get(1) == 1
   local level, upright = bits:get(1) == 1, bits:get(1) == 1
-  local object, sequence = bits:varint32(), bits:varint32()
+  local object, sequence = bits:varint64(), bits:varint32()
   if sequence == 0 then refuse("sequence 0") end
+  local carrier = is_carried and bits:varint64() or nil
   local time, decision = base_time, nil
   if later then
     time = bits:time(base_time)
@@ -574,10 +581,11 @@ local function dissect_record(tvb, tree, at, base_time, only_exact)
   check_limits(kind, m)
 
   local range = bits:range()
-  local sub = tree:add(range, string.format("Object %d, number %d: %s", object, sequence, KINDS[kind]))
+  local sub = tree:add(range, string.format("Object %s, number %d: %s", object, sequence, KINDS[kind]))
   local R = F.record
   sub:add(R.object, range, object)
   sub:add(R.sequence, range, sequence)
+  if carrier then sub:add(R.carrier, range, carrier) end
   sub:add(R.kind, range, kind)
   sub:add(R.time, range, time)
   if decision then sub:add(R.decision, range, decision) end
@@ -664,10 +672,14 @@ end
 local function dissect_notes(tvb, tree, session_tx)
   each_entry(tvb, function(bits)
     local N = F.note
-    local collider, twice = bits:varint32(), bits:varint64()
-    if twice:higher() >= 2 then refuse("an object of more than 32 bits") end
-    local collidee, contact = twice:rshift(1):lower(), bits:time(session_tx)
-    local sub = tree:add(bits:range(), string.format("Contact of %d with %d", collider, collidee))
+    local collider, twice, author = bits:varint64(), bits:varint64(), 0
+    if twice:higher() >= 4 then refuse("an object of more than 32 bits") end
+    if twice:higher() >= 2 then
+      author = bits:varint32()
+      if author == 0 then refuse("a zero that is sent") end
+    end
+    local collidee, contact = UInt64.new(twice:rshift(1):lower(), author), bits:time(session_tx)
+    local sub = tree:add(bits:range(), string.format("Contact of %s with %s", collider, collidee))
     sub:add(N.collider, bits:range(), collider)
     sub:add(N.collidee, bits:range(), collidee)
     sub:add(N.contact, bits:range(), contact)
@@ -678,7 +690,7 @@ end
 local function dissect_viewpoint(tvb, tree, range)
   local V, position, orientation, angles = F.view, { tree = tree }, { tree = tree }, {}
   each_field_of(tvb, tree, {
-    uint32(tree, V.object), components(XYZ, position), components(WXYZ, orientation),
+    uint64(tree, V.object), components(XYZ, position), components(WXYZ, orientation),
     double(angles, "fov"), double(angles, "aspect"),
   })
   local p = check_vector({ position[1] or 0, position[2] or 0, position[3] or 0 })
@@ -704,10 +716,11 @@ local function dissect_introduction(tvb, tree)
     { fixed64 = function(_, range) tree:add_le(I.world, range) end },
     { fixed64 = function(_, range) tree:add_le(I.boot, range) end },
     { bytes = function(list)
-      local object = 0
+      local object = UInt64.new(0)
       each_entry(list, function(bits)
-        object = object + bits:varint32()
-        if object >= TWO32 then refuse("an object of more than 32 bits") end
+        local more = bits:varint64()
+        object = object + more
+        if object < more then refuse("an object of more than 64 bits") end
         tree:add(I.enslaved, bits:range(), object)
       end)
     end },
@@ -812,7 +825,7 @@ end
 local function dissect_decision(tvb, tree, at, pinfo)
   local bits, D = Bits.new(tvb, at), F.decision
   local contact = nearest_time(bits:get(40), pinfo)
-  local collider, collidee, rule = bits:varint32(), bits:varint32(), bits:get(4)
+  local collider, collidee, rule = bits:varint64(), bits:varint64(), bits:get(4)
   if rule < 1 or rule > 5 then refuse("rule " .. rule) end
   local known = nil
   if bits:get(1) == 1 then
@@ -827,9 +840,9 @@ local function dissect_decision(tvb, tree, at, pinfo)
   bits:pad()
 
   local range = bits:range()
-  local sub = tree:add(range, string.format("Objects %d and %d", collider, collidee))
-  if collider ~= 0 then sub:add(D.collider, range, collider) end
-  if collidee ~= 0 then sub:add(D.collidee, range, collidee) end
+  local sub = tree:add(range, string.format("Objects %s and %s", collider, collidee))
+  if collider ~= UInt64.new(0) then sub:add(D.collider, range, collider) end
+  if collidee ~= UInt64.new(0) then sub:add(D.collidee, range, collidee) end
   sub:add(D.contact, range, contact)
   add_vector(sub, D.normal, range, normal)
   add_state(sub, range, "Collider before", collider_before)
@@ -850,9 +863,9 @@ local function dissect_decisions(tvb, tree, pinfo)
   return count
 end
 
--- Reads a repeated uint32, packed or not.
+-- Reads a repeated number, packed or not.
 local function numbers(into)
-  local function keep(value, range) into[#into + 1] = { value:lower(), range } end
+  local function keep(value, range) into[#into + 1] = { value, range } end
   return {
     repeated = true,
     varint = keep,
@@ -870,8 +883,8 @@ end
 local function dissect_entered(list, latest, tree)
   if #list % 2 ~= 0 or #list > 1024 then refuse("regions entered that are no pairs") end
   for i = 1, #list, 2 do
-    tree:add(F.entered.region, list[i][2], list[i][1])
-    local since = latest - Int64.new(list[i + 1][1], 0) * Int64.new(1000000, 0)
+    tree:add(F.entered.region, list[i][2], list[i][1]:lower())
+    local since = latest - Int64.new(list[i + 1][1]:lower(), 0) * Int64.new(1000000, 0)
     tree:add(F.entered.since, list[i + 1][2], check_time(since))
   end
 end
@@ -879,11 +892,19 @@ end
 local function dissect_gone(list, tree)
   if #list % 3 ~= 0 or #list > 1024 then refuse("objects gone that are no threes") end
   for i = 1, #list, 3 do
-    if list[i + 1][1] == 0 then refuse("sequence 0") end
+    local sequence, to = list[i + 1][1], list[i + 2][1]
+    if sequence == UInt64.new(0) then refuse("sequence 0") end
+    if sequence:higher() ~= 0 or to:higher() ~= 0 then refuse("a number of more than 32 bits") end
     tree:add(F.gone.object, list[i][2], list[i][1])
-    tree:add(F.gone.sequence, list[i + 1][2], list[i + 1][1])
-    tree:add(F.gone.to, list[i + 2][2], list[i + 2][1])
+    tree:add(F.gone.sequence, list[i + 1][2], sequence:lower())
+    tree:add(F.gone.to, list[i + 2][2], to:lower())
   end
+end
+
+-- Its members have no fields of their own: it concerns nobody but two programs that are one peer.
+local function dissect_identity(tvb, tree)
+  local function nothing() end
+  each_field_of(tvb, tree, { { fixed64 = nothing }, { fixed64 = nothing }, { varint = nothing } })
 end
 
 -- ---- a datagram ---------------------------------------------------------------------------------------------------
@@ -921,7 +942,7 @@ local function dissect_datagram(tvb, tree, pinfo, whole)
     numbers(entered),
     time64(tree, F.entered.latest, function(t) latest = t end),
     numbers(gone),
-    nil,  -- a question of identity
+    message(tree, "Question of identity", dissect_identity),
     { bytes = function(inner, range) states = dissect_scene(inner, tree:add(range, "Scene objects")) end },
   })
   if version ~= VERSION then refuse("version " .. version .. ", and this dissector knows " .. VERSION) end

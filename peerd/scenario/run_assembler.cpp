@@ -44,7 +44,7 @@ RunAssembler::RunAssembler(const config::RunSettings& run, const SharedWorld& sh
     for (const auto& [id, motion] : resolved_[i].motions) by_id[id].motion = &motion;
   }
   for (auto& [id, object] : by_id) {
-    index_of_[id.value] = objects_.size();
+    index_of_[id] = objects_.size();
     objects_.emplace_back(id, std::move(object));
   }
 }
@@ -85,7 +85,7 @@ void RunAssembler::add(const PeerLog& log, const PeerLog::ObjectSample& sample) 
   Life& life = lives.back();
   if (!life.first_row) life.first_row = sample.at, life.first_row_at = sample.true_at;
   life.last_row = sample.at;
-  const auto found = index_of_.find(sample.object.value);
+  const auto found = index_of_.find(sample.object);
   if (!start || found == index_of_.end()) return;
   Object& object = objects_[found->second].second;
   if (sample.owner != log.peer) {
@@ -188,7 +188,7 @@ report::PeerInfo RunAssembler::peer_info(const config::PeerSettings& peer, const
 void RunAssembler::add_logs(report::RunRecord& record, const std::vector<PeerLog>& logs, SimTime start) const {
   const Scene& scene = shared_.world.scene;
   const auto owned = [&](ObjectId id) {
-    const auto found = index_of_.find(id.value);
+    const auto found = index_of_.find(id);
     return found != index_of_.end() && objects_[found->second].second.owner != kNobody;
   };
   for (const PeerLog& log : logs) {

@@ -74,9 +74,9 @@ class RunAssembler final : public LogRows {
 
   const config::RunSettings& run_;
   const SharedWorld& shared_;
-  std::vector<config::PeerObjects> resolved_;                // motions are in here
-  std::unordered_map<std::uint32_t, std::size_t> index_of_;  // for look-ups alone, in objects_
-  std::vector<std::pair<ObjectId, Object>> objects_;         // by id
+  std::vector<config::PeerObjects> resolved_;           // motions are in here
+  std::unordered_map<ObjectId, std::size_t> index_of_;  // for look-ups alone, in objects_
+  std::vector<std::pair<ObjectId, Object>> objects_;    // by id
   std::map<PeerId, std::vector<Life>> lives_;
   std::optional<SimTime> start_;  // of the lowest peer that has said one
   PeerId start_from_ = kNobody;

@@ -103,13 +103,14 @@ class OutlineFinder {
     std::vector<std::optional<ObjectId>> owned_above(scene_.instances.size());
     for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
       const Instance& instance = scene_.instances[i];
+      const ObjectId id = scene_.id_of(i);
       if (instance.parent >= 0) owned_above[i] = owned_above[static_cast<std::size_t>(instance.parent)];
-      if (std::ranges::binary_search(run_.objects, ObjectId{i}, {}, &report::ObjectInfo::object)) {
-        owned_above[i] = ObjectId{i};
+      if (std::ranges::binary_search(run_.objects, id, {}, &report::ObjectInfo::object)) {
+        owned_above[i] = id;
       }
-      const Geometry* const geometry = scene_.geometry(ObjectId{i});
+      const Geometry* const geometry = scene_.geometry(id);
       if (geometry == nullptr || !(instance.collides || instance.drawn)) continue;
-      if (!owned_above[i] && motion_.moves(ObjectId{i})) continue;
+      if (!owned_above[i] && motion_.moves(id)) continue;
       Candidate candidate{.shape = i, .owned = owned_above[i]};
       if (judge(candidate)) candidates.push_back(candidate);
     }

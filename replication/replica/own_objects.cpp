@@ -8,7 +8,7 @@
 namespace peerd::replication {
 
 OwnObjects::OwnObjects(const Scene& scene, std::span<const OwnedObject> objects, bool surface_error)
-    : scene_(scene), surface_error_(surface_error), index_(scene.instances.size()) {
+    : scene_(scene), surface_error_(surface_error) {
   add(objects);
 }
 
@@ -17,7 +17,7 @@ void OwnObjects::add(std::span<const OwnedObject> objects) {
   std::ranges::sort(sorted, {}, &OwnedObject::object);
   map_.reserve(map_.size() + sorted.size());
   for (const OwnedObject& e : sorted) {
-    assert(e.object.value < index_.size());
+    assert(scene_.contains(e.object));
     OwnObject& own = map_[e.object];
     own.driven = e.driven;
     own.launch = e.launch;
@@ -28,7 +28,7 @@ void OwnObjects::add(std::span<const OwnedObject> objects) {
 }
 
 void OwnObjects::adopt(ObjectId object, std::uint32_t sequence) {
-  assert(!contains(object) && object.value < index_.size());
+  assert(!contains(object) && scene_.contains(object));
   OwnObject& own = map_[object];
   own.adopted = true;
   own.sequence = sequence;
@@ -37,9 +37,9 @@ void OwnObjects::adopt(ObjectId object, std::uint32_t sequence) {
 }
 
 void OwnObjects::build_index() {
-  std::ranges::fill(index_, kNoIndex);
+  index_.clear();
   checks_ = Schedule(map_.size());
-  for (std::uint32_t index = 0; const auto& [object, own] : map_) index_[object.value] = index++;
+  for (std::uint32_t index = 0; const auto& [object, own] : map_) index_.set(object, index++);
   check_all();
 }
 
@@ -50,8 +50,7 @@ void OwnObjects::remove(std::span<const ObjectId> objects) {
 }
 
 void OwnObjects::check(ObjectId object) {
-  assert(object.value < index_.size());
-  if (const std::uint32_t index = index_[object.value]; index != kNoIndex) checks_.set(index, SimTime::min());
+  if (const std::uint32_t index = index_.of(object); index != kNoIndex) checks_.set(index, SimTime::min());
 }
 
 void OwnObjects::check_all() {

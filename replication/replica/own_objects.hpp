@@ -12,6 +12,7 @@
 #include <boost/container/small_vector.hpp>
 
 #include "core/ids.hpp"
+#include "core/object_table.hpp"
 #include "core/scene/scene.hpp"
 #include "core/schedule.hpp"
 #include "core/time.hpp"
@@ -114,8 +115,8 @@ class OwnObjects {
   const Scene& scene_;
   const bool surface_error_;
   Map map_;
-  Schedule checks_;                   // by the objects' indices in map_
-  std::vector<std::uint32_t> index_;  // by object; kNoIndex: not here
+  Schedule checks_;                             // by the objects' indices in map_
+  ObjectTable<std::uint32_t> index_{kNoIndex};  // into checks_
 };
 
 }  // namespace peerd::replication

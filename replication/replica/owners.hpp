@@ -10,19 +10,15 @@
 #include <vector>
 
 #include "core/ids.hpp"
+#include "core/object_table.hpp"
 
 namespace peerd::replication {
 
 // The owners of all objects, in a table by object: an update asks for its object's owner, and there are many of both.
 class Owners {
  public:
-  // A scene has so many objects, with ids below that number.
-  explicit Owners(std::size_t objects) : by_object_(objects, kNobody) {}
-
   // The owner of an object; kNobody where nobody owns it, or where there is no such object.
-  [[nodiscard]] PeerId of(ObjectId object) const {
-    return object.value < by_object_.size() ? by_object_[object.value] : kNobody;
-  }
+  [[nodiscard]] PeerId of(ObjectId object) const { return by_object_.of(object); }
   // Whether two different peers own the two objects.
   [[nodiscard]] bool have_two(ObjectId a, ObjectId b) const {
     const PeerId owner_a = of(a), owner_b = of(b);
@@ -31,9 +27,8 @@ class Owners {
   // Sets the owner of an object, which exists. kNobody: nobody owns it from now on. `as_founder`: the world's file
   // gives the object to the founder of the session, and the owner has it for no other reason.
   void set(ObjectId object, PeerId owner, bool as_founder = false) {
-    assert(object.value < by_object_.size());
     assert(owner != kNobody || !as_founder);
-    by_object_[object.value] = owner;
+    by_object_.set(object, owner);
     if (as_founder) {
       as_founder_.insert(object);
     } else {
@@ -49,11 +44,10 @@ class Owners {
     using difference_type = std::ptrdiff_t;
     using value_type = std::pair<ObjectId, PeerId>;
     Iterator() = default;
-    Iterator(const std::vector<PeerId>& by_object, std::size_t at) : by_object_(&by_object), at_(at) { find(); }
-    value_type operator*() const { return {ObjectId{static_cast<std::uint32_t>(at_)}, (*by_object_)[at_]}; }
+    Iterator(const ObjectTable<PeerId>& by_object, ObjectId first) : by_object_(&by_object) { go_to(first); }
+    value_type operator*() const { return at_; }
     Iterator& operator++() {
-      ++at_;
-      find();
+      go_to(ObjectId::unpacked(at_.first.packed() + 1));
       return *this;
     }
     Iterator operator++(int) {
@@ -61,24 +55,27 @@ class Owners {
       ++*this;
       return before;
     }
-    friend bool operator==(const Iterator&, const Iterator&) = default;
+    friend bool operator==(const Iterator& a, const Iterator& b) {
+      return a.is_behind_ == b.is_behind_ && (a.is_behind_ || a.at_.first == b.at_.first);
+    }
 
    private:
-    void find() {
-      while (at_ < by_object_->size() && (*by_object_)[at_] == kNobody) ++at_;
+    void go_to(ObjectId first) {
+      const auto found = by_object_->from(first);
+      is_behind_ = !found;
+      if (found) at_ = *found;
     }
-    const std::vector<PeerId>* by_object_ = nullptr;
-    std::size_t at_ = 0;
+    const ObjectTable<PeerId>* by_object_ = nullptr;
+    value_type at_{};
+    bool is_behind_ = true;  // behind all
   };
-  [[nodiscard]] Iterator begin() const { return {by_object_, 0}; }
-  [[nodiscard]] Iterator end() const { return {by_object_, by_object_.size()}; }
+  [[nodiscard]] Iterator begin() const { return {by_object_, ObjectId{}}; }
+  [[nodiscard]] Iterator end() const { return {}; }
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(std::ranges::distance(begin(), end())); }
-  [[nodiscard]] auto from(ObjectId first) const {
-    return std::ranges::subrange(Iterator(by_object_, std::min<std::size_t>(first.value, by_object_.size())), end());
-  }
+  [[nodiscard]] auto from(ObjectId first) const { return std::ranges::subrange(Iterator(by_object_, first), end()); }
 
  private:
-  std::vector<PeerId> by_object_;
+  ObjectTable<PeerId> by_object_{kNobody};
   std::set<ObjectId> as_founder_;
 };
 

@@ -99,7 +99,7 @@ std::uint64_t SceneObjects::digest(const Owners& owners, const MotionWorld& trut
     if (owners.of(object) != kNobody) continue;
     const SimTime began = std::max(this->at(object).freed, truth.law_since(object, at));
     const auto ns = static_cast<std::uint64_t>(began.time_since_epoch().count());
-    sum ^= mixed_bits(mixed_bits(object.value + 1) + ns) | 1;  // that of one object is not 0
+    sum ^= mixed_bits(mixed_bits(object.packed() + 1) + ns) | 1;  // that of one object is not 0
   }
   return sum;
 }

@@ -17,10 +17,10 @@ constexpr Duration kSettling = std::chrono::seconds(4);
 // of them where the loss asks for it.
 constexpr std::size_t kIntroductionEvery = 8;
 constexpr std::uint32_t kIntroductionRepeats = 3, kIntroductionRepeatsMax = 6;
-// The most own objects in an introduction. 15 echoes of at most 33 bytes, 50 objects of 216 in all, kNotesMax notes of
-// at most 20, a viewpoint of at most 97, a name of 64 and kSubscriptionsWithHello regions of at most 7, and 11 for
-// them all, fit into a datagram. The 9 bytes of owned_as_founder are there instead of one of the regions.
-constexpr std::size_t kOwnedMax = 50;
+// The most own objects in an introduction. 15 echoes of at most 33 bytes, these objects, kNotesMax notes of at most 30,
+// a viewpoint of at most 102, a name of 64 and kSubscriptionsWithHello regions of at most 7, and 11 for them all, fit
+// into a datagram. The 9 bytes of owned_as_founder are there instead of one of the regions.
+constexpr std::size_t kOwnedMax = 50, kOwnedMax_bytes = 131;
 static_assert(kOwnedMax <= 64, "each has a bit in owned_as_founder");
 // The most lost peers that are remembered: more than one network carries.
 constexpr std::size_t kLostPeersMax = 4096;
@@ -127,9 +127,16 @@ Introduction Greeter::introduction(std::span<const ObjectId> own, std::optional<
                                    std::optional<SimTime> world_zero) {
   assert(std::ranges::is_sorted(own));
   Introduction i{config_.name, config_.world_hash, {}, 0, start, world_zero, config_.decisions.viewpoint};
-  take_turns(introductions_ * kOwnedMax, own.size(), kOwnedMax, [&](std::size_t k) { i.owned.push_back(own[k]); });
-  std::ranges::sort(i.owned);
-  ++introductions_;
+  auto next = last_introduced_ ? std::ranges::upper_bound(own, *last_introduced_) : own.begin();
+  while (i.owned.size() < std::min(own.size(), kOwnedMax)) {
+    if (next == own.end()) next = own.begin();
+    std::vector<ObjectId> with = i.owned;
+    with.insert(std::ranges::upper_bound(with, *next), *next);
+    if (packed(with).size() > kOwnedMax_bytes) break;
+    i.owned = std::move(with);
+    last_introduced_ = *next++;
+  }
+  assert((own.empty() || !i.owned.empty()) && "one fits by itself");
   if (introductions_due_ > 0) --introductions_due_;
   return i;
 }

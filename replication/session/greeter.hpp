@@ -77,11 +77,12 @@ class Greeter {
   std::optional<HostTime> next_hello_;
   HostTime last_hello_{};
   HostTime settling_until_{};
-  HostTime last_sent_at_{};                                      // of any datagram to all
-  std::uint32_t last_sent_number_ = 0;                           // of that datagram
-  std::uint32_t sessions_ = 0;                                   // entered
-  std::size_t hellos_ = 0, introductions_ = 0, echo_turns_ = 0;  // sent; their lists take turns
-  std::size_t introductions_due_ = 0;                            // with the next hellos
+  HostTime last_sent_at_{};                  // of any datagram to all
+  std::uint32_t last_sent_number_ = 0;       // of that datagram
+  std::uint32_t sessions_ = 0;               // entered
+  std::size_t hellos_ = 0, echo_turns_ = 0;  // sent; the echoes take turns
+  std::optional<ObjectId> last_introduced_;  // own objects take turns, too
+  std::size_t introductions_due_ = 0;        // with the next hellos
   struct SentHello {
     std::uint32_t number;
     HostTime at;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -76,7 +77,7 @@ void put(const std::vector<DecisionRecord>& decisions, proto::Datagram* out) {
 }
 
 void put(const Viewpoint& v, proto::Viewpoint* out) {
-  if (v.object) out->set_object(v.object->value);
+  if (v.object) out->set_object(v.object->packed());
   put(v.pose.position, out->mutable_position());
   put(v.pose.orientation, out->mutable_orientation());
   out->set_field_of_view(v.field_of_view);
@@ -126,7 +127,7 @@ void put(const std::vector<Subscription>& subscriptions, proto::Datagram* out) {
 
 void put(const std::vector<Handover>& handovers, proto::Datagram* out) {
   for (const Handover& g : handovers) {
-    out->add_handovers(g.object.value);
+    out->add_handovers(g.object.packed());
     out->add_handovers(g.sequence);
     out->add_handovers(g.to.value);
   }
@@ -227,8 +228,11 @@ bool take_subscriptions(const proto::Datagram& in, std::vector<Subscription>& su
 bool take_handovers(const proto::Datagram& in, std::vector<Handover>& handovers) {
   if (in.handovers_size() % 3 != 0 || in.handovers_size() > kListMax) return false;
   for (int i = 0; i < in.handovers_size(); i += 3) {
-    if (in.handovers(i + 1) == 0) return false;
-    handovers.push_back({ObjectId{in.handovers(i)}, in.handovers(i + 1), RegionId{in.handovers(i + 2)}});
+    const std::uint64_t sequence = in.handovers(i + 1), to = in.handovers(i + 2);
+    constexpr std::uint64_t kMost = std::numeric_limits<std::uint32_t>::max();
+    if (sequence == 0 || sequence > kMost || to > kMost) return false;
+    handovers.push_back({ObjectId::unpacked(in.handovers(i)), static_cast<std::uint32_t>(sequence),
+                         RegionId{static_cast<std::uint32_t>(to)}});
   }
   return true;
 }
@@ -243,7 +247,7 @@ bool take_decisions(const proto::Datagram& in, SimTime near, std::vector<Decisio
 }
 
 bool take(const proto::Viewpoint& in, Viewpoint& v) {
-  if (in.has_object()) v.object = ObjectId{in.object()};
+  if (in.has_object()) v.object = ObjectId::unpacked(in.object());
   v.field_of_view = in.field_of_view();
   v.aspect = in.aspect();
   return take(in.position(), v.pose.position) && take(in.orientation(), v.pose.orientation) && v.field_of_view > 0.0 &&

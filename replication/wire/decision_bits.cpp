@@ -73,7 +73,7 @@ bool take_change(BitReader& in, const KinematicState& was, KinematicState& is) {
 
 bool take(BitReader& in, SimTime near, DecisionRecord& d) {
   if (!take_low_time(in.get(kLowTime_bits), near, d.contact)) return false;
-  if (!take_varint(in, d.collider.value) || !take_varint(in, d.collidee.value)) return false;
+  if (!take_object(in, d.collider) || !take_object(in, d.collidee)) return false;
   if (d.collider == d.collidee) return false;
   const std::uint64_t rule = in.get(kRule_bits);
   if (rule < static_cast<std::uint64_t>(DecisionRule::kId) || rule > static_cast<std::uint64_t>(DecisionRule::kServer))
@@ -91,8 +91,8 @@ bool take(BitReader& in, SimTime near, DecisionRecord& d) {
 std::size_t encode_decision(const DecisionRecord& d, std::span<std::byte, kDecisionMax_bytes> bytes) {
   BitWriter out(bytes);
   out.put(low_time(d.contact), kLowTime_bits);
-  put_varint(out, d.collider.value);
-  put_varint(out, d.collidee.value);
+  put_object(out, d.collider);
+  put_object(out, d.collidee);
   out.put(static_cast<std::uint64_t>(d.rule), kRule_bits);
   const bool has_previous = d.known != SimTime{};
   out.put(has_previous ? 1 : 0, 1);

@@ -11,7 +11,8 @@
 namespace peerd::replication {
 namespace {
 
-constexpr std::size_t kEntryMax_bytes = 64;  // an entry of any list; the longest entry has 33
+constexpr std::uint64_t kAddedCollidee = std::uint64_t{1} << 33;  // in a note: the origin of the collidee follows
+constexpr std::size_t kEntryMax_bytes = 64;                       // an entry of any list; the longest entry has 33
 
 // The bytes that `put` writes for each entry.
 template <class Entry, class Put>
@@ -99,28 +100,30 @@ bool leaves_out(std::span<const Echo> echoes, PeerId peer) {
 }
 
 std::string packed(const std::vector<ObjectId>& objects) {
-  std::uint32_t last = 0;
+  std::uint64_t last = 0;
   return packed_by(objects, [&](BitWriter& out, ObjectId id) {
-    assert(id.value >= last);
-    put_varint(out, id.value - last);
-    last = id.value;
+    assert(id.packed() >= last);
+    put_varint(out, id.packed() - last);
+    last = id.packed();
   });
 }
 
 bool take_objects(std::string_view bytes, std::vector<ObjectId>& objects) {
-  std::uint32_t last = 0;
+  std::uint64_t last = 0;
   return take_all(bytes, objects, [&](BitReader& in, ObjectId& id) {
-    std::uint32_t more = 0;
-    if (!take_varint(in, more) || more > std::numeric_limits<std::uint32_t>::max() - last) return false;
-    id.value = last += more;
+    std::uint64_t more = 0;
+    if (!take_varint(in, more) || more > std::numeric_limits<std::uint64_t>::max() - last) return false;
+    id = ObjectId::unpacked(last += more);
     return true;
   });
 }
 
 std::string packed(const std::vector<ContactNote>& notes, SimTime base) {
   return packed_by(notes, [&](BitWriter& out, const ContactNote& n) {
-    put_varint(out, n.collider.value);
-    put_varint(out, std::uint64_t{n.collidee.value} << 1 | (n.deferred ? 1 : 0));
+    put_object(out, n.collider);
+    const bool of_file = n.collidee.origin == 0;
+    put_varint(out, (of_file ? 0 : kAddedCollidee) | std::uint64_t{n.collidee.number} << 1 | (n.deferred ? 1 : 0));
+    if (!of_file) put_varint(out, n.collidee.origin);
     put_time(out, base, n.contact);
   });
 }
@@ -128,8 +131,11 @@ std::string packed(const std::vector<ContactNote>& notes, SimTime base) {
 bool take_notes(std::string_view bytes, SimTime base, std::vector<ContactNote>& notes) {
   return take_all(bytes, notes, [&](BitReader& in, ContactNote& n) {
     std::uint64_t collidee = 0;
-    if (!take_id(in, n.collider) || !take_varint(in, collidee) || collidee >> 33 != 0) return false;
-    n.collidee.value = static_cast<std::uint32_t>(collidee >> 1);
+    if (!take_object(in, n.collider) || !take_varint(in, collidee) || collidee >> 34 != 0) return false;
+    n.collidee = ObjectId{static_cast<std::uint32_t>(collidee >> 1)};
+    if ((collidee & kAddedCollidee) != 0) {
+      if (!take_varint(in, n.collidee.origin) || n.collidee.origin == 0) return false;
+    }
     n.deferred = (collidee & 1) != 0;
     return take_time(in, base, n.contact);
   });

@@ -345,8 +345,8 @@ bool take(BitReader& in, SimTime base, UpdateRecord& u) {
   const bool later = in.get(1) != 0, decided = in.get(1) != 0;
   const bool turned = in.get(1) != 0, spins_up = in.get(1) != 0;
   const bool level = in.get(1) != 0, upright = in.get(1) != 0;
-  if (!take_varint(in, u.object.value) || !take_varint(in, u.sequence) || u.sequence == 0) return false;
-  if (kind > kCarried && !take_varint(in, u.carrier.emplace().value)) return false;
+  if (!take_object(in, u.object) || !take_varint(in, u.sequence) || u.sequence == 0) return false;
+  if (kind > kCarried && !take_object(in, u.carrier.emplace())) return false;
   u.at = base;
   if (later && (!take_time(in, base, u.at) || u.at == base)) return false;
   if (decided && (!take_time(in, u.at, u.decision) || u.decision == SimTime{})) return false;
@@ -408,9 +408,9 @@ std::size_t encode_record(const UpdateRecord& u, SimTime base, std::span<std::by
   const Form form = u.position_step_log2 ? form_of(u.model.kind, is_level(u.model), is_upright(u.model)) : Form{};
   out.put(form.moves ? 1 : 0, 1);
   out.put(form.turns ? 1 : 0, 1);
-  put_varint(out, u.object.value);
+  put_object(out, u.object);
   put_varint(out, u.sequence);
-  if (u.carrier) put_varint(out, u.carrier->value);
+  if (u.carrier) put_object(out, *u.carrier);
   if (later) put_time(out, base, u.at);
   if (decided) put_time(out, u.at, u.decision);
   u.position_step_log2 ? put_steps(out, u.model, *u.position_step_log2, form) : put_exact(out, u.model);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/ids.hpp"
 #include "core/time.hpp"
 #include "replication/wire/bit_stream.hpp"
 #include "replication/wire/wire_limits.hpp"
@@ -34,6 +35,15 @@ template <class Number>
     return true;
   }
   return false;
+}
+
+// The id of an object; one of the world's file is its number.
+inline void put_object(BitWriter& out, ObjectId id) { put_varint(out, id.packed()); }
+[[nodiscard]] inline bool take_object(BitReader& in, ObjectId& id) {
+  std::uint64_t packed = 0;
+  if (!take_varint(in, packed)) return false;
+  id = ObjectId::unpacked(packed);
+  return true;
 }
 
 // A time as its difference from another one, modulo 2^64, which is its own inverse; small differences of either sign

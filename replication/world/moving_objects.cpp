@@ -19,19 +19,19 @@ constexpr std::int64_t kPruningSlots = 128;
 
 }  // namespace
 
-MovingObjects::MovingObjects(const WorldModel& model, SimTime start)
-    : model_(&model), start_(start), index_by_id_(model.scene->instances.size(), kNone) {
+MovingObjects::MovingObjects(const WorldModel& model, SimTime start) : model_(&model), start_(start) {
   for (const ModelNode& node : model.nodes) add(node);
   assert(objects_.size() == model.nodes.size());
 }
 
 void MovingObjects::add(const ModelNode& node) {
+  assert(find(node.object) == nullptr);
   KinematicState initial = at_rest(model_->scene->rigid_pose(node.object));
   if (node.carrier != kNone) {
     const KinematicState carrier = at_rest(model_->scene->rigid_pose(model_->nodes[node.carrier].object));
     initial = relative_to(carrier, initial);
   }
-  index_by_id_[node.object.value] = static_cast<std::uint32_t>(objects_.size());
+  index_by_id_.set(node.object, static_cast<std::uint32_t>(objects_.size()));
   objects_.push_back({.id = node.object,
                       .role = Role::kScene,
                       .timeline = Timeline(start_, initial),

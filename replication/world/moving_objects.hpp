@@ -8,6 +8,7 @@
 
 #include <boost/container/small_vector.hpp>
 
+#include "core/object_table.hpp"
 #include "core/time.hpp"
 #include "replication/motion/swept_bound.hpp"
 #include "replication/motion/timeline.hpp"
@@ -66,12 +67,12 @@ class MovingObjects {
   [[nodiscard]] auto begin() const { return objects_.begin(); }
   [[nodiscard]] auto end() const { return objects_.end(); }
   [[nodiscard]] const MovingObject* find(ObjectId id) const {
-    const bool known = id.value < index_by_id_.size() && index_by_id_[id.value] != kNone;
-    return known ? &objects_[index_by_id_[id.value]] : nullptr;
+    const std::uint32_t index = index_by_id_.of(id);
+    return index == kNone ? nullptr : &objects_[index];
   }
   [[nodiscard]] std::size_t index_of(ObjectId id) const {
     assert(find(id) != nullptr);
-    return index_by_id_[id.value];
+    return index_by_id_.of(id);
   }
   void add(const ModelNode& node);
   // Goes on by another model of the same scene, in which more nodes are carriers. Indices change.
@@ -138,9 +139,9 @@ class MovingObjects {
   FlexibleParts* flexible_ = nullptr;
   std::optional<Duration> driven_history_;  // none: as for all other objects
   std::vector<MovingObject> objects_;
-  std::vector<std::uint32_t> index_by_id_;  // indices into objects_, or kNone
-  std::vector<Pruning> prunings_;           // a heap, the earliest first
-  std::vector<std::uint32_t> changed_;      // indices into objects_
+  ObjectTable<std::uint32_t> index_by_id_{kNone};  // indices into objects_
+  std::vector<Pruning> prunings_;                  // a heap, the earliest first
+  std::vector<std::uint32_t> changed_;             // indices into objects_
 };
 
 }  // namespace peerd::replication

@@ -100,30 +100,31 @@ class ModelBuilder {
   void add_nodes(std::span<const ObjectId> owned) {
     std::vector<bool> needed(scene_.instances.size(), false);
     const auto need = [&](ObjectId id) {
-      for (std::optional<ObjectId> node = id; node && !needed[node->value]; node = carriers_->above(*node)) {
-        needed[node->value] = true;
+      for (std::optional<ObjectId> node = id; node && !needed[scene_.index_of(*node)]; node = carriers_->above(*node)) {
+        needed[scene_.index_of(*node)] = true;
       }
     };
     for (const ObjectId end : named_) {
       need(end);
-      for (std::uint32_t i = end.value; i < scene_.at(end).subtree_end; ++i) {
-        const auto carrier = carriers_->above({i});
-        if (carrier && *carrier > end && collides({i})) need(*carrier);
+      for (std::uint32_t i = scene_.index_of(end); i < scene_.at(end).subtree_end; ++i) {
+        const auto carrier = carriers_->above(scene_.id_of(i));
+        if (carrier && scene_.index_of(*carrier) > scene_.index_of(end) && collides(scene_.id_of(i))) need(*carrier);
       }
     }
     // An owned node that is neither carried nor carries anything meets nothing, and moves in the world.
     std::vector<bool> carries(scene_.instances.size(), false);
     for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
-      const auto above = carriers_->above({i});
-      if (above && carriers_->contains({i})) carries[above->value] = true;
+      const ObjectId id = scene_.id_of(i);
+      const auto above = carriers_->above(id);
+      if (above && carriers_->contains(id)) carries[scene_.index_of(*above)] = true;
     }
     for (const ObjectId id : owned) {
-      if (carries[id.value] || carriers_->above(id)) need(id);
+      if (carries[scene_.index_of(id)] || carriers_->above(id)) need(id);
     }
     for (std::uint32_t i = 0; i < needed.size(); ++i) {
-      const ObjectId id{i};
       if (!needed[i]) continue;
-      model_.nodes.push_back({id, kNone, carriers_->contains(id), 0});
+      const ObjectId id = scene_.id_of(i);
+      model_.nodes.push_back({id, i, kNone, carriers_->contains(id), 0});
       if (carriers_->contains(id) && predefined_->moves_in_parent(id)) model_.moving.push_back(id);
     }
     for (ModelNode& node : model_.nodes) {
@@ -151,7 +152,7 @@ class ModelBuilder {
     for (const ObjectId end : named_) {
       const std::uint32_t index = model_.index_of(end);
       for (std::uint32_t i = index; i < model_.nodes.size(); ++i) {
-        if (model_.nodes[i].object.value >= scene_.at(end).subtree_end) break;
+        if (model_.nodes[i].instance >= scene_.at(end).subtree_end) break;
         is_part[i] = is_part[i] || i == index || model_.nodes[i].is_carrier;
       }
     }
@@ -173,7 +174,7 @@ class ModelBuilder {
       const std::uint32_t index = model_.index_of(end);
       std::vector<std::uint32_t>& parts = model_.parts_of_node[index];
       for (std::uint32_t i = index; i < model_.nodes.size(); ++i) {
-        if (model_.nodes[i].object.value >= scene_.at(end).subtree_end) break;
+        if (model_.nodes[i].instance >= scene_.at(end).subtree_end) break;
         const bool has_geometry = !model_.bodies[i].vertices().empty() || !model_.bodies[i].unsupported.empty();
         if (i != index && !model_.nodes[i].is_carrier) continue;
         if (has_geometry) parts.push_back(i);
@@ -187,8 +188,8 @@ class ModelBuilder {
 
   void note_flexible_parts(std::uint32_t node, const collision::Belongs& belongs) {
     const ObjectId id = model_.nodes[node].object;
-    for (std::uint32_t i = id.value; i < scene_.at(id).subtree_end; ++i) {
-      if (collides({i})) static_cast<void>(belongs({i}));
+    for (std::uint32_t i = model_.nodes[node].instance; i < scene_.at(id).subtree_end; ++i) {
+      if (const ObjectId shape = scene_.id_of(i); collides(shape)) static_cast<void>(belongs(shape));
     }
   }
 
@@ -198,8 +199,9 @@ class ModelBuilder {
     const ObjectId id = model_.nodes[node].object;
     const auto carriers_below = [&](const WorldModel& model) {
       std::vector<ObjectId> ids;
-      for (auto at = std::ranges::lower_bound(model.nodes, id, {}, &ModelNode::object);
-           at != model.nodes.end() && at->object.value < scene_.at(id).subtree_end; ++at) {
+      const ModelNode* const top = model.node(id);
+      for (const ModelNode* at = top; at != nullptr && at != model.nodes.data() + model.nodes.size(); ++at) {
+        if (at->instance >= scene_.at(id).subtree_end) break;
         if (at->is_carrier) ids.push_back(at->object);
       }
       return ids;
@@ -320,8 +322,10 @@ class ModelBuilder {
 }  // namespace
 
 const ModelNode* WorldModel::node(ObjectId id) const {
-  const auto at = std::ranges::lower_bound(nodes, id, {}, &ModelNode::object);
-  return at != nodes.end() && at->object == id ? &*at : nullptr;
+  const auto instance = scene->ids.find(id, scene->instances.size());
+  if (!instance) return nullptr;
+  const auto at = std::ranges::lower_bound(nodes, *instance, {}, &ModelNode::instance);
+  return at != nodes.end() && at->instance == *instance ? &*at : nullptr;
 }
 
 const collision::Body* WorldModel::body(ObjectId id) const {
@@ -341,8 +345,8 @@ const CollisionResponse* WorldModel::response_of(ObjectId id) const {
 }
 
 bool WorldModel::may_carry(ObjectId carrier, ObjectId object) const {
-  if (object.value >= scene->instances.size() || carrier >= object) return false;
-  return scene->at(carrier).kind == NodeKind::kTransform && object.value < scene->at(carrier).subtree_end;
+  if (!scene->contains(object) || !scene->contains(carrier) || carrier == object) return false;
+  return scene->at(carrier).kind == NodeKind::kTransform && scene->is_within(object, carrier);
 }
 
 bool WorldModel::is_answered(ObjectId a, ObjectId b) const {
@@ -371,16 +375,16 @@ std::unique_ptr<const WorldModel> make_world_model(const Scene& scene, std::span
 }
 
 bool needs_carrier(const WorldModel& model, ObjectId id, const IsOwned& is_owned) {
-  assert(is_owned && id.value < model.scene->instances.size());
+  assert(is_owned);
   const Scene& scene = *model.scene;
   if (scene.at(id).kind != NodeKind::kTransform || model.is_carrier(id)) return false;
   const auto moves = [&](ObjectId other) { return model.node(other) != nullptr || is_owned(other); };
   if (model.node(id) != nullptr) return true;
-  for (std::int32_t p = scene.at(id).parent; p >= 0; p = scene.instances[static_cast<std::size_t>(p)].parent) {
-    if (moves({static_cast<std::uint32_t>(p)})) return true;
+  for (auto above = scene.parent_of(id); above; above = scene.parent_of(*above)) {
+    if (moves(*above)) return true;
   }
-  for (std::uint32_t below = id.value + 1; below < scene.at(id).subtree_end; ++below) {
-    if (moves({below})) return true;
+  for (std::uint32_t below = scene.index_of(id) + 1; below < scene.at(id).subtree_end; ++below) {
+    if (moves(scene.id_of(below))) return true;
   }
   return false;
 }

@@ -29,6 +29,7 @@ struct ModelNode {
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
   ObjectId object;
+  std::uint32_t instance = 0;     // its index in the scene
   std::uint32_t carrier = kNone;  // index of the nearest carrier above; kNone: fixed to the world, or moved in it
   bool is_carrier = false;
   std::uint32_t depth = 0;  // the number of carriers above
@@ -55,13 +56,13 @@ struct PartPair {
 struct WorldModel {
   const Scene* scene = nullptr;  // outlives the model
   std::vector<ObjectId> owned;   // nodes that configurations or the file give to peers, or that others move, ascending
-  std::vector<ModelNode> nodes;  // sorted by object
+  std::vector<ModelNode> nodes;  // in depth-first order, so that what is below a node is right behind it
   std::vector<collision::Body> bodies;  // of each node: what is below it and goes with it, and with no carrier below it
   std::vector<FlexiblePart> flexible;
   std::vector<CollisionPair> pairs;      // in the file's order, each unordered pair once for each type
   std::vector<PartPair> part_pairs;      // by pair
   std::vector<std::string> unsupported;  // a line for each body that has no exact answer yet
-  std::vector<ObjectId> moving;          // carriers that the file itself moves (PredefinedMotion), sorted
+  std::vector<ObjectId> moving;  // carriers that the world itself moves (PredefinedMotion), in depth-first order
   // For each node, ascending and each once: its pairs in `pairs`, and its partners in them as nodes; the part pairs of
   // those; the part pairs that its own motion may change; the nodes below it that go with it; the parts that it
   // consists of as an end.

@@ -334,7 +334,7 @@ class Bench {
     for (std::uint32_t i = 0; i < world.transforms.size(); ++i) broad->add(i, box(i));
     for (const CollisionInterest& interest : world.scene.interests) {
       for (const ObjectId collidee : interest.collidees) {
-        broad->register_interest(interest.collider.value / 2, collidee.value / 2);
+        broad->register_interest(interest.collider.number / 2, collidee.number / 2);
       }
     }
     std::vector<double> placing_us, broad_us;

@@ -187,8 +187,8 @@ class Town {
     std::uint64_t applied = 0;
     for (const UpdateRecord& u : m.updates) {
       if (!used) continue;
-      if (last_updates_.size() <= u.object.value) last_updates_.resize(u.object.value + 1);
-      UpdateRecord& last = last_updates_[u.object.value];
+      if (last_updates_.size() <= u.object.number) last_updates_.resize(u.object.number + 1);
+      UpdateRecord& last = last_updates_[u.object.number];
       if (u.sequence <= last.sequence) continue;
       last = u;
       ++applied;

@@ -85,7 +85,7 @@ class Listener {
       Message m = blank();
       for (std::size_t i = 0; i < batch; ++i) {
         m.updates.push_back(updates_.next(at + Duration{static_cast<std::int64_t>(d)}));
-        last_[m.updates.back().object.value - crowd_.first.value] = m.updates.back();
+        last_[m.updates.back().object.number - crowd_.first.number] = m.updates.back();
       }
       sent.push_back(encode(m));
     }

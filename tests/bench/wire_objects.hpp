@@ -37,7 +37,7 @@ double seconds_of(const F& f) {
 // Objects without a shape or an interest, side by side in the file.
 struct Crowd {
   explicit Crowd(std::size_t objects);
-  [[nodiscard]] ObjectId object(std::size_t i) const { return ObjectId{first.value + static_cast<std::uint32_t>(i)}; }
+  [[nodiscard]] ObjectId object(std::size_t i) const { return ObjectId{first.number + static_cast<std::uint32_t>(i)}; }
 
   Scene scene;
   std::unique_ptr<const replication::WorldModel> model;

@@ -15,7 +15,9 @@ inline std::string document_violation(const Document& document) {
     const Node& node = document.nodes[i];
     const std::string place = "node " + std::to_string(i);
     const auto same = [&](const NodeType& type) { return &type == node.type; };
-    if (!std::ranges::any_of(node_types(), same) && !std::ranges::any_of(document.own_types, same)) {
+    const auto of_source = [&](const auto& source) { return std::ranges::any_of(source->own_types, same); };
+    if (!std::ranges::any_of(node_types(), same) && !std::ranges::any_of(document.own_types, same) &&
+        !std::ranges::any_of(document.sources, of_source)) {
       return place + " has a type that is neither the table's nor the document's";
     }
     for (const Field& field : node.given()) {

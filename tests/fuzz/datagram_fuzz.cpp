@@ -79,7 +79,7 @@ class Driver {
 
   void check_ghosts() const {
     for (const auto& [object, owner] : peer_.owners()) {
-      require(object.value < world_.scene.instances.size() && owner.value != 0);
+      require(object.number < world_.scene.instances.size() && owner.value != 0);
       check(peer_.ghost(object, peer_.clock().to_session(now_)));
     }
   }

@@ -11,7 +11,7 @@
 
 #include "core/geometry/tessellate.hpp"
 #include "core/motion/inert_parts.hpp"
-#include "core/motion/moving_scene.hpp"
+#include "core/motion/predefined_motion.hpp"
 #include "core/scene/reader.hpp"
 #include "tests/core/document_violation.hpp"
 
@@ -63,7 +63,7 @@ void check(const peerd::Scene& scene, std::uint32_t i) {
   require(instance.subtree_end > i && instance.subtree_end <= scene.instances.size());
   require(instance.parent < static_cast<std::int32_t>(i));
   require(instance.parent < 0 || instance.subtree_end <= scene.instances[instance.parent].subtree_end);
-  require(std::abs(scene.transform({i}).rotation.norm() - 1.0) < 1e-12);
+  require(std::abs(scene.transform(peerd::ObjectId{i}).rotation.norm() - 1.0) < 1e-12);
 }
 
 // Quadratic, so for some instances only.
@@ -77,16 +77,14 @@ void check_paths(const peerd::Scene& scene, std::uint32_t i) {
 
 // Instances that move by themselves are where PredefinedMotion says, whichever way time is asked for.
 void check_movement(const peerd::Scene& scene) {
-  peerd::MovingScene there(scene), back(scene);
-  for (const double t : {0.0, 0.3, 1.0, 1.7, 1e6}) (void)there.go_to(t);
-  for (const double t : {1e6, 1.7, 1.0}) (void)back.go_to(t);
-  (void)there.go_to(1.0);
-  peerd::PredefinedMotion motion(scene);
+  peerd::PredefinedMotion motion(scene), back(scene);
   for (const peerd::ObjectId id : motion.driven_transforms()) {
-    const auto same = [](const peerd::Affine& a, const peerd::Affine& b) {
-      return (a.linear == b.linear && a.offset == b.offset) || !(a.offset.allFinite() && a.linear.allFinite());
-    };
-    require(same(there.world_from_local(id), back.world_from_local(id)));
+    for (const double t : {0.0, 0.3, 1.0, 1.7, 1e6}) (void)motion.transform(id, t);
+    for (const double t : {1e6, 1.7}) (void)back.transform(id, t);
+    const peerd::Affine there = parent_from_local(motion.transform(id, 1.0));
+    const peerd::Affine again = parent_from_local(back.transform(id, 1.0));
+    const bool same = there.linear == again.linear && there.offset == again.offset;
+    require(same || !(there.offset.allFinite() && there.linear.allFinite()));
     const auto piece = motion.piece(id, 1.0);
     require(piece.begin_s <= 1.0 && 1.0 < piece.end_s);
   }
@@ -117,11 +115,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (std::uint32_t i = 0; i < count; ++i) check(scene, i);
   for (std::uint32_t i = 0; i < std::min(count, 64u); ++i) check_paths(scene, i);
   for (const peerd::CollisionInterest& interest : scene.interests) {
-    require(interest.collider.value < count);
-    for (const peerd::ObjectId id : interest.collidees) require(id.value < count && id != interest.collider);
+    require(interest.collider.number < count);
+    for (const peerd::ObjectId id : interest.collidees) require(id.number < count && id != interest.collider);
   }
   for (const peerd::KeySensor& sensor : scene.key_sensors)
-    require(!sensor.recipient || sensor.recipient->value < count);
+    require(!sensor.recipient || sensor.recipient->number < count);
   require(scene.pending_inlines.empty());  // nothing was asked to be read later
   if (count < 4096) check_movement(scene);
   return 0;

@@ -101,7 +101,7 @@ class PeerAllocations : public testing::Test {
     ReadResult read = read_world(text);
     scene_ = std::move(read.scene.value());
     model_ = replication::make_world_model(scene_);
-    const std::uint32_t first = scene_.find("O0").value().value;
+    const std::uint32_t first = scene_.find("O0").value().number;
     for (std::uint32_t peer : {0u, 1u}) {
       replication::PeerConfig config;
       config.id = PeerId{1 + peer};

@@ -259,7 +259,7 @@ inline std::string fingerprint(const Lan& lan, std::size_t i) {
   const Peer& p = lan.peer(i);
   std::ostringstream s;
   s.precision(17);
-  for (const auto& [object, owner] : p.owners()) s << object.value << " by " << owner.value << '\n';
+  for (const auto& [object, owner] : p.owners()) s << object.number << " by " << owner.value << '\n';
   for (const auto& [id, m] : p.members().all())
     s << id.value << ' ' << m.incarnation << ' ' << m.last_received.time_since_epoch().count() << '\n';
   s << p.clock().session_minus_host(lan.host_now(i)).count() << '\n';

@@ -471,7 +471,7 @@ TEST_P(Traffic, EveryCollisionHasOneOutcomeOnAllPeers) {
       const SimTime t = lan.session_now(0) - 1s;
       for (const auto& [object, owner] : lan.peer(0).owners()) {
         const KinematicState truth = lan.peer(owner.value - 1).truth(object, t), ghost = lan.peer(i).ghost(object, t);
-        EXPECT_LT((ghost.position - truth.position).norm(), 0.6) << object.value << " at " << i;
+        EXPECT_LT((ghost.position - truth.position).norm(), 0.6) << object.number << " at " << i;
       }
     }
   }

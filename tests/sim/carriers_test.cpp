@@ -148,8 +148,8 @@ TEST_P(CarriedWorlds, EveryPeerFindsWhatCollideFinds) {
         if (row.peer != PeerId{peer} || !(same || turned)) continue;
         if (std::abs(row.t_s - contact.began_s) < std::abs(nearest_s)) nearest_s = row.t_s - contact.began_s;
       }
-      EXPECT_LE(std::abs(nearest_s), kAgreed_s) << "peer " << peer << ": " << contact.collider.value << " against "
-                                                << contact.collidee.value << " at " << contact.began_s << " s";
+      EXPECT_LE(std::abs(nearest_s), kAgreed_s) << "peer " << peer << ": " << contact.collider.number << " against "
+                                                << contact.collidee.number << " at " << contact.began_s << " s";
     }
   }
   EXPECT_EQ(expected, c.contacts);
@@ -169,8 +169,8 @@ TEST_P(CarriedWorlds, NoPeerFindsMore) {
       const bool turned = row.collider == contact.collidee && row.collidee == contact.collider;
       return (same || turned) && std::abs(row.t_s - contact.began_s) <= kAgreed_s;
     });
-    EXPECT_TRUE(there) << "peer " << row.peer.value << " has " << row.kind << " of " << row.collider.value
-                       << " against " << row.collidee.value << " at " << row.t_s << " s";
+    EXPECT_TRUE(there) << "peer " << row.peer.value << " has " << row.kind << " of " << row.collider.number
+                       << " against " << row.collidee.number << " at " << row.t_s << " s";
   }
 }
 

@@ -86,8 +86,8 @@ void add(Expected& out, const Hello& h, std::uint64_t incarnation) {
     out.add("echo.loss_permille", std::lround(e.loss * 1000.0));
   }
   for (const ContactNote& n : h.notes) {
-    out.add("note.collider", n.collider.value);
-    out.add("note.collidee", n.collidee.value);
+    out.add("note.collider", n.collider.packed());
+    out.add("note.collidee", n.collidee.packed());
     out.add("note.contact_ns", n.contact);
     out.add("note.held", n.deferred);
   }
@@ -97,12 +97,12 @@ void add(Expected& out, const Hello& h, std::uint64_t incarnation) {
   out.add("introduction.name", i.name);
   if (i.world_hash != 0) out.add("introduction.world_hash", i.world_hash);
   if (incarnation != 0) out.add("introduction.boot", incarnation);
-  for (const ObjectId object : i.owned) out.add("introduction.enslaved", object.value);
+  for (const ObjectId object : i.owned) out.add("introduction.enslaved", object.packed());
   if (i.owned_as_founder != 0) out.add("introduction.owned_as_founder", i.owned_as_founder);
   if (i.start) out.add("introduction.start_ns", *i.start);
   if (i.world_zero) out.add("introduction.world_zero_ns", *i.world_zero);
   if (!i.viewpoint) return;
-  if (i.viewpoint->object) out.add("viewpoint.object", i.viewpoint->object->value);
+  if (i.viewpoint->object) out.add("viewpoint.object", i.viewpoint->object->packed());
   out.add("viewpoint.position", i.viewpoint->pose.position);
   out.add("viewpoint.orientation", i.viewpoint->pose.orientation);
   out.add("viewpoint.field_of_view", i.viewpoint->field_of_view);
@@ -112,7 +112,8 @@ void add(Expected& out, const Hello& h, std::uint64_t incarnation) {
 void add(Expected& out, const UpdateRecord& u) {
   const auto kind = static_cast<int>(u.model.kind);
   const KinematicState& s = u.model.state;
-  out.add("record.object", u.object.value);
+  out.add("record.object", u.object.packed());
+  if (u.carrier) out.add("record.carrier", u.carrier->packed());
   out.add("record.sequence", u.sequence);
   out.add("record.kind", kind);
   out.add("record.time_ns", u.at);
@@ -144,8 +145,8 @@ void add(Expected& out, const KinematicState& s) {
 }
 
 void add(Expected& out, const DecisionRecord& d) {
-  if (d.collider.value != 0) out.add("decision.collider", d.collider.value);
-  if (d.collidee.value != 0) out.add("decision.collidee", d.collidee.value);
+  if (d.collider.packed() != 0) out.add("decision.collider", d.collider.packed());
+  if (d.collidee.packed() != 0) out.add("decision.collidee", d.collidee.packed());
   if (d.contact != SimTime{}) out.add("decision.contact_ns", d.contact);
   out.add("decision.normal", d.normal);
   for (const auto* s : {&d.collider_before, &d.collidee_before, &d.collider_after, &d.collidee_after}) add(out, *s);
@@ -178,7 +179,7 @@ Fields expected_of(std::span<const std::byte> datagram, RegionId region, SimTime
     out.add("entered.since_ns", e.since);
   }
   for (const Handover& g : m->handovers) {
-    out.add("gone.object", g.object.value);
+    out.add("gone.object", g.object.packed());
     out.add("gone.sequence", g.sequence);
     out.add("gone.region", g.to.value);
   }
@@ -200,7 +201,7 @@ std::vector<std::string> all_fields() {
   with("note.", {"collider", "collidee", "contact_ns", "held"});
   with("introduction.", {"name", "world_hash", "boot", "enslaved", "owned_as_founder", "start_ns", "world_zero_ns"});
   with("viewpoint.", {"object", "field_of_view", "aspect"});
-  with("record.", {"object", "sequence", "kind", "time_ns", "decision_ns", "step_log2", "exact"});
+  with("record.", {"object", "carrier", "sequence", "kind", "time_ns", "decision_ns", "step_log2", "exact"});
   with("decision.", {"collider", "collidee", "contact_ns", "rule", "known_ns"});
   with("entered.", {"region", "since_ns"});
   with("gone.", {"object", "sequence", "region"});
@@ -342,12 +343,14 @@ Message farewell() {
   d.collider_before = d.collidee_after = s;
   m.scene.since = SimTime{Duration{-3}};
   UpdateRecord& rests = m.scene.states.emplace_back();
-  rests.object = ObjectId{9};
+  rests.object = ObjectId{9, 5};
+  rests.carrier = ObjectId{8, 2'000'000'000};
   rests.sequence = 3;
   rests.at = SimTime{std::chrono::hours(1)};
   rests.model.state.position = Vec3(1.0 / 7.0, 0, 2);
   m.scene.states.push_back(rests);
-  m.scene.states.back().object = ObjectId{10};
+  m.scene.states.back().object = ObjectId{10, 5};
+  m.scene.states.back().carrier.reset();
   m.scene.states.back().at += std::chrono::hours(20);
   return m;
 }
@@ -361,6 +364,12 @@ Message of_a_good_clock() {
   Hello& hello = m.hello.emplace();
   hello.session_tx = SimTime{std::chrono::seconds(10'000'003)};
   hello.scene_digest = 0x8123'4567'89AB'CDEF;
+  Introduction& introduction = hello.introduction.emplace();
+  introduction.name = "a";
+  introduction.owned = {ObjectId{4'000'000'000}, ObjectId{2, 5}, ObjectId{3, 2'000'000'000}};
+  introduction.owned_as_founder = 5;
+  hello.notes.push_back({ObjectId{3, 4}, ObjectId{4'000'000'000, 5}, SimTime{std::chrono::seconds(10'000'002)}, true});
+  hello.notes.push_back({ObjectId{3, 4}, ObjectId{4'000'000'000}, SimTime{std::chrono::seconds(10'000'002)}, false});
   hello.os_clock = OsClockNote{std::chrono::nanoseconds(-1'234'567'891), std::chrono::microseconds(15'999'999)};
   return m;
 }

@@ -92,7 +92,7 @@ TEST_P(Movers, AreFollowed) {
     if (!first) way->second.second += (b.truth.position - way->second.first).norm();
     way->second.first = b.truth.position;
   }
-  for (const auto& [object, way] : ways) EXPECT_GT(way.second, GetParam().way_m) << object.value;
+  for (const auto& [object, way] : ways) EXPECT_GT(way.second, GetParam().way_m) << object.number;
 }
 INSTANTIATE_TEST_SUITE_P(Table, Movers,
                          testing::Values(Mover{"crowd", 100, 2, 0.0, 0.1}, Mover{"flock", 64, 3, 70.0, 0.2},

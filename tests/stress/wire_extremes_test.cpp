@@ -145,14 +145,14 @@ TEST_P(WireExtremes, AcceptedMessagesLeaveFiniteStates) {
     lan.run_until(lan.now() + 100ms);
     for (const Duration ahead : {0ns, Duration(7ms), Duration(1s), Duration(11s), Duration(24h)}) {
       const SimTime t = lan.session_now(self) + ahead;
-      for (const ObjectId object : others) ASSERT_TRUE(sound(lan.peer(self).ghost(object, t))) << object.value;
+      for (const ObjectId object : others) ASSERT_TRUE(sound(lan.peer(self).ghost(object, t))) << object.number;
       ASSERT_TRUE(sound(lan.peer(self).ghost(world["OWN"], t)));
       ASSERT_TRUE(sound(lan.peer(self).truth(world["OWN"], t)));
     }
     lan.peer(self).advance_ghosts(lan.session_now(self));
     for (const ObjectId object : others) {
       const Pose shown = lan.peer(self).shown(object, lan.session_now(self));
-      ASSERT_TRUE(shown.position.allFinite() && std::abs(shown.orientation.norm() - 1.0) < 1e-9) << object.value;
+      ASSERT_TRUE(shown.position.allFinite() && std::abs(shown.orientation.norm() - 1.0) < 1e-9) << object.number;
     }
   }
   EXPECT_EQ(taken, 80u);

@@ -145,7 +145,7 @@ MovingBodies::MovingBodies(std::size_t count, std::span<const NamedSoup> meshes,
   if (!read.scene) throw std::runtime_error("the generated world cannot be read");
   scene = std::move(*read.scene);
   first = scene.find("O0").value();
-  stride = scene.at(first).subtree_end - first.value;
+  stride = scene.at(first).subtree_end - first.number;
   const auto pairs = interests == Interests::kPairs ? drawn_pairs(rng, count, companions) : group_pairs(count);
   for (const auto& [a, b] : pairs) scene.interests.push_back({object(a), {object(b)}, CollisionType::kWitness});
   model = replication::make_world_model(scene);

@@ -42,8 +42,8 @@ struct MovingBodies {
   MovingBodies(std::size_t count, std::span<const NamedSoup> meshes, Interests interests, Duration lasts);
   MovingBodies(const MovingBodies&) = delete;
 
-  [[nodiscard]] ObjectId object(std::size_t i) const { return {first.value + stride * static_cast<std::uint32_t>(i)}; }
-  [[nodiscard]] std::size_t index(ObjectId id) const { return (id.value - first.value) / stride; }
+  [[nodiscard]] ObjectId object(std::size_t i) const { return {first.number + stride * static_cast<std::uint32_t>(i)}; }
+  [[nodiscard]] std::size_t index(ObjectId id) const { return (id.value - first.number) / stride; }
 
   Scene scene;
   std::unique_ptr<const replication::WorldModel> model;

@@ -87,8 +87,8 @@ StandingCost measure_here(std::size_t nodes, Named named, bool moves, std::size_
   if (!read.scene || !read.diagnostics.empty()) throw std::runtime_error("the generated world has problems");
   const Scene& scene = *read.scene;
   const ObjectId first = scene.find("M0").value();
-  const std::uint32_t stride = scene.at(first).subtree_end - first.value;
-  const auto object = [&](std::size_t i) { return ObjectId{first.value + stride * static_cast<std::uint32_t>(i)}; };
+  const std::uint32_t stride = scene.at(first).subtree_end - first.number;
+  const auto object = [&](std::size_t i) { return ObjectId{first.number + stride * static_cast<std::uint32_t>(i)}; };
   PeerConfig config;
   config.world_hash = 1;
   std::vector<ObjectId> owned;

@@ -14,9 +14,10 @@ Vec3 here(const Eigen::Vector3f& p) { return p.cast<double>(); }
 
 TEST(Surface, NumbersPolygonsThroughItsShapes) {
   Surface surface;
-  ASSERT_TRUE(surface.append({4}, box_mesh(2, 2, 2), here).has_value());
+  ASSERT_TRUE(surface.append(ObjectId{4}, box_mesh(2, 2, 2), here).has_value());
   ASSERT_TRUE(
-      surface.append({9}, wall_mesh(1, 1), [](const Eigen::Vector3f& p) { return Vec3(here(p) + Vec3(5, 0, 0)); })
+      surface
+          .append(ObjectId{9}, wall_mesh(1, 1), [](const Eigen::Vector3f& p) { return Vec3(here(p) + Vec3(5, 0, 0)); })
           .has_value());
   EXPECT_EQ(surface.soup().faces.size(), 14u);
   EXPECT_EQ(surface.polygon(0).shape, ObjectId{4});
@@ -29,11 +30,11 @@ TEST(Surface, NumbersPolygonsThroughItsShapes) {
 
 TEST(Surface, NormalsAreThoseOfWholePolygons) {
   Surface surface;
-  ASSERT_TRUE(surface.append({1}, box_mesh(2, 2, 2), here).has_value());
+  ASSERT_TRUE(surface.append(ObjectId{1}, box_mesh(2, 2, 2), here).has_value());
   EXPECT_EQ(surface.normal(1), Vec3(1, 0, 0));
   EXPECT_EQ(surface.normal(2), Vec3(0, -1, 0));
   Surface flat;
-  ASSERT_TRUE(flat.append({1}, make_mesh({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}), here).has_value());
+  ASSERT_TRUE(flat.append(ObjectId{1}, make_mesh({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}), here).has_value());
   EXPECT_EQ(flat.normal(0), std::nullopt);
 }
 
@@ -41,7 +42,7 @@ TEST(Surface, NormalsAreThoseOfWholePolygons) {
 TEST(Surface, RefusesPolygonsTooFarOutAndKeepsTheirVertices) {
   Surface surface;
   const auto far =
-      surface.append({1}, box_mesh(2, 2, 2), [](const Eigen::Vector3f& p) { return Vec3(here(p) * 0x1p129); });
+      surface.append(ObjectId{1}, box_mesh(2, 2, 2), [](const Eigen::Vector3f& p) { return Vec3(here(p) * 0x1p129); });
   ASSERT_FALSE(far.has_value());
   EXPECT_THAT(far.error(), HasSubstr("is not within 2^128 m"));
   EXPECT_TRUE(surface.soup().faces.empty());
@@ -50,7 +51,7 @@ TEST(Surface, RefusesPolygonsTooFarOutAndKeepsTheirVertices) {
 
 TEST(Surface, ItsTreeIsBuiltOnce) {
   Surface surface;
-  ASSERT_TRUE(surface.append({1}, box_mesh(2, 2, 2), here).has_value());
+  ASSERT_TRUE(surface.append(ObjectId{1}, box_mesh(2, 2, 2), here).has_value());
   WideTree& tree = surface.tree();
   EXPECT_EQ(&tree, &surface.tree());
   EXPECT_EQ(&tree.soup(), &surface.soup());

@@ -11,9 +11,9 @@ using ::testing::IsEmpty;
 // Objects 0 and 1 are Transforms, 2 is not. Interests: 0 of 0 in 1, 1 of 0 in 2, 2 of 1 in 2.
 CollisionChanges three() {
   CollisionChanges changes;
-  changes.add_object({10}, true);
-  changes.add_object({20}, true);
-  changes.add_object({30}, false);
+  changes.add_object(ObjectId{10}, true);
+  changes.add_object(ObjectId{20}, true);
+  changes.add_object(ObjectId{30}, false);
   changes.add_interest(0, 1);
   changes.add_interest(0, 2);
   changes.add_interest(1, 2);
@@ -44,13 +44,14 @@ TEST(CollisionChanges, TransformsReportNotColliding) {
   CollisionChanges changes = three();
   changes.begin_tick();
   changes.set_colliding(0, true);
-  EXPECT_THAT(changes.end_tick().not_colliding, ElementsAre(NotColliding{{10}, false}, NotColliding{{20}, false}));
+  EXPECT_THAT(changes.end_tick().not_colliding,
+              ElementsAre(NotColliding{ObjectId{10}, false}, NotColliding{ObjectId{20}, false}));
   changes.begin_tick();
   changes.set_colliding(1, true);
   EXPECT_THAT(changes.end_tick().not_colliding, IsEmpty());
   changes.begin_tick();
   changes.set_colliding(0, false);
-  EXPECT_THAT(changes.end_tick().not_colliding, ElementsAre(NotColliding{{20}, true}));
+  EXPECT_THAT(changes.end_tick().not_colliding, ElementsAre(NotColliding{ObjectId{20}, true}));
   changes.begin_tick();
   changes.set_colliding(1, false);
   changes.set_colliding(1, true);  // there and back within a tick

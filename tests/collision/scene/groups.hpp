@@ -14,7 +14,7 @@ inline ObjectId id(const Scene& scene, std::string_view path) { return scene.fin
 inline StretchedPose placed(const Scene& scene, std::uint32_t shape) {
   std::vector<TransformFields> path;
   for (auto i = static_cast<std::int32_t>(shape); i >= 0; i = scene.instances[static_cast<std::size_t>(i)].parent) {
-    path.insert(path.begin(), scene.transform({static_cast<std::uint32_t>(i)}));
+    path.insert(path.begin(), scene.transform(ObjectId{static_cast<std::uint32_t>(i)}));
   }
   return stretched_pose(path);
 }

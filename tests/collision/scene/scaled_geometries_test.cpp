@@ -37,7 +37,7 @@ TEST(ScaledGeometries, CountNodesOfHierarchiesThatAreGone) {
   SceneMeshes meshes(scene);
   ScaledGeometries geometries(scene, {});
   ScaledGeometry* const ball = *geometries.acquire(0, Mat3::Identity(), meshes);
-  geometries.tree({0}, *ball).build_all();
+  geometries.tree(ObjectId{0}, *ball).build_all();
   const std::uint64_t nodes = geometries.counters().nodes_built;
   EXPECT_GT(nodes, 10u);
   EXPECT_EQ(geometries.counters().hierarchies_built, 1u);
@@ -54,7 +54,7 @@ TEST(ScaledGeometries, ReshapingRefitsWhereOnlyVerticesMoved) {
   SceneMeshes meshes(scene);
   ScaledGeometries geometries(scene, {});
   ScaledGeometry* const form = *geometries.acquire(0, Mat3::Identity(), meshes);
-  (void)geometries.tree({0}, *form).at(WideTree::kRoot);
+  (void)geometries.tree(ObjectId{0}, *form).at(WideTree::kRoot);
   const std::uint64_t before = form->version;
   int dropped = 0;
   const auto count = [&](const ScaledGeometry&) { ++dropped; };
@@ -83,7 +83,7 @@ TEST(ScaledGeometries, ReadHierarchiesFromTheirFilesOrSayWhyNot) {
   {
     ScaledGeometries geometries(scene, load);
     ScaledGeometry* const form = *geometries.acquire(0, Mat3::Identity(), meshes);
-    (void)geometries.tree({0}, *form);
+    (void)geometries.tree(ObjectId{0}, *form);
     EXPECT_EQ(geometries.counters().hierarchies_built, 1u);
     ASSERT_THAT(geometries.notes(), SizeIs(1));
     EXPECT_THAT(geometries.notes()[0], HasSubstr("is not used: it is no hierarchy file"));
@@ -92,7 +92,7 @@ TEST(ScaledGeometries, ReadHierarchiesFromTheirFilesOrSayWhyNot) {
   }
   ScaledGeometries geometries(scene, load);
   ScaledGeometry* const form = *geometries.acquire(0, Mat3::Identity(), meshes);
-  (void)geometries.tree({0}, *form);
+  (void)geometries.tree(ObjectId{0}, *form);
   EXPECT_EQ(geometries.counters().hierarchies_read, 1u);
   EXPECT_EQ(geometries.counters().hierarchies_built, 0u);
   EXPECT_THAT(geometries.notes(), SizeIs(0));

@@ -33,9 +33,9 @@ struct Nearest {
 std::optional<Nearest> expected_pick(const Scene& scene, const Vec3& origin, const Vec3& direction, double longest) {
   std::optional<Nearest> best;
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
-    if (scene.geometry({i}) == nullptr || !scene.at({i}).drawn) continue;
+    if (scene.geometry(ObjectId{i}) == nullptr || !scene.at(ObjectId{i}).drawn) continue;
     const StretchedPose at = placed(scene, i);
-    const auto soup = make_soup(build_mesh(*scene.geometry({i})), at.stretch);
+    const auto soup = make_soup(build_mesh(*scene.geometry(ObjectId{i})), at.stretch);
     const Mat3 back = at.pose.orientation.toRotationMatrix().transpose();
     const Vec3 o = multiply(back, Vec3(origin - at.pose.position)), d = multiply(back, direction);
     for (std::uint32_t f = 0; f < soup->faces.size(); ++f) {
@@ -45,7 +45,7 @@ std::optional<Nearest> expected_pick(const Scene& scene, const Vec3& origin, con
         triangle[c] = {p[0], p[1], p[2]};
       }
       const auto t = oracle::first_parameter({o[0], o[1], o[2]}, {d[0], d[1], d[2]}, triangle);
-      const ShapePolygon polygon{{i}, soup->faces[f].polygon};
+      const ShapePolygon polygon{ObjectId{i}, soup->faces[f].polygon};
       if (t && *t <= longest && (!best || std::pair(*t, polygon) < std::pair(best->t, best->at))) best = {*t, polygon};
     }
   }
@@ -83,7 +83,7 @@ TEST(ScenePick, IsTheNearestPolygonOfWhatIsDrawn) {
     EXPECT_LT((found.point_world - (origin + expected->t * direction)).norm(), 1e-12);
     EXPECT_NEAR(found.normal_world.norm(), 1.0, 1e-12);
     EXPECT_LT(found.normal_world.dot(direction), 0.0);
-    shapes.insert(found.at.shape.value);
+    shapes.insert(found.at.shape.number);
     ++hits;
   }
   EXPECT_GT(hits, rays / 2);
@@ -113,7 +113,7 @@ TEST(ScenePick, TheLowerShapeIsNamedWhereTwoAreHitInOnePoint) {
     SceneQuery query(scene);
     const auto picked = pick(query, Vec3(0.1, 0.2, 7), Vec3(0, 0, -1));
     ASSERT_TRUE(picked.has_value());
-    EXPECT_EQ(picked->at.shape.value, 1u);
+    EXPECT_EQ(picked->at.shape.number, 1u);
     EXPECT_EQ(picked->distance_m, 5.0);
   }
 }

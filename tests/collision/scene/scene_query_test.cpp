@@ -39,8 +39,8 @@ std::vector<ShapePair> expected_pairs(const Scene& scene, std::string_view colli
   const auto surfaces = [&](std::string_view path) {
     std::vector<std::uint32_t> shapes;
     const ObjectId object = id(scene, path);
-    for (std::uint32_t i = object.value; i < scene.at(object).subtree_end; ++i) {
-      if (scene.geometry({i}) != nullptr && scene.at({i}).collides) shapes.push_back(i);
+    for (std::uint32_t i = object.number; i < scene.at(object).subtree_end; ++i) {
+      if (scene.geometry(ObjectId{i}) != nullptr && scene.at(ObjectId{i}).collides) shapes.push_back(i);
     }
     return shapes;
   };
@@ -49,10 +49,10 @@ std::vector<ShapePair> expected_pairs(const Scene& scene, std::string_view colli
       if (s == t) continue;
       const std::uint32_t a = std::min(s, t), b = std::max(s, t);
       const StretchedPose at_a = placed(scene, a), at_b = placed(scene, b);
-      const auto soup_a = make_soup(build_mesh(*scene.geometry({a})), at_a.stretch);
-      const auto soup_b = make_soup(build_mesh(*scene.geometry({b})), at_b.stretch);
+      const auto soup_a = make_soup(build_mesh(*scene.geometry(ObjectId{a})), at_a.stretch);
+      const auto soup_b = make_soup(build_mesh(*scene.geometry(ObjectId{b})), at_b.stretch);
       for (const PolygonPair& pair : brute_force(*soup_a, *soup_b, RelativeMotion(at_a.pose, at_b.pose))) {
-        const ShapePolygon of_a{{a}, pair.a}, of_b{{b}, pair.b};
+        const ShapePolygon of_a{ObjectId{a}, pair.a}, of_b{ObjectId{b}, pair.b};
         pairs.push_back(s == a ? ShapePair{of_a, of_b} : ShapePair{of_b, of_a});
       }
     }
@@ -129,12 +129,12 @@ TEST(SceneQuery, WaysAreThoseOfTheFarthestCorners) {
     Scene now = scene;
     now.transforms = transforms;
     for (std::uint32_t i = 0; i < now.instances.size(); ++i) {
-      if (now.geometry({i}) == nullptr) continue;
-      const LocalBox box = box_of(build_mesh(*now.geometry({i})));
+      if (now.geometry(ObjectId{i}) == nullptr) continue;
+      const LocalBox box = box_of(build_mesh(*now.geometry(ObjectId{i})));
       for (int corner = 0; corner < 8; ++corner) {
         Vec3 p;
         for (int k = 0; k < 3; ++k) p[k] = (corner >> k & 1) == 0 ? box.lo[k] : box.hi[k];
-        all.push_back(now.world_from_local({i}) * p);
+        all.push_back(now.world_from_local(ObjectId{i}) * p);
       }
     }
     return all;

@@ -48,10 +48,10 @@ TEST(SceneView, LeavesOutNoShapeThatIsInView) {
     const std::vector<ShapeInView> by_nodes(listed_by_nodes->begin(), listed_by_nodes->end());
     EXPECT_TRUE(std::ranges::includes(by_boxes, by_nodes));
     for (std::uint32_t s = 0; s < scene.instances.size(); ++s) {
-      if (scene.geometry({s}) == nullptr) continue;
+      if (scene.geometry(ObjectId{s}) == nullptr) continue;
       const StretchedPose at = placed(scene, s);
       bool some = false, all = true;
-      for (const Eigen::Vector3f& v : build_mesh(*scene.geometry({s})).vertices) {
+      for (const Eigen::Vector3f& v : build_mesh(*scene.geometry(ObjectId{s})).vertices) {
         const Vec3 p = at.pose * Vec3(at.stretch * v.cast<double>());
         bool in = true;
         for (std::size_t n = 0; n < frustum.count(); ++n) {
@@ -67,7 +67,7 @@ TEST(SceneView, LeavesOutNoShapeThatIsInView) {
       if (some) {
         EXPECT_TRUE(listed_here);
         EXPECT_NE(listed_as(by_nodes), by_nodes.end());
-        EXPECT_TRUE(query.may_be_in_view({s}, frustum).value());
+        EXPECT_TRUE(query.may_be_in_view(ObjectId{s}, frustum).value());
       }
       if (listed_here && listed_as(by_boxes)->wholly) {
         EXPECT_TRUE(all);

@@ -61,20 +61,20 @@ TEST(ShapeBoxes, BothSetsShareABoxThatIsTheSame) {
 TEST(ShapeBoxes, TightBoxesAreThoseOfUsedVerticesOnly) {
   World world(R"(DEF A Transform { translation 1 0 0 children Shape { geometry IndexedFaceSet {
     coord Coordinate { point [ 0 0 0, 2 0 0, 0 2 0, 50 50 50 ] } coordIndex [ 0 1 2 ] } } })");
-  const auto box = world.boxes.tight_box({0});
+  const auto box = world.boxes.tight_box(ObjectId{0});
   ASSERT_TRUE(box.has_value());
   EXPECT_EQ(box->lo, Vec3(1, 0, 0));
   EXPECT_EQ(box->hi, Vec3(3, 2, 0));
   EXPECT_EQ(world.boxes.vertices_placed(), 3u);
-  (void)world.boxes.tight_box({0});
+  (void)world.boxes.tight_box(ObjectId{0});
   EXPECT_EQ(world.boxes.vertices_placed(), 3u);
 }
 
 TEST(ShapeBoxes, RealignedBoxesLieBetweenTheTightAndThePadded) {
   World world("DEF A Transform { rotation 1 2 3 0.7 children Shape { geometry Cone {} } }");
-  const WorldBox tight = world.boxes.tight_box({0}).value();
+  const WorldBox tight = world.boxes.tight_box(ObjectId{0}).value();
   world.boxes.set_box_bound(BoxBound::kRealigned);
-  const WorldBox realigned = world.boxes.tight_box({0}).value();
+  const WorldBox realigned = world.boxes.tight_box(ObjectId{0}).value();
   EXPECT_TRUE(realigned.contains(tight));
   EXPECT_TRUE(world.boxes.box(0, Surfaces::kColliding).contains(realigned));
 }
@@ -84,7 +84,7 @@ TEST(ShapeBoxes, RefuseShapesWithoutAFinitePlace) {
   std::string body = "Transform { translation 3e38 0 0 children Shape { geometry Box {} } }";
   for (int i = 0; i < 8; ++i) body = "Transform { scale 1e38 1 1 children " + body + " }";
   World world(body);
-  const auto box = world.boxes.tight_box({0});
+  const auto box = world.boxes.tight_box(ObjectId{0});
   ASSERT_FALSE(box.has_value());
   EXPECT_THAT(box.error(), HasSubstr("no finite place"));
 }

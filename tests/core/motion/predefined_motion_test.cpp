@@ -26,7 +26,7 @@ ROUTE T.fraction_changed TO O.set_fraction
 TEST(PredefinedMotion, NothingMovesWhereNothingIsRouted) {
   const Scene scene = scene_of("DEF A Transform { } TimeSensor { loop TRUE }");
   PredefinedMotion motion(scene);
-  EXPECT_FALSE(motion.moves({0}));
+  EXPECT_FALSE(motion.moves(ObjectId{0}));
   EXPECT_THAT(motion.driven_transforms(), IsEmpty());
   EXPECT_EQ(motion.animation(), nullptr);
 }
@@ -35,28 +35,29 @@ TEST(PredefinedMotion, ATranslationBetweenTwoKeysIsConstantVelocity) {
   const Scene scene = scene_of("DEF A Transform { rotation 0 0 1 1.5707963 children DEF LIFT Transform { } }" + kClock +
                                "ROUTE P.value_changed TO LIFT.set_translation");
   PredefinedMotion motion(scene);
-  EXPECT_FALSE(motion.moves({0}));
-  ASSERT_TRUE(motion.moves({1}));
-  EXPECT_TRUE(motion.stays_rigid({1}));
-  EXPECT_FALSE(motion.stays_rigid({0})) << "its LIFT goes up and down in it";
+  EXPECT_FALSE(motion.moves(ObjectId{0}));
+  ASSERT_TRUE(motion.moves(ObjectId{1}));
+  EXPECT_TRUE(motion.stays_rigid(ObjectId{1}));
+  EXPECT_FALSE(motion.stays_rigid(ObjectId{0})) << "its LIFT goes up and down in it";
   EXPECT_THAT(motion.driven_transforms(), ElementsAre(ObjectId{1}));
-  const auto up = motion.piece({1}, 0.5);
+  const auto up = motion.piece(ObjectId{1}, 0.5);
   EXPECT_EQ(up.begin_s, 0.0);
   EXPECT_EQ(up.end_s, 2.0);
   EXPECT_TRUE(up.state.velocity.isApprox(Vec3(-1, 0, 0), 1e-7)) << "its parent is turned by a quarter about z";
   EXPECT_TRUE(up.state.acceleration.isZero(0.0));
-  const auto down = motion.piece({1}, 2.0);
+  const auto down = motion.piece(ObjectId{1}, 2.0);
   EXPECT_EQ(down.begin_s, 2.0);
   EXPECT_TRUE(down.state.velocity.isApprox(Vec3(1, 0, 0), 1e-7));
-  EXPECT_TRUE(motion.rigid_pose({1}, 13.0).position.isApprox(Vec3(-1, 0, 0), 1e-7)) << "13 s is 1 s into a cycle";
-  EXPECT_TRUE(motion.transform({1}, 13.0).translation.isApprox(Vec3(0, 1, 0)));
+  EXPECT_TRUE(motion.rigid_pose(ObjectId{1}, 13.0).position.isApprox(Vec3(-1, 0, 0), 1e-7))
+      << "13 s is 1 s into a cycle";
+  EXPECT_TRUE(motion.transform(ObjectId{1}, 13.0).translation.isApprox(Vec3(0, 1, 0)));
 }
 
 TEST(PredefinedMotion, ATurnAboutTheOwnOriginIsConstantAngularVelocity) {
   const Scene scene =
       scene_of("DEF ARM Transform { translation 5 0 0 }" + kClock + "ROUTE O.value_changed TO ARM.rotation");
   PredefinedMotion motion(scene);
-  const auto piece = motion.piece({0}, 1.5);
+  const auto piece = motion.piece(ObjectId{0}, 1.5);
   EXPECT_EQ(piece.begin_s, 1.0);
   EXPECT_EQ(piece.end_s, 2.0);
   EXPECT_TRUE(piece.state.angular_velocity_body.isApprox(Vec3(0, kPi / 2, 0), 1e-7));
@@ -74,13 +75,13 @@ TEST(PredefinedMotion, ACircleIsCutIntoPiecesThatMeet) {
   const double bound = jerk * std::pow(PredefinedMotion::kPiece_s, 3) / 125 + 1e-12;
   double t = 0.25;
   for (int i = 0; i < 2000; ++i) {
-    const auto piece = motion.piece({1}, t);
+    const auto piece = motion.piece(ObjectId{1}, t);
     ASSERT_LE(piece.begin_s, t);
     ASSERT_GT(piece.end_s, t);
     ASSERT_LE(piece.end_s - piece.begin_s, PredefinedMotion::kPiece_s);
     for (const double part : {0.01, 0.2, 0.5, 0.8, 0.99}) {
       const double s = piece.begin_s + part * (piece.end_s - piece.begin_s);
-      const Pose at = advance(piece.state, s - piece.begin_s).pose(), there = motion.rigid_pose({1}, s);
+      const Pose at = advance(piece.state, s - piece.begin_s).pose(), there = motion.rigid_pose(ObjectId{1}, s);
       ASSERT_LT((at.position - there.position).norm(), bound)
           << "t = " << s << ", piece from " << piece.begin_s << " to " << piece.end_s;
       ASSERT_LT(angle_between(at.orientation, there.orientation), 1e-7) << "t = " << s;
@@ -93,8 +94,8 @@ TEST(PredefinedMotion, PiecesDependOnTimeAloneAndNotOnTheQuestionsBefore) {
   const Scene scene = scene_of("DEF ARM Transform { center 1 0 0 }" + kClock + "ROUTE O.value_changed TO ARM.rotation");
   PredefinedMotion forwards(scene), backwards(scene);
   std::vector<PredefinedMotion::Piece> there, back;
-  for (int i = 0; i < 500; ++i) there.push_back(forwards.piece({0}, 0.037 * i));
-  for (int i = 499; i >= 0; --i) back.push_back(backwards.piece({0}, 0.037 * i));
+  for (int i = 0; i < 500; ++i) there.push_back(forwards.piece(ObjectId{0}, 0.037 * i));
+  for (int i = 499; i >= 0; --i) back.push_back(backwards.piece(ObjectId{0}, 0.037 * i));
   std::ranges::reverse(back);
   for (std::size_t i = 0; i < there.size(); ++i) {
     ASSERT_EQ(there[i].begin_s, back[i].begin_s);
@@ -153,16 +154,16 @@ TEST(PredefinedMotion, AVelocityVectorMovesATranslationThatNoRouteDrives) {
       kClock + "ROUTE P.value_changed TO LIFT.translation ROUTE O.value_changed TO SPINS.rotation");
   PredefinedMotion motion(scene);
   EXPECT_THAT(motion.driven_transforms(), ElementsAre(ObjectId{0}, ObjectId{1}, ObjectId{2}));
-  EXPECT_EQ(motion.transform({0}, 3.0).translation, Vec3(1, 0, 6));
-  EXPECT_EQ(motion.transform({0}, -3.0).translation, Vec3(1, 0, 0)) << "before the world was read";
-  EXPECT_EQ(motion.transform({1}, 1.0).translation, Vec3(0, 1, 0));
-  const auto piece = motion.piece({0}, 3.0);
+  EXPECT_EQ(motion.transform(ObjectId{0}, 3.0).translation, Vec3(1, 0, 6));
+  EXPECT_EQ(motion.transform(ObjectId{0}, -3.0).translation, Vec3(1, 0, 0)) << "before the world was read";
+  EXPECT_EQ(motion.transform(ObjectId{1}, 1.0).translation, Vec3(0, 1, 0));
+  const auto piece = motion.piece(ObjectId{0}, 3.0);
   EXPECT_EQ(piece.begin_s, 0.0);
   EXPECT_EQ(piece.state.velocity, Vec3(0, 0, 2));
-  const auto before = motion.piece({0}, -3.0);
+  const auto before = motion.piece(ObjectId{0}, -3.0);
   EXPECT_EQ(before.end_s, 0.0);
   EXPECT_TRUE(before.state.velocity.isZero(0.0));
-  const auto spins = motion.piece({2}, 3.5);
+  const auto spins = motion.piece(ObjectId{2}, 3.5);
   EXPECT_EQ(spins.begin_s, 3.0);
   EXPECT_EQ(spins.state.position, Vec3(9, 0, 0));
   EXPECT_EQ(spins.state.velocity, Vec3(3, 0, 0));

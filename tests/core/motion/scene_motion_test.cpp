@@ -23,7 +23,7 @@ TEST(SceneMotion, VelocityVectorsMoveWhatNothingElseMoves) {
       "DEF GOES Transform { translation 1 0 0 velocityVector 0 0 2 } DEF STANDS Transform { translation 5 6 7 }");
   SceneMotion motion(scene);
   const auto translation = [&](std::uint32_t id, double t_s) {
-    return Vec3(motion.transforms_at(t_s)[scene.at({id}).transform].translation);
+    return Vec3(motion.transforms_at(t_s)[scene.at(ObjectId{id}).transform].translation);
   };
   EXPECT_EQ(translation(0, 0.0), Vec3(1, 0, 0));
   EXPECT_EQ(translation(0, 3.0), Vec3(1, 0, 6));

@@ -76,7 +76,8 @@ TEST(Inline, FindsTheWorldsNamesFirst) {
       scene_of("Inline { url \"a.wrl\" } DEF A Group { }", {{"a.wrl", "DEF A Shape { } DEF B Shape { }"}});
   EXPECT_EQ(scene.find("A"), ObjectId{3});
   EXPECT_EQ(scene.find("B"), ObjectId{2});
-  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) EXPECT_EQ(scene.find(scene.path_of({i})), ObjectId{i});
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i)
+    EXPECT_EQ(scene.find(scene.path_of(ObjectId{i})), ObjectId{i});
 }
 
 TEST(Inline, BringsItsRoutesScriptsAndInterests) {

@@ -24,7 +24,7 @@ TEST(Proto, GivesEachInstanceItsOwnFields) {
   // Geometry of the same values is kept once.
   EXPECT_EQ(scene.geometries.size(), 2u);
   EXPECT_EQ(scene.instances[0].geometry, scene.instances[2].geometry);
-  EXPECT_EQ(std::get<SphereGeometry>(*scene.geometry({1})).radius, 3.0f);
+  EXPECT_EQ(std::get<SphereGeometry>(*scene.geometry(ObjectId{1})).radius, 3.0f);
 }
 
 // 4.8.3: the first node says where an instance may stand.
@@ -110,7 +110,7 @@ TEST(Proto, HasDefaultsOfInstancesOfOtherProtos) {
   EXPECT_EQ(scene.instances.size(), 5u);
   std::vector<float> radii;
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
-    if (const Geometry* g = scene.geometry({i})) radii.push_back(std::get<SphereGeometry>(*g).radius);
+    if (const Geometry* g = scene.geometry(ObjectId{i})) radii.push_back(std::get<SphereGeometry>(*g).radius);
   }
   EXPECT_THAT(radii, ElementsAre(4, 1, 6));
 }
@@ -280,13 +280,14 @@ TEST(ProtoScope, KeepsEqualNamesApart) {
     PROTO P [ ] { Group { children [ DEF A Transform { translation 2 0 0 } USE A ] } }
     P { }
     USE A)");
-  EXPECT_EQ(scene.transform({0}).translation.x(), 1);
-  EXPECT_EQ(scene.transform({2}).translation.x(), 2);
-  EXPECT_EQ(scene.transform({3}).translation.x(), 2);
-  EXPECT_EQ(scene.transform({4}).translation.x(), 1);
+  EXPECT_EQ(scene.transform(ObjectId{0}).translation.x(), 1);
+  EXPECT_EQ(scene.transform(ObjectId{2}).translation.x(), 2);
+  EXPECT_EQ(scene.transform(ObjectId{3}).translation.x(), 2);
+  EXPECT_EQ(scene.transform(ObjectId{4}).translation.x(), 1);
   // The world's name comes first, wherever the other one stands.
   EXPECT_EQ(scene.find("A"), ObjectId{0});
-  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) EXPECT_EQ(scene.find(scene.path_of({i})), ObjectId{i});
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i)
+    EXPECT_EQ(scene.find(scene.path_of(ObjectId{i})), ObjectId{i});
 }
 
 TEST(ProtoScope, LetsTheWorldsNameWinOverAnEarlierInnerOne) {
@@ -295,7 +296,8 @@ TEST(ProtoScope, LetsTheWorldsNameWinOverAnEarlierInnerOne) {
     P { }
     DEF A Shape { })");
   EXPECT_EQ(scene.find("A"), ObjectId{2});
-  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) EXPECT_EQ(scene.find(scene.path_of({i})), ObjectId{i});
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i)
+    EXPECT_EQ(scene.find(scene.path_of(ObjectId{i})), ObjectId{i});
 }
 
 // A default value is written in the file around the PROTO, so it sees that file's names; each instance has its copy.

@@ -14,7 +14,7 @@ using testing::IsEmpty;
 
 Geometry geometry_of(const std::string& node) {
   const Scene scene = scene_of("Shape { geometry " + node + " }");
-  const Geometry* const geometry = scene.geometry({0});
+  const Geometry* const geometry = scene.geometry(ObjectId{0});
   if (geometry == nullptr) {
     ADD_FAILURE() << node;
     return NoSurface{};

@@ -49,7 +49,8 @@ TEST(ReadWorld, ReadsAnInlineThatCollides) {
 TEST(ReadInline, TakesTheFirstUrlThatCanBeRead) {
   ReadOptions options;
   options.load = loader_of({{"b.wrl", "Group { } Group { }"}});
-  const PendingInline pending{{0}, Eigen::Vector3f::Zero(), Eigen::Vector3f::Ones(), {"a.wrl", "b.wrl"}, kWorldName};
+  const PendingInline pending{
+      ObjectId{0}, Eigen::Vector3f::Zero(), Eigen::Vector3f::Ones(), {"a.wrl", "b.wrl"}, kWorldName};
   const ReadResult result = read_inline(pending, options);
   ASSERT_TRUE(result.scene);
   EXPECT_EQ(result.scene->instances.size(), 2u);
@@ -57,7 +58,7 @@ TEST(ReadInline, TakesTheFirstUrlThatCanBeRead) {
 }
 
 TEST(ReadInline, SaysWhatItHasTried) {
-  const PendingInline pending{{0}, Eigen::Vector3f::Zero(), Eigen::Vector3f::Ones(), {"a.wrl"}, kWorldName};
+  const PendingInline pending{ObjectId{0}, Eigen::Vector3f::Zero(), Eigen::Vector3f::Ones(), {"a.wrl"}, kWorldName};
   const ReadResult result = read_inline(pending, {});
   EXPECT_FALSE(result.scene);
   EXPECT_THAT(lines_of(result), ElementsAre(HasSubstr("'a.wrl': no other file is read here")));

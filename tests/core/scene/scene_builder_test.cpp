@@ -30,7 +30,8 @@ TEST(SceneBuilderUse, IsTheSameSubtreeAgain) {
     DEF A Group { children [ DEF N Shape { } DEF N Group { children DEF M Shape { } } ] }
     Group { children [ Shape { } USE A ] })");
   EXPECT_THAT(paths_of(scene), ElementsAre("A", "A/N", "A/1", "A/1/M", "1", "1/0", "1/A", "1/A/N", "1/A/1", "1/A/1/M"));
-  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) EXPECT_EQ(scene.find(scene.path_of({i})), ObjectId{i});
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i)
+    EXPECT_EQ(scene.find(scene.path_of(ObjectId{i})), ObjectId{i});
 }
 
 TEST(SceneBuilderUse, LeavesEachInstanceOfALaterInlinePending) {
@@ -52,35 +53,35 @@ TEST(SceneBuilderFields, CarryTheExtensionsOfTheThesis) {
       children Shape { convexHull [ 1 2 3, 4 5 6 ] hierarchyFile "a.hier" splitThreshold 3 geometry Box { } }
     }
     Transform { collisionResponse CollisionResponse { } children Shape { } })");
-  const ObjectFields& t = scene.object({0});
+  const ObjectFields& t = scene.object(ObjectId{0});
   EXPECT_EQ(t.velocity, Vec3(1, 2, 3));
   EXPECT_EQ(t.distance_threshold_m, 0.25);
   ASSERT_TRUE(t.response.has_value());
   EXPECT_EQ(t.response->type, ResponseType::kZero);
   EXPECT_FALSE(t.response->set_back);
-  const ShapeFields& s = scene.shape({1});
+  const ShapeFields& s = scene.shape(ObjectId{1});
   EXPECT_THAT(s.convex_hull.span(), ElementsAre(Eigen::Vector3f(1, 2, 3), Eigen::Vector3f(4, 5, 6)));
   EXPECT_EQ(s.hierarchy_file, "a.hier");
   EXPECT_EQ(s.split_threshold, 3);
   const Scene struck = scene_of(
       "Transform { collisionResponse CollisionResponse { responseType 2 mass 0.25 restitution 0.5 friction 0.125 } }");
-  const CollisionResponse& impulse = *struck.object({0}).response;
+  const CollisionResponse& impulse = *struck.object(ObjectId{0}).response;
   EXPECT_EQ(impulse.type, ResponseType::kImpulse);
   EXPECT_EQ(impulse.mass_kg, 0.25);
   EXPECT_EQ(impulse.restitution, 0.5);
   EXPECT_EQ(impulse.friction_m_s2, 0.125);
   // and the defaults
-  EXPECT_EQ(scene.object({2}).response->mass_kg, 1.0);
-  EXPECT_EQ(scene.object({2}).response->restitution, 1.0);
-  EXPECT_EQ(scene.object({2}).response->friction_m_s2, 0.0);
-  EXPECT_EQ(scene.object({2}).distance_threshold_m, 0.5);
-  EXPECT_EQ(scene.object({2}).response->type, ResponseType::kInverse);
-  EXPECT_TRUE(scene.object({2}).response->set_back);
-  EXPECT_EQ(scene.shape({3}).split_threshold, 10);
-  EXPECT_TRUE(scene.shape({3}).convex_hull.empty());
+  EXPECT_EQ(scene.object(ObjectId{2}).response->mass_kg, 1.0);
+  EXPECT_EQ(scene.object(ObjectId{2}).response->restitution, 1.0);
+  EXPECT_EQ(scene.object(ObjectId{2}).response->friction_m_s2, 0.0);
+  EXPECT_EQ(scene.object(ObjectId{2}).distance_threshold_m, 0.5);
+  EXPECT_EQ(scene.object(ObjectId{2}).response->type, ResponseType::kInverse);
+  EXPECT_TRUE(scene.object(ObjectId{2}).response->set_back);
+  EXPECT_EQ(scene.shape(ObjectId{3}).split_threshold, 10);
+  EXPECT_TRUE(scene.shape(ObjectId{3}).convex_hull.empty());
   // of a node that is none of the two
-  EXPECT_FALSE(scene.object({3}).response.has_value());
-  EXPECT_EQ(scene.shape({2}).split_threshold, 10);
+  EXPECT_FALSE(scene.object(ObjectId{3}).response.has_value());
+  EXPECT_EQ(scene.shape(ObjectId{2}).split_threshold, 10);
   EXPECT_EQ(scene.instances[3].extension, Instance::kNone);
 }
 

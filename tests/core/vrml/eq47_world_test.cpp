@@ -28,7 +28,7 @@ class Eq47World : public testing::Test {
   // Returns the world box of an object that is one unscaled Shape, exactly as its vertices stand.
   Eigen::AlignedBox3d box(std::string_view name) const {
     const ObjectId object = scene.find(name).value();
-    const ObjectId shape{object.value + 1};
+    const ObjectId shape{object.number + 1};
     Eigen::AlignedBox3d out;
     const Geometry* const geometry = scene.geometry(shape);
     if (geometry == nullptr) return out;

@@ -54,9 +54,9 @@ TEST(ShippedNodes, MeanTheSameAsTheBuiltInOnes) {
     DEF CAR PeerTransform { velocityVector 1 2 3 collisionResponse CollisionResponse { responseType 1 } })");
   ASSERT_EQ(scene.instances.size(), 1u);
   EXPECT_EQ(scene.instances[0].kind, NodeKind::kTransform);
-  EXPECT_EQ(scene.object({0}).velocity, Vec3(1, 2, 3));
-  ASSERT_TRUE(scene.object({0}).response.has_value());
-  EXPECT_EQ(scene.object({0}).response->type, ResponseType::kZero);
+  EXPECT_EQ(scene.object(ObjectId{0}).velocity, Vec3(1, 2, 3));
+  ASSERT_TRUE(scene.object(ObjectId{0}).response.has_value());
+  EXPECT_EQ(scene.object(ObjectId{0}).response->type, ResponseType::kZero);
 }
 
 }  // namespace peerd::shipped_nodes_test

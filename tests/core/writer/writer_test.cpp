@@ -77,7 +77,7 @@ void round_trip(const ReadResult& read, const FileLoader& load, const WriteOptio
     if (!instance.def.empty() && !instance.inner_name && instance.def.find('/') == std::string_view::npos) {
       EXPECT_EQ(trip.copy.find(instance.def), trip.original.find(instance.def)) << trip.text;
     }
-    EXPECT_EQ(trip.copy.find(trip.copy.path_of({i})), ObjectId{i}) << trip.text;
+    EXPECT_EQ(trip.copy.find(trip.copy.path_of(ObjectId{i})), ObjectId{i}) << trip.text;
   }
 }
 

@@ -188,7 +188,7 @@ TEST_F(ResolveTest, MotionsWithoutEffectAreNamed) {
     request.file = folder.write("s.toml", "world = \"w.wrl\"\nduration_s = 10\n" + text);
     const auto scenario = read_scenario(request);
     const auto world = load_world(scenario->world);
-    return motions_without_effect(scenario->runs.front(), world->scene);
+    return settings_without_effect(scenario->runs.front(), world->scene);
   };
   const std::string own = kTwo + "[peer.a.motion.CAR_A]\nx = \"t\"\n";
   EXPECT_THAT(warnings(own + "[motion.ROCK]\nx = \"t\"\n"),
@@ -197,6 +197,27 @@ TEST_F(ResolveTest, MotionsWithoutEffectAreNamed) {
               ElementsAre(HasSubstr("motion.CAR_A has no effect: peer.a.motion.CAR_A comes first")));
   EXPECT_THAT(warnings(own + "[motion.\"CAR_*\"]\nx = \"t\"\n"), IsEmpty()) << "it moves the others";
   EXPECT_THAT(warnings(own), IsEmpty());
+}
+
+TEST_F(ResolveTest, OwnedNodesThatNobodyMovesAreNamed) {
+  folder.write("w.wrl",
+               "#VRML V2.0 utf8\nDEF T TimeSensor { } DEF P PositionInterpolator { key 0 keyValue 0 0 0 }\n"
+               "DEF LIFT Transform { } DEF BALLOON Transform { children DEF BASKET Transform { } }\n"
+               "ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO LIFT.translation\n"
+               "ROUTE P.value_changed TO BALLOON.scale\n");
+  const auto warnings = [this](const std::string& motion) {
+    ScenarioRequest request;
+    request.file = folder.write("s.toml",
+                                "world = \"w.wrl\"\nduration_s = 10\n[peer.a]\nid = 1\nowns = [\"LIFT\", "
+                                "\"BASKET\"]\n" +
+                                    motion);
+    const auto scenario = read_scenario(request);
+    const auto world = load_world(scenario->world);
+    return settings_without_effect(scenario->runs.front(), world->scene);
+  };
+  EXPECT_THAT(warnings(""), ElementsAre(HasSubstr("s.toml:5:9: warning: peer.a.owns: \"LIFT\" stands still: a ROUTE"),
+                                        HasSubstr("s.toml:5:17: warning: peer.a.owns: \"BALLOON/BASKET\" stays")));
+  EXPECT_THAT(warnings("[motion.LIFT]\nx = \"t\"\n"), ElementsAre(HasSubstr("BASKET")));
 }
 
 class FounderTest : public ResolveTest {
@@ -239,7 +260,7 @@ TEST_F(FounderTest, AMotionOfWhatItOwnsHasAnEffect) {
                               "[motion.VAN]\nx = \"t\"\n[motion.CAR_A]\nx = \"t\"\n");
   const auto scenario = read_scenario(request);
   const auto world = load_world(scenario->world);
-  EXPECT_THAT(motions_without_effect(scenario->runs.front(), world->scene),
+  EXPECT_THAT(settings_without_effect(scenario->runs.front(), world->scene),
               ElementsAre(HasSubstr("motion.CAR_A has no effect")));
 }
 

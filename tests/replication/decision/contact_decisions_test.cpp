@@ -57,7 +57,7 @@ class Deciding : public testing::Test {
   PeerConfig conf;
   PeerCounters counters;
   Membership members{1750ms};
-  Owners owners{world.scene.instances.size()};
+  Owners owners;
   OwnObjects own{world.scene, conf.owned, false};
   SceneObjects scene{*world.in_force};
   Replica replica{*world.in_force};
@@ -128,7 +128,7 @@ TEST(DecidingByParts, AnEndIsInViewWhereItsPartsAre) {
   conf.decisions.viewpoint.emplace().pose.position = {20.5, 0, 10};
   PeerCounters counters;
   Membership members{1750ms};
-  Owners owners{world.scene.instances.size()};
+  Owners owners;
   OwnObjects own{world.scene, conf.owned, false};
   Replica replica{*world.in_force};
   TickGrid ticks{60};

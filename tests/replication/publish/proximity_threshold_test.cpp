@@ -40,7 +40,7 @@ class Near : public testing::Test {
   ObjectId car = world["CAR"], cube = world["CUBE"];
   PeerConfig own = config(1);
   PeerCounters counters;
-  Owners owners{world.scene.instances.size()};
+  Owners owners;
   Replica replica{*world.in_force};
   ProximityThreshold threshold{own, *world.in_force, owners, replica, counters};
 };
@@ -114,7 +114,7 @@ struct Arm {
   World world;
   PeerConfig own = config(1);
   PeerCounters counters;
-  Owners owners{world.scene.instances.size()};
+  Owners owners;
   Replica replica{*world.in_force};
   ProximityThreshold threshold{own, *world.in_force, owners, replica, counters};
 };

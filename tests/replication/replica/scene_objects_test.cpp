@@ -27,7 +27,7 @@ class SceneThings : public testing::Test {
                   interest("BALL", "\"FREE\"") + interest("OWNED", "\"WALL\"") + interest("PLAIN", "\"WALL\""),
               {"OWNED"}};
   ObjectId free = world["FREE"], ball = world["BALL"], wall = world["WALL"];
-  Owners owners{world.scene.instances.size()};
+  Owners owners;
   MotionWorld truth{*world.model, sim(0s)};
   SceneObjects scene{*world.in_force};
 };

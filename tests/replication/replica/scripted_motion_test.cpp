@@ -33,7 +33,7 @@ class Scripted : public testing::Test {
 
   World world{kMachine};
   ObjectId plate = world["PLATE"];
-  Owners owners{world.scene.instances.size()};
+  Owners owners;
   SceneObjects scene{*world.in_force};
   Replica replica{*world.in_force};
   ScriptedMotion scripted{*world.in_force};
@@ -108,7 +108,7 @@ TEST(ScriptedMotion, AWorldThatStandsStillHasNone) {
   Replica replica(*world.in_force);
   replica.begin(sim(0s));
   scripted.restart();
-  scripted.extend(sim(1s), sim(0s), Owners(world.scene.instances.size()), SceneObjects(*world.in_force), replica);
+  scripted.extend(sim(1s), sim(0s), Owners(), SceneObjects(*world.in_force), replica);
   EXPECT_EQ(scripted.to_world(sim(1s), sim(0s), world["A"], {1, 0, 0}), Vec3(1, 0, 0));
   EXPECT_FALSE(scripted.limited_at());
 }

@@ -76,7 +76,7 @@ struct Subscribing {
   PeerConfig conf = config(1, {{mine, true}});
   PeerCounters counters;
   Membership members{conf.lost_after};
-  Owners owners{world.scene.instances.size()};
+  Owners owners;
   OwnObjects own{world.scene, conf.owned, false};
   Replica replica{*world.in_force};
   TickGrid ticks{10};
@@ -159,7 +159,7 @@ struct Reaching {
   PeerConfig conf = cutting();
   PeerCounters counters;
   Membership members{conf.lost_after};
-  Owners owners{world.scene.instances.size()};
+  Owners owners;
   OwnObjects own{world.scene, conf.owned, false};
   Replica replica{*world.in_force};
   TickGrid ticks{10};
@@ -206,7 +206,7 @@ TEST(ContactRangeOfParts, WhatCarriesAnOwnObjectIsListenedTo) {
   conf.interest_radius_m = 0.0;
   PeerCounters counters;
   Membership members{conf.lost_after};
-  Owners owners{world.scene.instances.size()};
+  Owners owners;
   OwnObjects own{world.scene, conf.owned, false};
   Replica replica{*world.in_force};
   TickGrid ticks{10};

@@ -242,8 +242,12 @@ TEST(Bytes, ThatNobodyWritesAreRefused) {
   EXPECT_FALSE(taken({{0, 4}, {14, 4}, {48, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "no kind";
   EXPECT_FALSE(taken({{1, 4}, {14, 4}, {48, 6}, {5, 8}, {0, 8}, {0, 6}, {0, 5}, {0, 5}})) << "no sequence";
   EXPECT_FALSE(taken({{1, 4}, {14, 4}, {48, 6}, {0x0085, 16}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "a group too many";
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {48, 6}, {0x1FFFFFFFFF, 40}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "33 bits";
-  EXPECT_TRUE(taken({{1, 4}, {14, 4}, {48, 6}, {0x0FFFFFFFFF, 40}, {1, 8}, {0, 6}, {0, 5}, {0, 5}}));
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {48, 6}, {5, 8}, {0x1FFFFFFFFF, 40}, {0, 6}, {0, 5}, {0, 5}})) << "33 bits";
+  EXPECT_TRUE(taken({{1, 4}, {14, 4}, {48, 6}, {5, 8}, {0x0FFFFFFFFF, 40}, {0, 6}, {0, 5}, {0, 5}}));
+  constexpr std::uint64_t kOnes = ~std::uint64_t{0};
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {48, 6}, {kOnes, 64}, {0x2FF, 16}, {1, 8}, {0, 6}, {0, 5}, {0, 5}}))
+      << "65 bits";
+  EXPECT_TRUE(taken({{1, 4}, {14, 4}, {48, 6}, {kOnes, 64}, {0x1FF, 16}, {1, 8}, {0, 6}, {0, 5}, {0, 5}}));
   EXPECT_FALSE(taken({{1, 4}, {14, 4}, {49, 6}, {5, 8}, {1, 8}, {0, 8}, {0, 6}, {0, 5}, {0, 5}})) << "later by nothing";
   EXPECT_FALSE(taken({{1, 4}, {14, 4}, {56, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}, {0, 5}})) << "spins up by none";
   EXPECT_FALSE(taken({{1, 4}, {14, 4}, {0, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "level and upright";

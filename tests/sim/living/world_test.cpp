@@ -192,7 +192,7 @@ TEST_P(LivingWorlds, AreReadAsTheyAreMeant) {
     ASSERT_TRUE(object) << path_of(world, i);
     EXPECT_EQ(scene.at(*object).parent < 0, node.parent < 0);
     if (node.parent >= 0) {
-      EXPECT_EQ(scene.find(path_of(world, node.parent))->value, std::uint32_t(scene.at(*object).parent));
+      EXPECT_EQ(scene.find(path_of(world, node.parent))->number, std::uint32_t(scene.at(*object).parent));
     }
     for (int k = 0; k < 3; ++k) {
       EXPECT_EQ(scene.transform(*object).scale[k], double(node.scale[std::size_t(k)]));
