@@ -4,11 +4,11 @@
 #include "core/ids.hpp"
 #include "core/time.hpp"
 #include "replication/output/peer_counters.hpp"
+#include "replication/parts/part_at.hpp"
 #include "replication/policy/peer_config.hpp"
 #include "replication/replica/owners.hpp"
 #include "replication/replica/replica.hpp"
 #include "replication/world/model_in_force.hpp"
-#include "replication/world/part_at.hpp"
 
 namespace peerd::replication {
 
