@@ -33,13 +33,15 @@ class Owners {
   void set(ObjectId object, PeerId owner, bool as_founder = false) {
     assert(object.value < by_object_.size());
     assert(owner != kNobody || !as_founder);
-    by_object_[object.value] = owner;
+    if (std::exchange(by_object_[object.value], owner) != owner) ++revision_;
     if (as_founder) {
       as_founder_.insert(object);
     } else {
       as_founder_.erase(object);
     }
   }
+  // A number that changes with any owner.
+  [[nodiscard]] std::uint64_t revision() const { return revision_; }
   // Whether the owner has the object as the founder of the session.
   [[nodiscard]] bool as_founder(ObjectId object) const { return as_founder_.contains(object); }
 
@@ -79,6 +81,7 @@ class Owners {
 
  private:
   std::vector<PeerId> by_object_;
+  std::uint64_t revision_ = 0;
   std::set<ObjectId> as_founder_;
 };
 

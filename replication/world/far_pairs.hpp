@@ -16,7 +16,6 @@ namespace peerd::replication {
 // carrier, or with flexible parts, are always near.
 class FarPairs {
  public:
-  FarPairs() = default;
   FarPairs(const WorldModel& model, const MovingObjects& objects, std::span<const WatchedPair> pairs);
 
   [[nodiscard]] bool contains(std::size_t pair) const { return is_far_[pair]; }
