@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "replication/motion/response.hpp"
+#include "replication/parts/part_at.hpp"
 #include "replication/wire/wire_limits.hpp"
-#include "replication/world/part_at.hpp"
 
 namespace peerd::replication {
 namespace {

@@ -41,7 +41,7 @@ double ProximityThreshold::least_m(ObjectId object) const {
   return policy.wanted_error_m > 0.0 ? std::min(tight_m, policy.wanted_error_m) : tight_m;
 }
 
-double ProximityThreshold::at(ObjectId object, SimTime t) const {
+double ProximityThreshold::at(ObjectId object, SimTime t) {
   const PublishPolicy& policy = config_.policy;
   const double usual_m = this->usual_m(object), tight_m = std::min(usual_m, policy.tight_threshold_m);
   if (!policy.track_proximity || tight_m == usual_m) return usual_m;
@@ -54,18 +54,15 @@ double ProximityThreshold::at(ObjectId object, SimTime t) const {
 // The time [s] until what moves with the object could meet what moves with one of another peer (Ohlenburg 2003, table
 // 4.1: remote-enslaved pairs only), not more than that; at least the policy's close proximity where nothing is close.
 // A policy of steps (not threshold_by_time) gets 0 where anything is close.
-double ProximityThreshold::time_to_contact_s(ObjectId object, SimTime t, double threshold_m) const {
+double ProximityThreshold::time_to_contact_s(ObjectId object, SimTime t, double threshold_m) {
   double least_s = config_.policy.close_proximity_s;
   if (model_->node(object) == nullptr) return least_s;
-  const std::uint32_t node = model_->index_of(object);
   std::optional<Side> mine;  // the last one: an object mostly has one part
   PartAt a;
   collision::MovingSphere sphere_a;
-  for (const std::uint32_t k : model_->moved_part_pairs[node]) {
-    const PartPair& parts = model_->part_pairs[k];
+  for (const auto& [number, collider_is_mine] : remote_pairs_of(model_->index_of(object))) {
+    const PartPair& parts = model_->part_pairs[number];
     const CollisionPair& pair = model_->pairs[parts.pair];
-    const bool collider_is_mine = model_->any_mover(parts, true, [&](std::uint32_t i) { return i == node; });
-    if (!is_anothers(parts, !collider_is_mine)) continue;
     ++counters_.proximity_tests;
     const Side here{collider_is_mine ? parts.a : parts.b, collider_is_mine ? pair.collider : pair.collidee};
     const Side there{collider_is_mine ? parts.b : parts.a, collider_is_mine ? pair.collidee : pair.collider};
@@ -90,6 +87,21 @@ double ProximityThreshold::time_to_contact_s(ObjectId object, SimTime t, double 
     least_s = left_s;
   }
   return least_s;
+}
+
+const std::vector<ProximityThreshold::RemotePair>& ProximityThreshold::remote_pairs_of(std::uint32_t node) {
+  const std::array revisions{owners_.revision(), replica_.received_revision(), model_.revision()};
+  const auto [at, is_new] = remote_pairs_.try_emplace(node, revisions);
+  RemotePairs& known = at->second;
+  if (!is_new && known.revisions == revisions) return known.pairs;
+  known.revisions = revisions;
+  known.pairs.clear();
+  for (const std::uint32_t k : model_->moved_part_pairs[node]) {
+    const PartPair& parts = model_->part_pairs[k];
+    const bool collider_is_mine = model_->any_mover(parts, true, [&](std::uint32_t i) { return i == node; });
+    if (is_anothers(parts, !collider_is_mine)) known.pairs.push_back({k, collider_is_mine});
+  }
+  return known.pairs;
 }
 
 // Whether another peer, whose objects are received, owns that end of a pair, or moves that side of it relative to the

@@ -1,14 +1,17 @@
 #pragma once
+#include <array>
 #include <cstdint>
+#include <unordered_map>
+#include <vector>
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
 #include "replication/output/peer_counters.hpp"
+#include "replication/parts/part_at.hpp"
 #include "replication/policy/peer_config.hpp"
 #include "replication/replica/owners.hpp"
 #include "replication/replica/replica.hpp"
 #include "replication/world/model_in_force.hpp"
-#include "replication/world/part_at.hpp"
 
 namespace peerd::replication {
 
@@ -21,7 +24,7 @@ class ProximityThreshold {
                      PeerCounters& counters);
 
   // The threshold in force at t, >= least_m().
-  [[nodiscard]] double at(ObjectId object, SimTime t) const;
+  [[nodiscard]] double at(ObjectId object, SimTime t);
   // The least threshold [m]: no error below it makes an update due, however close other objects are and whatever the
   // budget has.
   [[nodiscard]] double least_m(ObjectId object) const;
@@ -35,7 +38,19 @@ class ProximityThreshold {
   };
 
   [[nodiscard]] double usual_m(ObjectId object) const;
-  [[nodiscard]] double time_to_contact_s(ObjectId object, SimTime t, double threshold_m) const;
+  [[nodiscard]] double time_to_contact_s(ObjectId object, SimTime t, double threshold_m);
+  // A part pair of which what moves with an own object is a side, and what another peer moves the other.
+  struct RemotePair {
+    std::uint32_t part_pair;
+    bool collider_is_mine;
+  };
+  // Those of one object, for as long as nobody else owns anything, this peer receives the same, and the model stays.
+  struct RemotePairs {
+    std::array<std::uint64_t, 3> revisions;
+    std::vector<RemotePair> pairs;
+  };
+  // Most of what interests name stands and belongs to nobody: a tick does not ask for it.
+  [[nodiscard]] const std::vector<RemotePair>& remote_pairs_of(std::uint32_t node);
   [[nodiscard]] bool is_anothers(const PartPair& parts, bool collider) const;
   [[nodiscard]] PartAt side_at(const Side& side, SimTime t) const;
 
@@ -44,6 +59,7 @@ class ProximityThreshold {
   const Owners& owners_;
   const Replica& replica_;
   PeerCounters& counters_;
+  std::unordered_map<std::uint32_t, RemotePairs> remote_pairs_;  // by node of the model
 };
 
 }  // namespace peerd::replication

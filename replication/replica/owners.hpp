@@ -28,6 +28,7 @@ class Owners {
   // gives the object to the founder of the session, and the owner has it for no other reason.
   void set(ObjectId object, PeerId owner, bool as_founder = false) {
     assert(owner != kNobody || !as_founder);
+    if (of(object) != owner) ++revision_;
     by_object_.set(object, owner);
     if (as_founder) {
       as_founder_.insert(object);
@@ -35,6 +36,8 @@ class Owners {
       as_founder_.erase(object);
     }
   }
+  // A number that changes with any owner.
+  [[nodiscard]] std::uint64_t revision() const { return revision_; }
   // Whether the owner has the object as the founder of the session.
   [[nodiscard]] bool as_founder(ObjectId object) const { return as_founder_.contains(object); }
 
@@ -76,6 +79,7 @@ class Owners {
 
  private:
   ObjectTable<PeerId> by_object_{kNobody};
+  std::uint64_t revision_ = 0;
   std::set<ObjectId> as_founder_;
 };
 

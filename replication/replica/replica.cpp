@@ -1,6 +1,6 @@
 #include "replication/replica/replica.hpp"
 
-#include "replication/world/contact_polygons.hpp"
+#include "replication/parts/contact_polygons.hpp"
 
 namespace peerd::replication {
 

@@ -121,8 +121,12 @@ class Replica {
   [[nodiscard]] bool receives(ObjectId object) const { return !unreceived_.contains(object); }
   // Sets whether this peer receives the object. False where that changes nothing.
   bool set_received(ObjectId object, bool received) {
-    return received ? unreceived_.erase(object) > 0 : unreceived_.insert(object).second;
+    const bool changed = received ? unreceived_.erase(object) > 0 : unreceived_.insert(object).second;
+    if (changed) ++received_revision_;
+    return changed;
   }
+  // A number that changes with what this peer receives.
+  [[nodiscard]] std::uint64_t received_revision() const { return received_revision_; }
 
   // The last update of a remote object that was applied; null before the first.
   [[nodiscard]] const UpdateRecord* last_update_of(ObjectId object) const;
@@ -141,6 +145,7 @@ class Replica {
   std::unique_ptr<FlexibleParts> flexible_;  // null: nothing flexes
   std::vector<ObjectId> changed_;            // since the last take_changed(); some of them twice
   std::set<ObjectId> unreceived_;
+  std::uint64_t received_revision_ = 0;
   std::unordered_map<ObjectId, UpdateRecord> last_updates_;
 };
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/scene/bounding_radius.hpp"
-#include "replication/world/part_at.hpp"
+#include "replication/parts/part_at.hpp"
 
 namespace peerd::replication {
 namespace {

@@ -50,6 +50,8 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
       advanced_(start),
       objects_(model, start),
       pairs_(pairs_to_watch(model, start)),
+      far_(model, objects_, pairs_),
+      answers_to_(model.nodes.size()),
       pair_checks_(pairs_.size()),
       in_pair_checks_(pairs_.size()) {
   note_who_answers();
@@ -64,6 +66,8 @@ void MotionWorld::note_who_answers() {
 }
 
 void MotionWorld::change_model(const WorldModel& next) {
+  far_.open(pairs_, opened_);
+  reschedule_opened();
   for (WatchedPair& pair : pairs_) {  // they are not searched, but may be from now on
     if (pair.fixed && !pair.is_answered() && !pair.unsupported)
       pair.inside = search().fixed_parts_touch(pair, advanced_);
@@ -73,7 +77,9 @@ void MotionWorld::change_model(const WorldModel& next) {
   objects_.change_model(next, advanced_);
   model_ = &next;
   pairs_ = std::move(pairs);
+  far_ = FarPairs(next, objects_, pairs_);
   note_who_answers();
+  note_answers();
   for (const std::uint32_t i : added) {
     WatchedPair& pair = pairs_[i];
     pair.clear_until = advanced_;
@@ -131,7 +137,7 @@ void MotionWorld::reschedule(std::size_t i) {
     scheduled ? ++watched_ : --watched_;
   }
   assert(watched_ <= pairs_.size());
-  pair_checks_.set(i, scheduled ? pair.contact.value_or(pair.clear_until) : SimTime::max());
+  pair_checks_.set(i, scheduled && !far_.contains(i) ? pair.contact.value_or(pair.clear_until) : SimTime::max());
 }
 
 void MotionWorld::set_flexible(FlexibleParts& flexible) {
@@ -173,7 +179,7 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model)
   const KinematicState before = o.timeline.at(t);
   const bool stays = before.position == model.state.position &&
                      before.orientation.coeffs() == model.state.orientation.coeffs() &&
-                     std::ranges::none_of(model_->part_pairs_of(index),
+                     std::ranges::none_of(pairs_touched_since(index, t),
                                           [&](std::uint32_t i) { return pairs_[i].bears && pairs_[i].touched > t; });
   MotionModel base = model;
   if (!stays) o.borne = false;
@@ -226,8 +232,43 @@ void MotionWorld::retract_contacts_of_carried(std::size_t object, SimTime t) {
 
 // Retracts what followed from a contact with `cause` at t or later. Responses of authoritative objects stand.
 void MotionWorld::retract(std::size_t cause, SimTime t) {
-  if (cause >= model_->partners_of_node.size()) return;  // it meets nothing
-  for (const std::uint32_t i : model_->partners_of_node[cause]) retract_answers(i, objects_[cause].id, t);
+  if (cause >= answers_to_.size()) return;  // it meets nothing
+  for (const Answer& answer : answers_to_[cause]) {
+    if (answer.last >= t) retract_answers(answer.object, objects_[cause].id, t);
+  }
+}
+
+void MotionWorld::note_answer(std::size_t object, std::size_t cause, SimTime t) {
+  const auto index = static_cast<std::uint32_t>(object);
+  if (!std::ranges::binary_search(model_->partners_of_node[cause], index)) return;
+  std::vector<Answer>& answers = answers_to_[cause];
+  const auto at = std::ranges::lower_bound(answers, index, {}, &Answer::object);
+  if (at != answers.end() && at->object == index) {
+    at->last = std::max(at->last, t);
+    return;
+  }
+  answers.insert(at, {index, t});
+  // What is as old is in no timeline any more but as its first law, which nothing retracts.
+  std::erase_if(answers, [&](const Answer& answer) { return answer.last < advanced_ - 2 * kHistory; });
+}
+
+void MotionWorld::note_answers() {
+  answers_to_.assign(model_->nodes.size(), {});
+  for (std::size_t i = 0; i < model_->nodes.size(); ++i) {
+    const Timeline& timeline = objects_[i].timeline;
+    for (std::size_t k = 0; k < timeline.segment_count(); ++k) {
+      const Timeline::Segment& law = timeline.segment(k);
+      if (law.cause) note_answer(i, objects_.index_of(*law.cause), law.from);
+    }
+  }
+}
+
+void MotionWorld::reschedule_opened(const std::optional<NewLaw>& law) {
+  for (const std::uint32_t i : opened_) {
+    search().note_was_far(pairs_[i], law);
+    reschedule(i);
+  }
+  opened_.clear();
 }
 
 // Retracts the answers of one object to `cause` at t or later, and what followed from them.
@@ -251,7 +292,7 @@ void MotionWorld::retract_answers(std::size_t index, ObjectId cause, SimTime t) 
 }
 
 void MotionWorld::forget_bursts(std::size_t object, SimTime t) {
-  for (const std::uint32_t i : model_->part_pairs_of(object)) {
+  for (const std::uint32_t i : pairs_touched_since(object, t)) {
     WatchedPair& pair = pairs_[i];
     if (pair.touched >= t) pair.at_once = pair.in_burst = pair.squeezed = 0;
   }
@@ -261,7 +302,9 @@ void MotionWorld::forget_bursts(std::size_t object, SimTime t) {
 // are not searched again in the past because another object moved otherwise; its own change (a decision) makes them
 // searched there.
 void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
-  for (const std::uint32_t i : model_->part_pairs_moved_by(object)) {
+  far_.moved(object, t, advanced_, objects_, pairs_, opened_);
+  reschedule_opened(NewLaw{object, t});
+  for (const std::uint32_t i : far_.near(object)) {
     WatchedPair& pair = pairs_[i];
     const bool of_collider =
         pair.is_plain ? pair.collider == object : objects_.is_in_side(object, pair.collider, pair.part_a);
@@ -403,6 +446,7 @@ void MotionWorld::change_motion(std::size_t index, SimTime t, const MotionModel&
   // Other contacts of the same instant were answered before, and stand.
   retract(index, t + Duration{1});
   o.timeline.replace_from(t, after, cause);
+  note_answer(index, objects_.index_of(cause), t);
   // A later update is gone from here: it was of another way than the one that is decided here.
   o.base_time = std::min(o.base_time, t);
   objects_.timeline_changed(index);
@@ -624,15 +668,23 @@ std::optional<std::size_t> MotionWorld::first_contact_until(SimTime to) {
   std::optional<std::size_t> first;
   const std::size_t watched = watched_;
   std::size_t checked = 0;
-  for (std::size_t i = pair_checks_.next_due(0, to); i != pairs_.size(); i = pair_checks_.next_due(i + 1, to)) {
+  far_.follow(to, objects_, pairs_, opened_);
+  reschedule_opened();
+  // What is due after a contact that is known is left for the next call: where many meet in one tick, each contact
+  // would cost a visit of all that a multiple of kLookahead makes due.
+  SimTime until = to;
+  for (std::size_t i = pair_checks_.next_due(0, to); i != pairs_.size(); i = pair_checks_.next_due(i + 1, until)) {
     WatchedPair& pair = pairs_[i];
     ++checked;
-    search().search(pair, first ? *pairs_[*first].contact : to);
+    const auto apart_at = search().search(pair, until);
+    if (apart_at) far_.add(i, *apart_at, objects_, pairs_);
     reschedule(i);
-    const bool due = pair.contact && *pair.contact <= to;
-    if (due && (!first || *pair.contact < *pairs_[*first].contact)) first = i;
+    if (!pair.contact || *pair.contact > until || (first && *pair.contact == until)) continue;
+    first = i;
+    until = *pair.contact;
   }
-  counters_.searches_skipped += watched - checked;
+  assert(far_.is_known_at(until));
+  counters_.searches_skipped += watched - std::min(watched, checked);
   return first;
 }
 

@@ -11,6 +11,7 @@
 #include "replication/motion/timeline.hpp"
 #include "replication/world/contact_answer.hpp"
 #include "replication/world/contact_island.hpp"
+#include "replication/world/far_pairs.hpp"
 #include "replication/world/motion_event.hpp"
 #include "replication/world/moving_objects.hpp"
 #include "replication/world/pair_search.hpp"
@@ -187,6 +188,15 @@ class MotionWorld {
     return objects_[object].will_respond(registered, t);
   }
 
+  // Puts pairs that are far no more back into the schedule.
+  void reschedule_opened(const std::optional<NewLaw>& law = {});
+  // The pairs of the object, at least those that have touched anything since t.
+  [[nodiscard]] std::span<const std::uint32_t> pairs_touched_since(std::size_t object, SimTime t) const {
+    return far_.near_since(object, t) ? far_.near(object) : model_->part_pairs_of(object);
+  }
+  // The lists of answers_to_ as the timelines have them; an entry of one of them.
+  void note_answers();
+  void note_answer(std::size_t object, std::size_t cause, SimTime t);
   void retract_contacts_of_carried(std::size_t object, SimTime t);
   void retract(std::size_t cause, SimTime t);
   void retract_answers(std::size_t object, ObjectId cause, SimTime t);
@@ -201,8 +211,16 @@ class MotionWorld {
   SimTime start_, advanced_;
   MovingObjects objects_;
   std::vector<WatchedPair> pairs_;  // the model's part pairs
-  Schedule pair_checks_;            // for each pair, when the next check is due
-  std::size_t watched_ = 0;         // the number of pairs with a check, whenever that is due
+  FarPairs far_;
+  std::vector<std::uint32_t> opened_;  // pairs that are far no more, and not in the schedule yet
+  // For each node those of its partners whose timelines have, or had lately, a law with it as the cause; ascending.
+  struct Answer {
+    std::uint32_t object;
+    SimTime last;  // no such law begins later
+  };
+  std::vector<std::vector<Answer>> answers_to_;
+  Schedule pair_checks_;     // for each pair that is not far, when the next check is due
+  std::size_t watched_ = 0;  // the number of pairs with a check, whenever that is due; the far ones included
   std::vector<bool> in_pair_checks_;
   AuthorityOf authority_of_;  // none: kAsPublished for all
   std::vector<MotionEvent> events_;

@@ -56,21 +56,18 @@ auto PairSearch::with_query(const WatchedPair& pair, Function function) const {
   return function(query);
 }
 
-void PairSearch::search_window(WatchedPair& pair) {
+bool PairSearch::search_window(WatchedPair& pair) {
   const SimTime s = pair.clear_until;
-  if (pair.is_plain) {
-    search_window(pair, objects_.bound_of(pair.part_a, s), objects_.bound_of(pair.part_b, s));
-  } else {
-    search_composed_window(pair);
-  }
+  if (!pair.is_plain) return search_composed_window(pair);
+  return search_window(pair, objects_.bound_of(pair.part_a, s), objects_.bound_of(pair.part_b, s));
 }
 
-void PairSearch::search_composed_window(WatchedPair& pair) {
+bool PairSearch::search_composed_window(WatchedPair& pair) {
   const SweptBound a = bound_of_side(pair, true, pair.clear_until), b = bound_of_side(pair, false, pair.clear_until);
-  search_window(pair, a, b);
+  return search_window(pair, a, b);
 }
 
-void PairSearch::search_window(WatchedPair& pair, const SweptBound& bound_a, const SweptBound& bound_b) {
+bool PairSearch::search_window(WatchedPair& pair, const SweptBound& bound_a, const SweptBound& bound_b) {
   const SimTime s = pair.clear_until;
   SimTime end = floor_to(s, MovingObjects::kLookahead) + MovingObjects::kLookahead;
   if (bound_a.next_change) end = std::min(end, *bound_a.next_change);
@@ -82,7 +79,7 @@ void PairSearch::search_window(WatchedPair& pair, const SweptBound& bound_a, con
   if (still) {  // two objects that stand do not meet
     ++counters_.searches_skipped;
     pair.clear_until = bound_a.next_change || bound_b.next_change ? end : SimTime::max();
-    return;
+    return false;
   }
   if (pair.has_exact_search && apart(bound_a, bound_b, pair.type)) {
     ++counters_.searches_far;
@@ -93,11 +90,11 @@ void PairSearch::search_window(WatchedPair& pair, const SweptBound& bound_a, con
         pair.contact = s;
         pair.lifts = true;
       }
-      return;
+      return false;
     }
     note_apart(pair, s);
     pair.clear_until = end;
-    return;
+    return true;
   }
   // A search begins not where this peer happens to be, but at the last instant until s that the timelines alone
   // decide, so that equal timelines give equal contact times, to the last bit.
@@ -107,6 +104,7 @@ void PairSearch::search_window(WatchedPair& pair, const SweptBound& bound_a, con
   search_interval(pair, begin, end);
   const SimTime held = std::max(s, pair.held_until);
   if (pair.bears && !pair.contact && held < pair.clear_until) search_lift(pair, held, pair.clear_until);
+  return false;
 }
 
 bool PairSearch::touch_at(const WatchedPair& pair, SimTime t) const {
@@ -168,6 +166,26 @@ void PairSearch::note_apart(WatchedPair& pair, SimTime s) {
   if (is_given_later(pair.collider, pair.collider_responds)) return;
   if (is_given_later(pair.collidee, pair.collidee_responds)) return;
   pair.free_at = s;
+}
+
+// The last instant of a search would have been a multiple of kLookahead or a change of the laws as they were.
+void PairSearch::note_was_far(WatchedPair& pair, const std::optional<NewLaw>& law) {
+  assert(!pair.inside && !pair.contact);
+  SimTime last = floor_to(pair.clear_until - Duration{1}, MovingObjects::kLookahead);
+  for (const std::uint32_t object : {pair.collider, pair.collidee}) {
+    const bool is_new = law && law->object == object;
+    const SimTime known = is_new ? std::min(law->from, pair.clear_until) : pair.clear_until;
+    if (const auto change = objects_[object].timeline.last_change_until(known - Duration{1})) {
+      last = std::max(last, *change);
+    }
+  }
+  const auto is_given_later = [&](std::uint32_t object, bool registered) {
+    const bool is_new = law && law->object == object;
+    return !is_new && registered && objects_[object].is_answering() && objects_[object].base_time > last;
+  };
+  if (is_given_later(pair.collider, pair.collider_responds)) return;
+  if (is_given_later(pair.collidee, pair.collidee_responds)) return;
+  if (!pair.free_at || last > *pair.free_at) pair.free_at = last;
 }
 
 // A contact that nobody answers is one for as long as it lasts.
@@ -256,13 +274,18 @@ void PairSearch::search_interval(WatchedPair& pair, SimTime begin, SimTime end) 
   }
 }
 
-void PairSearch::search(WatchedPair& pair, SimTime to) {
+std::optional<SimTime> PairSearch::search(WatchedPair& pair, SimTime to) {
   assert(pair.watched && !pair.fixed);
   if (pair.contact || pair.clear_until > to) {
     ++counters_.searches_skipped;
-    return;
+    return std::nullopt;
   }
-  while (!pair.contact && !pair.unsupported && pair.clear_until <= to) search_window(pair);
+  std::optional<SimTime> apart_at;
+  while (!pair.contact && !pair.unsupported && pair.clear_until <= to) {
+    const SimTime s = pair.clear_until;
+    apart_at = search_window(pair) ? std::optional(s) : std::nullopt;
+  }
+  return apart_at;
 }
 
 }  // namespace peerd::replication

@@ -13,6 +13,12 @@ namespace peerd::replication {
 // the tick, so that peers with other tick rates find the same.
 inline constexpr Duration kOverlapRetry = std::chrono::milliseconds(10);
 
+// The law that an object has had since a moment ago.
+struct NewLaw {
+  std::size_t object;
+  SimTime from;
+};
+
 // The search for the next contact of a pair, by the timelines as they are now: a view of a MotionWorld's data, which
 // outlives it. What is found stays in the pair.
 class PairSearch {
@@ -21,8 +27,12 @@ class PairSearch {
              MotionCounters& counters, std::vector<MotionEvent>& events)
       : model_(model), objects_(objects), pairs_(pairs), start_(start), counters_(counters), events_(events) {}
 
-  // Searches until a contact is found, or the pair is known to have none until `to`.
-  void search(WatchedPair& pair, SimTime to);
+  // Searches until a contact is found, or the pair is known to have none until `to`. Returns the instant for which the
+  // bounds of the two are apart, if the last window was one in which they are.
+  std::optional<SimTime> search(WatchedPair& pair, SimTime to);
+  // The two, which were far, were apart at all instants before pair.clear_until; the law may be the reason that they
+  // are far no more.
+  void note_was_far(WatchedPair& pair, const std::optional<NewLaw>& law);
   [[nodiscard]] bool touch_at(const WatchedPair& pair, SimTime t) const;
   // Whether the two, which are fixed to each other, touch.
   [[nodiscard]] bool fixed_parts_touch(WatchedPair& pair, SimTime t) const;
@@ -33,10 +43,11 @@ class PairSearch {
   [[nodiscard]] SweptBound bound_of_side(const WatchedPair& pair, bool of_collider, SimTime s);
   template <class Function>
   [[nodiscard]] auto with_query(const WatchedPair& pair, Function function) const;
-  // Searches the time in which both objects keep their pieces, or until the next multiple of kLookahead.
-  void search_window(WatchedPair& pair);
-  void search_window(WatchedPair& pair, const SweptBound& bound_a, const SweptBound& bound_b);
-  void search_composed_window(WatchedPair& pair);
+  // Searches the time in which both objects keep their pieces, or until the next multiple of kLookahead. Returns
+  // whether their bounds are apart all that time, and nothing bears the one by the other.
+  bool search_window(WatchedPair& pair);
+  bool search_window(WatchedPair& pair, const SweptBound& bound_a, const SweptBound& bound_b);
+  bool search_composed_window(WatchedPair& pair);
   // Searches for the first contact from `begin` on; contacts before pair.clear_until have been dealt with.
   void search_interval(WatchedPair& pair, SimTime begin, SimTime end);
   [[nodiscard]] bool goes_on(WatchedPair& pair, SimTime s, SimTime end);

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include "replication/peer.hpp"
 #include "tests/replication/lan.hpp"
 
@@ -37,6 +39,22 @@ struct Resting {
   }
   Lan lan;
 };
+
+TEST(CheckSchedule, FindNothingToDoInAWorldThatStands) {
+  const World world(kThree + interest("C", "\"A\" \"B\""));
+  Resting run(world);
+  const auto work = [&](std::size_t peer) {
+    const MotionWorld::Counters motion = run.lan.peer(peer).motion_counters();
+    return std::tuple(motion.contact_searches, motion.searches_far, motion.contacts,
+                      run.lan.peer(peer).counters().objects_looked_at);
+  };
+  const auto first = work(0), second = work(1);
+  const std::uint64_t ticks = run.lan.peer(1).counters().ticks;
+  run.lan.run_until(20s);
+  EXPECT_EQ(work(0), first);
+  EXPECT_EQ(work(1), second);
+  EXPECT_GT(run.lan.peer(1).counters().ticks, ticks + 200);
+}
 
 TEST(CheckSchedule, GoOnWhereSomethingMovesAndEndWhenItRests) {
   const World world(kThree);

@@ -157,6 +157,35 @@ ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO GROWS.set_sc
   EXPECT_EQ(arm.at(26.0), 0.5);
 }
 
+// FAR and CAR are this peer's; what carries them comes later, before both in the order of the model's nodes.
+TEST(Proximity, IsOfTheModelInForce) {
+  World w("DEF BUS Transform { children DEF DOOR Transform { children [ " + box("FAR", "1 1 1", "50 0 0") +
+          box("CAR", "1 1 1", "0 0 0") + "] } }\n" + box("CUBE", "1 1 1", "1.5 0 0") + interest("FAR", "\"CUBE\"") +
+          interest("CAR", "\"CUBE\""));
+  PeerConfig own = config(1);
+  own.policy.error_threshold_m = 0.5;
+  own.policy.tight_threshold_m = 0.01;
+  PeerCounters counters;
+  Owners owners{w.scene.instances.size()};
+  owners.set(w["CUBE"], PeerId{2});
+  Replica replica{*w.in_force};
+  replica.begin(sim(0s));
+  replica.set_world_zero(sim(0s), sim(0s));
+  ProximityThreshold threshold{own, *w.in_force, owners, replica, counters};
+  const ObjectId far = w["BUS/DOOR/FAR"], car = w["BUS/DOOR/CAR"];
+  const auto expect = [&] {
+    EXPECT_EQ(threshold.at(far, sim(1s)), 0.5);
+    EXPECT_EQ(threshold.at(car, sim(1s)), 0.01);
+  };
+  expect();
+  const std::uint32_t index = w.model->index_of(far);
+  auto next = extended(*w.model, std::vector{w["BUS"]});
+  ASSERT_EQ(next->index_of(far), index + 1);
+  replica.change_model(*next);
+  w.in_force->replace(std::move(next));
+  expect();
+}
+
 TEST_F(NoInterest, TheUsualOneStands) {
   EXPECT_EQ(threshold.at(car, sim(1s)), 0.5);
   EXPECT_EQ(counters.proximity_tests, 0u);

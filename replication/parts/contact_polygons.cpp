@@ -1,4 +1,4 @@
-#include "replication/world/contact_polygons.hpp"
+#include "replication/parts/contact_polygons.hpp"
 
 #include <algorithm>
 #include <cassert>

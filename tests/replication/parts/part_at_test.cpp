@@ -1,4 +1,4 @@
-#include "replication/world/part_at.hpp"
+#include "replication/parts/part_at.hpp"
 
 #include <gtest/gtest.h>
 

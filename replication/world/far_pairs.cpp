@@ -1,0 +1,173 @@
+#include "replication/world/far_pairs.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace peerd::replication {
+namespace {
+
+// A place reaches so many times as far as the body goes until its bound ends, to all sides. With less it is left more
+// often, with more fewer pairs are far.
+constexpr double kPlaceWays = 4.0;
+
+// The end of the time that a bound is for. A body that stands does so until its law changes.
+SimTime end_of(const SweptBound& bound, SimTime s) {
+  const SimTime change = bound.next_change.value_or(SimTime::max());
+  return bound.still ? change : std::min(change, floor_to(s, MovingObjects::kLookahead) + MovingObjects::kLookahead);
+}
+
+bool holds(const SweptBound& place, const SweptBound& bound) {
+  return (place.low.array() <= bound.low.array()).all() && (bound.high.array() <= place.high.array()).all() &&
+         bound.radius_m <= place.radius_m;
+}
+
+}  // namespace
+
+FarPairs::FarPairs(const WorldModel& model, const MovingObjects& objects, std::span<const WatchedPair> pairs)
+    : model_(&model),
+      places_(model.nodes.size()),
+      checks_(model.nodes.size()),
+      is_far_(pairs.size(), false),
+      may_be_far_(pairs.size()),
+      near_index_(pairs.size()) {
+  const auto is_single = [&](std::uint32_t i) {
+    return objects.carried_by(i).empty() && objects[i].carrier == MovingObjects::kNone;
+  };
+  for (std::uint32_t i = 0; i < places_.size(); ++i) {
+    const auto moved = model.part_pairs_moved_by(i);
+    places_[i].near.assign(moved.begin(), moved.end());
+    places_[i].all_pairs_move = std::ranges::equal(moved, model.part_pairs_of(i));
+    for (std::uint32_t k = 0; k < moved.size(); ++k) {
+      if (pairs[moved[k]].collider == i) near_index_[moved[k]][0] = k;
+      if (pairs[moved[k]].collidee == i) near_index_[moved[k]][1] = k;
+    }
+  }
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const WatchedPair& p = pairs[k];
+    may_be_far_[k] = p.is_plain && !p.is_flexible && !p.fixed && p.has_exact_search && is_single(p.collider) &&
+                     is_single(p.collidee) && places_[p.collider].all_pairs_move && places_[p.collidee].all_pairs_move;
+  }
+}
+
+std::span<const std::uint32_t> FarPairs::near(std::size_t object) const {
+  if (object >= places_.size()) return {};
+  return places_[object].near;
+}
+
+bool FarPairs::near_since(std::size_t object, SimTime t) const {
+  return object < places_.size() && places_[object].all_pairs_move && t >= places_[object].last_added;
+}
+
+void FarPairs::push_near(std::uint32_t pair, std::size_t side, std::uint32_t object) {
+  near_index_[pair][side] = static_cast<std::uint32_t>(places_[object].near.size());
+  places_[object].near.push_back(pair);
+}
+
+void FarPairs::erase_near(std::uint32_t pair, std::size_t side, std::uint32_t object,
+                          std::span<const WatchedPair> pairs) {
+  std::vector<std::uint32_t>& near = places_[object].near;
+  const std::uint32_t at = near_index_[pair][side], last = near.back();
+  assert(near[at] == pair);
+  near[at] = last;
+  near_index_[last][pairs[last].collider == object ? 0 : 1] = at;
+  near.pop_back();
+}
+
+void FarPairs::make_place(std::size_t object, SimTime s, MovingObjects& objects) {
+  Place& place = places_[object];
+  assert(place.far == 0);
+  place.bound = objects.bound_of(object, s);
+  place.since = place.bound.still ? place.bound.last_change.value_or(SimTime::min()) : s;
+  place.known_until = end_of(place.bound, s);
+  if (place.bound.still) return;
+  const double way_m = (place.bound.high - place.bound.low).maxCoeff();
+  const double wider_m = std::max(kPlaceWays * way_m, place.bound.radius_m);
+  place.bound.low -= Vec3::Constant(wider_m);
+  place.bound.high += Vec3::Constant(wider_m);
+}
+
+bool FarPairs::add(std::size_t pair, SimTime s, MovingObjects& objects, std::span<WatchedPair> pairs) {
+  if (!may_be_far_[pair] || is_far_[pair]) return false;
+  WatchedPair& p = pairs[pair];
+  assert(!p.contact && !p.bears && !p.inside);
+  for (const std::uint32_t object : {p.collider, p.collidee}) {
+    Place& place = places_[object];
+    if (place.far == 0 && (place.since > s || place.known_until <= s)) make_place(object, s, objects);
+    if (place.since > s || place.known_until <= s) return false;
+  }
+  Place &a = places_[p.collider], &b = places_[p.collidee];
+  if (!apart(a.bound, b.bound, p.type)) return false;
+  is_far_[pair] = true;
+  p.clear_until = s;
+  const auto number = static_cast<std::uint32_t>(pair);
+  erase_near(number, 0, p.collider, pairs);
+  erase_near(number, 1, p.collidee, pairs);
+  for (const std::uint32_t object : {p.collider, p.collidee}) {
+    Place& place = places_[object];
+    place.last_added = std::max(place.last_added, s);
+    if (++place.far == 1) checks_.set(object, place.known_until);
+  }
+  return true;
+}
+
+bool FarPairs::stays_until(std::size_t object, SimTime until, MovingObjects& objects) {
+  Place& place = places_[object];
+  while (place.known_until <= until) {
+    const SweptBound& bound = objects.bound_of(object, place.known_until);
+    if (!holds(place.bound, bound)) return false;
+    place.known_until = end_of(bound, place.known_until);
+  }
+  checks_.set(object, place.known_until);
+  return true;
+}
+
+void FarPairs::open_all(std::size_t object, std::span<WatchedPair> pairs, std::vector<std::uint32_t>& opened) {
+  for (const std::uint32_t i : model_->part_pairs_moved_by(object)) {
+    if (!is_far_[i]) continue;
+    WatchedPair& p = pairs[i];
+    p.clear_until = std::max(p.clear_until, std::min(places_[p.collider].known_until, places_[p.collidee].known_until));
+    is_far_[i] = false;
+    push_near(i, 0, p.collider);
+    push_near(i, 1, p.collidee);
+    for (const std::uint32_t end : {p.collider, p.collidee}) {
+      if (--places_[end].far == 0) checks_.set(end, SimTime::max());
+    }
+    opened.push_back(i);
+  }
+  Place& place = places_[object];
+  assert(place.far == 0);
+  place.since = SimTime::max();
+  place.last_added = SimTime::min();
+}
+
+void FarPairs::moved(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, std::span<WatchedPair> pairs,
+                     std::vector<std::uint32_t>& opened) {
+  if (object >= places_.size()) return;
+  Place& place = places_[object];
+  if (place.far == 0) {
+    place.since = SimTime::max();
+    return;
+  }
+  if (t >= place.since && t >= place.last_added) {
+    const SimTime known = place.known_until;
+    place.known_until = std::min(known, t);
+    if (stays_until(object, std::max(t, until), objects)) return;
+    place.known_until = known;
+  }
+  open_all(object, pairs, opened);
+}
+
+void FarPairs::open(std::span<WatchedPair> pairs, std::vector<std::uint32_t>& opened) {
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    if (places_[i].far > 0) open_all(i, pairs, opened);
+  }
+}
+
+void FarPairs::follow(SimTime until, MovingObjects& objects, std::span<WatchedPair> pairs,
+                      std::vector<std::uint32_t>& opened) {
+  for (std::size_t i = checks_.next_due(0, until); i != checks_.size(); i = checks_.next_due(i + 1, until)) {
+    if (!stays_until(i, until, objects)) open_all(i, pairs, opened);
+  }
+}
+
+}  // namespace peerd::replication

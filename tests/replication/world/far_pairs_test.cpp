@@ -1,0 +1,181 @@
+#include "replication/world/far_pairs.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <tuple>
+
+#include "replication/world/motion_world.hpp"
+#include "tests/replication/worlds.hpp"
+
+namespace peerd::replication::far_pairs_test {
+
+using namespace test;
+
+// CAR among posts, 20 m apart along x.
+std::string street(int posts) {
+  std::string text = box("CAR", "2 1 1", "0 0 0"), all;
+  for (int i = 0; i < posts; ++i) {
+    const std::string name = "P" + std::to_string(i);
+    text += box(name, "1 1 1", std::to_string(20 * i + 10) + " 0 5");
+    all += " \"" + name + '"';
+  }
+  return text + interest("CAR", all);
+}
+
+// Drives CAR along x at 10 m/s for so long, with a sample at each of 60 ticks a second.
+MotionWorld::Counters drive(int posts, double seconds) {
+  const World w(street(posts));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["CAR"], Role::kDriven);
+  for (int tick = 0; tick < 60 * seconds; ++tick) {
+    const SimTime t = sim(Duration{1s} * tick / 60);
+    world.set_base(w["CAR"], t, moving({10.0 * tick / 60.0, 0, 0}, {10, 0, 0}));
+    world.advance(t);
+  }
+  return world.counters();
+}
+
+TEST(FarPairs, AreNotCheckedAtEachSampleOfADrivenObject) {
+  const std::uint64_t few = drive(20, 3.0).searches_far, many = drive(400, 3.0).searches_far;
+  EXPECT_LT(many, 400U * 180 / 20) << "of 400 pairs and 180 samples";
+  EXPECT_LT(few, many);
+}
+
+TEST(FarPairs, CostNothingWhereNothingMoves) {
+  const World w(street(50));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["CAR"], Role::kPredicted);
+  world.advance(sim(1s));
+  const MotionWorld::Counters before = world.counters();
+  for (int tick = 60; tick < 240; ++tick) world.advance(sim(Duration{1s} * tick / 60));
+  EXPECT_EQ(world.counters().searches_far, before.searches_far);
+  EXPECT_EQ(world.counters().contact_searches, before.contact_searches);
+}
+
+TEST(FarPairs, MeetWhenTheyHaveComeNear) {
+  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "100 0 0") + interest("A", "\"B\""));
+  for (const auto step : {Duration{10ms}, Duration{100ms}, Duration{12s}}) {
+    MotionWorld world(*w.model, sim(0s));
+    world.declare(w["A"], Role::kPredicted);
+    world.set_base(w["A"], sim(0s), moving({0, 0, 0}, {9.9, 0, 0}));
+    for (Duration t = step; t <= 12s; t += step) world.advance(sim(t));
+    std::vector<SimTime> met;
+    while (const auto event = world.poll_event()) {
+      if (const auto* contact = std::get_if<ContactEvent>(&*event)) met.push_back(contact->at);
+    }
+    ASSERT_EQ(met.size(), 1U);
+    EXPECT_NEAR(to_seconds(met.front() - sim(0s)), 10.0, 1e-6);
+  }
+}
+
+// The contacts of A, at 1 m/s, with B, 100 m away, after an update at 2 s says that at 0.5 s it was on its way to 148
+// m.
+std::vector<SimTime> met_in_the_past(Role of_b) {
+  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "100 0 0") + interest("A", "\"B\""));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["A"], Role::kPredicted);
+  world.declare(w["B"], of_b);
+  world.set_base(w["A"], sim(0s), moving({0, 0, 0}, {1, 0, 0}));
+  for (int tick = 0; tick <= 120; ++tick) world.advance(sim(Duration{1s} * tick / 60));
+  world.set_base(w["A"], sim(500ms), moving({50, 0, 0}, {98, 0, 0}));
+  world.advance(sim(3s));
+  std::vector<SimTime> met;
+  while (const auto event = world.poll_event()) {
+    if (const auto* contact = std::get_if<ContactEvent>(&*event)) met.push_back(contact->at);
+  }
+  return met;
+}
+
+TEST(FarPairs, AreOpenedByAnUpdateOfTheTimeBeforeTheyWereFar) {
+  const std::vector<SimTime> met = met_in_the_past(Role::kScene);
+  ASSERT_EQ(met.size(), 1U);
+  EXPECT_NEAR(to_seconds(met.front() - sim(0s)), 1.0, 1e-6);
+  EXPECT_TRUE(met_in_the_past(Role::kDriven).empty()) << "what this peer moves meets nothing in the past";
+}
+
+// Three boxes of which one is below a node that becomes a carrier later: what is far is so still, what has been
+// answered can be retracted, though all indices change.
+TEST(FarPairs, OutliveAChangeOfTheModel) {
+  const World w(box_with("BUS", "8 0.2 3", "0 9 0", "", box("DOOR", "1 2 0.1", "0 1 1.5")) +
+                box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "5 0 0", kBounces) + box("C", "1 1 1", "100 0 0") +
+                interest("B", "\"A\" \"C\" \"BUS\"") + interest("A", "\"C\" \"BUS\""));
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* path : {"A", "B"}) world.declare(w[path], Role::kPredicted);
+  world.set_base(w["B"], sim(0s), moving({5, 0, 0}, {-4, 0, 0}));
+  world.advance(sim(2s));
+  EXPECT_GT(world.at(w["B"], sim(2s)).position.x(), 4.5) << "bounced at 1 s";
+  const auto next = extended(*w.model, std::vector{w["BUS"], w["DOOR"]});
+  ASSERT_GT(next->nodes.size(), w.model->nodes.size());
+  world.change_model(*next);
+  world.set_base(w["A"], sim(500ms), moving({2, 20, 0}));
+  world.advance(sim(3s));
+  EXPECT_EQ(world.at(w["B"], sim(3s)).position, Vec3(-7, 0, 0)) << "A was not there";
+  while (world.poll_event()) continue;
+  world.set_base(w["A"], sim(3s), moving({2, 20, 0}, {49, -10, 0}));  // meets C
+  world.advance(sim(6s));
+  std::vector<ObjectId> met;
+  while (const auto event = world.poll_event()) {
+    if (const auto* contact = std::get_if<ContactEvent>(&*event)) met.push_back(contact->collidee);
+  }
+  EXPECT_EQ(met, std::vector{w["C"]});
+}
+
+using Found = std::tuple<SimTime, ObjectId, ObjectId, double, double>;
+// Twelve bodies that bounce in pairs of all with all; updates, some of the past, send them hither and thither.
+std::vector<Found> run(const World& w, std::uint64_t seed, Duration step) {
+  std::mt19937_64 rng(seed);
+  const auto draw = [&](int most) { return static_cast<double>(rng() % 2001) / 1000.0 * most - most; };
+  MotionWorld world(*w.model, sim(0s));
+  std::vector<ObjectId> objects;
+  for (int i = 0; i < 12; ++i) objects.push_back(w[("O" + std::to_string(i)).c_str()]);
+  for (const ObjectId o : objects) world.declare(o, Role::kPredicted);
+  std::vector<Found> found;
+  for (Duration t{0}; t <= 12s; t += 100ms) {
+    for (Duration at = t - 100ms + step; at < t; at += step) world.advance(sim(std::max(at, Duration{0})));
+    world.advance(sim(t));
+    const ObjectId o = objects[rng() % objects.size()];
+    const Vec3 velocity(draw(30), 0, draw(30));
+    const SimTime of = sim(std::max(Duration{0}, t - std::chrono::milliseconds(rng() % 300)));
+    world.set_base(o, of, moving(world.at(o, of).position, velocity));
+  }
+  world.advance(sim(13s));
+  while (const auto event = world.poll_event()) {
+    if (const auto* back = std::get_if<ContactsRetracted>(&*event)) {
+      std::erase_if(found,
+                    [&](const Found& f) { return back->retracts(std::get<0>(f), std::get<1>(f), std::get<2>(f)); });
+    } else if (const auto* c = std::get_if<ContactEvent>(&*event)) {
+      found.emplace_back(c->at, c->collider, c->collidee, c->collider_after.position.x(),
+                         c->collider_after.velocity.x());
+    }
+  }
+  std::ranges::sort(found);
+  for (const ObjectId o : objects) {
+    const KinematicState s = world.at(o, sim(13s));
+    found.emplace_back(sim(13s), o, o, s.position.x(), s.position.z());
+  }
+  return found;
+}
+
+TEST(FarPairs, GiveTheSameContactsHoweverOftenTheWorldAdvances) {
+  std::string text;
+  for (int i = 0; i < 12; ++i) {
+    const std::string name = "O" + std::to_string(i);
+    text += box(name, "2 2 2", std::to_string(8 * (i % 4)) + " 0 " + std::to_string(8 * (i / 4)), kBounces);
+  }
+  for (int i = 0; i < 12; ++i) {
+    std::string others;
+    for (int k = 0; k < 12; ++k) others += k == i ? "" : " \"O" + std::to_string(k) + '"';
+    text += interest("O" + std::to_string(i), others);
+  }
+  const World w(text);
+  std::size_t met = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const std::vector<Found> often = run(w, seed, 5ms), seldom = run(w, seed, 100ms);
+    EXPECT_EQ(often, seldom) << "seed " << seed;
+    met += often.size() - 12;
+  }
+  EXPECT_GT(met, 100U);
+}
+
+}  // namespace peerd::replication::far_pairs_test
