@@ -1,5 +1,6 @@
 #pragma once
 #include <cassert>
+#include <cstdint>
 #include <memory>
 #include <utility>
 
@@ -23,11 +24,15 @@ class ModelInForce {
     assert(next && next->scene == model_->scene);
     own_ = std::move(next);
     model_ = own_.get();
+    ++revision_;
   }
+  // A number that changes with the model.
+  [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
  private:
   const WorldModel* model_;
   std::unique_ptr<const WorldModel> own_;  // none: the model is shared
+  std::uint64_t revision_ = 0;
 };
 
 }  // namespace peerd::replication

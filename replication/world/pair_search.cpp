@@ -99,6 +99,11 @@ void PairSearch::search_window(WatchedPair& pair, const SweptBound& bound_a, con
     pair.clear_until = end;
     return;
   }
+  if (pair.put_off && !pair.bears) {
+    ++counters_.searches_put_off;
+    pair.stopped = true;
+    return;
+  }
   // A search begins not where this peer happens to be, but at the last instant until s that the timelines alone
   // decide, so that equal timelines give equal contact times, to the last bit.
   SimTime begin = floor_to(s, MovingObjects::kLookahead);
@@ -257,12 +262,12 @@ void PairSearch::search_interval(WatchedPair& pair, SimTime begin, SimTime end) 
 }
 
 void PairSearch::search(WatchedPair& pair, SimTime to) {
-  assert(pair.watched && !pair.fixed);
+  assert(pair.watched && !pair.fixed && !pair.stopped);
   if (pair.contact || pair.clear_until > to) {
     ++counters_.searches_skipped;
     return;
   }
-  while (!pair.contact && !pair.unsupported && pair.clear_until <= to) search_window(pair);
+  while (!pair.contact && !pair.unsupported && !pair.stopped && pair.clear_until <= to) search_window(pair);
 }
 
 }  // namespace peerd::replication

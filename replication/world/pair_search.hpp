@@ -21,7 +21,7 @@ class PairSearch {
              MotionCounters& counters, std::vector<MotionEvent>& events)
       : model_(model), objects_(objects), pairs_(pairs), start_(start), counters_(counters), events_(events) {}
 
-  // Searches until a contact is found, or the pair is known to have none until `to`.
+  // Searches until a contact is found, the pair is known to have none until `to`, or it stops as it is put off.
   void search(WatchedPair& pair, SimTime to);
   [[nodiscard]] bool touch_at(const WatchedPair& pair, SimTime t) const;
   // Whether the two, which are fixed to each other, touch.
