@@ -125,8 +125,8 @@ void report_contacts(PeerParts& p, SimTime t) {
   report_truth(p, t);
   report_ghosts(p, t);
   // A decision made just now may have changed what followed from a contact of the past.
-  p.replica.truth().catch_up();
-  p.replica.ghosts().catch_up();
+  p.replica.catch_up_truth();
+  p.replica.catch_up_ghosts();
   const auto touch = [&](ObjectId a, ObjectId b) {
     const bool mine = p.own.contains(a) || p.own.contains(b);
     return (mine ? p.replica.truth() : p.replica.ghosts()).ends_touch(a, b, t);

@@ -74,12 +74,13 @@ void Peer::Impl::on_tick(HostTime now, std::span<const OwnSample> samples) {
 
 void Peer::Impl::tick(SimTime t, std::span<const OwnSample> samples) {
   parts.extend_motions(t);
-  parts.replica.truth().advance(t);
+  parts.replica.advance_truth(t);
   parts.publication.take(t, samples);
-  parts.replica.ghosts().advance(t);
+  parts.replica.advance_ghosts(t);
   report_contacts(parts, t);
   parts.publication.publish(t);
   scene.maintain(t);
+  parts.counters.predictions_unseen += parts.sight.pairs_put_off();
 }
 
 // Does what a tick does, except for the contacts: those wait for the next tick, which finds them at their own times.
@@ -94,12 +95,12 @@ void Peer::Impl::publish_now(HostTime now, std::span<const OwnSample> samples) {
   if (urgent.empty() && parts.launches.unpublished().empty()) return;
   const std::uint64_t published_before = parts.counters.updates_out;
   parts.extend_motions(t);
-  parts.replica.truth().advance(t);
+  parts.replica.advance_truth(t);
   for (const OwnSample* sample : urgent) {
     MotionWorld& truth = parts.replica.truth();
     truth.set_base(sample->object, t, truth.in_carrier(sample->object, t, sample->state));
   }
-  parts.replica.ghosts().advance(t);
+  parts.replica.advance_ghosts(t);
   parts.publication.publish_at_once(t, urgent);
   parts.counters.updates_at_once += parts.counters.updates_out - published_before;
   parts.publication.flush(false);
@@ -176,7 +177,7 @@ bool Peer::change_velocity(HostTime now, ObjectId object, const Vec3& velocity, 
   if (!p.replica.begun() || own == nullptr || own->driven) return false;
   const SimTime t = std::max(p.to_session(now), p.ticks.last_time());
   p.launches.begin_due(t, [&p](SimTime at, ObjectId o) { return p.file_velocity(at, o); });
-  p.replica.truth().advance(t);
+  p.replica.advance_truth(t);
   p.launches.change_velocity(t, object, velocity, absolute);
   return true;
 }
@@ -230,8 +231,10 @@ void Peer::advance_ghosts(SimTime t) {
   PeerParts& p = impl_->parts;
   if (!p.replica.begun()) return;
   p.scripted.extend(t, p.world_time.zero(), p.owners, p.scene, p.replica);
-  p.replica.ghosts().advance(t);
+  p.replica.advance_ghosts(t);
 }
+
+void Peer::look(std::vector<View> views) { impl_->parts.sight.look(std::move(views)); }
 
 Pose Peer::shown(ObjectId object, SimTime t) { return impl_->parts.display.shown(object, t); }
 

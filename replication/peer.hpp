@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "core/ids.hpp"
 #include "core/kinematics.hpp"
@@ -102,6 +103,8 @@ class Peer {
   // Brings the ghosts to t, which may lie between two ticks: for a viewer with a frame rate of its own. Changes nothing
   // that the other peers could notice.
   void advance_ghosts(SimTime t);
+  // From now on this peer sees so (SightSettings): the views of a viewer, before the advance_ghosts() of its frame.
+  void look(std::vector<View> views);
   // The pose that a viewer draws. For each object, t never goes back; after advance_ghosts(t). It doesn't go through
   // what an interest pairs the object with, where the ghost didn't.
   [[nodiscard]] Pose shown(ObjectId object, SimTime t);

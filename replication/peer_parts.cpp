@@ -33,6 +33,7 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
       scripted(model),
       launches(model, own, replica),
       display(config, model, own, replica, counters),
+      sight(config, model, members, owners, own, scene, replica, [this](ObjectId object) { display.forget(object); }),
       regions(config, model, members, owners, own, replica, ticks, outbox, counters,
               [this](ObjectId object, bool received) {
                 if (received) display.forget(object);
@@ -137,6 +138,7 @@ void PeerParts::set_owner_of_scene_object(ObjectId object, PeerId owner, PeerId 
   assert(before == owners.of(object));
   if (owner == before) return;
   SceneObject& known = scene.at(object);
+  replica.compute_ghost(object);
   if (before == config.id) {
     known.own_sequence = own.at(object).sequence;
     launches.forget(object);

@@ -19,6 +19,7 @@
 #include "replication/session/membership.hpp"
 #include "replication/session/session_time.hpp"
 #include "replication/session/world_time.hpp"
+#include "replication/sight/sight.hpp"
 #include "replication/subscription/region_subscriptions.hpp"
 
 namespace peerd::replication {
@@ -49,6 +50,7 @@ struct PeerParts {
   ScriptedMotion scripted;
   Launches launches;
   Display display;
+  Sight sight;
   // Regions, decisions on contacts, and updates.
   RegionSubscriptions regions;
   ContactDecisions decisions;

@@ -92,6 +92,7 @@ void SceneKeeper::reset_ghosts(SimTime t) {
       continue;
     }
     if (differs) {
+      p_.replica.note_change_ahead(object);
       ghosts.set_base(object, t, truth.model_at(object, t));
       known.ghost_reset = t;
     }
@@ -101,6 +102,7 @@ void SceneKeeper::reset_ghosts(SimTime t) {
 
 void SceneKeeper::orphan(ObjectId object, SimTime t) {
   assert(p_.owners.of(object) != kNobody && p_.owners.of(object) != p_.config.id);
+  p_.replica.compute_ghost(object);
   SceneObject& known = p_.scene.at(object);
   p_.set_owner_of_scene_object(object, kNobody, p_.owners.of(object));
   known.is_free = true;
@@ -110,6 +112,7 @@ void SceneKeeper::orphan(ObjectId object, SimTime t) {
   known.freed = since;
   known.model = ghosts.model_at(object, since);
   known.carrier = p_.model->carrier_of(object);
+  p_.replica.note_change_ahead(object);
   p_.replica.truth().set_base(object, since, known.model);
   p_.replica.forget_update_of(object);
 }

@@ -102,6 +102,7 @@ void SessionKeeper::enter_session(HostTime host_now) {
 // the new time; what was known of the past, and what was published in it, is void. Decisions of the same session keep
 // their times, so that none is applied a second time.
 void SessionKeeper::move_to_session_time(SimTime before, SimTime now, bool same_session) {
+  p_.replica.compute_all();
   const Replica::Worlds old = p_.replica.take();
   p_.replica.colliding().forget(now);
   p_.display.restart();
@@ -251,6 +252,7 @@ void SessionKeeper::orphan_objects_of(PeerId peer, HostTime now, bool for_good) 
       continue;
     }
     if (p_.replica.begun()) {
+      p_.replica.compute_ghost(object);
       p_.replica.set_ghost(object, t, at_rest(p_.replica.ghosts().relative_at(object, t).pose()), false);
       p_.replica.declare_remote(object, Role::kScene);
       if (p_.replica.receives(object)) p_.outbox.push(ObjectOrphaned{object, peer});

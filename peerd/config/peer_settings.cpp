@@ -76,6 +76,7 @@ ViewpointSettings read_viewpoint(TomlReader reader) {
   reader.read("angle_deg", v.angle_deg, -360.0, 360.0);
   reader.read("field_of_view_deg", v.field_of_view_deg, 1.0, 179.0);
   reader.read("aspect", v.aspect, 0.01, 100.0);
+  reader.read("far_m", v.far_m, 1e-3, kFar_m);
   if (!(Vec3(v.axis[0], v.axis[1], v.axis[2]).norm() >= kDirectionMin)) {
     reader.fail(reader.raw().get("axis"), reader.dotted("axis") + " must not be zero, or as good as zero");
   }
@@ -278,6 +279,10 @@ PeerSettings read_peer(TomlReader reader, const std::string& name, const std::fi
   if (const toml::table* viewpoint = reader.table("viewpoint")) {
     s.viewpoint = read_viewpoint(TomlReader(*viewpoint, reader.dotted("viewpoint"), reader.error()));
   }
+  for (const toml::table* view : reader.tables("view")) {
+    s.views.push_back(read_viewpoint(TomlReader(*view, reader.dotted("view"), reader.error())));
+  }
+  reader.read("skip_unseen", s.skip_unseen);
   for (const toml::table* key : reader.tables("key")) {
     s.keys.push_back(read_scripted_key(TomlReader(*key, reader.dotted("key"), reader.error())));
   }

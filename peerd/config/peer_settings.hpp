@@ -32,13 +32,14 @@ struct ReplicationSettings {
 };
 [[nodiscard]] ReplicationSettings read_replication(TomlReader reader);
 
-// The table [peer.NAME.viewpoint]: where the peer's user looks from.
+// The table [peer.NAME.viewpoint], and each of [[peer.NAME.view]]: where the peer's user looks from.
 struct ViewpointSettings {
   std::string object;  // path of the node that carries it; empty: it stands still
   std::vector<double> position{0, 0, 0}, axis{0, 1, 0};
   double angle_deg = 0.0;
   double field_of_view_deg = 45.0;
   double aspect = 4.0 / 3.0;
+  std::optional<double> far_m;  // how far it sees, for skip_unseen; none: without end
 };
 
 // A press of a key that the peer causes by itself: [[peer.NAME.key]], or an event of kind "key".
@@ -62,6 +63,8 @@ struct PeerSettings {
   FeedSettings feed;
   std::vector<ScriptedKey> keys;  // by time, then in file order
   std::optional<ViewpointSettings> viewpoint;
+  std::vector<ViewpointSettings> views;  // besides the viewpoint: mirrors, other windows
+  bool skip_unseen = false;
   std::optional<double> interest_radius_m;
   std::optional<std::uint32_t> tick_hz;  // instead of replication.tick_hz
   double clock_offset_s = 0.0;           // for tests: how far this host's clock is ahead

@@ -8,6 +8,7 @@
 #include "core/motion/carriers.hpp"
 #include "core/motion/founder_objects.hpp"
 #include "core/motion/predefined_motion.hpp"
+#include "core/motion/viewpoint_nodes.hpp"
 #include "peerd/config/events.hpp"
 
 namespace peerd::config {
@@ -147,14 +148,25 @@ class Resolver {
     if (!sources) error_ = sources.error();
   }
 
+  std::optional<ObjectId> object_of(const ViewpointSettings& viewpoint, const std::string& key) {
+    if (error_ || viewpoint.object.empty()) return std::nullopt;
+    const auto object = find_object(scene_, viewpoint.object, key);
+    if (object) return *object;
+    error_ = object.error();
+    return std::nullopt;
+  }
+
   void find_objects_of(std::size_t p) {
-    const auto& viewpoint = run_.peers[p].viewpoint;
-    if (error_ || !viewpoint || viewpoint->object.empty()) return;
-    const auto object = find_object(scene_, viewpoint->object, "peer." + run_.peers[p].name + ".viewpoint");
-    if (object) {
-      peers_[p].viewpoint = *object;
-    } else {
-      error_ = object.error();
+    const PeerSettings& peer = run_.peers[p];
+    if (peer.viewpoint) peers_[p].viewpoint = object_of(*peer.viewpoint, "peer." + peer.name + ".viewpoint");
+    for (const ViewpointSettings& view : peer.views) {
+      peers_[p].views.push_back(object_of(view, "peer." + peer.name + ".view"));
+    }
+    const bool sees = peer.viewpoint || !peer.views.empty() || bound_viewpoint(scene_);
+    if (!error_ && peer.skip_unseen && !sees) {
+      error_ = InputError{
+          "error: peer." + peer.name + ".skip_unseen: the peer has no viewpoint, and the world has no Viewpoint node",
+          2};
     }
   }
 

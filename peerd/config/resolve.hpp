@@ -22,6 +22,7 @@ struct PeerObjects {
   std::map<std::string, ObjectId> outside;           // owned objects that a program moves, by the name that it uses
   std::map<ObjectId, replication::Launch> launches;  // owned objects that physics moves
   std::optional<ObjectId> viewpoint;
+  std::vector<std::optional<ObjectId>> views;  // what carries each of the peer's views; none: it stands
 };
 
 // Finds the owned objects and the motions of each of run.peers, in their order. No other function connects settings

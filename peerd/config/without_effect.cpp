@@ -151,6 +151,11 @@ std::optional<std::string> warning(const GivenSettings& given, std::string_view 
   return std::nullopt;
 }
 
+bool is_server(const RunSettings& run, const PeerSettings& peer) {
+  const auto& decisions = run.replication.decisions;
+  return decisions.policy == replication::DecisionPolicy::kServer && decisions.server.value == peer.id;
+}
+
 // Poses of programs outside have no effect where no motion is theirs.
 bool is_fed(const RunSettings& run, const PeerSettings& peer) {
   const auto outside = [](const auto& motion) { return std::holds_alternative<ExternalProgram>(motion.second.kind); };
@@ -169,13 +174,31 @@ std::vector<std::string> keys_without_effect(const GivenSettings& given, std::sp
   }
   if (runs.empty()) return warnings;
   for (const PeerSettings& peer : runs.front().peers) {
-    const bool fed = std::ranges::any_of(runs, [&](const RunSettings& run) {
-      const auto same = std::ranges::find(run.peers, peer.name, &PeerSettings::name);
-      return same != run.peers.end() && is_fed(run, *same);
-    });
+    const auto in_some_run = [&](auto holds) {
+      return std::ranges::any_of(runs, [&](const RunSettings& run) {
+        const auto same = std::ranges::find(run.peers, peer.name, &PeerSettings::name);
+        return same != run.peers.end() && holds(run, *same);
+      });
+    };
+    const std::string path = "peer." + peer.name + ".";
+    const bool fed = in_some_run(is_fed);
+    const auto skips = [](const RunSettings&, const PeerSettings& p) { return p.skip_unseen; };
+    const auto may_skip = [](const RunSettings& run, const PeerSettings& p) {
+      return !delays_display(run) && !is_server(run, p);
+    };
+    const std::string skip_unseen = path + "skip_unseen";
+    const std::array<std::string_view, 1> by{skip_unseen};
+    for (const char* key : {"view", "viewpoint.far_m"}) {
+      if (!in_some_run(skips)) add(warning(given, path + key, "the peer does not skip_unseen", by));
+    }
+    if (!in_some_run(may_skip)) {
+      add(warning(
+          given, skip_unseen, "the server of decisions, and who shows the past, computes all of it",
+          std::array<std::string_view, 4>{"decisions.policy", "decisions.server", "replication.display_delay_ms",
+                                          "replication.display_delay_measured"}));
+    }
     for (const char* key : {"udp", "stale_s"}) {
-      if (!fed)
-        add(warning(given, "peer." + peer.name + ".feed." + key, "no motion of the peer has outside = true", {}));
+      if (!fed) add(warning(given, path + "feed." + key, "no motion of the peer has outside = true", {}));
     }
   }
   return warnings;

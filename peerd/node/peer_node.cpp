@@ -1,8 +1,10 @@
 #include "peerd/node/peer_node.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 
+#include "core/motion/viewpoint_nodes.hpp"
 #include "replication/decision/decision.hpp"
 
 namespace peerd {
@@ -11,6 +13,8 @@ namespace {
 // The highest speed that a key may give an object [m/s]. A faster one would soon leave the range of an update (1e12 m),
 // and receivers drop updates beyond that range.
 constexpr double kKeySpeedMax_m_s = 1e6;
+// A Viewpoint node does not say how wide its picture is: width / height.
+constexpr double kUsualAspect = 4.0 / 3.0;
 constexpr Duration kStartIsAnnouncedWithin = std::chrono::seconds(5);
 
 const char* to_string(replication::ContactKind kind) {
@@ -27,6 +31,41 @@ const char* to_string(replication::ContactKind kind) {
       return "scene";
   }
   return "?";
+}
+
+replication::Viewpoint viewpoint_of(const config::ViewpointSettings& v, std::optional<ObjectId> object) {
+  constexpr double kRadians = std::numbers::pi / 180.0;
+  const Vec3 axis = Vec3(v.axis[0], v.axis[1], v.axis[2]).normalized();
+  return {object,
+          {Vec3(v.position[0], v.position[1], v.position[2]), Quat(Eigen::AngleAxisd(v.angle_deg * kRadians, axis))},
+          v.field_of_view_deg * kRadians,
+          v.aspect};
+}
+
+// The Viewpoint node that is bound when the world is loaded, in the frame of the node that it stands in.
+std::optional<replication::View> view_of_file(const Scene& scene) {
+  const auto node = bound_viewpoint(scene);
+  if (!node) return std::nullopt;
+  const Pose frame = node->parent ? scene.rigid_pose(*node->parent) : Pose{};
+  const Quat back = frame.orientation.conjugate();
+  const Pose in_frame{back * (node->in_world.position - frame.position),
+                      (back * node->in_world.orientation).normalized()};
+  return replication::View{{node->parent, in_frame, node->field_of_view, kUsualAspect}};
+}
+
+// What the peer sees by its configuration; where that names nothing, what the world's Viewpoint node shows.
+replication::SightSettings sight_of(const config::PeerSettings& settings, const config::PeerObjects& objects,
+                                    const Scene& scene) {
+  replication::SightSettings sight{settings.skip_unseen, {}};
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  const auto add = [&](const config::ViewpointSettings& v, std::optional<ObjectId> object) {
+    sight.views.push_back({viewpoint_of(v, object), v.far_m.value_or(kEndless)});
+  };
+  if (settings.viewpoint) add(*settings.viewpoint, objects.viewpoint);
+  for (std::size_t i = 0; i < settings.views.size(); ++i) add(settings.views[i], objects.views[i]);
+  if (!sight.views.empty()) return sight;
+  if (const auto view = view_of_file(scene)) sight.views.push_back(*view);
+  return sight;
 }
 
 }  // namespace
@@ -68,17 +107,8 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
   config.settled_hello_period = from_seconds(replication.settled_hello_period_s);
   config.wait_for_start = true;
   config.decisions = replication.decisions;
-  if (settings.viewpoint) {
-    const config::ViewpointSettings& v = *settings.viewpoint;
-    replication::Viewpoint& viewpoint = config.decisions.viewpoint.emplace();
-    viewpoint.object = objects.viewpoint;
-    constexpr double kRadians = std::numbers::pi / 180.0;
-    viewpoint.pose = {
-        Vec3(v.position[0], v.position[1], v.position[2]),
-        Quat(Eigen::AngleAxisd(v.angle_deg * kRadians, Vec3(v.axis[0], v.axis[1], v.axis[2]).normalized()))};
-    viewpoint.field_of_view = v.field_of_view_deg * kRadians;
-    viewpoint.aspect = v.aspect;
-  }
+  if (settings.viewpoint) config.decisions.viewpoint = viewpoint_of(*settings.viewpoint, objects.viewpoint);
+  config.sight = sight_of(settings, objects, shared.world.scene);
   const auto as_owned = [&](ObjectId object) {
     const bool outside =
         std::ranges::any_of(objects.outside, [&](const auto& named) { return named.second == object; });
@@ -408,6 +438,7 @@ const PeerLog& PeerNode::log() {
        {"contact_searches", m.contact_searches},
        {"contact_searches_far", m.searches_far},
        {"contact_searches_skipped", m.searches_skipped},
+       {"contact_searches_unseen", m.searches_put_off},
        {"contacts", m.contacts},
        {"contacts_undone", m.contacts_undone},
        {"contact_searches_overlapped", m.overlapped},
@@ -439,6 +470,7 @@ const PeerLog& PeerNode::log() {
     n["sights_lost"] = c.sights_lost;
     n["predictions_skipped"] = c.predictions_skipped;
   }
+  if (config_.sight.skip_unseen) n["predictions_unseen"] = c.predictions_unseen;
   if (peer_.time_sensors_limited_at()) n["time_sensors_stopped"] = 1;
   for (const auto& [reason, count] : c.drops) n["dropped_" + reason] = count;
   return log_;

@@ -150,6 +150,7 @@ WorldBox ContactDecisions::box_of_end(ObjectId object, SimTime at) const {
 
 PeerId ContactDecisions::choose_decider(ObjectId a, ObjectId b, SimTime contact) const {
   const SimTime at = decided_as_of(contact, lookback());
+  for (const ObjectId object : {a, b}) replica_.compute_ghost(object);
   std::vector<WorldBox> meeting;  // around the two, where they are then
   for (const ObjectId object : {a, b}) {
     meeting.push_back(box_of_end(object, at));
@@ -236,6 +237,7 @@ void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
   // All peers that receive the decision will do so: the own object's ghost moves, too, or this peer's copy of their
   // ghosts would differ.
   if (model_->is_answered(c.collider, c.collidee)) {
+    for (const ObjectId object : {c.collider, c.collidee}) replica_.note_change_ahead(object);
     MotionWorld& ghosts = replica_.ghosts();
     const auto goes_on = [&](ObjectId object, const KinematicState& after) {
       if (binds(record, object)) ghosts.set_base(object, c.at, outcome_in(ghosts, object, c.at, after));
@@ -438,7 +440,7 @@ void ContactDecisions::apply(const std::vector<DecisionLog::Change>& changes, Si
     outbox_.push(Overruled{d.collider, d.collidee, d.contact});
     for (const ObjectId object : {d.collider, d.collidee}) own_.republish(object);
   }
-  replica_.truth().catch_up();  // walls that an own object met after the contact
+  replica_.catch_up_truth();  // walls that an own object met after the contact
 }
 
 bool ContactDecisions::binds(const DecisionRecord& d, ObjectId object) const {

@@ -59,6 +59,7 @@ struct PeerCounters {
   std::uint64_t handovers = 0;                         // updates of an object in another region than its last one
   std::uint64_t sights_lost = 0;                       // objects that this peer ceased to receive
   std::uint64_t predictions_skipped = 0;  // pairs without prediction, because one object is not received; at each tick
+  std::uint64_t predictions_unseen = 0;   // part pairs of ghosts that were put off, as nobody sees them; at each tick
   // The traffic of a region: datagrams received and used, datagrams dropped by reason, datagrams sent.
   struct Traffic {
     std::uint64_t datagrams_in = 0, bytes_in = 0, datagrams_out = 0, bytes_out = 0;

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -59,6 +60,19 @@ struct DisplayDelay {
   bool own = false;
 };
 
+// What a viewpoint of this peer sees: to a distance, where that is finite.
+struct View {
+  Viewpoint viewpoint;
+  double far_m = std::numeric_limits<double>::infinity();
+};
+
+// Whether contacts of other peers' objects that no view shows are left to their updates (replication/sight), and what
+// the views are at first.
+struct SightSettings {
+  bool skip_unseen = false;
+  std::vector<View> views;
+};
+
 struct PeerConfig {
   PeerId id{1};
   std::string name;
@@ -76,6 +90,7 @@ struct PeerConfig {
   RelaySettings relay;
   DisplayDelay display_delay;
   RegionSettings regions;
+  SightSettings sight;
   // This peer receives, where the scene is cut into regions, what is so near [m] to its viewpoint, or, where it has
   // none, to an object that it owns; and what these could collide with. None: it receives everything.
   std::optional<double> interest_radius_m;

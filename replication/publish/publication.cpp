@@ -253,7 +253,7 @@ void Publication::publish_changed(SimTime t) {
     publish_update(object, own, follows ? since : t, t, PublishReason::kFirst, thresholds_.at(object, t));
     published = true;
   }
-  if (published) replica_.ghosts().advance(t);
+  if (published) replica_.advance_ghosts(t);
 }
 
 bool Publication::is_urgent(const OwnSample& sample, SimTime t) const {

@@ -35,7 +35,7 @@ void Launches::begin_due(SimTime until, const FileVelocity& file_velocity) {
   std::optional<SimTime> advanced;
   for (const auto& [at, object] : due) {
     // Once for each instant: what is launched together moves together, also where it touches.
-    if (at != advanced) replica_.truth().advance(at);
+    if (at != advanced) replica_.advance_truth(at);
     advanced = at;
     launch(at, object, file_velocity);
     unpublished_[object] = at;

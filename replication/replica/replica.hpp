@@ -44,7 +44,10 @@ class Replica {
     }
     changed_.clear();
     begun_at_ = t;
+    ++lives_;
   }
+  // How often both worlds have begun.
+  [[nodiscard]] std::uint64_t lives() const { return lives_; }
   // The time at which both worlds began.
   [[nodiscard]] SimTime begun_at() const {
     assert(begun());
@@ -73,6 +76,36 @@ class Replica {
     assert(begun());
     return worlds_->ghosts;
   }
+  // Advances worlds in which searches may be put off.
+  class Advancer {
+   public:
+    virtual ~Advancer() = default;
+    // Brings the world to `to`, and finds anew what has become void until its last advance().
+    virtual void advance(MotionWorld& world, SimTime to) = 0;
+    virtual void catch_up(MotionWorld& world) = 0;
+    // The motion of the object is about to be replaced, in some world.
+    virtual void before_change(ObjectId object) = 0;
+    // Somebody is about to go by the ghost of the object until the last advance(), or by all states.
+    virtual void compute_ghost(ObjectId object) = 0;
+    virtual void compute_all() = 0;
+  };
+  // Instead of the worlds themselves; it outlives the replica's use.
+  void advance_by(Advancer& advancer) { advancer_ = &advancer; }
+  void advance_truth(SimTime to) { advancer_ ? advancer_->advance(truth(), to) : truth().advance(to); }
+  void advance_ghosts(SimTime to) { advancer_ ? advancer_->advance(ghosts(), to) : ghosts().advance(to); }
+  void catch_up_truth() { advancer_ ? advancer_->catch_up(truth()) : truth().catch_up(); }
+  void catch_up_ghosts() { advancer_ ? advancer_->catch_up(ghosts()) : ghosts().catch_up(); }
+  // Called before the motion of an object is replaced; set_ghost() and declare_remote() call it.
+  void note_change_ahead(ObjectId object) {
+    if (advancer_) advancer_->before_change(object);
+  }
+  // Called before others depend on the ghost of an object that this peer may not see, or on all states.
+  void compute_ghost(ObjectId object) {
+    if (advancer_) advancer_->compute_ghost(object);
+  }
+  void compute_all() {
+    if (advancer_) advancer_->compute_all();
+  }
   // The objects that touch something in the world as this peer knows it.
   [[nodiscard]] CollidingObjects& colliding() { return colliding_; }
   // Wakes those of them whose motion may have changed in either world.
@@ -94,7 +127,7 @@ class Replica {
   void name_polygons(ContactEvent& contact, bool of_truth) const;
 
   // The position in the world that an update says [m], by where the ghost of the object's carrier is then.
-  [[nodiscard]] Vec3 position_of(const UpdateRecord& update) const;
+  [[nodiscard]] Vec3 position_of(const UpdateRecord& update);
 
   // The session time at which world time began, or that nobody knows it: what flexes does so from then on.
   void set_world_zero(std::optional<SimTime> zero, SimTime t) {
@@ -106,7 +139,7 @@ class Replica {
 
   // The motion that an update says, in the frame of the object's carrier here. A sender that does not know of that
   // carrier yet names another frame: of its law, its state counts.
-  [[nodiscard]] MotionModel in_own_frame(const UpdateRecord& update) const;
+  [[nodiscard]] MotionModel in_own_frame(const UpdateRecord& update);
   // The places of flexible parts; null where nothing flexes.
   [[nodiscard]] FlexibleParts* flexible() const { return flexible_.get(); }
 
@@ -141,8 +174,10 @@ class Replica {
   const ModelInForce& model_;
   std::optional<Worlds> worlds_;
   SimTime begun_at_{};
+  std::uint64_t lives_ = 0;
   CollidingObjects colliding_;
   std::unique_ptr<FlexibleParts> flexible_;  // null: nothing flexes
+  Advancer* advancer_ = nullptr;             // null: the worlds themselves
   std::vector<ObjectId> changed_;            // since the last take_changed(); some of them twice
   std::set<ObjectId> unreceived_;
   std::uint64_t received_revision_ = 0;

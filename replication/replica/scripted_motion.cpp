@@ -73,8 +73,8 @@ void ScriptedMotion::extend_answering(SimTime to, SimTime world_zero, const Owne
     if (next == nullptr) return;
     if (next->known_until) {
       const SimTime begin = *next->known_until;
-      replica.truth().advance(begin);
-      replica.ghosts().advance(begin);
+      replica.advance_truth(begin);
+      replica.advance_ghosts(begin);
       if (replica.truth().is_moved_by_contact(next->object, begin)) {
         next->known_until = to + Duration{1};  // that contact may still be retracted
         continue;
@@ -96,6 +96,7 @@ void ScriptedMotion::extend(Piece& p, SimTime to, SimTime world_zero, Replica& r
   law.rate_rad_s = piece.turning_rad_s;
   if (!piece.turning_rad_s.isZero(0.0)) law.kind = MotionKind::kTurning;
   law = rebased(law, std::max(0.0, to_seconds(begin - world_zero) - piece.begin_s));
+  replica.note_change_ahead(p.object);
   replica.truth().set_base(p.object, begin, law);
   replica.ghosts().set_base(p.object, begin, law);
   const bool ends = piece.end_s < kFarthest_s;

@@ -50,6 +50,7 @@ struct MotionCounters {
   std::uint64_t contact_searches = 0;  // calls into collision
   std::uint64_t searches_far = 0;      // searches without such a call, because the bounds of the two are apart
   std::uint64_t searches_skipped = 0;  // pairs whose cached answer still stood
+  std::uint64_t searches_put_off = 0;  // part pairs that stopped before such a call (MotionWorld::put_off())
   std::uint64_t contacts = 0;
   std::uint64_t contacts_undone = 0;  // predicted contacts that were retracted
   std::uint64_t came_to_rest = 0;     // contacts in which two came to rest against each other

@@ -33,6 +33,7 @@ MotionCounters& MotionCounters::operator+=(const MotionCounters& other) {
   contact_searches += other.contact_searches;
   searches_far += other.searches_far;
   searches_skipped += other.searches_skipped;
+  searches_put_off += other.searches_put_off;
   contacts += other.contacts;
   contacts_undone += other.contacts_undone;
   came_to_rest += other.came_to_rest;
@@ -66,6 +67,7 @@ void MotionWorld::note_who_answers() {
 }
 
 void MotionWorld::change_model(const WorldModel& next) {
+  assert(stopped_.empty() && std::ranges::none_of(pairs_, &WatchedPair::put_off));
   far_.open(pairs_, opened_);
   reschedule_opened();
   for (WatchedPair& pair : pairs_) {  // they are not searched, but may be from now on
@@ -120,6 +122,7 @@ void MotionWorld::watch(std::uint32_t number, bool on) {
     WatchedPair& pair = pairs_[i];
     if (pair.watched == on) continue;
     pair.watched = on;
+    unstop(i);
     pair.contact.reset();
     if (pair.bears) lift(pair, advanced_);
     pair.clear_until = std::max(pair.clear_until, advanced_);
@@ -127,11 +130,32 @@ void MotionWorld::watch(std::uint32_t number, bool on) {
   }
 }
 
+void MotionWorld::unstop(std::uint32_t i) {
+  if (std::exchange(pairs_[i].stopped, false)) stopped_.erase(i);
+}
+
+void MotionWorld::put_off(std::uint32_t i, bool on, bool from_now) {
+  assert(i < pairs_.size());
+  WatchedPair& pair = pairs_[i];
+  pair.put_off = on;
+  if (on || !pair.stopped) return;
+  SimTime from = advanced_;
+  for (const auto& [index, registered] :
+       {std::pair{pair.collider, pair.collider_responds}, std::pair{pair.collidee, pair.collidee_responds}}) {
+    const MovingObject& o = objects_[index];
+    if (!from_now && registered && o.is_answering()) from = std::min(from, o.base_time);
+  }
+  const SimTime known = std::max(objects_.known_since(pair.collider), objects_.known_since(pair.collidee));
+  pair.clear_until = std::max({pair.clear_until, from, known, advanced_ - kHistory});
+  unstop(i);
+  reschedule(i);
+}
+
 // Called after any change of whether the pair is watched, or of what is known of it.
 void MotionWorld::reschedule(std::size_t i) {
   const WatchedPair& pair = pairs_[i];
   const bool is_known = !pair.is_flexible || objects_.flexible() != nullptr;
-  const bool scheduled = pair.watched && !pair.unsupported && !pair.fixed && is_known;
+  const bool scheduled = pair.watched && !pair.stopped && !pair.unsupported && !pair.fixed && is_known;
   if (scheduled != in_pair_checks_[i]) {
     in_pair_checks_[i] = scheduled;
     scheduled ? ++watched_ : --watched_;
@@ -316,6 +340,7 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
       pair.lifts = false;
     }
     if (pair.free_at && *pair.free_at >= from) pair.free_at.reset();
+    if (from < pair.clear_until) unstop(i);
     pair.clear_until = std::min(pair.clear_until, from);
     const bool given_up = pair.squeezed >= kGivenUp && met_lately(pair.touched, from, kShortestFlight);
     if (!given_up && (gives_way(pair.collider, pair.collider_responds, from) ||
@@ -678,6 +703,7 @@ std::optional<std::size_t> MotionWorld::first_contact_until(SimTime to) {
     ++checked;
     const auto apart_at = search().search(pair, until);
     if (apart_at) far_.add(i, *apart_at, objects_, pairs_);
+    if (pair.stopped) stopped_.insert(static_cast<std::uint32_t>(i));
     reschedule(i);
     if (!pair.contact || *pair.contact > until || (first && *pair.contact == until)) continue;
     first = i;

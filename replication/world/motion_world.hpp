@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "core/prefetch.hpp"
@@ -48,7 +49,7 @@ class MotionWorld {
   MotionWorld(const WorldModel& model, SimTime start);
   // Goes on with another model of the same scene, in which more nodes are carriers (extended()); the model before is
   // not needed any more. What goes with a new carrier stood still relative to it until now. Parts that are new are
-  // searched from the last advance() on.
+  // searched from the last advance() on. No pair is put off.
   void change_model(const WorldModel& next);
 
   // Declares an object that may move; every body that is not declared stays at its place in the file.
@@ -60,6 +61,19 @@ class MotionWorld {
   // Turns watching of a pair on or off; all pairs start watched.
   void watch(ObjectId a, ObjectId b, bool on);
   void watch(std::uint32_t number, bool on);  // in WorldModel::pairs
+
+  // Puts the searches of a part pair (WorldModel::part_pairs) off, or takes them up again. A pair that is put off is
+  // followed while bounds keep the two apart, and stops where collision would be asked. Taken up, it is searched from
+  // there: later than never having stopped, with the same results; not before the last bases of all that would answer,
+  // which contain the outcome; and where nobody would answer, or `from_now`, from the last advance() on. Two that bear
+  // each other are not put off.
+  void put_off(std::uint32_t part_pair, bool on, bool from_now = false);
+  // The part pairs that have stopped, ascending, and since when the contacts of such a pair are not known.
+  [[nodiscard]] const std::set<std::uint32_t>& stopped() const { return stopped_; }
+  [[nodiscard]] SimTime stopped_since(std::uint32_t part_pair) const {
+    assert(stopped_.contains(part_pair));
+    return pairs_[part_pair].clear_until;
+  }
 
   // Keeps the positions of driven objects for so long before the last advance(), > 0; kHistory at first, as for all
   // other objects. Of a driven object that no interest names, nothing but its last sample is kept from then on: nothing
@@ -82,6 +96,11 @@ class MotionWorld {
   // whatever motion set_base() gives it. Without it that of the law under which it came to rest counts.
   void set_free_acceleration(ObjectId object, const Vec3& acceleration);
   [[nodiscard]] std::optional<Vec3> free_acceleration(ObjectId object) const;
+
+  // The acceleration in the world that the object has at t, or would have if nothing bore it.
+  [[nodiscard]] Vec3 unborne_acceleration(ObjectId object, SimTime t) const {
+    return objects_.free_acceleration_of(objects_.index_of(object), t);
+  }
 
   // For a caller that sets many objects in turn: fetches from memory what set_base() will need of this one.
   [[gnu::always_inline]] inline void prefetch(ObjectId object) const {
@@ -148,6 +167,8 @@ class MotionWorld {
   [[nodiscard]] std::optional<std::size_t> first_contact_until(SimTime to);
   // Called after any change of whether the pair is watched, or of what is known of it.
   void reschedule(std::size_t pair);
+  // The pair has not stopped any more.
+  void unstop(std::uint32_t pair);
 
   void respond_to_contact(WatchedPair& pair);
   void remove_gain(const WatchedPair& pair, SimTime t, const ContactAnswer& answer);
@@ -222,7 +243,8 @@ class MotionWorld {
   Schedule pair_checks_;     // for each pair that is not far, when the next check is due
   std::size_t watched_ = 0;  // the number of pairs with a check, whenever that is due; the far ones included
   std::vector<bool> in_pair_checks_;
-  AuthorityOf authority_of_;  // none: kAsPublished for all
+  std::set<std::uint32_t> stopped_;  // into pairs_
+  AuthorityOf authority_of_;         // none: kAsPublished for all
   std::vector<MotionEvent> events_;
   std::size_t polled_ = 0;  // of events_
   Counters counters_;

@@ -96,6 +96,11 @@ bool PairSearch::search_window(WatchedPair& pair, const SweptBound& bound_a, con
     pair.clear_until = end;
     return true;
   }
+  if (pair.put_off && !pair.bears) {
+    ++counters_.searches_put_off;
+    pair.stopped = true;
+    return false;
+  }
   // A search begins not where this peer happens to be, but at the last instant until s that the timelines alone
   // decide, so that equal timelines give equal contact times, to the last bit.
   SimTime begin = floor_to(s, MovingObjects::kLookahead);
@@ -275,13 +280,13 @@ void PairSearch::search_interval(WatchedPair& pair, SimTime begin, SimTime end) 
 }
 
 std::optional<SimTime> PairSearch::search(WatchedPair& pair, SimTime to) {
-  assert(pair.watched && !pair.fixed);
+  assert(pair.watched && !pair.fixed && !pair.stopped);
   if (pair.contact || pair.clear_until > to) {
     ++counters_.searches_skipped;
     return std::nullopt;
   }
   std::optional<SimTime> apart_at;
-  while (!pair.contact && !pair.unsupported && pair.clear_until <= to) {
+  while (!pair.contact && !pair.unsupported && !pair.stopped && pair.clear_until <= to) {
     const SimTime s = pair.clear_until;
     apart_at = search_window(pair) ? std::optional(s) : std::nullopt;
   }

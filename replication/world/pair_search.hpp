@@ -27,8 +27,8 @@ class PairSearch {
              MotionCounters& counters, std::vector<MotionEvent>& events)
       : model_(model), objects_(objects), pairs_(pairs), start_(start), counters_(counters), events_(events) {}
 
-  // Searches until a contact is found, or the pair is known to have none until `to`. Returns the instant for which the
-  // bounds of the two are apart, if the last window was one in which they are.
+  // Searches until a contact is found, the pair is known to have none until `to`, or it stops as it is put off. Returns
+  // the instant for which the bounds of the two are apart, if the last window was one in which they are.
   std::optional<SimTime> search(WatchedPair& pair, SimTime to);
   // The two, which were far, were apart at all instants before pair.clear_until; the law may be the reason that they
   // are far no more.

@@ -24,6 +24,8 @@ struct WatchedPair {
   bool collider_responds, collidee_responds;
   bool has_exact_search;  // collision has an answer
   bool watched = true;
+  bool put_off = false;                  // its searches are put off (MotionWorld::put_off())
+  bool stopped = false;                  // for that reason, at clear_until; it has no contact, and bears nothing
   bool unsupported = false;              // counted once, then never searched again
   bool searched = false;                 // some search has been answered
   bool overlapped = false;               // `contact` is an overlap, not a touch

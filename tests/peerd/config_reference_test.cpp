@@ -60,6 +60,7 @@ const Section kSections[] = {
     {"#### Beside these keys", "motion.CAR.", {{}, {"motion.CAR.drive={}"}}},
     {"### `[peer.NAME.feed]`", "peer.a.feed."},
     {"### `[peer.NAME.viewpoint]`", "peer.a.viewpoint."},
+    {"### `[[peer.NAME.view]]`", "peer.a.view.0.", {{"peer.a.view=[{far_m = 9}]"}}},
     {"### `[[peer.NAME.key]]`",
      "peer.a.key.0.",
      {{"peer.a.key=[{at_s = 1, key = \"w\"}]"}, {"peer.a.key=[{at_s = 1, value = 87}]"}}},

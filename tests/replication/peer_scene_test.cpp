@@ -50,6 +50,7 @@ struct Conditions {
   DecisionPolicy policy = DecisionPolicy::kId;
   Duration latency = 20ms;
   double loss = 0.0;
+  bool skips = false;  // no peer sees anything, and all skip that
 };
 
 class Scene : public testing::Test {
@@ -63,6 +64,7 @@ class Scene : public testing::Test {
   [[nodiscard]] PeerConfig with_policy(PeerConfig c) const {
     c.decisions.policy = conditions.policy;
     c.decisions.server = PeerId{3};
+    c.sight.skip_unseen = conditions.skips;
     return c;
   }
   void add_owners(const Lan::Motion& a, const Lan::Motion& b) {
@@ -243,12 +245,36 @@ INSTANTIATE_TEST_SUITE_P(
                     Conditions{DecisionPolicy::kExpectedError}, Conditions{DecisionPolicy::kServer},
                     Conditions{DecisionPolicy::kId, 0ms}, Conditions{DecisionPolicy::kId, 200ms},
                     Conditions{DecisionPolicy::kVelocity, 200ms}, Conditions{DecisionPolicy::kServer, 100ms},
-                    Conditions{DecisionPolicy::kId, 50ms, 0.1}, Conditions{DecisionPolicy::kExpectedError, 20ms, 0.2}),
+                    Conditions{DecisionPolicy::kId, 50ms, 0.1}, Conditions{DecisionPolicy::kExpectedError, 20ms, 0.2},
+                    Conditions{DecisionPolicy::kId, 20ms, 0.0, true},
+                    Conditions{DecisionPolicy::kFieldOfView, 100ms, 0.0, true},
+                    Conditions{DecisionPolicy::kVelocity, 200ms, 0.0, true},
+                    Conditions{DecisionPolicy::kExpectedError, 20ms, 0.2, true}),
     [](const auto& conditions) {
       const Conditions& c = conditions.param;
       return "Policy" + std::to_string(static_cast<int>(c.policy)) + "At" + std::to_string(c.latency / 1ms) + "msLoss" +
-             std::to_string(static_cast<int>(100 * c.loss));
+             std::to_string(static_cast<int>(100 * c.loss)) + (c.skips ? "Unseen" : "");
     });
+
+// ---- what nobody sees ----
+
+class Unseen : public Scene {
+ protected:
+  Unseen() : Scene(ball_and_cars(kGlides), {DecisionPolicy::kId, 20ms, 0.0, true}) {
+    add_owners(kStrikes, drives({22, 9, 0}, Vec3::Zero(), 100, 100));
+    lan->add(config(4));  // it computes all
+  }
+};
+
+// The ball has come back from the wall when its owner leaves: all go on by what that peer would have.
+TEST_F(Unseen, ABallWhoseOwnerLeavesGoesOnFromWhereEverybodyHasIt) {
+  lan->run_until(9500ms);
+  ASSERT_GT(lan->peer(2).ghost(world["BALL"], lan->session_now(2)).position.x(), 29.5) << "it is behind the wall there";
+  lan->leave(0);
+  lan->run_until(9700ms);
+  EXPECT_THAT(owners_of("BALL"), testing::ElementsAre(1u, 0u, 0u, 0u));
+  EXPECT_EQ(same_everywhere("BALL", 100ms, 1).velocity.x(), -8.0);
+}
 
 // ---- what is predicted and does not happen ----
 

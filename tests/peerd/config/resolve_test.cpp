@@ -161,6 +161,21 @@ TEST_F(ResolveTest, ErrorsHaveTheirPlaces) {
   EXPECT_THAT(error(kTwo + "[peer.a.viewpoint]\nobject = \"VAM\"\n"), HasSubstr("did you mean \"VAN\"?"));
 }
 
+TEST_F(ResolveTest, ViewsRideOnWhatTheyName) {
+  const auto p = peers(kTwo + "[[peer.b.view]]\nobject = \"CAR_A\"\n[[peer.b.view]]\nfar_m = 9\n");
+  EXPECT_THAT(p[1].views, ElementsAre(std::optional(kCarA), std::nullopt));
+  EXPECT_THAT(error(kTwo + "[[peer.a.view]]\nobject = \"VAM\"\n"), HasSubstr("did you mean \"VAN\"?"));
+}
+
+TEST_F(ResolveTest, WhoSkipsTheUnseenNeedsAView) {
+  const std::string skips = kTwo + "skip_unseen = true\n";
+  EXPECT_THAT(error(skips), HasSubstr("peer.b.skip_unseen: the peer has no viewpoint"));
+  EXPECT_TRUE(result(skips + "[peer.b.viewpoint]\n").has_value());
+  EXPECT_TRUE(result(skips + "[[peer.b.view]]\n").has_value());
+  folder.write("w.wrl", std::string(kWorld) + "Viewpoint { }\n");
+  EXPECT_TRUE(result(skips).has_value()) << "the world's";
+}
+
 TEST_F(ResolveTest, ARandomMotionOfHoursIsRefused) {
   const auto r = result(kTwo + "[motion.VAN]\ndrive = {}\n", {"duration_s=3601"});
   ASSERT_FALSE(r.has_value());

@@ -56,9 +56,18 @@ const char* const kNoRegions = "regions.cell_m is 0";
 const char* const kNoModels = "replication.model is not best";
 const char* const kNoBudget = "replication.wanted_error_m is 0";
 const char* const kNoProximity = "replication.approach is not dr+rcp+acpt";
+const char* const kDoesNotSkip = "the peer does not skip_unseen";
+const char* const kComputesAll = "the server of decisions, and who shows the past, computes all of it";
 INSTANTIATE_TEST_SUITE_P(
     Table, SwitchedOff,
     testing::Values(
+        Case{"Far", "peer.a.viewpoint.far_m=9", kDoesNotSkip, {"peer.a.skip_unseen=true"}},
+        Case{"SkippingServer",
+             "peer.a.skip_unseen=true",
+             kComputesAll,
+             {"decisions.policy=server", "decisions.server=b"},
+             {"decisions.policy=server", "decisions.server=a"}},
+        Case{"SkippingInThePast", "peer.a.skip_unseen=true", kComputesAll, {}, {"replication.display_delay_ms=100"}},
         Case{"Restamps", "relay.restamps=true", "there is no relay.through", {"relay.through=a"}},
         Case{"Server", "decisions.server=a", "decisions.policy is not server", {"decisions.policy=server"}},
         Case{"Memory", "replication.model_memory_s=1", kNoModels, {"replication.model=best"}},
@@ -148,6 +157,12 @@ TEST_F(WithoutEffectTest, NoShippedScenarioHasSuchAKey) {
     with_best.configs = {PEERD_SOURCE_DIR "/configs/best.toml"};
     EXPECT_THAT(read_scenario(with_best)->warnings, IsEmpty()) << file.path();
   }
+}
+
+TEST_F(WithoutEffectTest, MoreViewsMatterToWhoSkipsAlone) {
+  EXPECT_THAT(warnings(kPeers + "[[peer.b.view]]\n"),
+              ElementsAre(EndsWith("warning: peer.b.view has no effect: the peer does not skip_unseen")));
+  EXPECT_THAT(warnings(kPeers + "skip_unseen = true\n[[peer.b.view]]\n"), IsEmpty());
 }
 
 }  // namespace peerd::config::without_effect_test

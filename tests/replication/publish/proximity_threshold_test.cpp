@@ -166,7 +166,7 @@ TEST(Proximity, IsOfTheModelInForce) {
   own.policy.error_threshold_m = 0.5;
   own.policy.tight_threshold_m = 0.01;
   PeerCounters counters;
-  Owners owners{w.scene.instances.size()};
+  Owners owners;
   owners.set(w["CUBE"], PeerId{2});
   Replica replica{*w.in_force};
   replica.begin(sim(0s));

@@ -1385,4 +1385,39 @@ TEST(Carriers, WhatIsCarriedUndoesItsAnswerToWhatItsCarrierDidNotMeet) {
   EXPECT_EQ(of_case, 1u) << "once, of however many parts the wall is";
 }
 
+TEST(MotionWorldPutOff, APairStopsWhereCollisionWouldBeAskedAndGoesOnFromThere) {
+  const World world(corridor());
+  const ObjectId ball = world["BALL"];
+  MotionWorld all(*world.model, sim(0s)), late(*world.model, sim(0s));
+  for (MotionWorld* const each : {&all, &late}) each->declare(ball, Role::kPredicted);
+  for (std::uint32_t i = 0; i < world.model->part_pairs.size(); ++i) late.put_off(i, true);
+  for (MotionWorld* const each : {&all, &late}) {
+    each->set_base(ball, sim(100ms), moving({0, 0, 0}, {1, 0, 0}));
+    each->advance(sim(5s));
+  }
+  EXPECT_EQ(late.counters().contact_searches, 0u);
+  EXPECT_EQ(late.counters().searches_put_off, late.stopped().size());
+  ASSERT_FALSE(late.stopped().empty());
+  EXPECT_FALSE(same_bits(all.at(ball, sim(5s)), late.at(ball, sim(5s))));
+  for (std::uint32_t i = 0; i < world.model->part_pairs.size(); ++i) late.put_off(i, false);
+  EXPECT_TRUE(late.stopped().empty());
+  late.catch_up();
+  EXPECT_TRUE(same_bits(all.at(ball, sim(5s)), late.at(ball, sim(5s))));
+}
+
+// What an update contains is not looked for again; nor is what is to be forgotten.
+TEST(MotionWorldPutOff, APairGoesOnFromItsLastBaseOrFromNow) {
+  const World world(corridor());
+  const ObjectId ball = world["BALL"];
+  MotionWorld late(*world.model, sim(0s));
+  late.declare(ball, Role::kPredicted);
+  for (std::uint32_t i = 0; i < world.model->part_pairs.size(); ++i) late.put_off(i, true);
+  late.set_base(ball, sim(100ms), moving({2, 0, 0}, {1, 0, 0}));
+  late.advance(sim(4s));
+  late.set_base(ball, sim(4s), moving({0, 0, 0}, {0.1, 0, 0}));
+  for (std::uint32_t i = 0; i < world.model->part_pairs.size(); ++i) late.put_off(i, false, i == 0);
+  late.advance(sim(5s));
+  EXPECT_EQ(late.counters().contacts, 0u) << "the one at 0.85 s is past";
+}
+
 }  // namespace peerd::replication::motion_world_test
