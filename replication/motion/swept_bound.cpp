@@ -12,9 +12,6 @@ namespace {
 // The margin, as a fraction of all lengths involved; the rounding of a path and of the tests of the search is below
 // 2^-39 of them.
 constexpr double kMargin = 0x1p-30;
-// For CollisionType::kBox: the world box of a body that lies in a sphere lies in the sphere that is this much larger
-// (sqrt(3), rounded up).
-constexpr double kBoxReach = 1.7320508075688774;
 
 bool turns(const KinematicState& s) { return !s.angular_velocity_body.isZero(0.0); }
 

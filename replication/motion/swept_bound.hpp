@@ -6,6 +6,10 @@
 
 namespace peerd::replication {
 
+// For CollisionType::kBox: the world box of a body that lies in a sphere lies in the sphere that is this much larger
+// (sqrt(3), rounded up).
+inline constexpr double kBoxReach = 1.7320508075688774;
+
 // The region in which a body can be from some instant on, as long as the piece of its timeline and the time that
 // searches look ahead last: the box of the centre of its bounding sphere, and the radius of the sphere. The region
 // contains the path at constant acceleration, the tangents that a search may take in its place, and all that rounding

@@ -6,18 +6,15 @@
 #include <limits>
 #include <utility>
 
+#include "replication/motion/swept_bound.hpp"
 #include "replication/wire/codec.hpp"
 
 namespace peerd::replication {
 namespace {
 
-constexpr std::uint32_t kNone = ModelNode::kNone;
-
 // Room [m] for the rounding of places and for what a contact time leaves between two surfaces; all tests here are
 // conservative, and decide nothing but what is computed.
 constexpr double kRoom_m = 1e-3;
-// The world box of a body that lies in a sphere lies in the sphere that is this much larger (sqrt(3), rounded up).
-constexpr double kBoxReach = 1.7320508075688774;
 // Of what is in doubt for longer than this the contacts are found: timelines end MotionWorld::kHistory ago.
 constexpr Duration kDoubtMax = std::chrono::seconds(5);
 static_assert(kDoubtMax < MotionWorld::kHistory);
@@ -42,8 +39,8 @@ UnseenPairs::UnseenPairs(const WorldModel& model)
     : model_(&model), unit_of_node_(model.nodes.size()), nodes_(model.nodes.size()), pairs_(model.part_pairs.size()) {
   for (std::uint32_t i = 0; i < model.nodes.size(); ++i) {  // a carrier stands before what is below it
     const std::uint32_t carrier = model.nodes[i].carrier;
-    assert(carrier == kNone || carrier < i);
-    if (carrier == kNone) {
+    assert(carrier == ModelNode::kNone || carrier < i);
+    if (carrier == ModelNode::kNone) {
       unit_of_node_[i] = static_cast<std::uint32_t>(units_.size());
       units_.emplace_back();
     } else {
@@ -58,12 +55,12 @@ UnseenPairs::UnseenPairs(const WorldModel& model)
     pairs_[i].can_wait = !parts.fixed;
     const auto add_part = [&](std::uint32_t part) {
       if (model.is_flexible(part)) pairs_[i].can_wait = false;
-      if (model.frame_of(part) != kNone) pairs_[i].units.push_back(unit_of_node_[model.frame_of(part)]);
+      if (model.frame_of(part) != ModelNode::kNone) pairs_[i].units.push_back(unit_of_node_[model.frame_of(part)]);
     };
     for (const bool collider : {true, false}) {
       const std::uint32_t end = unit_of_end(i, collider), part = collider ? parts.a : parts.b;
       pairs_[i].units.push_back(end);
-      if (part != kNone) {
+      if (part != ModelNode::kNone) {
         add_part(part);
       } else {
         const CollisionPair& pair = model.pairs[parts.pair];
@@ -76,7 +73,7 @@ UnseenPairs::UnseenPairs(const WorldModel& model)
     for (const std::uint32_t unit : pairs_[i].units) units_[unit].pairs.push_back(i);
   }
   for (const FlexiblePart& part : model.flexible) {
-    if (part.carrier != kNone) units_[unit_of_node_[part.carrier]].flexes = true;
+    if (part.carrier != ModelNode::kNone) units_[unit_of_node_[part.carrier]].flexes = true;
   }
   for (Unit& unit : units_) keep_each_once(unit.answering);
 }
