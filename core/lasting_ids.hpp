@@ -40,9 +40,8 @@ class LastingIds {
   // Returns the index of an entry, which is below `count`, the number of entries; none: no entry has the id.
   [[nodiscard]] std::optional<std::uint32_t> find(Id id, std::size_t count) const {
     if (edited_) return find_edited(id);
-    if (id.origin != first_.origin || id.number < first_.number) return std::nullopt;
-    const std::uint32_t index = id.number - first_.number;
-    return index < count ? std::optional(index) : std::nullopt;
+    const std::uint64_t index = id.packed() - first_.packed();  // huge below the first
+    return index < count ? std::optional(static_cast<std::uint32_t>(index)) : std::nullopt;
   }
 
  private:

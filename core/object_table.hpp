@@ -19,9 +19,8 @@ class ObjectTable {
 
   // Returns the value of an object; `none` where it has none.
   [[nodiscard]] Value of(ObjectId id) const {
-    if (id.origin == 0) return id.number < of_file_.size() ? of_file_[id.number] : none_;
-    const auto it = added_.find(id);
-    return it == added_.end() ? none_ : it->second;
+    if (id.packed() < of_file_.size()) return of_file_[id.packed()];  // no other origin is so low
+    return of_added(id);
   }
   void set(ObjectId id, Value value) {
     if (id.origin != 0) {
@@ -55,6 +54,11 @@ class ObjectTable {
   }
 
  private:
+  [[nodiscard, gnu::noinline]] Value of_added(ObjectId id) const {  // so that of() is small where it is called
+    const auto it = added_.find(id);
+    return it == added_.end() ? none_ : it->second;
+  }
+
   Value none_;
   std::vector<Value> of_file_;
   std::map<ObjectId, Value> added_;

@@ -127,16 +127,17 @@ Introduction Greeter::introduction(std::span<const ObjectId> own, std::optional<
                                    std::optional<SimTime> world_zero) {
   assert(std::ranges::is_sorted(own));
   Introduction i{config_.name, config_.world_hash, {}, 0, start, world_zero, config_.decisions.viewpoint};
-  auto next = last_introduced_ ? std::ranges::upper_bound(own, *last_introduced_) : own.begin();
-  while (i.owned.size() < std::min(own.size(), kOwnedMax)) {
-    if (next == own.end()) next = own.begin();
-    std::vector<ObjectId> with = i.owned;
-    with.insert(std::ranges::upper_bound(with, *next), *next);
-    if (packed(with).size() > kOwnedMax_bytes) break;
-    i.owned = std::move(with);
-    last_introduced_ = *next++;
+  const auto next = last_introduced_ ? std::ranges::upper_bound(own, *last_introduced_) : own.begin();
+  std::vector<ObjectId> turn;
+  take_turns(static_cast<std::size_t>(next - own.begin()), own.size(), kOwnedMax,
+             [&](std::size_t k) { turn.push_back(own[k]); });
+  for (; !turn.empty(); turn.pop_back()) {
+    i.owned = turn;
+    std::ranges::sort(i.owned);
+    if (packed(i.owned).size() <= kOwnedMax_bytes) break;
   }
-  assert((own.empty() || !i.owned.empty()) && "one fits by itself");
+  assert((own.empty() || !turn.empty()) && "one fits by itself");
+  if (!turn.empty()) last_introduced_ = turn.back();
   if (introductions_due_ > 0) --introductions_due_;
   return i;
 }

@@ -44,6 +44,7 @@ void CollidingObjects::raise(const Pair& pair) {
 }
 
 void CollidingObjects::wake(ObjectId object) {
+  if (lying_.empty()) return;
   for (auto at = lying_.lower_bound({object, Pair{}}); at != lying_.end() && at->first == object;
        at = lying_.lower_bound({object, Pair{}})) {
     const Pair pair = at->second;

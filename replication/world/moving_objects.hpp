@@ -71,8 +71,9 @@ class MovingObjects {
     return index == kNone ? nullptr : &objects_[index];
   }
   [[nodiscard]] std::size_t index_of(ObjectId id) const {
-    assert(find(id) != nullptr);
-    return index_by_id_.of(id);
+    const std::uint32_t index = index_by_id_.of(id);
+    assert(index != kNone);
+    return index;
   }
   void add(const ModelNode& node);
   // Goes on by another model of the same scene, in which more nodes are carriers. Indices change.

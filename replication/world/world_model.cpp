@@ -121,8 +121,10 @@ class ModelBuilder {
     for (const ObjectId id : owned) {
       if (carries[scene_.index_of(id)] || carriers_->above(id)) need(id);
     }
+    model_.node_of_instance.assign(needed.size(), kNone);
     for (std::uint32_t i = 0; i < needed.size(); ++i) {
       if (!needed[i]) continue;
+      model_.node_of_instance[i] = static_cast<std::uint32_t>(model_.nodes.size());
       const ObjectId id = scene_.id_of(i);
       model_.nodes.push_back({id, i, kNone, carriers_->contains(id), 0});
       if (carriers_->contains(id) && predefined_->moves_in_parent(id)) model_.moving.push_back(id);
@@ -320,13 +322,6 @@ class ModelBuilder {
 };
 
 }  // namespace
-
-const ModelNode* WorldModel::node(ObjectId id) const {
-  const auto instance = scene->ids.find(id, scene->instances.size());
-  if (!instance) return nullptr;
-  const auto at = std::ranges::lower_bound(nodes, *instance, {}, &ModelNode::instance);
-  return at != nodes.end() && at->instance == *instance ? &*at : nullptr;
-}
 
 const collision::Body* WorldModel::body(ObjectId id) const {
   const ModelNode* const of = node(id);

@@ -57,6 +57,7 @@ struct WorldModel {
   const Scene* scene = nullptr;  // outlives the model
   std::vector<ObjectId> owned;   // nodes that configurations or the file give to peers, or that others move, ascending
   std::vector<ModelNode> nodes;  // in depth-first order, so that what is below a node is right behind it
+  std::vector<std::uint32_t> node_of_instance;  // index in `nodes`, or kNone; empty where there are no nodes
   std::vector<collision::Body> bodies;  // of each node: what is below it and goes with it, and with no carrier below it
   std::vector<FlexiblePart> flexible;
   std::vector<CollisionPair> pairs;      // in the file's order, each unordered pair once for each type
@@ -71,7 +72,12 @@ struct WorldModel {
   std::vector<std::uint32_t> first_part_pair;  // by pair, and one more: the range of its part pairs
 
   [[nodiscard]] const collision::Body* body(ObjectId id) const;
-  [[nodiscard]] const ModelNode* node(ObjectId id) const;  // null where the model does not need it
+  [[nodiscard]] const ModelNode* node(ObjectId id) const {  // null where the model does not need it
+    if (node_of_instance.empty()) return nullptr;
+    const auto instance = scene->ids.find(id, node_of_instance.size());
+    if (!instance || node_of_instance[*instance] == ModelNode::kNone) return nullptr;
+    return &nodes[node_of_instance[*instance]];
+  }
   // The node in whose frame the object moves; none: the world.
   [[nodiscard]] std::optional<ObjectId> carrier_of(ObjectId id) const {
     const ModelNode* const of = node(id);

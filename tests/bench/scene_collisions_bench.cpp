@@ -102,11 +102,12 @@ class World {
     spread(setting.close_pairs * static_cast<double>(setting.objects));
     scene.transforms = transforms;
     for (std::uint32_t a = 0; a < setting.objects; ++a) {
-      CollisionInterest interest{{2 * a}, {}, setting.type};
+      CollisionInterest interest{ObjectId{2 * a}, {}, setting.type};
       for (std::uint32_t b = a + 1; b < setting.objects; ++b) {
         const Vec3 between = side_m_ * (paths_[b].home - paths_[a].home);
         // No two points of the two ever are nearer than that.
-        if (between.norm() <= paths_[a].radius_m + paths_[b].radius_m + 2.0) interest.collidees.push_back({2 * b});
+        if (between.norm() <= paths_[a].radius_m + paths_[b].radius_m + 2.0)
+          interest.collidees.push_back(ObjectId{2 * b});
       }
       pairs += interest.collidees.size();
       if (!interest.collidees.empty()) scene.interests.push_back(std::move(interest));

@@ -234,9 +234,9 @@ class Bench {
     // Boxes of Shapes, each by all planes: what a look costs without a hierarchy.
     std::vector<WorldBox> boxes;
     for (std::uint32_t i = 0; i < world.scene->instances.size(); ++i) {
-      if (const Geometry* geometry = world.scene->geometry({i}); geometry != nullptr) {
+      if (const Geometry* geometry = world.scene->geometry(ObjectId{i}); geometry != nullptr) {
         WorldBox box;
-        const Pose pose = world.scene->rigid_pose({i});
+        const Pose pose = world.scene->rigid_pose(ObjectId{i});
         for (const auto& v : build_mesh(*geometry, world.scene->tessellation).vertices)
           box.merge(pose * v.cast<double>());
         boxes.push_back(box);

@@ -216,7 +216,7 @@ class Town {
     for (std::uint32_t k = 1; k <= kOthers; ++k) {
       Message m = said;
       const auto shifted = [&](ObjectId o) {
-        return ObjectId{o.value - static_cast<std::uint32_t>((kOthers - k) * own_count_)};
+        return ObjectId{o.number - static_cast<std::uint32_t>((kOthers - k) * own_count_)};
       };
       m.sender = PeerId{1 + k};
       if (m.introduction() != nullptr) {

@@ -42,8 +42,10 @@ struct MovingBodies {
   MovingBodies(std::size_t count, std::span<const NamedSoup> meshes, Interests interests, Duration lasts);
   MovingBodies(const MovingBodies&) = delete;
 
-  [[nodiscard]] ObjectId object(std::size_t i) const { return {first.number + stride * static_cast<std::uint32_t>(i)}; }
-  [[nodiscard]] std::size_t index(ObjectId id) const { return (id.value - first.number) / stride; }
+  [[nodiscard]] ObjectId object(std::size_t i) const {
+    return ObjectId{first.number + stride * static_cast<std::uint32_t>(i)};
+  }
+  [[nodiscard]] std::size_t index(ObjectId id) const { return (id.number - first.number) / stride; }
 
   Scene scene;
   std::unique_ptr<const replication::WorldModel> model;
