@@ -1,0 +1,132 @@
+#pragma once
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/ids.hpp"
+#include "core/strong.hpp"
+#include "core/time.hpp"
+
+namespace peerd::replication {
+
+// An operation is a durable change of the scene, made by one peer and repeated by all. Every author writes a log of its
+// own, a sequence of bytes that only grows: peers exchange ranges of it (OperationPart), so that an operation may be
+// larger than a datagram, and whoever holds a range can pass it on without reading it.
+
+// Who writes a log. A peer that keeps no store begins a new log with each start, so this is not its PeerId. It is the
+// origin of the ids of what its operations add. From 1, below 2^31; 0: nobody.
+using AuthorId = Strong<struct AuthorIdTag, std::uint32_t>;
+inline constexpr AuthorId kNoAuthor{0};
+inline constexpr std::uint32_t kAuthorMax = (std::uint32_t{1} << 31) - 1;
+
+struct OperationId {
+  AuthorId author;
+  std::uint32_t number = 0;  // in its log, from 1 and without gaps
+
+  friend constexpr auto operator<=>(const OperationId&, const OperationId&) = default;
+};
+
+// The nodes of a VRML text, whose ids count on from `first_object` and `first_node`, of the author.
+struct AddNodes {
+  std::optional<ObjectId> parent;  // none: at the top level
+  std::optional<ObjectId> before;  // among the children of the parent; none: behind all of them
+  std::string text;
+  std::uint32_t first_object = 0, first_node = 0;
+  // What paths in the text mean that name nothing in it, as the author saw it.
+  std::vector<std::pair<std::string, ObjectId>> names{};
+
+  friend bool operator==(const AddNodes&, const AddNodes&) = default;
+};
+
+struct RemoveObject {  // with all below it
+  ObjectId object;
+
+  friend bool operator==(const RemoveObject&, const RemoveObject&) = default;
+};
+
+struct RemoveNode {  // one that is no instance: an interest, a TimeSensor
+  NodeId node;
+
+  friend bool operator==(const RemoveNode&, const RemoveNode&) = default;
+};
+
+struct MoveObject {
+  ObjectId object;
+  std::optional<ObjectId> parent, before;  // as in AddNodes
+
+  friend bool operator==(const MoveObject&, const MoveObject&) = default;
+};
+
+struct SetField {
+  NodeId node;
+  std::string field, value;      // the value in the notation of VRML
+  std::uint32_t first_node = 0;  // ids of nodes in the value count on from this one, of the author
+
+  friend bool operator==(const SetField&, const SetField&) = default;
+};
+
+struct ChangeRoute {
+  NodeId from, to;
+  std::string event_out, event_in;
+  bool removes = false;  // else it adds the ROUTE
+
+  friend bool operator==(const ChangeRoute&, const ChangeRoute&) = default;
+};
+
+using OperationBody = std::variant<AddNodes, RemoveObject, RemoveNode, MoveObject, SetField, ChangeRoute>;
+
+struct Operation {
+  OperationId id;
+  // Session time as the author knew it, but later than all stamps that it knew: a hybrid logical clock (Kulkarni et al.
+  // 2014) whose counter is in the nanoseconds. All peers apply operations in the order of stamp and id.
+  SimTime stamp{};
+  OperationBody body;
+};
+
+// Bytes [from, from + bytes.size()) of an author's log.
+struct OperationPart {
+  AuthorId author;
+  std::uint64_t from = 0;
+  std::vector<std::byte> bytes;
+};
+
+// Bytes [from, to) of an author's log, which the sender asks for.
+struct OperationRange {
+  AuthorId author;
+  std::uint64_t from = 0, to = 0;
+
+  friend constexpr auto operator<=>(const OperationRange&, const OperationRange&) = default;
+};
+
+// How many bytes of an author's log the sender holds, from the first on.
+struct LogLength {
+  AuthorId author;
+  std::uint64_t bytes = 0;
+
+  friend constexpr auto operator<=>(const LogLength&, const LogLength&) = default;
+};
+
+// The largest operation in bytes; what is larger is refused where it is made.
+inline constexpr std::size_t kOperationMax_bytes = std::size_t{1} << 20;
+
+// An operation as it stands in its author's log: its size as a varint, then a message `Operation` of proto/peerd.proto,
+// which has room for a key and a signature.
+[[nodiscard]] std::vector<std::byte> encode(const Operation& operation);
+
+struct DecodedOperation {
+  Operation operation;
+  std::size_t size_bytes = 0;  // in the log
+};
+// The operation at the beginning of these bytes of the author's log; null: they are not the whole of it yet. The error
+// says why nobody can read on in this log.
+[[nodiscard]] std::expected<std::optional<DecodedOperation>, const char*> decode_operation(
+    AuthorId author, std::span<const std::byte> log);
+
+}  // namespace peerd::replication
