@@ -13,7 +13,7 @@ peerd.prefs.group = Pref.string("Group of region 0", "239.192.80.0",
 peerd.prefs.regions = Pref.string("Group of region 1", "",
   "as peers log it when they start: a datagram to the n-th group after it is of region n + 1. Empty: no grid has more than 1,023 regions")
 
-local VERSION = 8
+local VERSION = 9
 local MOST_BYTES = 1200
 local REGION_MARK, GREETING_MARK = 0x52, 0x47
 
@@ -1058,7 +1058,7 @@ end
 -- Recognises a datagram of this version by its beginning: version, sender, then a number or another field.
 local function looks_like_one(tvb)
   local at = tvb:len() > 5 and tvb(0, 1):uint() == REGION_MARK and 5 or 0
-  return tvb:len() >= at + 5 and tvb(at, 3):uint() == 0x080310
+  return tvb:len() >= at + 5 and tvb(at, 3):uint() == 0x080010 + 256 * VERSION
 end
 
 DissectorTable.get("udp.port"):add(47474, peerd)

@@ -11,6 +11,7 @@
 #include "proto/peerd.pb.h"
 #include "replication/wire/decision_bits.hpp"
 #include "replication/wire/hello_lists.hpp"
+#include "replication/wire/operation_lists.hpp"
 #include "replication/wire/varint.hpp"
 #include "replication/wire/wire_limits.hpp"
 
@@ -22,6 +23,9 @@ constexpr int kListMax = 1024;  // entries; a datagram of kDatagramMax_bytes can
 constexpr int kBase_bytes = kLowTime_bits / 8;
 static_assert(8 * kBase_bytes == kLowTime_bits);
 constexpr int kTime_bytes = 8;
+// Version, sender, number and incarnation, each a varint with its tag.
+constexpr std::size_t kHeaderMax_bytes = 20;
+static_assert(kHeaderMax_bytes + kOperationListHeader_bytes + kOperationsMax_bytes <= kDatagramMax_bytes);
 static_assert(kListMax >= 2 * static_cast<int>(kSubscriptionsMax));
 
 // ---- to Protobuf ----
@@ -112,6 +116,7 @@ void put(const Hello& h, std::uint64_t incarnation, proto::Hello* out) {
   out->set_echoes(packed(h.echoes));
   out->set_notes(packed(h.notes, h.session_tx.value_or(SimTime{})));
   out->set_scene_digest(h.scene_digest);
+  out->set_logs(packed(h.logs));
   if (h.introduction) put(*h.introduction, incarnation, out->mutable_introduction());
 }
 
@@ -142,6 +147,8 @@ void clear(Message& m) {
   m.handovers.clear();
   m.scene.states.clear();
   m.scene.since = SimTime{};
+  m.operations.clear();
+  m.operation_requests.clear();
   m.identity.reset();
   m.unknown_models = 0;
 }
@@ -285,7 +292,7 @@ bool take(const proto::Hello& in, Hello& h) {
   h.scene_digest = in.scene_digest();
   h.latency = std::chrono::milliseconds(in.latency_ms());
   return take_echoes(in.echoes(), h.echoes) && take_notes(in.notes(), h.session_tx.value_or(SimTime{}), h.notes) &&
-         (!in.has_introduction() || take(in.introduction(), h.introduction.emplace()));
+         take_logs(in.logs(), h.logs) && (!in.has_introduction() || take(in.introduction(), h.introduction.emplace()));
 }
 
 }  // namespace
@@ -323,6 +330,8 @@ void Codec::encode(const Message& m, std::span<const EncodedUpdate> updates, Byt
   put(m.subscriptions, &d);
   put(m.handovers, &d);
   put(m.scene, &d);
+  d.set_operations(packed(m.operations));
+  d.set_operation_requests(packed(m.operation_requests));
   d.set_leaving(m.leaving);
   if (m.identity) {
     d.mutable_identity()->set_asker(m.identity->asker);
@@ -357,6 +366,9 @@ std::expected<Message*, DecodeError> Codec::decode(std::span<const std::byte> da
   if (!take_decisions(d, near, m.decisions)) return std::unexpected(DecodeError::kValue);
   if (!take_subscriptions(d, m.subscriptions) || !take_handovers(d, m.handovers))
     return std::unexpected(DecodeError::kValue);
+  if (!take_parts(d.operations(), m.operations) || !take_ranges(d.operation_requests(), m.operation_requests)) {
+    return std::unexpected(DecodeError::kValue);
+  }
   return &m;
 }
 

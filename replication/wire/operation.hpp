@@ -84,9 +84,9 @@ using OperationBody = std::variant<AddNodes, RemoveObject, RemoveNode, MoveObjec
 
 struct Operation {
   OperationId id;
-  // The session time from which on the operation holds: so far ahead of when it was made that all peers have it by then,
-  // and later than all stamps that its author knew: a hybrid logical clock (Kulkarni et al. 2014) whose counter is in the
-  // nanoseconds. All peers apply operations in the order of stamp and id.
+  // The session time from which on the operation holds: so far ahead of when it was made that all peers have it by
+  // then, and later than all stamps that its author knew: a hybrid logical clock (Kulkarni et al. 2014) whose counter
+  // is in the nanoseconds. All peers apply operations in the order of stamp and id.
   SimTime stamp{};
   OperationBody body;
 };

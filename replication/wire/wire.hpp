@@ -12,6 +12,7 @@
 #include "replication/motion/motion_model.hpp"
 #include "replication/wire/decision_policy.hpp"
 #include "replication/wire/loss_meter.hpp"
+#include "replication/wire/operation.hpp"
 
 namespace peerd::replication {
 
@@ -121,6 +122,8 @@ struct Hello {
   std::vector<ContactNote> notes;
   std::optional<Introduction> introduction;
   std::uint64_t scene_digest = 0;  // of the SceneStates that the sender holds; 0: none
+  // Logs of operations, ascending by author. What has no place takes turns: an author without an entry means nothing.
+  std::vector<LogLength> logs;
 };
 
 // The low bits of the incarnation go with every datagram; the whole of it goes with introductions.
@@ -172,6 +175,8 @@ struct Message {
   std::vector<Subscription> subscriptions;
   std::vector<Handover> handovers;  // from the region that the message goes to
   SceneStates scene;
+  std::vector<OperationPart> operations;
+  std::vector<OperationRange> operation_requests;
   bool leaving = false;
   std::optional<IdentityCheck> identity;
   // The updates that decode() left out, because they name a model that this build does not know.

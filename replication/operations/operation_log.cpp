@@ -1,0 +1,240 @@
+#include "replication/operations/operation_log.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+namespace peerd::replication {
+namespace {
+
+// The finalizer of splitmix64.
+std::uint64_t mix(std::uint64_t x) {
+  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9U;
+  x = (x ^ (x >> 27)) * 0x94D049BB133111EBU;
+  return x ^ (x >> 31);
+}
+
+// A sum of these does not depend on the order of the logs, and changes with one log at the cost of that one.
+std::uint64_t digest_of(AuthorId author, std::size_t length) {
+  return length == 0 ? 0 : mix(mix(author.value) + length);
+}
+
+// Whether two runs of bytes, of which each begins at an offset, differ where both have bytes.
+bool differ(std::uint64_t a_from, std::span<const std::byte> a, std::uint64_t b_from, std::span<const std::byte> b) {
+  const std::uint64_t from = std::max(a_from, b_from), to = std::min(a_from + a.size(), b_from + b.size());
+  if (from >= to) return false;
+  return !std::ranges::equal(a.subspan(from - a_from, to - from), b.subspan(from - b_from, to - from));
+}
+
+}  // namespace
+
+const OperationLogs::Log* OperationLogs::find(AuthorId author) const {
+  const auto at = logs_.find(author);
+  return at == logs_.end() ? nullptr : &at->second;
+}
+
+std::expected<void, const char*> OperationLogs::append(const Operation& operation) {
+  assert(own_ != kNoAuthor && operation.id.author == own_);
+  const std::vector<std::byte> bytes = encode(operation);
+  const auto readable = decode_operation(own_, bytes);
+  if (!readable) return std::unexpected(readable.error());
+  assert(readable->has_value() && (*readable)->size_bytes == bytes.size());
+  Log& log = logs_[own_];
+  if (log.unreadable != nullptr) return std::unexpected(log.unreadable);
+  if (log.whole != log.bytes.size()) return std::unexpected("log_cut_short");  // by the store
+  assert(log.ahead.empty());
+  assert(operation.id.number == log.last_number + 1);
+  assert(log.last_number == 0 || operation.stamp > log.last_stamp);
+  const std::size_t before = log.bytes.size();
+  log.bytes.insert(log.bytes.end(), bytes.begin(), bytes.end());
+  log.whole = log.bytes.size();
+  log.last_number = operation.id.number;
+  log.last_stamp = operation.stamp;
+  note_length(own_, before, log.bytes.size());
+  return {};
+}
+
+std::expected<std::vector<Operation>, const char*> OperationLogs::receive(const OperationPart& part) {
+  if (part.author == own_ && part.from + part.bytes.size() > length(own_)) return std::unexpected("own_log");
+  return take(part);
+}
+
+std::expected<std::vector<Operation>, const char*> OperationLogs::restore(const OperationPart& part) {
+  return take(part);
+}
+
+std::expected<std::vector<Operation>, const char*> OperationLogs::take(const OperationPart& part) {
+  assert(part.author != kNoAuthor && part.author.value <= kAuthorMax && !part.bytes.empty());
+  if (!logs_.contains(part.author) && logs_.size() >= kAuthorsMax) return std::unexpected("too_many_authors");
+  Log& log = logs_[part.author];
+  if (log.unreadable != nullptr) return std::unexpected(log.unreadable);
+  const char* wrong = differs(log, part) ? "forked_log" : nullptr;
+  if (wrong == nullptr && part.from > log.bytes.size()) wrong = keep_ahead(log, part);
+  if (log.bytes.empty() && log.ahead.empty() && part.from > 0) logs_.erase(part.author);  // nothing of it is kept
+  if (wrong != nullptr) return std::unexpected(wrong);
+  const std::uint64_t held = length(part.author);
+  if (part.from > held || part.from + part.bytes.size() <= held) return std::vector<Operation>{};
+  const std::size_t before = log.bytes.size();
+  join(log, part);
+  std::vector<Operation> operations = read_on(part.author, log);
+  note_length(part.author, before, log.bytes.size());
+  if (operations.empty() && log.unreadable != nullptr) return std::unexpected(log.unreadable);
+  return operations;
+}
+
+// Of two different runs behind a gap nobody knows which one is right: both are dropped, and asked for again.
+bool OperationLogs::differs(Log& log, const OperationPart& part) {
+  bool found = differ(0, log.bytes, part.from, part.bytes);
+  auto run = log.ahead.upper_bound(part.from);
+  if (run != log.ahead.begin()) --run;
+  while (run != log.ahead.end() && run->first < part.from + part.bytes.size()) {
+    const auto here = run++;
+    if (!differ(here->first, here->second, part.from, part.bytes)) continue;
+    found = true;
+    drop_ahead(log, here);
+  }
+  return found;
+}
+
+void OperationLogs::drop_ahead(Log& log, Runs::iterator run) {
+  const std::size_t size = run->second.size() + kAheadRun_bytes;
+  assert(log.ahead_bytes >= size && ahead_bytes_ >= size);
+  log.ahead_bytes -= size;
+  ahead_bytes_ -= size;
+  log.ahead.erase(run);
+}
+
+// Keeps those bytes of the part that no run has yet.
+const char* OperationLogs::keep_ahead(Log& log, const OperationPart& part) {
+  const std::uint64_t end = part.from + part.bytes.size();
+  for (std::uint64_t from = part.from; from < end;) {
+    const auto next = log.ahead.upper_bound(from);
+    if (next != log.ahead.begin()) {
+      const auto& [begin, run] = *std::prev(next);
+      if (from < begin + run.size()) {
+        from = begin + run.size();
+        continue;
+      }
+    }
+    const std::uint64_t to = next == log.ahead.end() ? end : std::min(end, next->first);
+    const std::size_t size = to - from + kAheadRun_bytes;
+    if (log.ahead_bytes + size > kAheadOfOneMax_bytes || ahead_bytes_ + size > kAheadMax_bytes) {
+      return "operations_ahead";
+    }
+    const auto bytes = std::span(part.bytes).subspan(from - part.from, to - from);
+    log.ahead.emplace(from, std::vector<std::byte>(bytes.begin(), bytes.end()));
+    log.ahead_bytes += size;
+    ahead_bytes_ += size;
+    from = to;
+  }
+  return nullptr;
+}
+
+// Appends a part that begins within what is held or at its end, and the runs that no gap divides from it any more.
+void OperationLogs::join(Log& log, const OperationPart& part) {
+  assert(part.from <= log.bytes.size());
+  const auto append_from = [&](std::uint64_t from, const std::vector<std::byte>& bytes) {
+    if (from + bytes.size() <= log.bytes.size()) return;
+    const auto is_new = std::span(bytes).subspan(log.bytes.size() - from);
+    log.bytes.insert(log.bytes.end(), is_new.begin(), is_new.end());
+  };
+  append_from(part.from, part.bytes);
+  while (!log.ahead.empty() && log.ahead.begin()->first <= log.bytes.size()) {
+    append_from(log.ahead.begin()->first, log.ahead.begin()->second);
+    drop_ahead(log, log.ahead.begin());
+  }
+}
+
+std::vector<Operation> OperationLogs::read_on(AuthorId author, Log& log) {
+  std::vector<Operation> operations;
+  while (log.whole < log.bytes.size()) {
+    auto next = decode_operation(author, std::span(log.bytes).subspan(log.whole));
+    if (next && !*next) break;
+    if (!next) {
+      log.unreadable = next.error();
+    } else if ((*next)->operation.id.number != log.last_number + 1) {
+      log.unreadable = "operation_number";
+    } else if (log.last_number != 0 && (*next)->operation.stamp <= log.last_stamp) {
+      log.unreadable = "operation_stamp";
+    }
+    if (log.unreadable != nullptr) {
+      log.bytes.resize(log.whole);
+      while (!log.ahead.empty()) drop_ahead(log, log.ahead.begin());
+      break;
+    }
+    Operation& operation = (*next)->operation;
+    log.whole += (*next)->size_bytes;
+    log.last_number = operation.id.number;
+    log.last_stamp = operation.stamp;
+    operations.push_back(std::move(operation));
+  }
+  assert(log.whole <= log.bytes.size());
+  return operations;
+}
+
+void OperationLogs::note_length(AuthorId author, std::size_t before, std::size_t now) {
+  digest_ += digest_of(author, now) - digest_of(author, before);
+}
+
+std::vector<LogLength> OperationLogs::lengths() const {
+  std::vector<LogLength> lengths;
+  lengths.reserve(logs_.size());
+  for (const auto& [author, log] : logs_) {
+    if (!log.bytes.empty()) lengths.push_back({author, log.bytes.size()});
+  }
+  return lengths;
+}
+
+std::uint64_t OperationLogs::length(AuthorId author) const {
+  const Log* log = find(author);
+  return log == nullptr ? 0 : log->bytes.size();
+}
+
+OperationId OperationLogs::last(AuthorId author) const {
+  const Log* log = find(author);
+  return {author, log == nullptr ? 0 : log->last_number};
+}
+
+SimTime OperationLogs::last_stamp(AuthorId author) const {
+  const Log* log = find(author);
+  return log == nullptr ? SimTime{} : log->last_stamp;
+}
+
+std::span<const std::byte> OperationLogs::bytes(const OperationRange& range) const {
+  assert(range.from <= range.to);
+  const Log* log = find(range.author);
+  if (log == nullptr || range.from >= log->bytes.size()) return {};
+  return std::span(log->bytes).subspan(range.from, std::min<std::uint64_t>(range.to, log->bytes.size()) - range.from);
+}
+
+std::vector<OperationRange> OperationLogs::missing(std::span<const LogLength> of_another, std::size_t most) const {
+  std::vector<OperationRange> ranges;
+  for (const auto& [author, end] : of_another) {
+    const Log* log = find(author);
+    if (author == own_ || (log != nullptr && log->unreadable != nullptr)) continue;
+    std::uint64_t from = log == nullptr ? 0 : log->bytes.size();
+    auto run = log == nullptr ? Runs::const_iterator{} : log->ahead.begin();
+    while (from < end && ranges.size() < most) {
+      const bool behind_run = log != nullptr && run != log->ahead.end() && run->first < end;
+      const std::uint64_t to = behind_run ? run->first : end;
+      if (from < to) ranges.push_back({author, from, to});
+      if (!behind_run) break;
+      from = to + run->second.size();
+      ++run;
+    }
+  }
+  return ranges;
+}
+
+const char* OperationLogs::unreadable(AuthorId author) const {
+  const Log* log = find(author);
+  return log == nullptr ? nullptr : log->unreadable;
+}
+
+std::size_t OperationLogs::memory_bytes() const {
+  std::size_t bytes = ahead_bytes_;
+  for (const auto& [author, log] : logs_) bytes += log.bytes.capacity() + sizeof(author) + sizeof(log);
+  return bytes;
+}
+
+}  // namespace peerd::replication

@@ -1,0 +1,93 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <limits>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "core/time.hpp"
+#include "replication/wire/operation.hpp"
+
+namespace peerd::replication {
+
+// The logs of all authors, as far as this peer holds them. Parts of a log come in any order, from anybody; the
+// operations of each log come out whole and in their order. Nothing here trusts a part: errors are names of drop
+// reasons.
+class OperationLogs {
+ public:
+  // Bytes behind a gap, which wait for it, are kept up to these limits, of one author and of all. Each run of them
+  // counts kAheadRun_bytes besides.
+  static constexpr std::size_t kAheadOfOneMax_bytes = 2 * kOperationMax_bytes;
+  static constexpr std::size_t kAheadMax_bytes = 8 * kOperationMax_bytes;
+  static constexpr std::size_t kAheadRun_bytes = 64;
+  static constexpr std::size_t kAuthorsMax = 65'536;
+
+  // `own`: the author whose log this peer writes; nobody else adds to it. kNoAuthor: it writes none.
+  explicit OperationLogs(AuthorId own = kNoAuthor) : own_(own) {}
+
+  // Appends an operation of the own author, whose number and stamp follow those of the last one. Refuses what is larger
+  // than kOperationMax_bytes ("operation_too_large") and what receivers could not read, by the names of
+  // decode_operation(); and everything where the store's log ends within an operation ("log_cut_short").
+  [[nodiscard]] std::expected<void, const char*> append(const Operation& operation);
+
+  // Takes a part from another peer. Returns the operations that have become whole by it, in the order of the log.
+  // Errors: "forked_log": it differs from what is held at that place; nothing is taken, and bytes behind a gap that
+  // differ from it are dropped. "own_log": it adds to the own log. "operations_ahead": there is no room to keep it
+  // until the gap before it is filled. "too_many_authors". Else the log is unreadable from an operation on, and says
+  // why (unreadable()).
+  [[nodiscard]] std::expected<std::vector<Operation>, const char*> receive(const OperationPart& part);
+  // Takes a part from this peer's own store; it may add to the own log.
+  [[nodiscard]] std::expected<std::vector<Operation>, const char*> restore(const OperationPart& part);
+
+  // How many bytes of each log are held, from the first on; ascending by author, without empty ones.
+  [[nodiscard]] std::vector<LogLength> lengths() const;
+  [[nodiscard]] std::uint64_t length(AuthorId author) const;
+  // The number of the last whole operation of a log, and its stamp; 0 and SimTime{} before the first.
+  [[nodiscard]] OperationId last(AuthorId author) const;
+  [[nodiscard]] SimTime last_stamp(AuthorId author) const;
+  // The bytes of a range as far as they are held without a gap; empty where none of its first ones are.
+  [[nodiscard]] std::span<const std::byte> bytes(const OperationRange& range) const;
+  // What is missing here of the logs that are so long, as ascending ranges: the first ones, so many at most. Unreadable
+  // logs and the own one miss nothing.
+  [[nodiscard]] std::vector<OperationRange> missing(std::span<const LogLength> of_another,
+                                                    std::size_t most = std::numeric_limits<std::size_t>::max()) const;
+  // Why nobody can read on in a log: from such an operation on nothing of it is held or taken. Null: it is readable.
+  [[nodiscard]] const char* unreadable(AuthorId author) const;
+
+  // The memory of all logs and of what waits behind gaps, about.
+  [[nodiscard]] std::size_t memory_bytes() const;
+  [[nodiscard]] std::size_t ahead_bytes() const { return ahead_bytes_; }
+  // A hash over the authors and the lengths of their logs; 0 without any. Two peers with the same one hold the same.
+  [[nodiscard]] std::uint64_t digest() const { return digest_; }
+
+ private:
+  using Runs = std::map<std::uint64_t, std::vector<std::byte>>;  // by their first byte; they do not overlap
+  struct Log {
+    std::vector<std::byte> bytes;  // from the first on
+    std::size_t whole = 0;         // so many of them are whole operations
+    std::uint32_t last_number = 0;
+    SimTime last_stamp{};
+    Runs ahead;  // behind a gap
+    std::size_t ahead_bytes = 0;
+    const char* unreadable = nullptr;
+  };
+
+  [[nodiscard]] const Log* find(AuthorId author) const;
+  [[nodiscard]] std::expected<std::vector<Operation>, const char*> take(const OperationPart& part);
+  [[nodiscard]] bool differs(Log& log, const OperationPart& part);
+  [[nodiscard]] const char* keep_ahead(Log& log, const OperationPart& part);
+  void join(Log& log, const OperationPart& part);
+  void drop_ahead(Log& log, Runs::iterator run);
+  [[nodiscard]] std::vector<Operation> read_on(AuthorId author, Log& log);
+  // The log has grown, or is cut, from that many bytes.
+  void note_length(AuthorId author, std::size_t before, std::size_t now);
+
+  AuthorId own_;
+  std::map<AuthorId, Log> logs_;
+  std::size_t ahead_bytes_ = 0;
+  std::uint64_t digest_ = 0;
+};
+
+}  // namespace peerd::replication

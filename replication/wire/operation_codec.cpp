@@ -1,0 +1,196 @@
+#include <cassert>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+#include "proto/peerd.pb.h"
+#include "replication/wire/operation.hpp"
+#include "replication/wire/wire_limits.hpp"
+
+namespace peerd::replication {
+namespace {
+
+// ---- to Protobuf ----
+
+void put(const AddNodes& a, proto::Operation* out) {
+  proto::AddNodes& add = *out->mutable_add_nodes();
+  if (a.parent) add.set_parent(a.parent->packed());
+  if (a.before) add.set_before(a.before->packed());
+  add.set_text(a.text);
+  add.set_first_object(a.first_object);
+  add.set_first_node(a.first_node);
+  for (const auto& [path, object] : a.names) {
+    proto::NamedObject& named = *add.add_names();
+    named.set_path(path);
+    named.set_object(object.packed());
+  }
+}
+
+void put(const RemoveObject& r, proto::Operation* out) { out->mutable_remove_object()->set_object(r.object.packed()); }
+
+void put(const RemoveNode& r, proto::Operation* out) { out->mutable_remove_node()->set_node(r.node.packed()); }
+
+void put(const MoveObject& m, proto::Operation* out) {
+  proto::MoveObject& move = *out->mutable_move_object();
+  move.set_object(m.object.packed());
+  if (m.parent) move.set_parent(m.parent->packed());
+  if (m.before) move.set_before(m.before->packed());
+}
+
+void put(const SetField& s, proto::Operation* out) {
+  proto::SetField& set = *out->mutable_set_field();
+  set.set_node(s.node.packed());
+  set.set_field(s.field);
+  set.set_value(s.value);
+  set.set_first_node(s.first_node);
+}
+
+void put(const ChangeRoute& c, proto::Operation* out) {
+  proto::ChangeRoute& route = *out->mutable_change_route();
+  route.set_from(c.from.packed());
+  route.set_to(c.to.packed());
+  route.set_event_out(c.event_out);
+  route.set_event_in(c.event_in);
+  route.set_removes(c.removes);
+}
+
+// ---- from Protobuf: each take_..() answers null, or what is wrong ----
+
+constexpr const char* kWrongId = "operation_id";
+constexpr const char* kWrongText = "operation_text";
+
+bool is_id(std::uint64_t packed) { return packed >> 32 <= kAuthorMax; }
+
+// A text that may go to the reader of VRML: it is not empty and has no byte that ends it early.
+bool is_text(const std::string& text) { return !text.empty() && text.find('\0') == std::string::npos; }
+
+template <class Id>
+bool take_id(std::uint64_t packed, Id& id) {
+  id = Id::unpacked(packed);
+  return is_id(packed);
+}
+
+template <class Message>
+bool take_place(const Message& in, std::optional<ObjectId>& parent, std::optional<ObjectId>& before) {
+  return (!in.has_parent() || take_id(in.parent(), parent.emplace())) &&
+         (!in.has_before() || take_id(in.before(), before.emplace()));
+}
+
+const char* take(proto::AddNodes& in, AddNodes& a) {
+  if (!take_place(in, a.parent, a.before)) return kWrongId;
+  if (!is_text(in.text())) return kWrongText;
+  a.text = std::move(*in.mutable_text());
+  a.first_object = in.first_object();
+  a.first_node = in.first_node();
+  a.names.reserve(static_cast<std::size_t>(in.names_size()));
+  for (proto::NamedObject& named : *in.mutable_names()) {
+    if (!is_id(named.object())) return kWrongId;
+    if (!is_text(named.path())) return kWrongText;
+    a.names.emplace_back(std::move(*named.mutable_path()), ObjectId::unpacked(named.object()));
+  }
+  return nullptr;
+}
+
+const char* take(proto::SetField& in, SetField& s) {
+  if (!take_id(in.node(), s.node)) return kWrongId;
+  if (!is_text(in.field()) || !is_text(in.value())) return kWrongText;
+  s.field = std::move(*in.mutable_field());
+  s.value = std::move(*in.mutable_value());
+  s.first_node = in.first_node();
+  return nullptr;
+}
+
+const char* take(proto::ChangeRoute& in, ChangeRoute& c) {
+  if (!take_id(in.from(), c.from) || !take_id(in.to(), c.to)) return kWrongId;
+  if (!is_text(in.event_out()) || !is_text(in.event_in())) return kWrongText;
+  c.event_out = std::move(*in.mutable_event_out());
+  c.event_in = std::move(*in.mutable_event_in());
+  c.removes = in.removes();
+  return nullptr;
+}
+
+const char* take(proto::Operation& in, OperationBody& body) {
+  switch (in.body_case()) {
+    case proto::Operation::kAddNodes:
+      return take(*in.mutable_add_nodes(), body.emplace<AddNodes>());
+    case proto::Operation::kRemoveObject:
+      return take_id(in.remove_object().object(), body.emplace<RemoveObject>().object) ? nullptr : kWrongId;
+    case proto::Operation::kRemoveNode:
+      return take_id(in.remove_node().node(), body.emplace<RemoveNode>().node) ? nullptr : kWrongId;
+    case proto::Operation::kMoveObject: {
+      MoveObject& move = body.emplace<MoveObject>();
+      const bool good =
+          take_id(in.move_object().object(), move.object) && take_place(in.move_object(), move.parent, move.before);
+      return good ? nullptr : kWrongId;
+    }
+    case proto::Operation::kSetField:
+      return take(*in.mutable_set_field(), body.emplace<SetField>());
+    case proto::Operation::kChangeRoute:
+      return take(*in.mutable_change_route(), body.emplace<ChangeRoute>());
+    case proto::Operation::BODY_NOT_SET:
+      break;
+  }
+  return "operation_kind";  // none, or a later version's
+}
+
+// ---- the size in front of it ----
+
+constexpr std::size_t kSizeMax_bytes = 3;
+static_assert(kOperationMax_bytes < std::size_t{1} << (7 * kSizeMax_bytes), "a varint of three bytes holds any size");
+
+// The size that these bytes begin with, and how many bytes state it (0: they end within it).
+std::expected<std::pair<std::size_t, std::size_t>, const char*> size_of_first(std::span<const std::byte> log) {
+  std::size_t size = 0;
+  for (std::size_t i = 0; i < kSizeMax_bytes; ++i) {
+    if (i == log.size()) return std::pair(std::size_t{0}, std::size_t{0});
+    const auto group = std::to_integer<std::size_t>(log[i]);
+    size |= (group & 127) << (7 * i);
+    if (group >= 128) continue;
+    if (i > 0 && group == 0) return std::unexpected("operation_size");  // not the shortest form
+    if (size > kOperationMax_bytes) return std::unexpected("operation_too_large");
+    return std::pair(size, i + 1);
+  }
+  return std::unexpected("operation_too_large");
+}
+
+}  // namespace
+
+std::vector<std::byte> encode(const Operation& operation) {
+  assert(operation.id.number != 0 && in_range(operation.stamp.time_since_epoch().count()));
+  proto::Operation message;
+  message.set_number(operation.id.number);
+  message.set_stamp_ns(operation.stamp.time_since_epoch().count());
+  std::visit([&](const auto& body) { put(body, &message); }, operation.body);
+  const std::size_t size = message.ByteSizeLong();
+  assert(size <= static_cast<std::size_t>(std::numeric_limits<int>::max()));
+  std::vector<std::byte> bytes;
+  bytes.reserve(size + kSizeMax_bytes);
+  std::size_t left = size;
+  for (; left >= 128; left >>= 7) bytes.push_back(static_cast<std::byte>((left & 127) | 128));
+  bytes.push_back(static_cast<std::byte>(left));
+  const std::size_t begin = bytes.size();
+  bytes.resize(begin + size);
+  message.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(bytes.data() + begin));
+  return bytes;
+}
+
+std::expected<std::optional<DecodedOperation>, const char*> decode_operation(AuthorId author,
+                                                                             std::span<const std::byte> log) {
+  assert(author != kNoAuthor && author.value <= kAuthorMax);
+  const auto first = size_of_first(log);
+  if (!first) return std::unexpected(first.error());
+  const auto [size, begin] = *first;
+  if (begin == 0 || log.size() - begin < size) return std::nullopt;
+  proto::Operation message;
+  if (!message.ParseFromArray(log.data() + begin, static_cast<int>(size))) return std::unexpected("not_an_operation");
+  if (message.number() == 0) return std::unexpected("operation_number");
+  if (!in_range(message.stamp_ns())) return std::unexpected("operation_stamp");
+  DecodedOperation decoded;
+  decoded.size_bytes = begin + size;
+  decoded.operation.id = {author, message.number()};
+  decoded.operation.stamp = SimTime{Duration{message.stamp_ns()}};
+  if (const char* wrong = take(message, decoded.operation.body)) return std::unexpected(wrong);
+  return decoded;
+}
+
+}  // namespace peerd::replication
