@@ -94,7 +94,7 @@ TEST_P(Exchange, EndsWithEqualLogs) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(Loss, Exchange, testing::Values(0.0, 0.01, 0.1, 0.3, 0.5),
-                         [](const auto& info) { return "Permille" + std::to_string(int(1000 * info.param)); });
+                         [](const auto& of) { return "Permille" + std::to_string(int(1000 * of.param)); });
 
 // The range goes out three times at most, in the mean of the seeds, whoever holds it: its author alone, or one peer
 // without it, or many.

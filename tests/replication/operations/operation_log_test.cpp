@@ -193,7 +193,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"AStampTwice", {removal(1, 1), removal(2, 1)}, 1, "operation_stamp"},
         Wrong{"AStampBack", {removal(1, 5), removal(2, 4)}, 1, "operation_stamp"},
         Wrong{"AnIdBeyondAll", {removal(1, 1), removal(2, 2, 0x8000'0000U), removal(3, 3)}, 1, "operation_id"}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& of) { return std::string(of.param.name); });
 
 TEST(OperationLogs, WhatWaitsBehindAGapIsLimited) {
   OperationLogs logs;
