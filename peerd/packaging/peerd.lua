@@ -121,6 +121,20 @@ local F = {
     since = field("int64", "scene.since_ns", "The scene is computed since [ns]"),
     base = field("int64", "scene.base_ns", "Base time [ns]"),
   },
+  log = {
+    author = field("uint32", "log.author", "Author"),
+    bytes = field("uint64", "log.bytes", "Bytes of its log"),
+  },
+  operations = {
+    author = field("uint32", "operations.author", "Author"),
+    from = field("uint64", "operations.from", "From byte"),
+    bytes = field("uint64", "operations.bytes", "Bytes"),
+  },
+  asked = {
+    author = field("uint32", "operations.asked.author", "Author"),
+    from = field("uint64", "operations.asked.from", "From byte"),
+    bytes = field("uint64", "operations.asked.bytes", "Bytes"),
+  },
   base_low = field("uint64", "records.base_low", "Base time, lowest 5 bytes [ns]"),
   base = field("int64", "records.base_ns", "Base time nearest to the capture's [ns]"),
   record = {
@@ -743,6 +757,69 @@ end
 local CLOCK_ERROR_MOST = UInt64.new(1152921504606847 % TWO32, math.floor(1152921504606847 / TWO32))  -- 2^60 ns
 local OS_ERROR_MOST = UInt64.new(16000000)
 
+-- ---- logs of operations --------------------------------------------------------------------------------------------
+
+local AUTHOR_MOST, LOG_MOST = 2 ^ 31 - 1, UInt64.new(0, 2 ^ 8)  -- 2^40 bytes
+
+local function take_author(bits)
+  local author = bits:varint32()
+  if author == 0 or author > AUTHOR_MOST then refuse("an author that there is not") end
+  return author
+end
+-- Reads the first byte of a range, and its size.
+local function take_extent(bits)
+  local from, size = bits:varint64(), bits:varint64()
+  if size == UInt64.new(0) or from > LOG_MOST or size > LOG_MOST - from then refuse("a range that is none") end
+  return from, size
+end
+local function add_extent(tree, fields, range, author, from, size)
+  tree:add(fields.author, range, author)
+  tree:add(fields.from, range, from)
+  tree:add(fields.bytes, range, size)
+end
+-- Calls `take` for each entry. Returns their number.
+local function limited(tvb, most, take)
+  local count = 0
+  each_entry(tvb, function(bits)
+    count = count + 1
+    if count > most then refuse("more than " .. most .. " entries") end
+    take(bits)
+  end)
+  return count
+end
+
+local function dissect_logs(tvb, tree)
+  local last = 0
+  limited(tvb, 128, function(bits)
+    local more, length = bits:varint32(), bits:varint64()
+    if more == 0 or more > AUTHOR_MOST - last then refuse("authors that do not ascend") end
+    if length == UInt64.new(0) or length > LOG_MOST then refuse("a length that no log has") end
+    last = last + more
+    local sub = tree:add(bits:range(), "Log of author " .. last)
+    sub:add(F.log.author, bits:range(), last)
+    sub:add(F.log.bytes, bits:range(), length)
+  end)
+end
+
+local function dissect_operations(tvb, tree)
+  return limited(tvb, 64, function(bits)
+    local author = take_author(bits)
+    local from, size = take_extent(bits)
+    local left = tvb:len() - bits.bit / 8
+    if size > UInt64.new(left) then refuse("a part is cut short") end
+    bits.bit = bits.bit + 8 * size:lower()
+    add_extent(tree:add(bits:range(), "Part of the log of author " .. author), F.operations, bits:range(), author, from, size)
+  end)
+end
+
+local function dissect_requests(tvb, tree)
+  return limited(tvb, 32, function(bits)
+    local author = take_author(bits)
+    local from, size = take_extent(bits)
+    add_extent(tree:add(bits:range(), "Of the log of author " .. author), F.asked, bits:range(), author, from, size)
+  end)
+end
+
 local function dissect_hello(tvb, tree)
   local H, notes, introductions = F.hello, false, {}
   local os_minus_session, os_range, os_known = Int64.new(0), nil, false
@@ -760,6 +837,7 @@ local function dissect_hello(tvb, tree)
     { varint = function(value, range) os_minus_session, os_range = unzigzag(value), range end },
     microseconds(tree, H.os_error, OS_ERROR_MOST, function() os_known = true end),
     { fixed64 = function(_, range) tree:add_le(H.scene_digest, range) end },
+    { bytes = function(list) dissect_logs(list, tree) end },
   })
   if os_known and os_range then tree:add(H.os_minus_session, os_range, check_time(os_minus_session)) end
   dissect_notes(notes, tree, session_tx)
@@ -915,7 +993,7 @@ local function dissect_datagram(tvb, tree, pinfo, whole)
   if tvb:len() > MOST_BYTES then refuse("more than " .. MOST_BYTES .. " bytes") end
   local version, sender, number, boot_low, introduced = 0, 0, 0, nil, false
   local decisions, updates, hello, leaving, latest = 0, 0, false, false, Int64.new(0)
-  local entered, gone, kinds, states = {}, {}, {}, 0
+  local entered, gone, kinds, states, parts, asked = {}, {}, {}, 0, 0, 0
   local function is(kind, range)
     kinds[#kinds + 1] = kind
     tree:add(F.kind, range, kind)
@@ -944,6 +1022,8 @@ local function dissect_datagram(tvb, tree, pinfo, whole)
     numbers(gone),
     message(tree, "Question of identity", dissect_identity),
     { bytes = function(inner, range) states = dissect_scene(inner, tree:add(range, "Scene objects")) end },
+    { bytes = function(inner, range) parts = dissect_operations(inner, tree:add(range, "Operations")) end },
+    { bytes = function(inner, range) asked = dissect_requests(inner, tree:add(range, "Operations asked for")) end },
   })
   if version ~= VERSION then refuse("version " .. version .. ", and this dissector knows " .. VERSION) end
   if sender == 0 then refuse("sender 0") end
@@ -953,6 +1033,8 @@ local function dissect_datagram(tvb, tree, pinfo, whole)
   if updates > 0 then is(count_of(updates, "update"), whole) end
   if decisions > 0 then is(count_of(decisions, "decision"), whole) end
   if states > 0 then is(count_of(states, "scene object"), whole) end
+  if parts > 0 then is(count_of(parts, "part") .. " of logs", whole) end
+  if asked > 0 then is(count_of(asked, "range") .. " asked for", whole) end
   if #entered > 0 then is(count_of(#entered / 2, "region") .. " entered", whole) end
   if #gone > 0 then is(count_of(#gone / 3, "object") .. " gone", whole) end
   if leaving then is("leaving", whole) end

@@ -92,6 +92,10 @@ void add(Expected& out, const Hello& h, std::uint64_t incarnation) {
     out.add("note.held", n.deferred);
   }
   if (h.scene_digest != 0) out.add("hello.scene_digest", h.scene_digest);
+  for (const LogLength& log : h.logs) {
+    out.add("log.author", log.author.value);
+    out.add("log.bytes", log.bytes);
+  }
   if (!h.introduction) return;
   const Introduction& i = *h.introduction;
   out.add("introduction.name", i.name);
@@ -183,6 +187,16 @@ Fields expected_of(std::span<const std::byte> datagram, RegionId region, SimTime
     out.add("gone.sequence", g.sequence);
     out.add("gone.region", g.to.value);
   }
+  for (const OperationPart& part : m->operations) {
+    out.add("operations.author", part.author.value);
+    out.add("operations.from", part.from);
+    out.add("operations.bytes", part.bytes.size());
+  }
+  for (const OperationRange& range : m->operation_requests) {
+    out.add("operations.asked.author", range.author.value);
+    out.add("operations.asked.from", range.from);
+    out.add("operations.asked.bytes", range.to - range.from);
+  }
   if (m->leaving) out.add("leaving", true);
   return out.fields();
 }
@@ -205,6 +219,8 @@ std::vector<std::string> all_fields() {
   with("decision.", {"collider", "collidee", "contact_ns", "rule", "known_ns"});
   with("entered.", {"region", "since_ns"});
   with("gone.", {"object", "sequence", "region"});
+  with("log.", {"author", "bytes"});
+  with("operations.", {"author", "from", "bytes", "asked.author", "asked.from", "asked.bytes"});
   for (const char* vector : {"viewpoint.position", "record.position", "record.velocity", "record.acceleration",
                              "record.jerk", "record.rate", "record.spin", "record.spin_acceleration", "decision.normal",
                              "decision.position", "decision.velocity", "decision.acceleration", "decision.spin"}) {
@@ -374,6 +390,20 @@ Message of_a_good_clock() {
   return m;
 }
 
+// No scenario has operations; these datagrams do, and lists of all lengths of their numbers.
+Message of_operations() {
+  Message m;
+  m.sender = PeerId{3};
+  m.incarnation = 1;
+  m.number = 1;
+  m.hello.emplace().logs = {
+      {AuthorId{1}, 1}, {AuthorId{300}, 1'000'000}, {AuthorId{kAuthorMax}, std::uint64_t{1} << 40}};
+  m.operations.push_back({AuthorId{300}, 0, Bytes(200, std::byte{0xFF})});
+  m.operations.push_back({AuthorId{kAuthorMax}, (std::uint64_t{1} << 40) - 3, Bytes(3, std::byte{0x80})});
+  m.operation_requests = {{AuthorId{1}, 0, 1}, {AuthorId{kAuthorMax}, 5'000'000'000, 5'000'300'000}};
+  return m;
+}
+
 class Dissector : public testing::Test {
  protected:
   void SetUp() override {
@@ -421,7 +451,7 @@ TEST_F(Dissector, SaysOfAllDatagramsWhatTheDecoderSays) {
         capture("flock-regions.toml", {"duration_s=1", "transport.group_pool=3"})}) {
     compare_all(folder, file, seen);
   }
-  compare_all(folder, capture_of({encode(farewell()), encode(of_a_good_clock())}), seen);
+  compare_all(folder, capture_of({encode(farewell()), encode(of_a_good_clock()), encode(of_operations())}), seen);
   for (const std::string& name : all_fields()) {
     if (name != kMalformed) {
       EXPECT_GT(seen[name], 0u) << name << " was never there";
@@ -478,6 +508,7 @@ TEST_F(Dissector, MarksWhatTheDecoderRefuses) {
       }
     }
   }
+  for (int i = 0; i < 300; ++i) real.push_back(encode(of_operations()));
   std::mt19937_64 random(20261120);
   constexpr int kCount = 4000;
   std::vector<Bytes> hostile;
