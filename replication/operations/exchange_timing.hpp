@@ -23,9 +23,9 @@ class ExchangeTiming {
   explicit ExchangeTiming(std::uint64_t seed) : random_(seed) {}
   void set_delay(Duration delay) { delay_ = std::max(delay, kDelayMin); }
 
-  // Until the first question; so many other members may ask the same.
+  // Until the first question; so many other members may ask the same. What has only been overtaken arrives before.
   [[nodiscard]] Duration ask_after(std::size_t others) {
-    return uniform(static_cast<std::int64_t>(std::clamp<std::size_t>(others, 1, kRanksMax)) * delay_);
+    return delay_ + uniform(static_cast<std::int64_t>(std::clamp<std::size_t>(others, 1, kRanksMax)) * delay_);
   }
   // Until the question is asked again, for the n-th time (from 0): twice as long each time, and never less than an
   // answer of the second holder takes.
