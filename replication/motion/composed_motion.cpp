@@ -71,10 +71,6 @@ MotionBounds bounds_of(const Levels& levels, SimTime t, double h_s, const Motion
   return all;
 }
 
-double error_of(const MotionBounds& b, double extent_m, double h_s) {
-  return b.jerk_m_s3 * h_s * h_s * h_s / 124.0 + extent_m * b.spin_acceleration_rad_s2 * h_s * h_s / 7.0;
-}
-
 bool turns(const MotionModel& law) {
   return !law.state.angular_velocity_body.isZero(0.0) || !law.angular_acceleration_body.isZero(0.0);
 }
@@ -109,6 +105,11 @@ KinematicState relative_to(const KinematicState& carrier, const KinematicState& 
   const Mat3 from_carrier = out.orientation.conjugate().toRotationMatrix();
   out.angular_velocity_body = state.angular_velocity_body - multiply(from_carrier, w);
   return out;
+}
+
+double error_of_piece_m(const MotionBounds& b, double extent_m, double h_s) {
+  assert(extent_m >= 0.0 && h_s >= 0.0);
+  return b.jerk_m_s3 * h_s * h_s * h_s / 124.0 + extent_m * b.spin_acceleration_rad_s2 * h_s * h_s / 7.0;
 }
 
 KinematicState composed_at(Chain chain, SimTime t) {
@@ -165,8 +166,8 @@ ComposedPiece composed_piece(Chain chain, SimTime t, double extent_m, double err
   const MotionBounds bounds = bounds_of(levels, window, to_seconds(window_end - window));
   int log2_ns = kLongest_log2_ns;
   const auto length_s = [&] { return to_seconds(Duration{std::int64_t{1} << log2_ns}); };
-  while (log2_ns > kShortest_log2_ns &&
-         (error_of(bounds, extent_m, length_s()) > error_max_m || bounds.spin_rad_s * length_s() > kTurnMax_rad)) {
+  while (log2_ns > kShortest_log2_ns && (error_of_piece_m(bounds, extent_m, length_s()) > error_max_m ||
+                                         bounds.spin_rad_s * length_s() > kTurnMax_rad)) {
     --log2_ns;
   }
   const Duration step{std::int64_t{1} << log2_ns};
@@ -182,7 +183,7 @@ ComposedPiece composed_piece(Chain chain, SimTime t, double extent_m, double err
   piece.state.acceleration = 2.0 * (to_end / h - to_middle / m) / (h - m);
   piece.state.velocity = to_end / h - (0.5 * h) * piece.state.acceleration;
   piece.state.angular_velocity_body = spin_between(first.orientation, last.orientation, h);
-  piece.error_m = error_of(bounds, extent_m, h) + kPositionRounding * (bounds.distance_m + extent_m);
+  piece.error_m = error_of_piece_m(bounds, extent_m, h) + kPositionRounding * (bounds.distance_m + extent_m);
   return piece;
 }
 

@@ -34,6 +34,10 @@ using Chain = std::span<const Timeline* const>;
 // node's own frame. The laws in force at t are taken to go on.
 [[nodiscard]] MotionBounds composed_bounds(Chain chain, SimTime t, double h_s, const MotionBounds& in_node);
 
+// How far a piece of h_s [s] at constant acceleration and spin, that goes through the true poses at its ends and the
+// true position in the middle, is off anywhere in between, for points within `extent_m` of the node's origin [m].
+[[nodiscard]] double error_of_piece_m(const MotionBounds& bounds, double extent_m, double h_s);
+
 // A part of a composed motion at constant acceleration and spin. It goes through the true pose at both ends and the
 // true position in the middle.
 struct ComposedPiece {

@@ -38,6 +38,16 @@ void hold(SweptBound& bound, const collision::Body& body, const KinematicState& 
   bound.radius_m = std::max(bound.radius_m, reach);
 }
 
+// How far a body that goes by the piece of its law in force at s is off the law's closed form.
+double piece_error_m(const Timeline::Segment& law, const collision::Body& body, SimTime s) {
+  if (s < law.from || is_one_piece(law.model)) return 0.0;
+  const Duration begin = piece_begin(law.model, s - law.from);
+  const auto end = piece_end(law.model, s - law.from);
+  if (!end) return 0.0;  // the law is over
+  const double h_s = to_seconds(*end - begin);
+  return error_of_piece_m(bounds_within(law.model, to_seconds(begin), h_s), body.extent_m(), h_s);
+}
+
 }  // namespace
 
 SweptBound swept_bound(const Timeline& timeline, const collision::Body& body, SimTime s, SimTime begin, SimTime end) {
@@ -59,8 +69,10 @@ SweptBound swept_bound(const Timeline& timeline, const collision::Body& body, Si
   bound.low.setConstant(std::numeric_limits<double>::infinity());
   bound.high = -bound.low;
   const KinematicState first = timeline.at(begin);
+  const double error_m = piece_error_m(timeline.segment_at(s), body, s);
   if (begin > law_begins) {
     hold(bound, body, first, turns(first), h);
+    bound.radius_m += 2.0 * error_m;
     return bound;
   }
   // The searches of partners may begin with the law or within its first piece.
@@ -68,6 +80,7 @@ SweptBound swept_bound(const Timeline& timeline, const collision::Body& body, Si
   const bool turning = turns(first) || turns(piece);
   hold(bound, body, first, turning, h);
   hold(bound, body, piece, turning, h);
+  bound.radius_m += 2.0 * error_m;
   return bound;
 }
 

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <boost/container/small_vector.hpp>
@@ -27,14 +28,22 @@ struct SideStates {
   SimTime end = SimTime::max();  // the pieces of composed motion end, the first of them
 };
 
-SideStates states_of(std::span<const MovingPart> side, SimTime t, double error_max_m) {
+// Whether the part moves by the pieces of one law: by all that it is, or as those that answer contacts are predicted.
+bool moves_by_pieces(const MovingPart& part, SimTime t, collision::MeetAs as) {
+  if (part.chain.size() != 1) return false;
+  if (as == collision::MeetAs::kSolids) return true;
+  const Timeline::Segment& law = part.chain.front()->segment_at(t);
+  return t < law.from || is_one_piece(law.model);
+}
+
+SideStates states_of(std::span<const MovingPart> side, SimTime t, double error_max_m, collision::MeetAs as) {
   SideStates out;
   for (const MovingPart& part : side) {
     if (part.chain.empty()) {  // it stands in the frame
       out.states.emplace_back();
       continue;
     }
-    if (part.chain.size() == 1) {
+    if (moves_by_pieces(part, t, as)) {
       out.states.push_back(part.chain.front()->at(t));
       continue;
     }
@@ -125,21 +134,35 @@ PartContact first_part_contact(const PartQuery& query, SimTime begin, SimTime fr
     found.at = time_of(found.contact, t);
     return found;
   };
-  const SideStates at_a = states_of(query.a, begin, kCoarseError_m), at_b = states_of(query.b, begin, kCoarseError_m);
-  const bool exact = at_a.error_m == 0.0 && at_b.error_m == 0.0;
-  PartContact found = search_from(begin, until, at_a, at_b);
-  if (exact) {
-    const bool dealt_with = found.contact.state != ContactState::kSeparated && found.at < from;
-    if (begin == from || !dealt_with) return found;
-    return search_from(from, until, states_of(query.a, from, kCoarseError_m), states_of(query.b, from, kCoarseError_m));
-  }
-  if (found.contact.state == ContactState::kSeparated || found.contact.state == ContactState::kUnsupported)
-    return found;
-  for (SimTime t = std::max(found.at, from); t < until;) {
-    const SideStates a = states_of(query.a, t, kFineError_m), b = states_of(query.b, t, kFineError_m);
+  const auto states_at = [&](SimTime t, double error_max_m) {
+    return std::pair{states_of(query.a, t, error_max_m, query.as), states_of(query.b, t, error_max_m, query.as)};
+  };
+  PartContact found;
+  for (SimTime t = begin; t < until;) {
+    const auto [a, b] = states_at(t, kCoarseError_m);
     const SimTime end = std::min({until, a.end, b.end});
+    if (end <= from) {
+      t = end;
+      continue;
+    }
     found = search_from(t, end, a, b);
-    if (found.contact.state != ContactState::kSeparated) return found;
+    if (found.contact.state == ContactState::kUnsupported) return found;
+    if (a.error_m == 0.0 && b.error_m == 0.0) {
+      const bool dealt_with = found.contact.state != ContactState::kSeparated && found.at < from;
+      if (t < from && dealt_with) {
+        const auto [later_a, later_b] = states_at(from, kCoarseError_m);
+        found = search_from(from, end, later_a, later_b);
+      }
+      if (found.contact.state != ContactState::kSeparated) return found;
+    } else if (found.contact.state != ContactState::kSeparated) {
+      for (SimTime u = std::max(found.at, from); u < end;) {
+        const auto [fine_a, fine_b] = states_at(u, kFineError_m);
+        const SimTime fine_end = std::min({end, fine_a.end, fine_b.end});
+        found = search_from(u, fine_end, fine_a, fine_b);
+        if (found.contact.state != ContactState::kSeparated) return found;
+        u = fine_end;
+      }
+    }
     t = end;
   }
   return found;
@@ -147,7 +170,7 @@ PartContact first_part_contact(const PartQuery& query, SimTime begin, SimTime fr
 
 bool parts_touch(const PartQuery& query, SimTime t) {
   if (query.is_flexible()) return flexible_parts_touch(query, t);
-  const SideStates a = states_of(query.a, t, kFineError_m), b = states_of(query.b, t, kFineError_m);
+  const SideStates a = states_of(query.a, t, kFineError_m, query.as), b = states_of(query.b, t, kFineError_m, query.as);
   const double margin_m = a.error_m + b.error_m;
   if (a.states.size() == 1 && b.states.size() == 1) {
     return collision::touching({*query.a.front().body, a.states.front()}, {*query.b.front().body, b.states.front()},
@@ -163,7 +186,8 @@ SimTime parts_touch_until(const PartQuery& query, SimTime t, SimTime until) {
   if (query.is_flexible()) {
     certain_s = flexible_parts_touch_for_s(query, t, until);
   } else {
-    const SideStates a = states_of(query.a, t, kCoarseError_m), b = states_of(query.b, t, kCoarseError_m);
+    const SideStates a = states_of(query.a, t, kCoarseError_m, query.as),
+                     b = states_of(query.b, t, kCoarseError_m, query.as);
     const auto bodies_a = bodies_of(query.a, a), bodies_b = bodies_of(query.b, b);
     const double error_m = a.error_m + b.error_m, left_s = to_seconds(std::min({until, a.end, b.end}) - t);
     if (query.type != CollisionType::kBox) {

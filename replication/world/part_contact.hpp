@@ -14,8 +14,10 @@ namespace peerd::replication {
 // then, those by coarse pieces included; the search begins at `begin` as long as it finds nothing before `from`,
 // because contact times must not depend on when they are asked for. Exact motion is searched as it is. Composed motion
 // is searched by coarse pieces with a margin of their error, and from what they find on by fine ones: a contact is
-// never late, and the parts are then no farther apart than 1e-6 m and twice the errors of the fine pieces. Flexible
-// parts are searched in the same two ways (flexible_contact.hpp). `searches` counts calls of collision.
+// never late, and the parts are then no farther apart than 1e-6 m and twice the errors of the fine pieces. A law that
+// pieces only come near (motion_model.hpp) is searched like that where the two meet as polygons; those that answer each
+// other meet as they are predicted, by the law's own pieces. Flexible parts are searched in the same two ways
+// (flexible_contact.hpp). `searches` counts calls of collision.
 [[nodiscard]] PartContact first_part_contact(const PartQuery& query, SimTime begin, SimTime from, SimTime until,
                                              std::uint64_t& searches);
 

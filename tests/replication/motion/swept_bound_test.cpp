@@ -83,6 +83,8 @@ TEST(SweptBound, HoldsTheWholeWay) {
           << "round " << round;
       for (const Vec3& v : body.vertices()) {
         ASSERT_LE((state.pose() * v - center).norm(), bound.radius_m * (1.0 + 1e-6)) << "round " << round;
+        // The closed form of the law, which the piece comes near, is held, too.
+        ASSERT_LE((line.exact_at(t).pose() * v - center).norm(), bound.radius_m * (1.0 + 1e-6)) << "round " << round;
       }
     }
   }

@@ -94,6 +94,35 @@ TEST(FarPairs, AreOpenedByAnUpdateOfTheTimeBeforeTheyWereFar) {
   EXPECT_TRUE(met_in_the_past(Role::kDriven).empty()) << "what this peer moves meets nothing in the past";
 }
 
+// B bounces off A at 1 s and flies away, so that the two become far. Then an update says that A was not there.
+TEST(FarPairs, TakeBackWhatTheyMetBeforeTheyWereFar) {
+  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "5 0 0", kBounces) + interest("B", "\"A\""));
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* path : {"A", "B"}) world.declare(w[path], Role::kPredicted);
+  world.set_base(w["B"], sim(0s), moving({5, 0, 0}, {-4, 0, 0}));
+  const auto advance_until = [&](Duration until) {
+    for (Duration t = until - 1s; t <= until; t += 10ms) world.advance(sim(t));
+  };
+  for (const Duration until : {1s, 2s, 3s, 4s}) advance_until(until);
+  const std::uint64_t checks = world.counters().searches_far;
+  advance_until(5s);
+  EXPECT_LE(world.counters().searches_far, checks + 1) << "the two are far, and nobody checks them";
+  EXPECT_NEAR(world.at(w["B"], sim(5s)).position.x(), 17.0, 1e-5) << "bounced at 1 m";
+  while (world.poll_event()) continue;
+
+  world.set_base(w["A"], sim(500ms), moving({2, 20, 0}));
+  world.advance(sim(5s));
+  EXPECT_EQ(world.at(w["B"], sim(5s)).position, Vec3(-15, 0, 0));
+  bool retracted = false;
+  while (const auto event = world.poll_event()) {
+    EXPECT_FALSE(std::holds_alternative<ContactEvent>(*event));
+    if (const auto* back = std::get_if<ContactsRetracted>(&*event)) {
+      retracted = retracted || back->retracts(sim(1s), w["B"], w["A"]);
+    }
+  }
+  EXPECT_TRUE(retracted);
+}
+
 // Three boxes of which one is below a node that becomes a carrier later: what is far is so still, what has been
 // answered can be retracted, though all indices change.
 TEST(FarPairs, OutliveAChangeOfTheModel) {

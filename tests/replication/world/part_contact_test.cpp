@@ -312,6 +312,42 @@ TEST(FirstPartContact, AHandThatIsAheadOfItsPieceIsNotLate) {
   EXPECT_GT(deepest_m, -1e-9) << "late";
 }
 
+// A box that no carrier moves goes on a circle, of which the pieces of its timeline are off by some micrometres. Those
+// that nobody answers meet where the circle is.
+TEST(FirstPartContact, ALawThatItsPiecesRoundIsNotLate) {
+  constexpr double kRadius_m = 2.0, kRate_rad_s = 2.0, kSpeed_m_s = kRadius_m * kRate_rad_s;
+  MotionModel circle(level({kRadius_m, 0, 0}, {0, kSpeed_m_s, 0}));
+  circle.state.acceleration = {-kSpeed_m_s * kRate_rad_s, 0, 0};
+  circle.rate_rad_s = {0, 0, kRate_rad_s};
+  circle.kind = MotionKind::kTurning;
+  const Timeline timeline(sim(0s), circle);
+  const Timeline* const chain[] = {&timeline};
+  const CarriedBox cube({0.5, 0.5, 0.5}, {level({0, 0, 0})});
+  double deepest_m = 0.0;
+  for (int i = 0; i < 400; ++i) {
+    SCOPED_TRACE(i);
+    const double y = 0.3 + 0.004 * i;  // of the ceiling
+    const CarriedBox ceiling({16, 1, 16}, {level({0, y + 0.5, 0})});
+    const MovingPart a{.chain = chain, .body = &cube.body()}, b = ceiling.part();
+    const PartQuery query{.a = {&a, 1}, .b = {&b, 1}, .as = collision::MeetAs::kPolygons};
+    std::uint64_t searches = 0;
+    std::optional<SimTime> met;
+    for (SimTime s = sim(0s); !met && s < sim(1s);) {  // from piece to piece of the timeline, as a world searches
+      const SimTime end = std::min(timeline.next_change_after(s).value_or(sim(1s)), sim(1s));
+      const PartContact found = first_part_contact(query, s, s, end, searches);
+      if (found.contact.state == ContactState::kContact && found.at < end) met = found.at;
+      ASSERT_NE(found.contact.state, ContactState::kOverlapped) << "late";
+      s = end;
+    }
+    ASSERT_TRUE(met);
+    EXPECT_TRUE(parts_touch(query, *met));
+    const double gap_m = y - 0.25 - kRadius_m * std::sin(kRate_rad_s * to_seconds(met->time_since_epoch()));
+    deepest_m = std::min(deepest_m, gap_m);
+    EXPECT_LE(gap_m, 1e-6 + 4 * kFineError_m + 1e-7) << "early";
+  }
+  EXPECT_GT(deepest_m, -1e-9) << "late";
+}
+
 TEST(FirstPartContact, BoxesOfSeveralPartsAreThoseOfTheWholeEnds) {
   constexpr double kUntil_s = 1.5;
   Rng rng{std::mt19937_64(3)};

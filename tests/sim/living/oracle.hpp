@@ -42,7 +42,9 @@ class ContactOracle {
     [[nodiscard]] bool is_late() const { return late_s > 0.0; }
   };
   // Judges a contact that was reported for `t_s`; the two were apart at `since_s`. Conservative advancement: where they
-  // are d apart and no point goes faster than v against the other, they do not touch for d / v.
+  // are d apart and no point goes faster than v against the other, they do not touch for d / v. Where that is short,
+  // they may glide along each other: they do not touch for h if directions part them by more than a h^2 / 8 both now
+  // and then, where no point of one is accelerated by more than a against the other.
   [[nodiscard]] Verdict judge(double since_s, double t_s);
 
  private:
@@ -50,7 +52,7 @@ class ContactOracle {
     int node = -1;
     std::vector<int> path;  // of Transforms, from the top
     Soup soup;
-    double speed_m_s = 0.0;  // in the common frame, in the piece
+    double speed_m_s = 0.0, acceleration_m_s2 = 0.0;  // at most, in the common frame, in the piece
   };
   struct Piece {
     double begin_s = 0.0, end_s = 0.0;
@@ -58,13 +60,22 @@ class ContactOracle {
   };
   std::vector<Part> parts_of(int node) const;
   [[nodiscard]] std::vector<Piece> pieces_at(double t_s) const;
-  void set_speeds(std::vector<Part>& parts, double within_s) const;
+  void set_bounds(std::vector<Part>& parts, double within_s) const;
   // Places all parts in the world, or in the frame of what holds both.
   void place(double t_s, const Piece& piece, bool in_world);
   [[nodiscard]] Range distance_placed() const;
   [[nodiscard]] bool touch_placed() const;
   struct Box;
+  [[nodiscard]] static Box box_of(const std::vector<Part>& parts);
+  // How far the box of one is beyond that of the other, along each axis in both directions; negative: they overlap.
+  [[nodiscard]] std::array<double, 6> box_gaps() const;
   void sweep(double since_s, double t_s, Verdict& verdict);
+  void sweep_piece(const Piece& piece, double since_s, double t_s, Verdict& verdict);
+  // A time for which the two, who are placed at `at_s`, do not touch: the longest of `longest_s` and its halves, down
+  // to kLeastStep_s; 0: it is none of them. `speed_m_s`, `acceleration_m_s2`: of any points against each other, at
+  // most.
+  [[nodiscard]] double glide_s(const Piece& piece, double at_s, double longest_s, double speed_m_s,
+                               double acceleration_m_s2);
 
   const OracleMotion& motion_;
   const World& world_;

@@ -226,9 +226,13 @@ OracleMotion::Bound OracleMotion::bound(int node, const Bound& below, double wit
     const double cosine_of = std::max(std::abs(product.lo), std::abs(product.hi));
     turn_rad_s = (2.0 * std::acos(std::min(1.0, cosine_of)) + 1e-7) / at.seconds;
   }
+  // The point goes along T + C + R S p, where R turns at a constant rate and T and S change at one.
   const double arm_m = below.radius_m + length_of(n.center);
-  return {kRoom * (translation_m + length_of(n.center) + scale * arm_m),
-          kRoom * (speed_m_s + (turn_rad_s * scale + scale_per_s) * arm_m + scale * below.speed_m_s)};
+  const double scaled_m = scale * arm_m, scaled_m_s = scale_per_s * arm_m + scale * below.speed_m_s;
+  const double scaled_m_s2 = 2.0 * scale_per_s * below.speed_m_s + scale * below.acceleration_m_s2;
+  return {kRoom * (translation_m + length_of(n.center) + scaled_m),
+          kRoom * (speed_m_s + turn_rad_s * scaled_m + scaled_m_s),
+          kRoom * (turn_rad_s * turn_rad_s * scaled_m + 2.0 * turn_rad_s * scaled_m_s + scaled_m_s2)};
 }
 
 OracleMotion::Bound OracleMotion::bound_of_form(int form, double within_s) const {

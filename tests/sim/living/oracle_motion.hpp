@@ -22,11 +22,11 @@ class OracleMotion {
   // The points of a form, those of curved ones cut into 24 slices and 12 stacks, in the frame of its Shape.
   [[nodiscard]] std::vector<Point> points(int form, double t_s, double within_s) const;
 
-  // Bounds of how fast a point of the frame of a node's children goes in that of its parent, if it is within `radius_m`
-  // of the origin and moves by `speed_m_s` itself, and of how far it is from the origin there; between the breaks
-  // around `within_s`.
+  // Bounds of how fast a point of the frame of a node's children goes in that of its parent, and how fast that changes,
+  // if it is within `radius_m` of the origin and moves by `speed_m_s` and `acceleration_m_s2` itself, and of how far it
+  // is from the origin there; between the breaks around `within_s`.
   struct Bound {
-    double radius_m = 0.0, speed_m_s = 0.0;
+    double radius_m = 0.0, speed_m_s = 0.0, acceleration_m_s2 = 0.0;
   };
   [[nodiscard]] Bound bound(int node, const Bound& below, double within_s) const;
   [[nodiscard]] Bound bound_of_form(int form, double within_s) const;

@@ -159,7 +159,7 @@ bool Soup::visit_near(const Soup& a, const Soup& b, int node_a, int node_b, cons
   if (of_a.right == 0 && of_b.right == 0) {
     for (int i = of_a.begin; i < of_a.end; ++i) {
       for (int k = of_b.begin; k < of_b.end; ++k) {
-        if (visit(a.corners(i), b.corners(k))) return true;
+        if (visit(i, k)) return true;
       }
     }
     return false;
@@ -183,17 +183,28 @@ bool Soup::visit_near(const Soup& a, const Soup& b, int node_a, int node_b, cons
 void Soup::lower_distance(const Soup& a, const Soup& b, Range& range) {
   visit_near(
       a, b, 0, 0, [&] { return range.hi; },
-      [&](const Corners& of_a, const Corners& of_b) {
-        const Range pair = distance(of_a, of_b);
+      [&](int i, int k) {
+        const Range pair = distance(a.corners(i), b.corners(k));
         range.lo = std::min(range.lo, pair.lo);
         range.hi = std::min(range.hi, pair.hi);
         return range.hi == 0.0;
       });
 }
 
+// How far b is beyond a along n, wherever in their boxes the corners are.
+double Soup::gap_along(const Corners& a, const Corners& b, const Vector& n) {
+  double top_a = -kInfinity, bottom_b = kInfinity, radius_a = 0.0, radius_b = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    top_a = std::max(top_a, dot_of(a[i]->middle, n)), bottom_b = std::min(bottom_b, dot_of(b[i]->middle, n));
+    radius_a = std::max(radius_a, a[i]->radius), radius_b = std::max(radius_b, b[i]->radius);
+  }
+  const double spread = std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]);
+  return bottom_b - top_a - spread * (radius_a + radius_b) - kArithmetic_m;
+}
+
 // The nearest points of the corners' middles give a direction along which the triangles are apart, whatever the
 // direction is: the lower end is certain. The upper end is the distance of two points that the triangles have.
-Range Soup::distance(const Corners& a, const Corners& b) {
+Range Soup::distance(const Corners& a, const Corners& b, Vector* direction) {
   std::array<Vector, 3> p, q;
   double radius_a = 0.0, radius_b = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -208,17 +219,30 @@ Range Soup::distance(const Corners& a, const Corners& b) {
   }
   const double radius = radius_a + radius_b;
   Range range{0.0, nearest.distance_m + std::sqrt(3.0) * radius + kArithmetic_m};
-  const Vector n = minus(nearest.q, nearest.p);
-  const double length = length_of(n);
+  const Vector way = minus(nearest.q, nearest.p);
+  const double length = length_of(way);
   if (length > 0.0) {
-    const auto height = [&](const Vector& x) { return dot_of(x, n) / length; };
-    const double top_a = std::max({height(p[0]), height(p[1]), height(p[2])});
-    const double bottom_b = std::min({height(q[0]), height(q[1]), height(q[2])});
-    const double spread = (std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2])) / length;
-    range.lo = std::max(0.0, bottom_b - top_a - spread * radius - kArithmetic_m);
+    const Vector n{way[0] / length, way[1] / length, way[2] / length};
+    range.lo = std::max(0.0, gap_along(a, b, n));
+    if (direction != nullptr) *direction = n;
   }
   if (range.lo == 0.0 && cross(a, b)) range.hi = 0.0;
   return range;
+}
+
+void Soup::find_near(const Soup& a, const Soup& b, double distance_m, std::vector<Near>& near) {
+  visit_near(
+      a, b, 0, 0, [&] { return distance_m; },
+      [&](int i, int k) {
+        Near pair{i, k, {}, 0.0};
+        pair.gap_m = distance(a.corners(i), b.corners(k), &pair.direction).lo;
+        if (pair.gap_m <= distance_m) near.push_back(pair);
+        return false;
+      });
+}
+
+double Soup::gap_m(const Soup& a, const Soup& b, const Near& near) {
+  return gap_along(a.corners(near.a), b.corners(near.b), near.direction);
 }
 
 // An edge crosses a triangle where its ends are on two sides of the plane, and the line passes the triangle's edges on
@@ -250,7 +274,7 @@ bool Soup::cross(const Corners& a, const Corners& b) {
 
 bool Soup::cross(const Soup& a, const Soup& b) {
   return visit_near(
-      a, b, 0, 0, [] { return 0.0; }, [](const Corners& of_a, const Corners& of_b) { return cross(of_a, of_b); });
+      a, b, 0, 0, [] { return 0.0; }, [&](int i, int k) { return cross(a.corners(i), b.corners(k)); });
 }
 
 // The least overlap along the normals of faces of the difference of the two: of their planes, and of pairs of edges.
@@ -280,8 +304,8 @@ double Soup::depth_m(const Soup& a, const Soup& b) {
   double deepest = 0.0;
   visit_near(
       a, b, 0, 0, [] { return 0.0; },
-      [&](const Corners& of_a, const Corners& of_b) {
-        deepest = std::max(deepest, depth_m(of_a, of_b));
+      [&](int i, int k) {
+        deepest = std::max(deepest, depth_m(a.corners(i), b.corners(k)));
         return false;
       });
   return deepest;

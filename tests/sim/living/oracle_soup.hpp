@@ -29,6 +29,17 @@ class Soup {
   // pairs: a figure for statistics, without certainty. 0: none cross.
   [[nodiscard]] static double depth_m(const Soup& a, const Soup& b);
 
+  // Pairs of triangles, one of each soup, each with a direction and the gap along it in a placement.
+  struct Near {
+    int a = 0, b = 0;
+    std::array<double, 3> direction{};  // unit, but for rounding
+    double gap_m = 0.0;                 // certain; 0: nothing certainly parts the two
+  };
+  // Adds all pairs that are not certainly farther apart than that.
+  static void find_near(const Soup& a, const Soup& b, double distance_m, std::vector<Near>& near);
+  // The gap of a pair along its direction, as the soups are placed now; negative where they overlap along it.
+  [[nodiscard]] static double gap_m(const Soup& a, const Soup& b, const Near& near);
+
   // Widens the lower and the upper end of a box along an axis, each a range, to hold all corners.
   void extend(std::size_t axis, Range& lo, Range& hi) const;
 
@@ -49,10 +60,12 @@ class Soup {
   using Corners = std::array<const Corner*, 3>;
   void build(const std::vector<std::array<double, 3>>& centers, int begin, int end, std::vector<int>& order);
   [[nodiscard]] Corners corners(int triangle) const;
-  static Range distance(const Corners& a, const Corners& b);
+  static Range distance(const Corners& a, const Corners& b, std::array<double, 3>* direction = nullptr);
+  static double gap_along(const Corners& a, const Corners& b, const std::array<double, 3>& n);
   static bool cross(const Corners& a, const Corners& b);
   static double depth_m(const Corners& a, const Corners& b);
-  // Visits pairs of triangles whose boxes are no farther apart than reach(), until `visit` is true.
+  // Visits pairs of triangles whose boxes are no farther apart than reach(), until `visit` is true; it takes the two
+  // triangles.
   template <class Reach, class Visit>
   static bool visit_near(const Soup& a, const Soup& b, int node_a, int node_b, const Reach& reach, const Visit& visit);
 
