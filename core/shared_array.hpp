@@ -28,6 +28,11 @@ class SharedArray {
   [[nodiscard]] auto end() const { return view_.end(); }
   [[nodiscard]] std::span<const T> span() const { return view_; }
 
+  // Whether the two share their elements. Arrays with equal elements of their own are two.
+  friend bool operator==(const SharedArray& a, const SharedArray& b) {
+    return a.data() == b.data() && a.size() == b.size();
+  }
+
  private:
   std::shared_ptr<const void> owner_;
   std::span<const T> view_;

@@ -34,6 +34,7 @@
 #include "peerd/config/scenario.hpp"
 #include "peerd/feed/pose_feed.hpp"
 #include "peerd/input/json_line.hpp"
+#include "peerd/input/text_file.hpp"
 #include "peerd/os/host_clock.hpp"
 
 namespace peerd {
@@ -157,11 +158,36 @@ struct PoseFlags {
   std::vector<double> position_m, orientation_xyzw;
 };
 
-struct CtlCommands {
-  CLI::App *status, *peers, *objects, *key, *pose, *leave;
+// The edit of `peerd ctl add`, `remove`, `move` and `set`.
+struct EditFlags {
+  std::string file, path, under, field;
+  std::vector<std::string> value;
 };
 
-CtlCommands add_ctl_commands(CLI::App& ctl, CtlOptions& options, KeyFlags& key, PoseFlags& pose) {
+struct CtlCommands {
+  CLI::App *status, *peers, *objects, *key, *pose, *add, *remove, *move, *set, *save, *leave;
+};
+
+void add_edit_commands(CLI::App& ctl, CtlCommands& commands, CtlOptions& options, EditFlags& edit) {
+  commands.add = ctl.add_subcommand("add", "adds the nodes of a VRML text to the scene, for all peers");
+  commands.add->add_option("file", edit.file, "the text; -: from standard input")->required();
+  commands.add->add_option("--under", edit.under, "path of the node that they stand in (default: the top level)");
+  commands.remove = ctl.add_subcommand("remove", "removes a node with all below it");
+  commands.remove->add_option("path", edit.path, "its path, or its DEF name")->required();
+  commands.move = ctl.add_subcommand("move", "moves a node with all below it in the tree; its fields stay");
+  commands.move->add_option("path", edit.path, "its path")->required();
+  commands.move->add_option("parent", edit.under, "path of the new parent (default: the top level)");
+  commands.set = ctl.add_subcommand("set", "sets a field of a node");
+  commands.set->add_option("path", edit.path, "its path, or its DEF name")->required();
+  commands.set->add_option("field", edit.field, "such as translation, scale, collisionResponse")->required();
+  commands.set->add_option("value", edit.value, "in the notation of VRML: 1 2 3, TRUE, \"Box { size 1 1 1 }\"")
+      ->required()
+      ->expected(-1);
+  commands.save = ctl.add_subcommand("save", "writes the scene as it is now as a world file");
+  commands.save->add_option("file", options.save, "(default: standard output)");
+}
+
+CtlCommands add_ctl_commands(CLI::App& ctl, CtlOptions& options, KeyFlags& key, PoseFlags& pose, EditFlags& edit) {
   ctl.require_subcommand(1);
   ctl.footer(
       "Exit codes: 0 done, 1 a key or a pose without its full effect, 2 wrong use, or the peer refused, 3 no peer "
@@ -197,10 +223,9 @@ CtlCommands add_ctl_commands(CLI::App& ctl, CtlOptions& options, KeyFlags& key, 
   commands.pose->add_option("--orientation", pose.orientation_xyzw, "a quaternion, x y z w (default: as before)")
       ->expected(4)
       ->transform(number_in({-kQuaternionMax, kQuaternionMax}));
+  add_edit_commands(ctl, commands, options, edit);
   commands.leave = ctl.add_subcommand("leave", "leaves the session and ends");
-  for (CLI::App* command :
-       {commands.status, commands.peers, commands.objects, commands.key, commands.pose, commands.leave})
-    command->fallthrough();
+  for (CLI::App* command : ctl.get_subcommands({})) command->fallthrough();
   return commands;
 }
 
@@ -210,12 +235,36 @@ std::string pose_request(const PoseFlags& pose) {
   return json_line(request);
 }
 
-Result<std::string> ctl_request(const CtlCommands& commands, const KeyFlags& key, const PoseFlags& pose) {
+Result<std::string> edit_request(const CtlCommands& commands, const EditFlags& edit) {
+  nlohmann::json request;
+  if (*commands.add) {
+    constexpr SizeLimit kText{kMiB, "no operation is so long"};
+    const auto text =
+        edit.file == "-" ? read_text(std::cin, "standard input", kText) : read_text_file(edit.file, kText);
+    if (!text) return std::unexpected(text.error());
+    request = {{"do", "add"}, {"text", *text}};
+  } else if (*commands.remove) {
+    request = {{"do", "remove"}, {"path", edit.path}};
+  } else if (*commands.move) {
+    request = {{"do", "move"}, {"path", edit.path}};
+  } else {
+    std::string value;
+    for (const std::string& word : edit.value) value += (value.empty() ? "" : " ") + word;
+    request = {{"do", "set"}, {"path", edit.path}, {"field", edit.field}, {"value", value}};
+  }
+  if (!edit.under.empty()) request["under"] = edit.under;
+  return json_line(request);
+}
+
+Result<std::string> ctl_request(const CtlCommands& commands, const KeyFlags& key, const PoseFlags& pose,
+                                const EditFlags& edit) {
   if (*commands.status) return R"({"do":"status"})";
   if (*commands.peers) return R"({"do":"peers"})";
   if (*commands.objects) return R"({"do":"objects"})";
   if (*commands.pose) return pose_request(pose);
   if (*commands.leave) return R"({"do":"leave"})";
+  if (*commands.save) return R"({"do":"world"})";
+  if (*commands.add || *commands.remove || *commands.move || *commands.set) return edit_request(commands, edit);
   if (key.name.empty() == !key.value) {
     return std::unexpected(InputError{"error: which key? Say its name, such as ArrowUp, or --value NUMBER"});
   }
@@ -450,13 +499,14 @@ Command add_ctl(CLI::App& app) {
     CtlOptions ctl;
     KeyFlags key;
     PoseFlags pose;
+    EditFlags edit;
     CtlCommands commands{};
   };
   const auto flags = std::make_shared<Flags>();
   CLI::App* const command = app.add_subcommand("ctl", "asks or tells a peer that runs on this computer");
-  flags->commands = add_ctl_commands(*command, flags->ctl, flags->key, flags->pose);
+  flags->commands = add_ctl_commands(*command, flags->ctl, flags->key, flags->pose, flags->edit);
   return {command, [flags] {
-            const auto request = ctl_request(flags->commands, flags->key, flags->pose);
+            const auto request = ctl_request(flags->commands, flags->key, flags->pose, flags->edit);
             if (!request) return failed(request.error());
             flags->ctl.request = *request;
             return run_ctl(flags->ctl);

@@ -44,8 +44,8 @@ std::expected<void, Drop> Intake::on_packet(HostTime now, RegionId region, std::
   Message& m = **message;
   assert(m.sender != kNobody);
   if (m.identity) return dropped(region, p_.admission.on_identity_check(now, m));
-  const bool for_all =
-      m.hello || m.leaving || !m.decisions.empty() || !m.subscriptions.empty() || !m.scene.states.empty();
+  const bool for_all = m.hello || m.leaving || !m.decisions.empty() || !m.subscriptions.empty() ||
+                       !m.scene.states.empty() || !m.operations.empty() || !m.operation_requests.empty();
   if (for_all && region != kWholeScene) return dropped(region, Drop::kRegion);
   if (const auto admitted = admit(now, m); !admitted) return dropped(region, admitted.error());
   ++p_.counters.datagrams_in;
@@ -58,6 +58,7 @@ std::expected<void, Drop> Intake::on_packet(HostTime now, RegionId region, std::
   member.bytes_in += datagram.size();
   if (m.number > 0) member.received[region].on_datagram(m.number);
   if (m.hello) on_hello(now, m.sender, m.number, *m.hello);
+  operations_.on_message(now, m.sender, m);
   if (m.leaving) {
     const Member left = p_.admission.dismiss(m.sender);
     keeper_.lose(m.sender, left.name, now, true);
@@ -89,6 +90,7 @@ std::expected<void, Drop> Intake::admit(HostTime now, const Message& m) {
   p_.greeter.settle_from(now);
   p_.own.check_all();  // a peer is here that does not have the last updates of resting objects
   if (restarted) keeper_.orphan_objects_of(m.sender, now, true);
+  p_.exchange.on_joined(m.sender);
   p_.outbox.push(PeerJoined{m.sender, m.introduction()->name, restarted});
   return {};
 }

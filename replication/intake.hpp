@@ -6,6 +6,7 @@
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
+#include "replication/operation_keeper.hpp"
 #include "replication/peer_parts.hpp"
 #include "replication/scene_keeper.hpp"
 #include "replication/session_keeper.hpp"
@@ -16,7 +17,8 @@ namespace peerd::replication {
 // The way in: datagrams become messages, and their records go to the parts that they concern.
 class Intake {
  public:
-  Intake(PeerParts& parts, SessionKeeper& keeper, SceneKeeper& scene) : p_(parts), keeper_(keeper), scene_(scene) {}
+  Intake(PeerParts& parts, SessionKeeper& keeper, SceneKeeper& scene, OperationKeeper& operations)
+      : p_(parts), keeper_(keeper), scene_(scene), operations_(operations) {}
 
   // A datagram from the network: hostile until proven otherwise. The error says why it changed nothing.
   std::expected<void, Drop> on_packet(HostTime now, RegionId region, std::span<const std::byte> datagram);
@@ -35,6 +37,7 @@ class Intake {
   PeerParts& p_;
   SessionKeeper& keeper_;
   SceneKeeper& scene_;
+  OperationKeeper& operations_;
   Codec codec_;
 };
 

@@ -7,6 +7,7 @@
 
 #include "replication/contact_report.hpp"
 #include "replication/intake.hpp"
+#include "replication/operation_keeper.hpp"
 #include "replication/peer_parts.hpp"
 #include "replication/scene_keeper.hpp"
 #include "replication/session_keeper.hpp"
@@ -16,7 +17,11 @@ namespace peerd::replication {
 class Peer::Impl {
  public:
   Impl(PeerConfig config, const WorldModel& model)
-      : parts(std::move(config), model), scene(parts), keeper(parts, scene), intake(parts, keeper, scene) {
+      : parts(std::move(config), model),
+        scene(parts),
+        keeper(parts, scene),
+        operations(parts, keeper),
+        intake(parts, keeper, scene, operations) {
     parts.outbox.push(Join{kWholeScene});
   }
 
@@ -28,6 +33,7 @@ class Peer::Impl {
   PeerParts parts;
   SceneKeeper scene;
   SessionKeeper keeper;
+  OperationKeeper operations;
   Intake intake;
 
  private:
@@ -55,7 +61,8 @@ void Peer::Impl::on_tick(HostTime now, std::span<const OwnSample> samples) {
     tick(*due, samples);
     parts.regions.follow_interest(*due, parts.to_session(now));
   }
-  if (!is_settled(now)) parts.greeter.hurry();
+  operations.send(now);
+  if (!is_settled(now) || parts.exchange.has_news()) parts.greeter.hurry();
   if (parts.greeter.is_due(now)) {  // before the records: a peer that does not know this one can't use its updates
     send_hello(now, false);
     parts.publication.repeat_updates(now, parts.to_session(now));
@@ -73,6 +80,7 @@ void Peer::Impl::on_tick(HostTime now, std::span<const OwnSample> samples) {
 }
 
 void Peer::Impl::tick(SimTime t, std::span<const OwnSample> samples) {
+  operations.apply_until(t);
   parts.extend_motions(t);
   parts.replica.advance_truth(t);
   parts.publication.take(t, samples);
@@ -142,6 +150,7 @@ void Peer::Impl::send_hello(HostTime now, bool leaving) {
   const bool as_founder = hello.introduction && hello.introduction->owned_as_founder != 0;
   const std::size_t subscriptions = kSubscriptionsWithHello - (as_founder ? 1 : 0) - (hello.scene_digest != 0 ? 1 : 0);
   if (!leaving) m.subscriptions = parts.regions.take(subscriptions, true);
+  operations.add_lengths(m);
   parts.greeter.on_hello_sent(now, parts.outbox.send(m));
 }
 
@@ -187,6 +196,10 @@ void Peer::announce_start(SimTime start) {
   impl_->keeper.reintroduce();
 }
 
+std::expected<OperationId, std::string> Peer::edit(HostTime now, OperationBody body) {
+  return impl_->operations.edit(now, std::move(body));
+}
+
 void Peer::leave(HostTime now) {
   impl_->parts.publication.flush(true);
   impl_->send_hello(now, true);
@@ -200,12 +213,14 @@ HostTime Peer::next_deadline() const {
   const PeerParts& p = impl_->parts;
   HostTime next = p.greeter.next_deadline();
   if (!p.time.started()) return next;
+  if (const auto due = p.exchange.next_deadline()) next = std::min(next, *due);
   if (p.replica.begun()) next = std::min(next, p.time.clock().to_host(p.ticks.next_time()));
   if (const auto expiry = p.members.next_expiry()) next = std::min(next, *expiry);
   return next;
 }
 
 PeerId Peer::id() const { return impl_->parts.config.id; }
+const Scene& Peer::scene() const { return *impl_->parts.model->scene; }
 const SessionClock& Peer::clock() const { return impl_->parts.time.clock(); }
 const std::optional<OsClock>& Peer::os_clock() const { return impl_->parts.time.os_clock(); }
 std::optional<PeerId> Peer::follows() const { return impl_->parts.time.follows(); }

@@ -60,6 +60,11 @@ class Peer {
   // This peer's hellos say from now on when motions by formula begin. Peers that run such motions together follow the
   // peer with the lowest id. The time is also time 0 of the world's TimeSensors where the session has none yet.
   void announce_start(SimTime start);
+  // Changes the scene, for all peers and for good, from an instant on that leaves all of them the time to know it. The
+  // peer chooses the ids of what the operation adds, and resolves names of its text that the text does not have. The
+  // error says, for people, why it cannot be. SceneEdited says what has become of it, OperationHeld that it outlives
+  // this peer.
+  std::expected<OperationId, std::string> edit(HostTime now, OperationBody body);
   // Says goodbye. The peer is over after this.
   void leave(HostTime now);
 
@@ -72,6 +77,8 @@ class Peer {
   // ---- what this peer knows
 
   [[nodiscard]] PeerId id() const;
+  // The scene as all operations until the last tick have made it.
+  [[nodiscard]] const Scene& scene() const;
   [[nodiscard]] const SessionClock& clock() const;
   [[nodiscard]] const std::optional<OsClock>& os_clock() const;
   // The peer whose session time this one takes over; itself: it leads. None: nobody's yet.

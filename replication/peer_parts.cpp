@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cassert>
 #include <iterator>
+#include <map>
 #include <utility>
 #include <vector>
+
+#include "core/mixed_bits.hpp"
 
 namespace peerd::replication {
 namespace {
@@ -14,6 +17,20 @@ std::vector<T> without_doubles(std::vector<T> all) {
   std::ranges::sort(all);
   all.erase(std::ranges::unique(all).begin(), all.end());
   return all;
+}
+
+// The author of the operations of one life of a peer: of two that are not the same the numbers differ, but for one case
+// in 2^31.
+AuthorId author_of(PeerId peer, std::uint64_t incarnation) {
+  const std::uint64_t bits = mixed_bits(mixed_bits(incarnation) + peer.value);
+  return AuthorId{1 + static_cast<std::uint32_t>(bits % kAuthorMax)};
+}
+
+// Where the scene places the object, in the frame of its carrier.
+Pose place_in(const WorldModel& model, ObjectId object) {
+  const auto carrier = model.carrier_of(object);
+  const KinematicState world = at_rest(model.scene->rigid_pose(object));
+  return carrier ? relative_to(at_rest(model.scene->rigid_pose(*carrier)), world).pose() : world.pose();
 }
 
 }  // namespace
@@ -27,7 +44,11 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
       admission(config, members, outbox),
       time(config, members, outbox, counters),
       greeter(config, members),
-      own(*model->scene, config.owned, config.policy.surface_error),
+      author(author_of(config.id, config.incarnation)),
+      logs(author),
+      exchange(logs, config.id, author, mixed_bits(author.value)),
+      living(*model->scene),
+      own(model, config.owned, config.policy.surface_error),
       scene(model),
       replica(model),
       scripted(model),
@@ -39,9 +60,8 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
                 if (received) display.forget(object);
                 watch_pairs_of(object);
               }),
-      decisions(
-          config, model, members, owners, scene, own, replica, ticks, outbox, counters,
-          [this](ObjectId object, PeerId author, SimTime contact) { give_scene_object(object, author, contact); }),
+      decisions(config, model, members, owners, scene, own, replica, ticks, outbox, counters,
+                [this](ObjectId object, PeerId by, SimTime contact) { give_scene_object(object, by, contact); }),
       publication(config, model, members, owners, own, launches, replica, regions, decisions, ticks, outbox, counters) {
   for (const auto& [object, each] : std::as_const(own)) {
     owners.set(object, config.id);
@@ -76,6 +96,66 @@ bool PeerParts::let_move(std::span<const ObjectId> objects) {
   scripted.follow_model();
   ++counters.models_changed;
   return true;
+}
+
+void PeerParts::change_scene(std::shared_ptr<const Scene> edited_scene, SimTime at) {
+  const std::shared_ptr<const WorldModel> next = edited(*model, std::move(edited_scene));
+  forget_what_is_gone(*next->scene);
+  const auto is_owned = [&](ObjectId object) { return owners.of(object) != kNobody; };
+  const auto role_in_ghosts = [&](ObjectId object) {
+    return is_owned(object) || answers_contacts(*next, object) ? Role::kPredicted : Role::kScene;
+  };
+  const auto role_in_truth = [&](ObjectId object) {
+    const OwnObject* const each = std::as_const(own).find(object);
+    if (each == nullptr) return role_in_ghosts(object);
+    return each->driven ? Role::kDriven : Role::kAuthoritative;
+  };
+  std::map<ObjectId, Pose> places;  // of own objects, by the scene before
+  for (const auto& [object, each] : std::as_const(own)) places.emplace(object, place_in(*model, object));
+  const auto placed = replica.change_scene(*next, at, is_owned, role_in_truth, role_in_ghosts);
+  for (auto& [object, each] : own) {  // the samples of the models are in the frame before
+    if (next->carrier_of(object) != model->carrier_of(object)) each.models.reset();
+  }
+  model.replace(next);
+  own.follow_model();
+  for (const auto& [object, law] : placed) {
+    if (scene.contains(object)) scene.place(object, at, law, model->carrier_of(object));
+  }
+  for (const ObjectId object : scene.follow_model(at)) {
+    if (replica.begun() && !is_owned(object)) replica.declare_remote(object, Role::kPredicted);
+  }
+  scripted.follow_scene(at, world_time.zero());
+  regions.follow_model();
+  for (const auto& [object, place] : places) place_own(object, at, place);
+  ++counters.scene_changes;
+}
+
+void PeerParts::forget_what_is_gone(const Scene& next) {
+  std::vector<ObjectId> gone;
+  for (std::uint32_t i = 0; i < model->scene->instances.size(); ++i) {
+    if (const ObjectId id = model->scene->id_of(i); !next.contains(id)) gone.push_back(id);
+  }
+  for (const ObjectId object : gone) {
+    owners.set(object, kNobody);
+    scene.remove(object);
+    launches.forget(object);
+    display.forget(object);
+    decisions.remove(object);
+  }
+  own.remove(gone);
+}
+
+// An edit that gives an own object another place than the scene gave it before puts it there; it goes on as it moved.
+// What something drives goes its own way.
+void PeerParts::place_own(ObjectId object, SimTime at, const Pose& before) {
+  const Pose now = place_in(*model, object);
+  const bool stays = now.position == before.position && now.orientation.coeffs() == before.orientation.coeffs();
+  if (stays || own.at(object).driven || !replica.begun()) return;
+  MotionModel law = replica.truth().model_at(object, at);
+  law.state.position = now.position;
+  law.state.orientation = now.orientation;
+  replica.truth().set_base(object, at, law);
+  own.republish(object);
 }
 
 Vec3 PeerParts::file_velocity(SimTime at, ObjectId object) {

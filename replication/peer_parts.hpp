@@ -1,7 +1,10 @@
 #pragma once
+#include <memory>
 #include <span>
 
 #include "replication/decision/contact_decisions.hpp"
+#include "replication/operations/operation_exchange.hpp"
+#include "replication/operations/operation_log.hpp"
 #include "replication/output/outbox.hpp"
 #include "replication/output/peer_counters.hpp"
 #include "replication/output/tick_grid.hpp"
@@ -14,6 +17,7 @@
 #include "replication/replica/replica.hpp"
 #include "replication/replica/scene_objects.hpp"
 #include "replication/replica/scripted_motion.hpp"
+#include "replication/scene/living_scene.hpp"
 #include "replication/session/admission.hpp"
 #include "replication/session/greeter.hpp"
 #include "replication/session/membership.hpp"
@@ -42,6 +46,11 @@ struct PeerParts {
   SessionTime time;
   WorldTime world_time;
   Greeter greeter;
+  // The operations that all peers have made, and what they make of the scene.
+  const AuthorId author;  // of this peer's own
+  OperationLogs logs;
+  OperationExchange exchange;
+  LivingScene living;
   // The world, as far as this peer knows it.
   Owners owners;
   OwnObjects own;
@@ -66,6 +75,9 @@ struct PeerParts {
   // These objects are moved by somebody from now on, or others relative to them: the model in force has them as
   // carriers from now on. Returns whether that makes another model of it; then all of its pairs are to be watched anew.
   [[nodiscard]] bool let_move(std::span<const ObjectId> objects);
+  // Edits have made that scene of this peer's, from `at` on, up to which both worlds have been advanced and their
+  // events polled. All pairs are to be watched anew.
+  void change_scene(std::shared_ptr<const Scene> edited_scene, SimTime at);
   // The world's velocityVector of an object, which is in its parent's frame, in the world's frame [m/s].
   [[nodiscard]] Vec3 file_velocity(SimTime at, ObjectId object);
   // A velocity relative to the object's carrier, from the frame of its parent, as the file has it, turned to the world.
@@ -77,6 +89,8 @@ struct PeerParts {
   void watch_pairs_around(std::span<const ObjectId> objects);
   // A decision on a contact of that time makes the peer the owner of the scene object.
   void give_scene_object(ObjectId object, PeerId owner, SimTime decided);
+  void forget_what_is_gone(const Scene& next);
+  void place_own(ObjectId object, SimTime at, const Pose& before);
   // kNobody: it is nobody's from now on.
   void set_owner_of_scene_object(ObjectId object, PeerId owner, PeerId before);
 };

@@ -230,9 +230,15 @@ void SessionKeeper::let_move(ObjectId carrier) {
   if (!p_.model->is_carrier(carrier)) not_carriers_.insert(carrier);
 }
 
+void SessionKeeper::follow_scene() {
+  not_carriers_.clear();
+  watch_all_pairs();
+}
+
 void SessionKeeper::lose(PeerId peer, const std::string& name, HostTime now, bool left_gracefully) {
   orphan_objects_of(peer, now, left_gracefully);
   p_.greeter.on_peer_lost(peer);
+  p_.exchange.on_lost(peer);
   p_.outbox.push(PeerLost{peer, name, left_gracefully});
 }
 

@@ -33,6 +33,8 @@ class SessionKeeper {
   void claim(PeerId peer, std::span<const ObjectId> objects, std::uint64_t as_founder = 0);
   // Somebody moves the node: others go with it from now on.
   void let_move(ObjectId carrier);
+  // Edits have changed the scene of the parts.
+  void follow_scene();
   // A peer has gone.
   void lose(PeerId peer, const std::string& name, HostTime now, bool left_gracefully);
   // A peer has gone, or begins anew: what it owned stands still from now on and belongs to nobody.

@@ -225,8 +225,9 @@ void DocumentEditor::write(std::uint32_t node) {
   out.field_count = static_cast<std::uint32_t>(fields.size());
 }
 
-DocumentEditor::Result DocumentEditor::finish() {
-  result_ = std::make_shared<Document>();
+// Gives each node that something leads to its place in the result.
+void DocumentEditor::visit_all() {
+  order_.clear();
   place_.assign(nodes_.size(), kNull);
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
     if (is_outside_[i]) visit(i);
@@ -234,6 +235,18 @@ DocumentEditor::Result DocumentEditor::finish() {
   for (const NodeRef& ref : top_level_) {
     if (ref.is_node()) visit(ref.index);
   }
+}
+
+std::vector<bool> DocumentEditor::reached() {
+  visit_all();
+  std::vector<bool> reached(nodes_.size());
+  for (const std::uint32_t node : order_) reached[node] = true;
+  return reached;
+}
+
+DocumentEditor::Result DocumentEditor::finish() {
+  result_ = std::make_shared<Document>();
+  visit_all();
   result_->nodes.reserve(order_.size());
   std::vector<NodeId> ids;
   ids.reserve(order_.size());

@@ -35,6 +35,9 @@ class DocumentEditor {
   // Takes nodes out of all lists that they stand in; in ascending order.
   void drop(std::span<const std::uint32_t> nodes);
 
+  // Returns for each node whether anything leads to it, as it must to be in the document.
+  [[nodiscard]] std::vector<bool> reached();
+
   // Returns the document, to be completed by set_strings(), and where each node is in it; NodeRef::kNull: nothing leads
   // to the node any more. The editor is not used any more.
   struct Result {
@@ -47,6 +50,7 @@ class DocumentEditor {
   [[nodiscard]] std::vector<Field> fields_of(std::uint32_t node) const;
   void mark_outside(std::uint32_t begin, std::span<const NodeRef> top_level);
   void visit(std::uint32_t node);
+  void visit_all();
   void write(std::uint32_t node);
   [[nodiscard]] std::span<const NodeRef> refs_of(std::uint32_t node, const Field& field) const;
 

@@ -68,10 +68,13 @@ std::optional<std::uint32_t> SceneEditor::draft_of(ObjectId id) const {
   return draft && !drafts_[*draft].removed ? draft : std::nullopt;
 }
 
-std::optional<std::uint32_t> SceneEditor::node_of(NodeId id) const {
+std::optional<std::uint32_t> SceneEditor::node_of(NodeId id) {
   const auto added = added_nodes_.find(id);
-  return added != added_nodes_.end() ? std::optional(added->second)
-                                     : scene_.document->ids.find(id, scene_.document->nodes.size());
+  const auto node = added != added_nodes_.end() ? std::optional(added->second)
+                                                : scene_.document->ids.find(id, scene_.document->nodes.size());
+  if (!node || !has_dropped_) return node;
+  if (!reached_) reached_ = document_.reached();
+  return *node >= reached_->size() || (*reached_)[*node] ? node : std::nullopt;
 }
 
 std::expected<SceneEditor::Spot, std::string> SceneEditor::children_of(std::optional<std::uint32_t> parent) {
@@ -201,6 +204,7 @@ std::expected<void, std::string> SceneEditor::remove(ObjectId id) {
   spot->drafts->erase(spot->drafts->begin() + static_cast<std::ptrdiff_t>(spot->draft));
   spot->refs->erase(spot->refs->begin() + static_cast<std::ptrdiff_t>(spot->ref));
   mark_removed(*draft);
+  note_dropped();
   return {};
 }
 
@@ -209,6 +213,7 @@ std::expected<void, std::string> SceneEditor::remove(NodeId id) {
   if (!node) return gone();
   if (is_instance(document_.node(*node))) return std::unexpected("it is an instance of the scene");
   document_.drop(std::span(&*node, 1));
+  note_dropped();
   interests_.erase(*node);
   recipients_.erase(*node);
   return {};
@@ -275,6 +280,7 @@ std::expected<std::uint32_t, std::string> SceneEditor::set(NodeId id, std::strin
   }
   for (std::uint32_t i = begin; i < document_.node_count(); ++i) added_nodes_.emplace(document_.id_of(i), i);
   std::vector<NodeRef>& list = document_.list(*node, *spec);
+  if (!list.empty()) note_dropped();
   list.clear();
   for (const NodeRef& ref : set.as<NodeRef>()) {
     list.push_back({ref.is_node() ? ref.index + begin : NodeRef::kNull, ref.at});
@@ -283,7 +289,7 @@ std::expected<std::uint32_t, std::string> SceneEditor::set(NodeId id, std::strin
 }
 
 std::expected<vrml::Route, std::string> SceneEditor::route(NodeId from, std::string_view event_out, NodeId to,
-                                                           std::string_view event_in) const {
+                                                           std::string_view event_in) {
   const auto from_node = node_of(from), to_node = node_of(to);
   if (!from_node || !to_node) return gone();
   const auto field_of = [&](std::uint32_t node, std::string_view name) {
@@ -366,26 +372,15 @@ vrml::Bindings SceneEditor::bindings(const std::vector<std::uint32_t>& place) co
 // these still lead there.
 void SceneEditor::rewrite_paths(const Scene& scene, vrml::Document& document) const {
   vrml::PathResolver paths(scene);
-  const auto path_to = [&](std::string_view word, ObjectId id) {
-    return paths.find(word) == id ? std::string(word) : scene.path_of(id);
-  };
-  const auto words_of = [&](std::uint32_t node, std::string_view field) {
-    const vrml::Field* const value = document.nodes[node].find(field);
-    return value == nullptr ? std::span<const std::string_view>{} : value->as<std::string_view>();
+  // By the scene alone, so that it does not matter in which steps it was edited.
+  const auto path_to = [&](ObjectId id) {
+    const std::string_view def = scene.at(id).def;
+    return !def.empty() && paths.find(def) == id ? std::string(def) : scene.path_of(id);
   };
   for (const CollisionInterest& interest : scene.interests) {
-    const auto collider = words_of(interest.node, "objectPath");
+    const std::string objects[] = {path_to(interest.collider)};
     std::vector<std::string> collidees;
-    std::vector<std::string_view> words;
-    for (const std::string_view field : {"interests", "collisionInterests"}) {
-      const auto some = words_of(interest.node, field);
-      words.insert(words.end(), some.begin(), some.end());
-    }
-    for (const ObjectId id : interest.collidees) {
-      const auto word = std::ranges::find_if(words, [&](std::string_view w) { return paths.find(w) == id; });
-      collidees.push_back(word == words.end() ? scene.path_of(id) : std::string(*word));
-    }
-    const std::string objects[] = {path_to(collider.empty() ? std::string_view{} : collider[0], interest.collider)};
+    for (const ObjectId id : interest.collidees) collidees.push_back(path_to(id));
     vrml::set_strings(document, interest.node, "objectPath", objects);
     vrml::set_strings(document, interest.node, "interests", collidees);
     if (document.nodes[interest.node].find("collisionInterests") != nullptr) {
@@ -394,9 +389,9 @@ void SceneEditor::rewrite_paths(const Scene& scene, vrml::Document& document) co
     document.nodes[interest.node].scope = 0;
   }
   for (const KeySensor& sensor : scene.key_sensors) {
-    const auto word = words_of(sensor.node, "recipient");
-    if (word.empty() && !sensor.recipient) continue;
-    const std::string recipients[] = {sensor.recipient ? path_to(word[0], *sensor.recipient) : std::string()};
+    const vrml::Field* const named = document.nodes[sensor.node].find("recipient");
+    if (!sensor.recipient && (named == nullptr || named->count == 0)) continue;
+    const std::string recipients[] = {sensor.recipient ? path_to(*sensor.recipient) : std::string()};
     vrml::set_strings(document, sensor.node, "recipient", recipients);
     document.nodes[sensor.node].scope = 0;
   }

@@ -81,12 +81,17 @@ class SceneEditor {
   };
 
   [[nodiscard]] std::optional<std::uint32_t> draft_of(ObjectId id) const;
-  [[nodiscard]] std::optional<std::uint32_t> node_of(NodeId id) const;
+  [[nodiscard]] std::optional<std::uint32_t> node_of(NodeId id);
+  // Nothing may lead to some node any more.
+  void note_dropped() {
+    has_dropped_ = true;
+    reached_.reset();
+  }
   [[nodiscard]] std::expected<Spot, std::string> spot_at(const ScenePlace& place);
   [[nodiscard]] std::expected<Spot, std::string> spot_of(std::uint32_t draft);
   [[nodiscard]] std::expected<Spot, std::string> children_of(std::optional<std::uint32_t> parent);
   [[nodiscard]] std::expected<vrml::Route, std::string> route(NodeId from, std::string_view event_out, NodeId to,
-                                                              std::string_view event_in) const;
+                                                              std::string_view event_in);
   [[nodiscard]] std::uint32_t depth_of(std::optional<std::uint32_t> draft) const;
   [[nodiscard]] std::uint32_t height_of(std::uint32_t draft) const;
   void mark_removed(std::uint32_t draft);
@@ -102,8 +107,10 @@ class SceneEditor {
   std::vector<std::uint32_t> top_level_;
   std::unordered_map<ObjectId, std::uint32_t> added_objects_;
   std::unordered_map<NodeId, std::uint32_t> added_nodes_;
-  std::vector<std::uint32_t> instances_of_;                      // by node: how many there are
-  std::map<std::uint32_t, CollisionInterest> interests_;         // by node
+  bool has_dropped_ = false;                              // nodes, by some change
+  std::optional<std::vector<bool>> reached_;              // by node, of those that were there then; none: not known
+  std::vector<std::uint32_t> instances_of_;               // by node: how many there are
+  std::map<std::uint32_t, CollisionInterest> interests_;  // by node
   std::map<std::uint32_t, std::optional<ObjectId>> recipients_;  // by node
 };
 

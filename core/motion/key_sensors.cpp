@@ -1,5 +1,6 @@
 #include "core/motion/key_sensors.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <map>
 #include <unordered_map>
@@ -10,12 +11,23 @@
 
 namespace peerd {
 
-KeySensors::KeySensors(const Scene& scene) {
+KeySensors::KeySensors(const Scene& scene, const KeySensors* before) {
   if (scene.key_sensors.empty()) return;
   std::unordered_map<std::uint32_t, std::size_t> of_node;
   for (const KeySensor& s : scene.key_sensors) {
     of_node.emplace(s.node, sensors_.size());
-    sensors_.push_back({canonical({s.key_value, s.key_state}), s.consume, s.enabled, {}, {}});
+    Sensor sensor{scene.document->ids.id_of(s.node),
+                  s.enabled,
+                  canonical({s.key_value, s.key_state}),
+                  s.consume,
+                  s.enabled,
+                  {},
+                  {}};
+    if (before != nullptr) {
+      const auto same = std::ranges::find(before->sensors_, sensor.node, &Sensor::node);
+      if (same != before->sensors_.end() && same->enabled_in_file == s.enabled) sensor.enabled = same->enabled;
+    }
+    sensors_.push_back(std::move(sensor));
   }
   assert(scene.document);
   const auto& routes = scene.document->routes;

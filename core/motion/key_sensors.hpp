@@ -25,7 +25,9 @@ namespace peerd {
 // ROUTEd to `disable` of another, makes the other its opposite. A disabled sensor gets no key, so it consumes none.
 class KeySensors {
  public:
-  explicit KeySensors(const Scene& scene);  // keeps no reference to the scene
+  // Keeps no reference to the scene. `before`: the sensors of the scene before an edit; those whose fields say what
+  // they said stay as they are.
+  explicit KeySensors(const Scene& scene, const KeySensors* before = nullptr);
 
   struct Outcome {
     std::vector<std::size_t> hits;  // indices into Scene::key_sensors, in file order
@@ -43,6 +45,8 @@ class KeySensors {
     std::size_t place = 0;  // among the file's ROUTEs
   };
   struct Sensor {
+    NodeId node;
+    bool enabled_in_file = true;
     KeyEvent key;  // canonical
     bool consume = true, enabled = true;
     std::vector<Route> from_hit, from_enabled;

@@ -40,6 +40,8 @@ struct CollisionResponse {
   double mass_kg = 1.0;        // > 0
   double restitution = 1.0;    // 0 to 1: what is left of the speed at which two meet; of a pair the smaller counts
   double friction_m_s2 = 0.0;  // >= 0: deceleration with which it slides to rest; 0: none
+
+  friend bool operator==(const CollisionResponse&, const CollisionResponse&) = default;
 };
 
 // The fields that appendix C.5 of the thesis adds to a Transform.

@@ -1,6 +1,8 @@
 #include "peerd/commands/ctl_command.hpp"
 
+#include <chrono>
 #include <iostream>
+#include <thread>
 
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
@@ -9,6 +11,7 @@
 #include "peerd/commands/problems.hpp"
 #include "peerd/control/control_client.hpp"
 #include "peerd/control/control_path.hpp"
+#include "peerd/input/text_file.hpp"
 #include "peerd/node/counter_meanings.hpp"
 
 namespace peerd {
@@ -161,6 +164,44 @@ void print_key(const Json& reply) {
   }
 }
 
+// An edit is over once all peers have had the time to take it up, and another peer holds it.
+constexpr std::chrono::seconds kHeldWithin{10};
+constexpr std::chrono::milliseconds kAskedEvery{20};
+
+// Waits until the operation of the reply has taken effect and, where somebody else is here, is held by another peer.
+// Returns the last word on it.
+Result<Json> await_operation(const std::filesystem::path& socket, const Json& edit) {
+  Json request{{"do", "operation"}};
+  request.update(edit.at("operation"));
+  const auto give_up = std::chrono::steady_clock::now() + kHeldWithin;
+  for (;;) {
+    const auto line = api::ask(socket, request.dump());
+    if (!line) return std::unexpected(line.error());
+    auto state = read_reply(socket, *line);
+    if (!state) return state;
+    const bool safe = state->at("held").get<bool>() || state->at("alone").get<bool>();
+    if ((state->at("applied").get<bool>() && safe) || !state->at("done").get<bool>() ||
+        std::chrono::steady_clock::now() > give_up)
+      return state;
+    std::this_thread::sleep_for(kAskedEvery);
+  }
+}
+
+void print_edit(const Json& reply) {
+  const std::string edit = reply.at("edit").get<std::string>();
+  if (reply.contains("refused")) {
+    std::cout << fmt::format("{} is not done: {}\n", edit, reply.at("refused").get<std::string>());
+    return;
+  }
+  const Json& id = reply.at("operation");
+  const char* const state = !reply.at("applied").get<bool>() ? "has not taken effect yet"
+                            : reply.at("held").get<bool>()   ? "done, and held by another peer"
+                            : reply.at("alone").get<bool>()  ? "done, and held by this peer alone: no other is here"
+                                                             : "done, but no other peer says that it holds it";
+  std::cout << fmt::format("{}: operation {}:{}, {}\n", edit, id.at("author").get<std::uint64_t>(),
+                           id.at("number").get<std::uint64_t>(), state);
+}
+
 }  // namespace
 
 int run_ctl(const CtlOptions& options) {
@@ -177,12 +218,28 @@ int run_ctl(const CtlOptions& options) {
   if (reply.contains("peers")) {
     if (const auto all = fetch_rest(*socket, "peers", reply); !all) return failed(all.error());
   }
+  if (reply.contains("edit") && reply.contains("operation")) {
+    const auto state = await_operation(*socket, reply);
+    if (!state) return failed(state.error());
+    reply.update(*state);
+  }
+  if (reply.contains("world") && reply.at("world").is_null()) {
+    return failed({"error: " + reply.at("refused").get<std::string>(), 1});
+  }
+  if (reply.contains("world") && !options.save.empty()) {
+    const auto written = write_text_file(options.save, reply.at("world").get<std::string>());
+    return written ? 0 : failed(written.error());
+  }
   if (options.json) {
     std::cout << reply.dump() << '\n';
   } else if (reply.contains("peers")) {
     print_peers(reply);
   } else if (reply.contains("peer")) {
     print_status(reply);
+  } else if (reply.contains("edit")) {
+    print_edit(reply);
+  } else if (reply.contains("world")) {
+    std::cout << reply.at("world").get<std::string>();
   } else if (reply.contains("key")) {
     print_key(reply);
   } else if (reply.contains("taken")) {

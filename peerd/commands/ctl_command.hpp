@@ -8,6 +8,7 @@ struct CtlOptions {
   std::string name;     // the peer's name; empty: the only peer of this user
   std::string request;  // a line of the control protocol
   bool json = false;    // print the reply as it came
+  std::string save;     // the file that the world of the reply goes to; empty: it is printed
 };
 
 // `peerd ctl`: sends a request to a peer on this computer and prints its reply. Returns 1 when a key did not do all

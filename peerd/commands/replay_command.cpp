@@ -123,6 +123,9 @@ class Replay {
         if (verbose_) print(at, line);
       }
     }
+    while (const auto edit = node_.poll_edit_report()) {
+      if (verbose_) print(at, describe(*edit));
+    }
     while (const auto notice = node_.poll_feed_notice()) {
       if (verbose_) print(at, describe(*notice));
     }

@@ -72,7 +72,7 @@ class SimCommand {
     }
     return sim::simulated_run(
         scenario_.runs[run], shared_, observer,
-        [&](HostTime now, const PeerNode& node, const KeyReport& key) { on_key(now, node, key); },
+        [&](HostTime now, const PeerNode& node, const LogLine& line, bool done) { on_action(now, node, line, done); },
         captures ? &*captures : nullptr, measuring_of(scenario_, run, info_.csv_rows),
         [&](std::optional<double> run_s) { return go_on(run, run_s); });
   }
@@ -81,12 +81,11 @@ class SimCommand {
     std::cerr << fmt::format("{:9.4f} s  peer {}: {}\n", session_s(now, node), node.peer().id().value, text);
   }
 
-  // A key without its intended effect is a finding about the scenario. It is printed once and is part of the report.
-  void on_key(HostTime now, const PeerNode& node, const KeyReport& key) {
-    for (const LogLine& line : describe(key, node.scene())) {
-      if (options_.verbose) log(now, node, line.text);
-      if (!key.done()) warn(fmt::format("peer {} at {:.3f} s: {}", node.name(), session_s(now, node), line.text));
-    }
+  // A key or an edit without its intended effect is a finding about the scenario. It is printed once and is part of the
+  // report.
+  void on_action(HostTime now, const PeerNode& node, const LogLine& line, bool done) {
+    if (options_.verbose) log(now, node, line.text);
+    if (!done) warn(fmt::format("peer {} at {:.3f} s: {}", node.name(), session_s(now, node), line.text));
   }
 
   void warn(const std::string& warning) {

@@ -4,10 +4,15 @@
 #include <map>
 #include <tuple>
 
+#include "peerd/input/text_file.hpp"
+
 namespace peerd::config {
 namespace {
 
-const std::initializer_list<std::string_view> kKinds{"join", "leave", "kill", "partition", "heal", "network", "key"};
+const std::initializer_list<std::string_view> kKinds{"join", "leave", "kill",   "partition", "heal", "network",
+                                                     "key",  "add",   "remove", "move",      "set"};
+constexpr SizeLimit kAddedText{kMiB, "no operation is so long", 2};
+constexpr std::size_t kFirstEdit = static_cast<std::size_t>(EventKind::kEdit);
 
 bool joins_or_leaves(EventKind kind) {
   return kind == EventKind::kJoin || kind == EventKind::kLeave || kind == EventKind::kKill;
@@ -15,8 +20,9 @@ bool joins_or_leaves(EventKind kind) {
 
 class EventReader {
  public:
-  EventReader(TomlReader& root, const std::vector<PeerSettings>& peers, double duration_s)
-      : root_(root), peers_(peers), duration_s_(duration_s) {}
+  EventReader(TomlReader& root, const std::vector<PeerSettings>& peers, double duration_s,
+              const std::filesystem::path& folder)
+      : root_(root), peers_(peers), duration_s_(duration_s), folder_(folder) {}
 
   std::vector<ScenarioEvent> all() {
     const toml::table* tables = root_.table("event");
@@ -47,7 +53,7 @@ class EventReader {
     reader.require("kind");
     std::size_t kind = 0;
     reader.read_word("kind", kind, kKinds);
-    e.kind = static_cast<EventKind>(kind);
+    e.kind = static_cast<EventKind>(std::min(kind, kFirstEdit));
     if (joins_or_leaves(e.kind)) {
       reader.require("peer");
       e.peer = peer(reader, "peer");
@@ -58,6 +64,10 @@ class EventReader {
       reader.require("peer");
       e.peer = peer(reader, "peer");
       e.key = read_key(reader);
+    } else if (e.kind == EventKind::kEdit) {
+      reader.require("peer");
+      e.peer = peer(reader, "peer");
+      e.edit = edit(reader, static_cast<SceneEdit::Kind>(kind - kFirstEdit));
     } else if (e.kind == EventKind::kNetwork) {
       e.from = peer(reader, "from");
       e.to = peer(reader, "to");
@@ -65,6 +75,38 @@ class EventReader {
       if (e.change.empty()) reader.fail(nullptr, reader.dotted("kind") + ": say what changes, such as latency_ms");
     }
     reader.finish();
+    return e;
+  }
+
+  SceneEdit edit(TomlReader& reader, SceneEdit::Kind kind) {
+    SceneEdit e;
+    e.kind = kind;
+    const auto needed = [&](std::string_view key, std::string& value) {
+      reader.require(key);
+      reader.read(key, value);
+    };
+    if (kind == SceneEdit::Kind::kAdd) {
+      reader.read("text", e.text);
+      std::string file;
+      reader.read("file", file);
+      if (reader.has("text") == reader.has("file")) {
+        reader.fail(nullptr, reader.dotted("text") + ": give either a text or its file");
+      } else if (reader.has("file")) {
+        auto text = read_text_file(folder_ / file, kAddedText);
+        if (text) {
+          e.text = *std::move(text);
+        } else {
+          reader.fail(reader.raw().get("file"), reader.dotted("file") + ": " + text.error().text);
+        }
+      }
+    } else {
+      needed("path", e.path);
+    }
+    if (kind == SceneEdit::Kind::kAdd || kind == SceneEdit::Kind::kMove) reader.read("under", e.under);
+    if (kind == SceneEdit::Kind::kSet) {
+      needed("field", e.field);
+      needed("value", e.value);
+    }
     return e;
   }
 
@@ -125,7 +167,8 @@ class EventReader {
         if (there[e.peer] == joins) fail(e, "\"" + e.peer + "\" is " + (joins ? "there already" : "not there then"));
         there[e.peer] = joins;
       }
-      if (e.kind == EventKind::kKey && !there[e.peer]) fail(e, "\"" + e.peer + "\" is not there then");
+      if ((e.kind == EventKind::kKey || e.kind == EventKind::kEdit) && !there[e.peer])
+        fail(e, "\"" + e.peer + "\" is not there then");
       if (e.kind == EventKind::kHeal && !parted) fail(e, "there is no partition then");
       if (e.kind == EventKind::kPartition || e.kind == EventKind::kHeal) parted = e.kind == EventKind::kPartition;
     }
@@ -134,14 +177,16 @@ class EventReader {
   TomlReader& root_;
   const std::vector<PeerSettings>& peers_;
   double duration_s_;
+  const std::filesystem::path& folder_;
 };
 
 }  // namespace
 
 std::string_view to_string(EventKind kind) { return kKinds.begin()[static_cast<std::size_t>(kind)]; }
 
-std::vector<ScenarioEvent> read_events(TomlReader& root, const std::vector<PeerSettings>& peers, double duration_s) {
-  return EventReader(root, peers, duration_s).all();
+std::vector<ScenarioEvent> read_events(TomlReader& root, const std::vector<PeerSettings>& peers, double duration_s,
+                                       const std::filesystem::path& folder) {
+  return EventReader(root, peers, duration_s, folder).all();
 }
 
 bool starts_with(const std::vector<ScenarioEvent>& events, std::string_view peer) {
@@ -150,12 +195,13 @@ bool starts_with(const std::vector<ScenarioEvent>& events, std::string_view peer
   return first == events.end() || first->kind != EventKind::kJoin;
 }
 
-void give_keys(const std::vector<ScenarioEvent>& events, std::vector<PeerSettings>& peers) {
+void give_to_peers(const std::vector<ScenarioEvent>& events, std::vector<PeerSettings>& peers) {
   for (const ScenarioEvent& e : events) {
-    if (e.kind != EventKind::kKey) continue;
-    std::vector<ScriptedKey>& keys = std::ranges::find(peers, e.peer, &PeerSettings::name)->keys;
-    keys.push_back({e.at_s, e.key});
-    std::ranges::stable_sort(keys, {}, &ScriptedKey::at_s);
+    if (e.kind != EventKind::kKey && e.kind != EventKind::kEdit) continue;
+    PeerSettings& peer = *std::ranges::find(peers, e.peer, &PeerSettings::name);
+    if (e.kind == EventKind::kEdit) peer.edits.push_back({e.at_s, e.edit});  // they come by time
+    if (e.kind == EventKind::kKey) peer.keys.push_back({e.at_s, e.key});
+    std::ranges::stable_sort(peer.keys, {}, &ScriptedKey::at_s);
   }
 }
 

@@ -8,6 +8,7 @@
 #include "core/motion/key_codes.hpp"
 #include "core/scene/scene.hpp"
 #include "peerd/config/node_pattern.hpp"
+#include "peerd/config/scene_edit.hpp"
 #include "peerd/input/world_file.hpp"
 #include "peerd/motion/motion_settings.hpp"
 #include "replication/policy/peer_config.hpp"
@@ -61,7 +62,8 @@ struct PeerSettings {
   std::vector<NodePattern> owns;
   std::map<std::string, MotionSettings> motion;  // by path or pattern; precedes the scenario's motions
   FeedSettings feed;
-  std::vector<ScriptedKey> keys;  // by time, then in file order
+  std::vector<ScriptedKey> keys;    // by time, then in file order
+  std::vector<ScriptedEdit> edits;  // by time
   std::optional<ViewpointSettings> viewpoint;
   std::vector<ViewpointSettings> views;  // besides the viewpoint: mirrors, other windows
   bool skip_unseen = false;

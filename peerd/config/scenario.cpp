@@ -119,12 +119,12 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
     run.control.socket = (file.parent_path() / *run.control.socket).string();
   }
   run.transport = read_transport(TomlReader(table_or_empty(reader, "transport"), "transport", error));
-  run.events = read_events(reader, run.peers, run.duration_s);
+  run.events = read_events(reader, run.peers, run.duration_s, file.parent_path());
   const bool as_it_stands = request.configs.empty() && request.sets.empty();
   scenario.expectations = read_expectations(reader, run.peers, as_it_stands ? run.duration_s : kDurationMax_s);
   reader.finish();
   if (error) return std::unexpected(*error);
-  give_keys(run.events, run.peers);
+  give_to_peers(run.events, run.peers);
   return run;
 }
 

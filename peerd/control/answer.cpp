@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/writer/writer.hpp"
 #include "peerd/control/request.hpp"
 #include "peerd/feed/json_members.hpp"
 #include "replication/decision/decision.hpp"
@@ -13,6 +14,9 @@ namespace peerd::api {
 namespace {
 
 using nlohmann::ordered_json;
+
+// The longest world of a reply [bytes].
+constexpr std::size_t kWorldMax_bytes = std::size_t{4} << 20;
 
 ordered_json numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -193,6 +197,47 @@ ordered_json pose_reply(const feed::Outcome& outcome) {
   return reply;
 }
 
+ordered_json edit_reply(const EditReport& report) {
+  ordered_json reply = good();
+  reply["edit"] = name_of(report.edit);
+  reply["done"] = report.operation.has_value();
+  if (report.operation) {
+    reply["operation"] = {{"author", report.operation->author.value}, {"number", report.operation->number}};
+  } else {
+    reply["refused"] = report.refused;
+  }
+  return reply;
+}
+
+// "alone": nobody else is here who could hold it.
+ordered_json operation_reply(const PeerNode& node, replication::OperationId id) {
+  const OperationState* const known = node.operation(id);
+  OperationState state;
+  if (known != nullptr) {
+    state = *known;
+  } else {
+    state.refused = "this peer has made no such operation";
+  }
+  ordered_json reply = good();
+  reply["operation"] = {{"author", id.author.value}, {"number", id.number}};
+  reply["applied"] = state.applied;
+  reply["held"] = state.held;
+  reply["alone"] = node.peer().members().all().empty();
+  reply["done"] = state.refused.empty();
+  if (!state.refused.empty()) reply["refused"] = state.refused;
+  return reply;
+}
+
+ordered_json world_reply(const PeerNode& node) {
+  ordered_json reply = good();
+  const auto written = write_world(node.scene());
+  const bool fits = written && written->text.size() <= kWorldMax_bytes;
+  reply["world"] = fits ? ordered_json(written->text) : ordered_json(nullptr);
+  reply["done"] = fits;
+  if (!fits) reply["refused"] = written ? "the world is too long for a reply" : written.error();
+  return reply;
+}
+
 }  // namespace
 
 std::string refusal(const std::string& sentence) {
@@ -216,6 +261,11 @@ Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host
     const feed::Outcome outcome = node.on_poses(now, host_minus_wall, poses->poses);
     return {poses->reply ? line_of(pose_reply(outcome)) : ""};
   }
+  if (const auto* edit = std::get_if<EditRequest>(&*request)) return {line_of(edit_reply(node.edit(now, edit->edit)))};
+  if (const auto* operation = std::get_if<OperationRequest>(&*request)) {
+    return {line_of(operation_reply(node, operation->operation))};
+  }
+  if (std::holds_alternative<WorldRequest>(*request)) return {line_of(world_reply(node))};
   if (std::holds_alternative<LeaveRequest>(*request)) return {line_of(good()), /*leave=*/true};
   return {line_of(status(node, now, network))};
 }

@@ -39,6 +39,38 @@ Request read_key(feed::JsonMembers& members) {
   return KeyRequest{key};
 }
 
+Request read_edit(feed::JsonMembers& members, config::SceneEdit::Kind kind) {
+  using enum config::SceneEdit::Kind;
+  config::SceneEdit edit;
+  edit.kind = kind;
+  if (kind == kAdd) {
+    edit.text = members.required(members.text("text"), "text");
+  } else {
+    edit.path = members.required(members.text("path"), "path");
+  }
+  if (kind == kAdd || kind == kMove) edit.under = members.text("under").value_or("");
+  if (kind == kSet) {
+    edit.field = members.required(members.text("field"), "field");
+    edit.value = members.required(members.text("value"), "value");
+  }
+  return EditRequest{std::move(edit)};
+}
+
+Request read_operation(feed::JsonMembers& members) {
+  const auto author = members.whole("author", 0, 1, replication::kAuthorMax);
+  const auto number = members.whole("number", 0, 1, std::numeric_limits<std::uint32_t>::max());
+  return OperationRequest{
+      {replication::AuthorId{static_cast<std::uint32_t>(author)}, static_cast<std::uint32_t>(number)}};
+}
+
+std::optional<config::SceneEdit::Kind> edit_kind(std::string_view word) {
+  using enum config::SceneEdit::Kind;
+  for (const auto kind : {kAdd, kRemove, kMove, kSet}) {
+    if (word == config::to_string(kind)) return kind;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::expected<Request, std::string> parse_request(std::string_view line) {
@@ -59,10 +91,18 @@ std::expected<Request, std::string> parse_request(std::string_view line) {
                              static_cast<std::uint32_t>(members.whole("count", kObjectsMax, 1, kObjectsMax))};
   } else if (what == "pose") {
     request = feed::read_pose_message(members);
+  } else if (const auto kind = edit_kind(what)) {
+    request = read_edit(members, *kind);
+  } else if (what == "operation") {
+    request = read_operation(members);
+  } else if (what == "world") {
+    request = WorldRequest{};
   } else if (what == "leave") {
     request = LeaveRequest{};
   } else {
-    members.fail("do", "must be one of \"key\", \"status\", \"peers\", \"objects\", \"pose\", \"leave\"");
+    members.fail("do",
+                 "must be one of \"key\", \"status\", \"peers\", \"objects\", \"pose\", \"add\", \"remove\", \"move\", "
+                 "\"set\", \"operation\", \"world\", \"leave\"");
   }
   if (std::string error = members.finish(); !error.empty()) return std::unexpected(std::move(error));
   return *request;

@@ -7,7 +7,9 @@
 #include <variant>
 
 #include "core/motion/key_codes.hpp"
+#include "peerd/config/scene_edit.hpp"
 #include "peerd/feed/pose_message.hpp"
+#include "replication/wire/operation.hpp"
 
 namespace peerd::api {
 
@@ -32,7 +34,16 @@ struct PeersRequest {
 };
 struct LeaveRequest {};
 using PoseRequest = feed::PoseMessage;
-using Request = std::variant<KeyRequest, StatusRequest, PeersRequest, ObjectsRequest, LeaveRequest, PoseRequest>;
+struct EditRequest {
+  config::SceneEdit edit;
+};
+// What has become of an operation that this peer has made.
+struct OperationRequest {
+  replication::OperationId operation;
+};
+struct WorldRequest {};  // the scene as it is, as VRML
+using Request = std::variant<KeyRequest, StatusRequest, PeersRequest, ObjectsRequest, LeaveRequest, PoseRequest,
+                             EditRequest, OperationRequest, WorldRequest>;
 
 // Parses one line of hostile input. The error is one sentence for its sender.
 [[nodiscard]] std::expected<Request, std::string> parse_request(std::string_view line);

@@ -295,6 +295,7 @@ void Daemon::drain() {
   while (const auto key = node_.poll_key_report()) {
     for (const LogLine& line : describe(*key, node_.scene())) log_(line);
   }
+  while (const auto edit = node_.poll_edit_report()) log_(describe(*edit));
   while (const auto notice = node_.poll_feed_notice()) log_(describe(*notice));
   if (capture_) keep_capture();
 }

@@ -2,6 +2,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "peerd/node/edit_operation.hpp"
 #include "replication/wire/codec.hpp"
 
 namespace peerd {
@@ -44,8 +45,8 @@ struct LineOf {
     if (c.polygons.pairs.empty()) return "";
     const auto& [a, b] = c.polygons.pairs.front();
     const std::string more = c.polygons.count > 1 ? fmt::format(" and {} more", c.polygons.count - 1) : "";
-    return fmt::format(": {} polygon {} - {} polygon {}{} ({})", scene.path_of(a.shape), a.polygon,
-                       scene.path_of(b.shape), b.polygon, more, name_of(c.type));
+    return fmt::format(": {} polygon {} - {} polygon {}{} ({})", path_or_id(scene, a.shape), a.polygon,
+                       path_or_id(scene, b.shape), b.polygon, more, name_of(c.type));
   }
 
   Line operator()(const Send&) const { return std::nullopt; }
@@ -85,8 +86,8 @@ struct LineOf {
                              : LogLine{LogLevel::kWarning, named(p.peer, p.name) + " is lost: it has gone silent"};
   }
   Line operator()(const ObjectOrphaned& f) const {
-    return LogLine{LogLevel::kWarning,
-                   fmt::format("{} stands still: its owner, peer {}, is gone", scene.path_of(f.object), f.owner.value)};
+    return LogLine{LogLevel::kWarning, fmt::format("{} stands still: its owner, peer {}, is gone",
+                                                   path_or_id(scene, f.object), f.owner.value)};
   }
   Line operator()(const OtherVersion& o) const {
     return LogLine{LogLevel::kError,
@@ -117,36 +118,45 @@ struct LineOf {
   }
   Line operator()(const OwnershipConflict& c) const {
     return LogLine{LogLevel::kError,
-                   fmt::format("two peers own {}; peer {} keeps it", scene.path_of(c.object), c.owner.value)};
+                   fmt::format("two peers own {}; peer {} keeps it", path_or_id(scene, c.object), c.owner.value)};
   }
   Line operator()(const FounderGaveWay& g) const {
     return LogLine{
         LogLevel::kInfo,
         fmt::format("{}, which the world's file gave to peer {} as the founder, is peer {}'s by its settings",
-                    scene.path_of(g.object), g.founder.value, g.owner.value)};
+                    path_or_id(scene, g.object), g.founder.value, g.owner.value)};
+  }
+  Line operator()(const SceneEdited& e) const {
+    const std::string operation = fmt::format("operation {}:{}", e.operation.author.value, e.operation.number);
+    if (e.refused.empty()) return LogLine{LogLevel::kInfo, operation + " changes the scene"};
+    return LogLine{LogLevel::kWarning, fmt::format("{} changes nothing: {}", operation, e.refused)};
+  }
+  Line operator()(const OperationHeld& h) const {
+    return LogLine{LogLevel::kDebug, fmt::format("operation {}:{} is held by another peer", h.operation.author.value,
+                                                 h.operation.number)};
   }
   Line operator()(const Published& p) const {
-    return LogLine{LogLevel::kDebug, fmt::format("update of {}: {}, threshold {} m", scene.path_of(p.object),
+    return LogLine{LogLevel::kDebug, fmt::format("update of {}: {}, threshold {} m", path_or_id(scene, p.object),
                                                  to_string(p.reason), p.threshold_m)};
   }
   Line operator()(const ContactSeen& c) const {
     const double ago_s = to_seconds(c.known_at - c.contact.at);
     return LogLine{c.kind == ContactKind::kPredicted ? LogLevel::kDebug : LogLevel::kInfo,
-                   fmt::format("{} {} {}, {:.1f} ms ago{}", scene.path_of(c.contact.collider), verb(c.kind),
-                               scene.path_of(c.contact.collidee), 1e3 * ago_s, touching(c.contact))};
+                   fmt::format("{} {} {}, {:.1f} ms ago{}", path_or_id(scene, c.contact.collider), verb(c.kind),
+                               path_or_id(scene, c.contact.collidee), 1e3 * ago_s, touching(c.contact))};
   }
   Line operator()(const Overruled& o) const {
-    return LogLine{LogLevel::kInfo, fmt::format("{} on {}: another peer's decision counts", scene.path_of(o.collider),
-                                                scene.path_of(o.collidee))};
+    return LogLine{LogLevel::kInfo, fmt::format("{} on {}: another peer's decision counts",
+                                                path_or_id(scene, o.collider), path_or_id(scene, o.collidee))};
   }
   Line operator()(const ContactsRetracted&) const { return std::nullopt; }
   Line operator()(const BodiesOverlap& o) const {
-    return LogLine{LogLevel::kWarning, fmt::format("{} and {} overlap from the start", scene.path_of(o.collider),
-                                                   scene.path_of(o.collidee))};
+    return LogLine{LogLevel::kWarning, fmt::format("{} and {} overlap from the start", path_or_id(scene, o.collider),
+                                                   path_or_id(scene, o.collidee))};
   }
   Line operator()(const NotColliding& n) const {
     return LogLine{LogLevel::kDebug,
-                   fmt::format("{} notColliding {}", scene.path_of(n.object), n.value ? "TRUE" : "FALSE")};
+                   fmt::format("{} notColliding {}", path_or_id(scene, n.object), n.value ? "TRUE" : "FALSE")};
   }
 };
 

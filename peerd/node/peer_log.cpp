@@ -158,6 +158,13 @@ bool read_row(const std::string& line, PeerLog& log) {
       in >> c.at >> c.kind >> c.collider >> c.collidee >> c.normal >> c.known_at >> c.type >> c.polygons;
       break;
     }
+    case 'A': {
+      ObjectId object;
+      std::string path;
+      in >> object >> path;
+      log.paths[object] = path;
+      break;
+    }
     case 'N': {
       std::string name;
       std::uint64_t count = 0;
@@ -186,6 +193,7 @@ Result<void> save(const PeerLog& log, const std::filesystem::path& path) {
   for (const auto& c : log.contacts) {
     out.row('C') << c.at << c.kind << c.collider << c.collidee << c.normal << c.known_at << c.type << c.polygons;
   }
+  for (const auto& [object, added] : log.paths) out.row('A') << object << added;
   for (const auto& [name, count] : log.counters) out.row('N') << name << count;
   return write_text_file(path, out.take());
 }

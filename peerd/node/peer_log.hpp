@@ -68,6 +68,7 @@ struct PeerLog {
   std::vector<Update> updates;
   std::vector<Datagram> datagrams;
   std::vector<Contact> contacts;
+  std::map<ObjectId, std::string> paths;  // of objects in these rows that the world's file does not have
   std::uint32_t groups_joined = 0;
   std::uint32_t other_worlds = 0;
   std::map<std::string, std::uint64_t> counters;

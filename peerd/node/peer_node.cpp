@@ -120,11 +120,12 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
   for (const ObjectId object : objects.owned_by_founder) config.owned_by_founder.push_back(as_owned(object));
   feed::PoseFeeds feeds({std::move(objects.outside), from_seconds(settings.feed.stale_s)}, shared.world.scene);
   return std::unique_ptr<PeerNode>(new PeerNode(std::move(config), shared, std::move(objects.motions), std::move(feeds),
-                                                settings.keys, std::move(options)));
+                                                settings.keys, settings.edits, std::move(options)));
 }
 
 PeerNode::PeerNode(replication::PeerConfig config, const SharedWorld& shared, config::Motions motions,
-                   feed::PoseFeeds feeds, std::vector<config::ScriptedKey> keys, Options options)
+                   feed::PoseFeeds feeds, std::vector<config::ScriptedKey> keys,
+                   std::vector<config::ScriptedEdit> edits, Options options)
     : shared_(shared),
       motions_(std::move(motions)),
       feeds_(std::move(feeds)),
@@ -132,7 +133,8 @@ PeerNode::PeerNode(replication::PeerConfig config, const SharedWorld& shared, co
       config_(std::move(config)),
       peer_(config_, *shared.model),
       key_sensors_(shared.world.scene),
-      keys_(std::move(keys)) {
+      keys_(std::move(keys)),
+      edits_(std::move(edits)) {
   log_.peer = config_.id;
   log_.name = config_.name;
 }
@@ -195,12 +197,14 @@ std::vector<AwaitedPeer> PeerNode::missing() const {
   return missing;
 }
 
-// A late peer takes the start that any member announces, and skips scripted keys that precede its own joining.
+// A late peer takes the start that any member announces, and skips scripted keys and edits that precede its own
+// joining.
 void PeerNode::follow_start(HostTime now, SimTime start) {
   const bool first = !log_.start;
   log_.start = start;
   const SimTime session_now = peer_.clock().to_session(now);
   while (first && next_key_ < keys_.size() && key_time(next_key_) < session_now) ++next_key_;
+  while (first && next_edit_at() < session_now) (void)edits_.take_next();
 }
 
 void PeerNode::leave(HostTime now) {
@@ -220,11 +224,13 @@ void PeerNode::on_tick(HostTime now) {
   samples_.clear();
   if (due) {
     for (const auto& [object, motion] : motions_) {
+      if (!scene().contains(object)) continue;  // an edit has removed it
       // Until the start is known, the object stands where the world's file places it.
       samples_.push_back({object, log_.start ? motion.sample(to_seconds(*due - *log_.start))
                                              : at_rest(shared_.world.scene.rigid_pose(object))});
     }
     for (const ObjectId object : feeds_.objects()) {
+      if (!scene().contains(object)) continue;
       samples_.push_back({object, feeds_.sample(object, peer_.clock().to_host(*due))});
     }
   }
@@ -233,6 +239,7 @@ void PeerNode::on_tick(HostTime now) {
   const bool ticked = due && peer_.counters().ticks > ticks;  // no tick where the session time has just changed
   if (ticked) logged_at_ = *due;
   press_keys(now);
+  make_edits(now);
   if (!options_.keep_log || !log_.start) return;
   if (ticked) record_truths(*due);
   record_ghosts(now);
@@ -247,6 +254,7 @@ HostTime PeerNode::next_deadline() const {
   HostTime next = peer_.next_deadline();
   if (!log_.start) return next;
   if (next_key_ < keys_.size()) next = std::min(next, peer_.clock().to_host(key_time(next_key_)));
+  if (edits_.next_at_s()) next = std::min(next, peer_.clock().to_host(next_edit_at()));
   if (options_.keep_log) next = std::min(next, peer_.clock().to_host(sample_time(next_sample_)));
   return next;
 }
@@ -258,6 +266,35 @@ void PeerNode::press_keys(HostTime now) {
   while (next_key_ < keys_.size() && key_time(next_key_) <= session_now) {
     key_reports_.push_back(press(now, keys_[next_key_++].key));
   }
+}
+
+SimTime PeerNode::next_edit_at() const {
+  const auto at_s = edits_.next_at_s();
+  return at_s && log_.start ? *log_.start + from_seconds(*at_s) : SimTime::max();
+}
+
+void PeerNode::make_edits(HostTime now) {
+  if (!log_.start) return;
+  const SimTime session_now = peer_.clock().to_session(now);
+  while (next_edit_at() <= session_now) (void)edit(now, edits_.take_next());
+}
+
+EditReport PeerNode::edit(HostTime now, const config::SceneEdit& edit) {
+  EditReport report{edit, std::nullopt, {}};
+  auto body = operation_of(edit, scene());
+  if (!body) {
+    report.refused = body.error();
+  } else if (const auto operation = peer_.edit(now, *std::move(body))) {
+    report.operation = *operation;
+  } else {
+    report.refused = operation.error();
+  }
+  edits_.note(report);
+  return report;
+}
+
+void PeerNode::note_path(ObjectId object) {
+  if (object.origin != 0) log_.paths.try_emplace(object, path_or_id(scene(), object));
 }
 
 feed::Outcome PeerNode::on_poses(HostTime now, Duration host_minus_wall, std::span<const feed::FedPose> poses) {
@@ -280,6 +317,12 @@ KeyReport PeerNode::on_key(HostTime now, const KeyEvent& key) {
   return report;
 }
 
+// Edits change which KeySensors there are. Those that were there stay enabled or disabled as they are.
+void PeerNode::follow_scene() {
+  if (std::exchange(keys_of_scene_, peer_.counters().scene_changes) == peer_.counters().scene_changes) return;
+  key_sensors_ = KeySensors(scene(), &key_sensors_);
+}
+
 KeyReport PeerNode::press(HostTime now, const KeyEvent& key) {
   KeyReport report;
   report.key = key;
@@ -288,6 +331,7 @@ KeyReport PeerNode::press(HostTime now, const KeyEvent& key) {
     report.refused = "the objects have not begun to move yet";
     return report;
   }
+  follow_scene();
   const KeySensors::Outcome outcome = key_sensors_.press(key);
   report.hits = outcome.hits.size();
   report.consumed = outcome.consumed;
@@ -359,6 +403,7 @@ void PeerNode::record_ghosts(HostTime now) {
 }
 
 void PeerNode::record(SimTime t, ObjectId object, PeerId owner, const KinematicState& state, const Pose& shown) {
+  note_path(object);
   PeerLog::ObjectSample sample{t, peer_.clock().to_host(t) - options_.clock_offset, object, owner, state, shown};
   if (options_.rows != nullptr) return options_.rows->add(log_, sample);
   log_.object_samples.push_back(std::move(sample));
@@ -368,6 +413,7 @@ std::optional<replication::Output> PeerNode::poll_output() {
   auto out = peer_.poll_output();
   if (!out) return out;
   using namespace replication;
+  edits_.note(*out);
   if (std::holds_alternative<Join>(*out)) log_.groups_joined = std::max(log_.groups_joined, ++groups_);
   if (std::holds_alternative<Leave>(*out)) --groups_;
   if (std::holds_alternative<OtherWorld>(*out)) ++log_.other_worlds;
@@ -386,6 +432,11 @@ std::optional<replication::Output> PeerNode::poll_output() {
                         to_string(p->reason)};
     options_.rows != nullptr ? options_.rows->add(log_, std::move(row)) : log_.updates.push_back(std::move(row));
   } else if (const auto* c = std::get_if<ContactSeen>(&*out)) {
+    for (const ObjectId object : {c->contact.collider, c->contact.collidee}) note_path(object);
+    for (const auto& [a, b] : c->contact.polygons.pairs) {
+      note_path(a.shape);
+      note_path(b.shape);
+    }
     log_.contacts.push_back({c->contact.at, peerd::to_string(c->kind), c->contact.collider, c->contact.collidee,
                              c->contact.normal, c->known_at, c->contact.type, c->contact.polygons});
   } else if (const auto* o = std::get_if<Overruled>(&*out)) {
@@ -418,6 +469,9 @@ const PeerLog& PeerNode::log() {
        {"updates_at_once", c.updates_at_once},
        {"update_bytes_out", c.update_bytes_out},
        {"updates_repeated", c.updates_repeated},
+       {"operations", c.operations},
+       {"operations_in", c.operations_in},
+       {"scene_changes", c.scene_changes},
        {"models_changed", c.models_changed},
        {"updates_duplicate", c.updates_duplicate},
        {"updates_relayed", c.updates_relayed},

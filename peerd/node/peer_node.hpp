@@ -12,6 +12,7 @@
 #include "peerd/feed/pose_feeds.hpp"
 #include "peerd/node/awaited_peer.hpp"
 #include "peerd/node/key_report.hpp"
+#include "peerd/node/peer_edits.hpp"
 #include "peerd/node/peer_log.hpp"
 #include "replication/peer.hpp"
 
@@ -61,6 +62,10 @@ class PeerNode {
   // A key is pressed at this peer: its KeySensors change the velocity of objects that it owns. Releases have no effect.
   // Each automatic repeat that the caller passes on counts as a press, as in the toolkit of Ohlenburg 2003.
   KeyReport on_key(HostTime now, const KeyEvent& key);
+  // Somebody asks this peer for an edit of the scene. It takes effect at all peers at one instant, a little later.
+  EditReport edit(HostTime now, const config::SceneEdit& edit);
+  // What has become of an operation of this peer so far; null: it is none.
+  [[nodiscard]] const OperationState* operation(replication::OperationId id) const { return edits_.find(id); }
   // An external program sends poses of the objects that it moves. An update of each object whose ghost is beyond its
   // threshold leaves at once. Unix time + `host_minus_wall` is the time of this host.
   feed::Outcome on_poses(HostTime now, Duration host_minus_wall, std::span<const feed::FedPose> poses);
@@ -72,12 +77,14 @@ class PeerNode {
   void reuse(replication::Bytes&& datagram) { peer_.reuse(std::move(datagram)); }  // as Peer::reuse()
   // The effect of the next key, whether it came by on_key() or from the settings.
   [[nodiscard]] std::optional<KeyReport> poll_key_report();
+  // What has become of the next edit, whether it came by edit() or from the settings.
+  [[nodiscard]] std::optional<EditReport> poll_edit_report() { return edits_.poll(); }
   // The next event of the feeds that is worth a log line.
   [[nodiscard]] std::optional<feed::Notice> poll_feed_notice() { return feeds_.poll_notice(); }
   [[nodiscard]] HostTime next_deadline() const;
 
   [[nodiscard]] const replication::Peer& peer() const { return peer_; }
-  [[nodiscard]] const Scene& scene() const { return shared_.world.scene; }
+  [[nodiscard]] const Scene& scene() const { return peer_.scene(); }
   [[nodiscard]] const std::string& name() const { return config_.name; }
   [[nodiscard]] const std::optional<replication::Viewpoint>& viewpoint() const { return config_.decisions.viewpoint; }
   // Whether a motion of the configuration or an external program drives the object, so that keys and collisions do not.
@@ -93,11 +100,16 @@ class PeerNode {
 
  private:
   PeerNode(replication::PeerConfig config, const SharedWorld& shared, config::Motions motions, feed::PoseFeeds feeds,
-           std::vector<config::ScriptedKey> keys, Options options);
+           std::vector<config::ScriptedKey> keys, std::vector<config::ScriptedEdit> edits, Options options);
   KeyReport press(HostTime now, const KeyEvent& key);
   [[nodiscard]] std::string why_not(HostTime now, const KeyReport::Change& change) const;
   [[nodiscard]] SimTime key_time(std::size_t key) const { return *log_.start + from_seconds(keys_[key].at_s); }
   void press_keys(HostTime now);
+  void make_edits(HostTime now);
+  void follow_scene();
+  // The session time of the next edit of the settings; max(): none is left, or the start is not known.
+  [[nodiscard]] SimTime next_edit_at() const;
+  void note_path(ObjectId object);  // of an object in a row of the log
   [[nodiscard]] PeerId starter() const;
   void agree_on_start(HostTime now);
   void follow_start(HostTime now, SimTime start);
@@ -121,9 +133,11 @@ class PeerNode {
   bool announces_start_ = false;
   std::int64_t next_sample_ = 0;  // counted from the start
   KeySensors key_sensors_;
+  std::uint64_t keys_of_scene_ = 0;        // PeerCounters::scene_changes when these were read
   std::vector<config::ScriptedKey> keys_;  // by time
   std::size_t next_key_ = 0;
   std::deque<KeyReport> key_reports_;
+  PeerEdits edits_;
   std::uint64_t keys_pressed_ = 0, keys_unhandled_ = 0, key_changes_ = 0, key_changes_refused_ = 0;
 };
 

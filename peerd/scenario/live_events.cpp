@@ -37,7 +37,9 @@ std::optional<InputError> why_not_live(const std::vector<config::ScenarioEvent>&
 
 Result<LiveEvents> LiveEvents::make(const std::vector<config::ScenarioEvent>& events) {
   LiveEvents live(events);
-  std::erase_if(live.events_, [](const config::ScenarioEvent& e) { return e.kind == config::EventKind::kKey; });
+  std::erase_if(live.events_, [](const config::ScenarioEvent& e) {  // the peers do these by themselves
+    return e.kind == config::EventKind::kKey || e.kind == config::EventKind::kEdit;
+  });
   if (live.events_.empty()) return live;
   std::error_code error;
   std::string folder = (fs::temp_directory_path(error) / "peerd-XXXXXX").string();

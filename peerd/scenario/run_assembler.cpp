@@ -196,7 +196,9 @@ void RunAssembler::add_logs(report::RunRecord& record, const std::vector<PeerLog
       const double t_s = to_seconds(c.at - start);
       if (!within(t_s)) continue;
       const auto name = [&](ObjectId id) {
-        if (!owned(id)) record.scene_paths.try_emplace(id, scene.path_of(id));
+        if (owned(id)) return;
+        const auto added = log.paths.find(id);
+        record.scene_paths.try_emplace(id, added != log.paths.end() ? added->second : scene.path_of(id));
       };
       name(c.collider);
       name(c.collidee);

@@ -30,14 +30,14 @@ class Stop {
 }  // namespace
 
 Result<report::RunRecord> simulated_run(const config::RunSettings& run, const SharedWorld& shared,
-                                        const Observer& observer, const KeyObserver& key_observer,
+                                        const Observer& observer, const ActionObserver& action_observer,
                                         const Captures* captures, Measuring measuring, const Progress& progress) {
   auto assembler = RunAssembler::make(run, shared, std::move(measuring));
   if (!assembler) return std::unexpected(assembler.error());
   std::optional<report::InterestRecord> interest;
   Stop stop(progress);
   const auto logs =
-      simulate(run, shared, observer, key_observer, &interest, captures, assembler->get(), std::ref(stop));
+      simulate(run, shared, observer, action_observer, &interest, captures, assembler->get(), std::ref(stop));
   if (!logs) return std::unexpected(logs.error());
   if (stop.at_s() == 0.0) {
     report::RunRecord nothing;

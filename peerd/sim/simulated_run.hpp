@@ -10,7 +10,7 @@ namespace peerd::sim {
 // rows of the logs are measured as they come and not kept beyond `measuring`'s limits.
 [[nodiscard]] Result<report::RunRecord> simulated_run(const config::RunSettings& run, const SharedWorld& shared,
                                                       const Observer& observer = {},
-                                                      const KeyObserver& key_observer = {},
+                                                      const ActionObserver& action_observer = {},
                                                       const Captures* captures = nullptr, Measuring measuring = {},
                                                       const Progress& progress = {});
 

@@ -77,11 +77,11 @@ boost::asio::ip::udp::endpoint address_of(const config::PeerSettings& peer, cons
 class Simulation {
  public:
   Simulation(const config::RunSettings& run, const SharedWorld& shared, const Observer& observer,
-             const KeyObserver& key_observer, const Captures* captures, LogRows* rows, const Progress& progress)
+             const ActionObserver& action_observer, const Captures* captures, LogRows* rows, const Progress& progress)
       : run_(run),
         shared_(shared),
         observer_(observer),
-        key_observer_(key_observer),
+        action_observer_(action_observer),
         captures_(captures),
         rows_(rows),
         progress_(progress),
@@ -215,7 +215,8 @@ class Simulation {
           }
         }
         break;
-      case EventKind::kKey:  // the peer presses it (config::give_keys)
+      case EventKind::kKey:  // the peer presses it, or makes it, by itself (config::give_to_peers)
+      case EventKind::kEdit:
         break;
     }
     return std::nullopt;
@@ -239,9 +240,13 @@ class Simulation {
       }
       if (observer_) observer_(HostTime{now_.time_since_epoch()}, node, *out);
     }
+    const auto act = [&](const LogLine& line, bool done) {
+      if (action_observer_) action_observer_(HostTime{now_.time_since_epoch()}, node, line, done);
+    };
     while (const auto key = node.poll_key_report()) {
-      if (key_observer_) key_observer_(HostTime{now_.time_since_epoch()}, node, *key);
+      for (const LogLine& line : describe(*key, node.scene())) act(line, key->done());
     }
+    while (const auto edit = node.poll_edit_report()) act(describe(*edit), edit->done());
   }
 
   // The peer whose tick is next; none where no peer is there.
@@ -318,7 +323,7 @@ class Simulation {
   const config::RunSettings& run_;
   const SharedWorld& shared_;
   const Observer& observer_;
-  const KeyObserver& key_observer_;
+  const ActionObserver& action_observer_;
   const Captures* captures_;  // null: none
   LogRows* rows_;             // null: the logs keep their rows
   const Progress& progress_;  // empty: nobody asks
@@ -347,10 +352,10 @@ config::RunSettings without_latency(config::RunSettings run) {
 }
 
 Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
-                                      const Observer& observer, const KeyObserver& key_observer,
+                                      const Observer& observer, const ActionObserver& action_observer,
                                       std::optional<report::InterestRecord>* interest, const Captures* captures,
                                       LogRows* rows, const Progress& progress) {
-  return Simulation(run, shared, observer, key_observer, captures, rows, progress).all(interest);
+  return Simulation(run, shared, observer, action_observer, captures, rows, progress).all(interest);
 }
 
 }  // namespace peerd::sim

@@ -11,8 +11,9 @@ namespace peerd::sim {
 // Called with every output of every peer except its datagrams, for a log.
 using Observer = std::function<void(HostTime true_now, const PeerNode&, const replication::Output&)>;
 
-// Called with the effect of every key that a peer's settings press.
-using KeyObserver = std::function<void(HostTime true_now, const PeerNode&, const KeyReport&)>;
+// Called with each line about what a peer's settings make it do: keys that it presses, edits of the scene. `done`: it
+// had its full effect.
+using ActionObserver = std::function<void(HostTime true_now, const PeerNode&, const LogLine&, bool done)>;
 
 // Called again and again while a run goes on, with the time since its motions began [s], or none before that. A run for
 // which it returns false ends there.
@@ -31,7 +32,8 @@ struct Captures {
 // has one. `captures`, if not null, says where the peers are recorded. `rows`, if not null, takes the rows of the logs,
 // which do not keep them then.
 [[nodiscard]] Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
-                                                    const Observer& observer = {}, const KeyObserver& key_observer = {},
+                                                    const Observer& observer = {},
+                                                    const ActionObserver& action_observer = {},
                                                     std::optional<report::InterestRecord>* interest = nullptr,
                                                     const Captures* captures = nullptr, LogRows* rows = nullptr,
                                                     const Progress& progress = {});

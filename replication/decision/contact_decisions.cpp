@@ -355,7 +355,12 @@ void ContactDecisions::on_contact_notes(PeerId sender, const Hello& hello, SimTi
 // it is repeated.
 const char* ContactDecisions::on_decision(PeerId sender, std::uint32_t number, const DecisionRecord& d,
                                           SimTime known_at) {
-  if (!model_->are_paired(d.collider, d.collidee)) return "no_pair";
+  if (!model_->are_paired(d.collider, d.collidee)) {
+    const Scene& scene = *model_->scene;
+    const bool may_come = !scene.contains(d.collider) || !scene.contains(d.collidee);  // by an operation
+    if (may_come) members_.find(sender)->received[kWholeScene].mark_as_missing(number);
+    return "no_pair";
+  }
   if (!may_have_decided(sender, d)) {
     members_.find(sender)->received[kWholeScene].mark_as_missing(number);
     return "not_decider";
@@ -611,6 +616,14 @@ void ContactDecisions::note_sent(std::span<const DecisionRecord> decisions, std:
     assert(entry != nullptr);
     entry->sent_in.push_back(number);
   }
+}
+
+void ContactDecisions::remove(ObjectId object) {
+  std::erase_if(deferred_,
+                [&](const Deferred& d) { return d.contact.collider == object || d.contact.collidee == object; });
+  std::erase_if(early_, [&](const Early& e) { return e.decision.collider == object || e.decision.collidee == object; });
+  log_.forget(object);
+  life_since_.erase(object);
 }
 
 void ContactDecisions::restart(bool same_session) {

@@ -110,6 +110,9 @@ class ContactDecisions {
     log_.forget(object);
   }
 
+  // The object is no more: nothing is decided on it.
+  void remove(ObjectId object);
+
   // The pose of a viewpoint's camera; none where the pose of its object at that time is not known.
   [[nodiscard]] std::optional<Pose> camera_pose(const Viewpoint& viewpoint, SimTime at) const;
 

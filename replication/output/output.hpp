@@ -7,6 +7,7 @@
 #include "core/ids.hpp"
 #include "core/time.hpp"
 #include "replication/policy/publish_policy.hpp"
+#include "replication/wire/operation.hpp"
 #include "replication/wire/wire.hpp"
 #include "replication/world/colliding_objects.hpp"
 #include "replication/world/motion_world.hpp"
@@ -87,6 +88,17 @@ struct FounderGaveWay {
   ObjectId object;
   PeerId founder, owner;
 };
+// An operation has taken its place among all others, or what comes before it is another now. From `at` on the scene is
+// what they make.
+struct SceneEdited {
+  OperationId operation;
+  SimTime at;
+  std::string refused;  // why it changes nothing; empty: it does what it says
+};
+// Another peer has this peer's operation, which is not lost any more with this peer.
+struct OperationHeld {
+  OperationId operation;
+};
 struct Published {
   SimTime at;
   ObjectId object;
@@ -111,9 +123,9 @@ struct ContactSeen {
   ContactEvent contact;
   SimTime known_at;
 };
-using Output =
-    std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined, PeerLost,
-                 ObjectOrphaned, OtherVersion, OtherWorld, IdInUse, NameInUse, OwnershipConflict, FounderGaveWay,
-                 Published, ContactSeen, Overruled, ContactsRetracted, BodiesOverlap, NotColliding>;
+using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined,
+                            PeerLost, ObjectOrphaned, OtherVersion, OtherWorld, IdInUse, NameInUse, OwnershipConflict,
+                            FounderGaveWay, SceneEdited, OperationHeld, Published, ContactSeen, Overruled,
+                            ContactsRetracted, BodiesOverlap, NotColliding>;
 
 }  // namespace peerd::replication

@@ -38,6 +38,9 @@ struct PeerCounters {
   // The number of updates_out that fit each of kRecordSizes, then that of longer ones.
   std::array<std::uint64_t, kRecordSizes.size() + 1> update_sizes_out{};
   std::uint64_t updates_repeated = 0;   // second copies sent; not in updates_out
+  std::uint64_t operations = 0;         // made by this peer
+  std::uint64_t operations_in = 0;      // received from others
+  std::uint64_t scene_changes = 0;      // times that edits changed the scene
   std::uint64_t models_changed = 0;     // times that the world's model was made anew, because more of it moves
   std::uint64_t updates_duplicate = 0;  // copies of updates that were applied already
   std::uint64_t updates_relayed = 0;

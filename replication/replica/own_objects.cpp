@@ -7,8 +7,8 @@
 
 namespace peerd::replication {
 
-OwnObjects::OwnObjects(const Scene& scene, std::span<const OwnedObject> objects, bool surface_error)
-    : scene_(scene), surface_error_(surface_error) {
+OwnObjects::OwnObjects(const ModelInForce& model, std::span<const OwnedObject> objects, bool surface_error)
+    : model_(model), surface_error_(surface_error) {
   add(objects);
 }
 
@@ -17,22 +17,22 @@ void OwnObjects::add(std::span<const OwnedObject> objects) {
   std::ranges::sort(sorted, {}, &OwnedObject::object);
   map_.reserve(map_.size() + sorted.size());
   for (const OwnedObject& e : sorted) {
-    assert(scene_.contains(e.object));
+    assert(model_->scene->contains(e.object));
     OwnObject& own = map_[e.object];
     own.driven = e.driven;
     own.launch = e.launch;
-    if (surface_error_) own.bounding_radius_m = bounding_radius_m(scene_, e.object);
+    if (surface_error_) own.bounding_radius_m = bounding_radius_m(*model_->scene, e.object);
     assert(own.bounding_radius_m >= 0.0);
   }
   build_index();
 }
 
 void OwnObjects::adopt(ObjectId object, std::uint32_t sequence) {
-  assert(!contains(object) && scene_.contains(object));
+  assert(!contains(object) && model_->scene->contains(object));
   OwnObject& own = map_[object];
   own.adopted = true;
   own.sequence = sequence;
-  if (surface_error_) own.bounding_radius_m = bounding_radius_m(scene_, object);
+  if (surface_error_) own.bounding_radius_m = bounding_radius_m(*model_->scene, object);
   build_index();
 }
 
@@ -47,6 +47,14 @@ void OwnObjects::remove(std::span<const ObjectId> objects) {
   const std::size_t before = map_.size();
   for (const ObjectId object : objects) map_.erase(object);
   if (map_.size() != before) build_index();
+}
+
+void OwnObjects::follow_model() {
+  for (auto& [object, own] : map_) {
+    assert(model_->scene->contains(object));
+    if (surface_error_) own.bounding_radius_m = bounding_radius_m(*model_->scene, object);
+  }
+  check_all();
 }
 
 void OwnObjects::check(ObjectId object) {

@@ -21,6 +21,7 @@
 #include "replication/policy/budget.hpp"
 #include "replication/policy/peer_config.hpp"
 #include "replication/wire/wire.hpp"
+#include "replication/world/model_in_force.hpp"
 
 namespace peerd::replication {
 
@@ -63,9 +64,9 @@ class OwnObjects {
  public:
   using Map = boost::container::flat_map<ObjectId, OwnObject>;
 
-  // `objects` in any order. The scene outlives this. `surface_error`: errors count by how far an object's surface is
+  // `objects` in any order. The model outlives this. `surface_error`: errors count by how far an object's surface is
   // off.
-  OwnObjects(const Scene& scene, std::span<const OwnedObject> objects, bool surface_error);
+  OwnObjects(const ModelInForce& model, std::span<const OwnedObject> objects, bool surface_error);
 
   [[nodiscard]] bool contains(ObjectId object) const { return map_.contains(object); }
   [[nodiscard]] OwnObject* find(ObjectId object) {
@@ -92,6 +93,8 @@ class OwnObjects {
   void adopt(ObjectId object, std::uint32_t sequence);
   // Other peers own these from now on: they are no longer here. Objects that are not are left out.
   void remove(std::span<const ObjectId> objects);
+  // The model in force is of an edited scene, which has all of these objects.
+  void follow_model();
 
   // The index of the first object, from `index` on, that a tick at t has to check; size() where there is none.
   [[nodiscard]] std::size_t next_to_check(std::size_t index, SimTime t) const { return checks_.next_due(index, t); }
@@ -112,7 +115,7 @@ class OwnObjects {
   static constexpr std::uint32_t kNoIndex = std::numeric_limits<std::uint32_t>::max();
   void build_index();
 
-  const Scene& scene_;
+  const ModelInForce& model_;
   const bool surface_error_;
   Map map_;
   Schedule checks_;                             // by the objects' indices in map_

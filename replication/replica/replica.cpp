@@ -22,17 +22,36 @@ Vec3 Replica::position_of(const UpdateRecord& update) {
   return composed(ghost(*update.carrier, update.at), update.model.state).position;
 }
 
+// The numbers of the parts change.
+void Replica::renew_flexible(const WorldModel& next) {
+  if (flexible_ == nullptr && next.flexible.empty()) return;
+  const std::optional<SimTime> zero = flexible_ ? flexible_->world_zero() : std::nullopt;
+  flexible_ = std::make_unique<FlexibleParts>(next, zero);
+  if (!begun()) return;
+  worlds_->truth.set_flexible(*flexible_);
+  worlds_->ghosts.set_flexible(*flexible_);
+}
+
 void Replica::change_model(const WorldModel& next) {
   compute_all();
-  if (flexible_ != nullptr) {  // the numbers of the parts change
-    flexible_ = std::make_unique<FlexibleParts>(next, flexible_->world_zero());
-  }
-  if (begun()) {
-    for (MotionWorld* world : {&worlds_->truth, &worlds_->ghosts}) {
-      if (flexible_ != nullptr) world->set_flexible(*flexible_);
-      world->change_model(next);
-    }
-  }
+  renew_flexible(next);
+  if (!begun()) return;
+  worlds_->truth.change_model(next);
+  worlds_->ghosts.change_model(next);
+}
+
+std::vector<MovingObjects::Placed> Replica::change_scene(const WorldModel& next, SimTime at,
+                                                         const std::function<bool(ObjectId)>& is_moved,
+                                                         const RoleOf& role_in_truth, const RoleOf& role_in_ghosts) {
+  compute_all();
+  renew_flexible(next);
+  std::erase_if(last_updates_, [&](const auto& update) { return !next.scene->contains(update.first); });
+  std::erase_if(unreceived_, [&](ObjectId object) { return !next.scene->contains(object); });
+  std::erase_if(changed_, [&](ObjectId object) { return !next.scene->contains(object); });
+  colliding_.change_scene(next, at);
+  if (!begun()) return {};
+  (void)worlds_->ghosts.change_scene(next, {at, is_moved, role_in_ghosts});
+  return worlds_->truth.change_scene(next, {at, is_moved, role_in_truth});
 }
 
 MotionModel Replica::in_own_frame(const UpdateRecord& update) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <cassert>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <set>
@@ -35,6 +36,13 @@ class Replica {
   [[nodiscard]] bool begun() const { return worlds_.has_value(); }
   // Both worlds go on by another model, which comes in force next (MotionWorld::change_model).
   void change_model(const WorldModel& next);
+  // Both worlds go on by the model of an edited scene, which comes in force next (MotionWorld::change_scene).
+  // `is_moved`: whether something moves the object. The roles are those of objects that are new. Returns
+  // the objects that have another place in the truth because of it.
+  using RoleOf = std::function<Role(ObjectId)>;
+  std::vector<MovingObjects::Placed> change_scene(const WorldModel& next, SimTime at,
+                                                  const std::function<bool(ObjectId)>& is_moved,
+                                                  const RoleOf& role_in_truth, const RoleOf& role_in_ghosts);
   // Begins both worlds anew at t, with everything at its place in the file.
   void begin(SimTime t) {
     worlds_.emplace(Worlds{MotionWorld(*model_, t), MotionWorld(*model_, t)});
@@ -171,6 +179,8 @@ class Replica {
   void forget_updates() { last_updates_.clear(); }
 
  private:
+  void renew_flexible(const WorldModel& next);
+
   const ModelInForce& model_;
   std::optional<Worlds> worlds_;
   SimTime begun_at_{};

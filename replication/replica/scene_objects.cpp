@@ -2,28 +2,48 @@
 
 #include <algorithm>
 
+#include "core/mixed_bits.hpp"
 #include "replication/wire/wire_limits.hpp"
 
 namespace peerd::replication {
-namespace {
 
-// The bits of a value, well mixed (the finalizer of splitmix64; Steele, Lea and Flood 2014).
-std::uint64_t mixed_bits(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xBF58'476D'1CE4'E5B9;
-  x = (x ^ (x >> 27)) * 0x94D0'49BB'1331'11EB;
-  return x ^ (x >> 31);
+bool answers_contacts(const WorldModel& model, ObjectId object) {
+  if (model.response_of(object) == nullptr || std::ranges::binary_search(model.owned, object)) return false;
+  return std::ranges::any_of(model.pairs_of(object), [&](std::uint32_t number) {
+    return object == model.pairs[number].collider || model.pairs[number].mutual;
+  });
 }
 
-}  // namespace
+SceneObjects::SceneObjects(const ModelInForce& model) : model_(model) { (void)add_all({}); }
 
-SceneObjects::SceneObjects(const ModelInForce& model) : model_(model) {
-  for (const CollisionPair& pair : model->pairs) {
-    for (const ObjectId object : {pair.collider, pair.collidee}) {
-      const bool registered = object == pair.collider || pair.mutual;
-      if (!registered || model->response_of(object) == nullptr) continue;
-      if (!std::ranges::binary_search(model->owned, object)) all_.try_emplace(object);
-    }
+std::vector<ObjectId> SceneObjects::add_all(SimTime since) {
+  std::vector<ObjectId> added;
+  for (const ModelNode& node : model_->nodes) {
+    if (!answers_contacts(*model_, node.object)) continue;
+    const auto [at, is_new] = all_.try_emplace(node.object);
+    if (!is_new) continue;
+    at->second.since = since;
+    added.push_back(node.object);
   }
+  return added;
+}
+
+std::vector<ObjectId> SceneObjects::follow_model(SimTime since) {
+  std::vector<ObjectId> over;
+  for (const auto& [object, each] : all_) {
+    if (!model_->scene->contains(object)) over.push_back(object);
+  }
+  for (const ObjectId object : over) remove(object);
+  return add_all(since);
+}
+
+void SceneObjects::place(ObjectId object, SimTime at, const MotionModel& law, std::optional<ObjectId> carrier) {
+  if (!is_moved(object)) return;
+  SceneObject& known = this->at(object);
+  ++known.sequence;
+  known.freed = at;
+  known.model = law;
+  known.carrier = carrier;
 }
 
 bool SceneObjects::answers(const CollisionPair& pair, ObjectId object) const {

@@ -32,6 +32,10 @@ struct SceneObject {
   std::optional<SimTime> ghost_reset{};  // the instant at which its ghost was last given the motion of the truth
 };
 
+// Whether the object answers contacts by itself: it is registered as a collider with a CollisionResponse, and nobody's
+// by a configuration or the file.
+[[nodiscard]] bool answers_contacts(const WorldModel& model, ObjectId object);
+
 // The scene objects that answer contacts: those that no configuration gives to a peer, and that are registered as
 // colliders with a CollisionResponse. As long as nothing but scene objects meets them, they are functions of world
 // time. A decision on a contact makes the deciding peer the owner, until the object rests.
@@ -45,6 +49,9 @@ class SceneObjects {
   [[nodiscard]] SceneObject& at(ObjectId object) { return all_.at(object); }
   [[nodiscard]] const SceneObject& at(ObjectId object) const { return all_.at(object); }
   [[nodiscard]] const std::map<ObjectId, SceneObject>& all() const { return all_; }
+  // The model in force is of an edited scene since then: what answers contacts there is one of them, and what did so
+  // before stays one. Returns those that are new.
+  std::vector<ObjectId> follow_model(SimTime since);
   // A configuration gives the object to a peer.
   void remove(ObjectId object);
 
@@ -55,6 +62,8 @@ class SceneObjects {
   void note_moved(ObjectId object);
   // The only contacts that have moved it are retracted: the file moves it again.
   void note_unmoved(ObjectId object);
+  // An edit gives the object another place: what has moved it until then does not count any more.
+  void place(ObjectId object, SimTime at, const MotionModel& law, std::optional<ObjectId> carrier);
   // Those whose ghosts have met something, each with the time since which its ghost does not move as the truth does.
   [[nodiscard]] std::map<ObjectId, SimTime>& differing() { return differing_; }
 
@@ -82,6 +91,8 @@ class SceneObjects {
   [[nodiscard]] std::uint64_t digest(const Owners& owners, const MotionWorld& truth, SimTime at) const;
 
  private:
+  std::vector<ObjectId> add_all(SimTime since);
+
   const ModelInForce& model_;
   std::map<ObjectId, SceneObject> all_;
   std::set<ObjectId> moved_;  // ordered: they are sent in this order

@@ -11,6 +11,11 @@ namespace {
 // World time [s] beyond which a count of nanoseconds would overflow: 100 years.
 constexpr double kFarthest_s = 3.2e9;
 
+bool is_same(const PredefinedMotion::Piece& a, const PredefinedMotion::Piece& b) {
+  return a.begin_s == b.begin_s && a.end_s == b.end_s && moves_alike(a.state, b.state) &&
+         a.state.orientation.coeffs() == b.state.orientation.coeffs() && a.turning_rad_s == b.turning_rad_s;
+}
+
 }  // namespace
 
 ScriptedMotion::ScriptedMotion(const ModelInForce& model) : model_(model) {
@@ -35,6 +40,21 @@ void ScriptedMotion::follow_model() {
       known->carrier = above;
       known->known_until.reset();
     }
+  }
+}
+
+void ScriptedMotion::follow_scene(SimTime at, std::optional<SimTime> world_zero) {
+  motion_.reset();
+  std::erase_if(pieces_,
+                [&](const Piece& p) { return std::ranges::find(model_->moving, p.object) == model_->moving.end(); });
+  follow_model();
+  if (!world_zero) return;
+  for (Piece& p : pieces_) {
+    if (p.last && p.known_until && *p.known_until > at) {
+      const PredefinedMotion::Piece now = motion_->piece(p.object, to_seconds(at - *world_zero), p.carrier);
+      if (is_same(now, *p.last)) continue;
+    }
+    p.known_until = p.owned_until = at;
   }
 }
 
@@ -91,6 +111,7 @@ void ScriptedMotion::extend(Piece& p, SimTime to, SimTime world_zero, Replica& r
   };
   const SimTime from = p.known_until.value_or(to);
   const PredefinedMotion::Piece piece = motion_->piece(p.object, to_seconds(from - world_zero), p.carrier);
+  p.last = piece;
   const SimTime begin = std::max(session_time(piece.begin_s), p.owned_until.value_or(SimTime::min()));
   MotionModel law(piece.state);
   law.rate_rad_s = piece.turning_rad_s;

@@ -86,6 +86,7 @@ void Sight::place_frusta(SimTime t) {
 // where that is. What carries the camera is noted.
 std::optional<Pose> Sight::camera_of(const Viewpoint& viewpoint, SimTime t) {
   const Scene& scene = *model_->scene;
+  if (viewpoint.object && !scene.contains(*viewpoint.object)) return std::nullopt;
   std::optional<ObjectId> mover = viewpoint.object;
   while (mover && !replica_.ghosts().has(*mover)) {
     mover = scene.parent_of(*mover);

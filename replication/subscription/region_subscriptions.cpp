@@ -204,7 +204,7 @@ std::optional<std::vector<Area>> RegionSubscriptions::areas(SimTime t) const {
     areas.push_back({view->pose.position, radius_m});
   } else if (view) {
     const ObjectId carrier = *view->object;
-    if (!replica_.receives(carrier)) return std::nullopt;  // it may be anywhere
+    if (!model_->scene->contains(carrier) || !replica_.receives(carrier)) return std::nullopt;  // it may be anywhere
     const KinematicState state = own_.contains(carrier) ? replica_.truth(carrier, t) : replica_.ghost(carrier, t);
     const Vec3 arm = view->pose.position;
     const double speed_m_s = state.velocity.norm() + state.angular_velocity_body.norm() * arm.norm();
@@ -314,6 +314,16 @@ std::size_t RegionSubscriptions::pairs_with_received(ObjectId object) const {
     const CollisionPair& pair = model_->pairs[number];
     return replica_.receives(pair.collider == object ? pair.collidee : pair.collider);
   }));
+}
+
+void RegionSubscriptions::follow_model() {
+  const Scene& scene = *model_->scene;
+  std::erase_if(last_receptions_, [&](const auto& reception) { return !scene.contains(reception.first); });
+  std::erase_if(pending_handovers_, [&](const PendingHandover& p) { return !scene.contains(p.handover.object); });
+  const auto is_unreceived = [&](const CollisionPair& pair) {
+    return !replica_.receives(pair.collider) || !replica_.receives(pair.collidee);
+  };
+  unreceived_pairs_ = static_cast<std::size_t>(std::ranges::count_if(model_->pairs, is_unreceived));
 }
 
 void RegionSubscriptions::leave_interest(ObjectId object, SimTime t) {

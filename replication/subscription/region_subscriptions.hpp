@@ -77,6 +77,8 @@ class RegionSubscriptions {
   // datagram goes to that region anyway.
   using GoesAnyway = std::function<bool(RegionId)>;
   [[nodiscard]] std::map<RegionId, std::vector<Handover>> take_handovers(const GoesAnyway& goes_anyway);
+  // The model in force is of an edited scene.
+  void follow_model();
   // Another peer owns the object now: there is nothing to hand over.
   void forget_handovers_of(ObjectId object);
   // The region in which the object was published last, kWholeScene where that is not known.

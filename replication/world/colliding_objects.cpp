@@ -65,6 +65,15 @@ void CollidingObjects::update(const Touch& touch, const Lies& lies, SimTime t) {
   assert(2 * (touching_.size() - checked_.size()) == lying_.size());
 }
 
+void CollidingObjects::change_scene(const WorldModel& next, SimTime t) {
+  known_.clear();
+  for (const CollisionPair& p : next.pairs) known_.insert(std::minmax(p.collider, p.collidee));
+  const std::vector<Pair> before(touching_.begin(), touching_.end());
+  for (const Pair& pair : before) {
+    if (!known_.contains(pair)) part(pair, t);
+  }
+}
+
 void CollidingObjects::forget(SimTime t) {
   while (!touching_.empty()) part(*touching_.begin(), t);
   assert(partners_.empty());

@@ -37,6 +37,8 @@ class CollidingObjects {
   void wake(ObjectId object);
   // Session time has stepped, and both worlds begin anew: nothing touches that has no contact there.
   void forget(SimTime t);
+  // The scene has been edited: what is not paired any more touches nothing.
+  void change_scene(const WorldModel& next, SimTime t);
   // The object is not received any more, so it touches nothing.
   void forget(ObjectId object, SimTime t);
 

@@ -9,7 +9,8 @@
 namespace peerd::replication {
 
 // The world model that a peer goes by: the one that it was given, which others share, until it learns that somebody
-// moves what nothing moved so far. All parts of a peer refer to one ModelInForce, not to the model itself.
+// moves what nothing moved so far, or edits the scene. All parts of a peer refer to one ModelInForce, not to the model
+// itself.
 class ModelInForce {
  public:
   explicit ModelInForce(const WorldModel& shared) : model_(&shared) {}  // `shared` outlives this
@@ -19,9 +20,9 @@ class ModelInForce {
   [[nodiscard]] const WorldModel& operator*() const { return *model_; }
   [[nodiscard]] const WorldModel* operator->() const { return model_; }
 
-  // Puts `next`, of the same scene, in force. Nothing may need the model before any more.
-  void replace(std::unique_ptr<const WorldModel> next) {
-    assert(next && next->scene == model_->scene);
+  // Puts `next` in force. Nothing may need the model before, or its scene, any more.
+  void replace(std::shared_ptr<const WorldModel> next) {
+    assert(next);
     own_ = std::move(next);
     model_ = own_.get();
     ++revision_;
@@ -31,7 +32,7 @@ class ModelInForce {
 
  private:
   const WorldModel* model_;
-  std::unique_ptr<const WorldModel> own_;  // none: the model is shared
+  std::shared_ptr<const WorldModel> own_;  // none: the model is shared
   std::uint64_t revision_ = 0;
 };
 

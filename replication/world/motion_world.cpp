@@ -66,7 +66,8 @@ void MotionWorld::note_who_answers() {
   }
 }
 
-void MotionWorld::change_model(const WorldModel& next) {
+template <class ChangeObjects>
+void MotionWorld::replace_model(const WorldModel& next, SimTime t, ChangeObjects change_objects) {
   assert(stopped_.empty() && std::ranges::none_of(pairs_, &WatchedPair::put_off));
   far_.open(pairs_, opened_);
   reschedule_opened();
@@ -76,7 +77,7 @@ void MotionWorld::change_model(const WorldModel& next) {
   }
   std::vector<WatchedPair> pairs = pairs_to_watch(next, start_);
   const std::vector<std::uint32_t> added = carry_over(*model_, std::move(pairs_), next, pairs);
-  objects_.change_model(next, advanced_);
+  change_objects();
   model_ = &next;
   pairs_ = std::move(pairs);
   far_ = FarPairs(next, objects_, pairs_);
@@ -84,18 +85,51 @@ void MotionWorld::change_model(const WorldModel& next) {
   note_answers();
   for (const std::uint32_t i : added) {
     WatchedPair& pair = pairs_[i];
-    pair.clear_until = advanced_;
+    pair.clear_until = t;
     if (!pair.inside) continue;  // else the contact of the whole goes on in one of its parts
     pair.searched = true;
-    pair.inside = search().touch_at(pair, advanced_);
+    pair.inside = search().touch_at(pair, t);
   }
   pair_checks_ = Schedule(pairs_.size());
   in_pair_checks_.assign(pairs_.size(), false);
   watched_ = 0;
   for (std::size_t i = 0; i < pairs_.size(); ++i) reschedule(i);
+}
+
+void MotionWorld::change_model(const WorldModel& next) {
+  replace_model(next, advanced_, [&] { objects_.change_model(next, advanced_); });
   for (std::size_t i = 0; i < objects_.size(); ++i) {  // what bore an object may be another part now
     if (objects_[i].borne) settle(i, i, advanced_);
   }
+}
+
+std::vector<MovingObjects::Placed> MotionWorld::change_scene(const WorldModel& next, const SceneChange& change) {
+  const SimTime t = std::max(change.at, start_);
+  std::vector<ObjectId> answer_otherwise;
+  for (std::size_t i = 0; i < model_->nodes.size(); ++i) {
+    const ObjectId id = model_->nodes[i].object;
+    const ModelNode* const node = next.scene->contains(id) ? next.node(id) : nullptr;
+    const bool same_body = node != nullptr && next.body(id)->surface == model_->bodies[i].surface;
+    const CollisionResponse* const before = model_->response_of(id);
+    const CollisionResponse* const after = node != nullptr ? next.response_of(id) : nullptr;
+    const bool same_answer = before != nullptr && after != nullptr ? *before == *after : before == after;
+    if (same_body && same_answer) continue;
+    events_.push_back(ContactsRetracted{id, t - Duration{1}});
+    retract(i, t);
+    retract_answers(i, std::nullopt, t);
+    forget_bursts(i, t);
+    retract_contacts_of_carried(i, t);
+    if (node != nullptr && !same_answer) answer_otherwise.push_back(id);
+  }
+  std::vector<MovingObjects::Placed> placed;
+  replace_model(next, t, [&] { placed = objects_.change_scene(next, {t, change.is_moved, change.role_of}); });
+  if (objects_.flexible() != nullptr) reopen_flexible(t);
+  for (const auto& [object, law] : placed) set_base(object, t, law);
+  for (const ObjectId id : answer_otherwise) reopen_pairs(objects_.index_of(id), t, true);
+  for (std::size_t i = 0; i < objects_.size(); ++i) {  // what bore an object may be gone
+    if (objects_[i].borne) settle(i, i, std::max(t, advanced_));
+  }
+  return placed;
 }
 
 void MotionWorld::declare(ObjectId object, Role role) {
@@ -264,7 +298,7 @@ void MotionWorld::retract(std::size_t cause, SimTime t) {
 
 void MotionWorld::note_answer(std::size_t object, std::size_t cause, SimTime t) {
   const auto index = static_cast<std::uint32_t>(object);
-  if (!std::ranges::binary_search(model_->partners_of_node[cause], index)) return;
+  if (cause >= answers_to_.size() || !std::ranges::binary_search(model_->partners_of_node[cause], index)) return;
   std::vector<Answer>& answers = answers_to_[cause];
   const auto at = std::ranges::lower_bound(answers, index, {}, &Answer::object);
   if (at != answers.end() && at->object == index) {
@@ -282,7 +316,8 @@ void MotionWorld::note_answers() {
     const Timeline& timeline = objects_[i].timeline;
     for (std::size_t k = 0; k < timeline.segment_count(); ++k) {
       const Timeline::Segment& law = timeline.segment(k);
-      if (law.cause) note_answer(i, objects_.index_of(*law.cause), law.from);
+      const MovingObject* const cause = law.cause ? objects_.find(*law.cause) : nullptr;  // it may be gone
+      if (cause != nullptr) note_answer(i, objects_.index_of(cause->id), law.from);
     }
   }
 }
@@ -295,13 +330,15 @@ void MotionWorld::reschedule_opened(const std::optional<NewLaw>& law) {
   opened_.clear();
 }
 
-// Retracts the answers of one object to `cause` at t or later, and what followed from them.
-void MotionWorld::retract_answers(std::size_t index, ObjectId cause, SimTime t) {
+void MotionWorld::retract_answers(std::size_t index, std::optional<ObjectId> cause, SimTime t) {
   assert(objects_[index].id != cause);
   MovingObject& o = objects_[index];
   if (o.role != Role::kPredicted) return;
   std::size_t wrong = o.timeline.first_not_before(t);
-  while (wrong < o.timeline.segment_count() && o.timeline.segment(wrong).cause != cause) ++wrong;
+  const auto is_answer = [&](const Timeline::Segment& law) {
+    return cause ? law.cause == cause : law.cause.has_value();
+  };
+  while (wrong < o.timeline.segment_count() && !is_answer(o.timeline.segment(wrong))) ++wrong;
   if (wrong == 0 || wrong == o.timeline.segment_count()) return;
   const SimTime from = o.timeline.segment(wrong).from;
   if (o.base_time >= from) return;  // its owner has published since

@@ -51,6 +51,11 @@ class MotionWorld {
   // not needed any more. What goes with a new carrier stood still relative to it until now. Parts that are new are
   // searched from the last advance() on. No pair is put off.
   void change_model(const WorldModel& next);
+  // Goes on with the model of the scene that edits have made of this one, from an instant on that may lie in the past:
+  // what followed from what is gone, or not as it was, is retracted, and the next advance() finds contacts with what is
+  // new. What nothing moves takes the place that the scene gives it. The model before is not needed any more. No pair
+  // is put off. Returns the objects that have another place, or another carrier, because of it.
+  std::vector<MovingObjects::Placed> change_scene(const WorldModel& next, const SceneChange& change);
 
   // Declares an object that may move; every body that is not declared stays at its place in the file.
   void declare(ObjectId object, Role role);
@@ -162,6 +167,10 @@ class MotionWorld {
  private:
   [[nodiscard]] PairSearch search() { return {*model_, objects_, pairs_, start_, counters_, events_}; }
   void note_who_answers();
+  // Goes on with the pairs of another model. `change_objects` does so with the objects. Pairs that are new are searched
+  // from t on.
+  template <class ChangeObjects>
+  void replace_model(const WorldModel& next, SimTime t, ChangeObjects change_objects);
   // Returns the pair with the earliest contact of those that are due until then; of several the first in the model's
   // order.
   [[nodiscard]] std::optional<std::size_t> first_contact_until(SimTime to);
@@ -220,7 +229,8 @@ class MotionWorld {
   void note_answer(std::size_t object, std::size_t cause, SimTime t);
   void retract_contacts_of_carried(std::size_t object, SimTime t);
   void retract(std::size_t cause, SimTime t);
-  void retract_answers(std::size_t object, ObjectId cause, SimTime t);
+  // Retracts the answers of an object to `cause`, or to anything, from t on, and what followed from them.
+  void retract_answers(std::size_t object, std::optional<ObjectId> cause, SimTime t);
   // Forgets the counts of contacts since then.
   void forget_bursts(std::size_t object, SimTime t);
   // The object's pieces changed from t on. `elsewhere`: also where it is.

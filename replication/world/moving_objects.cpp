@@ -75,6 +75,61 @@ void MovingObjects::change_model(const WorldModel& next, SimTime now) {
   for (std::size_t i = 0; i < objects_.size(); ++i) timeline_changed(i);
 }
 
+std::vector<MovingObjects::Placed> MovingObjects::change_scene(const WorldModel& next, const SceneChange& change) {
+  const MovingObjects before = std::exchange(*this, MovingObjects(next, start_));
+  flexible_ = before.flexible_;
+  driven_history_ = before.driven_history_;
+  const Scene &scene_before = *before.model_->scene, &scene = *next.scene;
+  for (const MovingObject& old : before.objects_) {
+    if (scene.contains(old.id) && find(old.id) == nullptr) add({old.id});  // nothing needs it: it meets nothing
+  }
+  const auto is_same_pose = [](const KinematicState& a, const KinematicState& b) {
+    return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
+  };
+  const auto frame_of = [](const MovingObjects& objects, const MovingObject& o) {
+    return o.carrier == kNone ? std::nullopt : std::optional(objects.objects_[o.carrier].id);
+  };
+  const auto place_in_file = [](const Scene& of, std::optional<ObjectId> carrier, ObjectId id) {
+    const KinematicState world = at_rest(of.rigid_pose(id));
+    return carrier ? relative_to(at_rest(of.rigid_pose(*carrier)), world) : world;
+  };
+  std::vector<Placed> placed;
+  for (std::size_t i = 0; i < objects_.size(); ++i) {  // carriers come before what they carry
+    MovingObject& o = objects_[i];
+    const KinematicState in_file = o.timeline.at(start_);
+    const std::optional<ObjectId> carrier = frame_of(*this, o);
+    const MovingObject* const old = before.find(o.id);
+    const bool was_there = scene_before.contains(o.id) && (!carrier || scene_before.contains(*carrier));
+    const bool stays = was_there && is_same_pose(place_in_file(scene_before, carrier, o.id), in_file);
+    if (old == nullptr) {
+      o.role = change.role_of(o.id);
+      if (!stays) o.timeline = Timeline(change.at, in_file);
+      continue;
+    }
+    const bool same_frame = frame_of(before, *old) == carrier;
+    const std::uint32_t index = o.carrier;
+    Timeline fresh = stays ? o.timeline : Timeline(change.at, in_file);
+    o = *old;
+    o.carrier = index;
+    o.answers = o.pruning_scheduled = o.changed = false;
+    const bool is_moved = change.is_moved(o.id);
+    if (same_frame) {
+      if (!stays && !is_moved) placed.push_back({o.id, in_file});
+      continue;
+    }
+    MotionModel law = in_file;
+    if (is_moved) {
+      const KinematicState world = before.world_at(before.index_of(o.id), change.at);
+      law = MotionModel(index == kNone ? world : relative_to(world_at(index, change.at), world));
+      fresh = Timeline(change.at, law);
+    }
+    o.timeline = std::move(fresh);
+    placed.push_back({o.id, law});
+  }
+  for (std::size_t i = 0; i < objects_.size(); ++i) timeline_changed(i);
+  return placed;
+}
+
 std::span<const std::uint32_t> MovingObjects::carried_by(std::size_t object) const {
   if (object >= model_->carried_by.size()) return {};
   return model_->carried_by[object];

@@ -1,6 +1,7 @@
 #pragma once
 #include <cassert>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
@@ -48,6 +49,14 @@ struct MovingObject {
   }
 };
 
+// How a world goes on when the scene has been edited.
+struct SceneChange {
+  SimTime at{};  // the instant at which the edit takes effect
+  // Whether something moves the object, so that it stays where it is whatever the scene says of its place.
+  std::function<bool(ObjectId)> is_moved;
+  std::function<Role(ObjectId)> role_of;  // of what is new
+};
+
 // The objects of a MotionWorld with their timelines, by index: the model's nodes, then the other declared objects in
 // order of declaration. Laws are relative to the carrier of an object; states in the world are composed.
 class MovingObjects {
@@ -78,6 +87,13 @@ class MovingObjects {
   void add(const ModelNode& node);
   // Goes on by another model of the same scene, in which more nodes are carriers. Indices change.
   void change_model(const WorldModel& next, SimTime now);
+  // Goes on by the model of another scene, which edits have made of the one before. Indices change. Returns the laws,
+  // in the frames of their carriers, that objects have to be given at that instant because of it.
+  struct Placed {
+    ObjectId object;
+    MotionModel law;
+  };
+  [[nodiscard]] std::vector<Placed> change_scene(const WorldModel& next, const SceneChange& change);
 
   void set_flexible(FlexibleParts& flexible) { flexible_ = &flexible; }
   [[nodiscard]] FlexibleParts* flexible() const { return flexible_; }

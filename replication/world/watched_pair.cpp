@@ -14,7 +14,8 @@ namespace {
 // A part by what does not depend on the model: a body shares its surface with its copies, and a Shape that flexes has
 // none.
 using PartKey = std::pair<const collision::Surface*, ObjectId>;
-using PairKey = std::tuple<std::uint32_t, PartKey, PartKey>;
+using InterestKey = std::tuple<CollisionType, ObjectId, ObjectId>;  // the type, the collider, the collidee
+using PairKey = std::tuple<InterestKey, PartKey, PartKey>;
 
 PartKey key_of_part(const WorldModel& model, std::uint32_t part) {
   if (part == ModelNode::kNone) return {nullptr, {}};
@@ -22,8 +23,13 @@ PartKey key_of_part(const WorldModel& model, std::uint32_t part) {
   return {model.bodies[part].surface.get(), model.nodes[part].object};
 }
 
+InterestKey key_of_interest(const WorldModel& model, const WatchedPair& pair) {
+  const CollisionPair& interest = model.pairs[pair.number];
+  return {interest.type, interest.collider, interest.collidee};
+}
+
 PairKey key_of_pair(const WorldModel& model, const WatchedPair& pair) {
-  return {pair.number, key_of_part(model, pair.part_a), key_of_part(model, pair.part_b)};
+  return {key_of_interest(model, pair), key_of_part(model, pair.part_a), key_of_part(model, pair.part_b)};
 }
 
 }  // namespace
@@ -66,31 +72,41 @@ std::vector<WatchedPair> pairs_to_watch(const WorldModel& model, SimTime start) 
 
 std::vector<std::uint32_t> carry_over(const WorldModel& before, std::vector<WatchedPair> known, const WorldModel& next,
                                       std::vector<WatchedPair>& pairs) {
-  assert(next.scene == before.scene && next.pairs.size() == before.pairs.size());
   assert(known.size() == before.part_pairs.size() && pairs.size() == next.part_pairs.size());
   std::map<PairKey, WatchedPair*> same;
-  std::vector<bool> watched(next.pairs.size(), true), inside(next.pairs.size(), false);
+  struct Known {
+    bool watched = true, inside = false;
+  };
+  std::map<InterestKey, Known> interests;
   for (WatchedPair& pair : known) {
-    watched[pair.number] = pair.watched;
-    inside[pair.number] = inside[pair.number] || pair.inside;
+    Known& interest = interests[key_of_interest(before, pair)];
+    interest.watched = pair.watched;
+    interest.inside |= pair.inside;
     same.emplace(key_of_pair(before, pair), &pair);
   }
   std::vector<std::uint32_t> added;
   for (std::uint32_t i = 0; i < pairs.size(); ++i) {
     WatchedPair& pair = pairs[i];
     const auto at = same.find(key_of_pair(next, pair));
-    if (at != same.end() && at->second->fixed == pair.fixed) {
+    const auto is_same = [&](const WatchedPair& other) {
+      return other.fixed == pair.fixed && other.collider_responds == pair.collider_responds &&
+             other.collidee_responds == pair.collidee_responds;
+    };
+    if (at != same.end() && is_same(*at->second)) {
       const WatchedPair fresh = std::exchange(pair, std::move(*at->second));
       pair.collider = fresh.collider;
       pair.collidee = fresh.collidee;
       pair.part_a = fresh.part_a;
       pair.part_b = fresh.part_b;
       pair.common = fresh.common;
+      pair.number = fresh.number;
       pair.fixed = fresh.fixed;
       pair.is_plain = fresh.is_plain;
     } else {
-      pair.watched = watched[pair.number];
-      pair.inside = inside[pair.number] && !pair.fixed;
+      if (const auto interest = interests.find(key_of_interest(next, pair)); interest != interests.end()) {
+        pair.watched = interest->second.watched;
+        pair.inside = interest->second.inside && !pair.fixed;
+      }
       added.push_back(i);
     }
   }

@@ -59,9 +59,9 @@ inline constexpr Duration kShortestFlight{static_cast<std::int64_t>(kShortestFli
 // The model's part pairs, of which nothing is known from `start` on.
 [[nodiscard]] std::vector<WatchedPair> pairs_to_watch(const WorldModel& model, SimTime start);
 
-// Gives the pairs of `next` what is known of those of `before`, a model of the same scene in which fewer nodes are
-// carriers, where their two parts are the same. Returns the indices of the other ones: each is watched if its ends
-// were, and `inside` if another pair of its ends was.
+// Gives the pairs of `next` what is known of those of `before`, where their interest, their two parts and who answers
+// are the same. Returns the indices of the other ones: each is watched unless its ends were not, and `inside` if
+// another pair of its ends was.
 std::vector<std::uint32_t> carry_over(const WorldModel& before, std::vector<WatchedPair> known, const WorldModel& next,
                                       std::vector<WatchedPair>& pairs);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <tuple>
@@ -27,9 +28,13 @@ using KnownPairs = std::map<std::tuple<CollisionType, ObjectId, ObjectId>, std::
 
 class ModelBuilder {
  public:
-  // `before`: a model of the same scene, whose bodies are used again; or null.
+  // `before`: a model whose bodies are used again, of what the scene was before; or null.
   ModelBuilder(const Scene& scene, const WorldModel* before, WorldModel& model)
-      : scene_(scene), before_(before), model_(model) {}
+      : scene_(scene), before_(before), model_(model) {
+    if (before == nullptr) return;
+    for (const FlexiblePart& part : before->flexible) flexed_before_.push_back(part.shape);
+    std::ranges::sort(flexed_before_);
+  }
 
   void build(std::span<const ObjectId> owned) {
     add_pairs();
@@ -165,7 +170,7 @@ class ModelBuilder {
         if (is_flexible(shape)) flexible_of_node_[i].push_back(flexible_part(shape));
         return !is_flexible(shape);
       };
-      const collision::Body* const known = same_body(i);
+      const collision::Body* const known = is_part[i] ? same_body(i) : nullptr;
       if (known != nullptr) note_flexible_parts(i, belongs);
       collision::Body body = known != nullptr ? *known : collision::make_body(scene_, id, belongs);
       if (!body.unsupported.empty()) model_.unsupported.push_back(body.unsupported);
@@ -195,22 +200,47 @@ class ModelBuilder {
     }
   }
 
-  // The body of a node in the model before, where the same Shapes go with it now.
-  [[nodiscard]] const collision::Body* same_body(std::uint32_t node) const {
-    if (before_ == nullptr) return nullptr;
-    const ObjectId id = model_.nodes[node].object;
-    const auto carriers_below = [&](const WorldModel& model) {
-      std::vector<ObjectId> ids;
-      const ModelNode* const top = model.node(id);
-      for (const ModelNode* at = top; at != nullptr && at != model.nodes.data() + model.nodes.size(); ++at) {
-        if (at->instance >= scene_.at(id).subtree_end) break;
-        if (at->is_carrier) ids.push_back(at->object);
+  struct PlacedShape {
+    ObjectId shape;
+    const Geometry* geometry;
+    Eigen::Affine3d placement;
+    bool operator==(const PlacedShape& other) const {
+      return shape == other.shape && *geometry == *other.geometry && placement.matrix() == other.placement.matrix();
+    }
+  };
+  // The Shapes that a body consists of: those below its node, but for what goes with carriers below it, and for
+  // flexible ones.
+  template <class IsFlexible>
+  [[nodiscard]] static std::vector<PlacedShape> shapes_of(const WorldModel& model, std::uint32_t node,
+                                                          IsFlexible is_flexible) {
+    const Scene& scene = *model.scene;
+    const ObjectId id = model.nodes[node].object;
+    std::vector<PlacedShape> shapes;
+    for (std::uint32_t i = model.nodes[node].instance; i < scene.at(id).subtree_end;) {
+      const std::uint32_t below = model.node_of_instance[i];
+      if (below != kNone && below != node && model.nodes[below].is_carrier) {
+        i = scene.instances[i].subtree_end;
+        continue;
       }
-      return ids;
-    };
+      const ObjectId shape = scene.id_of(i++);
+      const Geometry* const geometry = scene.geometry(shape);
+      if (geometry == nullptr || !scene.at(shape).collides || is_flexible(shape)) continue;
+      shapes.push_back({shape, geometry, scene.object_from_shape(id, shape)});
+    }
+    return shapes;
+  }
+
+  // The body of a node in the model before, where it consists of the same Shapes now.
+  [[nodiscard]] const collision::Body* same_body(std::uint32_t node) const {
+    if (before_ == nullptr || scene_.tessellation != before_->scene->tessellation) return nullptr;
+    const ObjectId id = model_.nodes[node].object;
     const collision::Body* const body = before_->body(id);
     if (body == nullptr || !body->surface) return nullptr;
-    return carriers_below(*before_) == carriers_below(model_) ? body : nullptr;
+    const auto flexed_before = [&](ObjectId shape) { return std::ranges::binary_search(flexed_before_, shape); };
+    const auto before = shapes_of(*before_, before_->index_of(id), flexed_before);
+    const auto now = shapes_of(model_, node, [&](ObjectId shape) { return is_flexible(shape); });
+    // One that was no part of an end then has none of its Shapes.
+    return before.size() == body->meshes_built && before == now ? body : nullptr;
   }
 
   [[nodiscard]] bool is_flexible(ObjectId shape) const {
@@ -314,6 +344,7 @@ class ModelBuilder {
   const WorldModel* before_;
   WorldModel& model_;
   std::optional<PredefinedMotion> predefined_;
+  std::vector<ObjectId> flexed_before_;                                   // Shapes, ascending
   std::vector<std::uint32_t> bending_;                                    // geometries, ascending
   std::map<std::uint32_t, std::vector<std::uint32_t>> flexible_of_node_;  // parts
   std::map<ObjectId, std::uint32_t> part_of_shape_;
@@ -389,7 +420,20 @@ std::unique_ptr<const WorldModel> extended(const WorldModel& model, std::span<co
   all.insert(all.end(), model.owned.begin(), model.owned.end());
   auto next = std::make_unique<WorldModel>();
   next->scene = model.scene;
+  next->edited = model.edited;
   ModelBuilder(*model.scene, &model, *next).build(all);
+  return next;
+}
+
+std::unique_ptr<const WorldModel> edited(const WorldModel& model, std::shared_ptr<const Scene> scene) {
+  assert(scene != nullptr && scene.get() != model.scene);
+  std::vector<ObjectId> ownable = founder_objects(*scene);
+  std::ranges::copy_if(model.owned, std::back_inserter(ownable), [&](ObjectId id) { return scene->contains(id); });
+  keep_each_once(ownable);
+  auto next = std::make_unique<WorldModel>();
+  next->scene = scene.get();
+  next->edited = std::move(scene);
+  ModelBuilder(*next->scene, &model, *next).build(ownable);
   return next;
 }
 

@@ -54,7 +54,8 @@ struct PartPair {
 // The nodes of one world that collide or carry, with their geometry, and the pairs to watch. Built once per world; a
 // peer's two MotionWorlds and every peer of a simulation read the same one.
 struct WorldModel {
-  const Scene* scene = nullptr;  // outlives the model
+  const Scene* scene = nullptr;         // outlives the model, or is `edited`
+  std::shared_ptr<const Scene> edited;  // the scene, where the world has been edited since it began; else null
   std::vector<ObjectId> owned;   // nodes that configurations or the file give to peers, or that others move, ascending
   std::vector<ModelNode> nodes;  // in depth-first order, so that what is below a node is right behind it
   std::vector<std::uint32_t> node_of_instance;  // index in `nodes`, or kNone; empty where there are no nodes
@@ -158,5 +159,7 @@ using IsOwned = std::function<bool(ObjectId)>;
 
 // Returns the model with these nodes as carriers, too. Bodies that stay as they are are shared with `model`.
 [[nodiscard]] std::unique_ptr<const WorldModel> extended(const WorldModel& model, std::span<const ObjectId> moved);
+// Returns the model of what edits have made of the scene of `model`. Bodies whose Shapes stay as they are are shared.
+[[nodiscard]] std::unique_ptr<const WorldModel> edited(const WorldModel& model, std::shared_ptr<const Scene> scene);
 
 }  // namespace peerd::replication

@@ -65,6 +65,8 @@ class Driver {
     }
     while (node_->poll_key_report()) {
     }
+    while (node_->poll_edit_report()) {
+    }
   }
 
   void ask(std::string_view line) {

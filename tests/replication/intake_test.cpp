@@ -38,7 +38,8 @@ class Arriving : public testing::Test {
   PeerParts p{config(5, {{o0}}), *world.model};
   SceneKeeper scene{p};
   SessionKeeper keeper{p, scene};
-  Intake intake{p, keeper, scene};
+  OperationKeeper operations{p, keeper};
+  Intake intake{p, keeper, scene, operations};
 };
 
 TEST_F(Arriving, AnIntroductionMakesAMemberWithItsObjects) {
@@ -101,7 +102,8 @@ TEST(ArrivingInAFrame, IsWhereItsSenderSees) {
   PeerParts p{config(5), *w.model};
   SceneKeeper scene{p};
   SessionKeeper keeper{p, scene};
-  Intake intake{p, keeper, scene};
+  OperationKeeper operations{p, keeper};
+  Intake intake{p, keeper, scene, operations};
   for (Duration t = 0s; t <= 1s; t += 100ms) (void)keeper.maintain(host(t));
   ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(hello_of(7, host(1s)))));
   const auto take = [&](ObjectId object, std::uint32_t sequence, std::optional<ObjectId> carrier, const Vec3& at) {
@@ -135,7 +137,8 @@ TEST(ArrivingInAFrame, GoesOnThereAfterADecision) {
   PeerParts p{config(5), *w.model};
   SceneKeeper scene{p};
   SessionKeeper keeper{p, scene};
-  Intake intake{p, keeper, scene};
+  OperationKeeper operations{p, keeper};
+  Intake intake{p, keeper, scene, operations};
   for (Duration t = 0s; t <= 1s; t += 100ms) (void)keeper.maintain(host(t));
   ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(hello_of(3, host(1s), {car, wheel}))));
   ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(hello_of(7, host(1s), {ball}))));
@@ -164,7 +167,8 @@ ROUTE PATH.value_changed TO GROWS.scale
   PeerParts p{config(5), *w.model};
   SceneKeeper scene{p};
   SessionKeeper keeper{p, scene};
-  Intake intake{p, keeper, scene};
+  OperationKeeper operations{p, keeper};
+  Intake intake{p, keeper, scene, operations};
   for (Duration t = 0s; t <= 1s; t += 100ms) (void)keeper.maintain(host(t));
   ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(hello_of(7, host(1s), {w["INSIDE"]}))));
   const auto changed = [&] { return p.counters.models_changed; };
@@ -274,7 +278,8 @@ TEST(Intake, RecordsBeforeTheSessionAreNotUsed) {
   PeerParts p{config(5), *world.model};
   SceneKeeper scene{p};
   SessionKeeper keeper{p, scene};
-  Intake intake{p, keeper, scene};
+  OperationKeeper operations{p, keeper};
+  Intake intake{p, keeper, scene, operations};
   (void)keeper.maintain(host(0s));
   ASSERT_TRUE(intake.on_packet(host(0s), kWholeScene, encode(hello_of(7, host(0s)))));
   Message m = message_of(7);
@@ -291,7 +296,8 @@ TEST(Intake, AnUnintroducedPeerIsAskedForItsIntroduction) {
   PeerParts p{config(5), *world.model};
   SceneKeeper scene{p};
   SessionKeeper keeper{p, scene};
-  Intake intake{p, keeper, scene};
+  OperationKeeper operations{p, keeper};
+  Intake intake{p, keeper, scene, operations};
   for (Duration t = 0s; t <= 1s; t += 100ms) (void)keeper.maintain(host(t));
   while (p.greeter.must_introduce(true)) (void)p.greeter.introduction({}, {}, {});
   EXPECT_EQ(intake.on_packet(host(9s), kWholeScene, encode(message_of(7))), std::unexpected(Drop::kUnintroduced));

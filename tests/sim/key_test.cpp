@@ -38,9 +38,10 @@ std::vector<std::string> key_lines(const std::vector<std::string>& sets) {
   const auto scenario = must(config::read_scenario({.file = kKeys, .configs = {}, .sets = sets, .seed = {}}));
   const auto shared = must(share_world(scenario.world));
   std::vector<std::string> lines;
-  (void)must(simulate(scenario.runs.front(), *shared, {}, [&](HostTime, const PeerNode& node, const KeyReport& key) {
-    for (const LogLine& line : describe(key, shared->world.scene)) lines.push_back(node.name() + ": " + line.text);
-  }));
+  const auto note = [&](HostTime, const PeerNode& node, const LogLine& line, bool) {
+    lines.push_back(node.name() + ": " + line.text);
+  };
+  (void)must(simulate(scenario.runs.front(), *shared, {}, note));
   return lines;
 }
 

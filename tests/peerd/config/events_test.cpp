@@ -180,4 +180,43 @@ TEST_F(EventsTest, SomebodyIsThereFromTheStart) {
   EXPECT_THAT(scenario.error().text, HasSubstr("somebody must be there from the start"));
 }
 
+TEST_F(EventsTest, EditsAreTheirPeersOwn) {
+  folder.write("wall.wrl", "#VRML V2.0 utf8\nDEF WALL Transform { }\n");
+  const auto scenario = result(R"([event.later]
+at_s = 5
+kind = "set"
+peer = "b"
+path = "WALL"
+field = "scale"
+value = "2 1 1"
+[event.first]
+at_s = 2
+kind = "add"
+peer = "b"
+file = "wall.wrl"
+under = "HOUSE"
+)");
+  ASSERT_TRUE(scenario) << scenario.error().text;
+  const auto& edits = scenario->runs.front().peers[1].edits;
+  ASSERT_EQ(edits.size(), 2u);
+  EXPECT_EQ(edits[0].at_s, 2.0);
+  EXPECT_EQ(edits[0].edit.kind, SceneEdit::Kind::kAdd);
+  EXPECT_EQ(edits[0].edit.under, "HOUSE");
+  EXPECT_THAT(edits[0].edit.text, HasSubstr("DEF WALL"));
+  EXPECT_EQ(edits[1].edit.kind, SceneEdit::Kind::kSet);
+  EXPECT_EQ(edits[1].edit.value, "2 1 1");
+}
+
+TEST_F(EventsTest, AnEditSaysWhatAndWhere) {
+  const auto error = [&](const std::string& keys) {
+    const auto scenario = result("[event.e]\nat_s = 1\npeer = \"a\"\n" + keys);
+    return scenario ? std::string() : scenario.error().text;
+  };
+  EXPECT_THAT(error("kind = \"add\"\n"), HasSubstr("give either a text or its file"));
+  EXPECT_THAT(error("kind = \"add\"\nfile = \"none.wrl\"\n"), HasSubstr("none.wrl"));
+  EXPECT_THAT(error("kind = \"set\"\npath = \"A\"\n"), HasSubstr("field"));
+  EXPECT_THAT(error("kind = \"remove\"\n"), HasSubstr("path"));
+  EXPECT_THAT(error("kind = \"remove\"\npath = \"A\"\nvalue = \"1\"\n"), HasSubstr("value"));
+}
+
 }  // namespace peerd::config::events_test

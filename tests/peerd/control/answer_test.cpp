@@ -117,6 +117,38 @@ TEST_F(ControlAnswer, AKeysReplySaysWhatItDid) {
   EXPECT_THAT(reply["changes"][1]["refused"].get<std::string>(), HasSubstr("a motion"));
 }
 
+TEST_F(ControlAnswer, EditsTheScene) {
+  make();
+  run(1);
+  const json added = ask(R"({"do":"add","text":"DEF NEW Transform { }","under":"B"})");
+  ASSERT_EQ(added["done"], true) << added;
+  json operation = added["operation"];
+  operation["do"] = "operation";
+  EXPECT_EQ(ask(operation.dump())["applied"], false);
+  run(2);
+  const json state = ask(operation.dump());
+  EXPECT_EQ(state["applied"], true);
+  EXPECT_EQ(state["held"], false);
+  EXPECT_EQ(state["alone"], true);
+  EXPECT_EQ(node->scene().path_of(*node->scene().find("NEW")), "B/NEW");
+  EXPECT_EQ(ask(R"({"do":"set","path":"A","field":"translation","value":"5 6 7"})")["done"], true);
+  EXPECT_EQ(ask(R"({"do":"move","path":"B/NEW"})")["done"], true);
+  run(3);
+  EXPECT_EQ(node->scene().path_of(*node->scene().find("NEW")), "NEW");
+  EXPECT_EQ(truth("A").position.y(), 6.0);
+  EXPECT_EQ(ask(R"({"do":"remove","path":"MORE"})")["done"], true) << "a node that is no instance";
+  EXPECT_EQ(ask(R"({"do":"remove","path":"B"})")["done"], true);
+  run(4);
+  EXPECT_FALSE(node->scene().find("B"));
+  const json gone = ask(R"({"do":"remove","path":"B"})");
+  EXPECT_EQ(gone["done"], false);
+  EXPECT_EQ(gone["refused"], "the scene has no B");
+  EXPECT_EQ(ask(R"({"do":"key","key":"a"})")["hits"], 1) << "of the sensors the other one is left";
+  const json world = ask(R"({"do":"world"})");
+  EXPECT_THAT(world["world"].get<std::string>(), HasSubstr("DEF NEW Transform"));
+  EXPECT_EQ(ask(R"({"do":"operation","author":1,"number":99})")["refused"], "this peer has made no such operation");
+}
+
 TEST_F(ControlAnswer, RubbishGetsAReasonAndLeavesThePeerAlone) {
   make();
   run(1);

@@ -58,7 +58,7 @@ class Deciding : public testing::Test {
   PeerCounters counters;
   Membership members{1750ms};
   Owners owners;
-  OwnObjects own{world.scene, conf.owned, false};
+  OwnObjects own{*world.in_force, conf.owned, false};
   SceneObjects scene{*world.in_force};
   Replica replica{*world.in_force};
   TickGrid ticks{60};
@@ -129,7 +129,7 @@ TEST(DecidingByParts, AnEndIsInViewWhereItsPartsAre) {
   PeerCounters counters;
   Membership members{1750ms};
   Owners owners;
-  OwnObjects own{world.scene, conf.owned, false};
+  OwnObjects own{*world.in_force, conf.owned, false};
   Replica replica{*world.in_force};
   TickGrid ticks{60};
   Outbox outbox{conf.id, conf.incarnation, counters};

@@ -46,7 +46,7 @@ class Repeating : public testing::Test {
   PeerCounters counters;
   Membership members{conf.lost_after};
   std::vector<OwnedObject> objects{{a}, {b}};
-  OwnObjects own{world.scene, objects, false};
+  OwnObjects own{*world.in_force, objects, false};
   UpdateRepeater repeater{conf, members, own, true, counters};
   std::uint32_t number = 0;
 };

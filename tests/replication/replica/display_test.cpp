@@ -31,7 +31,7 @@ class Shown : public testing::Test {
   ObjectId mine = world["MINE"], ball = world["BALL"];
   PeerConfig conf = config(1, {{mine, true}});
   PeerCounters counters;
-  OwnObjects own{world.scene, conf.owned, false};
+  OwnObjects own{*world.in_force, conf.owned, false};
   Replica replica{*world.in_force};
   Display display{conf, *world.in_force, own, replica, counters};
 };
@@ -80,7 +80,7 @@ TEST(ShownAsTheFileSays, ARemoteNodeConvergesWhereTheOthersJump) {
   PeerConfig conf = config(1);
   ASSERT_EQ(conf.convergence.method, ConvergenceMethod::kJump);
   PeerCounters counters;
-  OwnObjects own{world.scene, conf.owned, false};
+  OwnObjects own{*world.in_force, conf.owned, false};
   Replica replica{*world.in_force};
   replica.begin(sim(0s));
   Display display{conf, *world.in_force, own, replica, counters};

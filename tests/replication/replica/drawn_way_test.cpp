@@ -21,7 +21,7 @@ struct Drawing {
       : world(text, owned) {
     std::vector<OwnedObject> here;
     for (const char* path : mine) here.push_back({world[path]});
-    own.emplace(world.scene, here, false);
+    own.emplace(*world.in_force, here, false);
     replica.emplace(*world.in_force);
     replica->begin(sim(0s));
     for (const char* path : owned) {

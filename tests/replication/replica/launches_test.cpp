@@ -22,7 +22,7 @@ class Launched : public testing::Test {
               box("C", "1 1 1", "0 20 0", "collisionResponse CollisionResponse { responseType 2 friction 0.5 } ")};
   ObjectId a = world["A"], b = world["B"], c = world["C"];
   std::vector<OwnedObject> objects{{a, false, {0s, Vec3(1, 0, 0), Vec3(0, 0, 2)}}, {b, false}, {c, false}};
-  OwnObjects own{world.scene, objects, false};
+  OwnObjects own{*world.in_force, objects, false};
   Replica replica{*world.in_force};
   Launches launches{*world.in_force, own, replica};
   Launches::FileVelocity by_file = [this](SimTime t, ObjectId object) {
@@ -39,7 +39,7 @@ TEST_F(Launched, ALaunchGivesItsVelocityAndAcceleration) {
 
 TEST_F(Launched, ALaunchTurnsInTheWorldsFrame) {
   objects[0].launch.angular_velocity = Vec3(0, 3, 0);
-  OwnObjects turning{world.scene, objects, false};
+  OwnObjects turning{*world.in_force, objects, false};
   KinematicState lying;
   lying.orientation = Quat(Eigen::AngleAxisd(0.5 * std::numbers::pi, Vec3::UnitX()));
   replica.truth().set_base(a, sim(1s), lying);

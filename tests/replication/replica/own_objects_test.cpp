@@ -27,7 +27,7 @@ class Owned : public testing::Test {
               box("D", "1 1 1", "12 0 0")};
   ObjectId a = world["A"], b = world["B"], c = world["C"], d = world["D"];
   std::vector<OwnedObject> objects{{c, false, {2s, Vec3(1, 0, 0)}}, {a, true}, {b, false}};
-  OwnObjects own{world.scene, objects, false};
+  OwnObjects own{*world.in_force, objects, false};
 };
 
 TEST_F(Owned, AreThoseOfTheConfigurationInOrder) {
@@ -55,7 +55,7 @@ TEST_F(Owned, ASceneObjectIsOneOfThemForAWhile) {
 }
 
 TEST_F(Owned, SurfaceErrorsCountByTheFarthestVertex) {
-  const OwnObjects by_surface(world.scene, objects, true);
+  const OwnObjects by_surface(*world.in_force, objects, true);
   EXPECT_NEAR(by_surface.at(a).bounding_radius_m, std::sqrt(3.0), 1e-12);
   EXPECT_NEAR(by_surface.at(b).bounding_radius_m, std::sqrt(0.75), 1e-12);
 }

@@ -77,7 +77,7 @@ struct Subscribing {
   PeerCounters counters;
   Membership members{conf.lost_after};
   Owners owners;
-  OwnObjects own{world.scene, conf.owned, false};
+  OwnObjects own{*world.in_force, conf.owned, false};
   Replica replica{*world.in_force};
   TickGrid ticks{10};
   Outbox outbox{conf.id, conf.incarnation, counters};
@@ -160,7 +160,7 @@ struct Reaching {
   PeerCounters counters;
   Membership members{conf.lost_after};
   Owners owners;
-  OwnObjects own{world.scene, conf.owned, false};
+  OwnObjects own{*world.in_force, conf.owned, false};
   Replica replica{*world.in_force};
   TickGrid ticks{10};
   Outbox outbox{conf.id, conf.incarnation, counters};
@@ -207,7 +207,7 @@ TEST(ContactRangeOfParts, WhatCarriesAnOwnObjectIsListenedTo) {
   PeerCounters counters;
   Membership members{conf.lost_after};
   Owners owners;
-  OwnObjects own{world.scene, conf.owned, false};
+  OwnObjects own{*world.in_force, conf.owned, false};
   Replica replica{*world.in_force};
   TickGrid ticks{10};
   Outbox outbox{conf.id, conf.incarnation, counters};

@@ -1,0 +1,33 @@
+#pragma once
+#include <expected>
+#include <optional>
+#include <string>
+
+#include "core/scene/scene.hpp"
+#include "peerd/config/scene_edit.hpp"
+#include "peerd/node/log_line.hpp"
+#include "replication/wire/operation.hpp"
+
+namespace peerd {
+
+// What has become of an edit that a peer was asked for.
+struct EditReport {
+  config::SceneEdit edit;
+  std::optional<replication::OperationId> operation;  // none: it was refused
+  std::string refused;
+
+  [[nodiscard]] bool done() const { return refused.empty(); }
+};
+[[nodiscard]] LogLine describe(const EditReport& report);
+
+// The operation for an edit of the scene as it is; the error says which path names nothing.
+[[nodiscard]] std::expected<replication::OperationBody, std::string> operation_of(const config::SceneEdit& edit,
+                                                                                  const Scene& scene);
+
+// An edit as a log names it: add below X, set WALL translation.
+[[nodiscard]] std::string name_of(const config::SceneEdit& edit);
+
+// The path of an instance; its id where it is not there any more.
+[[nodiscard]] std::string path_or_id(const Scene& scene, ObjectId object);
+
+}  // namespace peerd

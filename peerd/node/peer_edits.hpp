@@ -1,0 +1,47 @@
+#pragma once
+#include <cstddef>
+#include <deque>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "peerd/config/scene_edit.hpp"
+#include "peerd/node/edit_operation.hpp"
+#include "replication/output/output.hpp"
+#include "replication/wire/operation.hpp"
+
+namespace peerd {
+
+// What has become of an operation of this peer so far.
+struct OperationState {
+  config::SceneEdit edit;
+  bool applied = false;  // it has taken effect
+  bool held = false;     // another peer has it
+  std::string refused;   // why it changes nothing, where it does not
+};
+
+// The edits of a peer: those that its settings make at their times, and what has become of all.
+class PeerEdits {
+ public:
+  explicit PeerEdits(std::vector<config::ScriptedEdit> scripted) : scripted_(std::move(scripted)) {}
+
+  // The time of the next edit of the settings [s, after the start]; none: there is none left.
+  [[nodiscard]] std::optional<double> next_at_s() const {
+    return next_ < scripted_.size() ? std::optional(scripted_[next_].at_s) : std::nullopt;
+  }
+  [[nodiscard]] config::SceneEdit take_next() { return scripted_[next_++].edit; }
+
+  void note(const EditReport& report);
+  void note(const replication::Output& output);
+  [[nodiscard]] const OperationState* find(replication::OperationId id) const;
+  // The next edit that was asked for, or that was found to change nothing.
+  [[nodiscard]] std::optional<EditReport> poll();
+
+ private:
+  std::vector<config::ScriptedEdit> scripted_;  // by time
+  std::size_t next_ = 0;
+  std::deque<EditReport> reports_;
+  std::map<replication::OperationId, OperationState> operations_;
+};
+
+}  // namespace peerd

@@ -1,0 +1,110 @@
+#include "replication/operation_keeper.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+#include <variant>
+
+#include "replication/contact_report.hpp"
+#include "replication/wire/codec.hpp"
+
+namespace peerd::replication {
+namespace {
+
+// An operation takes effect so long after it was made, at least; twice the longest latency of the session otherwise.
+constexpr Duration kLeadMin = std::chrono::milliseconds(100);
+// Stamps farther ahead are of a broken clock: they wait for their time, but no other stamp is later because of them.
+constexpr Duration kStampAheadMax = std::chrono::seconds(10);
+// What an edit has changed longer ago does not change any more what has happened since, as a decision on that is made
+// no more (contact_decisions.cpp).
+constexpr Duration kLateMax = std::chrono::seconds(3);
+// A hello's datagram leaves so much besides its lists at most.
+constexpr std::size_t kMargin_bytes = 16;
+
+}  // namespace
+
+SimTime OperationKeeper::stamp(HostTime now) const {
+  const SimTime session_now = p_.to_session(now);
+  const SimTime all_have_it = session_now + std::max<Duration>(kLeadMin, 2 * p_.members.longest_latency());
+  const SimTime last = p_.living.last_stamp(session_now + kStampAheadMax);
+  return std::max(all_have_it, last == SimTime::min() ? last : last + Duration{1});
+}
+
+std::expected<OperationId, std::string> OperationKeeper::edit(HostTime now, OperationBody body) {
+  if (!p_.replica.begun()) return std::unexpected("this peer is in no session yet");
+  if (auto* const add = std::get_if<AddNodes>(&body)) {
+    add->first_object = next_object_;
+    add->first_node = next_node_;
+  }
+  if (auto* const set = std::get_if<SetField>(&body)) set->first_node = next_node_;
+  auto draft = p_.living.draft(std::move(body), p_.author);
+  if (!draft) return std::unexpected(draft.error());
+  const OperationId id{p_.author, p_.logs.last(p_.author).number + 1};
+  Operation operation{id, stamp(now), std::move(draft->body)};
+  if (const auto appended = p_.logs.append(operation); !appended) return std::unexpected(appended.error());
+  next_object_ += draft->objects;
+  next_node_ += draft->nodes;
+  p_.living.add(std::move(operation));
+  p_.exchange.on_append(now, id);
+  ++p_.counters.operations;
+  send(now);
+  return id;
+}
+
+void OperationKeeper::on_message(HostTime now, PeerId sender, const Message& m) {
+  for (const OperationPart& part : m.operations) {
+    auto taken = p_.logs.receive(part);
+    p_.exchange.on_part(now, sender, part);
+    if (!taken) {
+      p_.drop(sender, taken.error());
+      continue;
+    }
+    for (Operation& operation : *taken) {
+      ++p_.counters.operations_in;
+      p_.living.add(std::move(operation));
+    }
+  }
+  if (!m.operation_requests.empty()) p_.exchange.on_requests(now, sender, m.operation_requests);
+  if (m.hello) p_.exchange.on_lengths(now, sender, m.hello->logs);
+}
+
+void OperationKeeper::apply_until(SimTime t) {
+  assert(p_.replica.begun());
+  const SimTime known = std::min(applied_until_, t);
+  while (const auto change = p_.living.apply(t, known)) {
+    for (const LivingScene::Outcome& outcome : change->outcomes) {
+      p_.outbox.push(SceneEdited{outcome.id, change->at, outcome.refused});
+    }
+    if (!change->scene) continue;
+    const SimTime at = std::max({change->at, t - kLateMax, p_.replica.begun_at()});
+    const SimTime now = std::max(at, known);
+    p_.extend_motions(now);
+    p_.replica.advance_truth(now);
+    p_.replica.advance_ghosts(now);
+    report_contacts(p_, now);
+    p_.change_scene(change->scene, at);
+    keeper_.follow_scene();
+  }
+  applied_until_ = t;
+}
+
+void OperationKeeper::send(HostTime now) {
+  const Duration tick = std::chrono::nanoseconds(std::chrono::seconds(1)) / p_.config.tick_hz;
+  p_.exchange.set_link(p_.members.longest_latency() + 2 * tick, p_.members.worst_loss_to_peers());
+  for (OperationMessage& due : p_.exchange.on_tick(now)) {
+    Message m = p_.outbox.blank();
+    m.operations = std::move(due.operations);
+    m.operation_requests = std::move(due.operation_requests);
+    p_.outbox.send(m);
+  }
+  for (const OperationId id : p_.exchange.newly_held()) p_.outbox.push(OperationHeld{id});
+}
+
+void OperationKeeper::add_lengths(Message& m) {
+  assert(m.hello);
+  if (p_.logs.digest() == 0) return;
+  const std::size_t used = encode(m).size() + kMargin_bytes;
+  if (used < kDatagramMax_bytes) m.hello->logs = p_.exchange.lengths_for_hello(kDatagramMax_bytes - used);
+}
+
+}  // namespace peerd::replication

@@ -1,0 +1,42 @@
+#pragma once
+#include <cstdint>
+#include <expected>
+#include <string>
+
+#include "core/ids.hpp"
+#include "core/time.hpp"
+#include "replication/peer_parts.hpp"
+#include "replication/session_keeper.hpp"
+#include "replication/wire/operation.hpp"
+#include "replication/wire/wire.hpp"
+
+namespace peerd::replication {
+
+// The operations of this peer and of the others: makes them, exchanges them, and lets each take effect at its stamp.
+class OperationKeeper {
+ public:
+  OperationKeeper(PeerParts& parts, SessionKeeper& keeper) : p_(parts), keeper_(keeper) {}
+
+  // Makes an operation of this peer, which takes effect once all others have had the time to receive it. The keeper
+  // chooses the ids of what it adds, and resolves the names of its text. The error says why it cannot be.
+  [[nodiscard]] std::expected<OperationId, std::string> edit(HostTime now, OperationBody body);
+
+  // A datagram of a member has come.
+  void on_message(HostTime now, PeerId sender, const Message& message);
+  // Lets what takes effect until t do so: both worlds are advanced to each such instant.
+  void apply_until(SimTime t);
+  // Sends what is due, and says which own operations are held by others.
+  void send(HostTime now);
+  // The lengths of the logs, as far as they fit into the message, which has a hello.
+  void add_lengths(Message& message);
+
+ private:
+  [[nodiscard]] SimTime stamp(HostTime now) const;
+
+  PeerParts& p_;
+  SessionKeeper& keeper_;
+  SimTime applied_until_ = SimTime::min();
+  std::uint32_t next_object_ = 0, next_node_ = 0;  // of this author
+};
+
+}  // namespace peerd::replication

@@ -1,0 +1,99 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/edit/scene_editor.hpp"
+#include "core/scene/scene.hpp"
+#include "core/time.hpp"
+#include "replication/wire/operation.hpp"
+
+namespace peerd::replication {
+
+// A LivingScene is the scene that the world's file and operations make together: all of them, applied to the file's
+// scene in the order of their stamps and ids, whenever they came. So peers that know the same operations have the same
+// scene. An operation that what is before it in this order makes impossible (it sets a field of a node that is gone)
+// changes nothing, until another one that comes later allows it.
+class LivingScene {
+ public:
+  // The scene of the world's file outlives this.
+  explicit LivingScene(const Scene& file);
+
+  // Adds an operation; it takes effect with a later apply(). False: it is known.
+  bool add(Operation operation);
+
+  // What becomes of the scene at an instant.
+  struct Outcome {
+    OperationId id;
+    std::string refused;  // why it changes nothing; empty: it does what it says
+  };
+  struct Change {
+    SimTime at{};                        // from then on, which may be in the past
+    std::shared_ptr<const Scene> scene;  // null: as before
+    std::vector<Outcome> outcomes;       // of the operations that are new, and of those whose outcome is another now
+  };
+  // Applies the operations that take effect first of those that do until `until`, and with them all others until
+  // `known`, up to which the world has been computed already. None: there are none.
+  [[nodiscard]] std::optional<Change> apply(SimTime until, SimTime known);
+
+  // The ids of what the operation `body` of the author would add to the scene that all known operations make, those to
+  // come included, and its text's names; the error says why it would change nothing.
+  struct Draft {
+    OperationBody body;
+    std::uint32_t objects = 0, nodes = 0;  // ids that it uses
+  };
+  [[nodiscard]] std::expected<Draft, std::string> draft(OperationBody body, AuthorId author);
+
+  // The scene by the last apply(); at first that of the file.
+  [[nodiscard]] const std::shared_ptr<const Scene>& scene() const { return scene_; }
+  // The last stamp of all operations until then.
+  [[nodiscard]] SimTime last_stamp(SimTime until) const;
+  [[nodiscard]] std::size_t size() const { return entries_.size(); }
+
+ private:
+  using Key = std::pair<SimTime, OperationId>;
+  struct Entry {
+    OperationBody body;
+    bool applied = false;
+    std::string refused;
+  };
+  using Entries = std::map<Key, Entry>;
+  // The scene that all operations up to a key make.
+  struct Checkpoint {
+    Key last;
+    std::shared_ptr<const Scene> scene;
+    std::size_t count = 0;  // of operations
+  };
+
+  [[nodiscard]] ReadOptions reading() const;
+  [[nodiscard]] std::vector<std::pair<std::string, ObjectId>> names_in(std::string_view text, const Scene& scene) const;
+  [[nodiscard]] std::expected<Draft, std::string> apply_to(SceneEditor& editor, const OperationBody& body,
+                                                           AuthorId author) const;
+  // What operations, in order, make of the scene of a checkpoint, and why those that change nothing do not.
+  struct Applied {
+    std::shared_ptr<const Scene> scene;
+    std::vector<std::string> refused;
+  };
+  [[nodiscard]] Applied applied(const std::shared_ptr<const Scene>& base,
+                                std::span<const Entries::const_iterator> entries) const;
+  // The last checkpoint before a key; the file's scene where there is none.
+  [[nodiscard]] Checkpoint checkpoint_before(const Key& key) const;
+  void thin_checkpoints();
+
+  const std::shared_ptr<const Scene> file_;  // owned by nobody here
+  Entries entries_;
+  std::set<Key> due_;                                       // not applied yet
+  std::vector<Checkpoint> checkpoints_;                     // in order
+  std::shared_ptr<const Scene> scene_;                      // by the last apply()
+  std::optional<std::shared_ptr<const Scene>> with_all_{};  // by all operations; none: not known
+};
+
+}  // namespace peerd::replication

@@ -1,0 +1,38 @@
+// configs/scenarios/edits.toml: the scene changes while it runs.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/sim/run_scenario.hpp"
+
+namespace peerd::sim::edits_test {
+
+using namespace testing_support;
+using testing::DoubleNear;
+using testing::ElementsAre;
+
+const std::string kEdits = PEERD_SOURCE_DIR "/configs/scenarios/edits.toml";
+
+TEST(Edits, TheBallMeetsWhatIsThereAtTheTime) {
+  for (const char* seed : {"1", "2", "3"}) {
+    const Ran ran = run_scenario(kEdits, {"seed=" + std::string(seed)}).front();
+    std::vector<double> times;
+    std::vector<std::string> met;
+    for (const auto& row : ran.contacts(PeerId{1}, "owner")) {
+      times.push_back(row.t_s);
+      met.push_back(ran.record.scene_paths.at(row.collidee));
+    }
+    constexpr double kRounding_s = 1e-8;
+    EXPECT_THAT(times, ElementsAre(DoubleNear(3.25, kRounding_s), DoubleNear(7.0, kRounding_s),
+                                   DoubleNear(9.75, kRounding_s), DoubleNear(12.5, kRounding_s)));
+    EXPECT_THAT(met, ElementsAre("WALL", "LEFT", "WALL", "LEFT"));
+    EXPECT_LT(ran.view("b", "BALL")["ghost_error_m"]["max"].get<double>(), 0.05);
+    for (const auto& sample : ran.record.ghost_samples) {
+      if (sample.observer != PeerId{3} || sample.t_s < 6.0) continue;  // c has joined by then
+      EXPECT_LT((sample.ghost.position - sample.truth.position).norm(), 0.05) << sample.t_s;
+    }
+    EXPECT_EQ(ran.summary["counters"]["operations"], 3);
+    EXPECT_EQ(ran.summary["counters"]["scene_changes"], 9);
+  }
+}
+
+}  // namespace peerd::sim::edits_test
