@@ -42,7 +42,9 @@ std::uint8_t TestRayLeaf(const WideTree::Leaf& leaf, const WideRay& ray) {
     std::array<V, 3> along, px, py;
     V size = hn::Zero(Lanes());
     for (std::size_t c = 0; c < 3; ++c) {
-      const auto from_start = [&](std::size_t k) { return hn::Sub(load(leaf.corners[c][k], i), set(ray.start[k])); };
+      const auto from_start = [&](std::size_t k) {
+        return hn::Sub(load(leaf.corners[c][k], i), set(ray.start[k] - leaf.center[k]));
+      };
       along[c] = from_start(main);
       px[c] = hn::Sub(from_start(x), hn::Mul(set(ray.shear_x), along[c]));
       py[c] = hn::Sub(from_start(y), hn::Mul(set(ray.shear_y), along[c]));
@@ -121,7 +123,7 @@ std::uint8_t TestPlanesLeaf(const WideTree::Leaf& leaf, const WidePlanes& planes
                             std::array<PlaneMask, kWidth>& crossed) {
   const std::uint8_t out = test_planes(planes, active, crossed, [&](const WidePlanes::Plane& plane, std::size_t i) {
     const V3 normal = normal_of(plane);
-    const Corners corners = load_corners(leaf.corners, i);
+    const Corners corners = load_corners(leaf, i);
     const V p = distance(normal, corners.p, plane), q = distance(normal, corners.q, plane),
             r = distance(normal, corners.r, plane);
     return Interval{hn::Min(hn::Min(p, q), r), hn::Max(hn::Max(p, q), r)};

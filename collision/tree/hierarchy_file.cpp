@@ -16,7 +16,7 @@ using Ref = WideTree::Ref;
 
 struct Header {
   std::array<char, 8> magic{};
-  std::uint32_t version = 1;
+  std::uint32_t version = 2;
   std::uint32_t header_bytes = 64;
   std::uint64_t fingerprint = 0;
   std::uint64_t checksum = 0;
@@ -24,7 +24,7 @@ struct Header {
   std::array<std::uint32_t, 5> zero{};
 };
 static_assert(sizeof(Header) == 64 && std::is_trivially_copyable_v<Header>);
-static_assert(std::is_trivially_copyable_v<WideTree::Node> && sizeof(WideTree::Node) == 224);
+static_assert(std::is_trivially_copyable_v<WideTree::Node> && sizeof(WideTree::Node) == 704);
 static_assert(std::is_trivially_copyable_v<WideTree::Leaf> && sizeof(WideTree::Leaf) == 352);
 
 Header new_header() {
@@ -97,20 +97,24 @@ bool is_tree(const Header& header, std::span<const WideTree::Node> nodes, std::s
 
 std::string write_hierarchy(WideTree& tree) {
   tree.build_all();
-  const auto nodes = std::as_bytes(tree.nodes()), leaves = std::as_bytes(tree.leaves());
+  const std::size_t node_bytes = tree.nodes().size() * sizeof(WideTree::Node);
+  const std::size_t leaf_bytes = tree.leaves().size() * sizeof(WideTree::Leaf);
+  std::string out(sizeof(Header) + node_bytes + leaf_bytes, '\0');
+  char* at = out.data() + sizeof(Header);
+  for (const WideTree::Node& node : tree.nodes())
+    at = std::copy_n(reinterpret_cast<const char*>(&node), sizeof node, at);
+  for (const WideTree::Leaf& leaf : tree.leaves())
+    at = std::copy_n(reinterpret_cast<const char*>(&leaf), sizeof leaf, at);
+  const auto body = std::as_bytes(std::span(out)).subspan(sizeof(Header));
   Header header = new_header();
   header.fingerprint = fingerprint(tree.soup());
   header.triangles = static_cast<std::uint32_t>(tree.soup().faces.size());
   header.nodes = static_cast<std::uint32_t>(tree.nodes().size());
   header.leaves = static_cast<std::uint32_t>(tree.leaves().size());
   Hash hash;
-  hash.add(nodes);
-  hash.add(leaves);
+  hash.add(body);
   header.checksum = hash.value();
-  std::string out(sizeof header + nodes.size() + leaves.size(), '\0');
   std::memcpy(out.data(), &header, sizeof header);
-  if (!nodes.empty()) std::memcpy(out.data() + sizeof header, nodes.data(), nodes.size());
-  std::memcpy(out.data() + sizeof header + nodes.size(), leaves.data(), leaves.size());
   return out;
 }
 
