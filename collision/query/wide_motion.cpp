@@ -28,9 +28,10 @@ WideMotion::WideMotion(const WideTree& a, const WideTree& b, const RelativeMotio
     b_in_a_64[k] = origin[i] * a.scale();
     farthest = std::max({farthest, std::abs(origin[i]), std::abs(home[i])});
   }
-  // Each of some 20 roundings is of a number below the sum in brackets (its terms' factors are at most sqrt(3)), by at
-  // most 2^-24 of it. The rounding of binary64, in which vertices are moved for the exact test, is far below that,
-  // except for vertices far from their soup's origin, which the second term is for.
+  // Each of some 25 roundings (two more than a corner's own, for corners are kept relative to their leaf's center) is
+  // of a number below the sum in brackets (its terms' factors are at most sqrt(3)), by at most 2^-24 of it. The
+  // rounding of binary64, in which vertices are moved for the exact test, is far below that, except for vertices far
+  // from their soup's origin, which the second term is for.
   const auto far = [](const WideTree& tree) { return tree.origin().cwiseAbs().maxCoeff() + tree.extent_m(); };
   const double binary64 = 0x1p-46 * (far(a) + far(b) + motion.translation.cwiseAbs().maxCoeff());
   const double size_m = 2.0 * a.extent_m() + 2.0 * b.extent_m() + farthest + margin_m;

@@ -173,7 +173,8 @@ SplitHalves split(std::span<SplitItem> items, const SplitRange& range) {
   fill(items.subspan(range.begin, range.count()), binning, bins);
   const Cut cut = cheapest(bins, binning, range.count());
   if (cut.axis == 3) {  // all middles are one, or too far apart for binary32
-    const std::uint32_t middle = range.begin + range.count() / 2;
+    const std::uint32_t leaves = (range.count() + kLeafSize - 1) / kLeafSize;
+    const std::uint32_t middle = range.begin + (leaves > 1 ? leaves / 2 * kLeafSize : range.count() / 2);
     return {measured(items, range.begin, middle), measured(items, middle, range.end)};
   }
   SplitHalves halves{{range.begin, range.begin, {}, {}}, {range.end, range.end, {}, {}}};

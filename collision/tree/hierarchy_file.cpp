@@ -61,6 +61,15 @@ std::uint64_t fingerprint(const TriangleSoup& soup) {
   return hash.value();
 }
 
+// Whether a child that isn't there has no box, so that no query comes to it.
+bool has_no_box(const WideTree::Node& node, std::size_t child) {
+  bool none = true;
+  for (std::size_t k = 0; k < 3; ++k) {
+    none &= node.half[k][child] == WideTree::kNoBox && node.oriented_half[k][child] == WideTree::kNoBox;
+  }
+  return none;
+}
+
 // Whether nodes and leaves are a tree of the mesh's faces: children stand behind their parents, and each has one
 // parent, so a descent ends, and no array is overrun.
 bool is_tree(const Header& header, std::span<const WideTree::Node> nodes, std::span<const WideTree::Leaf> leaves) {
@@ -72,8 +81,12 @@ bool is_tree(const Header& header, std::span<const WideTree::Node> nodes, std::s
     node_seen[0] = true;
   }
   for (std::size_t n = 0; n < nodes.size(); ++n) {
-    for (const Ref ref : nodes[n].children) {
-      if (ref.kind() == Ref::kNone) continue;
+    for (std::size_t i = 0; i < WideTree::kWidth; ++i) {
+      const Ref ref = nodes[n].children[i];
+      if (ref.kind() == Ref::kNone) {
+        if (!has_no_box(nodes[n], i)) return false;
+        continue;
+      }
       if (ref.kind() == Ref::kPending) return false;
       auto& seen = ref.kind() == Ref::kNode ? node_seen : leaf_seen;
       if (ref.index() >= seen.size() || seen[ref.index()]) return false;

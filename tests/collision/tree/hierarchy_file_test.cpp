@@ -191,6 +191,12 @@ const Forgery kForgeries[] = {
        f.leaves.back().count = 0;
        free_slot(f.nodes.back()) = Ref(Ref::kLeaf, static_cast<std::uint32_t>(f.leaves.size() - 1));
      }},
+    {"BoxOfAFreeSlot",
+     [](Forged& f) {
+       WideTree::Node& last = f.nodes.back();
+       const auto slot = static_cast<std::size_t>(&free_slot(last) - last.children.data());
+       last.oriented_half[2][slot] = 1.0F;
+     }},
     {"MissingFace", [](Forged& f) { f.leaves[1].faces[0] = f.leaves[0].faces[0]; }},
 };
 
