@@ -15,6 +15,7 @@ struct QueryCounters {
   std::uint64_t bv_tests = 0;        // Nv: pairs of bounding volumes compared
   std::uint64_t bv_updates = 0;      // Nu: bounding volumes realigned
   std::uint64_t triangle_tests = 0;  // Np
+  std::uint64_t certain_pairs = 0;   // pairs of triangles that touch, for which binary32 was enough
   OrientationCounters orientation;   // the work of the triangle tests
 };
 

@@ -117,6 +117,12 @@ void ViewQuery::descend(WideTree& tree, const WidePlanes& planes, const Visit& r
     if (ref.kind() == Ref::kLeaf) {
       const WideTree::Leaf& leaf = tree.leaf(ref.index());
       ++counters_.leaf_tests;
+      if (visit.active == 0) {
+        for (std::size_t i = 0; i < leaf.count; ++i) {
+          if (found(leaf, i)) return;
+        }
+        continue;
+      }
       for (std::uint32_t bits = test_planes_leaf(leaf, planes, visit.active, crossed); bits != 0; bits &= bits - 1) {
         const auto i = static_cast<std::size_t>(std::countr_zero(bits));
         if (found(leaf, i)) return;

@@ -121,21 +121,17 @@ void DistancesOfLeaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const W
   const std::array<Direction, 2> directions = {
       direction(guess), direction({center[0] - a.center[0], center[1] - a.center[1], center[2] - a.center[2]})};
   const V3 origin{set(a.center[0]), set(a.center[1]), set(a.center[2])};
-  std::array<Rows, 3> moved;
+  std::array<Rows, 3> in_a;
   std::array<Row, 2> firsts;
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
-    const auto corner = [&](std::size_t c) {
-      const V3 p = plus(times(m.a_from_b, load3(b.corners[c], i)), m.b_in_a);
-      store(p.x, moved[c][0], i), store(p.y, moved[c][1], i), store(p.z, moved[c][2], i);
-      return p;
-    };
-    const V3 p = corner(0), q = corner(1), r = corner(2);
-    for (std::size_t n = 0; n < 2; ++n) store(first_along(directions[n], {p, q, r}, origin), firsts[n], i);
+    const Corners corners = moved(load_corners(b, i), m);
+    store_corners(corners, in_a, i);
+    for (std::size_t n = 0; n < 2; ++n) store(first_along(directions[n], corners, origin), firsts[n], i);
   }
   out.below.fill(0);
   const V slack = set(3.0f * m.slack_a);
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
-    const Corners corners = load_corners(a.corners, i);
+    const Corners corners = load_corners(a, i);
     const std::array<V, 2> lasts = {last_along(directions[0], corners, origin),
                                     last_along(directions[1], corners, origin)};
     std::uint32_t open = 0;
@@ -150,7 +146,7 @@ void DistancesOfLeaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const W
     const Shape shape_a = shape(corners);
     for (std::size_t row = 0; row < b.count; ++row) {
       if (out.below[row] >> i == 0) continue;
-      const Shape shape_b = shape({set3(moved[0], row), set3(moved[1], row), set3(moved[2], row)});
+      const Shape shape_b = shape(set_corners(in_a, row));
       const Shortest found = shortest(shape_a, shape_b);
       const V before = load(out.lower[row], i), gap = gap_along(found, corners, shape_b.corners, m.slack_a);
       // Lanes that were not requested are left out, however many lanes there are: so counters are the same on every

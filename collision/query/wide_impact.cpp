@@ -190,7 +190,7 @@ void LeavesMayMeet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideM
   Row far;
   std::uint32_t rows = 0;  // of B's triangles: those that A's box may meet
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
-    const Corners own = load_corners(b.corners, i);
+    const Corners own = load_corners(b, i);
     const Corners here = moved(own, m),
                   there = moved(advanced(own, s.linear_velocity_b, s.angular_velocity_b, within_s), m);
     store_corners(here, corners, i);
@@ -214,7 +214,7 @@ void LeavesMayMeet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideM
   const auto [normal, size] = plane_rows(corners);
   const std::uint32_t present = (1u << a.count) - 1;
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
-    const Corners here = load_corners(a.corners, i),
+    const Corners here = load_corners(a, i),
                   there = advanced(here, s.linear_velocity_a, s.angular_velocity_a, within_s);
     const SweptInterval of_a[3] = {swept_interval_of(here, there, 0), swept_interval_of(here, there, 1),
                                    swept_interval_of(here, there, 2)};

@@ -121,6 +121,11 @@ HWY_INLINE V certain_margin(V size, V off) {
 HWY_INLINE Corners load_corners(const std::array<Rows, 3>& corners, std::size_t i) {
   return {load3(corners[0], i), load3(corners[1], i), load3(corners[2], i)};
 }
+// A leaf's triangles, seen from the tree's origin.
+HWY_INLINE Corners load_corners(const WideTree::Leaf& leaf, std::size_t i) {
+  const Corners own = load_corners(leaf.corners, i);
+  return {plus(own.p, leaf.center), plus(own.q, leaf.center), plus(own.r, leaf.center)};
+}
 
 HWY_INLINE void store_corners(const Corners& t, std::array<Rows, 3>& out, std::size_t i) {
   const auto put = [&](const V3& p, Rows& rows) {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 
+#include "collision/query/wide_chosen.hpp"
 #include "collision/query/wide_lanes.hpp"
 #include "collision/query/wide_overlap.hpp"
 
@@ -21,18 +22,165 @@ HWY_INLINE auto overlap(const V3& center_a, const V3& half_a, const V3& center_b
       along(center_a.z, half_a.z, center_b.z, half_b.z));
 }
 
-void TestNodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& m, Masks& masks) {
+// Oriented boxes, one to a lane. Of the axes by component: axes[k][c] has the component c of all boxes' axis k.
+struct TurnedBoxes {
+  V3 center, half;
+  V3 axes[3];
+};
+
+// Boxes of B in A's frame.
+struct MovedBoxes {
+  Rows center, lo, hi;  // and the axis-aligned boxes around them
+  std::array<Rows, 3> axes;
+};
+HWY_INLINE V3 absolute(const V3& v) { return {hn::Abs(v.x), hn::Abs(v.y), hn::Abs(v.z)}; }
+HWY_INLINE void store3(const V3& v, Rows& rows, std::size_t i) {
+  store(v.x, rows[0], i), store(v.y, rows[1], i), store(v.z, rows[2], i);
+}
+HWY_INLINE void move_boxes(const WideTree::Node& b, const WideMotion& m, MovedBoxes& out) {
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const V3 center = plus(times(m.a_from_b, load3(b.oriented_center, i)), m.b_in_a);
+    store3(center, out.center, i);
+    const V3 half = load3(b.oriented_half, i);
+    V3 x = times(m.a_from_b, load3(b.axes[0], i)), y = times(m.a_from_b, load3(b.axes[1], i)),
+       z = times(m.a_from_b, load3(b.axes[2], i));
+    store3(x, out.axes[0], i), store3(y, out.axes[1], i), store3(z, out.axes[2], i);
+    x = absolute(x), y = absolute(y), z = absolute(z);
+    const V slack = set(m.slack_oriented);
+    const auto reach = [&](V of_x, V of_y, V of_z) { return hn::Add(dot({of_x, of_y, of_z}, half), slack); };
+    const V3 around{reach(x.x, y.x, z.x), reach(x.y, y.y, z.y), reach(x.z, y.z, z.z)};
+    store3(minus(center, around), out.lo, i);
+    store3({hn::Add(center.x, around.x), hn::Add(center.y, around.y), hn::Add(center.z, around.z)}, out.hi, i);
+  }
+}
+
+// The fifteen axes of Gottschalk, Lin and Manocha, "OBBTree", SIGGRAPH 1996: those of either box, and their products.
+// Boxes are apart where they are along one of them by more than the slack, which has room for all that is off.
+struct Fifteen {
+  V ha[3], hb[3], t[3];   // half the sides, and the way from A to B along A's axes
+  V c[3][3], size[3][3];  // the products of axes, and their absolute values
+  V slack;
+
+  HWY_INLINE auto along(V distance, V reach) const { return hn::Le(hn::Abs(distance), hn::Add(reach, slack)); }
+  template <std::size_t i>
+  HWY_INLINE auto of_a() const {
+    return along(t[i], hn::Add(dot({size[i][0], size[i][1], size[i][2]}, {hb[0], hb[1], hb[2]}), ha[i]));
+  }
+  template <std::size_t j>
+  HWY_INLINE auto of_b() const {
+    return along(dot({c[0][j], c[1][j], c[2][j]}, {t[0], t[1], t[2]}),
+                 hn::Add(dot({size[0][j], size[1][j], size[2][j]}, {ha[0], ha[1], ha[2]}), hb[j]));
+  }
+  template <std::size_t i, std::size_t j>
+  HWY_INLINE auto across() const {
+    constexpr std::size_t i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+    return along(hn::Sub(hn::Mul(t[i2], c[i1][j]), hn::Mul(t[i1], c[i2][j])),
+                 hn::Add(hn::Add(hn::Mul(ha[i1], size[i2][j]), hn::Mul(ha[i2], size[i1][j])),
+                         hn::Add(hn::Mul(hb[j1], size[i][j2]), hn::Mul(hb[j2], size[i][j1]))));
+  }
+  template <std::size_t i>
+  HWY_INLINE auto across() const {
+    return hn::And(hn::And(across<i, 0>(), across<i, 1>()), across<i, 2>());
+  }
+  template <std::size_t i>
+  HWY_INLINE void set_row(const TurnedBoxes& a, const TurnedBoxes& b, const V3& way) {
+    t[i] = dot(a.axes[i], way);
+    c[i][0] = dot(a.axes[i], b.axes[0]), c[i][1] = dot(a.axes[i], b.axes[1]), c[i][2] = dot(a.axes[i], b.axes[2]);
+    size[i][0] = hn::Abs(c[i][0]), size[i][1] = hn::Abs(c[i][1]), size[i][2] = hn::Abs(c[i][2]);
+  }
+};
+HWY_INLINE auto overlap(const TurnedBoxes& a, const TurnedBoxes& b, V slack) {
+  const V3 way = minus(b.center, a.center);
+  Fifteen f;
+  f.slack = slack;
+  f.ha[0] = a.half.x, f.ha[1] = a.half.y, f.ha[2] = a.half.z;
+  f.hb[0] = b.half.x, f.hb[1] = b.half.y, f.hb[2] = b.half.z;
+  f.set_row<0>(a, b, way), f.set_row<1>(a, b, way), f.set_row<2>(a, b, way);
+  auto near = hn::And(hn::And(hn::And(f.of_a<0>(), f.of_a<1>()), f.of_a<2>()),
+                      hn::And(hn::And(f.of_b<0>(), f.of_b<1>()), f.of_b<2>()));
+  if (hn::AllFalse(Lanes(), near)) return near;
+  return hn::And(near, hn::And(hn::And(f.across<0>(), f.across<1>()), f.across<2>()));
+}
+
+// The pairs of boxes that overlap along A's axes.
+HWY_INLINE std::uint64_t near_pairs(const WideTree::Node& a, const MovedBoxes& b) {
+  std::uint64_t near = 0;
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const V3 center = load3(a.center, i), half = load3(a.half, i);
+    const V3 lo = minus(center, half),
+             hi{hn::Add(center.x, half.x), hn::Add(center.y, half.y), hn::Add(center.z, half.z)};
+    const auto test_row = [&](std::size_t row) HWY_ATTR {
+      const V3 from = set3(b.lo, row), to = set3(b.hi, row);
+      const auto both = hn::And(
+          hn::And(hn::And(hn::Le(lo.x, to.x), hn::Ge(hi.x, from.x)), hn::And(hn::Le(lo.y, to.y), hn::Ge(hi.y, from.y))),
+          hn::And(hn::Le(lo.z, to.z), hn::Ge(hi.z, from.z)));
+      near |= static_cast<std::uint64_t>(bits(both, i)) << (kWidth * row);
+    };
+    for (std::size_t row = 0; row < kWidth; row += 2) test_row(row), test_row(row + 1);
+  }
+  return near;
+}
+
+template <bool kOfA>
+HWY_INLINE TurnedBoxes chosen_boxes(const Rows& center, const Rows& half, const std::array<Rows, 3>& axes,
+                                    const RowLookup<kOfA>& chosen) {
+  return {chosen(center), chosen(half), {chosen(axes[0]), chosen(axes[1]), chosen(axes[2])}};
+}
+
+void TestNodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& m, LanePairs& pairs) {
+  MovedBoxes moved;
+  move_boxes(b, m, moved);
+  pairs.count = 0;
+  const V slack = set(m.slack_oriented);
+  for (std::uint64_t near = near_pairs(a, moved); near != 0;) {
+    const ChosenLanes chosen = take_lanes(near);
+    const RowLookup<true> of_a(chosen);
+    const RowLookup<false> of_b(chosen);
+    const auto touching = overlap(chosen_boxes(a.oriented_center, a.oriented_half, a.axes, of_a),
+                                  chosen_boxes(moved.center, b.oriented_half, moved.axes, of_b), slack);
+    append(bits(touching, 0), chosen, pairs);
+  }
+}
+
+// One box against the children of a node; bit i of the result is child i.
+HWY_INLINE std::uint8_t test_box_node(const OrientedBox& box, const WideTree::Node& node, const Matrix& node_from_box,
+                                      const std::array<float, 3>& box_in_node, float slack) {
+  const auto all = [](const std::array<float, 3>& p) { return V3{set(p[0]), set(p[1]), set(p[2])}; };
+  const TurnedBoxes b = {plus(times(node_from_box, all(box.center)), box_in_node),
+                         all(box.half),
+                         {times(node_from_box, all(box.axes[0])), times(node_from_box, all(box.axes[1])),
+                          times(node_from_box, all(box.axes[2]))}};
+  std::uint32_t out = 0;
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const TurnedBoxes a = {load3(node.oriented_center, i),
+                           load3(node.oriented_half, i),
+                           {load3(node.axes[0], i), load3(node.axes[1], i), load3(node.axes[2], i)}};
+    out |= bits(overlap(a, b, set(slack)), i);
+  }
+  return static_cast<std::uint8_t>(out);
+}
+std::uint8_t TestNodeBox(const WideTree::Node& a, const OrientedBox& b, const WideMotion& m) {
+  return test_box_node(b, a, m.a_from_b, m.b_in_a, m.slack_oriented);
+}
+std::uint8_t TestBoxNode(const OrientedBox& a, const WideTree::Node& b, const WideMotion& m) {
+  return test_box_node(a, b, m.b_from_a, m.a_in_b, m.slack_oriented);
+}
+
+// Soups so large that binary32 could overflow: boxes with the axes of either frame, each in its own numbers.
+void TestLargeNodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& m, LanePairs& pairs) {
   Boxes b_in_a, a_in_b;
   to_a(b, m, b_in_a);
   to_b(a, m, a_in_b);
-  masks.fill(0);
-  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
-    const V3 center_a = load3(a.center, i), half_a = load3(a.half, i);
-    const V3 center_in_b = load3(a_in_b.center, i), half_in_b = load3(a_in_b.half, i);
-    for (std::size_t row = 0; row < kWidth; ++row) {
-      const auto in_a = overlap(center_a, half_a, set3(b_in_a.center, row), set3(b_in_a.half, row));
-      const auto in_b = overlap(center_in_b, half_in_b, set3(b.center, row), set3(b.half, row));
-      masks[row] = static_cast<std::uint8_t>(masks[row] | bits(hn::And(in_a, in_b), i));
+  pairs.count = 0;
+  for (std::size_t row = 0; row < kWidth; ++row) {
+    std::uint32_t lanes = 0;
+    for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+      const auto in_a = overlap(load3(a.center, i), load3(a.half, i), set3(b_in_a.center, row), set3(b_in_a.half, row));
+      const auto in_b = overlap(load3(a_in_b.center, i), load3(a_in_b.half, i), set3(b.center, row), set3(b.half, row));
+      lanes |= bits(hn::And(in_a, in_b), i);
+    }
+    for (; lanes != 0; lanes &= lanes - 1) {
+      pairs.at[pairs.count++] = static_cast<std::uint8_t>(kWidth * row + hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes));
     }
   }
 }
@@ -51,7 +199,7 @@ HWY_INLINE std::uint8_t one_against(const std::array<float, 3>& center, const st
   return static_cast<std::uint8_t>(out);
 }
 
-std::uint8_t TestNodeLeaf(const WideTree::Node& a, const WideTree::Leaf& b, const WideMotion& m) {
+std::uint8_t TestLargeNodeLeaf(const WideTree::Node& a, const WideTree::Leaf& b, const WideMotion& m) {
   Boxes a_in_b;
   to_b(a, m, a_in_b);
   std::array<float, 3> center, half;
@@ -59,7 +207,7 @@ std::uint8_t TestNodeLeaf(const WideTree::Node& a, const WideTree::Leaf& b, cons
   return one_against(b.center, b.half, center, half, a, a_in_b);
 }
 
-std::uint8_t TestLeafNode(const WideTree::Leaf& a, const WideTree::Node& b, const WideMotion& m) {
+std::uint8_t TestLargeLeafNode(const WideTree::Leaf& a, const WideTree::Node& b, const WideMotion& m) {
   Boxes b_in_a;
   to_a(b, m, b_in_a);
   std::array<float, 3> center, half;
@@ -86,13 +234,8 @@ struct Moved {
 
 HWY_INLINE void move(const WideTree::Leaf& b, const WideMotion& m, Moved& out) {
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
-    const auto moved = [&](std::size_t c) {
-      const V3 p = plus(times(m.a_from_b, load3(b.corners[c], i)), m.b_in_a);
-      store(p.x, out.corners[c][0], i), store(p.y, out.corners[c][1], i), store(p.z, out.corners[c][2], i);
-      return p;
-    };
-    const V3 p = moved(0), q = moved(1), r = moved(2);
-    const Corners corners{p, q, r};
+    const Corners corners = moved(load_corners(b, i), m);
+    store_corners(corners, out.corners, i);
     const TriangleBoxes box = boxes(corners);
     const V slack = set(m.slack_a);
     store(hn::Sub(box.lo.x, slack), out.lo[0], i), store(hn::Sub(box.lo.y, slack), out.lo[1], i);
@@ -126,7 +269,7 @@ void TestLeaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMoti
   masks.fill(0);
   const std::uint32_t present = (1u << a.count) - 1;
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
-    const Corners corners = load_corners(a.corners, i);
+    const Corners corners = load_corners(a, i);
     const TriangleBoxes box = boxes(corners);
     const Planes plane = planes(corners);
     // A plane separates where its normal does, whatever the normal. The corners of its own triangle are off it by what
@@ -156,18 +299,29 @@ HWY_AFTER_NAMESPACE();
 namespace peerd::collision {
 
 HWY_EXPORT(TestNodes);
-HWY_EXPORT(TestNodeLeaf);
-HWY_EXPORT(TestLeafNode);
+HWY_EXPORT(TestNodeBox);
+HWY_EXPORT(TestBoxNode);
+HWY_EXPORT(TestLargeNodes);
+HWY_EXPORT(TestLargeNodeLeaf);
+HWY_EXPORT(TestLargeLeafNode);
 HWY_EXPORT(TestLeaves);
 
-void test_nodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& motion, Masks& masks) {
-  HWY_DYNAMIC_DISPATCH(TestNodes)(a, b, motion, masks);
+void test_nodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& motion, LanePairs& pairs) {
+  if (motion.in_range) {
+    HWY_DYNAMIC_DISPATCH(TestNodes)(a, b, motion, pairs);
+  } else {
+    HWY_DYNAMIC_DISPATCH(TestLargeNodes)(a, b, motion, pairs);
+  }
 }
-std::uint8_t test_node_leaf(const WideTree::Node& a, const WideTree::Leaf& b, const WideMotion& motion) {
-  return HWY_DYNAMIC_DISPATCH(TestNodeLeaf)(a, b, motion);
+std::uint8_t test_node_leaf(const WideTree::Node& a, const OrientedBox& box_b, const WideTree::Leaf& b,
+                            const WideMotion& motion) {
+  return motion.in_range ? HWY_DYNAMIC_DISPATCH(TestNodeBox)(a, box_b, motion)
+                         : HWY_DYNAMIC_DISPATCH(TestLargeNodeLeaf)(a, b, motion);
 }
-std::uint8_t test_leaf_node(const WideTree::Leaf& a, const WideTree::Node& b, const WideMotion& motion) {
-  return HWY_DYNAMIC_DISPATCH(TestLeafNode)(a, b, motion);
+std::uint8_t test_leaf_node(const OrientedBox& box_a, const WideTree::Leaf& a, const WideTree::Node& b,
+                            const WideMotion& motion) {
+  return motion.in_range ? HWY_DYNAMIC_DISPATCH(TestBoxNode)(box_a, b, motion)
+                         : HWY_DYNAMIC_DISPATCH(TestLargeLeafNode)(a, b, motion);
 }
 void test_leaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& motion, Masks& masks) {
   assert(a.count >= 1 && a.count <= WideTree::kWidth && b.count >= 1 && b.count <= WideTree::kWidth);

@@ -8,6 +8,7 @@
 #include "collision/exact/triangle_distance.hpp"
 #include "collision/exact/triangle_pair.hpp"
 #include "collision/query/wide_overlap.hpp"
+#include "collision/query/wide_touch.hpp"
 
 namespace peerd::collision {
 
@@ -28,13 +29,12 @@ void for_bits_downwards(std::uint32_t bits, Then then) {
 // The pairs of children of two nodes that may touch: the first of them on top of the stack.
 void WideQuery::open(const WideTree& a, const WideTree& b, Ref of_a, Ref of_b, const WideMotion& motion) {
   assert(of_a.kind() == Ref::kNode && of_b.kind() == Ref::kNode);
-  Masks masks;
+  LanePairs pairs;
   counters_.bv_tests += 64;
-  test_nodes(a.node(of_a.index()), b.node(of_b.index()), motion, masks);
-  for (std::size_t row = WideTree::kWidth; row-- > 0;) {
-    for_bits_downwards(masks[row], [&](std::size_t i) {
-      stack_.emplace_back(WideTree::child_slot(of_a, i), WideTree::child_slot(of_b, row));
-    });
+  test_nodes(a.node(of_a.index()), b.node(of_b.index()), motion, pairs);
+  for (std::size_t i = pairs.count; i-- > 0;) {
+    stack_.emplace_back(WideTree::child_slot(of_a, LanePairs::of_a(pairs.at[i])),
+                        WideTree::child_slot(of_b, LanePairs::of_b(pairs.at[i])));
   }
 }
 
@@ -51,11 +51,11 @@ bool WideQuery::descend(WideTree& a, WideTree& b, const WideMotion& motion, Leav
       open(a, b, of_a, of_b, motion);
     } else if (node_a) {
       counters_.bv_tests += 8;
-      for_bits_downwards(test_node_leaf(a.node(of_a.index()), b.leaf(of_b.index()), motion),
+      for_bits_downwards(test_node_leaf(a.node(of_a.index()), b.box(slot_b), b.leaf(of_b.index()), motion),
                          [&](std::size_t i) { stack_.emplace_back(WideTree::child_slot(of_a, i), slot_b); });
     } else if (node_b) {
       counters_.bv_tests += 8;
-      for_bits_downwards(test_leaf_node(a.leaf(of_a.index()), b.node(of_b.index()), motion),
+      for_bits_downwards(test_leaf_node(a.box(slot_a), a.leaf(of_a.index()), b.node(of_b.index()), motion),
                          [&](std::size_t i) { stack_.emplace_back(slot_a, WideTree::child_slot(of_b, i)); });
     } else if (leaves(LeafPair{slot_a, slot_b}, a.leaf(of_a.index()), b.leaf(of_b.index()))) {
       return true;
@@ -85,6 +85,34 @@ bool WideQuery::test_triangles(const WideTree& a, const WideTree& b, const WideT
   return false;
 }
 
+// Calls found() for pairs of triangles that touch, until it returns true.
+template <class Found>
+bool WideQuery::test_touch(const WideTree& a, const WideTree& b, const WideTree::Leaf& leaf_a,
+                           const WideTree::Leaf& leaf_b, const WideMotion& motion, const RelativeMotion& a_from_b,
+                           Found found) {
+  WideTouch touching;
+  if (!motion.in_range || !touch_leaves(leaf_a, leaf_b, motion, touching)) {
+    return test_triangles(a, b, leaf_a, leaf_b, motion, a_from_b,
+                          [&](const FacePair& faces, const Triangle& of_a, const Triangle& of_b) {
+                            return touch(of_a, of_b, counters_.orientation) && found(faces);
+                          });
+  }
+  for (std::size_t i = 0; i < touching.pairs.count; ++i) {
+    const std::uint8_t pair = touching.pairs.at[i];
+    const FacePair faces{leaf_a.faces[LanePairs::of_a(pair)], leaf_b.faces[LanePairs::of_b(pair)]};
+    if ((touching.unsure >> i & 1u) != 0) {
+      ++counters_.triangle_tests;
+      const Triangle in_b = b.soup().triangle(faces.b);
+      const Triangle moved = {a_from_b(in_b[0]), a_from_b(in_b[1]), a_from_b(in_b[2])};
+      if (!touch(a.soup().triangle(faces.a), moved, counters_.orientation)) continue;
+    } else {
+      ++counters_.certain_pairs;
+    }
+    if (found(faces)) return true;
+  }
+  return false;
+}
+
 // Pairs that the kernels let through without touching cost time, but change no answer and no order: so the first pair
 // found is the first that there is.
 template <class Found>
@@ -92,11 +120,9 @@ bool WideQuery::search(WideTree& a, WideTree& b, const RelativeMotion& a_from_b,
   const WideMotion motion(a, b, a_from_b);
   stack_.assign(1, {WideTree::kRoot, WideTree::kRoot});
   return descend(a, b, motion, [&](LeafPair leaf_pair, const WideTree::Leaf& leaf_a, const WideTree::Leaf& leaf_b) {
-    return test_triangles(
-        a, b, leaf_a, leaf_b, motion, a_from_b, [&](const FacePair& faces, const Triangle& of_a, const Triangle& of_b) {
-          return touch(of_a, of_b, counters_.orientation) &&
-                 found(PolygonPair{a.soup().faces[faces.a].polygon, b.soup().faces[faces.b].polygon}, leaf_pair);
-        });
+    return test_touch(a, b, leaf_a, leaf_b, motion, a_from_b, [&](const FacePair& faces) {
+      return found(PolygonPair{a.soup().faces[faces.a].polygon, b.soup().faces[faces.b].polygon}, leaf_pair);
+    });
   });
 }
 
@@ -113,10 +139,7 @@ bool WideQuery::touch_near_leaves(WideTree& a, WideTree& b, const RelativeMotion
   const WideMotion motion(a, b, a_from_b);
   const auto touching = [&](LeafPair at, const WideTree::Leaf& leaf_a, const WideTree::Leaf& leaf_b) {
     leaf_pair = at;
-    return test_triangles(a, b, leaf_a, leaf_b, motion, a_from_b,
-                          [&](const FacePair&, const Triangle& of_a, const Triangle& of_b) {
-                            return touch(of_a, of_b, counters_.orientation);
-                          });
+    return test_touch(a, b, leaf_a, leaf_b, motion, a_from_b, [](const FacePair&) { return true; });
   };
   assert(a.at(leaf_pair.a).kind() == Ref::kLeaf && b.at(leaf_pair.b).kind() == Ref::kLeaf);
   if (touching(leaf_pair, a.leaf(a.at(leaf_pair.a).index()), b.leaf(b.at(leaf_pair.b).index()))) return true;
@@ -132,7 +155,7 @@ const std::vector<PolygonPair>& WideQuery::all_pairs(WideTree& a, WideTree& b, c
     pairs_.push_back(found);
     return false;
   });
-  std::ranges::sort(pairs_);
+  std::ranges::sort(pairs_, {}, [](const PolygonPair& pair) { return std::uint64_t{pair.a} << 32 | pair.b; });
   pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
   return pairs_;
 }

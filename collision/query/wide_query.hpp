@@ -17,8 +17,8 @@ struct FacePair {
 };
 
 // The queries of tree_query.hpp on wide trees: the same answers. Eight boxes against eight, then eight triangles
-// against eight, in binary32 with room for all of its rounding; what is left goes to the exact test. Which vector
-// instructions run is found at run time; no answer, and no counter, depends on it.
+// against eight, in binary32 with room for all of its rounding; what is left unsure goes to the exact test. Which
+// vector instructions run is found at run time; no answer, and no counter, depends on it.
 //
 // An object keeps its memory, so that a query like one before allocates nothing. Not thread-safe.
 class WideQuery {
@@ -55,6 +55,9 @@ class WideQuery {
   template <class Test>
   bool test_triangles(const WideTree& a, const WideTree& b, const WideTree::Leaf& leaf_a, const WideTree::Leaf& leaf_b,
                       const WideMotion& motion, const RelativeMotion& a_from_b, Test test);
+  template <class Found>
+  bool test_touch(const WideTree& a, const WideTree& b, const WideTree::Leaf& leaf_a, const WideTree::Leaf& leaf_b,
+                  const WideMotion& motion, const RelativeMotion& a_from_b, Found found);
   template <class Found>
   bool search(WideTree& a, WideTree& b, const RelativeMotion& a_from_b, Found found);
 

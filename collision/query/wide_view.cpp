@@ -42,7 +42,9 @@ std::uint8_t TestRayLeaf(const WideTree::Leaf& leaf, const WideRay& ray) {
     std::array<V, 3> along, px, py;
     V size = hn::Zero(Lanes());
     for (std::size_t c = 0; c < 3; ++c) {
-      const auto from_start = [&](std::size_t k) { return hn::Sub(load(leaf.corners[c][k], i), set(ray.start[k])); };
+      const auto from_start = [&](std::size_t k) {
+        return hn::Sub(load(leaf.corners[c][k], i), set(ray.start[k] - leaf.center[k]));
+      };
       along[c] = from_start(main);
       px[c] = hn::Sub(from_start(x), hn::Mul(set(ray.shear_x), along[c]));
       py[c] = hn::Sub(from_start(y), hn::Mul(set(ray.shear_y), along[c]));
@@ -68,31 +70,34 @@ std::uint8_t TestRayLeaf(const WideTree::Leaf& leaf, const WideRay& ray) {
   return static_cast<std::uint8_t>(out & ((1u << leaf.count) - 1));
 }
 
-// Adds a plane that a lane isn't certainly inside of to that lane.
-HWY_INLINE void note_crossed(std::uint32_t inside, std::size_t plane, std::array<PlaneMask, kWidth>& crossed) {
-  for (std::size_t i = 0; i < kWidth; ++i) {
-    crossed[i] = static_cast<PlaneMask>(crossed[i] | (((inside >> i) & 1u) ^ 1u) << plane);
-  }
-}
-
 // Combines the planes of `active`: distances() gives the least and the greatest distance of what is in each lane from a
-// plane.
+// plane. Planes that a lane isn't certainly inside of are noted for lanes in view alone.
 template <class Distances>
 HWY_INLINE std::uint8_t test_planes(const WidePlanes& planes, PlaneMask active, std::array<PlaneMask, kWidth>& crossed,
                                     Distances distances) {
   crossed.fill(0);
+  std::array<std::uint32_t, WidePlanes::kMaxPlanes> inside;
   std::uint32_t out = 0xff;
-  for (std::size_t n = 0; n < planes.count; ++n) {
-    if ((active >> n & 1u) == 0) continue;
+  for (std::uint32_t rest = active; rest != 0 && out != 0; rest &= rest - 1) {
+    const std::size_t n = hwy::Num0BitsBelowLS1Bit_Nonzero32(rest);
     const WidePlanes::Plane& plane = planes.planes[n];
-    std::uint32_t in_view = 0, inside = 0;
+    std::uint32_t in_view = 0;
+    inside[n] = 0;
     for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
       const auto [least, most] = distances(plane, i);
       in_view |= bits(hn::Ge(most, set(-plane.slack)), i);
-      inside |= bits(hn::Ge(least, set(plane.slack)), i);
+      inside[n] |= bits(hn::Ge(least, set(plane.slack)), i);
     }
     out &= in_view;
-    note_crossed(inside, n, crossed);
+  }
+  for (std::uint32_t lanes = out; lanes != 0; lanes &= lanes - 1) {
+    const std::size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes);
+    std::uint32_t planes_crossed = 0;
+    for (std::uint32_t rest = active; rest != 0; rest &= rest - 1) {
+      const std::size_t n = hwy::Num0BitsBelowLS1Bit_Nonzero32(rest);
+      planes_crossed |= ((inside[n] >> lane & 1u) ^ 1u) << n;
+    }
+    crossed[lane] = static_cast<PlaneMask>(planes_crossed);
   }
   return static_cast<std::uint8_t>(out);
 }
@@ -121,10 +126,12 @@ std::uint8_t TestPlanesLeaf(const WideTree::Leaf& leaf, const WidePlanes& planes
                             std::array<PlaneMask, kWidth>& crossed) {
   const std::uint8_t out = test_planes(planes, active, crossed, [&](const WidePlanes::Plane& plane, std::size_t i) {
     const V3 normal = normal_of(plane);
+    const auto& n = plane.normal;
+    const V middle =
+        set(((n[0] * leaf.center[0] + n[1] * leaf.center[1]) + n[2] * leaf.center[2]) + plane.offset);
     const Corners corners = load_corners(leaf.corners, i);
-    const V p = distance(normal, corners.p, plane), q = distance(normal, corners.q, plane),
-            r = distance(normal, corners.r, plane);
-    return Interval{hn::Min(hn::Min(p, q), r), hn::Max(hn::Max(p, q), r)};
+    const V p = dot(normal, corners.p), q = dot(normal, corners.q), r = dot(normal, corners.r);
+    return Interval{hn::Add(middle, hn::Min(hn::Min(p, q), r)), hn::Add(middle, hn::Max(hn::Max(p, q), r))};
   });
   return static_cast<std::uint8_t>(out & ((1u << leaf.count) - 1));
 }

@@ -16,7 +16,7 @@ using Ref = WideTree::Ref;
 
 struct Header {
   std::array<char, 8> magic{};
-  std::uint32_t version = 1;
+  std::uint32_t version = 2;
   std::uint32_t header_bytes = 64;
   std::uint64_t fingerprint = 0;
   std::uint64_t checksum = 0;
@@ -24,7 +24,7 @@ struct Header {
   std::array<std::uint32_t, 5> zero{};
 };
 static_assert(sizeof(Header) == 64 && std::is_trivially_copyable_v<Header>);
-static_assert(std::is_trivially_copyable_v<WideTree::Node> && sizeof(WideTree::Node) == 224);
+static_assert(std::is_trivially_copyable_v<WideTree::Node> && sizeof(WideTree::Node) == 704);
 static_assert(std::is_trivially_copyable_v<WideTree::Leaf> && sizeof(WideTree::Leaf) == 352);
 
 Header new_header() {
@@ -61,6 +61,15 @@ std::uint64_t fingerprint(const TriangleSoup& soup) {
   return hash.value();
 }
 
+// Whether a child that isn't there has no box, so that no query comes to it.
+bool has_no_box(const WideTree::Node& node, std::size_t child) {
+  bool none = true;
+  for (std::size_t k = 0; k < 3; ++k) {
+    none &= node.half[k][child] == WideTree::kNoBox && node.oriented_half[k][child] == WideTree::kNoBox;
+  }
+  return none;
+}
+
 // Whether nodes and leaves are a tree of the mesh's faces: children stand behind their parents, and each has one
 // parent, so a descent ends, and no array is overrun.
 bool is_tree(const Header& header, std::span<const WideTree::Node> nodes, std::span<const WideTree::Leaf> leaves) {
@@ -72,8 +81,12 @@ bool is_tree(const Header& header, std::span<const WideTree::Node> nodes, std::s
     node_seen[0] = true;
   }
   for (std::size_t n = 0; n < nodes.size(); ++n) {
-    for (const Ref ref : nodes[n].children) {
-      if (ref.kind() == Ref::kNone) continue;
+    for (std::size_t i = 0; i < WideTree::kWidth; ++i) {
+      const Ref ref = nodes[n].children[i];
+      if (ref.kind() == Ref::kNone) {
+        if (!has_no_box(nodes[n], i)) return false;
+        continue;
+      }
       if (ref.kind() == Ref::kPending) return false;
       auto& seen = ref.kind() == Ref::kNode ? node_seen : leaf_seen;
       if (ref.index() >= seen.size() || seen[ref.index()]) return false;
@@ -97,20 +110,24 @@ bool is_tree(const Header& header, std::span<const WideTree::Node> nodes, std::s
 
 std::string write_hierarchy(WideTree& tree) {
   tree.build_all();
-  const auto nodes = std::as_bytes(tree.nodes()), leaves = std::as_bytes(tree.leaves());
+  const std::size_t node_bytes = tree.nodes().size() * sizeof(WideTree::Node);
+  const std::size_t leaf_bytes = tree.leaves().size() * sizeof(WideTree::Leaf);
+  std::string out(sizeof(Header) + node_bytes + leaf_bytes, '\0');
+  char* at = out.data() + sizeof(Header);
+  for (const WideTree::Node& node : tree.nodes())
+    at = std::copy_n(reinterpret_cast<const char*>(&node), sizeof node, at);
+  for (const WideTree::Leaf& leaf : tree.leaves())
+    at = std::copy_n(reinterpret_cast<const char*>(&leaf), sizeof leaf, at);
+  const auto body = std::as_bytes(std::span(out)).subspan(sizeof(Header));
   Header header = new_header();
   header.fingerprint = fingerprint(tree.soup());
   header.triangles = static_cast<std::uint32_t>(tree.soup().faces.size());
   header.nodes = static_cast<std::uint32_t>(tree.nodes().size());
   header.leaves = static_cast<std::uint32_t>(tree.leaves().size());
   Hash hash;
-  hash.add(nodes);
-  hash.add(leaves);
+  hash.add(body);
   header.checksum = hash.value();
-  std::string out(sizeof header + nodes.size() + leaves.size(), '\0');
   std::memcpy(out.data(), &header, sizeof header);
-  if (!nodes.empty()) std::memcpy(out.data() + sizeof header, nodes.data(), nodes.size());
-  std::memcpy(out.data() + sizeof header + nodes.size(), leaves.data(), leaves.size());
   return out;
 }
 

@@ -15,7 +15,7 @@ namespace peerd::collision {
 //
 //   offset  bytes  what
 //        0      8  "PEERDHRC"
-//        8      4  version, 1; any other is refused, and so is the other byte order
+//        8      4  version, 2; any other is refused, and so is the other byte order
 //       12      4  bytes of the header, 64
 //       16      8  fingerprint of the soup: its vertices and faces
 //       24      8  checksum of all that follows the header

@@ -8,13 +8,42 @@
 namespace peerd::collision {
 namespace {
 
-constexpr std::uint32_t kLeafSize = WideTree::kWidth;
+static_assert(kLeafSize == WideTree::kWidth);
 
-// The number of triangles that each full child of a node of `count` triangles holds.
-std::uint32_t child_capacity(std::uint32_t count) {
-  std::uint32_t capacity = kLeafSize;
-  while (static_cast<std::uint64_t>(capacity) * WideTree::kWidth < count) capacity *= WideTree::kWidth;
-  return capacity;
+// Of more triangles than twice this, a box's axes are those of this many or so.
+constexpr std::uint32_t kWeighed = 256;
+
+// The most that a tree of so many triangles can have: only ranges that are too large for a leaf are split, and each
+// node but those above leaves alone has eight children.
+std::size_t most_leaves(std::size_t triangles) { return triangles <= kLeafSize ? 1 : triangles; }
+std::size_t most_nodes(std::size_t triangles) { return triangles <= kLeafSize ? 0 : (triangles - 2) / 7; }
+
+void put(const OrientedBox& box, WideTree::Node& node, std::size_t child) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    node.oriented_center[k][child] = box.center[k];
+    node.oriented_half[k][child] = box.half[k];
+    for (std::size_t c = 0; c < 3; ++c) node.axes[k][c][child] = box.axes[k][c];
+  }
+}
+OrientedBox oriented_box(const WideTree::Node& node, std::size_t child) {
+  OrientedBox box;
+  for (std::size_t k = 0; k < 3; ++k) {
+    box.center[k] = node.oriented_center[k][child];
+    box.half[k] = node.oriented_half[k][child];
+    for (std::size_t c = 0; c < 3; ++c) box.axes[k][c] = node.axes[k][c][child];
+  }
+  return box;
+}
+void put_aligned(const OrientedBox& box, WideTree::Node& node, std::size_t child) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    node.center[k][child] = box.center[k];
+    node.half[k][child] = box.half[k];
+  }
+}
+
+Bounds4 bounds_of(const std::array<float, 3>& center, const std::array<float, 3>& half) {
+  const Float4 c{center[0], center[1], center[2], 0.0f}, h{half[0], half[1], half[2], 0.0f};
+  return {h - c, c + h};
 }
 
 }  // namespace
@@ -35,7 +64,7 @@ static_assert(alignof(WideTree::Node) == 32 && alignof(WideTree::Leaf) == 32);
 
 WideTree::WideTree(const TriangleSoup& soup, std::shared_ptr<const void> owner, std::span<const Node> nodes,
                    std::span<const Leaf> leaves)
-    : soup_(&soup), owner_(std::move(owner)), node_data_(nodes.data()), leaf_data_(leaves.data()) {
+    : soup_(&soup), owner_(std::move(owner)), nodes_(nodes), leaves_(leaves) {
   assert(!leaves.empty());
   measure();
   root_ = Ref(nodes.empty() ? Ref::kLeaf : Ref::kNode, 0);
@@ -44,19 +73,19 @@ WideTree::WideTree(const TriangleSoup& soup, std::shared_ptr<const void> owner, 
 WideTree::WideTree(const TriangleSoup& soup) : soup_(&soup) {
   assert(!soup.faces.empty());
   measure();
+  make_points();
   items_.reserve(soup.faces.size());
-  for (std::uint32_t f = 0; f < soup.faces.size(); ++f) {
-    items_.push_back(make_item(f));
+  for (std::uint32_t f = 0; f < soup.faces.size(); ++f) items_.push_back(make_item(f));
+  root_ = pending({0, static_cast<std::uint32_t>(items_.size())});
+}
+
+void WideTree::make_points() {
+  points_.resize(soup_->vertices.size());
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const Vec3& v = soup_->vertices[i];
+    for (int k = 0; k < 3; ++k) points_[i][k] = static_cast<float>((v[k] - origin_[k]) * scale_);
+    points_[i][3] = 0.0f;
   }
-  const auto count = static_cast<std::uint32_t>(items_.size());
-  leaves_.reserve((count + kLeafSize - 1) / kLeafSize);
-  std::size_t nodes = 0;
-  for (std::uint64_t full = kLeafSize * kWidth; full / kWidth < count; full *= kWidth)
-    nodes += (count + full - 1) / full;
-  nodes_.reserve(nodes);
-  node_data_ = nodes_.data();
-  leaf_data_ = leaves_.data();
-  root_ = pending({0, count});
 }
 
 WideTree::Ref WideTree::pending(Range range) {
@@ -65,195 +94,184 @@ WideTree::Ref WideTree::pending(Range range) {
   return {Ref::kPending, static_cast<std::uint32_t>(ranges_.size() - 1)};
 }
 
-WideTree::Ref WideTree::resolve(Ref& ref) {
-  if (ref.kind() == Ref::kPending) {
-    assert(ref.index() < ranges_.size());
-    const Range range = ranges_[ref.index()];
-    ref = range.count() <= kLeafSize ? make_leaf(range) : make_node(range);
-  }
-  return ref;
+WideTree::Ref WideTree::resolve(ChildSlot slot) {
+  const Ref before = peek(slot);
+  if (before.kind() != Ref::kPending) return before;
+  const Range range = ranges_[before.index()];
+  const Ref made = range.count() <= kLeafSize ? make_leaf(range) : make_node(range);
+  (slot == kRoot ? root_ : nodes_.at(slot / kWidth).children[slot % kWidth]) = made;
+  return made;
 }
 
-WideTree::Item WideTree::make_item(std::uint32_t face) const {
-  const auto& c = soup_->faces[face].corners;
-  const Vec3 &p = soup_->vertices[c[0]], &q = soup_->vertices[c[1]], &r = soup_->vertices[c[2]];
-  Item item{};
-  item.face = face;
-  for (int k = 0; k < 3; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    item.lo[i] = static_cast<float>((std::min({p[k], q[k], r[k]}) - origin_[k]) * scale_);
-    item.hi[i] = static_cast<float>((std::max({p[k], q[k], r[k]}) - origin_[k]) * scale_);
-  }
-  return item;
+SplitItem WideTree::make_item(std::uint32_t face) const {
+  Bounds4 bounds;
+  for (const std::uint32_t corner : soup_->faces[face].corners) bounds.merge(points_[corner]);
+  return {bounds, face};
 }
 
-WideTree::Bounds WideTree::bound(Range range) const {
-  assert(range.begin < range.end);
-  Bounds out{items_[range.begin].lo, items_[range.begin].hi};
-  for (std::uint32_t i = range.begin + 1; i < range.end; ++i) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      out.lo[k] = items_[i].lo[k] < out.lo[k] ? items_[i].lo[k] : out.lo[k];
-      out.hi[k] = items_[i].hi[k] > out.hi[k] ? items_[i].hi[k] : out.hi[k];
+Bounds4 WideTree::bounds(Range range) const {
+  Bounds4 bounds;
+  for (std::uint32_t i = range.begin; i < range.end; ++i) bounds.merge(items_[i].bounds());
+  return bounds;
+}
+
+// Of many triangles, a few decide the axes, and where not even those are in a smaller box, none is tried.
+OrientedBox WideTree::fitted(Range range, const Bounds4& bounds) const {
+  BoxFit fit(bounds);
+  const auto corners = [&](std::uint32_t i) -> const auto& { return soup_->faces[items_[i].face()].corners; };
+  const std::uint32_t step = std::max(1u, range.count() / kWeighed);
+  for (std::uint32_t i = range.begin; i < range.end; i += step) {
+    const auto& c = corners(i);
+    fit.weigh(points_[c[0]], points_[c[1]], points_[c[2]]);
+  }
+  const OrientedBox aligned = axis_aligned_box(bounds);
+  if (!fit.turn()) return aligned;
+  const auto add_every = [&](std::uint32_t nth) {
+    for (std::uint32_t i = range.begin; i < range.end; i += nth) {
+      const auto& c = corners(i);
+      fit.add(points_[c[0]]), fit.add(points_[c[1]]), fit.add(points_[c[2]]);
     }
-  }
-  return out;
-}
-
-WideTree::Box WideTree::box_of(const Bounds& bounds) {
-  Box box{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    box.center[k] = 0.5f * bounds.lo[k] + 0.5f * bounds.hi[k];
-    box.half[k] = std::max(bounds.hi[k] - box.center[k], box.center[k] - bounds.lo[k]);
-  }
-  return box;
-}
-
-// Puts the items that belong before `middle` there. Items are counted by bins first, so that the comparisons, which are
-// what costs, are left with one bin. A float's way to its bin keeps order.
-void WideTree::divide(Range range, std::uint32_t middle, std::size_t axis, float least, float most) {
-  assert(range.begin < middle && middle < range.end);
-  constexpr std::uint32_t kBins = 1024;
-  const auto slot = [axis](const Item& item) { return item.lo[axis] + item.hi[axis]; };
-  const auto before = [slot](const Item& a, const Item& b) {
-    return slot(a) != slot(b) ? slot(a) < slot(b) : a.face < b.face;
   };
-  auto begin = items_.begin() + range.begin, end = items_.begin() + range.end;
-  const float scale = static_cast<float>(kBins) / (most - least);
-  if (range.count() >= kBins && scale > 0.0f && std::isfinite(scale)) {
-    const auto bin_of = [&](const Item& item) {
-      return std::min(kBins - 1, static_cast<std::uint32_t>((slot(item) - least) * scale));
-    };
-    std::array<std::uint32_t, kBins> counts{};
-    for (auto item = begin; item != end; ++item) ++counts[bin_of(*item)];
-    std::uint32_t bin = 0, passed = range.begin;
-    while (passed + counts[bin] <= middle) passed += counts[bin++];
-    begin = std::partition(begin, end, [&](const Item& item) { return bin_of(item) < bin; });
-    end = std::partition(begin, end, [&](const Item& item) { return bin_of(item) == bin; });
+  add_every(step);
+  if (step > 1) {
+    if (fit.box().half_area() >= aligned.half_area()) return aligned;
+    add_every(1);
   }
-  std::nth_element(begin, items_.begin() + middle, end, before);
+  return fit.box();
 }
 
-// Splits a range in two, by the middles of the triangles' boxes along the axis where those are spread widest; ties by
-// the face's number, so that every library's nth_element gives the same halves. Then each half, until each part is one
-// child.
-void WideTree::split(Range range, std::uint32_t capacity, std::array<Range, kWidth>& parts, std::size_t& count) {
-  const std::uint32_t children = (range.count() + capacity - 1) / capacity;
-  if (children == 1) {
-    assert(count < kWidth && range.count() <= capacity);
-    parts[count++] = range;
-    return;
-  }
-  std::array<float, 3> lo, hi;
-  lo.fill(std::numeric_limits<float>::infinity());
-  hi.fill(-std::numeric_limits<float>::infinity());
-  for (std::uint32_t i = range.begin; i < range.end; ++i) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const float middle = items_[i].lo[k] + items_[i].hi[k];
-      lo[k] = middle < lo[k] ? middle : lo[k];
-      hi[k] = middle > hi[k] ? middle : hi[k];
-    }
-  }
-  std::size_t axis = 0;
-  for (std::size_t k = 1; k < 3; ++k) {
-    if (hi[k] - lo[k] > hi[axis] - lo[axis]) axis = k;
-  }
-  const std::uint32_t middle = range.begin + children / 2 * capacity;
-  divide(range, middle, axis, lo[axis], hi[axis]);
-  split({range.begin, middle}, capacity, parts, count);
-  split({middle, range.end}, capacity, parts, count);
-}
-
+// Splits the part with the largest surface, until there are eight or all are leaves.
 WideTree::Ref WideTree::make_node(Range range) {
-  std::array<Range, kWidth> parts{};
-  std::size_t count = 0;
-  split(range, child_capacity(range.count()), parts, count);
-  assert(nodes_.size() < nodes_.capacity());
+  std::array<SplitRange, kWidth> parts;
+  std::size_t count = 1;
+  parts[0] = measured(items_, range.begin, range.end);
+  while (count < kWidth) {
+    std::size_t largest = kWidth;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (parts[i].count() <= kLeafSize) continue;
+      if (largest == kWidth || parts[i].bounds.half_area() > parts[largest].bounds.half_area()) largest = i;
+    }
+    if (largest == kWidth) break;
+    const SplitHalves halves = split(items_, parts[largest]);
+    for (std::size_t i = count; i > largest + 1; --i) parts[i] = parts[i - 1];
+    parts[largest] = halves.left;
+    parts[largest + 1] = halves.right;
+    ++count;
+  }
   assert(count >= 2 && count <= kWidth);
-  Node& node = nodes_.emplace_back();
+  Node& node = nodes_.add(most_nodes(soup_->faces.size()));
   for (std::size_t k = 0; k < 3; ++k) {
     node.center[k].fill(0.0f);
     node.half[k].fill(kNoBox);
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    const Box box = box_of(bound(parts[i]));
-    for (std::size_t k = 0; k < 3; ++k) {
-      node.center[k][i] = box.center[k];
-      node.half[k][i] = box.half[k];
+  OrientedBox none;
+  none.half.fill(kNoBox);
+  for (std::size_t i = 0; i < kWidth; ++i) {
+    if (i >= count) {
+      put(none, node, i);
+      continue;
     }
-    node.children[i] = pending(parts[i]);
+    const Range part{parts[i].begin, parts[i].end};
+    put_aligned(axis_aligned_box(parts[i].bounds), node, i);
+    put(fitted(part, parts[i].bounds), node, i);
+    node.children[i] = pending(part);
   }
-  return {Ref::kNode, static_cast<std::uint32_t>(nodes_.size() - 1)};
+  return {Ref::kNode, nodes_.size() - 1};
 }
 
 WideTree::Ref WideTree::make_leaf(Range range) {
-  assert(leaves_.size() < leaves_.capacity());
   assert(range.count() >= 1 && range.count() <= kLeafSize);
-  std::ranges::sort(items_.begin() + range.begin, items_.begin() + range.end, {}, &Item::face);
-  Leaf& leaf = leaves_.emplace_back();
-  const Box box = box_of(bound(range));
-  leaf.center = box.center;
-  leaf.half = box.half;
+  std::ranges::sort(items_.begin() + range.begin, items_.begin() + range.end, {}, &SplitItem::face);
+  Leaf& leaf = leaves_.add(most_leaves(soup_->faces.size()));
   leaf.count = range.count();
   for (std::size_t i = 0; i < kWidth; ++i) {
     // Lanes beyond the last repeat it; count says that they are none.
-    leaf.faces[i] = items_[std::min(range.begin + static_cast<std::uint32_t>(i), range.end - 1)].face;
+    leaf.faces[i] = items_[std::min(range.begin + static_cast<std::uint32_t>(i), range.end - 1)].face();
   }
   fill_corners(leaf);
-  return {Ref::kLeaf, static_cast<std::uint32_t>(leaves_.size() - 1)};
+  return {Ref::kLeaf, leaves_.size() - 1};
 }
 
 void WideTree::fill_corners(Leaf& leaf) const {
+  Bounds4 bounds;
+  std::array<std::array<Vec3, kWidth>, 3> at;
   for (std::size_t i = 0; i < kWidth; ++i) {
     const auto& corners = soup_->faces[leaf.faces[i]].corners;
     for (std::size_t c = 0; c < 3; ++c) {
-      const Vec3 p = (soup_->vertices[corners[c]] - origin_) * scale_;
-      for (std::size_t k = 0; k < 3; ++k) leaf.corners[c][k][i] = static_cast<float>(p[static_cast<int>(k)]);
+      const Vec3 p = at[c][i] = (soup_->vertices[corners[c]] - origin_) * scale_;
+      bounds.merge(Float4{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]), 0.0f});
+    }
+  }
+  leaf.center = axis_aligned_box(bounds).center;
+  leaf.half.fill(0.0f);
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double center = static_cast<double>(leaf.center[k]);
+      for (std::size_t i = 0; i < kWidth; ++i) {
+        const auto local = static_cast<float>(at[c][i][static_cast<int>(k)] - center);
+        leaf.corners[c][k][i] = local;
+        leaf.half[k] = std::max(leaf.half[k], std::abs(local));
+      }
     }
   }
 }
 
-// The bounds of a node or leaf whose own boxes are up to date.
-WideTree::Bounds WideTree::bound(Ref ref) const {
-  if (ref.kind() == Ref::kPending) return bound(ranges_[ref.index()]);
-  Bounds out;
-  out.lo.fill(std::numeric_limits<float>::infinity());
-  out.hi.fill(-std::numeric_limits<float>::infinity());
+OrientedBox WideTree::box(ChildSlot slot) const {
+  if (slot != kRoot) return oriented_box(nodes_[slot / kWidth], slot % kWidth);
+  OrientedBox whole;
   for (std::size_t k = 0; k < 3; ++k) {
-    if (ref.kind() == Ref::kLeaf) {
-      for (const auto& corner : leaves_[ref.index()].corners) {
-        out.lo[k] = std::min(out.lo[k], *std::ranges::min_element(corner[k]));
-        out.hi[k] = std::max(out.hi[k], *std::ranges::max_element(corner[k]));
-      }
-      continue;
-    }
+    const auto i = static_cast<int>(k);
+    const double reach = std::max(soup_->box.hi[i] - origin_[i], origin_[i] - soup_->box.lo[i]);
+    whole.half[k] = static_cast<float>(reach * scale_);
+  }
+  return whole;
+}
+
+// The bounds of a node or leaf whose own boxes are up to date.
+Bounds4 WideTree::bounds(Ref ref) const {
+  if (ref.kind() == Ref::kPending) return bounds(ranges_[ref.index()]);
+  if (ref.kind() == Ref::kLeaf) return bounds_of(leaves_[ref.index()].center, leaves_[ref.index()].half);
+  const Node& node = nodes_[ref.index()];
+  Bounds4 bounds;
+  for (std::size_t i = 0; i < kWidth && node.children[i].kind() != Ref::kNone; ++i) {
+    bounds.merge(bounds_of({node.center[0][i], node.center[1][i], node.center[2][i]},
+                           {node.half[0][i], node.half[1][i], node.half[2][i]}));
+  }
+  return bounds;
+}
+
+// A box with the axes of before around what is in a child, or a new one around what is pending.
+OrientedBox WideTree::refitted(Ref ref, const Bounds4& bounds, const OrientedBox& before) const {
+  if (ref.kind() == Ref::kPending) return fitted(ranges_[ref.index()], bounds);
+  BoxFit fit(bounds);
+  fit.turn_to(before.axes);
+  if (ref.kind() == Ref::kNode) {
     const Node& node = nodes_[ref.index()];
-    for (std::size_t i = 0; i < kWidth; ++i) {
-      if (node.children[i].kind() == Ref::kNone) continue;
-      out.lo[k] = std::min(out.lo[k], node.center[k][i] - node.half[k][i]);
-      out.hi[k] = std::max(out.hi[k], node.center[k][i] + node.half[k][i]);
+    for (std::size_t i = 0; i < kWidth && node.children[i].kind() != Ref::kNone; ++i) fit.add(oriented_box(node, i));
+    return fit.box();
+  }
+  const Leaf& leaf = leaves_[ref.index()];
+  for (std::size_t i = 0; i < leaf.count; ++i) {
+    for (const auto& corner : leaf.corners) {
+      fit.add(
+          Float4{corner[0][i] + leaf.center[0], corner[1][i] + leaf.center[1], corner[2][i] + leaf.center[2], 0.0f});
     }
   }
-  return out;
+  return fit.box();
 }
 
 void WideTree::refit() {
   assert(owner_ == nullptr);
   measure();
-  for (Item& item : items_) item = make_item(item.face);
-  for (std::uint32_t i = 0; i < leaves_.size(); ++i) {
-    fill_corners(leaves_[i]);
-    const Box box = box_of(bound(Ref(Ref::kLeaf, i)));
-    leaves_[i].center = box.center;
-    leaves_[i].half = box.half;
-  }
-  for (std::size_t n = nodes_.size(); n-- > 0;) {  // children stand behind their parents
-    for (std::size_t i = 0; i < kWidth; ++i) {
-      if (nodes_[n].children[i].kind() == Ref::kNone) continue;
-      const Box box = box_of(bound(nodes_[n].children[i]));
-      for (std::size_t k = 0; k < 3; ++k) {
-        nodes_[n].center[k][i] = box.center[k];
-        nodes_[n].half[k][i] = box.half[k];
-      }
+  if (!items_.empty()) make_points();
+  for (SplitItem& item : items_) item = make_item(item.face());
+  for (std::uint32_t i = 0; i < leaves_.size(); ++i) fill_corners(leaves_.at(i));
+  for (std::uint32_t n = nodes_.size(); n-- > 0;) {  // children stand behind their parents
+    Node& node = nodes_.at(n);
+    for (std::size_t i = 0; i < kWidth && node.children[i].kind() != Ref::kNone; ++i) {
+      const Bounds4 around = bounds(node.children[i]);
+      put_aligned(axis_aligned_box(around), node, i);
+      put(refitted(node.children[i], around, oriented_box(node, i)), node, i);
     }
   }
 }
@@ -261,16 +279,19 @@ void WideTree::refit() {
 void WideTree::build_all() {
   (void)at(kRoot);
   for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
-    for (Ref& ref : nodes_[n].children) (void)resolve(ref);
+    for (std::size_t i = 0; i < kWidth && nodes_[n].children[i].kind() != Ref::kNone; ++i) {
+      (void)at(child_slot(Ref(Ref::kNode, n), i));
+    }
   }
-  assert(std::ranges::all_of(nodes_, [](const Node& n) { return n.children[0].kind() <= Ref::kLeaf; }));
+  assert(std::ranges::all_of(nodes(), [](const Node& n) { return n.children[0].kind() <= Ref::kLeaf; }));
   items_ = {};
+  points_ = {};
   ranges_ = {};
 }
 
 std::size_t WideTree::memory_bytes() const {
-  return nodes_.capacity() * sizeof(Node) + leaves_.capacity() * sizeof(Leaf) + items_.capacity() * sizeof(Item) +
-         ranges_.capacity() * sizeof(Range);
+  return nodes_.memory_bytes() + leaves_.memory_bytes() + items_.capacity() * sizeof(SplitItem) +
+         points_.capacity() * sizeof(Float4) + ranges_.capacity() * sizeof(Range);
 }
 
 }  // namespace peerd::collision

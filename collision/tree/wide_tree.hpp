@@ -9,16 +9,19 @@
 #include <vector>
 
 #include "collision/exact/triangle_soup.hpp"
+#include "collision/tree/binned_split.hpp"
+#include "collision/tree/chunks.hpp"
+#include "collision/tree/oriented_box.hpp"
 
 namespace peerd::collision {
 
 // A hierarchy of boxes that a vector unit tests eight at a time, over the triangles of a soup; queries run on it.
-// Leaves hold eight triangles, nodes eight children, and all but the last of each level are full, so a mesh of n
-// triangles has n / 8 leaves. It is built from the top as deep as queries reach. KdopTree (kdop_tree.hpp) is its
-// readable twin; both give the same answers.
+// Leaves hold eight triangles at most, nodes eight children, each with an axis-aligned box and an oriented one. Nodes
+// are split where the surface-area heuristic is least, the child with the largest surface first, from the top as deep
+// as queries reach. KdopTree (kdop_tree.hpp) is its readable twin; both give the same answers.
 //
 // Everything in it is binary32, relative to `origin` and times `scale`, rounded to nearest: a coordinate may be off by
-// 2^-23 of `extent_m`, which queries must allow for. Nothing in it decides an answer.
+// 2^-23 of `extent_m`, which queries must allow for. Nothing in it decides an answer. It is the same on every machine.
 class WideTree {
  public:
   static constexpr std::size_t kWidth = 8;
@@ -40,12 +43,16 @@ class WideTree {
   // no number on the way overlaps nothing either.
   static constexpr float kNoBox = -std::numeric_limits<float>::infinity();
 
+  // Children that are there stand before those that aren't.
   struct alignas(32) Node {
-    std::array<std::array<float, kWidth>, 3> center, half;  // by axis, then child [m]
+    using Rows = std::array<std::array<float, kWidth>, 3>;  // by axis, then child [m]
+    Rows center, half;
     std::array<Ref, kWidth> children;
+    Rows oriented_center, oriented_half;  // the oriented boxes
+    std::array<Rows, 3> axes;             // theirs: by axis, then component, then child
   };
   struct alignas(32) Leaf {
-    std::array<std::array<std::array<float, kWidth>, 3>, 3> corners;  // by corner, axis, triangle [m]
+    std::array<std::array<std::array<float, kWidth>, 3>, 3> corners;  // from `center`; by corner, axis, triangle [m]
     std::array<std::uint32_t, kWidth> faces;                          // indices of the soup's faces
     std::array<float, 3> center, half;                                // the box of the whole leaf [m]
     std::uint32_t count = 0;
@@ -65,8 +72,8 @@ class WideTree {
   // A power of two: 1, but for soups so large that binary32 would overflow.
   [[nodiscard]] double scale() const { return scale_; }
   [[nodiscard]] double extent_m() const { return extent_m_; }  // no coordinate is farther from the origin
-  [[nodiscard]] const Node& node(std::uint32_t i) const { return node_data_[i]; }
-  [[nodiscard]] const Leaf& leaf(std::uint32_t i) const { return leaf_data_[i]; }
+  [[nodiscard]] const Node& node(std::uint32_t i) const { return nodes_[i]; }
+  [[nodiscard]] const Leaf& leaf(std::uint32_t i) const { return leaves_[i]; }
 
   // The slot of a child in its parent: a child that is not built yet has no other name.
   using ChildSlot = std::uint32_t;
@@ -80,67 +87,60 @@ class WideTree {
   }  // not of the root
   // The node or leaf in a slot, built now if it never was. References to both stay valid.
   [[nodiscard]] Ref at(ChildSlot slot) {
-    const Ref ref = slot == kRoot ? root_ : node_data_[slot / kWidth].children[slot % kWidth];
-    if (ref.kind() != Ref::kPending) return ref;
-    return resolve(slot == kRoot ? root_ : nodes_[slot / kWidth].children[slot % kWidth]);
+    const Ref ref = peek(slot);
+    return ref.kind() != Ref::kPending ? ref : resolve(slot);
   }
+  // The same, which may be pending.
+  [[nodiscard]] Ref peek(ChildSlot slot) const {
+    return slot == kRoot ? root_ : nodes_[slot / kWidth].children[slot % kWidth];
+  }
+  // The oriented box of what is in a slot.
+  [[nodiscard]] OrientedBox box(ChildSlot slot) const;
   void build_all();
   // The soup's vertices have moved, its faces have not: new boxes for what is built, over the same triangles. O(soup).
   void refit();
   [[nodiscard]] bool refittable() const { return owner_ == nullptr; }  // false for a tree that was read from a file
 
   // The nodes and leaves built here: none for a tree that was read from a file.
-  [[nodiscard]] std::size_t nodes_built() const { return nodes_.size() + leaves_.size(); }
-  // The arrays of a tree that is built to the end.
-  [[nodiscard]] std::span<const Node> nodes() const { return nodes_; }
-  [[nodiscard]] std::span<const Leaf> leaves() const { return leaves_; }
-  [[nodiscard]] std::size_t memory_bytes() const;
+  [[nodiscard]] std::size_t nodes_built() const {
+    return owner_ == nullptr ? std::size_t{nodes_.size()} + leaves_.size() : 0;
+  }
+  // The nodes and leaves that are there.
+  [[nodiscard]] auto nodes() const { return nodes_.all(); }
+  [[nodiscard]] auto leaves() const { return leaves_.all(); }
+  [[nodiscard]] std::size_t memory_bytes() const;  // what was allocated here
 
  private:
-  // A triangle on its way to a leaf.
-  struct alignas(32) Item {
-    std::array<float, 3> lo;
-    std::uint32_t face;
-    std::array<float, 3> hi;
-    float unused;
-  };
   struct Range {
     std::uint32_t begin, end;  // a range of items_
     [[nodiscard]] std::uint32_t count() const { return end - begin; }
   };
-  struct Box {
-    std::array<float, 3> center, half;
-  };
-  struct Bounds {
-    std::array<float, 3> lo, hi;
-  };
 
-  Ref resolve(Ref& ref);
+  Ref resolve(ChildSlot slot);
   Ref pending(Range range);
   Ref make_node(Range range);
   Ref make_leaf(Range range);
-  void split(Range range, std::uint32_t capacity, std::array<Range, kWidth>& parts, std::size_t& count);
-  void divide(Range range, std::uint32_t middle, std::size_t axis, float least, float most);
-  [[nodiscard]] Item make_item(std::uint32_t face) const;
+  void make_points();
+  [[nodiscard]] SplitItem make_item(std::uint32_t face) const;
   void fill_corners(Leaf& leaf) const;
-  [[nodiscard]] static Box box_of(const Bounds& bounds);
-  [[nodiscard]] Bounds bound(Range range) const;
-  [[nodiscard]] Bounds bound(Ref ref) const;
+  [[nodiscard]] OrientedBox fitted(Range range, const Bounds4& bounds) const;
+  [[nodiscard]] OrientedBox refitted(Ref ref, const Bounds4& bounds, const OrientedBox& before) const;
+  [[nodiscard]] Bounds4 bounds(Ref ref) const;
+  [[nodiscard]] Bounds4 bounds(Range range) const;
 
   void measure();
 
   const TriangleSoup* soup_;
-  std::shared_ptr<const void> owner_;  // keeps the memory of the two pointers, where that is not the vectors below
-  const Node* node_data_ = nullptr;
-  const Leaf* leaf_data_ = nullptr;
+  std::shared_ptr<const void> owner_;  // keeps the memory of the arrays, where that is not the tree's own
   Vec3 origin_;
   double extent_m_ = 0.0;
   double scale_ = 1.0;
   Ref root_;
-  std::vector<Node> nodes_;    // its capacity is that of the whole tree
-  std::vector<Leaf> leaves_;   // its capacity is that of the whole tree, too
-  std::vector<Item> items_;    // gone when all is built
-  std::vector<Range> ranges_;  // the ranges of pending children, by index
+  Chunks<Node> nodes_;
+  Chunks<Leaf> leaves_;
+  std::vector<SplitItem> items_;  // gone when all is built
+  std::vector<Float4> points_;    // the soup's vertices in the tree's numbers; gone when all is built
+  std::vector<Range> ranges_;     // the ranges of pending children, by index
 };
 
 }  // namespace peerd::collision

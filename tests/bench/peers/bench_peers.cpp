@@ -12,6 +12,7 @@
 //   fcl-KDOP18-float-refit  ", k-DOPs of every body refitted to the world once a frame, which queries share the time of
 //   ode                     OPCODE within ODE; pairs are merged
 //   cgal-rigid              exact, and without pairs
+//   pqp                     PQP (github.com/GammaUNC/PQP), where it is installed: cmake -DCMAKE_PREFIX_PATH=FOLDER
 //
 // The peers are compiled for this machine (-O3 -march=native), ours as it is for users. Truth is what CGAL's exact
 // predicates say of the vertices in the world; an engine that computes in another frame can differ from it by their
@@ -112,10 +113,12 @@ Cell measure(const Input& input, const TriangleMesh& mesh, int frames, unsigned 
   }
   const auto busy = std::ranges::find_if(motion, [](const Frame& frame) { return !frame.queries.empty(); });
   if (busy != motion.end()) cell.first_answer_ms = first_answer_ms(peerd_lazily(), mesh, *busy);
-  cell.scores =
-      contest(mesh, motion,
-              {peerd_engine(), fcl_obb(), fcl_obbrss(), fcl_obb_float(), fcl_kdop18_float_refit(), ode(), cgal_rigid()},
-              effort);
+  std::vector<EngineKind> engines = {peerd_engine(),           fcl_obb(), fcl_obbrss(), fcl_obb_float(),
+                                     fcl_kdop18_float_refit(), ode(),     cgal_rigid()};
+#ifdef BENCH_PEERS_HAS_PQP
+  engines.push_back(pqp());
+#endif
+  cell.scores = contest(mesh, motion, engines, effort);
   return cell;
 }
 

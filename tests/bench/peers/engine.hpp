@@ -39,5 +39,6 @@ struct EngineKind {
 [[nodiscard]] EngineKind fcl_kdop18_float_refit();
 [[nodiscard]] EngineKind ode();
 [[nodiscard]] EngineKind cgal_rigid();
+[[nodiscard]] EngineKind pqp();  // where it is installed: BENCH_PEERS_HAS_PQP
 
 }  // namespace peerd::bench::peers

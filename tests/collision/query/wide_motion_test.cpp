@@ -25,8 +25,8 @@ TEST(WideMotion, SlackIsMoreThanTheRoundingOfAPlace) {
         for (std::size_t c = 0; c < 3; ++c) {
           for (std::size_t k = 0; k < 3; ++k) {
             const auto& row = motion.a_from_b[k];
-            const float moved = row[0] * leaf.corners[c][0][t] + row[1] * leaf.corners[c][1][t] +
-                                row[2] * leaf.corners[c][2][t] + motion.b_in_a[k];
+            const auto corner = [&](std::size_t axis) { return leaf.corners[c][axis][t] + leaf.center[axis]; };
+            const float moved = row[0] * corner(0) + row[1] * corner(1) + row[2] * corner(2) + motion.b_in_a[k];
             const auto axis = static_cast<Eigen::Index>(k);
             const double exact = (truth[c][axis] - pair.tree_a.origin()[axis]) * pair.tree_a.scale();
             ASSERT_LE(std::abs(static_cast<double>(moved) - exact), static_cast<double>(motion.slack_a)) << i;

@@ -20,6 +20,17 @@ bool any_touch(const WidePair& pair, const std::vector<std::uint32_t>& of_a, con
   return false;
 }
 
+// The oriented box of a leaf.
+OrientedBox box_of(const WideTree& tree, std::uint32_t leaf) {
+  for (std::uint32_t n = 0; n < tree.nodes().size(); ++n) {
+    for (std::size_t i = 0; i < WideTree::kWidth; ++i) {
+      const Ref ref = tree.node(n).children[i];
+      if (ref.kind() == Ref::kLeaf && ref.index() == leaf) return tree.box(WideTree::child_slot({Ref::kNode, n}, i));
+    }
+  }
+  return tree.box(WideTree::kRoot);
+}
+
 // Triangles that a kernel rules out don't touch by the exact test; and it rules out most of those that don't.
 TEST(WideOverlap, RulesOutNothingThatTouches) {
   Numbers numbers(321);
@@ -59,12 +70,17 @@ TEST(WideOverlap, NodesAndLeavesRuleOutNothingThatTouchesBelow) {
                         RelativeMotion(random_pose(numbers, 1.0), random_pose(numbers, 1.0)));
     const WideMotion motion(pair.tree_a, pair.tree_b, pair.a_from_b);
     const WideTree::Node &a = pair.tree_a.node(0), &b = pair.tree_b.node(0);
-    Masks masks;
-    test_nodes(a, b, motion, masks);
+    LanePairs pairs;
+    test_nodes(a, b, motion, pairs);
+    Masks masks{};
+    for (std::size_t k = 0; k < pairs.count; ++k) {
+      masks[LanePairs::of_b(pairs.at[k])] |= static_cast<std::uint8_t>(1u << LanePairs::of_a(pairs.at[k]));
+    }
     const WideTree::Leaf &leaf_a = pair.tree_a.leaf(0), &leaf_b = pair.tree_b.leaf(0);
     const std::vector<std::uint32_t> in_leaf_a(leaf_a.faces.begin(), leaf_a.faces.begin() + leaf_a.count);
     const std::vector<std::uint32_t> in_leaf_b(leaf_b.faces.begin(), leaf_b.faces.begin() + leaf_b.count);
-    const std::uint8_t node_leaf = test_node_leaf(a, leaf_b, motion), leaf_node = test_leaf_node(leaf_a, b, motion);
+    const std::uint8_t node_leaf = test_node_leaf(a, box_of(pair.tree_b, 0), leaf_b, motion),
+                       leaf_node = test_leaf_node(box_of(pair.tree_a, 0), leaf_a, b, motion);
     for (std::size_t row = 0; row < WideTree::kWidth; ++row) {
       const bool in_b = b.children[row].kind() != Ref::kNone;
       const auto below_b = in_b ? faces_below(pair.tree_b, b.children[row]) : std::vector<std::uint32_t>();

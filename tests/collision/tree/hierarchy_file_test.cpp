@@ -112,7 +112,10 @@ TEST(HierarchyFile, PartsPutTogetherAgainAreTheFile) {
   EXPECT_EQ(Forged(file).file(), file);
 }
 
-// A free slot of a node, and the last node, which has leaves and free slots.
+// A free slot of a node. The last node has leaves and free slots.
+bool has_free_slot(const WideTree::Node& node) {
+  return std::ranges::any_of(node.children, [](Ref ref) { return ref.kind() == Ref::kNone; });
+}
 Ref& free_slot(WideTree::Node& node) {
   const auto slot = std::ranges::find_if(node.children, [](Ref ref) { return ref.kind() == Ref::kNone; });
   if (slot == node.children.end()) throw std::logic_error("the node is full");
@@ -161,7 +164,11 @@ const Forgery kForgeries[] = {
      }},
     // The forgeries below leave nothing unseen: one condition alone refuses each.
     {"LeafSharedThroughAFreeSlot", [](Forged& f) { free_slot(f.nodes.back()) = f.nodes.back().children[0]; }},
-    {"NodeSharedThroughAFreeSlot", [](Forged& f) { free_slot(f.nodes[0]) = f.nodes[0].children[0]; }},
+    {"NodeSharedThroughAFreeSlot",
+     [](Forged& f) {
+       free_slot(*std::ranges::find_if(f.nodes, has_free_slot)) =
+           Ref(Ref::kNode, static_cast<std::uint32_t>(f.nodes.size() - 1));
+     }},
     {"NodeThatHangsBelowItself",
      [](Forged& f) {
        const auto last = static_cast<std::uint32_t>(f.nodes.size() - 1);
@@ -183,6 +190,12 @@ const Forgery kForgeries[] = {
        f.leaves.push_back(f.leaves[0]);
        f.leaves.back().count = 0;
        free_slot(f.nodes.back()) = Ref(Ref::kLeaf, static_cast<std::uint32_t>(f.leaves.size() - 1));
+     }},
+    {"BoxOfAFreeSlot",
+     [](Forged& f) {
+       WideTree::Node& last = f.nodes.back();
+       const auto slot = static_cast<std::size_t>(&free_slot(last) - last.children.data());
+       last.oriented_half[2][slot] = 1.0F;
      }},
     {"MissingFace", [](Forged& f) { f.leaves[1].faces[0] = f.leaves[0].faces[0]; }},
 };
@@ -227,7 +240,7 @@ TEST(HierarchyFile, SaysWhatIsWrong) {
   EXPECT_EQ(error(""), "it is no hierarchy file");
   EXPECT_EQ(error(file.substr(0, kHeaderBytes - 1)), "it is no hierarchy file");
   EXPECT_EQ(error(with(0, 'X')), "it is no hierarchy file");
-  EXPECT_EQ(error(with(8, 2)), "it is of another version");
+  EXPECT_EQ(error(with(8, 1)), "it is of another version");
   EXPECT_EQ(error(with(12, 65)), "it is of another version");
   EXPECT_EQ(error(with(16, static_cast<char>(file[16] ^ 1))), "it is of another mesh");
   EXPECT_EQ(error(file.substr(0, file.size() - 1)), "it is cut short or too long");
