@@ -127,8 +127,7 @@ std::uint8_t TestPlanesLeaf(const WideTree::Leaf& leaf, const WidePlanes& planes
   const std::uint8_t out = test_planes(planes, active, crossed, [&](const WidePlanes::Plane& plane, std::size_t i) {
     const V3 normal = normal_of(plane);
     const auto& n = plane.normal;
-    const V middle =
-        set(((n[0] * leaf.center[0] + n[1] * leaf.center[1]) + n[2] * leaf.center[2]) + plane.offset);
+    const V middle = set(((n[0] * leaf.center[0] + n[1] * leaf.center[1]) + n[2] * leaf.center[2]) + plane.offset);
     const Corners corners = load_corners(leaf.corners, i);
     const V p = dot(normal, corners.p), q = dot(normal, corners.q), r = dot(normal, corners.r);
     return Interval{hn::Add(middle, hn::Min(hn::Min(p, q), r)), hn::Add(middle, hn::Max(hn::Max(p, q), r))};
