@@ -15,7 +15,7 @@ namespace {
 constexpr Duration kLeadMin = std::chrono::milliseconds(100);
 // Stamps farther ahead are of a broken clock: they wait for their time, but no other stamp is later because of them.
 constexpr Duration kStampAheadMax = std::chrono::seconds(10);
-// What an edit has changed longer ago does not change any more what has happened since, as a decision on that is made
+// An edit of longer ago does not change any more what has happened since, as a decision on that is made
 // no more (contact_decisions.cpp).
 constexpr Duration kLateMax = std::chrono::seconds(3);
 // A hello's datagram leaves so much besides its lists at most.

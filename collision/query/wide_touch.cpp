@@ -39,7 +39,7 @@ HWY_INLINE Row sizes(const Placed& placed) {
   return out;
 }
 
-// Those of B's triangles that are no farther than `off` from the box of all of A's.
+// Returns those of B's triangles that are no farther than `off` from the box of all of A's.
 HWY_INLINE std::uint32_t near_leaf(const Placed& b, std::uint32_t count_b, const WideTree::Leaf& a, float off) {
   std::uint32_t near = 0;
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {

@@ -3,7 +3,7 @@
 
 namespace peerd::collision {
 
-// What binary32 says of pairs of triangles: others certainly don't touch.
+// A WideTouch has what binary32 says of pairs of triangles; those that it does not have certainly don't touch.
 struct WideTouch {
   LanePairs pairs;       // these certainly touch, or are for the exact test
   std::uint64_t unsure;  // by pair's number: those that are for the exact test

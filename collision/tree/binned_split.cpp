@@ -34,7 +34,7 @@ struct SplitBin {
     ++count;
   }
 };
-// By bin, then axis, so that few bins are few to clear.
+// The order is by bin, then axis, so that few bins are few to clear.
 using SplitBins = std::array<std::array<SplitBin, 3>, kMostBins>;
 
 // The way from a middle to its bin.
@@ -66,7 +66,7 @@ struct Cut {
   std::size_t axis = 3, bin = 0;  // the first bin of the right half; axis 3: there is none
 };
 
-// Where the cost is least.
+// Returns the cut whose cost is least.
 Cut cheapest(const SplitBins& bins, const Binning& binning, std::uint32_t count) {
   const auto cost = [](const Bounds4& bounds, std::uint32_t n) {
     return bounds.half_area() * static_cast<float>((n + kLeafSize - 1) / kLeafSize);

@@ -10,7 +10,7 @@ namespace {
 
 static_assert(kLeafSize == WideTree::kWidth);
 
-// Of more triangles than twice this, a box's axes are those of this many or so.
+// The axes of a box around more triangles than twice this are those of this many of them or so.
 constexpr std::uint32_t kWeighed = 256;
 
 // The most that a tree of so many triangles can have: only ranges that are too large for a leaf are split, and each
@@ -115,7 +115,7 @@ Bounds4 WideTree::bounds(Range range) const {
   return bounds;
 }
 
-// Of many triangles, a few decide the axes, and where not even those are in a smaller box, none is tried.
+// A few of many triangles decide the axes, and where not even those are in a smaller box, none is tried.
 OrientedBox WideTree::fitted(Range range, const Bounds4& bounds) const {
   BoxFit fit(bounds);
   const auto corners = [&](std::uint32_t i) -> const auto& { return soup_->faces[items_[i].face()].corners; };

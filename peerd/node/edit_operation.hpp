@@ -10,7 +10,7 @@
 
 namespace peerd {
 
-// What has become of an edit that a peer was asked for.
+// An EditReport says what has become of an edit that a peer was asked for.
 struct EditReport {
   config::SceneEdit edit;
   std::optional<replication::OperationId> operation;  // none: it was refused

@@ -12,7 +12,7 @@
 
 namespace peerd {
 
-// What has become of an operation of this peer so far.
+// An OperationState says what has become of an operation of this peer so far.
 struct OperationState {
   config::SceneEdit edit;
   bool applied = false;  // it has taken effect

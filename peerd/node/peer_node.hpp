@@ -64,7 +64,7 @@ class PeerNode {
   KeyReport on_key(HostTime now, const KeyEvent& key);
   // Somebody asks this peer for an edit of the scene. It takes effect at all peers at one instant, a little later.
   EditReport edit(HostTime now, const config::SceneEdit& edit);
-  // What has become of an operation of this peer so far; null: it is none.
+  // Returns what has become of an operation of this peer so far; null: it is none.
   [[nodiscard]] const OperationState* operation(replication::OperationId id) const { return edits_.find(id); }
   // An external program sends poses of the objects that it moves. An update of each object whose ghost is beyond its
   // threshold leaves at once. Unix time + `host_minus_wall` is the time of this host.

@@ -35,7 +35,7 @@ ReadOptions LivingScene::reading() const {
   return options;
 }
 
-// What the paths in a text mean that name nothing in it: where the scene has it.
+// Returns what the paths in a text mean that name nothing in it: where the scene has it.
 std::vector<std::pair<std::string, ObjectId>> LivingScene::names_in(std::string_view text, const Scene& scene) const {
   std::vector<std::pair<std::string, ObjectId>> names;
   ReadOptions options = reading();

@@ -30,7 +30,7 @@ class LivingScene {
   // Adds an operation; it takes effect with a later apply(). False: it is known.
   bool add(Operation operation);
 
-  // What becomes of the scene at an instant.
+  // A Change says what becomes of the scene at an instant.
   struct Outcome {
     OperationId id;
     std::string refused;  // why it changes nothing; empty: it does what it says
@@ -77,7 +77,8 @@ class LivingScene {
   [[nodiscard]] std::vector<std::pair<std::string, ObjectId>> names_in(std::string_view text, const Scene& scene) const;
   [[nodiscard]] std::expected<Draft, std::string> apply_to(SceneEditor& editor, const OperationBody& body,
                                                            AuthorId author) const;
-  // What operations, in order, make of the scene of a checkpoint, and why those that change nothing do not.
+  // An Applied has what operations, in order, make of the scene of a checkpoint, and why those that change nothing do
+  // not.
   struct Applied {
     std::shared_ptr<const Scene> scene;
     std::vector<std::string> refused;

@@ -112,8 +112,8 @@ void compare(const oracle::Pair& pair, Placing placing, Numbers& numbers, Tally&
   compare(soup_a, soup_b, motion, tally);
 }
 
-// What binary32 is sure of is true, for all generators of the oracle, placed in five ways. PEERD_TOUCH_PAIRS says how
-// many pairs there are in all, 100 million for instance.
+// Binary32 is sure of nothing that is wrong, for all generators of the oracle, placed in five ways. PEERD_TOUCH_PAIRS
+// says how many pairs there are in all, 100 million for instance.
 TEST(WideTouch, IsNeverSureOfWhatIsWrong) {
   const char* const wanted = std::getenv("PEERD_TOUCH_PAIRS");
   const std::uint64_t all = wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : 60'000;
