@@ -69,7 +69,8 @@ struct Cut {
 // Returns the cut whose cost is least.
 Cut cheapest(const SplitBins& bins, const Binning& binning, std::uint32_t count) {
   const auto cost = [](const Bounds4& bounds, std::uint32_t n) {
-    return bounds.half_area() * static_cast<float>((n + kLeafSize - 1) / kLeafSize);
+    const std::uint32_t leaves = (n + kLeafSize - 1) / kLeafSize;
+    return bounds.half_area() * static_cast<float>(leaves);
   };
   Cut cut;
   float least = std::numeric_limits<float>::infinity();
