@@ -45,6 +45,7 @@ std::expected<OperationId, std::string> OperationKeeper::edit(HostTime now, Oper
   next_object_ += draft->objects;
   next_node_ += draft->nodes;
   p_.living.add(std::move(operation));
+  follow_link();
   p_.exchange.on_append(now, id);
   ++p_.counters.operations;
   send(now);
@@ -52,6 +53,8 @@ std::expected<OperationId, std::string> OperationKeeper::edit(HostTime now, Oper
 }
 
 void OperationKeeper::on_message(HostTime now, PeerId sender, const Message& m) {
+  const bool has_logs = m.hello && !m.hello->logs.empty();
+  if (has_logs || !m.operations.empty() || !m.operation_requests.empty()) follow_link();
   for (const OperationPart& part : m.operations) {
     auto taken = p_.logs.receive(part);
     p_.exchange.on_part(now, sender, part);
@@ -88,21 +91,26 @@ void OperationKeeper::apply_until(SimTime t) {
   applied_until_ = t;
 }
 
-void OperationKeeper::send(HostTime now) {
-  const Duration tick = std::chrono::nanoseconds(std::chrono::seconds(1)) / p_.config.tick_hz;
+void OperationKeeper::follow_link() {
+  const Duration tick = Duration{std::chrono::seconds(1)} / p_.config.tick_hz;
   p_.exchange.set_link(p_.members.longest_latency() + 2 * tick, p_.members.worst_loss_to_peers());
+}
+
+void OperationKeeper::send(HostTime now) {
+  for (const OperationId id : p_.exchange.newly_held()) p_.outbox.push(OperationHeld{id});
+  if (const auto due = p_.exchange.next_deadline(); !due || *due > now) return;
+  follow_link();
   for (OperationMessage& due : p_.exchange.on_tick(now)) {
     Message m = p_.outbox.blank();
     m.operations = std::move(due.operations);
     m.operation_requests = std::move(due.operation_requests);
     p_.outbox.send(m);
   }
-  for (const OperationId id : p_.exchange.newly_held()) p_.outbox.push(OperationHeld{id});
 }
 
 void OperationKeeper::add_lengths(Message& m) {
   assert(m.hello);
-  if (p_.logs.digest() == 0) return;
+  if (p_.logs.empty()) return;
   const std::size_t used = encode(m).size() + kMargin_bytes;
   if (used < kDatagramMax_bytes) m.hello->logs = p_.exchange.lengths_for_hello(kDatagramMax_bytes - used);
 }

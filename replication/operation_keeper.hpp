@@ -32,6 +32,8 @@ class OperationKeeper {
 
  private:
   [[nodiscard]] SimTime stamp(HostTime now) const;
+  // The exchange goes by how the links are now.
+  void follow_link();
 
   PeerParts& p_;
   SessionKeeper& keeper_;

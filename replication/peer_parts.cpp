@@ -26,7 +26,7 @@ AuthorId author_of(PeerId peer, std::uint64_t incarnation) {
   return AuthorId{1 + static_cast<std::uint32_t>(bits % kAuthorMax)};
 }
 
-// Where the scene places the object, in the frame of its carrier.
+// Returns where the scene places the object, in the frame of its carrier.
 Pose place_in(const WorldModel& model, ObjectId object) {
   const auto carrier = model.carrier_of(object);
   const KinematicState world = at_rest(model.scene->rigid_pose(object));
@@ -146,7 +146,7 @@ void PeerParts::forget_what_is_gone(const Scene& next) {
 }
 
 // An edit that gives an own object another place than the scene gave it before puts it there; it goes on as it moved.
-// What something drives goes its own way.
+// An object that something drives goes its own way.
 void PeerParts::place_own(ObjectId object, SimTime at, const Pose& before) {
   const Pose now = place_in(*model, object);
   const bool stays = now.position == before.position && now.orientation.coeffs() == before.orientation.coeffs();

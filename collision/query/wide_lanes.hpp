@@ -37,7 +37,11 @@ HWY_INLINE std::uint32_t bits(M mask, std::size_t i) {
 struct V3 {
   V x, y, z;
 };
+HWY_INLINE void store3(const V3& v, Rows& rows, std::size_t i) {
+  store(v.x, rows[0], i), store(v.y, rows[1], i), store(v.z, rows[2], i);
+}
 HWY_INLINE V3 load3(const Rows& rows, std::size_t i) { return {load(rows[0], i), load(rows[1], i), load(rows[2], i)}; }
+HWY_INLINE V3 set3(const std::array<float, 3>& p) { return {set(p[0]), set(p[1]), set(p[2])}; }
 HWY_INLINE V3 set3(const Rows& rows, std::size_t lane) {
   return {set(rows[0][lane]), set(rows[1][lane]), set(rows[2][lane])};
 }
@@ -128,13 +132,20 @@ HWY_INLINE Corners load_corners(const WideTree::Leaf& leaf, std::size_t i) {
 }
 
 HWY_INLINE void store_corners(const Corners& t, std::array<Rows, 3>& out, std::size_t i) {
-  const auto put = [&](const V3& p, Rows& rows) {
-    store(p.x, rows[0], i), store(p.y, rows[1], i), store(p.z, rows[2], i);
-  };
-  put(t.p, out[0]), put(t.q, out[1]), put(t.r, out[2]);
+  store3(t.p, out[0], i), store3(t.q, out[1], i), store3(t.r, out[2], i);
 }
 HWY_INLINE Corners set_corners(const std::array<Rows, 3>& corners, std::size_t lane) {
   return {set3(corners[0], lane), set3(corners[1], lane), set3(corners[2], lane)};
+}
+
+struct TriangleBoxes {
+  V3 lo, hi;
+};
+HWY_INLINE TriangleBoxes boxes(const Corners& t) {
+  const auto least = [](V a, V b, V c) HWY_ATTR { return hn::Min(hn::Min(a, b), c); };
+  const auto most = [](V a, V b, V c) HWY_ATTR { return hn::Max(hn::Max(a, b), c); };
+  return {{least(t.p.x, t.q.x, t.r.x), least(t.p.y, t.q.y, t.r.y), least(t.p.z, t.q.z, t.r.z)},
+          {most(t.p.x, t.q.x, t.r.x), most(t.p.y, t.q.y, t.r.y), most(t.p.z, t.q.z, t.r.z)}};
 }
 
 // B's triangles in A's frame.

@@ -34,9 +34,6 @@ struct MovedBoxes {
   std::array<Rows, 3> axes;
 };
 HWY_INLINE V3 absolute(const V3& v) { return {hn::Abs(v.x), hn::Abs(v.y), hn::Abs(v.z)}; }
-HWY_INLINE void store3(const V3& v, Rows& rows, std::size_t i) {
-  store(v.x, rows[0], i), store(v.y, rows[1], i), store(v.z, rows[2], i);
-}
 HWY_INLINE void move_boxes(const WideTree::Node& b, const WideMotion& m, MovedBoxes& out) {
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
     const V3 center = plus(times(m.a_from_b, load3(b.oriented_center, i)), m.b_in_a);
@@ -145,11 +142,10 @@ void TestNodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotio
 // One box against the children of a node; bit i of the result is child i.
 HWY_INLINE std::uint8_t test_box_node(const OrientedBox& box, const WideTree::Node& node, const Matrix& node_from_box,
                                       const std::array<float, 3>& box_in_node, float slack) {
-  const auto all = [](const std::array<float, 3>& p) { return V3{set(p[0]), set(p[1]), set(p[2])}; };
-  const TurnedBoxes b = {plus(times(node_from_box, all(box.center)), box_in_node),
-                         all(box.half),
-                         {times(node_from_box, all(box.axes[0])), times(node_from_box, all(box.axes[1])),
-                          times(node_from_box, all(box.axes[2]))}};
+  const TurnedBoxes b = {plus(times(node_from_box, set3(box.center)), box_in_node),
+                         set3(box.half),
+                         {times(node_from_box, set3(box.axes[0])), times(node_from_box, set3(box.axes[1])),
+                          times(node_from_box, set3(box.axes[2]))}};
   std::uint32_t out = 0;
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
     const TurnedBoxes a = {load3(node.oriented_center, i),
@@ -190,10 +186,9 @@ HWY_INLINE std::uint8_t one_against(const std::array<float, 3>& center, const st
                                     const std::array<float, 3>& center_there, const std::array<float, 3>& half_there,
                                     const WideTree::Node& node, const Boxes& node_here) {
   std::uint32_t out = 0;
-  const auto all = [](const std::array<float, 3>& p) { return V3{set(p[0]), set(p[1]), set(p[2])}; };
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
-    const auto there = overlap(load3(node.center, i), load3(node.half, i), all(center_there), all(half_there));
-    const auto here = overlap(load3(node_here.center, i), load3(node_here.half, i), all(center), all(half));
+    const auto there = overlap(load3(node.center, i), load3(node.half, i), set3(center_there), set3(half_there));
+    const auto here = overlap(load3(node_here.center, i), load3(node_here.half, i), set3(center), set3(half));
     out |= bits(hn::And(there, here), i);
   }
   return static_cast<std::uint8_t>(out);
@@ -215,16 +210,6 @@ std::uint8_t TestLargeLeafNode(const WideTree::Leaf& a, const WideTree::Node& b,
   return one_against(a.center, a.half, center, half, b, b_in_a);
 }
 
-struct TriangleBoxes {
-  V3 lo, hi;
-};
-HWY_INLINE TriangleBoxes boxes(const Corners& t) {
-  const auto least = [](V a, V b, V c) { return hn::Min(hn::Min(a, b), c); };
-  const auto most = [](V a, V b, V c) { return hn::Max(hn::Max(a, b), c); };
-  return {{least(t.p.x, t.q.x, t.r.x), least(t.p.y, t.q.y, t.r.y), least(t.p.z, t.q.z, t.r.z)},
-          {most(t.p.x, t.q.x, t.r.x), most(t.p.y, t.q.y, t.r.y), most(t.p.z, t.q.z, t.r.z)}};
-}
-
 // B's triangles in A's frame, one to a lane.
 struct Moved {
   std::array<Rows, 3> corners;
@@ -238,12 +223,10 @@ HWY_INLINE void move(const WideTree::Leaf& b, const WideMotion& m, Moved& out) {
     store_corners(corners, out.corners, i);
     const TriangleBoxes box = boxes(corners);
     const V slack = set(m.slack_a);
-    store(hn::Sub(box.lo.x, slack), out.lo[0], i), store(hn::Sub(box.lo.y, slack), out.lo[1], i);
-    store(hn::Sub(box.lo.z, slack), out.lo[2], i), store(hn::Add(box.hi.x, slack), out.hi[0], i);
-    store(hn::Add(box.hi.y, slack), out.hi[1], i), store(hn::Add(box.hi.z, slack), out.hi[2], i);
+    store3({hn::Sub(box.lo.x, slack), hn::Sub(box.lo.y, slack), hn::Sub(box.lo.z, slack)}, out.lo, i);
+    store3({hn::Add(box.hi.x, slack), hn::Add(box.hi.y, slack), hn::Add(box.hi.z, slack)}, out.hi, i);
     const Planes plane = planes(corners);
-    store(plane.normal.x, out.normal[0], i), store(plane.normal.y, out.normal[1], i);
-    store(plane.normal.z, out.normal[2], i), store(plane.size, out.size, i);
+    store3(plane.normal, out.normal, i), store(plane.size, out.size, i);
   }
 }
 
@@ -283,7 +266,7 @@ void TestLeaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMoti
                           hn::And(hn::Le(box.lo.y, hi.y), hn::Le(lo.y, box.hi.y)));
       mask = hn::And(mask, hn::And(hn::Le(box.lo.z, hi.z), hn::Le(lo.z, box.hi.z)));
       if (hn::AllFalse(Lanes(), mask)) continue;
-      const Corners other{set3(moved.corners[0], row), set3(moved.corners[1], row), set3(moved.corners[2], row)};
+      const Corners other = set_corners(moved.corners, row);
       mask = hn::And(mask, not_on_one_side(plane.normal, margin, corners.p, other));
       const V margin_b = certain_margin(set(moved.size[row]), per_size);
       mask = hn::And(mask, not_on_one_side(set3(moved.normal, row), margin_b, other.p, corners));

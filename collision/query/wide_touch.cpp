@@ -23,11 +23,8 @@ struct Placed {
 };
 HWY_INLINE void place(const Corners& t, std::size_t i, Placed& out) {
   store_corners(t, out.corners, i);
-  const auto least = [](V a, V b, V c) HWY_ATTR { return hn::Min(hn::Min(a, b), c); };
-  const auto most = [](V a, V b, V c) HWY_ATTR { return hn::Max(hn::Max(a, b), c); };
-  store(least(t.p.x, t.q.x, t.r.x), out.lo[0], i), store(most(t.p.x, t.q.x, t.r.x), out.hi[0], i);
-  store(least(t.p.y, t.q.y, t.r.y), out.lo[1], i), store(most(t.p.y, t.q.y, t.r.y), out.hi[1], i);
-  store(least(t.p.z, t.q.z, t.r.z), out.lo[2], i), store(most(t.p.z, t.q.z, t.r.z), out.hi[2], i);
+  const TriangleBoxes box = boxes(t);
+  store3(box.lo, out.lo, i), store3(box.hi, out.hi, i);
 }
 // The longest sides of the boxes.
 HWY_INLINE Row sizes(const Placed& placed) {

@@ -164,6 +164,7 @@ void DocumentEditor::drop(std::span<const std::uint32_t> nodes) {
   const auto dropped = [&](const NodeRef& ref) { return std::ranges::binary_search(nodes, ref.index); };
   for (const std::uint32_t node : nodes) is_outside_[node] = false;
   std::erase_if(top_level_, dropped);
+  for (auto& [place, list] : lists_) std::erase_if(list, dropped);
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
     for (const Field& field : nodes_[i].given()) {
       if (!holds_nodes(field.spec->type) || std::ranges::none_of(refs_of(i, field), dropped)) continue;
@@ -172,13 +173,19 @@ void DocumentEditor::drop(std::span<const std::uint32_t> nodes) {
   }
 }
 
-// The fields of a node: those that it has, in their order, and those that were set.
+// The fields of a node: those that it has, in their order, and those that were set, each before the first that its type
+// declares later, so that the order does not depend on which was set first.
 std::vector<Field> DocumentEditor::fields_of(std::uint32_t node) const {
   const auto given = nodes_[node].given();
   std::vector<Field> fields(given.begin(), given.end());
   for (auto set = set_.lower_bound({node, nullptr}); set != set_.end() && set->first.first == node; ++set) {
     const auto known = std::ranges::find(fields, set->first.second, &Field::spec);
-    known == fields.end() ? fields.push_back(set->second) : void(*known = set->second);
+    if (known != fields.end()) {
+      *known = set->second;
+    } else {
+      const auto later = std::ranges::find_if(fields, [&](const Field& f) { return f.spec > set->first.second; });
+      fields.insert(later, set->second);
+    }
   }
   return fields;
 }

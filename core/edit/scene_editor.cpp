@@ -45,6 +45,7 @@ std::string first_error(const ReadResult& result) {
 
 SceneEditor::SceneEditor(const Scene& scene) : scene_(scene), document_(scene.document) {
   drafts_.resize(scene.instances.size());
+  live_ = drafts_.size();
   instances_of_.resize(document_.node_count());
   for (std::uint32_t i = 0; i < drafts_.size(); ++i) {
     const Instance& instance = scene.instances[i];
@@ -152,6 +153,9 @@ std::expected<SceneEditor::Added, std::string> SceneEditor::add(
   if (depth_of(parent) + height > vrml::kMaxNesting) {
     return std::unexpected("its nodes would be nested more than " + std::to_string(vrml::kMaxNesting) + " deep");
   }
+  if (live_ + content.instances.size() > ReadLimits{}.instances) {
+    return std::unexpected("the world would have more than " + std::to_string(ReadLimits{}.instances) + " instances");
+  }
   const std::uint32_t begin = document_.append(content.document, first.node);
   instances_of_.resize(document_.node_count());
   for (std::uint32_t i = begin; i < document_.node_count(); ++i) added_nodes_.emplace(document_.id_of(i), i);
@@ -166,6 +170,7 @@ std::expected<SceneEditor::Added, std::string> SceneEditor::add(
     interests_.emplace(interest.node, interest);
   }
   for (const KeySensor& sensor : content.key_sensors) recipients_.emplace(sensor.node + begin, sensor.recipient);
+  drop_interests_without_ends();
   return Added{static_cast<std::uint32_t>(content.instances.size()),
                static_cast<std::uint32_t>(content.document->nodes.size())};
 }
@@ -189,10 +194,13 @@ void SceneEditor::add_drafts(const Scene& content, std::uint32_t first_node, std
   }
   spot.drafts->insert(spot.drafts->begin() + static_cast<std::ptrdiff_t>(spot.draft), tops.begin(), tops.end());
   drafts_.insert(drafts_.end(), std::make_move_iterator(all.begin()), std::make_move_iterator(all.end()));
+  live_ += all.size();
 }
 
 void SceneEditor::mark_removed(std::uint32_t draft) {
   drafts_[draft].removed = true;
+  --instances_of_[drafts_[draft].node];
+  --live_;
   for (const std::uint32_t child : drafts_[draft].children) mark_removed(child);
 }
 
@@ -205,6 +213,7 @@ std::expected<void, std::string> SceneEditor::remove(ObjectId id) {
   spot->refs->erase(spot->refs->begin() + static_cast<std::ptrdiff_t>(spot->ref));
   mark_removed(*draft);
   note_dropped();
+  drop_interests_without_ends();
   return {};
 }
 
@@ -214,6 +223,7 @@ std::expected<void, std::string> SceneEditor::remove(NodeId id) {
   if (is_instance(document_.node(*node))) return std::unexpected("it is an instance of the scene");
   document_.drop(std::span(&*node, 1));
   note_dropped();
+  may_fail_ = true;
   interests_.erase(*node);
   recipients_.erase(*node);
   return {};
@@ -272,6 +282,7 @@ std::expected<std::uint32_t, std::string> SceneEditor::set(NodeId id, std::strin
     return std::unexpected("it is more than one value");
   }
   const vrml::Field& set = wrapper.given()[0];
+  may_fail_ |= !is_instance(document_.node(*node)) || vrml::holds_nodes(spec->type);
   const std::uint32_t begin = document_.append(parsed, first);
   instances_of_.resize(document_.node_count());
   if (!vrml::holds_nodes(spec->type)) {
@@ -335,7 +346,10 @@ void SceneEditor::drop_interests_without_ends() {
     std::erase_if(interest.collidees, [&](ObjectId end) { return !draft_of(end); });
     if (!draft_of(interest.collider) || interest.collidees.empty()) dropped.push_back(node);
   }
-  document_.drop(dropped);
+  if (!dropped.empty()) {
+    document_.drop(dropped);
+    note_dropped();
+  }
   for (const std::uint32_t node : dropped) interests_.erase(node);
   for (auto& [node, recipient] : recipients_) {
     if (recipient && !draft_of(*recipient)) recipient.reset();
@@ -372,7 +386,7 @@ vrml::Bindings SceneEditor::bindings(const std::vector<std::uint32_t>& place) co
 // these still lead there.
 void SceneEditor::rewrite_paths(const Scene& scene, vrml::Document& document) const {
   vrml::PathResolver paths(scene);
-  // By the scene alone, so that it does not matter in which steps it was edited.
+  // The path depends on the scene alone, so that it does not matter in which steps that was edited.
   const auto path_to = [&](ObjectId id) {
     const std::string_view def = scene.at(id).def;
     return !def.empty() && paths.find(def) == id ? std::string(def) : scene.path_of(id);
@@ -397,11 +411,10 @@ void SceneEditor::rewrite_paths(const Scene& scene, vrml::Document& document) co
   }
 }
 
-std::expected<Scene, std::string> SceneEditor::finish(const ReadLimits& limits) {
-  drop_interests_without_ends();
+std::expected<Scene, std::string> SceneEditor::finish() {
   auto [document, place] = document_.finish();
   const vrml::Bindings bound = bindings(place);
-  auto scene = vrml::rebuild_scene(document, scene_.tessellation, limits, bound);
+  auto scene = vrml::rebuild_scene(document, scene_.tessellation, ReadLimits{}, bound);
   if (!scene) return std::unexpected(scene.error());
   rewrite_paths(*scene, *document);
   return scene;

@@ -62,8 +62,12 @@ class SceneEditor {
   [[nodiscard]] std::expected<void, std::string> remove_route(NodeId from, std::string_view event_out, NodeId to,
                                                               std::string_view event_in);
 
-  // Returns the scene; the error says what the changes together make impossible. The editor is not used any more.
-  [[nodiscard]] std::expected<Scene, std::string> finish(const ReadLimits& limits = {});
+  // Returns whether finish() may fail: only there it is known whether the nodes of a geometry or of a CollisionResponse
+  // go together. All other changes are checked when they are made.
+  [[nodiscard]] bool may_fail() const { return may_fail_; }
+  // Returns the scene; the error says what the changes together make impossible. The editor is not used any more. One
+  // editor for each change would make the same scene, and refuse the same, but for what it finds impossible here.
+  [[nodiscard]] std::expected<Scene, std::string> finish();
 
  private:
   static constexpr std::uint32_t kNone = ~0u;
@@ -107,6 +111,8 @@ class SceneEditor {
   std::vector<std::uint32_t> top_level_;
   std::unordered_map<ObjectId, std::uint32_t> added_objects_;
   std::unordered_map<NodeId, std::uint32_t> added_nodes_;
+  std::size_t live_ = 0;  // drafts that are not removed
+  bool may_fail_ = false;
   bool has_dropped_ = false;                              // nodes, by some change
   std::optional<std::vector<bool>> reached_;              // by node, of those that were there then; none: not known
   std::vector<std::uint32_t> instances_of_;               // by node: how many there are

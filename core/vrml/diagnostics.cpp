@@ -55,13 +55,15 @@ std::size_t Problems::source_at(Position at) const {
   return static_cast<std::size_t>(std::ranges::upper_bound(begins_, at) - begins_.begin()) - 1;
 }
 
-std::string_view Problems::text_of(Position at) const { return sources_[source_at(at)].text; }
+std::string_view Problems::text_of(Position at) const {
+  return sources_.empty() ? std::string_view() : sources_[source_at(at)].text;
+}
 std::string_view Problems::name_of(Position at) const { return sources_[source_at(at)].name; }
 std::pair<std::string, std::size_t> Problems::place_of(Position at) const {
   const std::size_t source = source_at(at);
   return {sources_[source].name, at - begins_[source]};
 }
-Position Problems::begin_of(Position at) const { return begins_[source_at(at)]; }
+Position Problems::begin_of(Position at) const { return sources_.empty() ? at : begins_[source_at(at)]; }
 
 bool Problems::is_new(Position at, const std::string& message) {
   return reported_.insert(std::to_string(at) + message).second;

@@ -54,8 +54,10 @@ class Problems {
 
   // Adds a text and returns the position of its first byte; nothing where the texts together would exceed kMaxBytes.
   [[nodiscard]] std::optional<Position> open(Source source);
-  [[nodiscard]] std::string_view text_of(Position at) const;  // the whole text that holds it
-  [[nodiscard]] Position begin_of(Position at) const;         // for the text that holds `at`
+  // The whole text that holds a position, and its begin. A scene that is made anew from its document has no texts: each
+  // position is then the begin of an empty one.
+  [[nodiscard]] std::string_view text_of(Position at) const;
+  [[nodiscard]] Position begin_of(Position at) const;
   [[nodiscard]] std::string_view name_of(Position at) const;  // for the text that holds `at`
   // Returns the name of the text and the offset in it: the same in every reading of the same files.
   [[nodiscard]] std::pair<std::string, std::size_t> place_of(Position at) const;

@@ -9,8 +9,18 @@
 namespace peerd::config {
 namespace {
 
-const std::initializer_list<std::string_view> kKinds{"join", "leave", "kill",   "partition", "heal", "network",
-                                                     "key",  "add",   "remove", "move",      "set"};
+// The kinds of edits stand in the order of SceneEdit::Kind, in place of EventKind::kEdit.
+const std::initializer_list<std::string_view> kKinds{"join",
+                                                     "leave",
+                                                     "kill",
+                                                     "partition",
+                                                     "heal",
+                                                     "network",
+                                                     "key",
+                                                     to_string(SceneEdit::Kind::kAdd),
+                                                     to_string(SceneEdit::Kind::kRemove),
+                                                     to_string(SceneEdit::Kind::kMove),
+                                                     to_string(SceneEdit::Kind::kSet)};
 constexpr SizeLimit kAddedText{kMiB, "no operation is so long", 2};
 constexpr std::size_t kFirstEdit = static_cast<std::size_t>(EventKind::kEdit);
 

@@ -37,7 +37,7 @@ using PoseRequest = feed::PoseMessage;
 struct EditRequest {
   config::SceneEdit edit;
 };
-// What has become of an operation that this peer has made.
+// An OperationRequest asks what has become of an operation that this peer has made.
 struct OperationRequest {
   replication::OperationId operation;
 };

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/mixed_bits.hpp"
+
 namespace peerd::config {
 
 // SplitMix64 (Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014). It gives the same
@@ -12,10 +14,8 @@ class Random {
   Random(std::uint64_t seed, std::uint64_t n) : state_(seed) { state_ = bits() ^ (n * 0xD1B54A32D192ED03u); }
 
   std::uint64_t bits() {
-    std::uint64_t z = state_ += 0x9E3779B97F4A7C15u;
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return z ^ (z >> 31);
+    state_ += 0x9E3779B97F4A7C15u;
+    return mixed_bits(state_);
   }
   // A number in [0, 1).
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }

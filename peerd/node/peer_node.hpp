@@ -77,7 +77,7 @@ class PeerNode {
   void reuse(replication::Bytes&& datagram) { peer_.reuse(std::move(datagram)); }  // as Peer::reuse()
   // The effect of the next key, whether it came by on_key() or from the settings.
   [[nodiscard]] std::optional<KeyReport> poll_key_report();
-  // What has become of the next edit, whether it came by edit() or from the settings.
+  // Returns what has become of the next edit, whether it came by edit() or from the settings.
   [[nodiscard]] std::optional<EditReport> poll_edit_report() { return edits_.poll(); }
   // The next event of the feeds that is worth a log line.
   [[nodiscard]] std::optional<feed::Notice> poll_feed_notice() { return feeds_.poll_notice(); }

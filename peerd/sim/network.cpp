@@ -6,12 +6,7 @@ namespace peerd::sim {
 namespace {
 
 // SplitMix64 (Steele, Lea, Flood 2014) gives unrelated seeds for neighbouring inputs.
-std::uint64_t mixed(std::uint64_t x) {
-  x += 0x9E3779B97F4A7C15ULL;
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ULL;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EBULL;
-  return x ^ (x >> 31);
-}
+std::uint64_t mixed(std::uint64_t x) { return mixed_bits(x + 0x9E3779B97F4A7C15ULL); }
 
 }  // namespace
 

@@ -14,7 +14,7 @@ namespace peerd::replication {
 // own, so that most often one does it and the others receive that in time (SRM: Floyd et al. 1997).
 class ExchangeTiming {
  public:
-  // A shorter delay than that cannot be told from the ticks at which peers send.
+  // A shorter delay than that cannot be distinguished from the ticks at which peers send.
   static constexpr Duration kDelayMin = std::chrono::milliseconds(5);
   // The longest time after which a peer asks again for what is still missing, and of an answer.
   static constexpr Duration kAgainMax = std::chrono::seconds(2);

@@ -4,15 +4,13 @@
 #include <cassert>
 #include <utility>
 
+#include "core/mixed_bits.hpp"
+
 namespace peerd::replication {
 namespace {
 
-// The finalizer of MurmurHash3.
 std::uint64_t place_of(PeerId peer, AuthorId author, std::uint64_t block) {
-  std::uint64_t x = peer.value * 0x9E3779B97F4A7C15U + author.value * 0xC2B2AE3D27D4EB4FU + block;
-  x = (x ^ (x >> 33)) * 0xFF51AFD7ED558CCDU;
-  x = (x ^ (x >> 33)) * 0xC4CEB9FE1A85EC53U;
-  return x ^ (x >> 33);
+  return mixed_bits(mixed_bits(mixed_bits(peer.value) + author.value) + block);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@
 
 namespace peerd::replication {
 
-// What goes into one datagram to all: parts, or ranges that are asked for. It fits beside the header of a datagram.
+// An OperationMessage goes into one datagram to all: parts, or ranges that are asked for. It fits beside the header.
 struct OperationMessage {
   std::vector<OperationPart> operations;
   std::vector<OperationRange> operation_requests;
@@ -43,8 +43,8 @@ class OperationExchange {
   OperationExchange(const OperationLogs& logs, PeerId self, AuthorId own, std::uint64_t seed)
       : OperationExchange(logs, self, own, seed, Rate{}) {}
 
-  // What is known of the links: the delay until others have what this peer sends and act on it, ticks included, and the
-  // worst loss on the way to one of them.
+  // Sets what is known of the links: the delay until others have what this peer sends and act on it, ticks included,
+  // and the worst loss on the way to one of them.
   void set_link(Duration delay, double loss);
 
   void on_joined(PeerId peer);  // a member that is new or begins anew

@@ -7,18 +7,6 @@
 namespace peerd::replication {
 namespace {
 
-// The finalizer of splitmix64.
-std::uint64_t mix(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9U;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EBU;
-  return x ^ (x >> 31);
-}
-
-// A sum of these does not depend on the order of the logs, and changes with one log at the cost of that one.
-std::uint64_t digest_of(AuthorId author, std::size_t length) {
-  return length == 0 ? 0 : mix(mix(author.value) + length);
-}
-
 // Whether two runs of bytes, of which each begins at an offset, differ where both have bytes.
 bool differ(std::uint64_t a_from, std::span<const std::byte> a, std::uint64_t b_from, std::span<const std::byte> b) {
   const std::uint64_t from = std::max(a_from, b_from), to = std::min(a_from + a.size(), b_from + b.size());
@@ -45,12 +33,10 @@ std::expected<void, const char*> OperationLogs::append(const Operation& operatio
   assert(log.ahead.empty());
   assert(operation.id.number == log.last_number + 1);
   assert(log.last_number == 0 || operation.stamp > log.last_stamp);
-  const std::size_t before = log.bytes.size();
   log.bytes.insert(log.bytes.end(), bytes.begin(), bytes.end());
   log.whole = log.bytes.size();
   log.last_number = operation.id.number;
   log.last_stamp = operation.stamp;
-  note_length(own_, before, log.bytes.size());
   return {};
 }
 
@@ -74,15 +60,13 @@ std::expected<std::vector<Operation>, const char*> OperationLogs::take(const Ope
   if (wrong != nullptr) return std::unexpected(wrong);
   const std::uint64_t held = length(part.author);
   if (part.from > held || part.from + part.bytes.size() <= held) return std::vector<Operation>{};
-  const std::size_t before = log.bytes.size();
   join(log, part);
   std::vector<Operation> operations = read_on(part.author, log);
-  note_length(part.author, before, log.bytes.size());
   if (operations.empty() && log.unreadable != nullptr) return std::unexpected(log.unreadable);
   return operations;
 }
 
-// Of two different runs behind a gap nobody knows which one is right: both are dropped, and asked for again.
+// Nobody knows which one of two different runs behind a gap is right: both are dropped, and asked for again.
 bool OperationLogs::differs(Log& log, const OperationPart& part) {
   bool found = differ(0, log.bytes, part.from, part.bytes);
   auto run = log.ahead.upper_bound(part.from);
@@ -172,10 +156,6 @@ std::vector<Operation> OperationLogs::read_on(AuthorId author, Log& log) {
   return operations;
 }
 
-void OperationLogs::note_length(AuthorId author, std::size_t before, std::size_t now) {
-  digest_ += digest_of(author, now) - digest_of(author, before);
-}
-
 std::vector<LogLength> OperationLogs::lengths() const {
   std::vector<LogLength> lengths;
   lengths.reserve(logs_.size());
@@ -229,12 +209,6 @@ std::vector<OperationRange> OperationLogs::missing(std::span<const LogLength> of
 const char* OperationLogs::unreadable(AuthorId author) const {
   const Log* log = find(author);
   return log == nullptr ? nullptr : log->unreadable;
-}
-
-std::size_t OperationLogs::memory_bytes() const {
-  std::size_t bytes = ahead_bytes_;
-  for (const auto& [author, log] : logs_) bytes += log.bytes.capacity() + sizeof(author) + sizeof(log);
-  return bytes;
 }
 
 }  // namespace peerd::replication

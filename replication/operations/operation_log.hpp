@@ -44,23 +44,21 @@ class OperationLogs {
   // How many bytes of each log are held, from the first on; ascending by author, without empty ones.
   [[nodiscard]] std::vector<LogLength> lengths() const;
   [[nodiscard]] std::uint64_t length(AuthorId author) const;
+  [[nodiscard]] bool empty() const { return logs_.empty(); }
   // The number of the last whole operation of a log, and its stamp; 0 and SimTime{} before the first.
   [[nodiscard]] OperationId last(AuthorId author) const;
   [[nodiscard]] SimTime last_stamp(AuthorId author) const;
   // The bytes of a range as far as they are held without a gap; empty where none of its first ones are.
   [[nodiscard]] std::span<const std::byte> bytes(const OperationRange& range) const;
-  // What is missing here of the logs that are so long, as ascending ranges: the first ones, so many at most. Unreadable
-  // logs and the own one miss nothing.
+  // Returns what is missing here of the logs that are so long, as ascending ranges: the first ones, so many at most.
+  // Unreadable logs and the own one miss nothing.
   [[nodiscard]] std::vector<OperationRange> missing(std::span<const LogLength> of_another,
                                                     std::size_t most = std::numeric_limits<std::size_t>::max()) const;
   // Why nobody can read on in a log: from such an operation on nothing of it is held or taken. Null: it is readable.
   [[nodiscard]] const char* unreadable(AuthorId author) const;
 
-  // The memory of all logs and of what waits behind gaps, about.
-  [[nodiscard]] std::size_t memory_bytes() const;
+  // The bytes that wait behind gaps, kAheadRun_bytes of each run included.
   [[nodiscard]] std::size_t ahead_bytes() const { return ahead_bytes_; }
-  // A hash over the authors and the lengths of their logs; 0 without any. Two peers with the same one hold the same.
-  [[nodiscard]] std::uint64_t digest() const { return digest_; }
 
  private:
   using Runs = std::map<std::uint64_t, std::vector<std::byte>>;  // by their first byte; they do not overlap
@@ -81,13 +79,10 @@ class OperationLogs {
   void join(Log& log, const OperationPart& part);
   void drop_ahead(Log& log, Runs::iterator run);
   [[nodiscard]] std::vector<Operation> read_on(AuthorId author, Log& log);
-  // The log has grown, or is cut, from that many bytes.
-  void note_length(AuthorId author, std::size_t before, std::size_t now);
 
   AuthorId own_;
   std::map<AuthorId, Log> logs_;
   std::size_t ahead_bytes_ = 0;
-  std::uint64_t digest_ = 0;
 };
 
 }  // namespace peerd::replication

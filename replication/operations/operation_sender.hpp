@@ -18,7 +18,7 @@ namespace peerd::replication {
 // most often one peer answers.
 class OperationSender {
  public:
-  // What is longer than that is sent once: what gets lost is asked for.
+  // A longer range is sent once: what gets lost of it is asked for.
   static constexpr std::uint64_t kCopied_bytes = 8 * 1024;
   static constexpr Duration kBetweenCopies = std::chrono::milliseconds(5);
   // Blocks of a log are answered for by one peer each, so that several peers share a long log.

@@ -22,7 +22,7 @@ class RangeHistory {
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
 
  private:
-  // What is beyond that is forgotten early, which costs bytes and no more.
+  // More entries are forgotten early, which costs bytes and no more.
   static constexpr std::size_t kMost = 4096;
   struct Entry {
     OperationRange range;

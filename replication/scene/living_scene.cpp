@@ -12,7 +12,13 @@ struct Overloaded : Visitors... {
   using Visitors::operator()...;
 };
 
-LivingScene::Draft unchanged(const OperationBody& body) { return {body, 0, 0}; }
+using Name = std::pair<std::string, ObjectId>;
+
+// What the author of an operation saw under a path.
+std::optional<ObjectId> meaning(const std::vector<Name>& names, std::string_view path) {
+  const auto name = std::ranges::find(names, path, &Name::first);
+  return name == names.end() ? std::nullopt : std::optional(name->second);
+}
 
 }  // namespace
 
@@ -28,56 +34,30 @@ bool LivingScene::add(Operation operation) {
   return true;
 }
 
-ReadOptions LivingScene::reading() const {
-  ReadOptions options;
-  options.name = "operation";
-  options.tessellation = file_->tessellation;
-  return options;
-}
-
-// Returns what the paths in a text mean that name nothing in it: where the scene has it.
-std::vector<std::pair<std::string, ObjectId>> LivingScene::names_in(std::string_view text, const Scene& scene) const {
-  std::vector<std::pair<std::string, ObjectId>> names;
-  ReadOptions options = reading();
-  options.around.find = [&](std::string_view path) {
-    const auto found = scene.find(path);
-    if (found) names.emplace_back(path, *found);
-    return found;
-  };
-  (void)read_world(text, options);  // what is wrong with it, the editor says
-  std::ranges::sort(names);
-  names.erase(std::ranges::unique(names).begin(), names.end());
-  return names;
-}
-
-// Applies one operation to the editor, or says why it cannot be. The draft has the body with what the editor has found.
-std::expected<LivingScene::Draft, std::string> LivingScene::apply_to(SceneEditor& editor, const OperationBody& body,
-                                                                     AuthorId author) const {
-  const auto done = [&](const std::expected<void, std::string>& result) -> std::expected<Draft, std::string> {
-    if (!result) return std::unexpected(result.error());
-    return unchanged(body);
+std::expected<LivingScene::UsedIds, std::string> LivingScene::apply_to(SceneEditor& editor, const OperationBody& body,
+                                                                       AuthorId author, const Find& find) const {
+  using Result = std::expected<UsedIds, std::string>;
+  const auto done = [](const std::expected<void, std::string>& result) {
+    return result ? Result(UsedIds{}) : Result(std::unexpect, result.error());
   };
   return std::visit(
-      Overloaded{[&](const AddNodes& add) -> std::expected<Draft, std::string> {
-                   const auto find = [&](std::string_view path) -> std::optional<ObjectId> {
-                     const auto name = std::ranges::find(add.names, path, &std::pair<std::string, ObjectId>::first);
-                     return name == add.names.end() ? std::nullopt : std::optional(name->second);
-                   };
+      Overloaded{[&](const AddNodes& add) {
+                   ReadOptions reading;
+                   reading.name = "operation";
+                   reading.tessellation = file_->tessellation;
                    const SceneEditor::FirstIds first{ObjectId(add.first_object, author.value),
                                                      NodeId(add.first_node, author.value)};
-                   const auto added = editor.add(add.text, {add.parent, add.before}, first, reading(), find);
-                   if (!added) return std::unexpected(added.error());
-                   return Draft{body, added->objects, added->nodes};
+                   const auto added = editor.add(add.text, {add.parent, add.before}, first, reading, find);
+                   return added ? Result(UsedIds{added->objects, added->nodes}) : Result(std::unexpect, added.error());
                  },
                  [&](const RemoveObject& remove) { return done(editor.remove(remove.object)); },
                  [&](const RemoveNode& remove) { return done(editor.remove(remove.node)); },
                  [&](const MoveObject& move) {
                    return done(editor.move(move.object, {move.parent, move.before}));
                  },
-                 [&](const SetField& set) -> std::expected<Draft, std::string> {
+                 [&](const SetField& set) {
                    const auto nodes = editor.set(set.node, set.field, set.value, NodeId(set.first_node, author.value));
-                   if (!nodes) return std::unexpected(nodes.error());
-                   return Draft{body, 0, *nodes};
+                   return nodes ? Result(UsedIds{0, *nodes}) : Result(std::unexpect, nodes.error());
                  },
                  [&](const ChangeRoute& route) {
                    return done(route.removes
@@ -89,30 +69,34 @@ std::expected<LivingScene::Draft, std::string> LivingScene::apply_to(SceneEditor
 
 LivingScene::Applied LivingScene::applied(const std::shared_ptr<const Scene>& base,
                                           std::span<const Entries::const_iterator> entries) const {
-  const auto apply_one = [&](SceneEditor& editor, Entries::const_iterator at) {
-    const auto result = apply_to(editor, at->second.body, at->first.second.author);
-    return result ? std::string() : result.error();
-  };
   Applied all{base, {}};
-  SceneEditor editor(*base);
-  for (const auto at : entries) all.refused.push_back(apply_one(editor, at));
-  if (std::ranges::none_of(all.refused, &std::string::empty)) return all;
-  if (auto scene = editor.finish()) {
-    all.scene = std::make_shared<const Scene>(*std::move(scene));
-    return all;
+  while (all.refused.size() < entries.size()) apply_run(entries.subspan(all.refused.size()), all);
+  return all;
+}
+
+void LivingScene::apply_run(std::span<const Entries::const_iterator> entries, Applied& all) const {
+  SceneEditor editor(*all.scene);
+  std::vector<std::string> refused;
+  while (refused.size() < entries.size() && !editor.may_fail()) {
+    const auto at = entries[refused.size()];
+    const OperationBody& body = at->second.body;
+    const auto* const add = std::get_if<AddNodes>(&body);
+    const auto find = [&](std::string_view path) { return meaning(add->names, path); };
+    const auto result = apply_to(editor, body, at->first.second.author, add != nullptr ? Find(find) : Find());
+    refused.push_back(result ? std::string() : result.error());
   }
-  // Together they make something impossible: one at a time finds which.
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    SceneEditor single(*all.scene);
-    all.refused[i] = apply_one(single, entries[i]);
-    if (!all.refused[i].empty()) continue;
-    if (auto next = single.finish()) {
-      all.scene = std::make_shared<const Scene>(*std::move(next));
-    } else {
-      all.refused[i] = next.error();
+  if (std::ranges::any_of(refused, &std::string::empty)) {
+    if (auto scene = editor.finish()) {
+      all.scene = std::make_shared<const Scene>(*std::move(scene));
+    } else if (refused.size() == 1) {
+      refused[0] = scene.error();
+    } else {  // The last one makes something impossible: it is refused, and those before it are not.
+      const std::size_t last = refused.size() - 1;
+      apply_run(entries.first(last), all);
+      return apply_run(entries.subspan(last, 1), all);
     }
   }
-  return all;
+  std::ranges::move(refused, std::back_inserter(all.refused));
 }
 
 LivingScene::Checkpoint LivingScene::checkpoint_before(const Key& key) const {
@@ -147,16 +131,14 @@ std::optional<LivingScene::Change> LivingScene::apply(SimTime until, SimTime kno
   return change;
 }
 
-// Keeps fewer, the older they are: a late operation costs as many applications as it is old, and there are no more than
-// some log2(n) checkpoints.
+// Keeps fewer, the older they are: each is half as old again as the next one, so that there are some log(n) of them and
+// a late operation costs about twice as many applications as there are later ones.
 void LivingScene::thin_checkpoints() {
   std::vector<Checkpoint> kept;
   const std::size_t newest = checkpoints_.back().count;
   for (auto at = checkpoints_.rbegin(); at != checkpoints_.rend(); ++at) {
-    const std::size_t age = newest - at->count;
-    if (kept.size() < 2 || kept.back().count - at->count >= (newest - kept.back().count) / 2 || age == 0) {
-      kept.push_back(std::move(*at));
-    }
+    const bool is_needed = kept.size() < 2 || kept.back().count - at->count >= (newest - kept.back().count) / 2;
+    if (is_needed) kept.push_back(std::move(*at));
   }
   std::ranges::reverse(kept);
   checkpoints_ = std::move(kept);
@@ -171,12 +153,19 @@ std::expected<LivingScene::Draft, std::string> LivingScene::draft(OperationBody 
     with_all_ = applied(base.scene, rest).scene;
   }
   const Scene& scene = **with_all_;
-  if (auto* const add = std::get_if<AddNodes>(&body)) add->names = names_in(add->text, scene);
   SceneEditor editor(scene);
-  auto result = apply_to(editor, body, author);
-  if (!result) return result;
+  std::vector<Name> names;
+  const auto used = apply_to(editor, body, author, [&](std::string_view path) {
+    const auto found = scene.find(path);
+    if (found) names.emplace_back(path, *found);
+    return found;
+  });
+  if (!used) return std::unexpected(used.error());
   if (const auto finished = editor.finish(); !finished) return std::unexpected(finished.error());
-  return result;
+  std::ranges::sort(names);
+  names.erase(std::ranges::unique(names).begin(), names.end());
+  if (auto* const add = std::get_if<AddNodes>(&body)) add->names = std::move(names);
+  return Draft{std::move(body), used->objects, used->nodes};
 }
 
 SimTime LivingScene::last_stamp(SimTime until) const {

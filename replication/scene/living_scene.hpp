@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <expected>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -44,19 +45,18 @@ class LivingScene {
   // `known`, up to which the world has been computed already. None: there are none.
   [[nodiscard]] std::optional<Change> apply(SimTime until, SimTime known);
 
-  // The ids of what the operation `body` of the author would add to the scene that all known operations make, those to
-  // come included, and its text's names; the error says why it would change nothing.
+  // An operation of the author as it would be in the scene that all known operations make, those to come included: with
+  // the names of its text, and how many ids it uses. The error says why it would change nothing.
   struct Draft {
     OperationBody body;
-    std::uint32_t objects = 0, nodes = 0;  // ids that it uses
+    std::uint32_t objects = 0, nodes = 0;
   };
   [[nodiscard]] std::expected<Draft, std::string> draft(OperationBody body, AuthorId author);
 
   // The scene by the last apply(); at first that of the file.
   [[nodiscard]] const std::shared_ptr<const Scene>& scene() const { return scene_; }
-  // The last stamp of all operations until then.
+  // The last stamp of all operations until then; min(): there is none.
   [[nodiscard]] SimTime last_stamp(SimTime until) const;
-  [[nodiscard]] std::size_t size() const { return entries_.size(); }
 
  private:
   using Key = std::pair<SimTime, OperationId>;
@@ -73,10 +73,14 @@ class LivingScene {
     std::size_t count = 0;  // of operations
   };
 
-  [[nodiscard]] ReadOptions reading() const;
-  [[nodiscard]] std::vector<std::pair<std::string, ObjectId>> names_in(std::string_view text, const Scene& scene) const;
-  [[nodiscard]] std::expected<Draft, std::string> apply_to(SceneEditor& editor, const OperationBody& body,
-                                                           AuthorId author) const;
+  // What a path means that names nothing in the text in which it stands.
+  using Find = std::function<std::optional<ObjectId>(std::string_view)>;
+  struct UsedIds {
+    std::uint32_t objects = 0, nodes = 0;
+  };
+  // Applies one operation to the editor; the error says why it cannot be.
+  [[nodiscard]] std::expected<UsedIds, std::string> apply_to(SceneEditor& editor, const OperationBody& body,
+                                                             AuthorId author, const Find& find) const;
   // An Applied has what operations, in order, make of the scene of a checkpoint, and why those that change nothing do
   // not.
   struct Applied {
@@ -85,6 +89,9 @@ class LivingScene {
   };
   [[nodiscard]] Applied applied(const std::shared_ptr<const Scene>& base,
                                 std::span<const Entries::const_iterator> entries) const;
+  // Applies the first of them by one editor: as many as cannot make what it cannot finish, and the next one. So the
+  // outcome is that of one operation after the other, and a thousand that move things cost one new scene.
+  void apply_run(std::span<const Entries::const_iterator> entries, Applied& all) const;
   // The last checkpoint before a key; the file's scene where there is none.
   [[nodiscard]] Checkpoint checkpoint_before(const Key& key) const;
   void thin_checkpoints();

@@ -20,8 +20,8 @@ namespace peerd::replication {
 // own, a sequence of bytes that only grows: peers exchange ranges of it (OperationPart), so that an operation may be
 // larger than a datagram, and whoever holds a range can pass it on without reading it.
 
-// Who writes a log. A peer that keeps no store begins a new log with each start, so this is not its PeerId. It is the
-// origin of the ids of what its operations add. From 1, below 2^31; 0: nobody.
+// An AuthorId says who writes a log. A peer that keeps no store begins a new log with each start, so this is not its
+// PeerId. It is the origin of the ids of what its operations add. From 1, below 2^31; 0: nobody.
 using AuthorId = Strong<struct AuthorIdTag, std::uint32_t>;
 inline constexpr AuthorId kNoAuthor{0};
 inline constexpr std::uint32_t kAuthorMax = (std::uint32_t{1} << 31) - 1;

@@ -62,13 +62,14 @@ collision::TriangleSoup row_of_triangles(std::uint32_t n, double step_m) {
   return soup;
 }
 
-// Identical triangles can't be told apart by their places: the tree is full and flat all the same.
+// Identical triangles can't be told apart by their places: the tree is as full and as flat as can be all the same. In a
+// row the surface-area heuristic cuts between bins, so leaves are less full.
 TEST(CrowdOfTriangles, OneTreeHoldsThem) {
   for (const double step_m : {0.0, 1.0}) {
     const collision::TriangleSoup many = row_of_triangles(kCrowd, step_m), one = row_of_triangles(1, 0.0);
     collision::WideTree tree(many), needle(one);
     tree.build_all();
-    EXPECT_LE(tree.nodes_built(), kCrowd / 4);
+    EXPECT_LE(tree.nodes_built(), step_m == 0.0 ? kCrowd / 8 + kCrowd / 32 : kCrowd * 7 / 32);
     collision::WideQuery query;
     // Across, through the middle of the first.
     const Pose across{Vec3(0.25, 0.25, -0.25), Quat(Eigen::AngleAxisd(1.5, Vec3::UnitX()))};

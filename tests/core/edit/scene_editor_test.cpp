@@ -234,6 +234,28 @@ TEST(SceneEditor, RemovesOneOfSeveralUses) {
   expect_like(finished(again), kHead + "DEF A Transform { children [ ] }\nDEF B Transform { children [ ] }");
 }
 
+// A wrong polygon is found when the scene is made anew, where there is no text to point at.
+TEST(SceneEditor, SaysWhatIsWrongWithAnEditedFaceSet) {
+  const auto mesh = [](const std::string& corners) {
+    return kHead +
+           "Shape { geometry IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] } coordIndex [ " +
+           corners + " ] } }";
+  };
+  const Scene world = read(mesh("0 1 -1 0 1 2 -1"));  // its first polygon has no area: a warning
+  const auto& nodes = world.document->nodes;
+  const auto faces = std::ranges::find(nodes, "IndexedFaceSet", [](const vrml::Node& node) { return node.type->name; });
+  const NodeId id = world.document->ids.id_of(static_cast<std::uint32_t>(faces - nodes.begin()));
+  SceneEditor wrong(world);
+  ASSERT_TRUE(wrong.set(id, "coordIndex", "[ 0 1 2 -1 2 1 7 -1 ]", {}));
+  EXPECT_TRUE(wrong.may_fail());
+  const auto refused = wrong.finish();
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().find("coordIndex 7 is out of range"), std::string::npos) << refused.error();
+  SceneEditor right(world);
+  ASSERT_TRUE(right.set(id, "coordIndex", "[ 0 1 -1 2 1 0 -1 ]", {}));
+  expect_like(finished(right), mesh("0 1 -1 2 1 0 -1"));
+}
+
 // A tree that knows nothing of documents and instances, and writes itself.
 struct PlainNode {
   ObjectId id;

@@ -79,11 +79,11 @@ class Holders {
   }
 
   [[nodiscard]] bool all_equal() const {
-    std::optional<std::uint64_t> digest;
+    std::optional<std::vector<LogLength>> lengths;
     for (const auto& h : holders_) {
       if (!h->here) continue;
-      if (digest && *digest != h->logs.digest()) return false;
-      digest = h->logs.digest();
+      if (lengths && *lengths != h->logs.lengths()) return false;
+      lengths = h->logs.lengths();
     }
     return true;
   }

@@ -158,7 +158,7 @@ TEST(OperationExchange, HoldersRepairWhatADepartedAuthorSent) {
   EXPECT_EQ(holders.logs(4).length(author(0)), log.size());
 }
 
-// A peer that is told of bytes that nobody holds asks ever more seldom, and asks in few datagrams.
+// A peer asks for bytes that nobody holds ever more seldom, and asks in few datagrams.
 TEST(OperationExchange, QuestionsThatNobodyAnswersBecomeRare) {
   OperationLogs logs(author(0));
   OperationExchange exchange(logs, peer(0), author(0), 1);

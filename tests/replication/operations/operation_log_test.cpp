@@ -40,13 +40,11 @@ TEST(OperationLogs, AppendAndReceiveAgree) {
     ASSERT_TRUE(taken) << taken.error();
     ASSERT_EQ(taken->size(), 1u);
     EXPECT_TRUE(test::same(taken->front(), o));
-    EXPECT_EQ(author.digest(), other.digest());
+    EXPECT_EQ(author.lengths(), other.lengths());
   }
-  EXPECT_EQ(author.lengths(), other.lengths());
+  EXPECT_FALSE(author.empty());
   EXPECT_EQ(other.last(kOne), (OperationId{kOne, 50}));
   EXPECT_EQ(other.last_stamp(kOne), author.last_stamp(kOne));
-  EXPECT_NE(author.digest(), 0u);
-  EXPECT_GE(other.memory_bytes(), other.length(kOne));
 }
 
 TEST(OperationLogs, RefuseToAppendWhatNobodyCouldRead) {
@@ -116,11 +114,10 @@ TEST(OperationLogs, AFork) {
   const auto log = log_of(kOne, 20, 5), other = log_of(kOne, 20, 6);
   OperationLogs logs;
   ASSERT_TRUE(logs.receive(part_of(log, kOne, 0, 200)));
-  const std::uint64_t digest = logs.digest();
   EXPECT_EQ(error_of(logs, part_of(other, kOne, 0, 300)), "forked_log");
   EXPECT_EQ(error_of(logs, part_of(other, kOne, 100, 300)), "forked_log");
   EXPECT_EQ(logs.length(kOne), 200u);
-  EXPECT_EQ(logs.digest(), digest);
+  EXPECT_TRUE(std::ranges::equal(logs.bytes({kOne, 0, 500}), std::span(log).first(200)));
   // A forgery behind a gap does not keep the right bytes away for ever.
   ASSERT_TRUE(logs.receive(part_of(other, kOne, 300, 400)));
   EXPECT_EQ(error_of(logs, part_of(log, kOne, 200, 350)), "forked_log");
@@ -214,7 +211,6 @@ TEST(OperationLogs, WhatWaitsBehindAGapIsLimited) {
     }
   }
   EXPECT_LE(logs.ahead_bytes(), OperationLogs::kAheadMax_bytes);
-  EXPECT_LT(logs.memory_bytes(), OperationLogs::kAheadMax_bytes + 100'000);
   // The logs themselves still grow.
   const auto log = log_of(AuthorId{1000}, 10, 1);
   EXPECT_EQ(error_of(logs, whole(log, AuthorId{1000})), "none");

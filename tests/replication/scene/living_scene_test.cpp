@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <random>
 #include <string>
 #include <vector>
@@ -164,6 +165,142 @@ TEST(LivingScene, DependsOnWhatIsKnownAlone) {
     (void)apply_all(any_order, at_ms(100), at_ms(100));
     EXPECT_EQ(text_of(in_order), text_of(any_order)) << "seed " << seed;
   }
+}
+
+// A list of corners needs its points when it comes: points that come later do not allow it after all, even where both
+// are applied together.
+TEST(LivingScene, RefusesWhatOnlyALaterOperationWouldMakePossible) {
+  const Scene file = read(kHead +
+                          "Transform { children Shape { geometry DEF F IndexedFaceSet {\n"
+                          "  coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] } coordIndex [ 0 1 2 -1 ] } } }\n");
+  const vrml::Document& document = *file.document;
+  const auto id_of = [&](std::string_view type) {
+    const auto node = std::ranges::find(document.nodes, type, [](const vrml::Node& n) { return n.type->name; });
+    return document.ids.id_of(static_cast<std::uint32_t>(node - document.nodes.begin()));
+  };
+  LivingScene in_time(file), late(file);
+  for (LivingScene* const living : {&in_time, &late}) {
+    living->add({{kAda, 1}, at_ms(100), placing(id_of("Transform"), 5)});
+    living->add({{kAda, 2}, at_ms(200), SetField{id_of("IndexedFaceSet"), "coordIndex", "[ 0 1 3 -1 ]", 0}});
+    living->add({{kAda, 3}, at_ms(300), SetField{id_of("Coordinate"), "point", "[ 0 0 0, 1 0 0, 0 1 0, 0 0 1 ]", 0}});
+  }
+  EXPECT_EQ(apply_all(in_time, at_ms(400)).size(), 3u);
+  const auto changes = apply_all(late, at_ms(400), at_ms(400));
+  ASSERT_EQ(changes.size(), 1u);
+  EXPECT_EQ(changes[0].outcomes[0].refused, "");
+  EXPECT_NE(changes[0].outcomes[1].refused, "");
+  EXPECT_EQ(changes[0].outcomes[2].refused, "");
+  EXPECT_EQ(text_of(in_time), text_of(late));
+}
+
+using Refused = std::map<OperationId, std::string>;
+
+Refused refused_in(const std::vector<LivingScene::Change>& changes) {
+  Refused all;
+  for (const LivingScene::Change& change : changes) {
+    for (const LivingScene::Outcome& outcome : change.outcomes) all[outcome.id] = outcome.refused;
+  }
+  return all;
+}
+
+// Operations on all kinds of things, many of which are impossible, do together what they do one after the other.
+TEST(LivingScene, TogetherDoesWhatOneAfterTheOtherDoes) {
+  const Scene file = read(
+      kHead + kWall + kFloor +
+      "DEF CAR Transform { children [ DEF WHEEL Transform { children Shape { geometry Sphere { } } } USE WHEEL ] }\n"
+      "DEF PLANE Transform { collisionResponse CollisionResponse { responseType 2 } children Shape {\n"
+      "  geometry DEF FACE IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] }\n"
+      "  coordIndex [ 0 1 2 -1 ] } } }\n"
+      "USE CAR\n"
+      "DEF CLOCK TimeSensor { } DEF PATH PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 1 0 0 ] }\n"
+      "DEF KEYS KeySensor { recipient \"CAR\" }\n"
+      "CollisionInterest { objectPath \"WALL\" interests [ \"FLOOR\" \"PLANE\" ] }\n"
+      "ROUTE CLOCK.fraction_changed TO PATH.set_fraction ROUTE PATH.value_changed TO PLANE.set_translation\n");
+  const vrml::Document& document = *file.document;
+  const std::vector<std::string> texts{
+      "DEF NEW Transform { children Shape { geometry Box { } } }",
+      "DEF TWICE Group { children [ DEF IN Transform { } USE IN ] } USE TWICE",
+      "CollisionInterest { objectPath \"CAR\" interests [ \"WALL\" \"FLOOR\" ] }",
+      "KeySensor { recipient \"PLANE\" }",
+      "DEF A TimeSensor { } DEF B PositionInterpolator { } ROUTE A.fraction_changed TO B.set_fraction",
+  };
+  const std::vector<std::pair<std::string, std::vector<std::string>>> values{
+      {"translation", {"1 2 3", "0 0 0"}},
+      {"coordIndex", {"[ 0 1 2 -1 ]", "[ 0 1 3 -1 ]", "[ ]"}},
+      {"point", {"[ 0 0 0, 1 0 0 ]", "[ 0 0 0, 1 0 0, 0 1 0, 0 0 1 ]"}},
+      {"coord", {"NULL", "Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] }"}},
+      {"geometry", {"NULL", "Box { }", "IndexedFaceSet { coordIndex [ 0 1 2 -1 ] }"}},
+      {"restitution", {"0.5", "2"}},
+      {"collisionResponse", {"NULL", "CollisionResponse { responseType 2 restitution 3 }"}},
+      {"loop", {"TRUE"}},
+  };
+  std::size_t refused = 0, done = 0;
+  for (std::uint32_t seed = 1; seed <= 400; ++seed) {
+    std::mt19937 random(seed);
+    const auto draw = [&](std::size_t n) { return static_cast<std::uint32_t>(random() % n); };
+    std::vector<ObjectId> objects;
+    std::vector<NodeId> nodes;
+    for (std::uint32_t i = 0; i < file.instances.size(); ++i) objects.push_back(file.id_of(i));
+    for (std::uint32_t i = 0; i < document.nodes.size(); ++i) nodes.push_back(document.ids.id_of(i));
+    const auto any = [&](const auto& list) { return list[draw(list.size())]; };
+    LivingScene single(file), together(file);
+    const std::uint32_t count = 2 + draw(20);
+    for (std::uint32_t k = 1; k <= count; ++k) {
+      ScenePlace place;
+      if (draw(2) == 0) place.parent = any(objects);
+      if (draw(4) == 0) place.before = any(objects);
+      OperationBody body;
+      switch (draw(7)) {
+        case 0: {
+          const std::string& text = texts[draw(texts.size())];
+          body = AddNodes{place.parent, place.before, kHead + text, 10 * k, 10 * k, {}};
+          auto& names = std::get<AddNodes>(body).names;
+          for (const char* const name : {"CAR", "FLOOR", "PLANE", "WALL"}) names.emplace_back(name, *file.find(name));
+          for (std::uint32_t i = 0; i < 4; ++i) {
+            objects.emplace_back(10 * k + i, kAda.value);
+            nodes.emplace_back(10 * k + i, kAda.value);
+          }
+          break;
+        }
+        case 1:
+          body = RemoveObject{any(objects)};
+          break;
+        case 2:
+          body = RemoveNode{any(nodes)};
+          break;
+        case 3:
+          body = MoveObject{any(objects), place.parent, place.before};
+          break;
+        case 4:
+          body = ChangeRoute{any(nodes), any(nodes), "fraction_changed", "set_fraction", draw(2) == 0};
+          break;
+        default: {
+          const auto& [field, choices] = values[draw(values.size())];
+          body = SetField{any(nodes), field, choices[draw(choices.size())], 10 * k + 5};
+          // A node that has the field, more often than chance finds one.
+          for (int tries = 0; tries < 20; ++tries) {
+            const auto& set = std::get<SetField>(body);
+            const auto node = document.ids.find(set.node, document.nodes.size());
+            if (!node || vrml::find_field(*document.nodes[*node].type, field) != nullptr) break;
+            std::get<SetField>(body).node = any(nodes);
+          }
+        }
+      }
+      const Operation operation{{kAda, k}, at_ms(static_cast<int>(k)), std::move(body)};
+      single.add(operation);
+      together.add(operation);
+    }
+    const auto by_one = apply_all(single, at_ms(100));
+    const auto at_once = apply_all(together, at_ms(100), at_ms(100));
+    EXPECT_EQ(by_one.size(), count);
+    EXPECT_EQ(at_once.size(), 1u);
+    const Refused all = refused_in(by_one);
+    EXPECT_EQ(all, refused_in(at_once)) << "seed " << seed;
+    EXPECT_EQ(text_of(single), text_of(together)) << "seed " << seed;
+    for (const auto& [id, why] : all) ++(why.empty() ? done : refused);
+  }
+  EXPECT_GT(done, 1000u);
+  EXPECT_GT(refused, 1000u);
 }
 
 }  // namespace
