@@ -158,14 +158,22 @@ struct PoseFlags {
   std::vector<double> position_m, orientation_xyzw;
 };
 
-// The edit of `peerd ctl add`, `remove`, `move` and `set`.
+// The edit of `peerd ctl add`, `remove`, `move`, `set`, `own`, `grab` and `release`.
 struct EditFlags {
   std::string file, path, under, field;
   std::vector<std::string> value;
 };
 
 struct CtlCommands {
-  CLI::App *status, *peers, *objects, *key, *pose, *add, *remove, *move, *set, *save, *leave;
+  CLI::App *status, *peers, *objects, *key, *pose, *add, *remove, *move, *set, *own, *grab, *release, *save, *leave;
+
+  // The one of those whose only argument is a path; null: it is another one.
+  [[nodiscard]] const CLI::App* with_path_alone() const {
+    for (const CLI::App* const command : {remove, own, grab, release}) {
+      if (*command) return command;
+    }
+    return nullptr;
+  }
 };
 
 void add_edit_commands(CLI::App& ctl, CtlCommands& commands, CtlOptions& options, EditFlags& edit) {
@@ -183,6 +191,14 @@ void add_edit_commands(CLI::App& ctl, CtlCommands& commands, CtlOptions& options
   commands.set->add_option("value", edit.value, "in the notation of VRML: 1 2 3, TRUE, \"Box { size 1 1 1 }\"")
       ->required()
       ->expected(-1);
+  const auto add_owning = [&](const char* name, const char* what) {
+    CLI::App* const command = ctl.add_subcommand(name, what);
+    command->add_option("path", edit.path, "its path")->required();
+    return command;
+  };
+  commands.own = add_owning("own", "makes an object this peer's: it takes what nobody owns, and asks an owner");
+  commands.grab = add_owning("grab", "the same, and then this peer gives it to nobody who asks");
+  commands.release = add_owning("release", "makes an object of this peer nobody's");
   commands.save = ctl.add_subcommand("save", "writes the scene as it is now as a world file");
   commands.save->add_option("file", options.save, "(default: standard output)");
 }
@@ -243,8 +259,8 @@ Result<std::string> edit_request(const CtlCommands& commands, const EditFlags& e
         edit.file == "-" ? read_text(std::cin, "standard input", kText) : read_text_file(edit.file, kText);
     if (!text) return std::unexpected(text.error());
     request = {{"do", "add"}, {"text", *text}};
-  } else if (*commands.remove) {
-    request = {{"do", "remove"}, {"path", edit.path}};
+  } else if (const CLI::App* const named = commands.with_path_alone()) {
+    request = {{"do", named->get_name()}, {"path", edit.path}};
   } else if (*commands.move) {
     request = {{"do", "move"}, {"path", edit.path}};
   } else {
@@ -264,7 +280,8 @@ Result<std::string> ctl_request(const CtlCommands& commands, const KeyFlags& key
   if (*commands.pose) return pose_request(pose);
   if (*commands.leave) return R"({"do":"leave"})";
   if (*commands.save) return R"({"do":"world"})";
-  if (*commands.add || *commands.remove || *commands.move || *commands.set) return edit_request(commands, edit);
+  const bool edits = commands.with_path_alone() != nullptr || *commands.add || *commands.move || *commands.set;
+  if (edits) return edit_request(commands, edit);
   if (key.name.empty() == !key.value) {
     return std::unexpected(InputError{"error: which key? Say its name, such as ArrowUp, or --value NUMBER"});
   }

@@ -5,7 +5,10 @@
 #include <utility>
 #include <variant>
 
+#include "core/edit/placement.hpp"
+#include "core/vrml/document.hpp"
 #include "replication/contact_report.hpp"
+#include "replication/motion/composed_motion.hpp"
 #include "replication/wire/codec.hpp"
 
 namespace peerd::replication {
@@ -18,6 +21,8 @@ constexpr Duration kStampAheadMax = std::chrono::seconds(10);
 // An edit of longer ago does not change any more what has happened since, as a decision on that is made
 // no more (contact_decisions.cpp).
 constexpr Duration kLateMax = std::chrono::seconds(3);
+// A request is answered within this time, or not at all.
+constexpr Duration kAnsweredWithin = std::chrono::seconds(2);
 // A hello's datagram leaves so much besides its lists at most.
 constexpr std::size_t kMargin_bytes = 16;
 
@@ -52,6 +57,50 @@ std::expected<OperationId, std::string> OperationKeeper::edit(HostTime now, Oper
   return id;
 }
 
+PeerId OperationKeeper::owner_of(ObjectId object) const {
+  const auto given = p_.living.owners().find(object);
+  const bool is_given = given != p_.living.owners().end() && given->second != kNobody;
+  return is_given ? given->second : p_.owners.of(object);
+}
+
+// Where the own object is at t, as its Transform would say. None: it is there, or its motion goes on.
+std::optional<GiveObject::Place> OperationKeeper::place_at(SimTime t, ObjectId object) const {
+  const Scene& scene = *p_.model->scene;
+  const KinematicState state = p_.replica.truth().relative_at(object, t);
+  const bool moves = state.velocity != Vec3::Zero() || state.angular_velocity_body != Vec3::Zero();
+  if (moves && answers_contacts(*p_.model, object)) return std::nullopt;
+  const auto carrier = p_.model->carrier_of(object);
+  const Pose world = carrier ? composed(at_rest(scene.rigid_pose(*carrier)), state).pose() : state.pose();
+  const auto placement = placement_of(scene, object, world);
+  if (!placement) return std::nullopt;
+  return GiveObject::Place{scene.document->ids.id_of(scene.at(object).node), placement->translation,
+                           placement->rotation};
+}
+
+std::expected<OperationId, std::string> OperationKeeper::give(HostTime now, ObjectId object, PeerId to) {
+  GiveObject give{object, to, owner_of(object)};
+  if (to == kNobody && p_.replica.begun() && p_.own.contains(object)) give.place = place_at(stamp(now), object);
+  return edit(now, std::move(give));
+}
+
+std::expected<OperationId, std::string> OperationKeeper::own(HostTime now, ObjectId object) {
+  const PeerId owner = owner_of(object);
+  if (owner == kNobody || owner == p_.config.id || !p_.members.contains(owner)) return give(now, object, p_.config.id);
+  return edit(now, RequestObject{object, owner, p_.config.id});
+}
+
+// What concerns this peer of requests and answers; old ones come with the log.
+void OperationKeeper::on_request(const Operation& operation, SimTime session_now) {
+  if (operation.stamp < session_now - kAnsweredWithin) return;
+  const auto* const request = std::get_if<RequestObject>(&operation.body);
+  const bool is_ours = request != nullptr && request->owner == p_.config.id && request->by != p_.config.id;
+  if (is_ours) p_.outbox.push(ObjectRequested{operation.id, request->object, request->by});
+  const auto* const refusal = std::get_if<RefuseRequest>(&operation.body);
+  if (refusal != nullptr && refusal->request.author == p_.author) {
+    p_.outbox.push(RequestRefused{refusal->request, refusal->reason});
+  }
+}
+
 void OperationKeeper::on_message(HostTime now, PeerId sender, const Message& m) {
   const bool has_logs = m.hello && !m.hello->logs.empty();
   if (has_logs || !m.operations.empty() || !m.operation_requests.empty()) follow_link();
@@ -64,6 +113,7 @@ void OperationKeeper::on_message(HostTime now, PeerId sender, const Message& m) 
     }
     for (Operation& operation : *taken) {
       ++p_.counters.operations_in;
+      if (p_.replica.begun()) on_request(operation, p_.to_session(now));
       p_.living.add(std::move(operation));
     }
   }
@@ -78,15 +128,18 @@ void OperationKeeper::apply_until(SimTime t) {
     for (const LivingScene::Outcome& outcome : change->outcomes) {
       p_.outbox.push(SceneEdited{outcome.id, change->at, outcome.refused});
     }
-    if (!change->scene) continue;
+    if (!change->scene && change->given.empty()) continue;
     const SimTime at = std::max({change->at, t - kLateMax, p_.replica.begun_at()});
     const SimTime now = std::max(at, known);
     p_.extend_motions(now);
     p_.replica.advance_truth(now);
     p_.replica.advance_ghosts(now);
     report_contacts(p_, now);
+    keeper_.give(change->given, at);  // before: what nobody owns from now on goes to its place in the scene
+    if (!change->scene) continue;
     p_.change_scene(change->scene, at);
     keeper_.follow_scene();
+    keeper_.give(change->given, at);  // what is new in it
   }
   applied_until_ = t;
 }

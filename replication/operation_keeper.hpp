@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <expected>
+#include <optional>
 #include <string>
 
 #include "core/ids.hpp"
@@ -21,6 +22,11 @@ class OperationKeeper {
   // chooses the ids of what it adds, and resolves the names of its text. The error says why it cannot be.
   [[nodiscard]] std::expected<OperationId, std::string> edit(HostTime now, OperationBody body);
 
+  // Gives the object to a peer, or to nobody.
+  [[nodiscard]] std::expected<OperationId, std::string> give(HostTime now, ObjectId object, PeerId to);
+  // Takes the object where it is nobody's or its owner is not here; else asks its owner for it.
+  [[nodiscard]] std::expected<OperationId, std::string> own(HostTime now, ObjectId object);
+
   // A datagram of a member has come.
   void on_message(HostTime now, PeerId sender, const Message& message);
   // Lets what takes effect until t do so: both worlds are advanced to each such instant.
@@ -31,6 +37,10 @@ class OperationKeeper {
   void add_lengths(Message& message);
 
  private:
+  // Whose the object is, by operations or else at present.
+  [[nodiscard]] PeerId owner_of(ObjectId object) const;
+  [[nodiscard]] std::optional<GiveObject::Place> place_at(SimTime t, ObjectId object) const;
+  void on_request(const Operation& operation, SimTime session_now);
   [[nodiscard]] SimTime stamp(HostTime now) const;
   // The exchange goes by how the links are now.
   void follow_link();

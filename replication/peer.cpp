@@ -200,6 +200,14 @@ std::expected<OperationId, std::string> Peer::edit(HostTime now, OperationBody b
   return impl_->operations.edit(now, std::move(body));
 }
 
+std::expected<OperationId, std::string> Peer::own(HostTime now, ObjectId object) {
+  return impl_->operations.own(now, object);
+}
+
+std::expected<OperationId, std::string> Peer::give(HostTime now, ObjectId object, PeerId to) {
+  return impl_->operations.give(now, object, to);
+}
+
 void Peer::leave(HostTime now) {
   impl_->parts.publication.flush(true);
   impl_->send_hello(now, true);

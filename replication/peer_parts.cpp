@@ -217,10 +217,8 @@ void PeerParts::give_scene_object(ObjectId object, PeerId owner, SimTime decided
 void PeerParts::set_owner_of_scene_object(ObjectId object, PeerId owner, PeerId before) {
   assert(before == owners.of(object));
   if (owner == before) return;
-  SceneObject& known = scene.at(object);
   replica.compute_ghost(object);
   if (before == config.id) {
-    known.own_sequence = own.at(object).sequence;
     launches.forget(object);
     regions.forget_handovers_of(object);
     own.remove({&object, 1});
@@ -231,7 +229,7 @@ void PeerParts::set_owner_of_scene_object(ObjectId object, PeerId owner, PeerId 
   const bool is_near =
       replica.begun() && regions.interest().receives(replica.ghost(object, ticks.last_time()).position);
   if (owner == config.id) {
-    own.adopt(object, known.own_sequence);
+    own.adopt(object);
     scene.adopted().insert(object);
     // The decision has said how it moves; to a peer that hears of some regions only, an update says where.
     if (!regions.cuts()) own.at(object).last_sent = ticks.last_time();

@@ -186,6 +186,11 @@ void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects, std::u
       p_.drop(peer, "object");
       continue;
     }
+    const auto given = p_.living.owners().find(object);
+    if (given != p_.living.owners().end() && given->second != kNobody && given->second != peer) {
+      p_.drop(peer, "given_away");  // an operation counts more than what a configuration says
+      continue;
+    }
     const PeerId before = p_.owners.of(object);
     const bool by_founder = k < 64 && (as_founder >> k & 1) != 0;
     const bool added = before == kNobody;
@@ -222,6 +227,95 @@ void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects, std::u
   }
   p_.own.remove(lost);
   more_moves ? watch_all_pairs() : p_.watch_pairs_around(changed);
+}
+
+void SessionKeeper::give(std::span<const std::pair<ObjectId, PeerId>> given, SimTime at) {
+  assert(p_.replica.begun());
+  std::vector<ObjectId> changed;
+  for (const auto& [object, to] : given) {
+    if (!p_.model->scene->contains(object)) continue;  // what it is comes with the same operations
+    const PeerId before = p_.owners.of(object);
+    const bool is_here = to == p_.config.id || p_.members.contains(to);
+    const PeerId owner = is_here ? to : kNobody;
+    const bool is_borrowed = p_.scene.contains(object) && before != kNobody;  // until it rests
+    if (owner == before && !is_borrowed) continue;
+    take_from(before, object);
+    p_.owners.set(object, owner);
+    changed.push_back(object);
+    p_.outbox.push(ObjectGiven{object, before, owner, at});
+    ++p_.counters.objects_given;
+  }
+  if (changed.empty()) return;
+  const bool more_moves = p_.let_move(changed);
+  if (more_moves) not_carriers_.clear();
+  for (const ObjectId object : changed) {
+    const PeerId owner = p_.owners.of(object);
+    if (owner == kNobody) {
+      end_owning(object, at);
+    } else if (owner == p_.config.id) {
+      begin_owning(object);
+    } else {
+      p_.regions.on_claimed(object, p_.ticks.last_time());
+      p_.replica.declare_remote(object, Role::kPredicted);
+    }
+  }
+  more_moves ? watch_all_pairs() : p_.watch_pairs_around(changed);
+}
+
+void SessionKeeper::give_back_to(PeerId peer) {
+  if (!p_.replica.begun()) return;
+  std::vector<std::pair<ObjectId, PeerId>> given;
+  for (const auto& each : p_.living.owners()) {
+    if (each.second == peer) given.push_back(each);
+  }
+  give(given, p_.ticks.last_time());
+}
+
+void SessionKeeper::take_from(PeerId before, ObjectId object) {
+  p_.replica.compute_ghost(object);
+  p_.regions.forget_handovers_of(object);
+  p_.replica.forget_update_of(object);
+  if (p_.scene.contains(object)) {
+    p_.decisions.forget(object, p_.ticks.last_time());
+    p_.scene.remove(object);
+  }
+  if (before != p_.config.id) return;
+  p_.launches.forget(object);
+  p_.own.remove({&object, 1});
+}
+
+// The object goes on as all have predicted it.
+void SessionKeeper::begin_owning(ObjectId object) {
+  const auto configured = std::ranges::find(p_.config.owned, object, &OwnedObject::object);
+  const OwnedObject own = configured == p_.config.owned.end() ? OwnedObject{object} : *configured;
+  p_.own.add({&own, 1});
+  p_.regions.on_known_everywhere(object);
+  p_.replica.declare_remote(object, Role::kPredicted);
+  const SimTime since = p_.replica.ghosts().law_since(object, p_.ticks.last_time());
+  const MotionModel law = p_.replica.ghosts().model_at(object, since);
+  p_.replica.truth().declare(object, own.driven ? Role::kDriven : Role::kAuthoritative);
+  p_.replica.truth().set_base(object, since, law);
+  p_.own.republish(object);
+}
+
+// What answers contacts goes on as all have predicted it; anything else stands still.
+void SessionKeeper::end_owning(ObjectId object, SimTime at) {
+  (void)p_.scene.follow_model(at);
+  p_.regions.on_known_everywhere(object);
+  MotionWorld& ghosts = p_.replica.ghosts();
+  if (!p_.scene.contains(object)) {
+    p_.replica.set_ghost(object, at, at_rest(ghosts.relative_at(object, at).pose()), false);
+    p_.replica.declare_remote(object, Role::kScene);
+    p_.regions.on_orphaned(object);
+    return;
+  }
+  SceneObject& known = p_.scene.at(object);
+  known.freed = ghosts.law_since(object, at);
+  known.model = ghosts.model_at(object, known.freed);
+  known.carrier = p_.model->carrier_of(object);
+  p_.scene.note_moved(object);
+  p_.replica.set_ghost(object, known.freed, known.model, false);
+  p_.replica.declare_remote(object, Role::kPredicted);
 }
 
 void SessionKeeper::let_move(ObjectId carrier) {

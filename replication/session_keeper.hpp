@@ -4,6 +4,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
@@ -31,6 +32,11 @@ class SessionKeeper {
   // claim is better. Of two owners a founder of a session gives way, then the higher id. `as_founder`, bit k: the claim
   // of the k-th object is a founder's.
   void claim(PeerId peer, std::span<const ObjectId> objects, std::uint64_t as_founder = 0);
+  // Operations have given these objects to these peers, at that instant of session time or since; kNobody: nobody owns
+  // them any more. One that goes to a peer that is not here is nobody's until it comes.
+  void give(std::span<const std::pair<ObjectId, PeerId>> given, SimTime at);
+  // A peer is here: operations may have given it objects before.
+  void give_back_to(PeerId peer);
   // Somebody moves the node: others go with it from now on.
   void let_move(ObjectId carrier);
   // Edits have changed the scene of the parts.
@@ -50,6 +56,9 @@ class SessionKeeper {
   void begin_worlds(SimTime now);
   void declare_all();
   void watch_all_pairs();
+  void take_from(PeerId before, ObjectId object);
+  void begin_owning(ObjectId object);
+  void end_owning(ObjectId object, SimTime at);
 
   PeerParts& p_;
   SceneKeeper& scene_;

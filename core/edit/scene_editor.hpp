@@ -62,6 +62,7 @@ class SceneEditor {
   [[nodiscard]] std::expected<void, std::string> remove_route(NodeId from, std::string_view event_out, NodeId to,
                                                               std::string_view event_in);
 
+  [[nodiscard]] bool contains(ObjectId id) const { return draft_of(id).has_value(); }
   // Returns whether finish() may fail: only there it is known whether the nodes of a geometry or of a CollisionResponse
   // go together. All other changes are checked when they are made.
   [[nodiscard]] bool may_fail() const { return may_fail_; }

@@ -20,7 +20,10 @@ const std::initializer_list<std::string_view> kKinds{"join",
                                                      to_string(SceneEdit::Kind::kAdd),
                                                      to_string(SceneEdit::Kind::kRemove),
                                                      to_string(SceneEdit::Kind::kMove),
-                                                     to_string(SceneEdit::Kind::kSet)};
+                                                     to_string(SceneEdit::Kind::kSet),
+                                                     to_string(SceneEdit::Kind::kOwn),
+                                                     to_string(SceneEdit::Kind::kGrab),
+                                                     to_string(SceneEdit::Kind::kRelease)};
 constexpr SizeLimit kAddedText{kMiB, "no operation is so long", 2};
 constexpr std::size_t kFirstEdit = static_cast<std::size_t>(EventKind::kEdit);
 

@@ -5,11 +5,13 @@
 
 namespace peerd::config {
 
-// A change of the scene, as people and scripts ask for it: paths are as in a world file (Scene::find).
+// A change of the scene, or of who owns what in it, as people and scripts ask for it: paths are as in a world file
+// (Scene::find).
 struct SceneEdit {
-  enum class Kind : std::uint8_t { kAdd, kRemove, kMove, kSet };
+  enum class Kind : std::uint8_t { kAdd, kRemove, kMove, kSet, kOwn, kGrab, kRelease };
   Kind kind{};
-  std::string path;          // what is removed, moved or set: an instance, or a node by its DEF name
+  // What is removed, moved, set, owned or released: an instance, or, to be removed or set, a node by its DEF name.
+  std::string path;
   std::string text;          // kAdd: VRML, with or without its first line
   std::string under;         // kAdd, kMove: the new parent; empty: the top level
   std::string field, value;  // kSet: in the notation of VRML
@@ -26,6 +28,12 @@ struct SceneEdit {
       return "move";
     case SceneEdit::Kind::kSet:
       return "set";
+    case SceneEdit::Kind::kOwn:
+      return "own";
+    case SceneEdit::Kind::kGrab:
+      return "grab";
+    case SceneEdit::Kind::kRelease:
+      return "release";
   }
   return "?";
 }

@@ -65,7 +65,7 @@ Request read_operation(feed::JsonMembers& members) {
 
 std::optional<config::SceneEdit::Kind> edit_kind(std::string_view word) {
   using enum config::SceneEdit::Kind;
-  for (const auto kind : {kAdd, kRemove, kMove, kSet}) {
+  for (const auto kind : {kAdd, kRemove, kMove, kSet, kOwn, kGrab, kRelease}) {
     if (word == config::to_string(kind)) return kind;
   }
   return std::nullopt;
@@ -102,7 +102,7 @@ std::expected<Request, std::string> parse_request(std::string_view line) {
   } else {
     members.fail("do",
                  "must be one of \"key\", \"status\", \"peers\", \"objects\", \"pose\", \"add\", \"remove\", \"move\", "
-                 "\"set\", \"operation\", \"world\", \"leave\"");
+                 "\"set\", \"own\", \"grab\", \"release\", \"operation\", \"world\", \"leave\"");
   }
   if (std::string error = members.finish(); !error.empty()) return std::unexpected(std::move(error));
   return *request;

@@ -72,6 +72,7 @@ constexpr std::array kTexts{
     CounterText{"net.packets_in", "datagrams that reached the sockets"},
     CounterText{"net.packets_out", "datagrams that the kernel took"},
     CounterText{"net.peers_refused", "greetings of more peers than are kept"},
+    CounterText{"objects_given", "how often operations gave an object to another peer, or to nobody"},
     CounterText{"objects_looked_at", "own objects checked for updates, summed over ticks"},
     CounterText{"operations", "edits that this peer has made"},
     CounterText{"operations_in", "edits received from others"},

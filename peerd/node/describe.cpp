@@ -128,12 +128,23 @@ struct LineOf {
   }
   Line operator()(const SceneEdited& e) const {
     const std::string operation = fmt::format("operation {}:{}", e.operation.author.value, e.operation.number);
-    if (e.refused.empty()) return LogLine{LogLevel::kInfo, operation + " changes the scene"};
+    if (e.refused.empty()) return LogLine{LogLevel::kInfo, operation + " takes effect"};
     return LogLine{LogLevel::kWarning, fmt::format("{} changes nothing: {}", operation, e.refused)};
   }
   Line operator()(const OperationHeld& h) const {
     return LogLine{LogLevel::kDebug, fmt::format("operation {}:{} is held by another peer", h.operation.author.value,
                                                  h.operation.number)};
+  }
+  Line operator()(const ObjectGiven& g) const {
+    if (g.owner == kNobody) return LogLine{LogLevel::kInfo, path_or_id(scene, g.object) + " is nobody's"};
+    return LogLine{LogLevel::kInfo, fmt::format("{} is peer {}'s", path_or_id(scene, g.object), g.owner.value)};
+  }
+  Line operator()(const ObjectRequested& r) const {
+    return LogLine{LogLevel::kInfo, fmt::format("peer {} asks for {}", r.by.value, path_or_id(scene, r.object))};
+  }
+  Line operator()(const RequestRefused& r) const {
+    return LogLine{LogLevel::kInfo,
+                   fmt::format("operation {}:{} is refused: {}", r.request.author.value, r.request.number, r.reason)};
   }
   Line operator()(const Published& p) const {
     return LogLine{LogLevel::kDebug, fmt::format("update of {}: {}, threshold {} m", path_or_id(scene, p.object),

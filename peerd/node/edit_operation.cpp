@@ -38,6 +38,11 @@ std::expected<std::optional<ObjectId>, std::string> find_parent(const Scene& sce
 
 }  // namespace
 
+bool is_about_ownership(const SceneEdit& edit) {
+  using enum SceneEdit::Kind;
+  return edit.kind == kOwn || edit.kind == kGrab || edit.kind == kRelease;
+}
+
 std::expected<OperationBody, std::string> operation_of(const SceneEdit& edit, const Scene& scene) {
   switch (edit.kind) {
     case SceneEdit::Kind::kAdd: {
@@ -63,6 +68,10 @@ std::expected<OperationBody, std::string> operation_of(const SceneEdit& edit, co
       if (!node) return std::unexpected(node.error());
       return SetField{*node, edit.field, edit.value, 0};
     }
+    case SceneEdit::Kind::kOwn:
+    case SceneEdit::Kind::kGrab:
+    case SceneEdit::Kind::kRelease:
+      break;
   }
   return std::unexpected("there is no such edit");
 }
@@ -73,6 +82,9 @@ std::string name_of(const SceneEdit& edit) {
     case SceneEdit::Kind::kAdd:
       return fmt::format("{} {}{}", kind, edit.under.empty() ? "at the top level" : "below ", edit.under);
     case SceneEdit::Kind::kRemove:
+    case SceneEdit::Kind::kOwn:
+    case SceneEdit::Kind::kGrab:
+    case SceneEdit::Kind::kRelease:
       return fmt::format("{} {}", kind, edit.path);
     case SceneEdit::Kind::kMove:
       return fmt::format("{} {} {}{}", kind, edit.path, edit.under.empty() ? "to the top level" : "below ", edit.under);

@@ -20,7 +20,9 @@ struct EditReport {
 };
 [[nodiscard]] LogLine describe(const EditReport& report);
 
-// The operation for an edit of the scene as it is; the error says which path names nothing.
+// Whether the edit changes who owns an object, and nothing else.
+[[nodiscard]] bool is_about_ownership(const config::SceneEdit& edit);
+// The operation for any other edit of the scene as it is; the error says which path names nothing.
 [[nodiscard]] std::expected<replication::OperationBody, std::string> operation_of(const config::SceneEdit& edit,
                                                                                   const Scene& scene);
 

@@ -3,8 +3,12 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
+#include "core/ids.hpp"
+#include "core/time.hpp"
 #include "peerd/config/scene_edit.hpp"
 #include "peerd/node/edit_operation.hpp"
 #include "replication/output/output.hpp"
@@ -18,6 +22,8 @@ struct OperationState {
   bool applied = false;  // it has taken effect
   bool held = false;     // another peer has it
   std::string refused;   // why it changes nothing, where it does not
+  // For an object that another peer owned when this one asked for it: which, and when the peer gives up.
+  std::optional<std::pair<ObjectId, HostTime>> asks{};
 };
 
 // The edits of a peer: those that its settings make at their times, and what has become of all.
@@ -32,16 +38,25 @@ class PeerEdits {
   [[nodiscard]] config::SceneEdit take_next() { return scripted_[next_++].edit; }
 
   void note(const EditReport& report);
-  void note(const replication::Output& output);
+  // The operation asks another peer for the object: it is over when that answers, or has not by then.
+  void note_request(replication::OperationId id, ObjectId object, HostTime give_up_at);
+  // `self`: this peer.
+  void note(const replication::Output& output, PeerId self);
+  // Gives up what has not been answered.
+  void give_up(HostTime now);
+  [[nodiscard]] std::optional<HostTime> next_give_up() const;
   [[nodiscard]] const OperationState* find(replication::OperationId id) const;
   // The next edit that was asked for, or that was found to change nothing.
   [[nodiscard]] std::optional<EditReport> poll();
 
  private:
+  void end_request(OperationState& state, replication::OperationId id, std::string refused);
+
   std::vector<config::ScriptedEdit> scripted_;  // by time
   std::size_t next_ = 0;
   std::deque<EditReport> reports_;
   std::map<replication::OperationId, OperationState> operations_;
+  std::vector<replication::OperationId> asking_;  // those of them that are not answered yet
 };
 
 }  // namespace peerd

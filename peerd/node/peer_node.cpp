@@ -15,6 +15,7 @@ namespace {
 constexpr double kKeySpeedMax_m_s = 1e6;
 // A Viewpoint node does not say how wide its picture is: width / height.
 constexpr double kUsualAspect = 4.0 / 3.0;
+constexpr Duration kAnsweredWithin = std::chrono::seconds(2);  // of a request for an object
 constexpr Duration kStartIsAnnouncedWithin = std::chrono::seconds(5);
 
 const char* to_string(replication::ContactKind kind) {
@@ -240,6 +241,8 @@ void PeerNode::on_tick(HostTime now) {
   if (ticked) logged_at_ = *due;
   press_keys(now);
   make_edits(now);
+  edits_.give_up(now);
+  for (const auto& asked : std::exchange(requests_, {})) on_request(now, asked);
   if (!options_.keep_log || !log_.start) return;
   if (ticked) record_truths(*due);
   record_ghosts(now);
@@ -254,6 +257,7 @@ HostTime PeerNode::next_deadline() const {
   HostTime next = peer_.next_deadline();
   if (!log_.start) return next;
   if (next_key_ < keys_.size()) next = std::min(next, peer_.clock().to_host(key_time(next_key_)));
+  if (const auto give_up = edits_.next_give_up()) next = std::min(next, *give_up);
   if (edits_.next_at_s()) next = std::min(next, peer_.clock().to_host(next_edit_at()));
   if (options_.keep_log) next = std::min(next, peer_.clock().to_host(sample_time(next_sample_)));
   return next;
@@ -281,16 +285,53 @@ void PeerNode::make_edits(HostTime now) {
 
 EditReport PeerNode::edit(HostTime now, const config::SceneEdit& edit) {
   EditReport report{edit, std::nullopt, {}};
-  auto body = operation_of(edit, scene());
-  if (!body) {
-    report.refused = body.error();
-  } else if (const auto operation = peer_.edit(now, *std::move(body))) {
-    report.operation = *operation;
-  } else {
-    report.refused = operation.error();
-  }
+  const auto operation = is_about_ownership(edit) ? change_owner(now, edit) : change_scene(now, edit);
+  operation ? void(report.operation = *operation) : void(report.refused = operation.error());
   edits_.note(report);
+  if (operation && is_about_ownership(edit)) follow_request(now, edit, *operation);
   return report;
+}
+
+std::expected<replication::OperationId, std::string> PeerNode::change_scene(HostTime now,
+                                                                            const config::SceneEdit& edit) {
+  auto body = operation_of(edit, scene());
+  if (!body) return std::unexpected(body.error());
+  return peer_.edit(now, *std::move(body));
+}
+
+std::expected<replication::OperationId, std::string> PeerNode::change_owner(HostTime now,
+                                                                            const config::SceneEdit& edit) {
+  const auto object = scene().find(edit.path);
+  if (!object) return std::unexpected("the scene has no " + edit.path);
+  if (edit.kind == config::SceneEdit::Kind::kRelease) {
+    held_.erase(*object);
+    if (peer_.owner(*object) != config_.id) return std::unexpected("this peer does not own it");
+    return peer_.give(now, *object, kNobody);
+  }
+  if (edit.kind == config::SceneEdit::Kind::kGrab) held_.insert(*object);
+  return peer_.own(now, *object);
+}
+
+// A peer that asks another one waits for its answer.
+void PeerNode::follow_request(HostTime now, const config::SceneEdit& edit, replication::OperationId id) {
+  const auto object = scene().find(edit.path);
+  assert(object);
+  const PeerId owner = peer_.owner(*object);
+  const bool asks = edit.kind != config::SceneEdit::Kind::kRelease && owner != kNobody && owner != config_.id;
+  if (asks) edits_.note_request(id, *object, now + kAnsweredWithin);
+}
+
+// Another peer asks for an object of this one. What something drives here, or somebody holds, is not given away.
+void PeerNode::on_request(HostTime now, const replication::ObjectRequested& asked) {
+  if (peer_.owner(asked.object) != config_.id) return;  // it has gone meanwhile, and the asker knows
+  const char* const why_not = drives(asked.object)           ? "its owner drives it"
+                              : held_.contains(asked.object) ? "its owner holds it"
+                                                             : nullptr;
+  if (why_not != nullptr) {
+    (void)peer_.edit(now, replication::RefuseRequest{asked.request, why_not});
+  } else {
+    (void)peer_.give(now, asked.object, asked.by);
+  }
 }
 
 void PeerNode::note_path(ObjectId object) {
@@ -413,7 +454,8 @@ std::optional<replication::Output> PeerNode::poll_output() {
   auto out = peer_.poll_output();
   if (!out) return out;
   using namespace replication;
-  edits_.note(*out);
+  edits_.note(*out, config_.id);
+  if (const auto* asked = std::get_if<ObjectRequested>(&*out)) requests_.push_back(*asked);
   if (std::holds_alternative<Join>(*out)) log_.groups_joined = std::max(log_.groups_joined, ++groups_);
   if (std::holds_alternative<Leave>(*out)) --groups_;
   if (std::holds_alternative<OtherWorld>(*out)) ++log_.other_worlds;
@@ -471,6 +513,7 @@ const PeerLog& PeerNode::log() {
        {"updates_repeated", c.updates_repeated},
        {"operations", c.operations},
        {"operations_in", c.operations_in},
+       {"objects_given", c.objects_given},
        {"scene_changes", c.scene_changes},
        {"models_changed", c.models_changed},
        {"updates_duplicate", c.updates_duplicate},

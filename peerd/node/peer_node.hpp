@@ -1,7 +1,9 @@
 #pragma once
 #include <deque>
+#include <expected>
 #include <map>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -106,6 +108,10 @@ class PeerNode {
   [[nodiscard]] SimTime key_time(std::size_t key) const { return *log_.start + from_seconds(keys_[key].at_s); }
   void press_keys(HostTime now);
   void make_edits(HostTime now);
+  std::expected<replication::OperationId, std::string> change_scene(HostTime now, const config::SceneEdit& edit);
+  std::expected<replication::OperationId, std::string> change_owner(HostTime now, const config::SceneEdit& edit);
+  void follow_request(HostTime now, const config::SceneEdit& edit, replication::OperationId id);
+  void on_request(HostTime now, const replication::ObjectRequested& asked);
   void follow_scene();
   // The session time of the next edit of the settings; max(): none is left, or the start is not known.
   [[nodiscard]] SimTime next_edit_at() const;
@@ -138,6 +144,8 @@ class PeerNode {
   std::size_t next_key_ = 0;
   std::deque<KeyReport> key_reports_;
   PeerEdits edits_;
+  std::set<ObjectId> held_;                             // objects that are not given to whoever asks
+  std::vector<replication::ObjectRequested> requests_;  // that have come since the last tick
   std::uint64_t keys_pressed_ = 0, keys_unhandled_ = 0, key_changes_ = 0, key_changes_refused_ = 0;
 };
 

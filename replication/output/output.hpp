@@ -99,6 +99,23 @@ struct SceneEdited {
 struct OperationHeld {
   OperationId operation;
 };
+// An operation has given the object to another peer; kNobody: nobody has it, or who has it is not here.
+struct ObjectGiven {
+  ObjectId object;
+  PeerId before, owner;
+  SimTime at;
+};
+// Another peer asks this one for an object that this one owns.
+struct ObjectRequested {
+  OperationId request;
+  ObjectId object;
+  PeerId by;
+};
+// The owner refuses what this peer has asked for.
+struct RequestRefused {
+  OperationId request;
+  std::string reason;
+};
 struct Published {
   SimTime at;
   ObjectId object;
@@ -125,7 +142,7 @@ struct ContactSeen {
 };
 using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined,
                             PeerLost, ObjectOrphaned, OtherVersion, OtherWorld, IdInUse, NameInUse, OwnershipConflict,
-                            FounderGaveWay, SceneEdited, OperationHeld, Published, ContactSeen, Overruled,
-                            ContactsRetracted, BodiesOverlap, NotColliding>;
+                            FounderGaveWay, SceneEdited, OperationHeld, ObjectGiven, ObjectRequested, RequestRefused,
+                            Published, ContactSeen, Overruled, ContactsRetracted, BodiesOverlap, NotColliding>;
 
 }  // namespace peerd::replication

@@ -41,6 +41,7 @@ struct PeerCounters {
   std::uint64_t operations = 0;         // made by this peer
   std::uint64_t operations_in = 0;      // received from others
   std::uint64_t scene_changes = 0;      // times that edits changed the scene
+  std::uint64_t objects_given = 0;      // times that operations gave an object to another peer, or to nobody
   std::uint64_t models_changed = 0;     // times that the world's model was made anew, because more of it moves
   std::uint64_t updates_duplicate = 0;  // copies of updates that were applied already
   std::uint64_t updates_relayed = 0;

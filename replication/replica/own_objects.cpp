@@ -18,22 +18,26 @@ void OwnObjects::add(std::span<const OwnedObject> objects) {
   map_.reserve(map_.size() + sorted.size());
   for (const OwnedObject& e : sorted) {
     assert(model_->scene->contains(e.object));
-    OwnObject& own = map_[e.object];
+    OwnObject& own = begin(e.object);
     own.driven = e.driven;
     own.launch = e.launch;
-    if (surface_error_) own.bounding_radius_m = bounding_radius_m(*model_->scene, e.object);
-    assert(own.bounding_radius_m >= 0.0);
   }
   build_index();
 }
 
-void OwnObjects::adopt(ObjectId object, std::uint32_t sequence) {
-  assert(!contains(object) && model_->scene->contains(object));
-  OwnObject& own = map_[object];
-  own.adopted = true;
-  own.sequence = sequence;
-  if (surface_error_) own.bounding_radius_m = bounding_radius_m(*model_->scene, object);
+void OwnObjects::adopt(ObjectId object) {
+  assert(!contains(object));
+  begin(object).adopted = true;
   build_index();
+}
+
+OwnObject& OwnObjects::begin(ObjectId object) {
+  assert(model_->scene->contains(object));
+  OwnObject& own = map_[object];
+  if (const auto last = sequences_.find(object); last != sequences_.end()) own.sequence = last->second;
+  if (surface_error_) own.bounding_radius_m = bounding_radius_m(*model_->scene, object);
+  assert(own.bounding_radius_m >= 0.0);
+  return own;
 }
 
 void OwnObjects::build_index() {
@@ -45,7 +49,12 @@ void OwnObjects::build_index() {
 
 void OwnObjects::remove(std::span<const ObjectId> objects) {
   const std::size_t before = map_.size();
-  for (const ObjectId object : objects) map_.erase(object);
+  for (const ObjectId object : objects) {
+    const auto at = map_.find(object);
+    if (at == map_.end()) continue;
+    sequences_[object] = at->second.sequence;
+    map_.erase(at);
+  }
   if (map_.size() != before) build_index();
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -89,9 +90,10 @@ class OwnObjects {
 
   // This peer owns these, too, from now on; in any order.
   void add(std::span<const OwnedObject> objects);
-  // A decision gives this peer a scene object, whose next update has a higher number than `sequence`.
-  void adopt(ObjectId object, std::uint32_t sequence);
-  // Other peers own these from now on: they are no longer here. Objects that are not are left out.
+  // A decision gives this peer a scene object.
+  void adopt(ObjectId object);
+  // Other peers own these from now on: they are no longer here. Objects that are not are left out. If one comes back,
+  // its updates are numbered on.
   void remove(std::span<const ObjectId> objects);
   // The model in force is of an edited scene, which has all of these objects.
   void follow_model();
@@ -113,13 +115,15 @@ class OwnObjects {
 
  private:
   static constexpr std::uint32_t kNoIndex = std::numeric_limits<std::uint32_t>::max();
+  OwnObject& begin(ObjectId object);
   void build_index();
 
   const ModelInForce& model_;
   const bool surface_error_;
   Map map_;
-  Schedule checks_;                             // by the objects' indices in map_
-  ObjectTable<std::uint32_t> index_{kNoIndex};  // into checks_
+  std::map<ObjectId, std::uint32_t> sequences_;  // the last ones of objects that are no longer here
+  Schedule checks_;                              // by the objects' indices in map_
+  ObjectTable<std::uint32_t> index_{kNoIndex};   // into checks_
 };
 
 }  // namespace peerd::replication

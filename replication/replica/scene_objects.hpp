@@ -28,7 +28,6 @@ struct SceneObject {
   std::optional<ObjectId> carrier{};  // in whose frame the model is; none: the world
   SimTime since{};  // the session time since which this peer, or whoever it has the state from, has computed its way
   std::uint32_t copies = 0;              // of that state: those that this peer still has to send
-  std::uint32_t own_sequence = 0;        // of this peer's last update of it
   std::optional<SimTime> ghost_reset{};  // the instant at which its ghost was last given the motion of the truth
 };
 

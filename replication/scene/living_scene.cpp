@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <iterator>
+#include <utility>
+#include <variant>
 
 namespace peerd::replication {
 namespace {
@@ -22,7 +24,7 @@ std::optional<ObjectId> meaning(const std::vector<Name>& names, std::string_view
 
 }  // namespace
 
-LivingScene::LivingScene(const Scene& file) : file_(std::shared_ptr<void>(), &file), scene_(file_) {}
+LivingScene::LivingScene(const Scene& file) : file_(std::shared_ptr<void>(), &file), now_{file_, {}} {}
 
 bool LivingScene::add(Operation operation) {
   assert(operation.id.author != kNoAuthor);
@@ -34,8 +36,38 @@ bool LivingScene::add(Operation operation) {
   return true;
 }
 
-std::expected<LivingScene::UsedIds, std::string> LivingScene::apply_to(SceneEditor& editor, const OperationBody& body,
+std::expected<LivingScene::UsedIds, std::string> LivingScene::apply_to(Editing& editing, const OperationBody& body,
                                                                        AuthorId author, const Find& find) const {
+  const auto is_here = [&](ObjectId object) {
+    return editing.scene ? editing.scene->contains(object) : editing.state.scene->contains(object);
+  };
+  if (const auto* const give = std::get_if<GiveObject>(&body)) {
+    if (!is_here(give->object)) return std::unexpected("it is not in the scene any more");
+    PeerId& owner = editing.state.owners.try_emplace(give->object, give->before).first->second;
+    if (owner != give->before && owner != kNobody) {
+      return std::unexpected("peer " + std::to_string(owner.value) + " owns it by then");
+    }
+    if (give->place) {
+      SceneEditor& editor = editing.editor();
+      for (const auto& [field, value] :
+           {std::pair("translation", &give->place->translation), std::pair("rotation", &give->place->rotation)}) {
+        if (const auto set = editor.set(give->place->node, field, *value, {}); !set)
+          return std::unexpected(set.error());
+      }
+    }
+    owner = give->owner;
+    return UsedIds{};
+  }
+  if (const auto* const request = std::get_if<RequestObject>(&body)) {
+    if (!is_here(request->object)) return std::unexpected("it is not in the scene any more");
+    return UsedIds{};
+  }
+  if (std::holds_alternative<RefuseRequest>(body)) return UsedIds{};
+  return edit(editing.editor(), body, author, find);
+}
+
+std::expected<LivingScene::UsedIds, std::string> LivingScene::edit(SceneEditor& editor, const OperationBody& body,
+                                                                   AuthorId author, const Find& find) const {
   using Result = std::expected<UsedIds, std::string>;
   const auto done = [](const std::expected<void, std::string>& result) {
     return result ? Result(UsedIds{}) : Result(std::unexpect, result.error());
@@ -63,33 +95,42 @@ std::expected<LivingScene::UsedIds, std::string> LivingScene::apply_to(SceneEdit
                    return done(route.removes
                                    ? editor.remove_route(route.from, route.event_out, route.to, route.event_in)
                                    : editor.add_route(route.from, route.event_out, route.to, route.event_in));
-                 }},
+                 },
+                 [](const auto&) -> Result { std::unreachable(); }},
       body);
 }
 
-LivingScene::Applied LivingScene::applied(const std::shared_ptr<const Scene>& base,
-                                          std::span<const Entries::const_iterator> entries) const {
+std::expected<LivingScene::State, std::string> LivingScene::finish(Editing editing) {
+  if (!editing.scene) return std::move(editing.state);
+  auto scene = editing.scene->finish();
+  if (!scene) return std::unexpected(scene.error());
+  editing.state.scene = std::make_shared<const Scene>(*std::move(scene));
+  std::erase_if(editing.state.owners, [&](const auto& each) { return !editing.state.scene->contains(each.first); });
+  return std::move(editing.state);
+}
+
+LivingScene::Applied LivingScene::applied(const State& base, std::span<const Entries::const_iterator> entries) const {
   Applied all{base, {}};
   while (all.refused.size() < entries.size()) apply_run(entries.subspan(all.refused.size()), all);
   return all;
 }
 
 void LivingScene::apply_run(std::span<const Entries::const_iterator> entries, Applied& all) const {
-  SceneEditor editor(*all.scene);
+  Editing editing{all.state};
   std::vector<std::string> refused;
-  while (refused.size() < entries.size() && !editor.may_fail()) {
+  while (refused.size() < entries.size() && !(editing.scene && editing.scene->may_fail())) {
     const auto at = entries[refused.size()];
     const OperationBody& body = at->second.body;
     const auto* const add = std::get_if<AddNodes>(&body);
     const auto find = [&](std::string_view path) { return meaning(add->names, path); };
-    const auto result = apply_to(editor, body, at->first.second.author, add != nullptr ? Find(find) : Find());
+    const auto result = apply_to(editing, body, at->first.second.author, add != nullptr ? Find(find) : Find());
     refused.push_back(result ? std::string() : result.error());
   }
   if (std::ranges::any_of(refused, &std::string::empty)) {
-    if (auto scene = editor.finish()) {
-      all.scene = std::make_shared<const Scene>(*std::move(scene));
+    if (auto state = finish(std::move(editing))) {
+      all.state = *std::move(state);
     } else if (refused.size() == 1) {
-      refused[0] = scene.error();
+      refused[0] = state.error();
     } else {  // The last one makes something impossible: it is refused, and those before it are not.
       const std::size_t last = refused.size() - 1;
       apply_run(entries.first(last), all);
@@ -101,7 +142,7 @@ void LivingScene::apply_run(std::span<const Entries::const_iterator> entries, Ap
 
 LivingScene::Checkpoint LivingScene::checkpoint_before(const Key& key) const {
   const auto after = std::ranges::lower_bound(checkpoints_, key, {}, &Checkpoint::last);
-  return after == checkpoints_.begin() ? Checkpoint{{SimTime::min(), {}}, file_, 0} : *std::prev(after);
+  return after == checkpoints_.begin() ? Checkpoint{{SimTime::min(), {}}, {file_, {}}, 0} : *std::prev(after);
 }
 
 std::optional<LivingScene::Change> LivingScene::apply(SimTime until, SimTime known) {
@@ -114,8 +155,12 @@ std::optional<LivingScene::Change> LivingScene::apply(SimTime until, SimTime kno
   for (auto at = entries_.upper_bound(base.last); at != entries_.end(); ++at) {
     if (at->first.first <= last || at->second.applied) entries.emplace_back(at);
   }
-  Applied next = applied(base.scene, entries);
-  Change change{first.first, next.scene == scene_ ? nullptr : next.scene, {}};
+  Applied next = applied(base.state, entries);
+  Change change{first.first, next.state.scene == now_.scene ? nullptr : next.state.scene};
+  for (const auto& [object, owner] : next.state.owners) {
+    const auto before = now_.owners.find(object);
+    if (before == now_.owners.end() || before->second != owner) change.given.emplace_back(object, owner);
+  }
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const auto at = entries_.find(entries[i]->first);
     Entry& entry = at->second;
@@ -124,8 +169,8 @@ std::optional<LivingScene::Change> LivingScene::apply(SimTime until, SimTime kno
     entry = {std::move(entry.body), true, std::move(next.refused[i])};
     due_.erase(at->first);
   }
-  scene_ = std::move(next.scene);
-  checkpoints_.push_back({entries.back()->first, scene_, base.count + entries.size()});
+  now_ = std::move(next.state);
+  checkpoints_.push_back({entries.back()->first, now_, base.count + entries.size()});
   thin_checkpoints();
   assert(std::ranges::is_sorted(checkpoints_, {}, &Checkpoint::last));
   return change;
@@ -145,23 +190,23 @@ void LivingScene::thin_checkpoints() {
 }
 
 std::expected<LivingScene::Draft, std::string> LivingScene::draft(OperationBody body, AuthorId author) {
-  if (!with_all_ && due_.empty()) with_all_ = scene_;
+  if (!with_all_ && due_.empty()) with_all_ = now_;
   if (!with_all_) {
     const Checkpoint base = checkpoint_before(*due_.begin());
     std::vector<Entries::const_iterator> rest;
     for (auto at = entries_.upper_bound(base.last); at != entries_.end(); ++at) rest.emplace_back(at);
-    with_all_ = applied(base.scene, rest).scene;
+    with_all_ = applied(base.state, rest).state;
   }
-  const Scene& scene = **with_all_;
-  SceneEditor editor(scene);
+  const Scene& scene = *with_all_->scene;
+  Editing editing{*with_all_};
   std::vector<Name> names;
-  const auto used = apply_to(editor, body, author, [&](std::string_view path) {
+  const auto used = apply_to(editing, body, author, [&](std::string_view path) {
     const auto found = scene.find(path);
     if (found) names.emplace_back(path, *found);
     return found;
   });
   if (!used) return std::unexpected(used.error());
-  if (const auto finished = editor.finish(); !finished) return std::unexpected(finished.error());
+  if (const auto finished = finish(std::move(editing)); !finished) return std::unexpected(finished.error());
   std::ranges::sort(names);
   names.erase(std::ranges::unique(names).begin(), names.end());
   if (auto* const add = std::get_if<AddNodes>(&body)) add->names = std::move(names);

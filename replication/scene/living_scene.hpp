@@ -19,10 +19,13 @@
 
 namespace peerd::replication {
 
-// A LivingScene is the scene that the world's file and operations make together: all of them, applied to the file's
-// scene in the order of their stamps and ids, whenever they came. So peers that know the same operations have the same
-// scene. An operation that what is before it in this order makes impossible (it sets a field of a node that is gone)
-// changes nothing, until another one that comes later allows it.
+// By operations: absent are objects that none has given to anybody.
+using OwnersByOperation = std::map<ObjectId, PeerId>;
+
+// A LivingScene is the scene that the world's file and operations make together, and who owns what of it by operations:
+// all of them, applied to the file's scene in the order of their stamps and ids, whenever they came. So peers that know
+// the same operations have the same scene. An operation that what is before it in this order makes impossible (it sets
+// a field of a node that is gone) changes nothing, until another one that comes later allows it.
 class LivingScene {
  public:
   // The scene of the world's file outlives this.
@@ -37,9 +40,10 @@ class LivingScene {
     std::string refused;  // why it changes nothing; empty: it does what it says
   };
   struct Change {
-    SimTime at{};                        // from then on, which may be in the past
-    std::shared_ptr<const Scene> scene;  // null: as before
-    std::vector<Outcome> outcomes;       // of the operations that are new, and of those whose outcome is another now
+    SimTime at{};                                      // from then on, which may be in the past
+    std::shared_ptr<const Scene> scene;                // null: as before
+    std::vector<std::pair<ObjectId, PeerId>> given{};  // objects that have another owner than before
+    std::vector<Outcome> outcomes{};  // of the operations that are new, and of those whose outcome is another now
   };
   // Applies the operations that take effect first of those that do until `until`, and with them all others until
   // `known`, up to which the world has been computed already. None: there are none.
@@ -54,7 +58,9 @@ class LivingScene {
   [[nodiscard]] std::expected<Draft, std::string> draft(OperationBody body, AuthorId author);
 
   // The scene by the last apply(); at first that of the file.
-  [[nodiscard]] const std::shared_ptr<const Scene>& scene() const { return scene_; }
+  [[nodiscard]] const std::shared_ptr<const Scene>& scene() const { return now_.scene; }
+  // The objects that operations have given to somebody, each with its owner; kNobody: the last owner has released it.
+  [[nodiscard]] const OwnersByOperation& owners() const { return now_.owners; }
   // The last stamp of all operations until then; min(): there is none.
   [[nodiscard]] SimTime last_stamp(SimTime until) const;
 
@@ -66,10 +72,15 @@ class LivingScene {
     std::string refused;
   };
   using Entries = std::map<Key, Entry>;
-  // The scene that all operations up to a key make.
+  // What operations have made.
+  struct State {
+    std::shared_ptr<const Scene> scene;
+    OwnersByOperation owners;
+  };
+  // What all operations up to a key have made.
   struct Checkpoint {
     Key last;
-    std::shared_ptr<const Scene> scene;
+    State state;
     std::size_t count = 0;  // of operations
   };
 
@@ -78,17 +89,25 @@ class LivingScene {
   struct UsedIds {
     std::uint32_t objects = 0, nodes = 0;
   };
-  // Applies one operation to the editor; the error says why it cannot be.
-  [[nodiscard]] std::expected<UsedIds, std::string> apply_to(SceneEditor& editor, const OperationBody& body,
+  // A State that is being made.
+  struct Editing {
+    State state;
+    std::optional<SceneEditor> scene{};  // none: nothing edits it yet, for that costs a pass over it
+    SceneEditor& editor() { return scene ? *scene : scene.emplace(*state.scene); }
+  };
+  // Applies one operation; the error says why it cannot be.
+  [[nodiscard]] std::expected<UsedIds, std::string> apply_to(Editing& editing, const OperationBody& body,
                                                              AuthorId author, const Find& find) const;
-  // An Applied has what operations, in order, make of the scene of a checkpoint, and why those that change nothing do
-  // not.
+  [[nodiscard]] std::expected<UsedIds, std::string> edit(SceneEditor& editor, const OperationBody& body,
+                                                         AuthorId author, const Find& find) const;
+  // The error says what the edits together make impossible.
+  [[nodiscard]] static std::expected<State, std::string> finish(Editing editing);
+  // An Applied has what operations, in order, make of a state, and why those that change nothing do not.
   struct Applied {
-    std::shared_ptr<const Scene> scene;
+    State state;
     std::vector<std::string> refused;
   };
-  [[nodiscard]] Applied applied(const std::shared_ptr<const Scene>& base,
-                                std::span<const Entries::const_iterator> entries) const;
+  [[nodiscard]] Applied applied(const State& base, std::span<const Entries::const_iterator> entries) const;
   // Applies the first of them by one editor: as many as cannot make what it cannot finish, and the next one. So the
   // outcome is that of one operation after the other, and a thousand that move things cost one new scene.
   void apply_run(std::span<const Entries::const_iterator> entries, Applied& all) const;
@@ -98,10 +117,10 @@ class LivingScene {
 
   const std::shared_ptr<const Scene> file_;  // owned by nobody here
   Entries entries_;
-  std::set<Key> due_;                                       // not applied yet
-  std::vector<Checkpoint> checkpoints_;                     // in order
-  std::shared_ptr<const Scene> scene_;                      // by the last apply()
-  std::optional<std::shared_ptr<const Scene>> with_all_{};  // by all operations; none: not known
+  std::set<Key> due_;                    // not applied yet
+  std::vector<Checkpoint> checkpoints_;  // in order
+  State now_;                            // by the last apply()
+  std::optional<State> with_all_{};      // by all operations; none: not known
 };
 
 }  // namespace peerd::replication

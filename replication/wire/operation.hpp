@@ -16,9 +16,9 @@
 
 namespace peerd::replication {
 
-// An operation is a durable change of the scene, made by one peer and repeated by all. Every author writes a log of its
-// own, a sequence of bytes that only grows: peers exchange ranges of it (OperationPart), so that an operation may be
-// larger than a datagram, and whoever holds a range can pass it on without reading it.
+// An operation is a durable change of the scene, or of who owns what in it, made by one peer and repeated by all. Every
+// author writes a log of its own, a sequence of bytes that only grows: peers exchange ranges of it (OperationPart), so
+// that an operation may be larger than a datagram, and whoever holds a range can pass it on without reading it.
 
 // An AuthorId says who writes a log. A peer that keeps no store begins a new log with each start, so this is not its
 // PeerId. It is the origin of the ids of what its operations add. From 1, below 2^31; 0: nobody.
@@ -80,7 +80,40 @@ struct ChangeRoute {
   friend bool operator==(const ChangeRoute&, const ChangeRoute&) = default;
 };
 
-using OperationBody = std::variant<AddNodes, RemoveObject, RemoveNode, MoveObject, SetField, ChangeRoute>;
+// The object is the owner's from the stamp on. Where an operation has given it to another peer than `before` meanwhile,
+// this one changes nothing: of two peers that take an object at once the earlier one has it.
+struct GiveObject {
+  ObjectId object;
+  PeerId owner;   // kNobody: nobody's
+  PeerId before;  // whose it was, as the author saw it
+  // Where it stands from then on: the fields of its Transform, in the notation of VRML. None: as it is.
+  struct Place {
+    NodeId node;
+    std::string translation, rotation;
+
+    friend bool operator==(const Place&, const Place&) = default;
+  };
+  std::optional<Place> place{};
+
+  friend bool operator==(const GiveObject&, const GiveObject&) = default;
+};
+
+// A peer asks the owner for an object, which answers by a GiveObject, or by a RefuseRequest.
+struct RequestObject {
+  ObjectId object;
+  PeerId owner, by;
+
+  friend bool operator==(const RequestObject&, const RequestObject&) = default;
+};
+struct RefuseRequest {
+  OperationId request;
+  std::string reason;  // one sentence
+
+  friend bool operator==(const RefuseRequest&, const RefuseRequest&) = default;
+};
+
+using OperationBody = std::variant<AddNodes, RemoveObject, RemoveNode, MoveObject, SetField, ChangeRoute, GiveObject,
+                                   RequestObject, RefuseRequest>;
 
 struct Operation {
   OperationId id;

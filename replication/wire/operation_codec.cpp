@@ -54,6 +54,31 @@ void put(const ChangeRoute& c, proto::Operation* out) {
   route.set_removes(c.removes);
 }
 
+void put(const GiveObject& g, proto::Operation* out) {
+  proto::GiveObject& give = *out->mutable_give_object();
+  give.set_object(g.object.packed());
+  give.set_owner(g.owner.value);
+  give.set_before(g.before.value);
+  if (!g.place) return;
+  give.set_node(g.place->node.packed());
+  give.set_translation(g.place->translation);
+  give.set_rotation(g.place->rotation);
+}
+
+void put(const RequestObject& r, proto::Operation* out) {
+  proto::RequestObject& request = *out->mutable_request_object();
+  request.set_object(r.object.packed());
+  request.set_owner(r.owner.value);
+  request.set_by(r.by.value);
+}
+
+void put(const RefuseRequest& r, proto::Operation* out) {
+  proto::RefuseRequest& refuse = *out->mutable_refuse_request();
+  refuse.set_author(r.request.author.value);
+  refuse.set_number(r.request.number);
+  refuse.set_reason(r.reason);
+}
+
 // ---- from Protobuf: each take_..() answers null, or what is wrong ----
 
 constexpr const char* kWrongId = "operation_id";
@@ -109,6 +134,34 @@ const char* take(proto::ChangeRoute& in, ChangeRoute& c) {
   return nullptr;
 }
 
+const char* take(proto::GiveObject& in, GiveObject& g) {
+  g.owner = PeerId{in.owner()};
+  g.before = PeerId{in.before()};
+  if (!take_id(in.object(), g.object)) return kWrongId;
+  if (!in.has_node()) return nullptr;
+  GiveObject::Place& place = g.place.emplace();
+  if (!take_id(in.node(), place.node)) return kWrongId;
+  if (!is_text(in.translation()) || !is_text(in.rotation())) return kWrongText;
+  place.translation = std::move(*in.mutable_translation());
+  place.rotation = std::move(*in.mutable_rotation());
+  return nullptr;
+}
+
+const char* take(const proto::RequestObject& in, RequestObject& r) {
+  r.owner = PeerId{in.owner()};
+  r.by = PeerId{in.by()};
+  const bool good = take_id(in.object(), r.object) && r.owner != kNobody && r.by != kNobody;
+  return good ? nullptr : kWrongId;
+}
+
+const char* take(proto::RefuseRequest& in, RefuseRequest& r) {
+  r.request = {AuthorId{in.author()}, in.number()};
+  if (in.author() == 0 || in.author() > kAuthorMax || in.number() == 0) return kWrongId;
+  if (!is_text(in.reason())) return kWrongText;
+  r.reason = std::move(*in.mutable_reason());
+  return nullptr;
+}
+
 const char* take(proto::Operation& in, OperationBody& body) {
   switch (in.body_case()) {
     case proto::Operation::kAddNodes:
@@ -127,6 +180,12 @@ const char* take(proto::Operation& in, OperationBody& body) {
       return take(*in.mutable_set_field(), body.emplace<SetField>());
     case proto::Operation::kChangeRoute:
       return take(*in.mutable_change_route(), body.emplace<ChangeRoute>());
+    case proto::Operation::kGiveObject:
+      return take(*in.mutable_give_object(), body.emplace<GiveObject>());
+    case proto::Operation::kRequestObject:
+      return take(in.request_object(), body.emplace<RequestObject>());
+    case proto::Operation::kRefuseRequest:
+      return take(*in.mutable_refuse_request(), body.emplace<RefuseRequest>());
     case proto::Operation::BODY_NOT_SET:
       break;
   }

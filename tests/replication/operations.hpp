@@ -20,7 +20,7 @@ class OperationMaker {
     return o;
   }
   OperationBody body() {
-    switch (random_() % 6) {
+    switch (random_() % 9) {
       case 0: {
         AddNodes a{place(), place(), text(300), number(), number(), {}};
         for (auto i = random_() % 3; i > 0; --i) a.names.emplace_back(text(12), object());
@@ -34,8 +34,14 @@ class OperationMaker {
         return MoveObject{object(), place(), place()};
       case 4:
         return SetField{node(), text(20), text(90), number()};
-      default:
+      case 5:
         return ChangeRoute{node(), node(), text(20), text(20), random_() % 2 == 0};
+      case 6:
+        return GiveObject{object(), PeerId{number()}, PeerId{number() % 3}};
+      case 7:
+        return RequestObject{object(), PeerId{number() | 1}, PeerId{number() | 1}};
+      default:
+        return RefuseRequest{{AuthorId{number() % kAuthorMax + 1}, number() | 1}, text(60)};
     }
   }
   std::uint64_t random() { return random_(); }

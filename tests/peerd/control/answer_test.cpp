@@ -19,6 +19,7 @@ constexpr const char* kWorld = R"(#VRML V2.0 utf8
 DEF A Transform { velocityVector 1 0 0 children Shape { geometry Box { } } }
 DEF B Transform { children Shape { geometry Box { } } }
 DEF DRIVEN Transform { children Shape { geometry Box { } } }
+DEF C Transform { }
 DEF MORE KeySensor { recipient "A" keyValue 65 value 2 0 0 consume FALSE }
 KeySensor { recipient "DRIVEN" keyValue 65 value 2 0 0 consume FALSE }
 )";
@@ -115,6 +116,25 @@ TEST_F(ControlAnswer, AKeysReplySaysWhatItDid) {
   EXPECT_EQ(reply["changes"][0]["done"], true);
   EXPECT_EQ(reply["changes"][1]["sensor"], "KeySensor 1");
   EXPECT_THAT(reply["changes"][1]["refused"].get<std::string>(), HasSubstr("a motion"));
+}
+
+TEST_F(ControlAnswer, OwnsAndReleases) {
+  make();
+  run(1);
+  const json owned = ask(R"({"do":"own","path":"C"})");
+  ASSERT_EQ(owned["done"], true) << owned;
+  EXPECT_EQ(owned["edit"], "own C");
+  run(2);
+  json operation = owned["operation"];
+  operation["do"] = "operation";
+  EXPECT_EQ(ask(operation.dump())["applied"], true);
+  EXPECT_EQ(node->peer().owner(*node->scene().find("C")), node->peer().id());
+  EXPECT_EQ(ask(R"({"do":"release","path":"C"})")["done"], true);
+  run(3);
+  EXPECT_EQ(node->peer().owner(*node->scene().find("C")), kNobody);
+  EXPECT_EQ(ask(R"({"do":"release","path":"C"})")["refused"], "this peer does not own it");
+  EXPECT_EQ(ask(R"({"do":"grab","path":"D"})")["refused"], "the scene has no D");
+  EXPECT_FALSE(ask(R"({"do":"own"})")["ok"]);
 }
 
 TEST_F(ControlAnswer, EditsTheScene) {

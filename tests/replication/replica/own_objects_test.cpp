@@ -44,14 +44,17 @@ TEST_F(Owned, AreThoseOfTheConfigurationInOrder) {
 }
 
 TEST_F(Owned, ASceneObjectIsOneOfThemForAWhile) {
-  own.adopt(d, 7);
+  own.adopt(d);
   EXPECT_TRUE(own.at(d).adopted && !own.at(d).driven);
-  EXPECT_EQ(own.at(d).sequence, 7u);
+  EXPECT_EQ(own.at(d).sequence, 0u);
   EXPECT_FALSE(own.at(b).adopted);
   own.republish(d);
   EXPECT_TRUE(own.at(d).republish);
+  own.at(d).sequence = 7;
   own.remove({&d, 1});
   EXPECT_FALSE(own.contains(d));
+  own.adopt(d);
+  EXPECT_EQ(own.at(d).sequence, 7u) << "what it published before is older";
 }
 
 TEST_F(Owned, SurfaceErrorsCountByTheFarthestVertex) {

@@ -203,6 +203,32 @@ Refused refused_in(const std::vector<LivingScene::Change>& changes) {
   return all;
 }
 
+TEST(LivingScene, OfTwoThatTakeAnObjectTheEarlierOneHasIt) {
+  const Scene file = read(kHead + kWall + kFloor);
+  const ObjectId wall = *file.find("WALL");
+  const PeerId ada{1}, bob{2};
+  LivingScene living(file);
+  living.add({{kAda, 1}, at_ms(200), GiveObject{wall, ada, kNobody}});
+  auto change = living.apply(at_ms(300), at_ms(300));
+  ASSERT_TRUE(change);
+  EXPECT_EQ(change->given, (std::vector<std::pair<ObjectId, PeerId>>{{wall, ada}}));
+  EXPECT_EQ(change->scene, nullptr) << "who owns what is not in the scene";
+  living.add({{kBob, 1}, at_ms(100), GiveObject{wall, bob, kNobody}});  // it comes late
+  change = living.apply(at_ms(300), at_ms(300));
+  ASSERT_TRUE(change);
+  EXPECT_EQ(change->given, (std::vector<std::pair<ObjectId, PeerId>>{{wall, bob}}));
+  EXPECT_EQ(refused_in({*change}).at({kAda, 1}), "peer 2 owns it by then");
+  living.add({{kBob, 2}, at_ms(400), GiveObject{wall, kNobody, bob}});  // released
+  living.add({{kAda, 2}, at_ms(500), GiveObject{wall, ada, kNobody}});
+  living.add({{kAda, 3}, at_ms(600), RemoveObject{wall}});
+  living.add({{kBob, 3}, at_ms(700), GiveObject{wall, bob, ada}});
+  EXPECT_EQ(living.apply(at_ms(450), at_ms(450))->given, (std::vector<std::pair<ObjectId, PeerId>>{{wall, kNobody}}));
+  EXPECT_EQ(living.apply(at_ms(550), at_ms(550))->given, (std::vector<std::pair<ObjectId, PeerId>>{{wall, ada}}));
+  change = living.apply(at_ms(800), at_ms(800));
+  EXPECT_EQ(refused_in({*change}).at({kBob, 3}), "it is not in the scene any more");
+  EXPECT_TRUE(living.owners().empty());
+}
+
 // Operations on all kinds of things, many of which are impossible, do together what they do one after the other.
 TEST(LivingScene, TogetherDoesWhatOneAfterTheOtherDoes) {
   const Scene file = read(
@@ -250,7 +276,7 @@ TEST(LivingScene, TogetherDoesWhatOneAfterTheOtherDoes) {
       if (draw(2) == 0) place.parent = any(objects);
       if (draw(4) == 0) place.before = any(objects);
       OperationBody body;
-      switch (draw(7)) {
+      switch (draw(8)) {
         case 0: {
           const std::string& text = texts[draw(texts.size())];
           body = AddNodes{place.parent, place.before, kHead + text, 10 * k, 10 * k, {}};
@@ -273,6 +299,9 @@ TEST(LivingScene, TogetherDoesWhatOneAfterTheOtherDoes) {
           break;
         case 4:
           body = ChangeRoute{any(nodes), any(nodes), "fraction_changed", "set_fraction", draw(2) == 0};
+          break;
+        case 5:
+          body = GiveObject{any(objects), PeerId{draw(4)}, PeerId{draw(4)}};
           break;
         default: {
           const auto& [field, choices] = values[draw(values.size())];
@@ -297,6 +326,7 @@ TEST(LivingScene, TogetherDoesWhatOneAfterTheOtherDoes) {
     const Refused all = refused_in(by_one);
     EXPECT_EQ(all, refused_in(at_once)) << "seed " << seed;
     EXPECT_EQ(text_of(single), text_of(together)) << "seed " << seed;
+    EXPECT_EQ(single.owners(), together.owners()) << "seed " << seed;
     for (const auto& [id, why] : all) ++(why.empty() ? done : refused);
   }
   EXPECT_GT(done, 1000u);

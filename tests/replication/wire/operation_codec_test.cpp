@@ -71,6 +71,16 @@ TEST(OperationCodec, NamesWhatIsWrong) {
   EXPECT_EQ(error_of(with(AddNodes{{}, bad, "Group { }", 0, 0, {}})), "operation_id");
   EXPECT_EQ(error_of(with(AddNodes{{}, {}, "Group { }", 0, 0, {{"A", bad}}})), "operation_id");
   EXPECT_EQ(error_of(with(AddNodes{{}, {}, "Group { }", 0, 0, {{"", good}}})), "operation_text");
+  const PeerId ada{1}, bob{2};
+  EXPECT_EQ(error_of(with(GiveObject{good, kNobody, kNobody})), "none");
+  EXPECT_EQ(error_of(with(GiveObject{bad, ada, bob})), "operation_id");
+  EXPECT_EQ(error_of(with(RequestObject{bad, ada, bob})), "operation_id");
+  EXPECT_EQ(error_of(with(RequestObject{good, kNobody, bob})), "operation_id");
+  EXPECT_EQ(error_of(with(RequestObject{good, ada, kNobody})), "operation_id");
+  EXPECT_EQ(error_of(with(RefuseRequest{{kNoAuthor, 1}, "no"})), "operation_id");
+  EXPECT_EQ(error_of(with(RefuseRequest{{AuthorId{kOriginTooHigh}, 1}, "no"})), "operation_id");
+  EXPECT_EQ(error_of(with(RefuseRequest{{kAuthor, 0}, "no"})), "operation_id");
+  EXPECT_EQ(error_of(with(RefuseRequest{{kAuthor, 1}, ""})), "operation_text");
   EXPECT_EQ(error_of({0}), "operation_number");         // an empty message
   EXPECT_EQ(error_of({2, 0x08, 1}), "operation_kind");  // a number and no body
   EXPECT_EQ(error_of({2, 0x08, 0}), "operation_number");

@@ -1,0 +1,36 @@
+// configs/scenarios/hands.toml: an object changes hands while the session runs.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/sim/run_scenario.hpp"
+
+namespace peerd::sim::hands_test {
+
+using namespace testing_support;
+
+const std::string kHands = PEERD_SOURCE_DIR "/configs/scenarios/hands.toml";
+
+TEST(Hands, OneOwnerAtATimeAndTheSameForAll) {
+  for (const char* seed : {"1", "2", "3"}) {
+    const Ran ran = run_scenario(kHands, {"seed=" + std::string(seed)}).front();
+    int checked = 0;
+    EXPECT_EQ(ran.summary["counters"]["objects_given"], 12);
+    // own, own and refusal by a; own, give and refusal by b and c: 1 b takes, 3 c asks and b gives, 5 a and c ask and
+    // are refused, 7 c releases, 8 a takes.
+    EXPECT_EQ(ran.summary["counters"]["operations"], 9);
+    for (const PeerLog& log : ran.logs) {
+      for (const auto& sample : log.object_samples) {
+        if (ran.record.scene_paths.at(sample.object) != "RED") continue;
+        const double t = to_seconds(sample.at - *log.start);
+        const PeerId owner = t < 3.0 ? PeerId{2} : t < 7.0 ? PeerId{3} : PeerId{1};
+        const bool is_settled = (t > 1.5 && t < 3.0) || (t > 4.0 && t < 7.0) || t > 8.5;
+        if (!is_settled) continue;
+        ++checked;
+        EXPECT_EQ(sample.owner, owner) << t << " s";
+      }
+    }
+    EXPECT_GT(checked, 1000);
+  }
+}
+
+}  // namespace peerd::sim::hands_test
