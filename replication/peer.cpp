@@ -200,6 +200,8 @@ std::expected<OperationId, std::string> Peer::edit(HostTime now, OperationBody b
   return impl_->operations.edit(now, std::move(body));
 }
 
+std::span<const std::byte> Peer::log_bytes(const OperationRange& range) const { return impl_->parts.logs.bytes(range); }
+
 void Peer::leave(HostTime now) {
   impl_->parts.publication.flush(true);
   impl_->send_hello(now, true);

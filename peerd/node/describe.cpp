@@ -135,6 +135,7 @@ struct LineOf {
     return LogLine{LogLevel::kDebug, fmt::format("operation {}:{} is held by another peer", h.operation.author.value,
                                                  h.operation.number)};
   }
+  Line operator()(const LogGrown&) const { return std::nullopt; }
   Line operator()(const Published& p) const {
     return LogLine{LogLevel::kDebug, fmt::format("update of {}: {}, threshold {} m", path_or_id(scene, p.object),
                                                  to_string(p.reason), p.threshold_m)};

@@ -6,7 +6,8 @@
 namespace peerd {
 
 void PeerEdits::note(const EditReport& report) {
-  if (report.operation) operations_.try_emplace(*report.operation, OperationState{report.edit, false, false, {}});
+  if (report.operation)
+    operations_.try_emplace(*report.operation, OperationState{report.edit, false, false, false, {}});
   reports_.push_back(report);
 }
 
@@ -19,6 +20,14 @@ void PeerEdits::note(const replication::Output& output) {
     if (!edited->refused.empty()) reports_.push_back({own->second.edit, edited->operation, edited->refused});
   } else if (const auto* held = std::get_if<replication::OperationHeld>(&output)) {
     if (const auto own = operations_.find(held->operation); own != operations_.end()) own->second.held = true;
+  }
+}
+
+void PeerEdits::note_stored(replication::OperationId last) {
+  for (auto after = operations_.upper_bound(last); after != operations_.begin();) {
+    OperationState& state = (--after)->second;
+    if (after->first.author != last.author || state.stored) return;
+    state.stored = true;
   }
 }
 

@@ -17,6 +17,7 @@ struct OperationState {
   config::SceneEdit edit;
   bool applied = false;  // it has taken effect
   bool held = false;     // another peer has it
+  bool stored = false;   // this peer's store has it
   std::string refused;   // why it changes nothing, where it does not
 };
 
@@ -33,6 +34,8 @@ class PeerEdits {
 
   void note(const EditReport& report);
   void note(const replication::Output& output);
+  // This peer's store has that operation, and all before it.
+  void note_stored(replication::OperationId last);
   [[nodiscard]] const OperationState* find(replication::OperationId id) const;
   // The next edit that was asked for, or that was found to change nothing.
   [[nodiscard]] std::optional<EditReport> poll();

@@ -99,6 +99,12 @@ struct SceneEdited {
 struct OperationHeld {
   OperationId operation;
 };
+// A log, this peer's own or another author's, has grown by whole operations: Peer::log_bytes() has them. It comes
+// before whatever this peer sends of them, so that a driver with a store writes them before anybody can have them.
+struct LogGrown {
+  OperationRange range;
+  OperationId last;  // the last operation in it
+};
 struct Published {
   SimTime at;
   ObjectId object;
@@ -125,7 +131,7 @@ struct ContactSeen {
 };
 using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined,
                             PeerLost, ObjectOrphaned, OtherVersion, OtherWorld, IdInUse, NameInUse, OwnershipConflict,
-                            FounderGaveWay, SceneEdited, OperationHeld, Published, ContactSeen, Overruled,
+                            FounderGaveWay, SceneEdited, OperationHeld, LogGrown, Published, ContactSeen, Overruled,
                             ContactsRetracted, BodiesOverlap, NotColliding>;
 
 }  // namespace peerd::replication

@@ -53,17 +53,30 @@ class LivingScene {
   };
   [[nodiscard]] std::expected<Draft, std::string> draft(OperationBody body, AuthorId author);
 
+  // The ids that the known operations of an author have used are below these, also those of operations that change
+  // nothing here, and have done what they say elsewhere.
+  struct NextIds {
+    std::uint32_t object = 0, node = 0;
+  };
+  [[nodiscard]] NextIds next_ids(AuthorId author) const;
+
   // The scene by the last apply(); at first that of the file.
   [[nodiscard]] const std::shared_ptr<const Scene>& scene() const { return scene_; }
   // The last stamp of all operations until then; min(): there is none.
   [[nodiscard]] SimTime last_stamp(SimTime until) const;
 
  private:
+  // What a path means that names nothing in the text in which it stands.
+  using Find = std::function<std::optional<ObjectId>(std::string_view)>;
+  struct UsedIds {
+    std::uint32_t objects = 0, nodes = 0;
+  };
   using Key = std::pair<SimTime, OperationId>;
   struct Entry {
     OperationBody body;
     bool applied = false;
     std::string refused;
+    std::optional<UsedIds> used;  // none: it has been refused each time
   };
   using Entries = std::map<Key, Entry>;
   // The scene that all operations up to a key make.
@@ -73,19 +86,21 @@ class LivingScene {
     std::size_t count = 0;  // of operations
   };
 
-  // What a path means that names nothing in the text in which it stands.
-  using Find = std::function<std::optional<ObjectId>(std::string_view)>;
-  struct UsedIds {
-    std::uint32_t objects = 0, nodes = 0;
-  };
+  [[nodiscard]] ReadOptions reading() const;
+  // The ids of the nodes of a text, wherever it stands.
+  [[nodiscard]] UsedIds ids_in(const AddNodes& add) const;
   // Applies one operation to the editor; the error says why it cannot be.
   [[nodiscard]] std::expected<UsedIds, std::string> apply_to(SceneEditor& editor, const OperationBody& body,
                                                              AuthorId author, const Find& find) const;
-  // An Applied has what operations, in order, make of the scene of a checkpoint, and why those that change nothing do
-  // not.
+  // An Effect says what an operation does.
+  struct Effect {
+    std::string refused;  // why it changes nothing; empty: it does what it says
+    UsedIds used;
+  };
+  // An Applied has what operations, in order, make of the scene of a checkpoint, and what each of them does.
   struct Applied {
     std::shared_ptr<const Scene> scene;
-    std::vector<std::string> refused;
+    std::vector<Effect> effects;
   };
   [[nodiscard]] Applied applied(const std::shared_ptr<const Scene>& base,
                                 std::span<const Entries::const_iterator> entries) const;
