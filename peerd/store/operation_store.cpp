@@ -82,7 +82,8 @@ bool begins_as_store(const fs::path& file) {
   if (!in.read(header.data(), header.size())) return false;
   std::uint32_t application = 0;
   for (std::size_t i = 68; i < 72; ++i) application = application << 8 | static_cast<unsigned char>(header[i]);
-  return std::string_view(header.data(), 16) == std::string_view("SQLite format 3", 16) && application == kApplication;
+  return std::string_view(header.data(), 16) == std::string_view("SQLite format 3\0", 16) &&
+         application == kApplication;
 }
 
 InputError store_error(const fs::path& folder, const std::string& sentence, int exit_code) {

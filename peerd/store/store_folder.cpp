@@ -49,7 +49,7 @@ Result<std::optional<fs::path>> put_aside(const fs::path& folder) {
   };
   if (OperationStore::is_in_use(folder)) return cannot("it is in use by another process");
   const fs::path named = folder.has_filename() ? folder : folder.parent_path();
-  const fs::path aside =
+  fs::path aside =
       first_of(named.string() + ".before", [&](const fs::path& path) { return !fs::exists(path, failed) || failed; });
   fs::rename(named, aside, failed);
   if (failed) return cannot(failed.message());
