@@ -31,6 +31,7 @@
 #include "peerd/commands/scenario_command.hpp"
 #include "peerd/commands/scenario_options.hpp"
 #include "peerd/commands/sim_command.hpp"
+#include "peerd/commands/store_command.hpp"
 #include "peerd/config/scenario.hpp"
 #include "peerd/feed/pose_feed.hpp"
 #include "peerd/input/json_line.hpp"
@@ -405,6 +406,10 @@ int run_with(PeerFlags& options) {
   if (peer.config.empty() && !peer.peer.empty()) {
     return failed({"error: --peer picks one of a configuration's peers; without one, say --name", kWrongUse});
   }
+  const bool has_store = peer.store.folder ? !peer.store.folder->empty() : peer.store.by_default;
+  if (peer.store.fresh && !has_store) {
+    return failed({"error: --fresh begins a store anew, and this peer has none; say --store DIR", kWrongUse});
+  }
   peer.sets = as_settings(flags, peer);
   return run_peer(peer);
 }
@@ -414,7 +419,14 @@ Command add_run(CLI::App& app) {
   CLI::App* const command = app.add_subcommand("run", "a peer, in the foreground; SIGTERM leaves cleanly");
   command->footer(exit_codes("the world has errors"));
   add_run_options(*command, flags->peer, flags->run);
-  return {command, [flags] { return run_with(*flags); }};
+  command->add_option("--store", flags->peer.store.folder,
+                      "a folder in which the edits of all peers are kept: the world is there again after all have "
+                      "left; \"\" for none (default: none with a configuration, else one in this user's own folder)");
+  command->add_flag("--fresh", flags->peer.store.fresh, "begin with the world's file: the store before is put aside");
+  return {command, [flags] {
+            flags->peer.store.by_default = flags->peer.config.empty();
+            return run_with(*flags);
+          }};
 }
 
 Command add_record(CLI::App& app) {
@@ -488,6 +500,29 @@ Command add_doctor(CLI::App& app) {
           }};
 }
 
+Command add_store(CLI::App& app) {
+  struct Flags {
+    StoreCheckOptions check;
+    StoreExportOptions written;
+  };
+  const auto flags = std::make_shared<Flags>();
+  CLI::App* const command = app.add_subcommand("store", "what a peer's store of edits holds (peerd run --store)");
+  command->require_subcommand(1);
+  command->footer(exit_codes("it is damaged"));
+  CLI::App* const check = command->add_subcommand("check", "read all of it: is it whole, and what has it of whom?");
+  check->footer(exit_codes("it is damaged"));
+  check->add_option("folder", flags->check.folder, "the folder of peerd run --store")->required();
+  check->add_flag("--json", flags->check.json, "one JSON object");
+  CLI::App* const written = command->add_subcommand("export", "the world as all edits have made it, as VRML");
+  written->footer(exit_codes("it is damaged, or the world has errors"));
+  written->add_option("folder", flags->written.folder, "the folder of peerd run --store")->required();
+  written->add_option("--world", flags->written.world, "the VRML97 world that it began with")->required();
+  written->add_option("--out", flags->written.file, "the file to write (default: standard output)");
+  return {command, [flags, check] {
+            return *check ? run_store_check(flags->check, std::cout) : run_store_export(flags->written, std::cout);
+          }};
+}
+
 Command add_help(CLI::App& app) {
   const auto names = std::make_shared<std::vector<std::string>>();
   CLI::App* const command = app.add_subcommand("help", "the help of a command, or this one");
@@ -546,9 +581,9 @@ int run(int argc, char** argv) {
   const std::span words(argv, static_cast<std::size_t>(argc));
   print_errors_as_json(std::ranges::find(words, std::string_view("--json")) != words.end());
   // The commands are in the order of the help.
-  const std::array commands{add_run(app),      add_record(app), add_replay(app),  add_sim(app),
-                            add_scenario(app), add_check(app),  add_collide(app), add_bake(app),
-                            add_doctor(app),   add_ctl(app),    add_help(app),    add_version(app)};
+  const std::array commands{add_run(app),   add_record(app),  add_replay(app), add_sim(app),    add_scenario(app),
+                            add_check(app), add_collide(app), add_bake(app),   add_doctor(app), add_ctl(app),
+                            add_store(app), add_help(app),    add_version(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {

@@ -28,10 +28,24 @@ constexpr std::size_t kMargin_bytes = 16;
 
 }  // namespace
 
+OperationKeeper::OperationKeeper(PeerParts& parts, SessionKeeper& keeper) : p_(parts), keeper_(keeper) {
+  const LivingScene::NextIds next = p_.living.next_ids(p_.author);
+  next_object_ = next.object;
+  next_node_ = next.node;
+}
+
+void OperationKeeper::note_growth(AuthorId author, std::uint64_t whole_before) {
+  const std::uint64_t whole = p_.logs.whole(author);
+  assert(whole >= whole_before);
+  if (whole > whole_before) p_.outbox.push(LogGrown{{author, whole_before, whole}, p_.logs.last(author)});
+}
+
 SimTime OperationKeeper::stamp(HostTime now) const {
   const SimTime session_now = p_.to_session(now);
   const SimTime all_have_it = session_now + std::max<Duration>(kLeadMin, 2 * p_.members.longest_latency());
-  const SimTime last = p_.living.last_stamp(session_now + kStampAheadMax);
+  // Its own last one counts wherever it is: the stamps of a log grow.
+  SimTime last = p_.living.last_stamp(session_now + kStampAheadMax);
+  if (p_.logs.last(p_.author).number > 0) last = std::max(last, p_.logs.last_stamp(p_.author));
   return std::max(all_have_it, last == SimTime::min() ? last : last + Duration{1});
 }
 
@@ -46,10 +60,12 @@ std::expected<OperationId, std::string> OperationKeeper::edit(HostTime now, Oper
   if (!draft) return std::unexpected(draft.error());
   const OperationId id{p_.author, p_.logs.last(p_.author).number + 1};
   Operation operation{id, stamp(now), std::move(draft->body)};
+  const std::uint64_t whole_before = p_.logs.whole(p_.author);
   if (const auto appended = p_.logs.append(operation); !appended) return std::unexpected(appended.error());
   next_object_ += draft->objects;
   next_node_ += draft->nodes;
   p_.living.add(std::move(operation));
+  note_growth(p_.author, whole_before);
   follow_link();
   p_.exchange.on_append(now, id);
   ++p_.counters.operations;
@@ -105,7 +121,9 @@ void OperationKeeper::on_message(HostTime now, PeerId sender, const Message& m) 
   const bool has_logs = m.hello && !m.hello->logs.empty();
   if (has_logs || !m.operations.empty() || !m.operation_requests.empty()) follow_link();
   for (const OperationPart& part : m.operations) {
+    const std::uint64_t whole_before = p_.logs.whole(part.author);
     auto taken = p_.logs.receive(part);
+    note_growth(part.author, whole_before);
     p_.exchange.on_part(now, sender, part);
     if (!taken) {
       p_.drop(sender, taken.error());

@@ -16,7 +16,8 @@ namespace peerd::replication {
 // The operations of this peer and of the others: makes them, exchanges them, and lets each take effect at its stamp.
 class OperationKeeper {
  public:
-  OperationKeeper(PeerParts& parts, SessionKeeper& keeper) : p_(parts), keeper_(keeper) {}
+  // It goes on behind what the author's log has, by the parts' configuration.
+  OperationKeeper(PeerParts& parts, SessionKeeper& keeper);
 
   // Makes an operation of this peer, which takes effect once all others have had the time to receive it. The keeper
   // chooses the ids of what it adds, and resolves the names of its text. The error says why it cannot be.
@@ -44,6 +45,8 @@ class OperationKeeper {
   [[nodiscard]] SimTime stamp(HostTime now) const;
   // The exchange goes by how the links are now.
   void follow_link();
+  // Says that the log has more whole operations than it had.
+  void note_growth(AuthorId author, std::uint64_t whole_before);
 
   PeerParts& p_;
   SessionKeeper& keeper_;

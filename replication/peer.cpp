@@ -208,6 +208,8 @@ std::expected<OperationId, std::string> Peer::give(HostTime now, ObjectId object
   return impl_->operations.give(now, object, to);
 }
 
+std::span<const std::byte> Peer::log_bytes(const OperationRange& range) const { return impl_->parts.logs.bytes(range); }
+
 void Peer::leave(HostTime now) {
   impl_->parts.publication.flush(true);
   impl_->send_hello(now, true);

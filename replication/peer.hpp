@@ -60,6 +60,9 @@ class Peer {
   // This peer's hellos say from now on when motions by formula begin. Peers that run such motions together follow the
   // peer with the lowest id. The time is also time 0 of the world's TimeSensors where the session has none yet.
   void announce_start(SimTime start);
+  // The bytes of a log, as far as this peer has them without a gap: of LogGrown, all. They are valid until the next
+  // call.
+  [[nodiscard]] std::span<const std::byte> log_bytes(const OperationRange& range) const;
   // Changes the scene, for all peers and for good, from an instant on that leaves all of them the time to know it. The
   // peer chooses the ids of what the operation adds, and resolves names of its text that the text does not have. The
   // error says, for people, why it cannot be. SceneEdited says what has become of it, OperationHeld that it outlives

@@ -26,6 +26,42 @@ AuthorId author_of(PeerId peer, std::uint64_t incarnation) {
   return AuthorId{1 + static_cast<std::uint32_t>(bits % kAuthorMax)};
 }
 
+PeerConfig without_log(PeerConfig config) {
+  config.log = {};
+  return config;
+}
+
+// The logs that the configuration has. All of it has taken effect, whatever the clock says now: the scene that it makes
+// is that which the peer begins with.
+OperationLogs restored(const std::vector<OperationPart>& stored, AuthorId author, LivingScene& living,
+                       ModelInForce& model) {
+  OperationLogs logs(author);
+  for (const OperationPart& part : stored) {
+    auto operations = logs.restore(part);
+    assert(operations);  // who gives a peer a log has read it
+    for (Operation& operation : *operations) living.add(std::move(operation));
+  }
+  for (const LogLength& log : logs.lengths()) assert(logs.whole(log.author) == log.bytes);
+  if (const auto change = living.apply(SimTime::max(), SimTime::max()); change && change->scene) {
+    model.replace(edited(*model, change->scene));
+  }
+  return logs;
+}
+
+// The stamp of the last operation that is stored; min(): there is none.
+SimTime last_stamp_of(const OperationLogs& logs) {
+  SimTime last = SimTime::min();
+  for (const LogLength& log : logs.lengths()) last = std::max(last, logs.last_stamp(log.author));
+  return last;
+}
+
+// Those that the scene still has.
+std::vector<OwnedObject> existing(const std::vector<OwnedObject>& objects, const Scene& scene) {
+  std::vector<OwnedObject> all = objects;
+  std::erase_if(all, [&](const OwnedObject& each) { return !scene.contains(each.object); });
+  return all;
+}
+
 // Returns where the scene places the object, in the frame of its carrier.
 Pose place_in(const WorldModel& model, ObjectId object) {
   const auto carrier = model.carrier_of(object);
@@ -36,19 +72,19 @@ Pose place_in(const WorldModel& model, ObjectId object) {
 }  // namespace
 
 PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
-    : config(std::move(peer_config)),
+    : config(without_log(peer_config)),
       model(world_model),
+      author(config.author.value_or(author_of(config.id, config.incarnation))),
+      living(*world_model.scene),
+      logs(restored(peer_config.log, author, living, model)),
       ticks(config.tick_hz),
       outbox(config.id, config.incarnation, counters),
       members(config.lost_after),
       admission(config, members, outbox),
       time(config, members, outbox, counters),
       greeter(config, members),
-      author(author_of(config.id, config.incarnation)),
-      logs(author),
       exchange(logs, config.id, author, mixed_bits(author.value)),
-      living(*model->scene),
-      own(model, config.owned, config.policy.surface_error),
+      own(model, existing(config.owned, *model->scene), config.policy.surface_error),
       scene(model),
       replica(model),
       scripted(model),
@@ -63,6 +99,8 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
       decisions(config, model, members, owners, scene, own, replica, ticks, outbox, counters,
                 [this](ObjectId object, PeerId by, SimTime contact) { give_scene_object(object, by, contact); }),
       publication(config, model, members, owners, own, launches, replica, regions, decisions, ticks, outbox, counters) {
+  counters.scene_changes += model.revision();
+  time.begin_behind(last_stamp_of(logs));
   for (const auto& [object, each] : std::as_const(own)) {
     owners.set(object, config.id);
     scene.remove(object);

@@ -37,6 +37,10 @@ struct PeerParts {
 
   const PeerConfig config;
   ModelInForce model;
+  // The operations that all peers have made, and what they make of the scene. The model begins with what is stored.
+  const AuthorId author;  // of this peer's own
+  LivingScene living;
+  OperationLogs logs;
   PeerCounters counters;
   TickGrid ticks;
   Outbox outbox;
@@ -46,11 +50,7 @@ struct PeerParts {
   SessionTime time;
   WorldTime world_time;
   Greeter greeter;
-  // The operations that all peers have made, and what they make of the scene.
-  const AuthorId author;  // of this peer's own
-  OperationLogs logs;
-  OperationExchange exchange;
-  LivingScene living;
+  OperationExchange exchange;  // of the logs
   // The world, as far as this peer knows it.
   Owners owners;
   OwnObjects own;

@@ -70,7 +70,8 @@ void SessionKeeper::own_as_founder() {
   assert(!p_.replica.begun());
   std::vector<OwnedObject> taken;
   for (const OwnedObject& each : p_.config.owned_by_founder) {
-    if (p_.owners.of(each.object) == kNobody) taken.push_back(each);
+    const bool exists = p_.model->scene->contains(each.object);  // an operation of the store may have removed it
+    if (exists && p_.owners.of(each.object) == kNobody) taken.push_back(each);
   }
   if (taken.empty()) return;
   p_.own.add(taken);

@@ -168,8 +168,8 @@ void print_key(const Json& reply) {
 constexpr std::chrono::seconds kHeldWithin{10};
 constexpr std::chrono::milliseconds kAskedEvery{20};
 
-// Waits until the operation of the reply has taken effect and, where somebody else is here, is held by another peer.
-// Returns the last word on it.
+// Waits until the operation of the reply has taken effect and is stored, or held by another peer; where nobody else is
+// here and the peer has no store, there is nothing to wait for. Returns the last word on it.
 Result<Json> await_operation(const std::filesystem::path& socket, const Json& edit) {
   Json request{{"do", "operation"}};
   request.update(edit.at("operation"));
@@ -179,7 +179,8 @@ Result<Json> await_operation(const std::filesystem::path& socket, const Json& ed
     if (!line) return std::unexpected(line.error());
     auto state = read_reply(socket, *line);
     if (!state) return state;
-    const bool safe = state->at("held").get<bool>() || state->at("alone").get<bool>();
+    const bool nowhere_else = state->at("alone").get<bool>() && !state->value("stores", false);
+    const bool safe = state->at("held").get<bool>() || state->value("stored", false) || nowhere_else;
     if ((state->at("applied").get<bool>() && safe) || !state->at("done").get<bool>() ||
         std::chrono::steady_clock::now() > give_up)
       return state;
@@ -195,7 +196,9 @@ void print_edit(const Json& reply) {
   }
   const Json& id = reply.at("operation");
   const char* const state = !reply.at("applied").get<bool>() ? "has not taken effect yet"
+                            : reply.value("stored", false)   ? "done, and stored"
                             : reply.at("held").get<bool>()   ? "done, and held by another peer"
+                            : reply.value("stores", false)   ? "done, but neither stored nor held by another peer"
                             : reply.at("alone").get<bool>()  ? "done, and held by this peer alone: no other is here"
                                                              : "done, but no other peer says that it holds it";
   std::cout << fmt::format("{}: operation {}:{}, {}\n", edit, id.at("author").get<std::uint64_t>(),

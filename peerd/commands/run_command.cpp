@@ -3,6 +3,7 @@
 #include <chrono>
 #include <iostream>
 #include <random>
+#include <string>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
@@ -22,6 +23,8 @@
 #include "peerd/os/host_clock.hpp"
 #include "peerd/os/udp_port.hpp"
 #include "peerd/record/capture.hpp"
+#include "peerd/store/operation_store.hpp"
+#include "peerd/store/store_folder.hpp"
 #include "peerd/transport/transport_options.hpp"
 
 namespace peerd {
@@ -160,6 +163,19 @@ void log_refused(const api::ControlServer* control, const feed::UdpPort* poses, 
   }
 }
 
+void log_beginning(const config::PeerSettings& peer, const std::filesystem::path& world,
+                   const config::TransportSettings& settings, const net::OpenedTransport& reached, Log& log) {
+  log(spdlog::level::info, fmt::format("peer {} (id {}) in {}, {}", peer.name, peer.id, world.filename().string(),
+                                       reached.transport->describe()));
+  if (!reached.why_unicast.empty()) log(spdlog::level::warn, "no multicast: " + reached.why_unicast);
+  if (!reached.why_only_here.empty()) {
+    log(spdlog::level::warn, "reaches this computer only, over " + reached.why_only_here + "; peerd doctor says more");
+  }
+  if (const std::string less = buffer_warning(settings, reached.transport->receive_buffer_bytes()); !less.empty()) {
+    log(spdlog::level::warn, less);
+  }
+}
+
 void log_totals(const PeerNode& node, const PeerLog& record, const net::Transport& transport, const Daemon& daemon,
                 Log& log) {
   const net::ForwardTime& forward = daemon.forward();
@@ -199,6 +215,45 @@ std::unique_ptr<CacheWarmer> open_cache_warmer(const config::RunSettings& run, L
   if (cache_warmer) return *std::move(cache_warmer);
   log(spdlog::level::warn, "polls without cache warming: " + cache_warmer.error().sentence);
   return nullptr;
+}
+
+struct OpenedStore {
+  std::unique_ptr<store::OperationStore> store;  // null: there is none
+  std::vector<LogLine> lines;                    // what a person should know
+};
+
+std::string store_line(const store::OperationStore& store, const std::filesystem::path& folder) {
+  std::uint64_t operations = 0;
+  for (const store::StoredLog& log : store.logs()) operations += log.operations;
+  return fmt::format("the store {} has {} of {}; this peer is author {}", folder.string(),
+                     counted(operations, "operation"), counted(store.logs().size(), "author"), store.author().value);
+}
+
+// Nobody has asked for the store of a peer that has one by default: where it can't be made, the peer runs without.
+Result<OpenedStore> open_store(const StoreOptions& options, std::uint64_t genesis, const std::string& peer) {
+  OpenedStore opened;
+  const bool by_default = !options.folder && options.by_default;
+  const auto folder = by_default ? store::default_folder(genesis, peer) : options.folder;
+  if (by_default && !folder) {
+    opened.lines.push_back({LogLevel::kWarning, "runs without a store: this user has no home; say --store DIR"});
+  }
+  if (!folder || folder->empty()) return opened;
+  if (options.fresh) {
+    const auto aside = store::put_aside(*folder);
+    if (!aside) return std::unexpected(aside.error());
+    if (*aside) opened.lines.push_back({LogLevel::kInfo, "the store before is now " + (*aside)->string()});
+  }
+  std::random_device random;
+  std::uniform_int_distribution<std::uint32_t> authors(1, replication::kAuthorMax);
+  auto store = store::OperationStore::open(*folder, genesis, replication::AuthorId{authors(random)});
+  if (!store && by_default && !store::OperationStore::exists(*folder)) {
+    opened.lines.push_back({LogLevel::kWarning, "runs without a store: " + store.error().text});
+    return opened;
+  }
+  if (!store) return std::unexpected(store.error());
+  opened.store = *std::move(store);
+  opened.lines.push_back({LogLevel::kInfo, store_line(*opened.store, *folder)});
+  return opened;
 }
 
 PeerNode::Options node_options_of(const PeerOptions& options, const config::RunSettings& run,
@@ -243,9 +298,7 @@ int run_peer(const PeerOptions& options) {
   if (!objects) return failed(objects.error());
 
   const net::HostClock clock(from_seconds((*settings)->clock_offset_s));
-  const PeerNode::Options node_options = node_options_of(options, run, **settings, clock);
-  auto& own = (*objects)[static_cast<std::size_t>(*settings - run.peers.data())];
-  const auto node = PeerNode::make(**settings, run.replication, **shared, std::move(own), node_options);
+  PeerNode::Options node_options = node_options_of(options, run, **settings, clock);
 
   auto reach = transport_options(run.transport, random_key());
   if (!reach) return failed(reach.error());
@@ -256,6 +309,17 @@ int run_peer(const PeerOptions& options) {
   if (!reached) return failed(input_error(reached.error()));
   const auto& transport = reached->transport;
 
+  const auto opened = open_store(options.store, (*shared)->world.hash, (*settings)->name);
+  if (!opened) return failed(opened.error());
+  if (const auto& store = opened->store) {
+    node_options.author = store->author();
+    node_options.log = store->take_log();
+    node_options.stores = true;
+  }
+  auto& own = (*objects)[static_cast<std::size_t>(*settings - run.peers.data())];
+  const auto node = PeerNode::make(**settings, run.replication, **shared, std::move(own), node_options);
+  node_options.log = {};  // the peer has it
+
   if (!options.record.empty()) {  // an error shows before the run and not after it
     if (const auto saved = save(node->log(), options.record); !saved) return failed(saved.error());
   }
@@ -265,16 +329,9 @@ int run_peer(const PeerOptions& options) {
   if (!capture) return failed(capture.error());
 
   Log log((*settings)->name, options.json, options.verbose);
-  log(spdlog::level::info, fmt::format("peer {} (id {}) in {}, {}", (*settings)->name, (*settings)->id,
-                                       scenario->world.filename().string(), transport->describe()));
-  if (!reached->why_unicast.empty()) log(spdlog::level::warn, "no multicast: " + reached->why_unicast);
-  if (!reached->why_only_here.empty()) {
-    log(spdlog::level::warn, "reaches this computer only, over " + reached->why_only_here + "; peerd doctor says more");
-  }
-  if (const std::string less = buffer_warning(run.transport, transport->receive_buffer_bytes()); !less.empty()) {
-    log(spdlog::level::warn, less);
-  }
+  log_beginning(**settings, scenario->world, run.transport, *reached, log);
   for (const std::string& line : (*shared)->findings()) log(spdlog::level::warn, line);
+  for (const LogLine& line : opened->lines) log(line);
 
   const auto cache_warmer = open_cache_warmer(run, log);
   Daemon daemon(
@@ -284,6 +341,7 @@ int run_peer(const PeerOptions& options) {
   if (!options.take_over) {
     daemon.ask_first({PeerId{(*settings)->id}, node_options.incarnation, session_hash});
   }
+  if (opened->store) daemon.keep(*opened->store);
   daemon.busy_poll(std::chrono::microseconds(run.transport.busy_poll_us), cache_warmer.get());
   auto control = open_control(io, control_place(options, run.control, **settings, log), daemon, log);
   if (!control) return failed(control.error());

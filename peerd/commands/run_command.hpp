@@ -6,13 +6,21 @@
 
 namespace peerd {
 
+// Where a peer keeps the edits of the world.
+struct StoreOptions {
+  std::optional<std::filesystem::path> folder;  // of --store; empty: no store
+  bool by_default = false;                      // without `folder`, a peer has one in its user's own folders
+  bool fresh = false;                           // what is there is put aside
+};
+
 struct PeerOptions {
   std::filesystem::path config;                 // a scenario file; one of its peers is run
   std::vector<std::filesystem::path> overlays;  // merged over it, in order
   std::vector<std::string> sets;
-  std::string peer;                    // one of the configuration's peers; empty: the only one
-  std::filesystem::path record;        // file for the peer's log; empty: none
-  std::filesystem::path capture;       // file for the peer's capture (record/capture.hpp); empty: none
+  std::string peer;               // one of the configuration's peers; empty: the only one
+  std::filesystem::path record;   // file for the peer's log; empty: none
+  std::filesystem::path capture;  // file for the peer's capture (record/capture.hpp); empty: none
+  StoreOptions store;
   std::optional<std::string> control;  // path of the control socket, of --control; empty: none
   bool take_over = false;              // do not ask whether this peer is running already
   bool once = false;                   // leave when the scenario's duration is over

@@ -222,6 +222,8 @@ ordered_json operation_reply(const PeerNode& node, replication::OperationId id) 
   reply["operation"] = {{"author", id.author.value}, {"number", id.number}};
   reply["applied"] = state.applied;
   reply["held"] = state.held;
+  reply["stored"] = state.stored;
+  reply["stores"] = node.stores();
   reply["alone"] = node.peer().members().all().empty();
   reply["done"] = state.refused.empty();
   if (!state.refused.empty()) reply["refused"] = state.refused;

@@ -208,6 +208,7 @@ void Daemon::wake() {
   }
   if (over_) return;
   const HostTime now = this->now();
+  if (now >= store_due_ && !store_growth()) return stop();
   if (now >= system_due_) {
     read_os_clock_into_node(now);
     follow_interface();
@@ -257,6 +258,7 @@ void Daemon::leave() {
   if (capture_) capture_->on_leave(at);
   node_.leave(at);
   drain();
+  (void)store_growth();
   stop();
 }
 
@@ -268,7 +270,16 @@ void Daemon::stop() {
 void Daemon::drain() {
   if (question_) return;                    // nothing leaves before the peer has begun
   std::vector<replication::Output> change;  // logged after the datagrams have left, because the log may be slow
+  bool own_grown = false;
   while (auto out = node_.poll_output()) {
+    if (const auto* grown = std::get_if<replication::LogGrown>(&*out)) {
+      if (store_ != nullptr) own_grown |= note_growth(*grown);
+      continue;
+    }
+    if (own_grown && std::holds_alternative<replication::Send>(*out)) {
+      if (!store_growth()) return stop();
+      own_grown = false;
+    }
     if (!logs_updates_ && std::holds_alternative<replication::Published>(*out)) continue;
     if (auto* send = std::get_if<replication::Send>(&*out)) {
       if (capture_) capture_->on_send(send->region, send->datagram);
@@ -283,6 +294,7 @@ void Daemon::drain() {
     }
     change.push_back(*std::move(out));
   }
+  if (own_grown && !store_growth()) return stop();
   transport_.flush();
   for (const replication::Output& out : change) {
     const auto* in_use = std::get_if<replication::IdInUse>(&out);
@@ -298,6 +310,39 @@ void Daemon::drain() {
   while (const auto edit = node_.poll_edit_report()) log_(describe(*edit));
   while (const auto notice = node_.poll_feed_notice()) log_(describe(*notice));
   if (capture_) keep_capture();
+}
+
+// Returns whether it is of this peer's own log.
+bool Daemon::note_growth(const replication::LogGrown& grown) {
+  assert(store_ != nullptr);
+  unstored_.push_back(grown);
+  if (grown.range.author == store_->author()) return true;
+  store_due_ = std::min(store_due_, clock_.now() + kStoredWithin);
+  return false;
+}
+
+bool Daemon::store_growth() {
+  store_due_ = HostTime::max();
+  if (store_ == nullptr || unstored_.empty()) return true;
+  std::vector<replication::OperationPart> parts;
+  for (const replication::LogGrown& grown : unstored_) {
+    const auto bytes = node_.peer().log_bytes(grown.range);
+    assert(bytes.size() == grown.range.to - grown.range.from);
+    parts.push_back({grown.range.author, grown.range.from, {bytes.begin(), bytes.end()}});
+  }
+  if (const auto stored = store_->append(parts); !stored) {
+    node_.note_store_failed();
+    if (store_->must_stop()) exit_code_ = kEnvironment;
+    if (!std::exchange(store_fails_, true) || store_->must_stop()) log_({LogLevel::kError, stored.error().text});
+    store_due_ = clock_.now() + kStoreTriedAgainAfter;
+    return !store_->must_stop();
+  }
+  if (std::exchange(store_fails_, false)) log_({LogLevel::kInfo, "the store can be written again, and has all"});
+  for (const replication::LogGrown& grown : unstored_) {
+    if (grown.range.author == store_->author()) node_.note_stored(grown.last);
+  }
+  unstored_.clear();
+  return true;
 }
 
 // Runs after each input, so that a process that is killed leaves a capture of everything that it did. A peer whose

@@ -16,7 +16,9 @@
 #include "peerd/os/forward_time.hpp"
 #include "peerd/os/host_clock.hpp"
 #include "peerd/record/capture.hpp"
+#include "peerd/store/operation_store.hpp"
 #include "peerd/transport/transport.hpp"
+#include "replication/output/output.hpp"
 #include "replication/session/identity.hpp"
 
 namespace peerd {
@@ -60,6 +62,13 @@ class Daemon {
   // afterwards.
   void on_received(std::function<void()> handler) { received_handler_ = std::move(handler); }
 
+  // What LogGrown says goes to the store from now on: this peer's own operations before anything of them leaves,
+  // others' within kStoredWithin. Where that fails the peer goes on without, and tries again kStoreTriedAgainAfter, or
+  // with what follows sooner.
+  void keep(store::OperationStore& store) { store_ = &store; }
+  static constexpr Duration kStoredWithin = std::chrono::milliseconds(100);
+  static constexpr Duration kStoreTriedAgainAfter = std::chrono::seconds(1);
+
   // Before it takes part in the session, the daemon asks for kIdentityIsAskedFor whether a peer of its identity is
   // alive already; where one answers, it ends with exit code 3.
   void ask_first(const replication::IdentityQuestion& question) { question_ = question; }
@@ -86,6 +95,9 @@ class Daemon {
   void stop();
   void drain();
   void keep_capture();
+  [[nodiscard]] bool note_growth(const replication::LogGrown& grown);
+  // Writes what has grown. False: this peer must not go on.
+  [[nodiscard]] bool store_growth();
   void check(const std::expected<void, net::NetError>& done);
 
   boost::asio::io_context& io_;
@@ -97,7 +109,11 @@ class Daemon {
   Log log_;
   std::optional<Duration> leave_after_;
   std::optional<replication::IdentityQuestion> question_;  // is being asked: the peer has not begun
-  record::CaptureWriter* capture_;                         // null: none, or it has failed
+  store::OperationStore* store_ = nullptr;                 // null: none
+  std::vector<replication::LogGrown> unstored_;            // in order
+  HostTime store_due_ = HostTime::max();                   // of what is unstored
+  bool store_fails_ = false;
+  record::CaptureWriter* capture_;  // null: none, or it has failed
   std::function<void()> received_handler_;
   net::ForwardTime forward_;
   TickLateness lateness_;

@@ -89,6 +89,7 @@ constexpr std::array kTexts{
     CounterText{"scene_changes", "how often edits changed the scene"},
     CounterText{"sights_lost", "objects no longer received"},
     CounterText{"states_out_of_range", "own states beyond what an update can say, sent as rest"},
+    CounterText{"store_failures", "times that the store could not be written"},
     CounterText{"ticks", "ticks run"},
     CounterText{"ticks_missed", "ticks left out for want of time"},
     CounterText{"time_sensors_stopped", "TimeSensors stopped: they start each other without end"},

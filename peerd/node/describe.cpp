@@ -146,6 +146,7 @@ struct LineOf {
     return LogLine{LogLevel::kInfo,
                    fmt::format("operation {}:{} is refused: {}", r.request.author.value, r.request.number, r.reason)};
   }
+  Line operator()(const LogGrown&) const { return std::nullopt; }
   Line operator()(const Published& p) const {
     return LogLine{LogLevel::kDebug, fmt::format("update of {}: {}, threshold {} m", path_or_id(scene, p.object),
                                                  to_string(p.reason), p.threshold_m)};

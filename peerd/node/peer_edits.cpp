@@ -7,7 +7,9 @@
 namespace peerd {
 
 void PeerEdits::note(const EditReport& report) {
-  if (report.operation) operations_.try_emplace(*report.operation, OperationState{report.edit, false, false, {}, {}});
+  if (report.operation) {
+    operations_.try_emplace(*report.operation, OperationState{report.edit, false, false, false, {}, {}});
+  }
   reports_.push_back(report);
 }
 
@@ -58,6 +60,14 @@ std::optional<HostTime> PeerEdits::next_give_up() const {
     next = next ? std::min(*next, at) : at;
   }
   return next;
+}
+
+void PeerEdits::note_stored(replication::OperationId last) {
+  for (auto after = operations_.upper_bound(last); after != operations_.begin();) {
+    OperationState& state = (--after)->second;
+    if (after->first.author != last.author || state.stored) return;
+    state.stored = true;
+  }
 }
 
 const OperationState* PeerEdits::find(replication::OperationId id) const {

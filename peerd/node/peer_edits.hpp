@@ -21,6 +21,7 @@ struct OperationState {
   config::SceneEdit edit;
   bool applied = false;  // it has taken effect
   bool held = false;     // another peer has it
+  bool stored = false;   // this peer's store has it
   std::string refused;   // why it changes nothing, where it does not
   // For an object that another peer owned when this one asked for it: which, and when the peer gives up.
   std::optional<std::pair<ObjectId, HostTime>> asks{};
@@ -45,6 +46,8 @@ class PeerEdits {
   // Gives up what has not been answered.
   void give_up(HostTime now);
   [[nodiscard]] std::optional<HostTime> next_give_up() const;
+  // This peer's store has that operation, and all before it.
+  void note_stored(replication::OperationId last);
   [[nodiscard]] const OperationState* find(replication::OperationId id) const;
   // The next edit that was asked for, or that was found to change nothing.
   [[nodiscard]] std::optional<EditReport> poll();

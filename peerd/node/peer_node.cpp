@@ -96,6 +96,8 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
   config.id = PeerId{settings.id};
   config.name = settings.name;
   config.incarnation = options.incarnation;
+  config.author = options.author;
+  config.log = std::move(options.log);
   config.world_hash = replication.regions.session_hash(shared.world.hash);
   config.policy = replication.policy;
   config.convergence = replication.convergence;
@@ -136,6 +138,7 @@ PeerNode::PeerNode(replication::PeerConfig config, const SharedWorld& shared, co
       key_sensors_(shared.world.scene),
       keys_(std::move(keys)),
       edits_(std::move(edits)) {
+  config_.log = {};  // the peer has it
   log_.peer = config_.id;
   log_.name = config_.name;
 }
@@ -559,6 +562,7 @@ const PeerLog& PeerNode::log() {
     n["key_changes"] = key_changes_;
     n["key_changes_refused"] = key_changes_refused_;
   }
+  if (store_failures_ > 0) n["store_failures"] = store_failures_;
   feeds_.count(n);
   if (config_.regions.cell_m > 0.0) {
     n["regions_joined"] = c.regions_joined;

@@ -49,7 +49,11 @@ class PeerNode {
     Duration clock_offset{0};  // test setting: how far this host's clock is ahead of the shared clock
     bool keep_log = true;
     std::uint32_t sample_hz = 60;  // rate of the ghosts' samples in the log, independent of the tick rate
-    LogRows* rows = nullptr;       // what takes the log's samples, updates and datagrams; null: the log keeps them
+    // What this peer has a store for, and what that holds: PeerConfig. `stores`: somebody writes what LogGrown says.
+    std::optional<replication::AuthorId> author{};
+    std::vector<replication::OperationPart> log{};
+    bool stores = false;
+    LogRows* rows = nullptr;  // what takes the log's samples, updates and datagrams; null: the log keeps them
   };
 
   // `objects` are the resolved objects of `settings`.
@@ -68,6 +72,11 @@ class PeerNode {
   EditReport edit(HostTime now, const config::SceneEdit& edit);
   // Returns what has become of an operation of this peer so far; null: it is none.
   [[nodiscard]] const OperationState* operation(replication::OperationId id) const { return edits_.find(id); }
+  // The store has that operation of this peer, and all before it.
+  void note_stored(replication::OperationId last) { edits_.note_stored(last); }
+  // The store could not be written: nothing of what has been made since is said to be stored.
+  void note_store_failed() { ++store_failures_; }
+  [[nodiscard]] bool stores() const { return options_.stores; }
   // An external program sends poses of the objects that it moves. An update of each object whose ghost is beyond its
   // threshold leaves at once. Unix time + `host_minus_wall` is the time of this host.
   feed::Outcome on_poses(HostTime now, Duration host_minus_wall, std::span<const feed::FedPose> poses);
@@ -146,6 +155,7 @@ class PeerNode {
   PeerEdits edits_;
   std::set<ObjectId> held_;                             // objects that are not given to whoever asks
   std::vector<replication::ObjectRequested> requests_;  // that have come since the last tick
+  std::uint64_t store_failures_ = 0;
   std::uint64_t keys_pressed_ = 0, keys_unhandled_ = 0, key_changes_ = 0, key_changes_refused_ = 0;
 };
 

@@ -170,6 +170,11 @@ std::uint64_t OperationLogs::length(AuthorId author) const {
   return log == nullptr ? 0 : log->bytes.size();
 }
 
+std::uint64_t OperationLogs::whole(AuthorId author) const {
+  const Log* log = find(author);
+  return log == nullptr ? 0 : log->whole;
+}
+
 OperationId OperationLogs::last(AuthorId author) const {
   const Log* log = find(author);
   return {author, log == nullptr ? 0 : log->last_number};

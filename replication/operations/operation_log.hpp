@@ -45,6 +45,8 @@ class OperationLogs {
   [[nodiscard]] std::vector<LogLength> lengths() const;
   [[nodiscard]] std::uint64_t length(AuthorId author) const;
   [[nodiscard]] bool empty() const { return logs_.empty(); }
+  // So many of these bytes are whole operations.
+  [[nodiscard]] std::uint64_t whole(AuthorId author) const;
   // The number of the last whole operation of a log, and its stamp; 0 and SimTime{} before the first.
   [[nodiscard]] OperationId last(AuthorId author) const;
   [[nodiscard]] SimTime last_stamp(AuthorId author) const;

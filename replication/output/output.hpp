@@ -116,6 +116,12 @@ struct RequestRefused {
   OperationId request;
   std::string reason;
 };
+// A log, this peer's own or another author's, has grown by whole operations: Peer::log_bytes() has them. It comes
+// before whatever this peer sends of them, so that a driver with a store writes them before anybody can have them.
+struct LogGrown {
+  OperationRange range;
+  OperationId last;  // the last operation in it
+};
 struct Published {
   SimTime at;
   ObjectId object;
@@ -140,9 +146,10 @@ struct ContactSeen {
   ContactEvent contact;
   SimTime known_at;
 };
-using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined,
-                            PeerLost, ObjectOrphaned, OtherVersion, OtherWorld, IdInUse, NameInUse, OwnershipConflict,
-                            FounderGaveWay, SceneEdited, OperationHeld, ObjectGiven, ObjectRequested, RequestRefused,
-                            Published, ContactSeen, Overruled, ContactsRetracted, BodiesOverlap, NotColliding>;
+using Output =
+    std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined, PeerLost,
+                 ObjectOrphaned, OtherVersion, OtherWorld, IdInUse, NameInUse, OwnershipConflict, FounderGaveWay,
+                 SceneEdited, OperationHeld, ObjectGiven, ObjectRequested, RequestRefused, LogGrown, Published,
+                 ContactSeen, Overruled, ContactsRetracted, BodiesOverlap, NotColliding>;
 
 }  // namespace peerd::replication

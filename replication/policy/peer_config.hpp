@@ -12,6 +12,7 @@
 #include "replication/motion/convergence.hpp"
 #include "replication/policy/publish_policy.hpp"
 #include "replication/wire/decision_policy.hpp"
+#include "replication/wire/operation.hpp"
 #include "replication/wire/wire.hpp"
 
 namespace peerd::replication {
@@ -78,6 +79,11 @@ struct PeerConfig {
   std::string name;
   std::uint64_t incarnation = 1;  // must grow from one start of this peer to the next
   std::uint64_t world_hash = 0;   // peers with another world are ignored, and reported once
+  // Who writes this peer's operations: the author of its store. None: an author of this start alone.
+  std::optional<AuthorId> author;
+  // What a store holds of the logs of all authors, whole operations, each log from its beginning and in order. The peer
+  // begins with the scene that these make.
+  std::vector<OperationPart> log;
   std::vector<OwnedObject> owned;
   // Objects that the world's file gives to the founder of the session: this peer owns them from when it founds one. A
   // peer that owns such an object by its `owned` comes before a founder.

@@ -22,6 +22,9 @@ std::optional<ObjectId> meaning(const std::vector<Name>& names, std::string_view
   return name == names.end() ? std::nullopt : std::optional(name->second);
 }
 
+// No value has more nodes.
+constexpr std::uint32_t kOfRefusedValue = ReadLimits{}.nodes;
+
 }  // namespace
 
 LivingScene::LivingScene(const Scene& file) : file_(std::shared_ptr<void>(), &file), now_{file_, {}} {}
@@ -29,11 +32,18 @@ LivingScene::LivingScene(const Scene& file) : file_(std::shared_ptr<void>(), &fi
 bool LivingScene::add(Operation operation) {
   assert(operation.id.author != kNoAuthor);
   const auto [at, is_new] =
-      entries_.try_emplace({operation.stamp, operation.id}, Entry{std::move(operation.body), false, {}});
+      entries_.try_emplace({operation.stamp, operation.id}, Entry{std::move(operation.body), false, {}, {}});
   if (!is_new) return false;
   due_.insert(at->first);
   with_all_.reset();
   return true;
+}
+
+ReadOptions LivingScene::reading() const {
+  ReadOptions options;
+  options.name = "operation";
+  options.tessellation = file_->tessellation;
+  return options;
 }
 
 std::expected<LivingScene::UsedIds, std::string> LivingScene::apply_to(Editing& editing, const OperationBody& body,
@@ -74,12 +84,9 @@ std::expected<LivingScene::UsedIds, std::string> LivingScene::edit(SceneEditor& 
   };
   return std::visit(
       Overloaded{[&](const AddNodes& add) {
-                   ReadOptions reading;
-                   reading.name = "operation";
-                   reading.tessellation = file_->tessellation;
                    const SceneEditor::FirstIds first{ObjectId(add.first_object, author.value),
                                                      NodeId(add.first_node, author.value)};
-                   const auto added = editor.add(add.text, {add.parent, add.before}, first, reading, find);
+                   const auto added = editor.add(add.text, {add.parent, add.before}, first, reading(), find);
                    return added ? Result(UsedIds{added->objects, added->nodes}) : Result(std::unexpect, added.error());
                  },
                  [&](const RemoveObject& remove) { return done(editor.remove(remove.object)); },
@@ -111,33 +118,33 @@ std::expected<LivingScene::State, std::string> LivingScene::finish(Editing editi
 
 LivingScene::Applied LivingScene::applied(const State& base, std::span<const Entries::const_iterator> entries) const {
   Applied all{base, {}};
-  while (all.refused.size() < entries.size()) apply_run(entries.subspan(all.refused.size()), all);
+  while (all.effects.size() < entries.size()) apply_run(entries.subspan(all.effects.size()), all);
   return all;
 }
 
 void LivingScene::apply_run(std::span<const Entries::const_iterator> entries, Applied& all) const {
   Editing editing{all.state};
-  std::vector<std::string> refused;
-  while (refused.size() < entries.size() && !(editing.scene && editing.scene->may_fail())) {
-    const auto at = entries[refused.size()];
+  std::vector<Effect> effects;
+  while (effects.size() < entries.size() && !(editing.scene && editing.scene->may_fail())) {
+    const auto at = entries[effects.size()];
     const OperationBody& body = at->second.body;
     const auto* const add = std::get_if<AddNodes>(&body);
     const auto find = [&](std::string_view path) { return meaning(add->names, path); };
-    const auto result = apply_to(editing, body, at->first.second.author, add != nullptr ? Find(find) : Find());
-    refused.push_back(result ? std::string() : result.error());
+    const auto used = apply_to(editing, body, at->first.second.author, add != nullptr ? Find(find) : Find());
+    effects.push_back(used ? Effect{{}, *used} : Effect{used.error(), {}});
   }
-  if (std::ranges::any_of(refused, &std::string::empty)) {
+  if (std::ranges::any_of(effects, &std::string::empty, &Effect::refused)) {
     if (auto state = finish(std::move(editing))) {
       all.state = *std::move(state);
-    } else if (refused.size() == 1) {
-      refused[0] = state.error();
+    } else if (effects.size() == 1) {
+      effects[0].refused = state.error();
     } else {  // The last one makes something impossible: it is refused, and those before it are not.
-      const std::size_t last = refused.size() - 1;
+      const std::size_t last = effects.size() - 1;
       apply_run(entries.first(last), all);
       return apply_run(entries.subspan(last, 1), all);
     }
   }
-  std::ranges::move(refused, std::back_inserter(all.refused));
+  std::ranges::move(effects, std::back_inserter(all.effects));
 }
 
 LivingScene::Checkpoint LivingScene::checkpoint_before(const Key& key) const {
@@ -164,9 +171,11 @@ std::optional<LivingScene::Change> LivingScene::apply(SimTime until, SimTime kno
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const auto at = entries_.find(entries[i]->first);
     Entry& entry = at->second;
-    if (!entry.applied || entry.refused != next.refused[i])
-      change.outcomes.push_back({at->first.second, next.refused[i]});
-    entry = {std::move(entry.body), true, std::move(next.refused[i])};
+    Effect& effect = next.effects[i];
+    if (!entry.applied || entry.refused != effect.refused)
+      change.outcomes.push_back({at->first.second, effect.refused});
+    if (effect.refused.empty()) entry.used = effect.used;
+    entry = {std::move(entry.body), true, std::move(effect.refused), entry.used};
     due_.erase(at->first);
   }
   now_ = std::move(next.state);
@@ -211,6 +220,31 @@ std::expected<LivingScene::Draft, std::string> LivingScene::draft(OperationBody 
   names.erase(std::ranges::unique(names).begin(), names.end());
   if (auto* const add = std::get_if<AddNodes>(&body)) add->names = std::move(names);
   return Draft{std::move(body), used->objects, used->nodes};
+}
+
+// Where an operation has never done what it says here, its text is read by itself.
+LivingScene::NextIds LivingScene::next_ids(AuthorId author) const {
+  NextIds next;
+  for (const auto& [key, entry] : entries_) {
+    if (key.second.author != author) continue;
+    if (const auto* const add = std::get_if<AddNodes>(&entry.body)) {
+      const UsedIds used = entry.used ? *entry.used : ids_in(*add);
+      next.object = std::max(next.object, add->first_object + used.objects);
+      next.node = std::max(next.node, add->first_node + used.nodes);
+    } else if (const auto* const set = std::get_if<SetField>(&entry.body)) {
+      next.node = std::max(next.node, set->first_node + (entry.used ? entry.used->nodes : kOfRefusedValue));
+    }
+  }
+  return next;
+}
+
+LivingScene::UsedIds LivingScene::ids_in(const AddNodes& add) const {
+  ReadOptions options = reading();
+  options.around.find = [&](std::string_view path) { return meaning(add.names, path); };
+  const ReadResult text = read_world(add.text, options);
+  if (!text.scene) return {};
+  return {static_cast<std::uint32_t>(text.scene->instances.size()),
+          static_cast<std::uint32_t>(text.scene->document->nodes.size())};
 }
 
 SimTime LivingScene::last_stamp(SimTime until) const {

@@ -57,6 +57,13 @@ class LivingScene {
   };
   [[nodiscard]] std::expected<Draft, std::string> draft(OperationBody body, AuthorId author);
 
+  // The ids that the known operations of an author have used are below these, also those of operations that change
+  // nothing here, and have done what they say elsewhere.
+  struct NextIds {
+    std::uint32_t object = 0, node = 0;
+  };
+  [[nodiscard]] NextIds next_ids(AuthorId author) const;
+
   // The scene by the last apply(); at first that of the file.
   [[nodiscard]] const std::shared_ptr<const Scene>& scene() const { return now_.scene; }
   // The objects that operations have given to somebody, each with its owner; kNobody: the last owner has released it.
@@ -65,11 +72,17 @@ class LivingScene {
   [[nodiscard]] SimTime last_stamp(SimTime until) const;
 
  private:
+  // What a path means that names nothing in the text in which it stands.
+  using Find = std::function<std::optional<ObjectId>(std::string_view)>;
+  struct UsedIds {
+    std::uint32_t objects = 0, nodes = 0;
+  };
   using Key = std::pair<SimTime, OperationId>;
   struct Entry {
     OperationBody body;
     bool applied = false;
     std::string refused;
+    std::optional<UsedIds> used;  // none: it has been refused each time
   };
   using Entries = std::map<Key, Entry>;
   // What operations have made.
@@ -84,11 +97,9 @@ class LivingScene {
     std::size_t count = 0;  // of operations
   };
 
-  // What a path means that names nothing in the text in which it stands.
-  using Find = std::function<std::optional<ObjectId>(std::string_view)>;
-  struct UsedIds {
-    std::uint32_t objects = 0, nodes = 0;
-  };
+  [[nodiscard]] ReadOptions reading() const;
+  // The ids of the nodes of a text, wherever it stands.
+  [[nodiscard]] UsedIds ids_in(const AddNodes& add) const;
   // A State that is being made.
   struct Editing {
     State state;
@@ -102,10 +113,15 @@ class LivingScene {
                                                          AuthorId author, const Find& find) const;
   // The error says what the edits together make impossible.
   [[nodiscard]] static std::expected<State, std::string> finish(Editing editing);
-  // An Applied has what operations, in order, make of a state, and why those that change nothing do not.
+  // An Effect says what an operation does.
+  struct Effect {
+    std::string refused;  // why it changes nothing; empty: it does what it says
+    UsedIds used;
+  };
+  // An Applied has what operations, in order, make of a state, and what each of them does.
   struct Applied {
     State state;
-    std::vector<std::string> refused;
+    std::vector<Effect> effects;
   };
   [[nodiscard]] Applied applied(const State& base, std::span<const Entries::const_iterator> entries) const;
   // Applies the first of them by one editor: as many as cannot make what it cannot finish, and the next one. So the

@@ -17,8 +17,9 @@ static_assert(kStepBeyond > kFastBeyond);
 
 }  // namespace
 
-void SessionClock::lead(HostTime now) {
-  offset_ = has_time_ ? session_minus_host(now) : Duration{0};
+void SessionClock::lead(HostTime now, Duration ahead) {
+  assert(ahead >= Duration{0});
+  offset_ = has_time_ ? session_minus_host(now) : ahead;
   debt_ = Duration{0};
   adjusted_at_ = now;
   estimate_.reset();

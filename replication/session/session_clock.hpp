@@ -33,8 +33,9 @@ class SessionClock {
 
   // Whether session time is known.
   [[nodiscard]] bool synchronised() const { return leads_ || estimate_.has_value(); }
-  // This peer leads from now on: session time is at first its host's time, later the time that it has.
-  void lead(HostTime now);
+  // This peer leads from now on: session time is at first its host's time, `ahead` of it (>= 0), later the time that it
+  // has.
+  void lead(HostTime now, Duration ahead = Duration{0});
   // Follows another peer. After leading, time goes on unchanged for `steady`, so that the other peers know before it
   // is slewed.
   void follow(HostTime now, const Estimate& estimate, Duration steady);

@@ -18,6 +18,9 @@ constexpr std::uint64_t kExchangesToStart = 4;
 // session.
 constexpr int kIntroductionPatience = 3;
 
+// A clock goes back by less: a stamp that is farther ahead is of a clock that was wrong when it was made.
+constexpr Duration kBehindMax = std::chrono::hours(24 * 366);
+
 }  // namespace
 
 SessionTime::SessionTime(const PeerConfig& config, Membership& members, Outbox& outbox, PeerCounters& counters)
@@ -44,7 +47,9 @@ bool SessionTime::found_session(HostTime now) {
   for (const auto& [peer, member] : members_.all()) {
     if ((member.synchronised || peer < config_.id) && may_respond(now, member)) return false;
   }
-  clock_.lead(now);
+  const SimTime by_host{now.time_since_epoch()};
+  const bool is_ahead = behind_ >= by_host && behind_ < by_host + kBehindMax;
+  clock_.lead(now, is_ahead ? behind_ - by_host + Duration{1} : Duration{0});
   follows_ = config_.id;
   was_suspended_ = false;
   outbox_.push(Synchronised{config_.id, clock_.session_minus_host(now), Duration{0}});

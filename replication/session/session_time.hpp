@@ -28,6 +28,9 @@ class SessionTime {
   [[nodiscard]] const std::optional<OsClock>& os_clock() const { return os_clock_; }
   [[nodiscard]] std::optional<HostTime> started() const { return started_; }
 
+  // The session that this peer founds begins behind that time, where its host's clock is not there yet: operations that
+  // it has from an earlier session took effect by then.
+  void begin_behind(SimTime last) { behind_ = last; }
   // The first tick: this peer listens from now on. False where it has started before.
   bool start(HostTime now);
 
@@ -83,6 +86,7 @@ class SessionTime {
   std::optional<HostTime> started_;
   HostTime listening_since_{};  // since the start, or since this host was suspended
   std::optional<HostTime> called_at_;
+  SimTime behind_ = SimTime::min();
   bool was_suspended_ = false;  // since it had session time last
   std::optional<HostTime> unintroduced_peer_at_;
   std::optional<OsClock> os_clock_;

@@ -152,7 +152,7 @@ TEST_F(Control, PeersOfNoConfigurationHaveOneStartAndAWatcherBeginsNothing) {
   const std::string at_w = socket("w"), at_a = socket("a"), at_b = socket("b");
   Process w(folder, "w", PEERD_PROGRAM,
             {"run", "--world", kWorlds, "--name", "w", "--id", "1", "--interface", "lo", "--port",
-             std::to_string(own_port(15)), "--control", at_w});
+             std::to_string(own_port(15)), "--control", at_w, "--store", ""});
   ASSERT_TRUE(w.says("in session", 5)) << w.out() << w.err();
   EXPECT_TRUE(ask(at_w, "status")["world_time_s"].is_null());
   Process a = start_peer("a", 2, "RED", 15, {"--control", at_a});

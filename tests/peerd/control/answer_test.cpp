@@ -149,6 +149,8 @@ TEST_F(ControlAnswer, EditsTheScene) {
   const json state = ask(operation.dump());
   EXPECT_EQ(state["applied"], true);
   EXPECT_EQ(state["held"], false);
+  EXPECT_EQ(state["stored"], false);
+  EXPECT_EQ(state["stores"], false);
   EXPECT_EQ(state["alone"], true);
   EXPECT_EQ(node->scene().path_of(*node->scene().find("NEW")), "B/NEW");
   EXPECT_EQ(ask(R"({"do":"set","path":"A","field":"translation","value":"5 6 7"})")["done"], true);

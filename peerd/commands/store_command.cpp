@@ -1,0 +1,102 @@
+#include "peerd/commands/store_command.hpp"
+
+#include <cassert>
+#include <ostream>
+#include <utility>
+
+#include <spdlog/fmt/fmt.h>
+#include <nlohmann/json.hpp>
+
+#include "core/writer/writer.hpp"
+#include "peerd/commands/print.hpp"
+#include "peerd/commands/problems.hpp"
+#include "peerd/input/text_file.hpp"
+#include "peerd/store/operation_store.hpp"
+#include "replication/operations/operation_log.hpp"
+#include "replication/scene/living_scene.hpp"
+
+namespace peerd {
+namespace {
+
+using store::OperationStore;
+using store::StoredLog;
+
+double stamp_s(const StoredLog& log) { return to_seconds(log.last_stamp.time_since_epoch()); }
+
+nlohmann::ordered_json store_json(const StoreCheckOptions& options, const OperationStore& store) {
+  nlohmann::ordered_json logs = nlohmann::ordered_json::array();
+  std::uint64_t bytes = 0, operations = 0;
+  for (const StoredLog& log : store.logs()) {
+    logs.push_back({{"author", log.author.value},
+                    {"bytes", log.bytes},
+                    {"operations", log.operations},
+                    {"last_stamp_s", stamp_s(log)}});
+    bytes += log.bytes;
+    operations += log.operations;
+  }
+  const bool has_author = store.author() != replication::kNoAuthor;
+  return {{"store", options.folder.string()},
+          {"genesis", fmt::format("{:016x}", store.genesis())},
+          {"author", has_author ? nlohmann::ordered_json(store.author().value) : nlohmann::ordered_json(nullptr)},
+          {"bytes", bytes},
+          {"operations", operations},
+          {"logs", std::move(logs)}};
+}
+
+// What the operations of the store make of the scene.
+std::shared_ptr<const Scene> living_scene(const OperationStore& store, const Scene& file) {
+  replication::LivingScene living(file);
+  replication::OperationLogs logs;
+  for (const replication::OperationPart& part : store.log()) {
+    auto operations = logs.restore(part);
+    assert(operations);  // the store has read them
+    for (replication::Operation& operation : *operations) living.add(std::move(operation));
+  }
+  (void)living.apply(SimTime::max(), SimTime::max());
+  return living.scene();
+}
+
+}  // namespace
+
+int run_store_check(const StoreCheckOptions& options, std::ostream& out) {
+  const auto store = OperationStore::open(options.folder);
+  if (!store) return failed(store.error());
+  const nlohmann::ordered_json all = store_json(options, **store);
+  if (options.json) {
+    out << all.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
+    return 0;
+  }
+  out << fmt::format("{}: {} of {}, {}; of the world with the hash {}\n", options.folder.string(),
+                     counted(all.at("operations").get<std::uint64_t>(), "operation"),
+                     counted((*store)->logs().size(), "author"), counted(all.at("bytes").get<std::uint64_t>(), "byte"),
+                     all.at("genesis").get<std::string>());
+  for (const StoredLog& log : (*store)->logs()) {
+    const bool own = log.author == (*store)->author();
+    out << fmt::format("author {}{}: {}, {}, the last of session time {:.3f} s\n", log.author.value,
+                       own ? ", this store's own" : "", counted(std::uint64_t{log.operations}, "operation"),
+                       counted(log.bytes, "byte"), stamp_s(log));
+  }
+  return 0;
+}
+
+int run_store_export(const StoreExportOptions& options, std::ostream& out) {
+  const auto world = config::load_world(options.world, options.reading);
+  if (!world) return failed(world.error());
+  const auto store = OperationStore::open(options.folder);
+  if (!store) return failed(store.error());
+  if ((*store)->genesis() != world->hash) {
+    return failed({fmt::format("error: the store {} is of another world: that of the hash {:016x}, and {} has {:016x}",
+                               options.folder.string(), (*store)->genesis(), options.world.string(), world->hash),
+                   2});
+  }
+  const auto written = write_world(*living_scene(**store, world->scene));
+  if (!written) return failed({"error: " + written.error(), 1});
+  if (options.file.empty()) {
+    out << written->text;
+    return 0;
+  }
+  const auto saved = write_text_file(options.file, written->text);
+  return saved ? 0 : failed(saved.error());
+}
+
+}  // namespace peerd

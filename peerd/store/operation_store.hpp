@@ -1,0 +1,85 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/time.hpp"
+#include "peerd/input/input_error.hpp"
+#include "peerd/store/database.hpp"
+#include "replication/wire/operation.hpp"
+
+namespace peerd::store {
+
+// What a store has of one log.
+struct StoredLog {
+  replication::AuthorId author;
+  std::uint64_t bytes = 0;
+  std::uint32_t operations = 0;
+  SimTime last_stamp{};
+};
+
+// The operations of a world, on a disk: a folder with the file operations.sqlite, and in the file `author` the author
+// whose log its peer writes. One process at a time has it.
+//
+// The store never begins anew by itself: what is there and cannot be read whole is an error, and stays as it is.
+class OperationStore {
+ public:
+  static constexpr std::int64_t kFormat = 1;
+
+  // Opens the store of a world in the folder, and makes it where there is none. `genesis`: the hash of the world's
+  // file; `fresh`: the author of the log that a new store begins. All that it holds is read and checked.
+  [[nodiscard]] static Result<std::unique_ptr<OperationStore>> open(const std::filesystem::path& folder,
+                                                                    std::uint64_t genesis, replication::AuthorId fresh);
+  // Opens the store that is there, of whichever world.
+  [[nodiscard]] static Result<std::unique_ptr<OperationStore>> open(const std::filesystem::path& folder);
+
+  // Whether there is a store, be it damaged.
+  [[nodiscard]] static bool exists(const std::filesystem::path& folder);
+  // Whether there is a store that another process has open now.
+  [[nodiscard]] static bool is_in_use(const std::filesystem::path& folder);
+
+  [[nodiscard]] std::uint64_t genesis() const { return genesis_; }
+  // Who writes on in this store; nobody: the next peer begins a log of its own.
+  [[nodiscard]] replication::AuthorId author() const { return author_; }
+  // What was held when it was opened: whole operations, by author and in order.
+  [[nodiscard]] const std::vector<replication::OperationPart>& log() const { return log_; }
+  // The same, for somebody who keeps it: log() is empty afterwards.
+  [[nodiscard]] std::vector<replication::OperationPart> take_log() { return std::exchange(log_, {}); }
+  [[nodiscard]] const std::vector<StoredLog>& logs() const { return logs_; }
+
+  // Adds parts, each of which begins where its log ends and is of whole operations, in one transaction: all of them are
+  // on the disk when it returns, or none. Where that fails, the author of this store writes no more in its next life
+  // (what it has published might be missing here) unless a later call succeeds, with these parts first.
+  [[nodiscard]] Result<void> append(std::span<const replication::OperationPart> parts);
+  // Whether the last append() has failed, and not even that could be noted: what this peer publishes from now on, it
+  // could contradict in its next life.
+  [[nodiscard]] bool must_stop() const { return must_stop_; }
+
+ private:
+  OperationStore(std::filesystem::path folder, Database database)
+      : folder_(std::move(folder)), database_(std::move(database)) {}
+  [[nodiscard]] static Result<std::unique_ptr<OperationStore>> open_existing(const std::filesystem::path& folder);
+  [[nodiscard]] Result<void> read();
+  [[nodiscard]] Result<void> read_parts();
+  [[nodiscard]] Result<void> read_author();
+  [[nodiscard]] Result<void> write_author();
+  [[nodiscard]] DatabaseResult<void> insert(std::span<const replication::OperationPart> parts);
+  [[nodiscard]] InputError error(const std::string& sentence, int exit_code) const;
+  [[nodiscard]] InputError error(const DatabaseError& why) const;
+
+  std::filesystem::path folder_;
+  Database database_;
+  std::uint64_t genesis_ = 0;
+  replication::AuthorId author_ = replication::kNoAuthor;
+  std::vector<replication::OperationPart> log_;
+  std::vector<StoredLog> logs_;
+  bool author_is_noted_ = false;
+  bool must_stop_ = false;
+};
+
+}  // namespace peerd::store

@@ -1,0 +1,390 @@
+// The real program with a store, killed at random moments, on a full disk and on damaged files: what it has called
+// stored is there afterwards.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/mount.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <iostream>
+#include <random>
+#include <set>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include "peerd/control/control_client.hpp"
+#include "tests/net/listener.hpp"
+#include "tests/net/process.hpp"
+
+namespace peerd::store_process_test {
+
+using net::testing_support::own_port;
+using nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+using testing_support::Process;
+using testing_support::ScratchFolder;
+using testing_support::text_of;
+
+// The number that an environment variable has.
+unsigned number_in(const char* variable, unsigned otherwise) {
+  const char* const text = std::getenv(variable);
+  return text == nullptr ? otherwise : static_cast<unsigned>(std::strtoul(text, nullptr, 10));
+}
+
+class StoreProcess : public testing::Test {
+ protected:
+  StoreProcess() {
+    folder.write("world.wrl", "#VRML V2.0 utf8\nDEF A Transform { children Shape { geometry Box { } } }\n");
+  }
+
+  [[nodiscard]] std::filesystem::path store_of(const std::string& name) const { return folder / ("store-" + name); }
+  [[nodiscard]] std::filesystem::path socket_of(const std::string& name) const { return folder / name; }
+  Process start(const std::string& name = "a") const {
+    return Process(folder, "peer-" + name, PEERD_PROGRAM,
+                   {"run", "--world", (folder / "world.wrl").string(), "--name", name, "--id",
+                    std::to_string(name[0] - 'a' + 1), "--interface", "lo", "--port", std::to_string(own_port(9)),
+                    "--control", socket_of(name).string(), "--store", store_of(name).string(), "--take-over"});
+  }
+  // The reply; null: no peer answers.
+  [[nodiscard]] json ask(const json& request, const std::string& name = "a") const {
+    const auto line = api::ask(socket_of(name), request.dump());
+    return line ? json::parse(*line, nullptr, false) : json();
+  }
+  template <class Condition>
+  static bool wait_until(Condition holds) {
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    while (!holds()) {
+      if (std::chrono::steady_clock::now() > give_up) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return true;
+  }
+  // Waits until the peer takes edits.
+  [[nodiscard]] bool is_in_session(const std::string& name = "a") const {
+    return wait_until([&] {
+      const json status = ask({{"do", "status"}}, name);
+      return status.is_object() && status.at("session").at("joined").get<bool>();
+    });
+  }
+  // What the peer says of an edit right after it has made it; null: it is dead.
+  [[nodiscard]] json made(const json& request, const std::string& name = "a") const {
+    const json edit = ask(request, name);
+    if (!edit.is_object() || !edit.value("done", false)) return {};
+    json question = edit.at("operation");
+    question["do"] = "operation";
+    return ask(question, name);
+  }
+  [[nodiscard]] bool is_stored(const json& request, const std::string& name = "a") const {
+    const json state = made(request, name);
+    return state.is_object() && state.value("stored", false);
+  }
+  static json adding(const std::string& node, const std::string& field = "") {
+    return {{"do", "add"}, {"text", "DEF " + node + " Transform { " + field + " }"}};
+  }
+  [[nodiscard]] std::string world_of(const std::string& name = "a") const {
+    const json world = ask({{"do", "world"}}, name);
+    return world.is_object() ? world.at("world").get<std::string>() : "";
+  }
+  [[nodiscard]] std::string error_of_check(int exit_code) const {
+    Process check(folder, "check", PEERD_PROGRAM, {"store", "check", store_of("a").string()});
+    EXPECT_EQ(check.exit_code(20), exit_code) << check.out() << check.err();
+    return check.err();
+  }
+
+  ScratchFolder folder;
+};
+
+// Adds nodes one by one and removes older ones, so that the world stays small.
+class KilledPeer : public StoreProcess {
+ protected:
+  static constexpr int kKept = 20;
+
+  static std::string node(int number) { return "N" + std::to_string(number); }
+  // Until the peer does not answer any more.
+  void edit_until_killed() {
+    for (;; ++next_) {
+      if (const int old = next_ - kKept; old >= 0) {
+        tried_to_remove_.insert(old);
+        const json state = made({{"do", "remove"}, {"path", node(old)}});
+        if (state.is_object() && state.value("stored", false)) {
+          removed_.insert(old);
+          ++stored_;
+        }
+      }
+      const json state = made(adding(node(next_)));
+      if (!state.is_object()) break;
+      if (state.value("stored", false)) {
+        added_.insert(next_);
+        ++stored_;
+      }
+    }
+    ++next_;  // it may be there, or not
+  }
+  void expect_all_in(const std::string& world) const {
+    for (const int each : added_) {
+      if (tried_to_remove_.contains(each)) continue;
+      EXPECT_THAT(world, HasSubstr("DEF " + node(each) + " "));
+    }
+    for (const int each : removed_) EXPECT_THAT(world, Not(HasSubstr("DEF " + node(each) + " ")));
+  }
+
+  int next_ = 0;
+  std::set<int> added_, removed_, tried_to_remove_;  // removed_ and added_: called stored
+  std::atomic<unsigned> stored_ = 0;                 // of both
+};
+
+TEST_F(KilledPeer, WhatIsStoredIsThereAfterwards) {
+  const unsigned kills = number_in("PEERD_STORE_KILLS", 20), seed = number_in("PEERD_STORE_SEED", 1);
+  std::cout << "PEERD_STORE_KILLS=" << kills << " PEERD_STORE_SEED=" << seed << std::endl;
+  std::mt19937 random(seed);
+  std::uniform_int_distribution<unsigned> edits(0, 6), later_us(0, 30'000);
+  unsigned killed = 0;
+  for (; killed < kills && !HasFailure(); ++killed) {
+    Process peer = start();
+    if (killed % 4 == 3) {  // while it opens its store
+      std::this_thread::sleep_for(std::chrono::microseconds(later_us(random)));
+    } else {
+      ASSERT_TRUE(is_in_session()) << killed << ": " << peer.out() << peer.err();
+      expect_all_in(world_of());
+      const unsigned enough = stored_ + edits(random);
+      std::jthread editor([&] { edit_until_killed(); });
+      EXPECT_TRUE(wait_until([&] { return stored_ >= enough; })) << peer.out();
+      std::this_thread::sleep_for(std::chrono::microseconds(later_us(random)));
+      peer.signal(SIGKILL);
+    }
+    peer.signal(SIGKILL);
+    ASSERT_EQ(peer.exit_code(20), -1) << peer.out() << peer.err();
+  }
+  std::cout << "killed " << killed << " times; " << stored_ << " edits were called stored" << std::endl;
+  EXPECT_GT(stored_, 0U);
+  (void)error_of_check(0);
+  Process exported(folder, "export", PEERD_PROGRAM,
+                   {"store", "export", store_of("a").string(), "--world", (folder / "world.wrl").string()});
+  EXPECT_EQ(exported.exit_code(60), 0) << exported.err();
+  expect_all_in(exported.out());
+}
+
+TEST_F(StoreProcess, AllAreKilledAtOnceAndFindTheSameWorldAgain) {
+  std::string before;
+  {
+    Process a = start("a"), b = start("b");
+    ASSERT_TRUE(is_in_session("a") && is_in_session("b")) << a.out() << b.out();
+    ASSERT_TRUE(is_stored(adding("N1", "translation 1 2 3"), "a"));
+    ASSERT_TRUE(wait_until([&] { return world_of("b").find("DEF N1 ") != std::string::npos; }));
+    ASSERT_TRUE(is_stored({{"do", "set"}, {"path", "N1"}, {"field", "translation"}, {"value", "4 5 6"}}, "b"));
+    ASSERT_TRUE(is_stored({{"do", "remove"}, {"path", "A"}}, "b"));
+    ASSERT_TRUE(wait_until([&] {
+      before = world_of("a");
+      return before.find("4 5 6") != std::string::npos && before.find("DEF A ") == std::string::npos;
+    }));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));  // what the other has made is written, too
+    a.signal(SIGKILL);
+    b.signal(SIGKILL);
+    EXPECT_EQ(a.exit_code(20), -1);
+    EXPECT_EQ(b.exit_code(20), -1);
+  }
+  for (const std::string alone : {"a", "b"}) {
+    Process peer = start(alone);
+    ASSERT_TRUE(is_in_session(alone)) << peer.out() << peer.err();
+    EXPECT_EQ(world_of(alone), before) << alone;
+    peer.signal(SIGTERM);
+    EXPECT_EQ(peer.exit_code(20), 0) << peer.out() << peer.err();
+  }
+}
+
+TEST_F(StoreProcess, CtlSaysThatAnEditIsStored) {
+  Process peer = start();
+  ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
+  Process ctl(folder, "ctl", PEERD_PROGRAM,
+              {"ctl", "--control", socket_of("a").string(), "set", "A", "translation", "1", "2", "3"});
+  EXPECT_EQ(ctl.exit_code(20), 0) << ctl.err();
+  EXPECT_THAT(ctl.out(), HasSubstr("done, and stored"));
+}
+
+// Without a configuration a peer has a store in its user's folders, `--fresh` puts it aside, and "" is none.
+TEST_F(StoreProcess, APeerWithoutAConfigurationHasAStoreOfItsOwn) {
+  setenv("XDG_STATE_HOME", (folder / "state").c_str(), 1);
+  const auto run = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"run",
+                                   "--world",
+                                   (folder / "world.wrl").string(),
+                                   "--name",
+                                   "a",
+                                   "--interface",
+                                   "lo",
+                                   "--port",
+                                   std::to_string(own_port(9)),
+                                   "--control",
+                                   socket_of("a").string(),
+                                   "--take-over"};
+    words.insert(words.end(), more.begin(), more.end());
+    return Process(folder, "peer", PEERD_PROGRAM, words);
+  };
+  const auto leaves = [&](Process& peer) {
+    peer.signal(SIGTERM);
+    return peer.exit_code(20) == 0;
+  };
+  {
+    Process peer = run({});
+    ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
+    EXPECT_TRUE(is_stored(adding("N1")));
+    EXPECT_TRUE(leaves(peer));
+  }
+  {
+    Process peer = run({"--store", ""});
+    ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
+    EXPECT_THAT(world_of(), Not(HasSubstr("DEF N1 ")));
+    EXPECT_FALSE(is_stored(adding("N2")));
+    EXPECT_TRUE(leaves(peer));
+  }
+  {
+    Process peer = run({});
+    ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
+    EXPECT_THAT(world_of(), AllOf(HasSubstr("DEF N1 "), Not(HasSubstr("DEF N2 "))));
+    EXPECT_TRUE(leaves(peer));
+  }
+  Process peer = run({"--fresh"});
+  ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
+  EXPECT_THAT(world_of(), Not(HasSubstr("DEF N1 ")));
+  EXPECT_THAT(peer.out(), AllOf(HasSubstr("the store before is now"), HasSubstr("a.before")));
+  EXPECT_TRUE(leaves(peer));
+  unsetenv("XDG_STATE_HOME");
+  Process wrong(folder, "wrong", PEERD_PROGRAM,
+                {"run", "--world", (folder / "world.wrl").string(), "--store", "", "--fresh"});
+  EXPECT_EQ(wrong.exit_code(20), 2);
+  EXPECT_THAT(wrong.err(), HasSubstr("say --store DIR"));
+}
+
+TEST_F(StoreProcess, TwoPeersOfOneStoreAreRefused) {
+  Process peer = start();
+  ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
+  EXPECT_THAT(error_of_check(3), AllOf(HasSubstr(store_of("a").string()), HasSubstr("in use by another process")));
+}
+
+TEST_F(StoreProcess, ADamagedFileStartsNothingAndStaysAsItIs) {
+  {
+    Process peer = start();
+    ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
+    ASSERT_TRUE(is_stored(adding("N1", "translation 1 2 3")));
+    peer.signal(SIGTERM);
+    ASSERT_EQ(peer.exit_code(20), 0);
+  }
+  const auto file = store_of("a") / "operations.sqlite";
+  std::string text = text_of(file);
+  const auto place = text.find("translation 1 2 3");
+  ASSERT_NE(place, std::string::npos);
+  text[place + 12] = '7';
+  folder.write("store-a/operations.sqlite", text);
+  Process peer = start();
+  EXPECT_EQ(peer.exit_code(20), 1);
+  EXPECT_THAT(peer.err(), AllOf(HasSubstr(store_of("a").string()), HasSubstr("is damaged")));
+  EXPECT_THAT(error_of_check(1), HasSubstr("is damaged"));
+  EXPECT_EQ(text_of(file), text);
+}
+
+// A file system in memory of a few pages, which needs a privileged user.
+class SmallDisk {
+ public:
+  SmallDisk(std::filesystem::path at, const char* size) : at_(std::move(at)) {
+    std::filesystem::create_directories(at_);
+    is_mounted_ = mount("peerd-test", at_.c_str(), "tmpfs", MS_NODEV | MS_NOSUID, size) == 0;
+    if (!is_mounted_) why_ = std::strerror(errno);
+  }
+  SmallDisk(const SmallDisk&) = delete;
+  SmallDisk& operator=(const SmallDisk&) = delete;
+  ~SmallDisk() {
+    if (is_mounted_) umount2(at_.c_str(), MNT_DETACH);
+  }
+  [[nodiscard]] bool is_mounted() const { return is_mounted_; }
+  [[nodiscard]] const std::string& why() const { return why_; }
+  [[nodiscard]] bool resize(const char* size) const {
+    return mount("peerd-test", at_.c_str(), "tmpfs", MS_REMOUNT | MS_NODEV | MS_NOSUID, size) == 0;
+  }
+
+ private:
+  std::filesystem::path at_;
+  bool is_mounted_ = false;
+  std::string why_;
+};
+
+class FullDisk : public StoreProcess {
+ protected:
+  // Adds until nothing more is stored, several times: the file `author` that goes makes room once. Returns the nodes
+  // that are stored.
+  std::vector<std::string> fill() const {
+    const std::string room = "children DEF X" + std::string(1500, 'x') + " Group { }";
+    std::vector<std::string> stored;
+    for (int i = 0, refused = 0; i < 400 && refused < 3; ++i) {
+      const std::string node = "N" + std::to_string(i);
+      if (is_stored(adding(node, room))) {
+        stored.push_back(node);
+        refused = 0;
+      } else {
+        ++refused;
+      }
+    }
+    return stored;
+  }
+  static int count_of(const std::string& words, const std::string& text) {
+    int count = 0;
+    for (auto at = text.find(words); at != std::string::npos; at = text.find(words, at + 1)) ++count;
+    return count;
+  }
+  [[nodiscard]] json counters() const { return ask({{"do", "status"}}).value("counters", json::object()); }
+
+  SmallDisk disk{store_of("a"), "size=256k"};
+};
+
+TEST_F(FullDisk, IsSaidOnceAndLosesNothingThatWasStored) {
+  if (!disk.is_mounted()) GTEST_SKIP() << "cannot mount: " << disk.why();
+  std::vector<std::string> stored;
+  {
+    Process peer = start();
+    ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
+    stored = fill();
+    ASSERT_GT(stored.size(), 5U) << peer.out();
+    ASSERT_LT(stored.size(), 390U);
+    EXPECT_FALSE(is_stored(adding("LOST")));
+    ASSERT_TRUE(peer.says("cannot be written", 20)) << peer.out();
+    EXPECT_EQ(count_of("cannot be written", peer.out()), 1 + count_of("can be written again", peer.out()));
+    EXPECT_GE(counters().value("store_failures", 0), 4);
+    EXPECT_FALSE(std::filesystem::exists(store_of("a") / "author"));
+    peer.signal(SIGKILL);
+    EXPECT_EQ(peer.exit_code(20), -1);
+  }
+  ASSERT_TRUE(disk.resize("size=16m"));
+  Process peer = start();
+  ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
+  const std::string world = world_of();
+  for (const std::string& node : stored) EXPECT_THAT(world, HasSubstr("DEF " + node + " "));
+  EXPECT_TRUE(is_stored(adding("LATER")));
+}
+
+TEST_F(FullDisk, WhatItRefusedIsWrittenOnceThereIsRoom) {
+  if (!disk.is_mounted()) GTEST_SKIP() << "cannot mount: " << disk.why();
+  {
+    Process peer = start();
+    ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
+    (void)fill();
+    json late = ask(adding("LATE"));
+    ASSERT_TRUE(late.value("done", false));
+    ASSERT_TRUE(disk.resize("size=16m"));
+    late = late.at("operation");
+    late["do"] = "operation";
+    EXPECT_TRUE(wait_until([&] { return ask(late).value("stored", false); })) << peer.out();
+    EXPECT_THAT(peer.out(), HasSubstr("can be written again"));
+    EXPECT_TRUE(std::filesystem::exists(store_of("a") / "author"));
+    peer.signal(SIGKILL);
+    EXPECT_EQ(peer.exit_code(20), -1);
+  }
+  Process peer = start();
+  ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
+  EXPECT_THAT(world_of(), HasSubstr("DEF LATE "));
+}
+
+}  // namespace peerd::store_process_test

@@ -1,0 +1,255 @@
+// The store of operations: what is in it is there again, or the store says what is wrong with it.
+#include "peerd/store/operation_store.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <csignal>
+#include <map>
+
+#include "replication/operations/operation_log.hpp"
+#include "tests/peerd/scratch_folder.hpp"
+#include "tests/replication/operations.hpp"
+
+namespace peerd::store::operation_store_test {
+
+using replication::AuthorId;
+using replication::Operation;
+using replication::OperationPart;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+using testing_support::ScratchFolder;
+
+constexpr std::uint64_t kWorld = 0xFEED'0000'C0FF'EE01;
+constexpr AuthorId kOwn{7}, kOther{99};
+
+class Store : public testing::Test {
+ protected:
+  Result<std::unique_ptr<OperationStore>> open(std::uint64_t world = kWorld) {
+    return OperationStore::open(at, world, kOwn);
+  }
+  // So many more operations of the author, as one part.
+  OperationPart part(AuthorId author, std::uint32_t count) {
+    Log& log = logs[author];
+    OperationPart part{author, log.bytes, {}};
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const auto bytes = replication::encode(maker.operation({author, ++log.number}));
+      part.bytes.insert(part.bytes.end(), bytes.begin(), bytes.end());
+    }
+    log.bytes += part.bytes.size();
+    return part;
+  }
+  static void append(OperationStore& store, std::vector<OperationPart> parts) {
+    const auto done = store.append(parts);
+    ASSERT_TRUE(done) << done.error().text;
+  }
+  [[nodiscard]] std::string error_of_opening(std::uint64_t world = kWorld) {
+    const auto store = open(world);
+    return store ? "" : store.error().text;
+  }
+  // The bytes of each log.
+  static std::map<AuthorId, std::vector<std::byte>> bytes_of(const std::vector<OperationPart>& parts) {
+    std::map<AuthorId, std::vector<std::byte>> all;
+    for (const OperationPart& p : parts) all[p.author].insert(all[p.author].end(), p.bytes.begin(), p.bytes.end());
+    return all;
+  }
+
+  struct Log {
+    std::uint64_t bytes = 0;
+    std::uint32_t number = 0;
+  };
+  ScratchFolder folder;
+  std::filesystem::path at = folder / "store";
+  replication::test::OperationMaker maker{1};
+  std::map<AuthorId, Log> logs;
+};
+
+TEST_F(Store, BeginsEmptyAndKeepsWhatIsAppended) {
+  std::vector<OperationPart> all;
+  {
+    auto store = open();
+    ASSERT_TRUE(store) << store.error().text;
+    EXPECT_THAT((*store)->log(), IsEmpty());
+    EXPECT_EQ((*store)->author(), kOwn);
+    all = {part(kOwn, 3), part(kOther, 1)};
+    append(**store, all);
+    all.push_back(part(kOwn, 2));
+    append(**store, {all.back()});
+  }
+  const auto again = OperationStore::open(at, kWorld, AuthorId{1234});
+  ASSERT_TRUE(again) << again.error().text;
+  EXPECT_EQ((*again)->author(), kOwn) << "the author that the store began with";
+  EXPECT_EQ(bytes_of((*again)->log()), bytes_of(all));
+  ASSERT_THAT((*again)->logs(), SizeIs(2));
+  EXPECT_EQ((*again)->logs()[0].operations, 5U);
+  EXPECT_EQ((*again)->logs()[0].bytes, logs[kOwn].bytes);
+  EXPECT_EQ((*again)->logs()[1].operations, 1U);
+}
+
+TEST_F(Store, AnotherWorldIsRefusedByName) {
+  ASSERT_TRUE(open());
+  EXPECT_THAT(error_of_opening(kWorld + 1), AllOf(HasSubstr(at.string()), HasSubstr("another world")));
+  EXPECT_EQ(error_of_opening(), "") << "and nothing of it is lost";
+}
+
+TEST_F(Store, ASecondUserIsRefused) {
+  const auto first = open();
+  ASSERT_TRUE(first) << first.error().text;
+  EXPECT_THAT(error_of_opening(), AllOf(HasSubstr(at.string()), HasSubstr("in use by another process")));
+}
+
+TEST_F(Store, AnotherFormatIsRefused) {
+  ASSERT_TRUE(open());
+  {
+    auto database = Database::open(at / "operations.sqlite", false);
+    ASSERT_TRUE(database) << database.error().text;
+    ASSERT_TRUE(database->run("PRAGMA user_version = 2"));
+  }
+  EXPECT_THAT(error_of_opening(), HasSubstr("has format 2"));
+}
+
+TEST_F(Store, AFileThatIsEmptyOrAnotherProgramsIsNoStore) {
+  std::filesystem::create_directories(at);
+  folder.write("store/operations.sqlite", "");
+  EXPECT_THAT(error_of_opening(), HasSubstr("is damaged"));
+  folder.write("store/operations.sqlite", std::string(8192, 'x'));
+  EXPECT_THAT(error_of_opening(), HasSubstr("is damaged"));
+  EXPECT_EQ(testing_support::text_of(at / "operations.sqlite"), std::string(8192, 'x')) << "it stays as it is";
+}
+
+TEST_F(Store, AStoreThatIsNotThereIsNotMadeByACheck) {
+  const auto store = OperationStore::open(at);
+  ASSERT_FALSE(store);
+  EXPECT_THAT(store.error().text, HasSubstr("there is no store in"));
+  EXPECT_FALSE(std::filesystem::exists(at));
+}
+
+// Each file that is cut short at some place is refused, or it is whole.
+TEST_F(Store, ATruncatedFileIsRefused) {
+  {
+    auto store = open();
+    ASSERT_TRUE(store);
+    append(**store, {part(kOwn, 40)});
+  }
+  const auto file = at / "operations.sqlite";
+  const std::string whole = testing_support::text_of(file);
+  ASSERT_GT(whole.size(), 8192U);
+  for (std::size_t size = 0; size < whole.size(); size += 509) {
+    folder.write("store/operations.sqlite", whole.substr(0, size));
+    std::filesystem::remove(at / "operations.sqlite-wal");
+    EXPECT_NE(error_of_opening(), "") << size;
+  }
+}
+
+// One byte of what is stored is another one.
+TEST_F(Store, AChangedByteOfAPartIsFound) {
+  const OperationPart appended = part(kOwn, 1);
+  {
+    auto store = open();
+    ASSERT_TRUE(store);
+    append(**store, {appended});
+  }
+  const auto file = at / "operations.sqlite";
+  std::string text = testing_support::text_of(file);
+  const std::string bytes(reinterpret_cast<const char*>(appended.bytes.data()), appended.bytes.size());
+  const auto found = text.find(bytes);
+  ASSERT_NE(found, std::string::npos);
+  text[found + bytes.size() - 1] ^= 1;
+  folder.write("store/operations.sqlite", text);
+  EXPECT_THAT(error_of_opening(), HasSubstr("is damaged"));
+}
+
+// A crash leaves what was written ahead cut at any byte, or with zeros behind: the store has a prefix of the
+// transactions.
+TEST_F(Store, ALogThatIsWrittenAheadMayEndAnywhere) {
+  ASSERT_TRUE(open());
+  const auto file = at / "operations.sqlite", wal = at / "operations.sqlite-wal";
+  const std::string before = testing_support::text_of(file);
+  std::vector<OperationPart> all;
+  std::string ahead;
+  {
+    auto store = open();
+    ASSERT_TRUE(store);
+    for (int i = 0; i < 5; ++i) {
+      all.push_back(part(i % 2 == 0 ? kOwn : kOther, 2));
+      append(**store, {all.back()});
+    }
+    ahead = testing_support::text_of(wal);
+    ASSERT_EQ(testing_support::text_of(file), before) << "all of it is ahead";
+  }
+  ASSERT_GT(ahead.size(), 4096U);
+  std::vector<std::size_t> sizes{ahead.size()};
+  for (std::size_t size = 0; size < ahead.size(); size += 211) sizes.push_back(size);
+  std::ranges::sort(sizes);
+  for (const bool zeros : {false, true}) {
+    std::size_t last = 0;
+    for (const std::size_t size : sizes) {
+      folder.write("store/operations.sqlite", before);
+      std::string cut = ahead.substr(0, size);
+      if (zeros) cut.resize(ahead.size());
+      folder.write("store/operations.sqlite-wal", cut);
+      const auto store = open();
+      ASSERT_TRUE(store) << size << ": " << store.error().text;
+      const std::size_t held = (*store)->log().size();
+      EXPECT_GE(held, last) << size;
+      EXPECT_EQ(bytes_of((*store)->log()), bytes_of({all.begin(), all.begin() + static_cast<std::ptrdiff_t>(held)}));
+      last = held;
+    }
+    EXPECT_EQ(last, all.size());
+  }
+}
+
+// As on a full disk: files cannot grow. What was acknowledged stays; the author writes no more in its next life, for
+// what it published meanwhile may be missing.
+TEST_F(Store, AFullDiskIsSaidAndLosesNothing) {
+  const OperationPart first = part(kOwn, 2), lost = part(kOwn, 200);
+  {
+    auto store = open();
+    ASSERT_TRUE(store);
+    append(**store, {first});
+    rlimit before{};
+    getrlimit(RLIMIT_FSIZE, &before);
+    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit none{8192, before.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &none);
+    const auto refused = (*store)->append({&lost, 1});
+    setrlimit(RLIMIT_FSIZE, &before);
+    std::signal(SIGXFSZ, handler);
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().text, HasSubstr("cannot be written"));
+    EXPECT_FALSE((*store)->must_stop());
+  }
+  {
+    const auto again = OperationStore::open(at, kWorld, AuthorId{55});
+    ASSERT_TRUE(again) << again.error().text;
+    EXPECT_EQ(bytes_of((*again)->log()), bytes_of({first}));
+    EXPECT_EQ((*again)->author(), AuthorId{55});
+  }
+}
+
+TEST_F(Store, WhatAFullDiskRefusedCanBeWrittenLater) {
+  const OperationPart late = part(kOwn, 200);
+  {
+    auto store = open();
+    ASSERT_TRUE(store);
+    rlimit before{};
+    getrlimit(RLIMIT_FSIZE, &before);
+    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit none{8192, before.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &none);
+    EXPECT_FALSE((*store)->append({&late, 1}));
+    setrlimit(RLIMIT_FSIZE, &before);
+    std::signal(SIGXFSZ, handler);
+    append(**store, {late});
+  }
+  const auto again = OperationStore::open(at, kWorld, AuthorId{55});
+  ASSERT_TRUE(again) << again.error().text;
+  EXPECT_EQ(bytes_of((*again)->log()), bytes_of({late}));
+  EXPECT_EQ((*again)->author(), kOwn);
+}
+
+}  // namespace peerd::store::operation_store_test
