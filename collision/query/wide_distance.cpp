@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/query/wide_chosen.hpp"
 #include "collision/query/wide_distance.hpp"
-#include "collision/query/wide_fifteen.hpp"
 #include "collision/query/wide_nearest.hpp"
 
 HWY_BEFORE_NAMESPACE();

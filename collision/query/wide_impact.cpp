@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "collision/query/wide_fifteen.hpp"
+#include "collision/query/wide_chosen.hpp"
 #include "collision/query/wide_impact.hpp"
 #include "collision/query/wide_nearest.hpp"
 

@@ -9,7 +9,6 @@
 #include <algorithm>
 
 #include "collision/query/wide_chosen.hpp"
-#include "collision/query/wide_fifteen.hpp"
 #include "collision/query/wide_lanes.hpp"
 #include "collision/query/wide_overlap.hpp"
 
