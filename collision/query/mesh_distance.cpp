@@ -24,19 +24,22 @@ struct Boxes {
   std::uint32_t count = 0;
 };
 
-WideTree::Node one_box(const std::array<float, 3>& center, const std::array<float, 3>& half) {
+WideTree::Node one_box(const std::array<float, 3>& center, const std::array<float, 3>& half, const OrientedBox& box) {
   WideTree::Node node;
   for (std::size_t k = 0; k < 3; ++k) {
     node.center[k].fill(center[k]);
     node.half[k].fill(half[k]);
+    node.oriented_center[k].fill(box.center[k]);
+    node.oriented_half[k].fill(box.half[k]);
+    for (std::size_t c = 0; c < 3; ++c) node.axes[k][c].fill(box.axes[k][c]);
   }
   return node;
 }
 
-Boxes boxes(const WideTree& tree, Ref ref, WideTree::Node& own) {
+Boxes boxes(const WideTree& tree, WideTree::ChildSlot slot, Ref ref, WideTree::Node& own) {
   if (ref.kind() == Ref::kLeaf) {
     const WideTree::Leaf& leaf = tree.leaf(ref.index());
-    own = one_box(leaf.center, leaf.half);
+    own = one_box(leaf.center, leaf.half, tree.box(slot));
     return {&own, 1};
   }
   assert(ref.kind() == Ref::kNode && tree.node(ref.index()).children[0].kind() != Ref::kNone);
@@ -48,12 +51,8 @@ Boxes boxes(const WideTree& tree, Ref ref, WideTree::Node& own) {
 
 // The box of a whole soup, whatever of its tree is built.
 WideTree::Node whole(const WideTree& tree) {
-  std::array<float, 3> half{};
-  for (int k = 0; k < 3; ++k) {
-    const double reach = std::max(tree.soup().box.hi[k] - tree.origin()[k], tree.origin()[k] - tree.soup().box.lo[k]);
-    half[static_cast<std::size_t>(k)] = static_cast<float>(reach * tree.scale());
-  }
-  return one_box({}, half);
+  const OrientedBox box = tree.box(WideTree::kRoot);
+  return one_box(box.center, box.half, box);
 }
 
 // The range of a polygon's faces, which stand by polygon.
@@ -194,7 +193,7 @@ struct MeshDistanceQuery::Search {
   // opening.
   void visit_nodes(const Open& pair, Ref of_a, Ref of_b) {
     WideTree::Node own_a, own_b;
-    const Boxes boxes_a = boxes(a, of_a, own_a), boxes_b = boxes(b, of_b, own_b);
+    const Boxes boxes_a = boxes(a, pair.a, of_a, own_a), boxes_b = boxes(b, pair.b, of_b, own_b);
     Distances distances;
     distances_of_nodes(*boxes_a.node, boxes_a.count, *boxes_b.node, boxes_b.count, motion, worth(), distances);
     skip(meters(std::max(distances.skipped, pair.lower)));

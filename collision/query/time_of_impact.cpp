@@ -134,14 +134,17 @@ void for_each_direction(const Triangle& a, const Triangle& b, const Vec3& betwee
   if (noise < 1.0) visit(between, noise);
 }
 
-// Makes a node of which a leaf's box is the only child.
-WideTree::Node node_around(const WideTree::Leaf& leaf) {
+// Makes a node of which a leaf's boxes are the only child.
+WideTree::Node node_around(const WideTree::Leaf& leaf, const OrientedBox& box) {
   WideTree::Node node;
   for (std::size_t k = 0; k < 3; ++k) {
     node.center[k].fill(0.0f);
     node.half[k].fill(WideTree::kNoBox);
     node.center[k][0] = leaf.center[k];
     node.half[k][0] = leaf.half[k];
+    node.oriented_center[k].fill(box.center[k]);
+    node.oriented_half[k].fill(box.half[k]);
+    for (std::size_t c = 0; c < 3; ++c) node.axes[k][c].fill(box.axes[k][c]);
   }
   return node;
 }
@@ -260,8 +263,8 @@ class MeshImpactQuery::Search {
       const Ref of_a = a_.at(slot_a), of_b = b_.at(slot_b);
       const bool node_a = of_a.kind() == Ref::kNode, node_b = of_b.kind() == Ref::kNode;
       if (node_a || node_b) {
-        if (!node_a) around = node_around(a_.leaf(of_a.index()));
-        if (!node_b) around = node_around(b_.leaf(of_b.index()));
+        if (!node_a) around = node_around(a_.leaf(of_a.index()), a_.box(slot_a));
+        if (!node_b) around = node_around(b_.leaf(of_b.index()), b_.box(slot_b));
         nodes_may_meet(node_a ? a_.node(of_a.index()) : around, node_b ? b_.node(of_b.index()) : around, wide, speeds,
                        within_s, masks);
         for (std::size_t row = WideTree::kWidth; row-- > 0;) {
@@ -299,7 +302,7 @@ class MeshImpactQuery::Search {
     fill(b, b_.origin(), speeds.linear_velocity_b, speeds.angular_velocity_b);
     speeds.rate_a = static_cast<float>(rate_a_ * (1.0 + 0x1p-20));
     speeds.rate_b = static_cast<float>(rate_b_ * (1.0 + 0x1p-20));
-    const double rounding = 0x1p-18 * (length(a.velocity) + length(b.velocity) + spin_speed_m_s_);
+    const double rounding = 0x1p-17 * (length(a.velocity) + length(b.velocity) + spin_speed_m_s_);
     const double change =
         std::min(0.5 * centripetal_m_s2_ * window_s, 2.0 * spin_speed_m_s_) + 0.5 * acceleration_m_s2_ * window_s;
     speeds.slack_m_s = static_cast<float>((change + rounding) * (1.0 + 0x1p-20));

@@ -101,8 +101,8 @@ InView in_view(const Frustum& frustum, const WorldBox& box, PlaneMask& active) {
   return active == 0 ? InView::kInside : InView::kMaybe;
 }
 
-// Descends depth first, in the tree's order. found(leaf, i), called for a triangle that may be in view, and
-// stop(visit), called before a slot is visited, return true to end the search.
+// Descends depth first, in the tree's order. found(leaf, bits), called for triangles that may be in view, bit i for the
+// leaf's triangle i, and stop(visit), called before a slot is visited, return true to end the search.
 template <class Stop, class Found>
 void ViewQuery::descend(WideTree& tree, const WidePlanes& planes, const Visit& root, Stop stop, Found found) {
   std::array<PlaneMask, WideTree::kWidth> crossed;
@@ -117,21 +117,19 @@ void ViewQuery::descend(WideTree& tree, const WidePlanes& planes, const Visit& r
     if (ref.kind() == Ref::kLeaf) {
       const WideTree::Leaf& leaf = tree.leaf(ref.index());
       ++counters_.leaf_tests;
-      if (visit.active == 0) {
-        for (std::size_t i = 0; i < leaf.count; ++i) {
-          if (found(leaf, i)) return;
-        }
-        continue;
-      }
-      for (std::uint32_t bits = test_planes_leaf(leaf, planes, visit.active, crossed); bits != 0; bits &= bits - 1) {
-        const auto i = static_cast<std::size_t>(std::countr_zero(bits));
-        if (found(leaf, i)) return;
-      }
+      const std::uint32_t all = (1u << leaf.count) - 1;
+      const std::uint32_t bits = visit.active == 0 ? all : test_planes_leaf(leaf, planes, visit.active, crossed);
+      if (bits != 0 && found(leaf, bits)) return;
       continue;
     }
     const WideTree::Node& node = tree.node(ref.index());
-    counters_.bv_tests += WideTree::kWidth;
-    std::uint32_t bits = test_planes_node(node, planes, visit.active, crossed);
+    std::uint32_t bits = 0xff;
+    if (visit.active != 0) {
+      counters_.bv_tests += WideTree::kWidth;
+      bits = test_planes_node(node, planes, visit.active, crossed);
+    } else {
+      crossed.fill(0);
+    }
     while (bits != 0) {
       const auto i = static_cast<std::size_t>(std::bit_width(bits) - 1);
       bits ^= 1u << i;
@@ -148,7 +146,7 @@ bool ViewQuery::may_be_in_view(WideTree& tree, const Pose& T_world_soup, const F
   descend(
       tree, planes_of(tree, T_world_soup, frustum), {WideTree::kRoot, active, levels},
       [&](const Visit& visit) { return may_be = visit.active == 0 || visit.levels == 0; },
-      [&](const WideTree::Leaf&, std::size_t) { return may_be = true; });
+      [&](const WideTree::Leaf&, std::uint32_t) { return may_be = true; });
   return may_be;
 }
 
@@ -158,8 +156,14 @@ const std::vector<std::uint32_t>& ViewQuery::faces_in_view(WideTree& tree, const
   descend(
       tree, planes_of(tree, T_world_soup, frustum), {WideTree::kRoot, frustum.all(), kAllLevels},
       [](const Visit&) { return false; },
-      [&](const WideTree::Leaf& leaf, std::size_t i) {
-        faces_.push_back(leaf.faces[i]);
+      [&](const WideTree::Leaf& leaf, std::uint32_t bits) {
+        if (bits == (1u << leaf.count) - 1) {
+          faces_.insert(faces_.end(), leaf.faces.begin(), leaf.faces.begin() + leaf.count);
+          return false;
+        }
+        for (; bits != 0; bits &= bits - 1) {
+          faces_.push_back(leaf.faces[static_cast<std::size_t>(std::countr_zero(bits))]);
+        }
         return false;
       });
   return faces_;

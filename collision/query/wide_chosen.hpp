@@ -1,4 +1,4 @@
-// Pairs of lanes, chosen out of eight times eight, packed into full vectors.
+// Pairs of lanes, chosen out of eight times eight, packed into full vectors; pairs of oriented boxes among them.
 // For the files that Highway compiles once for each instruction set, and so is this: in each, once for each of them.
 #if defined(PEERD_COLLISION_WIDE_CHOSEN_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef PEERD_COLLISION_WIDE_CHOSEN_HPP
@@ -68,6 +68,86 @@ HWY_INLINE void append(std::uint32_t bits, const ChosenLanes& chosen, LanePairs&
   for (bits &= chosen.present; bits != 0; bits &= bits - 1) {
     out.at[out.count++] = pair_at(chosen, hwy::Num0BitsBelowLS1Bit_Nonzero32(bits));
   }
+}
+
+// Oriented boxes, one to a lane. Of the axes by component: axes[k][c] has the component c of all boxes' axis k.
+struct TurnedBoxes {
+  V3 center, half;
+  V3 axes[3];
+};
+
+// Boxes of B in A's frame.
+struct MovedBoxes {
+  Rows center, lo, hi;  // and the axis-aligned boxes around them
+  std::array<Rows, 3> axes;
+};
+HWY_INLINE V3 absolute(const V3& v) { return {hn::Abs(v.x), hn::Abs(v.y), hn::Abs(v.z)}; }
+HWY_INLINE void move_boxes(const WideTree::Node& b, const WideMotion& m, MovedBoxes& out) {
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const V3 center = plus(times(m.a_from_b, load3(b.oriented_center, i)), m.b_in_a);
+    store3(center, out.center, i);
+    const V3 half = load3(b.oriented_half, i);
+    V3 x = times(m.a_from_b, load3(b.axes[0], i)), y = times(m.a_from_b, load3(b.axes[1], i)),
+       z = times(m.a_from_b, load3(b.axes[2], i));
+    store3(x, out.axes[0], i), store3(y, out.axes[1], i), store3(z, out.axes[2], i);
+    x = absolute(x), y = absolute(y), z = absolute(z);
+    const V slack = set(m.slack_oriented);
+    const auto reach = [&](V of_x, V of_y, V of_z) { return hn::Add(dot({of_x, of_y, of_z}, half), slack); };
+    const V3 around{reach(x.x, y.x, z.x), reach(x.y, y.y, z.y), reach(x.z, y.z, z.z)};
+    store3(minus(center, around), out.lo, i);
+    store3({hn::Add(center.x, around.x), hn::Add(center.y, around.y), hn::Add(center.z, around.z)}, out.hi, i);
+  }
+}
+
+// The fifteen axes of Gottschalk, Lin and Manocha, "OBBTree", SIGGRAPH 1996: those of either box, and their products.
+struct Fifteen {
+  V ha[3], hb[3], t[3];   // half the sides, and the way from A to B along A's axes
+  V c[3][3], size[3][3];  // the products of axes, and their absolute values
+
+  HWY_INLINE Fifteen(const TurnedBoxes& a, const TurnedBoxes& b) {
+    const V3 way = minus(b.center, a.center);
+    ha[0] = a.half.x, ha[1] = a.half.y, ha[2] = a.half.z;
+    hb[0] = b.half.x, hb[1] = b.half.y, hb[2] = b.half.z;
+    set_row<0>(a, b, way), set_row<1>(a, b, way), set_row<2>(a, b, way);
+  }
+  template <std::size_t i>
+  HWY_INLINE V reach_of_a() const {
+    return hn::Add(dot({size[i][0], size[i][1], size[i][2]}, {hb[0], hb[1], hb[2]}), ha[i]);
+  }
+  template <std::size_t j>
+  HWY_INLINE V reach_of_b() const {
+    return hn::Add(dot({size[0][j], size[1][j], size[2][j]}, {ha[0], ha[1], ha[2]}), hb[j]);
+  }
+  template <std::size_t i, std::size_t j>
+  HWY_INLINE V reach_across() const {
+    constexpr std::size_t i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+    return hn::Add(hn::Add(hn::Mul(ha[i1], size[i2][j]), hn::Mul(ha[i2], size[i1][j])),
+                   hn::Add(hn::Mul(hb[j1], size[i][j2]), hn::Mul(hb[j2], size[i][j1])));
+  }
+  // A vector with the components v along A's axes, along an axis of B's or a product.
+  template <std::size_t j>
+  HWY_INLINE V along_b(const V (&v)[3]) const {
+    return dot({c[0][j], c[1][j], c[2][j]}, {v[0], v[1], v[2]});
+  }
+  template <std::size_t i, std::size_t j>
+  HWY_INLINE V along_across(const V (&v)[3]) const {
+    constexpr std::size_t i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+    return hn::Sub(hn::Mul(v[i2], c[i1][j]), hn::Mul(v[i1], c[i2][j]));
+  }
+
+ private:
+  template <std::size_t i>
+  HWY_INLINE void set_row(const TurnedBoxes& a, const TurnedBoxes& b, const V3& way) {
+    t[i] = dot(a.axes[i], way);
+    c[i][0] = dot(a.axes[i], b.axes[0]), c[i][1] = dot(a.axes[i], b.axes[1]), c[i][2] = dot(a.axes[i], b.axes[2]);
+    size[i][0] = hn::Abs(c[i][0]), size[i][1] = hn::Abs(c[i][1]), size[i][2] = hn::Abs(c[i][2]);
+  }
+};
+
+template <bool kOfA>
+HWY_INLINE TurnedBoxes chosen_boxes(const Rows& center, const Rows& half, const std::array<Rows, 3>& axes,
+                                    const RowLookup<kOfA>& chosen) {
+  return {chosen(center), chosen(half), {chosen(axes[0]), chosen(axes[1]), chosen(axes[2])}};
 }
 
 }  // namespace peerd::collision::HWY_NAMESPACE

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/query/wide_chosen.hpp"
 #include "collision/query/wide_distance.hpp"
 #include "collision/query/wide_nearest.hpp"
 
@@ -67,8 +68,65 @@ HWY_INLINE V gap_along_centers(const V3& center_a, const V3& half_a, const V3& c
   return hn::IfThenElseZero(good, known(certain));
 }
 
+// Bounds of the distances of oriented boxes: along the axes of either, and along the line of the centers, whose
+// direction t is as rounded as the way along A's axes; twice the slack has room for what that adds.
+HWY_INLINE V distance_of_oriented_boxes(const TurnedBoxes& a, const TurnedBoxes& b, V slack) {
+  const Fifteen f(a, b);
+  const auto gap = [&](V distance, V reach)
+                       HWY_ATTR { return known(hn::Sub(hn::Abs(distance), hn::Add(reach, slack))); };
+  const V t_b[3] = {f.along_b<0>(f.t), f.along_b<1>(f.t), f.along_b<2>(f.t)};
+  const V along_a =
+      gap_length(gap(f.t[0], f.reach_of_a<0>()), gap(f.t[1], f.reach_of_a<1>()), gap(f.t[2], f.reach_of_a<2>()));
+  const V along_b =
+      gap_length(gap(t_b[0], f.reach_of_b<0>()), gap(t_b[1], f.reach_of_b<1>()), gap(t_b[2], f.reach_of_b<2>()));
+  const V square = dot({f.t[0], f.t[1], f.t[2]}, {f.t[0], f.t[1], f.t[2]});
+  const V reach = hn::Add(dot(a.half, {hn::Abs(f.t[0]), hn::Abs(f.t[1]), hn::Abs(f.t[2])}),
+                          dot(b.half, {hn::Abs(t_b[0]), hn::Abs(t_b[1]), hn::Abs(t_b[2])}));
+  const V line =
+      hn::Sub(hn::Mul(hn::Div(hn::Sub(square, reach), hn::Sqrt(square)), set(kRoundedDown)), hn::Add(slack, slack));
+  const V known_line = hn::IfThenElseZero(hn::Gt(square, set(0x1p-100f)), known(line));
+  return hn::Max(hn::Max(along_a, along_b), known_line);
+}
+
 void DistancesOfNodes(const WideTree::Node& a, std::uint32_t count_a, const WideTree::Node& b, std::uint32_t count_b,
                       const WideMotion& m, float most, Distances& out) {
+  MovedBoxes moved;
+  move_boxes(b, m, moved);
+  out.below.fill(0);
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const V3 center = load3(a.center, i), half = load3(a.half, i);
+    for (std::size_t row = 0; row < count_b; ++row) {
+      const auto along = [&](V at, V reach, std::size_t k) HWY_ATTR {
+        const V ahead = hn::Sub(set(moved.lo[k][row]), at), behind = hn::Sub(at, set(moved.hi[k][row]));
+        return known(hn::Sub(hn::Max(ahead, behind), reach));
+      };
+      record(gap_length(along(center.x, half.x, 0), along(center.y, half.y, 1), along(center.z, half.z, 2)), set(most),
+             count_a, row, i, out);
+    }
+  }
+  std::uint64_t near = 0;
+  for (std::size_t row = 0; row < count_b; ++row) near |= static_cast<std::uint64_t>(out.below[row]) << (kWidth * row);
+  while (near != 0) {
+    const ChosenLanes chosen = take_lanes(near);
+    Row lower;
+    store(distance_of_oriented_boxes(chosen_boxes(a.oriented_center, a.oriented_half, a.axes, RowLookup<true>(chosen)),
+                                     chosen_boxes(moved.center, b.oriented_half, moved.axes, RowLookup<false>(chosen)),
+                                     set(m.slack_oriented)),
+          lower, 0);
+    for (std::size_t lane = 0; chosen.present >> lane != 0; ++lane) {
+      const std::uint8_t pair = pair_at(chosen, lane);
+      const std::size_t i = LanePairs::of_a(pair), row = LanePairs::of_b(pair);
+      float& bound = out.lower[row][i];
+      bound = std::max(bound, lower[lane]);
+      if (!(bound < most)) out.below[row] = static_cast<std::uint8_t>(out.below[row] & ~(1u << i));
+    }
+  }
+  out.skipped = least_skipped(count_a, count_b, most, out);
+}
+
+// Soups so large that binary32 could overflow, or of two scales: boxes with the axes of either frame.
+void DistancesOfLargeNodes(const WideTree::Node& a, std::uint32_t count_a, const WideTree::Node& b,
+                           std::uint32_t count_b, const WideMotion& m, float most, Distances& out) {
   Boxes b_in_a, a_in_b;
   to_a(b, m, b_in_a);
   to_b(a, m, a_in_b);
@@ -166,12 +224,17 @@ HWY_AFTER_NAMESPACE();
 namespace peerd::collision {
 
 HWY_EXPORT(DistancesOfNodes);
+HWY_EXPORT(DistancesOfLargeNodes);
 HWY_EXPORT(DistancesOfLeaves);
 
 void distances_of_nodes(const WideTree::Node& a, std::uint32_t count_a, const WideTree::Node& b, std::uint32_t count_b,
                         const WideMotion& motion, float most, Distances& distances) {
   assert(count_a >= 1 && count_a <= WideTree::kWidth && count_b >= 1 && count_b <= WideTree::kWidth);
-  HWY_DYNAMIC_DISPATCH(DistancesOfNodes)(a, count_a, b, count_b, motion, most, distances);
+  if (motion.in_range) {
+    HWY_DYNAMIC_DISPATCH(DistancesOfNodes)(a, count_a, b, count_b, motion, most, distances);
+  } else {
+    HWY_DYNAMIC_DISPATCH(DistancesOfLargeNodes)(a, count_a, b, count_b, motion, most, distances);
+  }
 }
 void distances_of_leaves(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& motion,
                          const std::array<float, 3>& guess, float most, Distances& distances, DistanceRows& estimates) {

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collision/query/wide_chosen.hpp"
 #include "collision/query/wide_impact.hpp"
 #include "collision/query/wide_nearest.hpp"
 
@@ -40,8 +41,107 @@ HWY_INLINE auto apart_along(V from_a_to_b, V reach, V velocity_a, V velocity_b, 
   return hn::Gt(gap, hn::Max(hn::Mul(closing, within), hn::Zero(Lanes())));
 }
 
+// Velocities of the middles of oriented boxes, in A's frame, and how much faster other points in them are at most.
+struct TurnedVelocities {
+  Rows v;
+  Row spread;
+};
+template <class ToA>
+HWY_INLINE void turned_velocities(const WideTree::Node& node, const std::array<float, 3>& base,
+                                  const std::array<float, 3>& turn, float rate, ToA to_a_axes, TurnedVelocities& out) {
+  const V3 axis{set(turn[0]), set(turn[1]), set(turn[2])};
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const V3 half = load3(node.oriented_half, i);
+    store3(to_a_axes(plus(cross(axis, load3(node.oriented_center, i)), base)), out.v, i);
+    store(hn::Mul(set(rate), hn::Sqrt(dot(half, half))), out.spread, i);
+  }
+}
+
+// The pairs of boxes whose gap along A's axes may close.
+HWY_INLINE std::uint64_t pairs_that_may_meet(const WideTree::Node& a, const WideTree::Node& b, const MovedBoxes& moved,
+                                             const TurnedVelocities& of_a, const TurnedVelocities& of_b,
+                                             const WideSpeeds& s, float within_s) {
+  std::uint64_t near = 0;
+  const V within = set(within_s), zero = hn::Zero(Lanes());
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    const V3 center = load3(a.center, i), half = load3(a.half, i), v = load3(of_a.v, i);
+    const V spread = load(of_a.spread, i);
+    const auto there = hn::Ge(half.x, zero);
+    for (std::size_t row = 0; row < kWidth; ++row) {
+      if (b.half[0][row] < 0.0f) break;
+      const V spare = hn::Mul(hn::Add(spread, set(of_b.spread[row] + s.slack_m_s)), within);
+      // Boxes of which one is ahead by a gap, and stays so.
+      const auto along = [&](V at, V reach, V speed, std::size_t k) HWY_ATTR {
+        const V way = hn::Mul(hn::Sub(speed, set(of_b.v[k][row])), within);  // by which A comes after B
+        const V ahead = hn::Sub(hn::Sub(set(moved.lo[k][row]), at), reach);
+        const V behind = hn::Sub(hn::Sub(at, reach), set(moved.hi[k][row]));
+        return hn::Or(hn::Gt(ahead, hn::Max(hn::Add(way, spare), zero)),
+                      hn::Gt(behind, hn::Max(hn::Sub(spare, way), zero)));
+      };
+      const auto apart = hn::Or(hn::Or(along(center.x, half.x, v.x, 0), along(center.y, half.y, v.y, 1)),
+                                along(center.z, half.z, v.z, 2));
+      near |= static_cast<std::uint64_t>(bits(hn::AndNot(apart, there), i)) << (kWidth * row);
+    }
+  }
+  return near;
+}
+
+// The fifteen axes of boxes that move: apart where a gap along one is not closed by then.
+HWY_INLINE auto stay_apart(const TurnedBoxes& a, const TurnedBoxes& b, const V3& relative, V spare, V slack, V within) {
+  const Fifteen f(a, b);
+  const V speed[3] = {dot(a.axes[0], relative), dot(a.axes[1], relative), dot(a.axes[2], relative)};
+  const auto along = [&](V distance, V reach, V closing) HWY_ATTR {
+    const V gap = hn::Sub(hn::Abs(distance), hn::Add(reach, slack));
+    const V toward = hn::Add(hn::Xor(closing, hn::And(distance, hn::SignBit(Lanes()))), spare);
+    return hn::Gt(gap, hn::Max(hn::Mul(toward, within), hn::Zero(Lanes())));
+  };
+  const auto of_a = [&]<std::size_t i>() HWY_ATTR { return along(f.t[i], f.reach_of_a<i>(), speed[i]); };
+  const auto of_b = [&]<std::size_t j>()
+                        HWY_ATTR { return along(f.along_b<j>(f.t), f.reach_of_b<j>(), f.along_b<j>(speed)); };
+  const auto across = [&]<std::size_t i, std::size_t j>() HWY_ATTR {
+    return along(f.along_across<i, j>(f.t), f.reach_across<i, j>(), f.along_across<i, j>(speed));
+  };
+  const auto across_a = [&]<std::size_t i>() HWY_ATTR {
+    return hn::Or(hn::Or(across.template operator()<i, 0>(), across.template operator()<i, 1>()),
+                  across.template operator()<i, 2>());
+  };
+  const auto faces = hn::Or(
+      hn::Or(hn::Or(of_a.template operator()<0>(), of_a.template operator()<1>()), of_a.template operator()<2>()),
+      hn::Or(hn::Or(of_b.template operator()<0>(), of_b.template operator()<1>()), of_b.template operator()<2>()));
+  if (hn::AllTrue(Lanes(), faces)) return faces;
+  return hn::Or(faces, hn::Or(hn::Or(across_a.template operator()<0>(), across_a.template operator()<1>()),
+                              across_a.template operator()<2>()));
+}
+
 void NodesMayMeet(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& m, const WideSpeeds& s,
                   float within_s, Masks& masks) {
+  MovedBoxes moved;
+  move_boxes(b, m, moved);
+  TurnedVelocities of_a, of_b;
+  const auto same = [](const V3& v) { return v; };
+  const auto turned = [&](const V3& v) { return times(m.a_from_b, v); };
+  turned_velocities(a, s.linear_velocity_a, s.angular_velocity_a, s.rate_a, same, of_a);
+  turned_velocities(b, s.linear_velocity_b, s.angular_velocity_b, s.rate_b, turned, of_b);
+  masks.fill(0);
+  const V slack = set(m.slack_oriented), within = set(within_s);
+  for (std::uint64_t near = pairs_that_may_meet(a, b, moved, of_a, of_b, s, within_s); near != 0;) {
+    const ChosenLanes chosen = take_lanes(near);
+    const RowLookup<true> in_a(chosen);
+    const RowLookup<false> in_b(chosen);
+    const V spare = hn::Add(hn::Add(in_a(of_a.spread), in_b(of_b.spread)), set(s.slack_m_s));
+    const auto apart = stay_apart(chosen_boxes(a.oriented_center, a.oriented_half, a.axes, in_a),
+                                  chosen_boxes(moved.center, b.oriented_half, moved.axes, in_b),
+                                  minus(in_a(of_a.v), in_b(of_b.v)), spare, slack, within);
+    for (std::uint32_t left = bits(hn::Not(apart), 0) & chosen.present; left != 0; left &= left - 1) {
+      const std::uint8_t pair = pair_at(chosen, hwy::Num0BitsBelowLS1Bit_Nonzero32(left));
+      std::uint8_t& mask = masks[LanePairs::of_b(pair)];
+      mask = static_cast<std::uint8_t>(mask | 1u << LanePairs::of_a(pair));
+    }
+  }
+}
+
+void LargeNodesMayMeet(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& m, const WideSpeeds& s,
+                       float within_s, Masks& masks) {
   Boxes b_in_a, a_in_b;
   to_a(b, m, b_in_a);
   to_b(a, m, a_in_b);
@@ -261,12 +361,17 @@ HWY_AFTER_NAMESPACE();
 namespace peerd::collision {
 
 HWY_EXPORT(NodesMayMeet);
+HWY_EXPORT(LargeNodesMayMeet);
 HWY_EXPORT(LeavesMayMeet);
 
 void nodes_may_meet(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& motion,
                     const WideSpeeds& speeds, float within_s, Masks& masks) {
   assert(!(within_s < 0.0f) && !(speeds.slack_m_s < 0.0f));
-  HWY_DYNAMIC_DISPATCH(NodesMayMeet)(a, b, motion, speeds, within_s, masks);
+  if (motion.in_range) {
+    HWY_DYNAMIC_DISPATCH(NodesMayMeet)(a, b, motion, speeds, within_s, masks);
+  } else {
+    HWY_DYNAMIC_DISPATCH(LargeNodesMayMeet)(a, b, motion, speeds, within_s, masks);
+  }
 }
 void leaves_may_meet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& motion,
                      const WideSpeeds& speeds, float within_s, Masks& masks, MeetTimes& times) {

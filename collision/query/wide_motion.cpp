@@ -39,7 +39,7 @@ WideMotion::WideMotion(const WideTree& a, const WideTree& b, const RelativeMotio
   slack_a = static_cast<float>(slack_m * a.scale() + 0x1p-120);
   slack_b = static_cast<float>(slack_m * b.scale() + 0x1p-120);
   // docs/decisions/collision-margins.md counts the roundings.
-  constexpr double kLargest = 0x1p62;
+  constexpr double kLargest = 0x1p63;
   in_range = to_a == 1.0 && size_m * a.scale() <= kLargest;
   slack_oriented =
       in_range ? static_cast<float>((0x1p-17 * size_m + binary64 + margin_m) * a.scale() + 0x1p-120) : 0.0f;

@@ -22,81 +22,23 @@ HWY_INLINE auto overlap(const V3& center_a, const V3& half_a, const V3& center_b
       along(center_a.z, half_a.z, center_b.z, half_b.z));
 }
 
-// Oriented boxes, one to a lane. Of the axes by component: axes[k][c] has the component c of all boxes' axis k.
-struct TurnedBoxes {
-  V3 center, half;
-  V3 axes[3];
-};
-
-// Boxes of B in A's frame.
-struct MovedBoxes {
-  Rows center, lo, hi;  // and the axis-aligned boxes around them
-  std::array<Rows, 3> axes;
-};
-HWY_INLINE V3 absolute(const V3& v) { return {hn::Abs(v.x), hn::Abs(v.y), hn::Abs(v.z)}; }
-HWY_INLINE void move_boxes(const WideTree::Node& b, const WideMotion& m, MovedBoxes& out) {
-  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
-    const V3 center = plus(times(m.a_from_b, load3(b.oriented_center, i)), m.b_in_a);
-    store3(center, out.center, i);
-    const V3 half = load3(b.oriented_half, i);
-    V3 x = times(m.a_from_b, load3(b.axes[0], i)), y = times(m.a_from_b, load3(b.axes[1], i)),
-       z = times(m.a_from_b, load3(b.axes[2], i));
-    store3(x, out.axes[0], i), store3(y, out.axes[1], i), store3(z, out.axes[2], i);
-    x = absolute(x), y = absolute(y), z = absolute(z);
-    const V slack = set(m.slack_oriented);
-    const auto reach = [&](V of_x, V of_y, V of_z) { return hn::Add(dot({of_x, of_y, of_z}, half), slack); };
-    const V3 around{reach(x.x, y.x, z.x), reach(x.y, y.y, z.y), reach(x.z, y.z, z.z)};
-    store3(minus(center, around), out.lo, i);
-    store3({hn::Add(center.x, around.x), hn::Add(center.y, around.y), hn::Add(center.z, around.z)}, out.hi, i);
-  }
-}
-
-// The fifteen axes of Gottschalk, Lin and Manocha, "OBBTree", SIGGRAPH 1996: those of either box, and their products.
-// Boxes are apart where they are along one of them by more than the slack, which has room for all that is off.
-struct Fifteen {
-  V ha[3], hb[3], t[3];   // half the sides, and the way from A to B along A's axes
-  V c[3][3], size[3][3];  // the products of axes, and their absolute values
-  V slack;
-
-  HWY_INLINE auto along(V distance, V reach) const { return hn::Le(hn::Abs(distance), hn::Add(reach, slack)); }
-  template <std::size_t i>
-  HWY_INLINE auto of_a() const {
-    return along(t[i], hn::Add(dot({size[i][0], size[i][1], size[i][2]}, {hb[0], hb[1], hb[2]}), ha[i]));
-  }
-  template <std::size_t j>
-  HWY_INLINE auto of_b() const {
-    return along(dot({c[0][j], c[1][j], c[2][j]}, {t[0], t[1], t[2]}),
-                 hn::Add(dot({size[0][j], size[1][j], size[2][j]}, {ha[0], ha[1], ha[2]}), hb[j]));
-  }
-  template <std::size_t i, std::size_t j>
-  HWY_INLINE auto across() const {
-    constexpr std::size_t i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-    return along(hn::Sub(hn::Mul(t[i2], c[i1][j]), hn::Mul(t[i1], c[i2][j])),
-                 hn::Add(hn::Add(hn::Mul(ha[i1], size[i2][j]), hn::Mul(ha[i2], size[i1][j])),
-                         hn::Add(hn::Mul(hb[j1], size[i][j2]), hn::Mul(hb[j2], size[i][j1]))));
-  }
-  template <std::size_t i>
-  HWY_INLINE auto across() const {
-    return hn::And(hn::And(across<i, 0>(), across<i, 1>()), across<i, 2>());
-  }
-  template <std::size_t i>
-  HWY_INLINE void set_row(const TurnedBoxes& a, const TurnedBoxes& b, const V3& way) {
-    t[i] = dot(a.axes[i], way);
-    c[i][0] = dot(a.axes[i], b.axes[0]), c[i][1] = dot(a.axes[i], b.axes[1]), c[i][2] = dot(a.axes[i], b.axes[2]);
-    size[i][0] = hn::Abs(c[i][0]), size[i][1] = hn::Abs(c[i][1]), size[i][2] = hn::Abs(c[i][2]);
-  }
-};
+// Boxes are apart where they are along one of the axes by more than the slack, which has room for all that is off.
 HWY_INLINE auto overlap(const TurnedBoxes& a, const TurnedBoxes& b, V slack) {
-  const V3 way = minus(b.center, a.center);
-  Fifteen f;
-  f.slack = slack;
-  f.ha[0] = a.half.x, f.ha[1] = a.half.y, f.ha[2] = a.half.z;
-  f.hb[0] = b.half.x, f.hb[1] = b.half.y, f.hb[2] = b.half.z;
-  f.set_row<0>(a, b, way), f.set_row<1>(a, b, way), f.set_row<2>(a, b, way);
-  auto near = hn::And(hn::And(hn::And(f.of_a<0>(), f.of_a<1>()), f.of_a<2>()),
-                      hn::And(hn::And(f.of_b<0>(), f.of_b<1>()), f.of_b<2>()));
+  const Fifteen f(a, b);
+  const auto along = [&](V distance, V reach) HWY_ATTR { return hn::Le(hn::Abs(distance), hn::Add(reach, slack)); };
+  auto near =
+      hn::And(hn::And(hn::And(along(f.t[0], f.reach_of_a<0>()), along(f.t[1], f.reach_of_a<1>())),
+                      along(f.t[2], f.reach_of_a<2>())),
+              hn::And(hn::And(along(f.along_b<0>(f.t), f.reach_of_b<0>()), along(f.along_b<1>(f.t), f.reach_of_b<1>())),
+                      along(f.along_b<2>(f.t), f.reach_of_b<2>())));
   if (hn::AllFalse(Lanes(), near)) return near;
-  return hn::And(near, hn::And(hn::And(f.across<0>(), f.across<1>()), f.across<2>()));
+  const auto across = [&]<std::size_t i>() HWY_ATTR {
+    return hn::And(hn::And(along(f.along_across<i, 0>(f.t), f.reach_across<i, 0>()),
+                           along(f.along_across<i, 1>(f.t), f.reach_across<i, 1>())),
+                   along(f.along_across<i, 2>(f.t), f.reach_across<i, 2>()));
+  };
+  return hn::And(near, hn::And(hn::And(across.template operator()<0>(), across.template operator()<1>()),
+                               across.template operator()<2>()));
 }
 
 // The pairs of boxes that overlap along A's axes.
@@ -116,12 +58,6 @@ HWY_INLINE std::uint64_t near_pairs(const WideTree::Node& a, const MovedBoxes& b
     for (std::size_t row = 0; row < kWidth; row += 2) test_row(row), test_row(row + 1);
   }
   return near;
-}
-
-template <bool kOfA>
-HWY_INLINE TurnedBoxes chosen_boxes(const Rows& center, const Rows& half, const std::array<Rows, 3>& axes,
-                                    const RowLookup<kOfA>& chosen) {
-  return {chosen(center), chosen(half), {chosen(axes[0]), chosen(axes[1]), chosen(axes[2])}};
 }
 
 void TestNodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& m, LanePairs& pairs) {

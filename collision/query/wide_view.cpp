@@ -75,29 +75,22 @@ std::uint8_t TestRayLeaf(const WideTree::Leaf& leaf, const WideRay& ray) {
 template <class Distances>
 HWY_INLINE std::uint8_t test_planes(const WidePlanes& planes, PlaneMask active, std::array<PlaneMask, kWidth>& crossed,
                                     Distances distances) {
-  crossed.fill(0);
-  std::array<std::uint32_t, WidePlanes::kMaxPlanes> inside;
-  std::uint32_t out = 0xff;
-  for (std::uint32_t rest = active; rest != 0 && out != 0; rest &= rest - 1) {
-    const std::size_t n = hwy::Num0BitsBelowLS1Bit_Nonzero32(rest);
-    const WidePlanes::Plane& plane = planes.planes[n];
-    std::uint32_t in_view = 0;
-    inside[n] = 0;
-    for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+  using Ints = hn::RebindToSigned<Lanes>;
+  std::uint32_t out = 0;
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
+    auto in_view = hn::FirstN(Lanes(), kWidth);
+    auto noted = hn::Zero(Ints());
+    for (std::uint32_t rest = active; rest != 0 && !hn::AllFalse(Lanes(), in_view); rest &= rest - 1) {
+      const WidePlanes::Plane& plane = planes.planes[hwy::Num0BitsBelowLS1Bit_Nonzero32(rest)];
       const auto [least, most] = distances(plane, i);
-      in_view |= bits(hn::Ge(most, set(-plane.slack)), i);
-      inside[n] |= bits(hn::Ge(least, set(plane.slack)), i);
+      const auto inside = hn::RebindMask(Ints(), hn::Ge(least, set(plane.slack)));
+      const auto bit = hn::Set(Ints(), static_cast<std::int32_t>(rest & (~rest + 1)));
+      in_view = hn::And(in_view, hn::Ge(most, set(-plane.slack)));
+      noted = hn::Or(noted, hn::IfThenZeroElse(inside, bit));
     }
-    out &= in_view;
-  }
-  for (std::uint32_t lanes = out; lanes != 0; lanes &= lanes - 1) {
-    const std::size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero32(lanes);
-    std::uint32_t planes_crossed = 0;
-    for (std::uint32_t rest = active; rest != 0; rest &= rest - 1) {
-      const std::size_t n = hwy::Num0BitsBelowLS1Bit_Nonzero32(rest);
-      planes_crossed |= ((inside[n] >> lane & 1u) ^ 1u) << n;
-    }
-    crossed[lane] = static_cast<PlaneMask>(planes_crossed);
+    const auto of_these = hn::IfThenElseZero(hn::RebindMask(Ints(), in_view), noted);
+    hn::StoreU(hn::DemoteTo(hn::Rebind<PlaneMask, Lanes>(), of_these), hn::Rebind<PlaneMask, Lanes>(), &crossed[i]);
+    out |= bits(in_view, i);
   }
   return static_cast<std::uint8_t>(out);
 }

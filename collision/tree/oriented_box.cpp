@@ -9,12 +9,12 @@ namespace {
 
 float largest(Float4 p) { return std::max(std::max(p[0], p[1]), p[2]); }
 
-// One rotation, after which the matrix has nothing at (p, q).
-void rotate_away(Mat3& m, Mat3& axes, int p, int q) {
+// One rotation, after which the matrix has nothing at (p, q); none where what is there is small.
+void rotate_away(Mat3& m, Mat3& axes, int p, int q, double small) {
   const double off = m(p, q);
-  if (off == 0.0) return;
-  const double theta = (m(q, q) - m(p, p)) / (2.0 * off);
-  const double t = std::copysign(1.0 / (std::abs(theta) + std::sqrt(theta * theta + 1.0)), theta);
+  if (!(std::abs(off) > small)) return;
+  const double d = 0.5 * (m(q, q) - m(p, p));
+  const double t = off / (d + std::copysign(std::sqrt(d * d + off * off), d));
   const double c = 1.0 / std::sqrt(t * t + 1.0), s = t * c;
   const int r = 3 - p - q;
   m(p, p) -= t * off;
@@ -42,15 +42,16 @@ OrientedBox axis_aligned_box(const Bounds4& bounds) {
   return box;
 }
 
-// Four sweeps make a box's axes right to far more than it is worth; most matrices need two.
+// Four sweeps make a box's axes right to far more than it is worth; most matrices need two. Axes that are off by 2^-10
+// or so make a box that is no worse.
 Mat3 principal_axes(const Mat3& matrix) {
   Mat3 m = matrix, axes = Mat3::Identity();
-  const double small = 0x1p-14 * (std::abs(m(0, 0)) + std::abs(m(1, 1)) + std::abs(m(2, 2)));
+  const double small = 0x1p-12 * (std::abs(m(0, 0)) + std::abs(m(1, 1)) + std::abs(m(2, 2)));
   for (int sweep = 0; sweep < 4; ++sweep) {
-    if (!(std::abs(m(0, 1)) + std::abs(m(0, 2)) + std::abs(m(1, 2)) > small)) break;
-    rotate_away(m, axes, 0, 1);
-    rotate_away(m, axes, 0, 2);
-    rotate_away(m, axes, 1, 2);
+    if (!(std::max({std::abs(m(0, 1)), std::abs(m(0, 2)), std::abs(m(1, 2))}) > small)) break;
+    rotate_away(m, axes, 0, 1, small);
+    rotate_away(m, axes, 0, 2, small);
+    rotate_away(m, axes, 1, 2, small);
   }
   return axes;
 }
@@ -64,12 +65,12 @@ BoxFit::BoxFit(const Bounds4& bounds) : bounds_(bounds) {
 
 bool BoxFit::turn() {
   if (!(area_ > 0.0f)) return false;
-  const double area = static_cast<double>(area_);
+  const double per_third = 1.0 / (3.0 * static_cast<double>(area_)), per_twelfth = 0.25 * per_third;
   Vec3 mean;
   Mat3 second;
   for (int i = 0; i < 3; ++i) {
-    mean[i] = static_cast<double>(first_[i]) / (3.0 * area);
-    for (int j = 0; j < 3; ++j) second(i, j) = static_cast<double>(second_[i][j]) / (12.0 * area);
+    mean[i] = static_cast<double>(first_[i]) * per_third;
+    for (int j = 0; j < 3; ++j) second(i, j) = static_cast<double>(second_[i][j]) * per_twelfth;
   }
   Mat3 covariance;
   for (int i = 0; i < 3; ++i) {

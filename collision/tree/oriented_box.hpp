@@ -27,8 +27,9 @@ struct Bounds4 {
     hi = max4(hi, other.hi);
   }
   void merge(Float4 p) { merge({-p, p}); }
+  [[nodiscard]] Float4 sides() const { return hi + minus_lo; }
   [[nodiscard]] float half_area() const {
-    const Float4 d = hi + minus_lo;
+    const Float4 d = sides();
     return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
   }
 };
@@ -45,29 +46,50 @@ class BoxFit {
  public:
   explicit BoxFit(const Bounds4& bounds);
 
-  // The moments of the triangles' areas.
-  void weigh(Float4 p, Float4 q, Float4 r) {
-    const Float4 a = (p - middle_) * to_unit_, b = (q - middle_) * to_unit_, c = (r - middle_) * to_unit_;
-    const Float4 u = b - a, v = c - a;
-    const Float4 n = Float4{u[1], u[2], u[0], 0} * Float4{v[2], v[0], v[1], 0} -
-                     Float4{u[2], u[0], u[1], 0} * Float4{v[1], v[2], v[0], 0};
-    const Float4 square = n * n;
-    const float area = __builtin_sqrtf((square[0] + square[1]) + square[2]);
-    const Float4 sum = (a + b) + c;
-    area_ += area;
-    first_ += all4(area) * sum;
-    for (int k = 0; k < 3; ++k) {
-      second_[k] += all4(area) * (((all4(sum[k]) * sum + all4(a[k]) * a) + all4(b[k]) * b) + all4(c[k]) * c);
-    }
+  // Sums up the moments of the triangles' areas: each(use) calls use() with the corners of each.
+  template <class Each>
+  void weigh(Each each) {
+    const Float4 middle = middle_, to_unit = to_unit_;
+    float areas = 0.0f;
+    Float4 first{}, of_x{}, of_y{}, of_z{};
+    each([&](Float4 p, Float4 q, Float4 r) {
+      const Float4 a = (p - middle) * to_unit, b = (q - middle) * to_unit, c = (r - middle) * to_unit;
+      const Float4 u = b - a, v = c - a;
+      const Float4 n = Float4{u[1], u[2], u[0], 0} * Float4{v[2], v[0], v[1], 0} -
+                       Float4{u[2], u[0], u[1], 0} * Float4{v[1], v[2], v[0], 0};
+      const Float4 square = n * n;
+      const float area = __builtin_sqrtf((square[0] + square[1]) + square[2]);
+      const Float4 sum = (a + b) + c;
+      areas += area;
+      first += all4(area) * sum;
+      const auto second = [&](int k) {
+        return all4(area) * (((all4(sum[k]) * sum + all4(a[k]) * a) + all4(b[k]) * b) + all4(c[k]) * c);
+      };
+      of_x += second(0), of_y += second(1), of_z += second(2);
+    });
+    area_ = areas;
+    first_ = first;
+    second_[0] = of_x, second_[1] = of_y, second_[2] = of_z;
   }
   // Chooses the axes of what was weighed: false where there are none better than the frame's.
   [[nodiscard]] bool turn();
   void turn_to(const std::array<std::array<float, 3>, 3>& axes);
 
-  // Widens the box for a point, or for a box.
-  void add(Float4 p) {
-    const Float4 l = p - middle_;
-    extent_.merge((all4(l[0]) * columns_[0] + all4(l[1]) * columns_[1]) + all4(l[2]) * columns_[2]);
+  // Widens the box for triangles, as in weigh(), or for a box.
+  template <class Each>
+  void add(Each each) {
+    const Float4 middle = middle_, x = columns_[0], y = columns_[1], z = columns_[2];
+    const auto along = [&](Float4 p) {
+      const Float4 l = p - middle;
+      return (all4(l[0]) * x + all4(l[1]) * y) + all4(l[2]) * z;
+    };
+    Float4 most = extent_.hi, least = -extent_.minus_lo;
+    each([&](Float4 p, Float4 q, Float4 r) {
+      const Float4 a = along(p), b = along(q), c = along(r);
+      most = max4(max4(most, a), max4(b, c));
+      least = min4(min4(least, a), min4(b, c));
+    });
+    extent_ = {-least, most};
   }
   void add(const OrientedBox& box);
   // The box, or that with the axes of the frame where it is smaller.

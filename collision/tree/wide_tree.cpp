@@ -11,7 +11,7 @@ namespace {
 static_assert(kLeafSize == WideTree::kWidth);
 
 // The axes of a box around more triangles than twice this are those of this many of them or so.
-constexpr std::uint32_t kWeighed = 256;
+constexpr std::uint32_t kWeighed = 64;
 
 // The most that a tree of so many triangles can have: only ranges that are too large for a leaf are split, and each
 // node but those above leaves alone has eight children.
@@ -76,7 +76,7 @@ WideTree::WideTree(const TriangleSoup& soup) : soup_(&soup) {
   make_points();
   items_.reserve(soup.faces.size());
   for (std::uint32_t f = 0; f < soup.faces.size(); ++f) items_.push_back(make_item(f));
-  root_ = pending({0, static_cast<std::uint32_t>(items_.size())});
+  root_ = pending(measured(items_, 0, static_cast<std::uint32_t>(items_.size())));
 }
 
 void WideTree::make_points() {
@@ -88,7 +88,7 @@ void WideTree::make_points() {
   }
 }
 
-WideTree::Ref WideTree::pending(Range range) {
+WideTree::Ref WideTree::pending(const SplitRange& range) {
   assert(range.begin < range.end && range.end <= items_.size());
   ranges_.push_back(range);
   return {Ref::kPending, static_cast<std::uint32_t>(ranges_.size() - 1)};
@@ -97,7 +97,7 @@ WideTree::Ref WideTree::pending(Range range) {
 WideTree::Ref WideTree::resolve(ChildSlot slot) {
   const Ref before = peek(slot);
   if (before.kind() != Ref::kPending) return before;
-  const Range range = ranges_[before.index()];
+  const SplitRange range = ranges_[before.index()];
   const Ref made = range.count() <= kLeafSize ? make_leaf(range) : make_node(range);
   (slot == kRoot ? root_ : nodes_.at(slot / kWidth).children[slot % kWidth]) = made;
   return made;
@@ -109,42 +109,35 @@ SplitItem WideTree::make_item(std::uint32_t face) const {
   return {bounds, face};
 }
 
-Bounds4 WideTree::bounds(Range range) const {
-  Bounds4 bounds;
-  for (std::uint32_t i = range.begin; i < range.end; ++i) bounds.merge(items_[i].bounds());
-  return bounds;
-}
-
 // A few of many triangles decide the axes, and where not even those are in a smaller box, none is tried.
-OrientedBox WideTree::fitted(Range range, const Bounds4& bounds) const {
-  BoxFit fit(bounds);
-  const auto corners = [&](std::uint32_t i) -> const auto& { return soup_->faces[items_[i].face()].corners; };
-  const std::uint32_t step = std::max(1u, range.count() / kWeighed);
-  for (std::uint32_t i = range.begin; i < range.end; i += step) {
-    const auto& c = corners(i);
-    fit.weigh(points_[c[0]], points_[c[1]], points_[c[2]]);
-  }
-  const OrientedBox aligned = axis_aligned_box(bounds);
-  if (!fit.turn()) return aligned;
-  const auto add_every = [&](std::uint32_t nth) {
-    for (std::uint32_t i = range.begin; i < range.end; i += nth) {
-      const auto& c = corners(i);
-      fit.add(points_[c[0]]), fit.add(points_[c[1]]), fit.add(points_[c[2]]);
-    }
+OrientedBox WideTree::fitted(const SplitRange& range) const {
+  BoxFit fit(range.bounds);
+  const auto every = [&](std::uint32_t nth) {
+    return [this, &range, nth](auto&& use) {
+      for (std::uint32_t i = range.begin; i < range.end; i += nth) {
+        const auto& c = soup_->faces[items_[i].face()].corners;
+        use(points_[c[0]], points_[c[1]], points_[c[2]]);
+      }
+    };
   };
-  add_every(step);
+  const std::uint32_t step = std::max(1u, range.count() / kWeighed);
+  fit.weigh(every(step));
+  const OrientedBox aligned = axis_aligned_box(range.bounds);
+  if (!fit.turn()) return aligned;
+  fit.add(every(step));
   if (step > 1) {
     if (fit.box().half_area() >= aligned.half_area()) return aligned;
-    add_every(1);
+    fit.add(every(1));
   }
   return fit.box();
 }
 
 // Splits the part with the largest surface, until there are eight or all are leaves.
-WideTree::Ref WideTree::make_node(Range range) {
+WideTree::Ref WideTree::make_node(const SplitRange& range) {
+  const auto spare = std::make_unique_for_overwrite<SplitItem[]>(range.count());
   std::array<SplitRange, kWidth> parts;
   std::size_t count = 1;
-  parts[0] = measured(items_, range.begin, range.end);
+  parts[0] = range;
   while (count < kWidth) {
     std::size_t largest = kWidth;
     for (std::size_t i = 0; i < count; ++i) {
@@ -152,7 +145,7 @@ WideTree::Ref WideTree::make_node(Range range) {
       if (largest == kWidth || parts[i].bounds.half_area() > parts[largest].bounds.half_area()) largest = i;
     }
     if (largest == kWidth) break;
-    const SplitHalves halves = split(items_, parts[largest]);
+    const SplitHalves halves = split(items_, {spare.get(), range.count()}, parts[largest]);
     for (std::size_t i = count; i > largest + 1; --i) parts[i] = parts[i - 1];
     parts[largest] = halves.left;
     parts[largest + 1] = halves.right;
@@ -171,17 +164,18 @@ WideTree::Ref WideTree::make_node(Range range) {
       put(none, node, i);
       continue;
     }
-    const Range part{parts[i].begin, parts[i].end};
     put_aligned(axis_aligned_box(parts[i].bounds), node, i);
-    put(fitted(part, parts[i].bounds), node, i);
-    node.children[i] = pending(part);
+    put(fitted(parts[i]), node, i);
+    node.children[i] = pending(parts[i]);
   }
   return {Ref::kNode, nodes_.size() - 1};
 }
 
-WideTree::Ref WideTree::make_leaf(Range range) {
+WideTree::Ref WideTree::make_leaf(const SplitRange& range) {
   assert(range.count() >= 1 && range.count() <= kLeafSize);
-  std::ranges::sort(items_.begin() + range.begin, items_.begin() + range.end, {}, &SplitItem::face);
+  // Splits keep the items' order, which is that of the faces.
+  assert(std::is_sorted(items_.begin() + range.begin, items_.begin() + range.end,
+                        [](const SplitItem& x, const SplitItem& y) { return x.face() < y.face(); }));
   Leaf& leaf = leaves_.add(most_leaves(soup_->faces.size()));
   leaf.count = range.count();
   for (std::size_t i = 0; i < kWidth; ++i) {
@@ -193,27 +187,37 @@ WideTree::Ref WideTree::make_leaf(Range range) {
 }
 
 void WideTree::fill_corners(Leaf& leaf) const {
+  using Double2 = double __attribute__((vector_size(16)));
+  struct Point {
+    Double2 xy, z;
+    [[nodiscard]] Float4 rounded() const {
+      return Float4{static_cast<float>(xy[0]), static_cast<float>(xy[1]), static_cast<float>(z[0]), 0.0f};
+    }
+  };
+  const Double2 origin_xy{origin_[0], origin_[1]}, origin_z{origin_[2], 0.0}, scale{scale_, scale_};
   Bounds4 bounds;
-  std::array<std::array<Vec3, kWidth>, 3> at;
-  for (std::size_t i = 0; i < kWidth; ++i) {
+  std::array<std::array<Point, 3>, kWidth> at;
+  for (std::size_t i = 0; i < leaf.count; ++i) {
     const auto& corners = soup_->faces[leaf.faces[i]].corners;
     for (std::size_t c = 0; c < 3; ++c) {
-      const Vec3 p = at[c][i] = (soup_->vertices[corners[c]] - origin_) * scale_;
-      bounds.merge(Float4{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]), 0.0f});
+      const Vec3& v = soup_->vertices[corners[c]];
+      at[i][c] = {(Double2{v[0], v[1]} - origin_xy) * scale, (Double2{v[2], 0.0} - origin_z) * scale};
+      bounds.merge(at[i][c].rounded());
     }
   }
   leaf.center = axis_aligned_box(bounds).center;
-  leaf.half.fill(0.0f);
-  for (std::size_t c = 0; c < 3; ++c) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double center = static_cast<double>(leaf.center[k]);
-      for (std::size_t i = 0; i < kWidth; ++i) {
-        const auto local = static_cast<float>(at[c][i][static_cast<int>(k)] - center);
-        leaf.corners[c][k][i] = local;
-        leaf.half[k] = std::max(leaf.half[k], std::abs(local));
-      }
+  const auto center = [&](std::size_t k) { return static_cast<double>(leaf.center[k]); };
+  const Double2 center_xy{center(0), center(1)}, center_z{center(2), 0.0};
+  Float4 half{};
+  for (std::size_t i = 0; i < kWidth; ++i) {
+    const std::size_t from = std::min<std::size_t>(i, leaf.count - 1);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Float4 local = Point{at[from][c].xy - center_xy, at[from][c].z - center_z}.rounded();
+      half = max4(half, max4(local, -local));
+      for (std::size_t k = 0; k < 3; ++k) leaf.corners[c][k][i] = local[k];
     }
   }
+  leaf.half = {half[0], half[1], half[2]};
 }
 
 OrientedBox WideTree::box(ChildSlot slot) const {
@@ -229,7 +233,7 @@ OrientedBox WideTree::box(ChildSlot slot) const {
 
 // The bounds of a node or leaf whose own boxes are up to date.
 Bounds4 WideTree::bounds(Ref ref) const {
-  if (ref.kind() == Ref::kPending) return bounds(ranges_[ref.index()]);
+  if (ref.kind() == Ref::kPending) return ranges_[ref.index()].bounds;
   if (ref.kind() == Ref::kLeaf) return bounds_of(leaves_[ref.index()].center, leaves_[ref.index()].half);
   const Node& node = nodes_[ref.index()];
   Bounds4 bounds;
@@ -242,7 +246,7 @@ Bounds4 WideTree::bounds(Ref ref) const {
 
 // A box with the axes of before around what is in a child, or a new one around what is pending.
 OrientedBox WideTree::refitted(Ref ref, const Bounds4& bounds, const OrientedBox& before) const {
-  if (ref.kind() == Ref::kPending) return fitted(ranges_[ref.index()], bounds);
+  if (ref.kind() == Ref::kPending) return fitted(ranges_[ref.index()]);
   BoxFit fit(bounds);
   fit.turn_to(before.axes);
   if (ref.kind() == Ref::kNode) {
@@ -251,12 +255,13 @@ OrientedBox WideTree::refitted(Ref ref, const Bounds4& bounds, const OrientedBox
     return fit.box();
   }
   const Leaf& leaf = leaves_[ref.index()];
-  for (std::size_t i = 0; i < leaf.count; ++i) {
-    for (const auto& corner : leaf.corners) {
-      fit.add(
-          Float4{corner[0][i] + leaf.center[0], corner[1][i] + leaf.center[1], corner[2][i] + leaf.center[2], 0.0f});
-    }
-  }
+  fit.add([&](auto&& use) {
+    const auto point = [&](std::size_t corner, std::size_t i) {
+      const auto& at = leaf.corners[corner];
+      return Float4{at[0][i] + leaf.center[0], at[1][i] + leaf.center[1], at[2][i] + leaf.center[2], 0.0f};
+    };
+    for (std::size_t i = 0; i < leaf.count; ++i) use(point(0, i), point(1, i), point(2, i));
+  });
   return fit.box();
 }
 
@@ -265,10 +270,17 @@ void WideTree::refit() {
   measure();
   if (!items_.empty()) make_points();
   for (SplitItem& item : items_) item = make_item(item.face());
+  const auto measure_pending = [&](Ref ref) {
+    if (ref.kind() != Ref::kPending) return;
+    SplitRange& range = ranges_[ref.index()];
+    range = measured(items_, range.begin, range.end);
+  };
+  measure_pending(root_);
   for (std::uint32_t i = 0; i < leaves_.size(); ++i) fill_corners(leaves_.at(i));
   for (std::uint32_t n = nodes_.size(); n-- > 0;) {  // children stand behind their parents
     Node& node = nodes_.at(n);
     for (std::size_t i = 0; i < kWidth && node.children[i].kind() != Ref::kNone; ++i) {
+      measure_pending(node.children[i]);
       const Bounds4 around = bounds(node.children[i]);
       put_aligned(axis_aligned_box(around), node, i);
       put(refitted(node.children[i], around, oriented_box(node, i)), node, i);
@@ -284,14 +296,14 @@ void WideTree::build_all() {
     }
   }
   assert(std::ranges::all_of(nodes(), [](const Node& n) { return n.children[0].kind() <= Ref::kLeaf; }));
-  items_ = {};
-  points_ = {};
-  ranges_ = {};
+  items_ = std::vector<SplitItem>();  // {} would keep the memory
+  points_ = std::vector<Float4>();
+  ranges_ = std::vector<SplitRange>();
 }
 
 std::size_t WideTree::memory_bytes() const {
   return nodes_.memory_bytes() + leaves_.memory_bytes() + items_.capacity() * sizeof(SplitItem) +
-         points_.capacity() * sizeof(Float4) + ranges_.capacity() * sizeof(Range);
+         points_.capacity() * sizeof(Float4) + ranges_.capacity() * sizeof(SplitRange);
 }
 
 }  // namespace peerd::collision

@@ -111,22 +111,16 @@ class WideTree {
   [[nodiscard]] std::size_t memory_bytes() const;  // what was allocated here
 
  private:
-  struct Range {
-    std::uint32_t begin, end;  // a range of items_
-    [[nodiscard]] std::uint32_t count() const { return end - begin; }
-  };
-
   Ref resolve(ChildSlot slot);
-  Ref pending(Range range);
-  Ref make_node(Range range);
-  Ref make_leaf(Range range);
+  Ref pending(const SplitRange& range);
+  Ref make_node(const SplitRange& range);
+  Ref make_leaf(const SplitRange& range);
   void make_points();
   [[nodiscard]] SplitItem make_item(std::uint32_t face) const;
   void fill_corners(Leaf& leaf) const;
-  [[nodiscard]] OrientedBox fitted(Range range, const Bounds4& bounds) const;
+  [[nodiscard]] OrientedBox fitted(const SplitRange& range) const;
   [[nodiscard]] OrientedBox refitted(Ref ref, const Bounds4& bounds, const OrientedBox& before) const;
   [[nodiscard]] Bounds4 bounds(Ref ref) const;
-  [[nodiscard]] Bounds4 bounds(Range range) const;
 
   void measure();
 
@@ -138,9 +132,9 @@ class WideTree {
   Ref root_;
   Chunks<Node> nodes_;
   Chunks<Leaf> leaves_;
-  std::vector<SplitItem> items_;  // gone when all is built
-  std::vector<Float4> points_;    // the soup's vertices in the tree's numbers; gone when all is built
-  std::vector<Range> ranges_;     // the ranges of pending children, by index
+  std::vector<SplitItem> items_;    // gone when all is built
+  std::vector<Float4> points_;      // the soup's vertices in the tree's numbers; gone when all is built
+  std::vector<SplitRange> ranges_;  // the ranges of pending children, by index
 };
 
 }  // namespace peerd::collision

@@ -130,6 +130,24 @@ WideTree::Node boxes_of(const TriangleSoup& soup) {
       node.half[k][i] = i < leaf.count ? std::max(hi - node.center[k][i], node.center[k][i] - lo) : WideTree::kNoBox;
     }
   }
+  for (std::size_t i = 0; i < WideTree::kWidth; ++i) {
+    const auto corner = [&](std::size_t c) {
+      const auto& at = leaf.corners[c];
+      return Float4{at[0][i] + leaf.center[0], at[1][i] + leaf.center[1], at[2][i] + leaf.center[2], 0.0f};
+    };
+    const auto triangle = [&](auto&& use) { use(corner(0), corner(1), corner(2)); };
+    Bounds4 bounds;
+    for (std::size_t c = 0; c < 3; ++c) bounds.merge(corner(c));
+    BoxFit fit(bounds);
+    fit.weigh(triangle);
+    if (fit.turn()) fit.add(triangle);
+    const OrientedBox box = fit.box();
+    for (std::size_t k = 0; k < 3; ++k) {
+      node.oriented_center[k][i] = box.center[k];
+      node.oriented_half[k][i] = box.half[k];
+      for (std::size_t c = 0; c < 3; ++c) node.axes[k][c][i] = box.axes[k][c];
+    }
+  }
   return node;
 }
 
