@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/mixed_bits.hpp"
+
 namespace peerd::sim {
 namespace {
 
