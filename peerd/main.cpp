@@ -21,6 +21,7 @@
 #include "peerd/command_line/stop_signals.hpp"
 #include "peerd/command_line/wrong_use.hpp"
 #include "peerd/commands/bake_command.hpp"
+#include "peerd/commands/chaos_command.hpp"
 #include "peerd/commands/check_command.hpp"
 #include "peerd/commands/collide_command.hpp"
 #include "peerd/commands/ctl_command.hpp"
@@ -51,6 +52,8 @@ constexpr NumberRange kTicksPerSecond{1e-6, 1e6};
 constexpr double kQuaternionMax = 2.0;  // of one component; the peer checks their norm
 constexpr std::int64_t kSizeMax_mib = 1 << 20;
 constexpr std::int64_t kKeyCodeMax = std::numeric_limits<std::int32_t>::max();
+constexpr std::int64_t kChaosSeedsMax = 1'000'000, kChaosPeersMax = 9;
+constexpr NumberRange kChaosSeconds{3.0, 3600.0};
 constexpr std::int64_t kPeerIdMax = std::numeric_limits<std::uint32_t>::max();
 
 // The options of `peerd run` that stand for settings, in place of a configuration file or over it.
@@ -453,15 +456,53 @@ Command add_replay(CLI::App& app) {
   return {command, [options] { return run_replay(*options); }};
 }
 
+void add_chaos_options(CLI::App& command, ChaosOptions& options) {
+  auto* const chaos = command.add_option("--chaos", options.seeds,
+                                         "no scenario: a generated world, peers that edit it, and faults of all kinds, "
+                                         "by a seed or by each of FIRST..LAST");
+  command.add_option("--count", options.count, "with --chaos: so many seeds from that one on (default: 1)")
+      ->transform(whole_number_in(1, kChaosSeedsMax))
+      ->needs(chaos);
+  command.add_option("--chaos-seconds", options.seconds, "how long each run is (default: 60)")
+      ->transform(number_in(kChaosSeconds))
+      ->needs(chaos);
+  command.add_option("--chaos-peers", options.peers, "the first peers only")
+      ->transform(whole_number_in(1, kChaosPeersMax))
+      ->needs(chaos);
+  command.add_option("--chaos-without", options.without, "faults and edits to leave out, such as f3,e7,e10-20")
+      ->needs(chaos);
+  command.add_flag("!--no-shrink", options.shrinks, "do not look for a smaller run that fails, too")->needs(chaos);
+}
+
+// A run is of a scenario, or of chaos.
+int run_sim_or_chaos(const CLI::App& command, const ScenarioOptions& options, ChaosOptions& chaos) {
+  if (chaos.seeds.empty()) {
+    if (options.scenario.empty()) {
+      return failed({"error: scenario is required; see " + full_name(command) + " --help", kWrongUse});
+    }
+    return run_sim(options);
+  }
+  for (const char* other : {"scenario", "--config", "--set", "--seed", "--repeat", "--out", "--samples", "--capture"}) {
+    if (command.get_option(other)->count() > 0) {
+      return failed({std::string("error: ") + other + " is of a scenario; --chaos has none", kWrongUse});
+    }
+  }
+  chaos.json = options.json;
+  return run_chaos_seeds(chaos);
+}
+
 Command add_sim(CLI::App& app) {
   const auto options = std::make_shared<ScenarioOptions>();
+  const auto chaos = std::make_shared<ChaosOptions>();
   CLI::App* const command = app.add_subcommand("sim", "a scenario on a simulated network, as fast as it goes");
   command->footer(exit_codes("an expectation failed, or the world has errors"));
   add_scenario_options(*command, *options);
   command->add_option("--capture", options->captures,
                       "a folder for all that each peer hears and sends: PEER.pcapng, of a sweep in run-NNN");
   command->add_flag("-v,--verbose", options->verbose, "print the peers' logs");
-  return {command, [options] { return run_sim(*options); }};
+  command->get_option("scenario")->required(false);
+  add_chaos_options(*command, *chaos);
+  return {command, [command, options, chaos] { return run_sim_or_chaos(*command, *options, *chaos); }};
 }
 
 Command add_scenario(CLI::App& app) {

@@ -1,6 +1,7 @@
 #include "replication/contact_report.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <set>
 #include <utility>
@@ -50,6 +51,12 @@ void note_retraction(PeerParts& p, ObjectId object, SimTime t) {
   if (!p.replica.truth().is_moved_by_contact(object, t)) p.scene.note_unmoved(object);
 }
 
+// An edit has taken an end away since they met, and its polygons with it. Nobody decides such a contact any more.
+bool is_gone(const WorldModel& model, const ContactEvent& contact) {
+  return std::ranges::any_of(std::array{contact.collider, contact.collidee},
+                             [&](ObjectId id) { return !model.scene->contains(id) || model.node(id) == nullptr; });
+}
+
 // Reports contacts of own objects; as the server, those of all objects.
 void report_truth(PeerParts& p, SimTime t) {
   std::vector<ContactEvent> decided;  // in order of time, the last contact of each touch
@@ -64,6 +71,10 @@ void report_truth(PeerParts& p, SimTime t) {
     const auto* contact = std::get_if<ContactEvent>(&event);
     if (contact == nullptr) continue;
     const bool mine = is_ours(contact->collider) || is_ours(contact->collidee);
+    if (is_gone(*p.model, *contact)) {
+      if (mine) p.outbox.push(ContactSeen{ContactKind::kOwner, *contact, t});
+      continue;
+    }
     const bool both = is_ours(contact->collider) && is_ours(contact->collidee);
     const auto moved = both ? std::nullopt : p.decisions.scene_object_moved(*contact);
     if (moved && mine && !contact->deferred) adopted.insert(*moved);
@@ -104,6 +115,11 @@ void report_ghosts(PeerParts& p, SimTime t) {
     }
     if (std::holds_alternative<BodiesOverlap>(*event)) continue;  // their owners name it
     auto& contact = std::get<ContactEvent>(*event);
+    if (is_gone(*p.model, contact)) {
+      const bool was_remote = is_remote(contact.collider) || is_remote(contact.collidee);
+      if (was_remote) p.outbox.push(ContactSeen{ContactKind::kPredicted, std::move(contact), t});
+      continue;
+    }
     p.publication.on_predicted_contact(contact);
     p.decisions.note_found(contact);
     for (const ObjectId object : {contact.collider, contact.collidee}) {

@@ -264,6 +264,8 @@ void Peer::look(std::vector<View> views) { impl_->parts.sight.look(std::move(vie
 Pose Peer::shown(ObjectId object, SimTime t) { return impl_->parts.display.shown(object, t); }
 
 const Peer::Counters& Peer::counters() const { return impl_->parts.counters; }
+const OperationLogs& Peer::logs() const { return impl_->parts.logs; }
+OperationExchange::Counters Peer::exchange_counters() const { return impl_->parts.exchange.counters(); }
 
 MotionWorld::Counters Peer::motion_counters() const {
   MotionWorld::Counters sum;

@@ -9,6 +9,8 @@
 #include "core/ids.hpp"
 #include "core/kinematics.hpp"
 #include "core/time.hpp"
+#include "replication/operations/operation_exchange.hpp"
+#include "replication/operations/operation_log.hpp"
 #include "replication/output/output.hpp"
 #include "replication/output/peer_counters.hpp"
 #include "replication/policy/peer_config.hpp"
@@ -126,6 +128,8 @@ class Peer {
   [[nodiscard]] Pose shown(ObjectId object, SimTime t);
 
   [[nodiscard]] const Counters& counters() const;
+  [[nodiscard]] const OperationLogs& logs() const;  // of all authors, as far as this peer holds them
+  [[nodiscard]] OperationExchange::Counters exchange_counters() const;
   [[nodiscard]] MotionWorld::Counters motion_counters() const;
 
  private:

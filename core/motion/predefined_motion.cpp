@@ -312,7 +312,7 @@ PredefinedMotion::Piece PredefinedMotion::piece(ObjectId id, double t_s, std::op
   Vec3 velocity = Vec3::Zero(), angular_velocity_body = Vec3::Zero();
   Affine frame{way.stretch, Vec3::Zero()};  // of the parent of the Transform in hand; only used where it stands still
   for (std::size_t depth = 0; depth < way.instances.size(); ++depth) {
-    const ObjectId instance{way.instances[depth]};
+    const ObjectId instance = scene_.id_of(way.instances[depth]);
     const bool own = depth + 1 == way.instances.size();
     file.push_back(scene_.transform(instance));
     const TransformFields now = transform(instance, t_s);

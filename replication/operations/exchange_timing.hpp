@@ -16,12 +16,15 @@ class ExchangeTiming {
  public:
   // A shorter delay than that cannot be distinguished from the ticks at which peers send.
   static constexpr Duration kDelayMin = std::chrono::milliseconds(5);
+  // What has come later than that was held up, as by a host that did not run, and others do not wait so long for each
+  // other. Where all is so late, they ask and answer more often than need be.
+  static constexpr Duration kDelayMax = std::chrono::milliseconds(600);
   // The longest time after which a peer asks again for what is still missing, and of an answer.
   static constexpr Duration kAgainMax = std::chrono::seconds(2);
   static constexpr std::size_t kRanksMax = 8;
 
   explicit ExchangeTiming(std::uint64_t seed) : random_(seed) {}
-  void set_delay(Duration delay) { delay_ = std::max(delay, kDelayMin); }
+  void set_delay(Duration delay) { delay_ = std::clamp(delay, kDelayMin, kDelayMax); }
 
   // Until the first question; so many other members may ask the same. What has only been overtaken arrives before.
   [[nodiscard]] Duration ask_after(std::size_t others) {

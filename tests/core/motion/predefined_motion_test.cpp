@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/edit/scene_editor.hpp"
 #include "tests/core/read_text.hpp"
 
 namespace peerd::predefined_motion_test {
@@ -212,6 +213,23 @@ TEST(PredefinedMotion, RunsThroughProtosAndTheirInterfaces) {
   EXPECT_TRUE(motion.rigid_pose(scene.find("A").value(), 1.0).position.isApprox(Vec3(2, 2, 2), 1e-7));
   EXPECT_TRUE(motion.rigid_pose(scene.find("B").value(), 1.0).position.isApprox(Vec3(1, 1, 1), 1e-7));
   EXPECT_TRUE(motion.rigid_pose(scene.find("FOLLOWS").value(), 1.0).position.isApprox(Vec3(2, 2, 2), 1e-7));
+}
+
+// Indices of an edited scene are not the numbers of its ids.
+TEST(PredefinedMotion, WhatMovesInAnEditedSceneMovesAsInItsText) {
+  const std::string moved = "DEF LIFT Transform { }" + kClock + "ROUTE P.value_changed TO LIFT.set_translation";
+  const Scene whole = scene_of("DEF GONE Transform { translation 9 9 9 } " + moved), text = scene_of(moved);
+  SceneEditor editor(whole);
+  ASSERT_TRUE(editor.remove(whole.find("GONE").value()));
+  const auto edited = editor.finish();
+  ASSERT_TRUE(edited) << edited.error();
+  PredefinedMotion motion(*edited), expected(text);
+  const ObjectId lift = edited->find("LIFT").value();
+  EXPECT_EQ(lift, ObjectId{1});
+  const auto piece = motion.piece(lift, 0.5), as_text = expected.piece(ObjectId{0}, 0.5);
+  EXPECT_EQ(piece.state.position, as_text.state.position);
+  EXPECT_EQ(piece.state.velocity, as_text.state.velocity);
+  EXPECT_EQ(piece.end_s, as_text.end_s);
 }
 
 }  // namespace peerd::predefined_motion_test

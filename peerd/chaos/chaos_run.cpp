@@ -1,0 +1,407 @@
+#include "peerd/chaos/chaos_run.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <memory>
+#include <span>
+#include <utility>
+#include <variant>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "peerd/chaos/damaged_network.hpp"
+#include "peerd/chaos/edit_maker.hpp"
+#include "peerd/chaos/oracle.hpp"
+#include "peerd/chaos/random.hpp"
+#include "peerd/chaos/skewed_clock.hpp"
+
+namespace peerd::chaos {
+namespace {
+
+using sim::VirtualTime;
+
+// The virtual clock starts here, so that no host's clock is negative.
+constexpr VirtualTime kClockBegin{std::chrono::seconds(10'000'000)};
+constexpr Duration kCheckEvery = std::chrono::milliseconds(250);
+// After so long without a fault all peers are to have one scene.
+constexpr double kOneWorldWithin_s = 10.0;
+constexpr std::uint32_t kGhostSamples_hz = 4;
+constexpr std::uint64_t kTruthStream = 10;
+// The host of a daemon whose clock is kept by NTP says so.
+constexpr Duration kOsClockError = std::chrono::milliseconds(20);
+
+struct Host {
+  std::unique_ptr<PeerNode> node;  // null: nobody runs here
+  SkewedClock clock;
+  double wall_offset_s = 0.0;
+  std::uint64_t incarnation = 0;
+  bool joined = false;
+  int down = 0;  // so many faults keep it down
+  VirtualTime runs_from = kClockBegin;
+  bool dies_when_held = false;
+  bool states_os_clock = false;
+};
+
+// What is due at an instant.
+struct Due {
+  enum class Kind : std::uint8_t { kJoin, kBegin, kEnd, kEdit, kHeal, kCheck, kStop };
+  Kind kind{};
+  std::size_t index = 0;
+};
+
+class ChaosRun {
+ public:
+  explicit ChaosRun(const ChaosPlan& plan)
+      : plan_(plan),
+        shared_(share(plan.world)),
+        network_(plan.seed, plan.peers.size(), plan.links),
+        oracle_(plan.peers.size(), !plan.has(Rare::kUnchecked)),
+        hosts_(plan.peers.size()) {
+    for (std::size_t i = 0; i < hosts_.size(); ++i) {
+      hosts_[i].wall_offset_s = plan.peers[i].wall_offset_s;
+      hosts_[i].states_os_clock = Random(plan.seed, kTruthStream, i).chance(0.4);
+      schedule(plan.peers[i].joins_at_s, Due::Kind::kJoin, i);
+    }
+    for (std::size_t i = 0; i < plan.faults.size(); ++i) {
+      schedule(plan.faults[i].at_s, Due::Kind::kBegin, i);
+      schedule(plan.faults[i].at_s + plan.faults[i].for_s, Due::Kind::kEnd, i);
+    }
+    for (std::size_t i = 0; i < plan.edits.size(); ++i) schedule(plan.edits[i].at_s, Due::Kind::kEdit, i);
+    schedule(plan.heal_s, Due::Kind::kHeal, 0);
+    schedule(plan.limits.seconds, Due::Kind::kStop, 0);
+    due_.emplace(kClockBegin, Due{Due::Kind::kCheck, 0});
+  }
+
+  ChaosReport all() {
+    while (!stopped_) step();
+    oracle_.finish(now_s());
+    check_damage();
+    if (!plan_.has(Rare::kUnchecked) && !one_world_after_s_) {
+      oracle_.violate(now_s(), "the peers have never had one scene since the network healed");
+    }
+    ChaosReport report;
+    report.seed = plan_.seed;
+    report.violations = oracle_.violations();
+    report.trace_hash = trace_;
+    report.peers = hosts_.size();
+    for (const Host& host : hosts_) report.lives += host.incarnation;
+    report.faults = plan_.faults.size();
+    report.edits = plan_.edits.size();
+    report.operations = oracle_.operations();
+    report.held = oracle_.held();
+    report.datagrams = network_.counters().sent;
+    report.damaged = network_.counters().damaged;
+    report.one_world_after_s = one_world_after_s_;
+    report.branches = oracle_.branches();
+    return report;
+  }
+
+ private:
+  void schedule(double at_s, Due::Kind kind, std::size_t index) {
+    due_.emplace(kClockBegin + from_seconds(at_s), Due{kind, index});
+  }
+  [[nodiscard]] double now_s() const { return to_seconds(now_ - kClockBegin); }
+
+  // The host that is due next; none where nobody runs.
+  [[nodiscard]] std::optional<std::pair<VirtualTime, std::size_t>> next_tick() const {
+    std::optional<std::pair<VirtualTime, std::size_t>> next;
+    for (std::size_t i = 0; i < hosts_.size(); ++i) {
+      if (!hosts_[i].node) continue;
+      const HostTime deadline = hosts_[i].node->next_deadline();
+      const VirtualTime wants = deadline == HostTime::min() ? now_ : hosts_[i].clock.when(deadline);
+      const VirtualTime at = std::max({wants, hosts_[i].runs_from, now_});
+      if (!next || at < next->first) next = {at, i};
+    }
+    return next;
+  }
+
+  void step() {
+    const auto tick = next_tick();
+    const VirtualTime tick_at = tick ? tick->first : VirtualTime::max();
+    const VirtualTime arrival_at = network_.idle() ? VirtualTime::max() : network_.next_arrival();
+    const VirtualTime due_at = due_.begin()->first;
+    if (due_at <= std::min(tick_at, arrival_at)) {
+      now_ = std::max(now_, due_at);
+      const Due due = due_.begin()->second;
+      due_.erase(due_.begin());
+      happen(due);
+    } else if (arrival_at <= tick_at) {
+      now_ = std::max(now_, arrival_at);
+      arrive(network_.take_next());
+    } else {
+      now_ = tick_at;
+      hosts_[tick->second].node->on_tick(host_now(tick->second));
+      drain(tick->second);
+    }
+  }
+
+  [[nodiscard]] HostTime host_now(std::size_t i) const { return hosts_[i].clock.at(now_); }
+
+  void arrive(DamagedNetwork::Arrival arrival) {
+    const std::size_t to = arrival.delivery.to;
+    Host& host = hosts_[to];
+    if (!host.node) {
+      damage_unread_ += arrival.is_damaged ? 1 : 0;
+      return;
+    }
+    if (host.runs_from > now_) {  // it waits in the buffer of the socket
+      network_.put_off(std::move(arrival), host.runs_from);
+      return;
+    }
+    if (arrival.is_damaged && !plan_.has(Rare::kUnchecked)) {
+      ++damage_refused_;
+      return;
+    }
+    const std::uint64_t before = arrival.is_damaged ? seen_by(*host.node) : 0;
+    host.node->on_packet(host_now(to), arrival.delivery.region, *arrival.delivery.datagram);
+    if (arrival.is_damaged) note_damage(to, before);
+    drain(to);
+  }
+
+  // The datagrams that a peer has taken or dropped, with their records.
+  [[nodiscard]] static std::uint64_t seen_by(const PeerNode& node) {
+    std::uint64_t seen = node.peer().counters().datagrams_in;
+    for (const auto& [reason, times] : node.peer().counters().drops) seen += times;
+    return seen;
+  }
+  void note_damage(std::size_t to, std::uint64_t before) {
+    ++damage_read_;
+    if (seen_by(*hosts_[to].node) > before) return;
+    oracle_.count("damaged datagram under the receiver's own name");
+  }
+
+  // All damage is accounted for.
+  void check_damage() {
+    std::uint64_t on_the_way = 0;
+    while (!network_.idle()) on_the_way += network_.take_next().is_damaged ? 1 : 0;
+    const std::uint64_t known = damage_unread_ + damage_refused_ + damage_read_ + on_the_way;
+    if (known != network_.counters().damaged) {
+      oracle_.violate(now_s(), fmt::format("{} datagrams were damaged, and {} are accounted for",
+                                           network_.counters().damaged, known));
+    }
+    oracle_.count("damage refused by the checksum", damage_refused_);
+    oracle_.count("damage that a peer has read", damage_read_);
+  }
+
+  void trace(std::uint64_t bits) { trace_ = mixed_bits(trace_ ^ bits) + 0x9E37'79B9'7F4A'7C15; }
+  void trace(std::span<const std::byte> bytes) {
+    std::uint64_t word = bytes.size();
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+      word = word << 8 ^ static_cast<std::uint64_t>(bytes[i]);
+      if (i % 7 == 6) trace(std::exchange(word, 0));
+    }
+    trace(word);
+  }
+
+  void drain(std::size_t i) {
+    PeerNode& node = *hosts_[i].node;
+    bool dies = false;
+    oracle_.on_input(i);
+    while (auto out = node.poll_output()) {
+      if (auto* send = std::get_if<replication::Send>(&*out)) {
+        trace(static_cast<std::uint64_t>(now_.time_since_epoch().count()) ^ i);
+        trace(std::span<const std::byte>(send->datagram));
+        network_.send(now_, i, send->region, std::move(send->datagram));
+        continue;
+      }
+      if (const auto* join = std::get_if<replication::Join>(&*out)) network_.join(i, join->region);
+      if (const auto* leave = std::get_if<replication::Leave>(&*out)) network_.leave(i, leave->region);
+      dies = dies || (hosts_[i].dies_when_held && std::holds_alternative<replication::OperationHeld>(*out));
+      oracle_.on_output(now_s(), i, *out);
+    }
+    while (node.poll_key_report()) {
+    }
+    while (node.poll_edit_report()) {
+    }
+    if (!dies) return;
+    oracle_.count("author died when its operation was held");
+    hosts_[i].dies_when_held = false;
+    ++hosts_[i].down;
+    stop(i, false);
+  }
+
+  void start(std::size_t i) {
+    Host& host = hosts_[i];
+    if (host.node || !host.joined || host.down > 0) return;
+    config::PeerSettings settings;
+    settings.id = plan_.peers[i].id;
+    settings.name = fmt::format("p{}", settings.id);
+    config::ReplicationSettings replication;
+    replication.tick_hz = plan_.tick_hz;
+    replication.decisions.policy = plan_.policy;
+    config::PeerObjects objects;
+    for (const std::string& path : plan_.world.owned[i]) {
+      objects.owned.push_back(shared_->world.scene.find(path).value());
+    }
+    PeerNode::Options options;
+    options.incarnation = ++host.incarnation;
+    options.late = true;
+    options.start_lead = std::chrono::milliseconds(500);
+    options.sample_hz = kGhostSamples_hz;
+    options.rows = &oracle_;
+    // A host's clock begins with the wall clock.
+    host.clock = SkewedClock(now_, HostTime{now_.time_since_epoch() + from_seconds(host.wall_offset_s)},
+                             plan_.peers[i].skew_ppm);
+    host.runs_from = now_;
+    host.node = PeerNode::make(settings, replication, *shared_, std::move(objects), std::move(options));
+    oracle_.begin_life(i, *host.node);
+    drain(i);
+  }
+
+  void stop(std::size_t i, bool says_goodbye) {
+    Host& host = hosts_[i];
+    if (!host.node) return;
+    if (says_goodbye) {
+      host.node->leave(host_now(i));
+      drain(i);
+    }
+    if (!host.node) return;
+    oracle_.end_life(i);
+    host.node.reset();
+    network_.leave_all(i);
+  }
+
+  void happen(const Due& due) {
+    switch (due.kind) {
+      case Due::Kind::kJoin:
+        hosts_[due.index].joined = true;
+        return start(due.index);
+      case Due::Kind::kBegin:
+        return begin(plan_.faults[due.index]);
+      case Due::Kind::kEnd:
+        return end(plan_.faults[due.index]);
+      case Due::Kind::kEdit:
+        return edit(plan_.edits[due.index]);
+      case Due::Kind::kHeal:
+        return heal();
+      case Due::Kind::kCheck:
+        return check();
+      case Due::Kind::kStop:
+        stopped_ = true;
+        return;
+    }
+  }
+
+  void cut(const Fault& fault, bool cuts) {
+    for (std::size_t from = 0; from < hosts_.size(); ++from) {
+      for (std::size_t to = 0; to < hosts_.size(); ++to) {
+        const bool is_meant =
+            fault.kind == FaultKind::kOneWay ? fault.side[from] && !fault.side[to] : fault.side[from] != fault.side[to];
+        if (is_meant) network_.cut(from, to, cuts);
+      }
+    }
+  }
+
+  void begin(const Fault& fault) {
+    Host& host = hosts_[fault.peer];
+    oracle_.count(fmt::format("fault: {}", to_string(fault.kind)));
+    switch (fault.kind) {
+      case FaultKind::kCrash:
+      case FaultKind::kLeave:
+        ++host.down;
+        return stop(fault.peer, fault.kind == FaultKind::kLeave);
+      case FaultKind::kPartition:
+      case FaultKind::kOneWay:
+        return cut(fault, true);
+      case FaultKind::kLinks:
+        return network_.set_links(fault.links);
+      case FaultKind::kSuspend:
+        host.runs_from = std::max(host.runs_from, now_ + from_seconds(fault.for_s));
+        return;
+      case FaultKind::kClockStep:
+        host.wall_offset_s += fault.step_s;
+        return;
+      case FaultKind::kAuthorDies:
+        if (!host.node) return;
+        host.dies_when_held = true;
+        return edit({fault.number, fault.at_s, fault.peer, EditKind::kAny, mixed_bits(plan_.seed + fault.number)});
+    }
+  }
+
+  void end(const Fault& fault) {
+    if (healed_) return;  // all faults ended with that
+    Host& host = hosts_[fault.peer];
+    switch (fault.kind) {
+      case FaultKind::kCrash:
+      case FaultKind::kLeave:
+        --host.down;
+        return start(fault.peer);
+      case FaultKind::kPartition:
+      case FaultKind::kOneWay:
+        return cut(fault, false);
+      case FaultKind::kLinks:
+        return network_.set_links(plan_.links);
+      case FaultKind::kAuthorDies:
+        if (!std::exchange(host.dies_when_held, false) && host.down > 0 && !host.node) --host.down;
+        return start(fault.peer);
+      case FaultKind::kSuspend:
+      case FaultKind::kClockStep:
+        return;
+    }
+  }
+
+  void edit(const PlannedEdit& planned) {
+    Host& host = hosts_[planned.peer];
+    if (!host.node || host.runs_from > now_) return;
+    for (const config::SceneEdit& each : make_edits(planned, host.node->scene())) {
+      const EditReport report = host.node->edit(host_now(planned.peer), each);
+      trace(report.operation ? report.operation->number : 0);
+      oracle_.on_edit(planned.peer, report);
+      drain(planned.peer);
+      if (!host.node) return;  // an author that dies
+    }
+  }
+
+  void heal() {
+    healed_ = true;
+    network_.mend_all();
+    network_.set_links(plan_.healed);
+    for (std::size_t i = 0; i < hosts_.size(); ++i) {
+      hosts_[i].down = 0;
+      hosts_[i].dies_when_held = false;
+      hosts_[i].runs_from = std::min(hosts_[i].runs_from, now_);
+      hosts_[i].joined = true;
+      start(i);
+    }
+  }
+
+  void check() {
+    due_.emplace(now_ + kCheckEvery, Due{Due::Kind::kCheck, 0});
+    oracle_.check(now_s());
+    ++checks_;
+    for (std::size_t i = 0; i < hosts_.size(); ++i) {
+      Host& host = hosts_[i];
+      if (!host.node || !host.states_os_clock || checks_ % 8 != 0 || host.runs_from > now_) continue;
+      const Duration wall = now_.time_since_epoch() + from_seconds(host.wall_offset_s);
+      host.node->on_os_clock(host_now(i), replication::OsClock{wall - host_now(i).time_since_epoch(), kOsClockError});
+      drain(i);
+    }
+    if (!healed_ || one_world_after_s_ || plan_.has(Rare::kUnchecked)) return;
+    if (oracle_.is_one_world()) {
+      one_world_after_s_ = now_s() - plan_.heal_s;
+      oracle_.begin_calm();
+    } else if (now_s() - plan_.heal_s > kOneWorldWithin_s && !was_late_) {
+      was_late_ = true;
+      oracle_.violate(
+          now_s(), fmt::format("the peers have no scene in common {} s after the network healed", kOneWorldWithin_s));
+    }
+  }
+
+  const ChaosPlan& plan_;
+  std::unique_ptr<const SharedWorld> shared_;
+  DamagedNetwork network_;
+  Oracle oracle_;
+  std::vector<Host> hosts_;
+  std::multimap<VirtualTime, Due> due_;  // those of one time in the order in which they were scheduled
+  VirtualTime now_ = kClockBegin;
+  bool healed_ = false, stopped_ = false, was_late_ = false;
+  std::uint64_t trace_ = 0, checks_ = 0;
+  std::uint64_t damage_unread_ = 0, damage_refused_ = 0, damage_read_ = 0;
+  std::optional<double> one_world_after_s_;
+};
+
+}  // namespace
+
+ChaosReport run_chaos(const ChaosPlan& plan) { return ChaosRun(plan).all(); }
+
+}  // namespace peerd::chaos

@@ -1,0 +1,23 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "peerd/node/peer_node.hpp"
+
+namespace peerd::chaos {
+
+// A generated world: a walled ground on which movers, which peers own, meet each other, what nobody owns, and what
+// stands.
+struct ChaosWorld {
+  std::string text;                             // VRML97
+  std::vector<std::vector<std::string>> owned;  // the paths that each peer owns
+};
+[[nodiscard]] ChaosWorld draw_world(std::uint64_t seed, std::size_t peers);
+
+// The world as peers have it.
+[[nodiscard]] std::unique_ptr<const SharedWorld> share(const ChaosWorld& world);
+
+}  // namespace peerd::chaos

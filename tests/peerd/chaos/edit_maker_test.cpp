@@ -1,0 +1,49 @@
+#include "peerd/chaos/edit_maker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "peerd/chaos/world_text.hpp"
+#include "peerd/node/edit_operation.hpp"
+
+namespace peerd::chaos::edit_maker_test {
+
+class ChaosEdits : public testing::Test {
+ protected:
+  static std::vector<config::SceneEdit> edits(EditKind kind, std::uint64_t seed, const Scene& scene) {
+    return make_edits({static_cast<std::uint32_t>(seed), 0.0, 0, kind, seed}, scene);
+  }
+  std::unique_ptr<const SharedWorld> shared = share(draw_world(1, 5));
+  const Scene& scene = shared->world.scene;
+};
+
+TEST_F(ChaosEdits, AreOfAllKindsAndNameWhatIsThere) {
+  std::set<config::SceneEdit::Kind> kinds;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    for (const config::SceneEdit& edit : edits(EditKind::kAny, seed, scene)) {
+      kinds.insert(edit.kind);
+      if (edit.path == "" || edit.field == "diffuseColor") continue;  // groups have no material
+      const auto operation = operation_of(edit, scene);
+      EXPECT_TRUE(operation) << "seed " << seed << ": " << operation.error();
+    }
+  }
+  EXPECT_EQ(kinds.size(), 4u);
+}
+
+TEST_F(ChaosEdits, AreAFunctionOfTheirSeedAndTheScene) {
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    const auto a = edits(EditKind::kAny, seed, scene), b = edits(EditKind::kAny, seed, scene);
+    ASSERT_EQ(a.size(), b.size());
+    EXPECT_EQ(name_of(a[0]), name_of(b[0]));
+    EXPECT_EQ(a[0].text, b[0].text);
+  }
+}
+
+TEST_F(ChaosEdits, RareOnesAreWhatTheyAreFor) {
+  EXPECT_GT(edits(EditKind::kLarge, 1, scene).at(0).text.size(), 60'000u);
+  EXPECT_EQ(edits(EditKind::kBurst, 1, scene).size(), 300u);
+  EXPECT_EQ(edits(EditKind::kOneField, 1, scene).at(0).path, edits(EditKind::kOneField, 2, scene).at(0).path);
+}
+
+}  // namespace peerd::chaos::edit_maker_test
