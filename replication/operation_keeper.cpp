@@ -79,7 +79,7 @@ PeerId OperationKeeper::owner_of(ObjectId object) const {
   return is_given ? given->second : p_.owners.of(object);
 }
 
-// Where the own object is at t, as its Transform would say. None: it is there, or its motion goes on.
+// The place of the own object at t, as its Transform would say. None: it is there, or its motion goes on.
 std::optional<GiveObject::Place> OperationKeeper::place_at(SimTime t, ObjectId object) const {
   const Scene& scene = *p_.model->scene;
   const KinematicState state = p_.replica.truth().relative_at(object, t);
@@ -105,7 +105,7 @@ std::expected<OperationId, std::string> OperationKeeper::own(HostTime now, Objec
   return edit(now, RequestObject{object, owner, p_.config.id});
 }
 
-// What concerns this peer of requests and answers; old ones come with the log.
+// Requests and answers that concern this peer; old ones come with the log.
 void OperationKeeper::on_request(const Operation& operation, SimTime session_now) {
   if (operation.stamp < session_now - kAnsweredWithin) return;
   const auto* const request = std::get_if<RequestObject>(&operation.body);

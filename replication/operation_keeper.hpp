@@ -38,7 +38,7 @@ class OperationKeeper {
   void add_lengths(Message& message);
 
  private:
-  // Whose the object is, by operations or else at present.
+  // The owner of the object, by operations or else at present.
   [[nodiscard]] PeerId owner_of(ObjectId object) const;
   [[nodiscard]] std::optional<GiveObject::Place> place_at(SimTime t, ObjectId object) const;
   void on_request(const Operation& operation, SimTime session_now);

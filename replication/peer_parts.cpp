@@ -55,7 +55,7 @@ SimTime last_stamp_of(const OperationLogs& logs) {
   return last;
 }
 
-// Those that the scene still has.
+// The ones that the scene still has.
 std::vector<OwnedObject> existing(const std::vector<OwnedObject>& objects, const Scene& scene) {
   std::vector<OwnedObject> all = objects;
   std::erase_if(all, [&](const OwnedObject& each) { return !scene.contains(each.object); });

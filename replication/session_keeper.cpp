@@ -299,7 +299,7 @@ void SessionKeeper::begin_owning(ObjectId object) {
   p_.own.republish(object);
 }
 
-// What answers contacts goes on as all have predicted it; anything else stands still.
+// An object that answers contacts goes on as all have predicted it; any other stands still.
 void SessionKeeper::end_owning(ObjectId object, SimTime at) {
   (void)p_.scene.follow_model(at);
   p_.regions.on_known_everywhere(object);

@@ -42,7 +42,7 @@ struct Host {
   bool states_os_clock = false;
 };
 
-// What is due at an instant.
+// The things that are due at an instant.
 struct Due {
   enum class Kind : std::uint8_t { kJoin, kBegin, kEnd, kEdit, kHeal, kCheck, kStop };
   Kind kind{};

@@ -370,7 +370,7 @@ void Oracle::check_outcomes(double now_s) {
   }
 }
 
-// What moves apart at two peers meets other things there.
+// An object that moves apart at two peers meets other things there.
 void Oracle::measure_ghosts() {
   const auto all = alive();
   if (all.empty()) return;

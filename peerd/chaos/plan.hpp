@@ -72,7 +72,7 @@ struct PlannedEdit {
   std::uint64_t seed = 0;  // what is edited depends on the scene then
 };
 
-// What a run leaves out of what its seed draws.
+// The part that a run leaves out of what its seed draws.
 struct ChaosLimits {
   double seconds = 60.0;             // of the run; the network heals 15 s before the end, or at half of it
   std::optional<std::size_t> peers;  // the first ones

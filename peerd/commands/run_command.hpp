@@ -6,7 +6,7 @@
 
 namespace peerd {
 
-// Where a peer keeps the edits of the world.
+// The place where a peer keeps the edits of the world.
 struct StoreOptions {
   std::optional<std::filesystem::path> folder;  // of --store; empty: no store
   bool by_default = false;                      // without `folder`, a peer has one in its user's own folders

@@ -43,7 +43,7 @@ nlohmann::ordered_json store_json(const StoreCheckOptions& options, const Operat
           {"logs", std::move(logs)}};
 }
 
-// What the operations of the store make of the scene.
+// The scene that the operations of the store make.
 std::shared_ptr<const Scene> living_scene(const OperationStore& store, const Scene& file) {
   replication::LivingScene living(file);
   replication::OperationLogs logs;

@@ -10,7 +10,7 @@ namespace peerd::config {
 struct SceneEdit {
   enum class Kind : std::uint8_t { kAdd, kRemove, kMove, kSet, kOwn, kGrab, kRelease };
   Kind kind{};
-  // What is removed, moved, set, owned or released: an instance, or, to be removed or set, a node by its DEF name.
+  // The thing to remove, move, set, own or release: an instance, or, to be removed or set, a node by its DEF name.
   std::string path;
   std::string text;          // kAdd: VRML, with or without its first line
   std::string under;         // kAdd, kMove: the new parent; empty: the top level

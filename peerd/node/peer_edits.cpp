@@ -33,6 +33,8 @@ void PeerEdits::note(const replication::Output& output, PeerId self) {
       if (state.asks->first != given->object) continue;
       end_request(state, id, given->owner == self ? "" : "it has gone to another peer");
     }
+  } else if (const auto* asked = std::get_if<replication::ObjectRequested>(&output)) {
+    requests_.push_back(*asked);
   } else if (const auto* refused = std::get_if<replication::RequestRefused>(&output)) {
     const bool is_asking = std::ranges::find(asking_, refused->request) != asking_.end();
     if (is_asking) end_request(operations_.at(refused->request), refused->request, refused->reason);

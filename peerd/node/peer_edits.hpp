@@ -3,6 +3,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -46,6 +47,12 @@ class PeerEdits {
   // Gives up what has not been answered.
   void give_up(HostTime now);
   [[nodiscard]] std::optional<HostTime> next_give_up() const;
+  // Objects that are not given to whoever asks.
+  void hold(ObjectId object) { held_.insert(object); }
+  void let_go(ObjectId object) { held_.erase(object); }
+  [[nodiscard]] bool holds(ObjectId object) const { return held_.contains(object); }
+  // The requests of others that have come since the last call.
+  [[nodiscard]] std::vector<replication::ObjectRequested> take_requests() { return std::exchange(requests_, {}); }
   // This peer's store has that operation, and all before it.
   void note_stored(replication::OperationId last);
   [[nodiscard]] const OperationState* find(replication::OperationId id) const;
@@ -60,6 +67,8 @@ class PeerEdits {
   std::deque<EditReport> reports_;
   std::map<replication::OperationId, OperationState> operations_;
   std::vector<replication::OperationId> asking_;  // those of them that are not answered yet
+  std::set<ObjectId> held_;
+  std::vector<replication::ObjectRequested> requests_;
 };
 
 }  // namespace peerd

@@ -245,7 +245,7 @@ void PeerNode::on_tick(HostTime now) {
   press_keys(now);
   make_edits(now);
   edits_.give_up(now);
-  for (const auto& asked : std::exchange(requests_, {})) on_request(now, asked);
+  for (const auto& asked : edits_.take_requests()) on_request(now, asked);
   if (!options_.keep_log || !log_.start) return;
   if (ticked) record_truths(*due);
   record_ghosts(now);
@@ -307,11 +307,11 @@ std::expected<replication::OperationId, std::string> PeerNode::change_owner(Host
   const auto object = scene().find(edit.path);
   if (!object) return std::unexpected("the scene has no " + edit.path);
   if (edit.kind == config::SceneEdit::Kind::kRelease) {
-    held_.erase(*object);
+    edits_.let_go(*object);
     if (peer_.owner(*object) != config_.id) return std::unexpected("this peer does not own it");
     return peer_.give(now, *object, kNobody);
   }
-  if (edit.kind == config::SceneEdit::Kind::kGrab) held_.insert(*object);
+  if (edit.kind == config::SceneEdit::Kind::kGrab) edits_.hold(*object);
   return peer_.own(now, *object);
 }
 
@@ -327,9 +327,9 @@ void PeerNode::follow_request(HostTime now, const config::SceneEdit& edit, repli
 // Another peer asks for an object of this one. What something drives here, or somebody holds, is not given away.
 void PeerNode::on_request(HostTime now, const replication::ObjectRequested& asked) {
   if (peer_.owner(asked.object) != config_.id) return;  // it has gone meanwhile, and the asker knows
-  const char* const why_not = drives(asked.object)           ? "its owner drives it"
-                              : held_.contains(asked.object) ? "its owner holds it"
-                                                             : nullptr;
+  const char* const why_not = drives(asked.object)         ? "its owner drives it"
+                              : edits_.holds(asked.object) ? "its owner holds it"
+                                                           : nullptr;
   if (why_not != nullptr) {
     (void)peer_.edit(now, replication::RefuseRequest{asked.request, why_not});
   } else {
@@ -458,7 +458,6 @@ std::optional<replication::Output> PeerNode::poll_output() {
   if (!out) return out;
   using namespace replication;
   edits_.note(*out, config_.id);
-  if (const auto* asked = std::get_if<ObjectRequested>(&*out)) requests_.push_back(*asked);
   if (std::holds_alternative<Join>(*out)) log_.groups_joined = std::max(log_.groups_joined, ++groups_);
   if (std::holds_alternative<Leave>(*out)) --groups_;
   if (std::holds_alternative<OtherWorld>(*out)) ++log_.other_worlds;

@@ -3,7 +3,6 @@
 #include <expected>
 #include <map>
 #include <memory>
-#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -49,7 +48,7 @@ class PeerNode {
     Duration clock_offset{0};  // test setting: how far this host's clock is ahead of the shared clock
     bool keep_log = true;
     std::uint32_t sample_hz = 60;  // rate of the ghosts' samples in the log, independent of the tick rate
-    // What this peer has a store for, and what that holds: PeerConfig. `stores`: somebody writes what LogGrown says.
+    // The author that the store is for, and what it holds: PeerConfig. `stores`: somebody writes what LogGrown says.
     std::optional<replication::AuthorId> author{};
     std::vector<replication::OperationPart> log{};
     bool stores = false;
@@ -153,8 +152,6 @@ class PeerNode {
   std::size_t next_key_ = 0;
   std::deque<KeyReport> key_reports_;
   PeerEdits edits_;
-  std::set<ObjectId> held_;                             // objects that are not given to whoever asks
-  std::vector<replication::ObjectRequested> requests_;  // that have come since the last tick
   std::uint64_t store_failures_ = 0;
   std::uint64_t keys_pressed_ = 0, keys_unhandled_ = 0, key_changes_ = 0, key_changes_refused_ = 0;
 };

@@ -43,7 +43,7 @@ std::int64_t checksum(AuthorId author, std::uint64_t from, std::span<const std::
   return static_cast<std::int64_t>(hash);
 }
 
-// What is in this file or folder outlasts a power cut.
+// The contents of this file or folder outlast a power cut.
 bool synchronise(const fs::path& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) return false;
@@ -158,7 +158,7 @@ Result<std::unique_ptr<OperationStore>> OperationStore::open(const fs::path& fol
   return open_existing(folder);
 }
 
-// Where that cannot be told, there may be one.
+// If that cannot be told, there may be one.
 bool OperationStore::exists(const fs::path& folder) {
   std::error_code failed;
   return fs::exists(folder / kFile, failed) || failed;

@@ -15,7 +15,7 @@
 
 namespace peerd::store {
 
-// What a store has of one log.
+// The part of one log that a store has.
 struct StoredLog {
   replication::AuthorId author;
   std::uint64_t bytes = 0;
@@ -44,9 +44,9 @@ class OperationStore {
   [[nodiscard]] static bool is_in_use(const std::filesystem::path& folder);
 
   [[nodiscard]] std::uint64_t genesis() const { return genesis_; }
-  // Who writes on in this store; nobody: the next peer begins a log of its own.
+  // The author that writes on in this store; nobody: the next peer begins a log of its own.
   [[nodiscard]] replication::AuthorId author() const { return author_; }
-  // What was held when it was opened: whole operations, by author and in order.
+  // The operations that it held when it was opened: whole ones, by author and in order.
   [[nodiscard]] const std::vector<replication::OperationPart>& log() const { return log_; }
   // The same, for somebody who keeps it: log() is empty afterwards.
   [[nodiscard]] std::vector<replication::OperationPart> take_log() { return std::exchange(log_, {}); }

@@ -79,7 +79,7 @@ struct PeerConfig {
   std::string name;
   std::uint64_t incarnation = 1;  // must grow from one start of this peer to the next
   std::uint64_t world_hash = 0;   // peers with another world are ignored, and reported once
-  // Who writes this peer's operations: the author of its store. None: an author of this start alone.
+  // The author of this peer's operations: that of its store. None: an author of this start alone.
   std::optional<AuthorId> author;
   // What a store holds of the logs of all authors, whole operations, each log from its beginning and in order. The peer
   // begins with the scene that these make.

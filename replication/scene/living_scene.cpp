@@ -222,7 +222,7 @@ std::expected<LivingScene::Draft, std::string> LivingScene::draft(OperationBody 
   return Draft{std::move(body), used->objects, used->nodes};
 }
 
-// Where an operation has never done what it says here, its text is read by itself.
+// If an operation has never done what it says here, its text is read by itself.
 LivingScene::NextIds LivingScene::next_ids(AuthorId author) const {
   NextIds next;
   for (const auto& [key, entry] : entries_) {

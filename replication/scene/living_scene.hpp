@@ -19,7 +19,7 @@
 
 namespace peerd::replication {
 
-// By operations: absent are objects that none has given to anybody.
+// The owners by operations: absent are objects that none has given to anybody.
 using OwnersByOperation = std::map<ObjectId, PeerId>;
 
 // A LivingScene is the scene that the world's file and operations make together, and who owns what of it by operations:
@@ -85,12 +85,12 @@ class LivingScene {
     std::optional<UsedIds> used;  // none: it has been refused each time
   };
   using Entries = std::map<Key, Entry>;
-  // What operations have made.
+  // The outcome of operations.
   struct State {
     std::shared_ptr<const Scene> scene;
     OwnersByOperation owners;
   };
-  // What all operations up to a key have made.
+  // The outcome of all operations up to a key.
   struct Checkpoint {
     Key last;
     State state;

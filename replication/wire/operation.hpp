@@ -86,7 +86,7 @@ struct GiveObject {
   ObjectId object;
   PeerId owner;   // kNobody: nobody's
   PeerId before;  // whose it was, as the author saw it
-  // Where it stands from then on: the fields of its Transform, in the notation of VRML. None: as it is.
+  // The place where it stands from then on: the fields of its Transform, in the notation of VRML. None: as it is.
   struct Place {
     NodeId node;
     std::string translation, rotation;

@@ -71,7 +71,7 @@ class StoreProcess : public testing::Test {
       return status.is_object() && status.at("session").at("joined").get<bool>();
     });
   }
-  // What the peer says of an edit right after it has made it; null: it is dead.
+  // The peer's answer to an edit right after it has made it; null: it is dead.
   [[nodiscard]] json made(const json& request, const std::string& name = "a") const {
     const json edit = ask(request, name);
     if (!edit.is_object() || !edit.value("done", false)) return {};

@@ -1,4 +1,4 @@
-// Where stores are when nobody says so, and how one makes room for another.
+// The place of stores when nobody says so, and how one makes room for another.
 #include "peerd/store/store_folder.hpp"
 
 #include <gmock/gmock.h>
