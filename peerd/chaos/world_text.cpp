@@ -60,8 +60,9 @@ class WorldWriter {
   std::string place() {
     assert(used_ < places_.size());
     const std::size_t at = places_[used_++];
-    const double x = (static_cast<double>(at % kColumns) - 3.0) * kApart_m;
-    const double z = (static_cast<double>(at / kColumns) - 3.5) * kApart_m;
+    const std::size_t column = at % kColumns, row = at / kColumns;
+    const double x = (static_cast<double>(column) - 3.0) * kApart_m;
+    const double z = (static_cast<double>(row) - 3.5) * kApart_m;
     return fmt::format("translation {:.3f} 0 {:.3f}", x, z);
   }
   Vec3 size() {

@@ -85,7 +85,7 @@ class ChaosCommand {
       ++taken_[branch].second;
     }
     if (options_.json) {
-      std::cout << as_json(report).dump() << std::endl;
+      std::cout << as_json(report).dump() << '\n' << std::flush;
     } else {
       print(report);
     }
@@ -94,7 +94,7 @@ class ChaosCommand {
     ++failed_;
     std::ostream& out = options_.json ? std::cerr : std::cout;
     for (const std::string& violation : report.violations) out << "  " << violation << '\n';
-    out << "  again: peerd sim " << chaos::options_of(seed, limits_) << std::endl;
+    out << "  again: peerd sim " << chaos::options_of(seed, limits_) << '\n' << std::flush;
     if (options_.shrinks && failed_ <= kShrunkMax) shrink(seed, out);
   }
 
@@ -106,7 +106,8 @@ class ChaosCommand {
     const chaos::ChaosPlan plan = chaos::draw_plan(seed, shrunk.limits);
     out << fmt::format("  smaller, with {} peers, {} faults and {} edits ({} runs): peerd sim {}", plan.peers.size(),
                        plan.faults.size(), plan.edits.size(), shrunk.runs, chaos::options_of(seed, shrunk.limits))
-        << std::endl;
+        << '\n'
+        << std::flush;
   }
 
   static void print(const chaos::ChaosReport& r) {
@@ -117,7 +118,8 @@ class ChaosCommand {
                      "datagrams, {} damaged, {}",
                      r.seed, r.violations.empty() ? "good" : "VIOLATED", r.trace_hash, r.peers, r.lives, r.faults,
                      r.held, r.operations, r.datagrams, r.damaged, one)
-              << std::endl;
+              << '\n'
+              << std::flush;
   }
 
   void print_sum(double took_s) const {
@@ -147,7 +149,7 @@ int run_chaos_seeds(const ChaosOptions& options) {
   if (!seeds) return failed({"error: --chaos " + options.seeds + ": write a seed, or FIRST..LAST without --count", 2});
   chaos::ChaosLimits limits;
   limits.seconds = options.seconds;
-  if (options.peers) limits.peers = *options.peers;
+  limits.peers = options.peers;
   if (!chaos::read_without(options.without, limits)) {
     return failed({"error: --chaos-without " + options.without + ": write a list such as f3,e7,e10-20", 2});
   }
