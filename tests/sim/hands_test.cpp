@@ -11,6 +11,8 @@ using namespace testing_support;
 const std::string kHands = PEERD_SOURCE_DIR "/configs/scenarios/hands.toml";
 
 TEST(Hands, OneOwnerAtATimeAndTheSameForAll) {
+  const auto world = must(config::load_world(PEERD_SOURCE_DIR "/configs/worlds/keys.wrl"));
+  const ObjectId red = world.scene.find("RED").value();
   for (const char* seed : {"1", "2", "3"}) {
     const Ran ran = run_scenario(kHands, {"seed=" + std::string(seed)}).front();
     int checked = 0;
@@ -20,7 +22,7 @@ TEST(Hands, OneOwnerAtATimeAndTheSameForAll) {
     EXPECT_EQ(ran.summary["counters"]["operations"], 9);
     for (const PeerLog& log : ran.logs) {
       for (const auto& sample : log.object_samples) {
-        if (ran.record.scene_paths.at(sample.object) != "RED") continue;
+        if (sample.object != red) continue;
         const double t = to_seconds(sample.at - *log.start);
         const PeerId owner = t < 3.0 ? PeerId{2} : t < 7.0 ? PeerId{3} : PeerId{1};
         const bool is_settled = (t > 1.5 && t < 3.0) || (t > 4.0 && t < 7.0) || t > 8.5;
