@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <span>
 
 #include "core/math.hpp"
@@ -13,6 +14,14 @@ struct TransformFields {
   Vec3 scale = Vec3::Ones();
   Quat scale_orientation = Quat::Identity();
   Vec3 center = Vec3::Zero();
+};
+
+// The fields that place a Transform in its parent, as a file has them: metres; an axis and an angle in radians.
+struct Placement {
+  std::array<float, 3> translation{};
+  std::array<float, 4> rotation{0, 0, 1, 0};
+
+  friend bool operator==(const Placement&, const Placement&) = default;
 };
 
 [[nodiscard]] inline bool is_scaled(const TransformFields& t) { return t.scale != Vec3::Ones(); }

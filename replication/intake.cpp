@@ -90,7 +90,7 @@ std::expected<void, Drop> Intake::admit(HostTime now, const Message& m) {
   p_.greeter.settle_from(now);
   p_.own.check_all();  // a peer is here that does not have the last updates of resting objects
   if (restarted) keeper_.orphan_objects_of(m.sender, now, true);
-  keeper_.give_back_to(m.sender);
+  keeper_.give_as_operations_say();
   p_.exchange.on_joined(m.sender);
   p_.outbox.push(PeerJoined{m.sender, m.introduction()->name, restarted});
   return {};

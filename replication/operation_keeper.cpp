@@ -6,7 +6,6 @@
 #include <variant>
 
 #include "core/edit/placement.hpp"
-#include "core/vrml/document.hpp"
 #include "replication/contact_report.hpp"
 #include "replication/motion/composed_motion.hpp"
 #include "replication/wire/codec.hpp"
@@ -21,8 +20,6 @@ constexpr Duration kStampAheadMax = std::chrono::seconds(10);
 // An edit of longer ago does not change any more what has happened since, as a decision on that is made
 // no more (contact_decisions.cpp).
 constexpr Duration kLateMax = std::chrono::seconds(3);
-// A request is answered within this time, or not at all.
-constexpr Duration kAnsweredWithin = std::chrono::seconds(2);
 // A hello's datagram leaves so much besides its lists at most.
 constexpr std::size_t kMargin_bytes = 16;
 
@@ -79,8 +76,8 @@ PeerId OperationKeeper::owner_of(ObjectId object) const {
   return is_given ? given->second : p_.owners.of(object);
 }
 
-// The place of the own object at t, as its Transform would say. None: it is there, or its motion goes on.
-std::optional<GiveObject::Place> OperationKeeper::place_at(SimTime t, ObjectId object) const {
+// The place of the own object at t, as its Transform would say it. None: the scene says the same, or it moves on.
+std::optional<Placement> OperationKeeper::placement_at(SimTime t, ObjectId object) const {
   const Scene& scene = *p_.model->scene;
   const KinematicState state = p_.replica.truth().relative_at(object, t);
   const bool moves = state.velocity != Vec3::Zero() || state.angular_velocity_body != Vec3::Zero();
@@ -88,24 +85,24 @@ std::optional<GiveObject::Place> OperationKeeper::place_at(SimTime t, ObjectId o
   const auto carrier = p_.model->carrier_of(object);
   const Pose world = carrier ? composed(at_rest(scene.rigid_pose(*carrier)), state).pose() : state.pose();
   const auto placement = placement_of(scene, object, world);
-  if (!placement) return std::nullopt;
-  return GiveObject::Place{scene.document->ids.id_of(scene.at(object).node), placement->translation,
-                           placement->rotation};
+  return placement == placement_of(scene, object, scene.rigid_pose(object)) ? std::nullopt : placement;
 }
 
 std::expected<OperationId, std::string> OperationKeeper::give(HostTime now, ObjectId object, PeerId to) {
   GiveObject give{object, to, owner_of(object)};
-  if (to == kNobody && p_.replica.begun() && p_.own.contains(object)) give.place = place_at(stamp(now), object);
+  if (to == kNobody && p_.replica.begun() && p_.own.contains(object)) give.placement = placement_at(stamp(now), object);
   return edit(now, std::move(give));
 }
 
-std::expected<OperationId, std::string> OperationKeeper::own(HostTime now, ObjectId object) {
+std::expected<Taking, std::string> OperationKeeper::own(HostTime now, ObjectId object) {
   const PeerId owner = owner_of(object);
-  if (owner == kNobody || owner == p_.config.id || !p_.members.contains(owner)) return give(now, object, p_.config.id);
-  return edit(now, RequestObject{object, owner, p_.config.id});
+  const bool asks = owner != p_.config.id && p_.members.contains(owner);
+  const auto operation = asks ? edit(now, RequestObject{object, owner, p_.config.id}) : give(now, object, p_.config.id);
+  if (!operation) return std::unexpected(operation.error());
+  return Taking{*operation, asks};
 }
 
-// Requests and answers that concern this peer; old ones come with the log.
+// Passes on what concerns this peer of requests and answers. Old ones come with the log.
 void OperationKeeper::on_request(const Operation& operation, SimTime session_now) {
   if (operation.stamp < session_now - kAnsweredWithin) return;
   const auto* const request = std::get_if<RequestObject>(&operation.body);

@@ -26,7 +26,7 @@ class OperationKeeper {
   // Gives the object to a peer, or to nobody.
   [[nodiscard]] std::expected<OperationId, std::string> give(HostTime now, ObjectId object, PeerId to);
   // Takes the object where it is nobody's or its owner is not here; else asks its owner for it.
-  [[nodiscard]] std::expected<OperationId, std::string> own(HostTime now, ObjectId object);
+  [[nodiscard]] std::expected<Taking, std::string> own(HostTime now, ObjectId object);
 
   // A datagram of a member has come.
   void on_message(HostTime now, PeerId sender, const Message& message);
@@ -40,7 +40,7 @@ class OperationKeeper {
  private:
   // The owner of the object, by operations or else at present.
   [[nodiscard]] PeerId owner_of(ObjectId object) const;
-  [[nodiscard]] std::optional<GiveObject::Place> place_at(SimTime t, ObjectId object) const;
+  [[nodiscard]] std::optional<Placement> placement_at(SimTime t, ObjectId object) const;
   void on_request(const Operation& operation, SimTime session_now);
   [[nodiscard]] SimTime stamp(HostTime now) const;
   // The exchange goes by how the links are now.

@@ -200,7 +200,7 @@ std::expected<OperationId, std::string> Peer::edit(HostTime now, OperationBody b
   return impl_->operations.edit(now, std::move(body));
 }
 
-std::expected<OperationId, std::string> Peer::own(HostTime now, ObjectId object) {
+std::expected<Taking, std::string> Peer::own(HostTime now, ObjectId object) {
   return impl_->operations.own(now, object);
 }
 

@@ -72,7 +72,7 @@ class Peer {
   std::expected<OperationId, std::string> edit(HostTime now, OperationBody body);
   // This peer owns the object from the operation's stamp on, if nobody or nobody who is here does; else it asks the
   // owner, who says so by ObjectRequested. ObjectGiven or RequestRefused says what has become of it.
-  std::expected<OperationId, std::string> own(HostTime now, ObjectId object);
+  std::expected<Taking, std::string> own(HostTime now, ObjectId object);
   // Gives an object to another peer, or, kNobody, to nobody: then it stands where it is or, if it answers contacts,
   // goes on as it moves.
   std::expected<OperationId, std::string> give(HostTime now, ObjectId object, PeerId to);

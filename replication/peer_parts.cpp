@@ -159,8 +159,8 @@ void PeerParts::change_scene(std::shared_ptr<const Scene> edited_scene, SimTime 
   for (const auto& [object, law] : placed) {
     if (scene.contains(object)) scene.place(object, at, law, model->carrier_of(object));
   }
-  for (const ObjectId object : scene.follow_model(at)) {
-    if (replica.begun() && !is_owned(object)) replica.declare_remote(object, Role::kPredicted);
+  for (const ObjectId object : scene.follow_model(at, owners)) {
+    if (replica.begun()) replica.declare_remote(object, Role::kPredicted);
   }
   scripted.follow_scene(at, world_time.zero());
   regions.follow_model();

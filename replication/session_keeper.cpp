@@ -97,6 +97,7 @@ void SessionKeeper::enter_session(HostTime host_now) {
       p_.launches.launch(now, object, [this](SimTime at, ObjectId o) { return p_.file_velocity(at, o); });
     }
   }
+  give_as_operations_say();
 }
 
 // The clock has stepped into another session, or this computer was suspended. Everything goes on from where it is, at
@@ -188,7 +189,7 @@ void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects, std::u
       continue;
     }
     const auto given = p_.living.owners().find(object);
-    if (given != p_.living.owners().end() && given->second != kNobody && given->second != peer) {
+    if (given != p_.living.owners().end() && given->second != peer) {
       p_.drop(peer, "given_away");  // an operation counts more than what a configuration says
       continue;
     }
@@ -254,7 +255,7 @@ void SessionKeeper::give(std::span<const std::pair<ObjectId, PeerId>> given, Sim
     if (owner == kNobody) {
       end_owning(object, at);
     } else if (owner == p_.config.id) {
-      begin_owning(object);
+      begin_owning(object, at);
     } else {
       p_.regions.on_claimed(object, p_.ticks.last_time());
       p_.replica.declare_remote(object, Role::kPredicted);
@@ -263,13 +264,12 @@ void SessionKeeper::give(std::span<const std::pair<ObjectId, PeerId>> given, Sim
   more_moves ? watch_all_pairs() : p_.watch_pairs_around(changed);
 }
 
-void SessionKeeper::give_back_to(PeerId peer) {
+void SessionKeeper::give_as_operations_say() {
   if (!p_.replica.begun()) return;
-  std::vector<std::pair<ObjectId, PeerId>> given;
-  for (const auto& each : p_.living.owners()) {
-    if (each.second == peer) given.push_back(each);
-  }
-  give(given, p_.ticks.last_time());
+  std::vector<std::pair<ObjectId, PeerId>> given(p_.living.owners().begin(), p_.living.owners().end());
+  // A contact may have lent what its owner has released.
+  std::erase_if(given, [&](const auto& each) { return each.second == kNobody && p_.scene.contains(each.first); });
+  give(given, std::max(p_.ticks.last_time(), p_.replica.begun_at()));
 }
 
 void SessionKeeper::take_from(PeerId before, ObjectId object) {
@@ -286,13 +286,16 @@ void SessionKeeper::take_from(PeerId before, ObjectId object) {
 }
 
 // The object goes on as all have predicted it.
-void SessionKeeper::begin_owning(ObjectId object) {
-  const auto configured = std::ranges::find(p_.config.owned, object, &OwnedObject::object);
-  const OwnedObject own = configured == p_.config.owned.end() ? OwnedObject{object} : *configured;
+void SessionKeeper::begin_owning(ObjectId object, SimTime at) {
+  OwnedObject own{object};
+  for (const auto* const settings : {&p_.config.owned, &p_.config.owned_by_founder}) {
+    const auto configured = std::ranges::find(*settings, object, &OwnedObject::object);
+    if (configured != settings->end()) own = *configured;
+  }
   p_.own.add({&own, 1});
   p_.regions.on_known_everywhere(object);
   p_.replica.declare_remote(object, Role::kPredicted);
-  const SimTime since = p_.replica.ghosts().law_since(object, p_.ticks.last_time());
+  const SimTime since = p_.replica.ghosts().law_since(object, std::max(at, p_.ticks.last_time()));
   const MotionModel law = p_.replica.ghosts().model_at(object, since);
   p_.replica.truth().declare(object, own.driven ? Role::kDriven : Role::kAuthoritative);
   p_.replica.truth().set_base(object, since, law);
@@ -301,7 +304,7 @@ void SessionKeeper::begin_owning(ObjectId object) {
 
 // An object that answers contacts goes on as all have predicted it; any other stands still.
 void SessionKeeper::end_owning(ObjectId object, SimTime at) {
-  (void)p_.scene.follow_model(at);
+  (void)p_.scene.follow_model(at, p_.owners);
   p_.regions.on_known_everywhere(object);
   MotionWorld& ghosts = p_.replica.ghosts();
   if (!p_.scene.contains(object)) {
@@ -350,6 +353,14 @@ void SessionKeeper::orphan_objects_of(PeerId peer, HostTime now, bool for_good) 
     owned_any = true;
     if (p_.scene.contains(object) && p_.replica.begun()) {
       scene_.orphan(object, t);
+      continue;
+    }
+    if (p_.replica.begun() && p_.living.owners().contains(object)) {
+      if (p_.replica.receives(object)) p_.outbox.push(ObjectOrphaned{object, peer});
+      take_from(peer, object);
+      if (for_good) p_.decisions.end_life_of(object, t);
+      p_.owners.set(object, kNobody);
+      end_owning(object, t);
       continue;
     }
     if (p_.replica.begun()) {

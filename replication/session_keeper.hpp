@@ -35,8 +35,8 @@ class SessionKeeper {
   // Operations have given these objects to these peers, at that instant of session time or since; kNobody: nobody owns
   // them any more. One that goes to a peer that is not here is nobody's until it comes.
   void give(std::span<const std::pair<ObjectId, PeerId>> given, SimTime at);
-  // A peer is here: operations may have given it objects before.
-  void give_back_to(PeerId peer);
+  // This peer has entered a session, or a peer is here: operations may have given it objects before.
+  void give_as_operations_say();
   // Somebody moves the node: others go with it from now on.
   void let_move(ObjectId carrier);
   // Edits have changed the scene of the parts.
@@ -57,7 +57,7 @@ class SessionKeeper {
   void declare_all();
   void watch_all_pairs();
   void take_from(PeerId before, ObjectId object);
-  void begin_owning(ObjectId object);
+  void begin_owning(ObjectId object, SimTime at);
   void end_owning(ObjectId object, SimTime at);
 
   PeerParts& p_;

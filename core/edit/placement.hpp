@@ -1,17 +1,12 @@
 #pragma once
 #include <optional>
-#include <string>
 
 #include "core/ids.hpp"
 #include "core/math.hpp"
 #include "core/scene/scene.hpp"
+#include "core/transform.hpp"
 
 namespace peerd {
-
-// The fields that place a Transform in its parent, in the notation of VRML.
-struct Placement {
-  std::string translation, rotation;
-};
 
 // The fields by which the rigid pose (Scene::rigid_pose) of an instance becomes `world` [m, world frame], as near as
 // binary32 numbers can say it, where all above it stands as the scene has it. None: the instance is no Transform, its

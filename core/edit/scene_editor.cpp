@@ -1,7 +1,11 @@
 #include "core/edit/scene_editor.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
+#include <charconv>
+#include <span>
+#include <system_error>
 #include <utility>
 
 #include "core/parser/parser.hpp"
@@ -39,6 +43,18 @@ std::string first_error(const ReadResult& result) {
   const auto error = std::ranges::find(result.diagnostics, Severity::kError, &Diagnostic::severity);
   assert(error != result.diagnostics.end());
   return render(result, *error);
+}
+
+// The shortest text that is read as the same numbers.
+std::string text_of(std::span<const float> numbers) {
+  std::string text;
+  for (const float number : numbers) {
+    std::array<char, 32> digits{};
+    const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), number);
+    assert(error == std::errc());
+    text += (text.empty() ? "" : " ") + std::string(digits.data(), end);
+  }
+  return text;
 }
 
 }  // namespace
@@ -297,6 +313,19 @@ std::expected<std::uint32_t, std::string> SceneEditor::set(NodeId id, std::strin
     list.push_back({ref.is_node() ? ref.index + begin : NodeRef::kNull, ref.at});
   }
   return static_cast<std::uint32_t>(parsed->nodes.size());
+}
+
+std::expected<void, std::string> SceneEditor::set_placement(ObjectId id, const Placement& placement) {
+  const auto draft = draft_of(id);
+  if (!draft) return gone();
+  const std::uint32_t node = drafts_[*draft].node;
+  if (document_.node(node).type->name != "Transform") return std::unexpected("it is no Transform");
+  const std::array fields{std::pair("translation", text_of(placement.translation)),
+                          std::pair("rotation", text_of(placement.rotation))};
+  for (const auto& [field, value] : fields) {
+    if (const auto set = this->set(document_.id_of(node), field, value, {}); !set) return std::unexpected(set.error());
+  }
+  return {};
 }
 
 std::expected<vrml::Route, std::string> SceneEditor::route(NodeId from, std::string_view event_out, NodeId to,

@@ -13,6 +13,7 @@
 #include "core/scene/reader.hpp"
 #include "core/scene/scene.hpp"
 #include "core/scene/scene_builder.hpp"
+#include "core/transform.hpp"
 
 namespace peerd {
 
@@ -53,6 +54,8 @@ class SceneEditor {
   [[nodiscard]] std::expected<void, std::string> remove(NodeId id);
   // Moves an instance with all below it; its fields stay, so that it moves in the world where its parents differ.
   [[nodiscard]] std::expected<void, std::string> move(ObjectId id, const ScenePlace& place);
+  // Sets where an instance, a Transform, stands in its parent.
+  [[nodiscard]] std::expected<void, std::string> set_placement(ObjectId id, const Placement& placement);
   // Sets a field to a value in the notation of VRML: "1 2 3", "[ 0, 1 ]", "Box { size 1 1 1 }". The ids of nodes in the
   // value count on from `first`; returns how many it has used.
   [[nodiscard]] std::expected<std::uint32_t, std::string> set(NodeId id, std::string_view field, std::string_view value,

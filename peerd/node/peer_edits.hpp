@@ -20,12 +20,12 @@ namespace peerd {
 // An OperationState says what has become of an operation of this peer so far.
 struct OperationState {
   config::SceneEdit edit;
-  bool applied = false;  // it has taken effect
-  bool held = false;     // another peer has it
-  bool stored = false;   // this peer's store has it
-  std::string refused;   // why it changes nothing, where it does not
-  // For an object that another peer owned when this one asked for it: which, and when the peer gives up.
-  std::optional<std::pair<ObjectId, HostTime>> asks{};
+  bool applied = false;                  // it has taken effect
+  bool held = false;                     // another peer has it
+  bool stored = false;                   // this peer's store has it
+  std::string refused;                   // why it changes nothing, where it does not
+  std::optional<ObjectId> object{};      // whose owner it changes; none: it changes the scene
+  std::optional<HostTime> asks_until{};  // another peer owns that: when this one gives up; none: it is not asked
 };
 
 // The edits of a peer: those that its settings make at their times, and what has become of all.
@@ -40,16 +40,14 @@ class PeerEdits {
   [[nodiscard]] config::SceneEdit take_next() { return scripted_[next_++].edit; }
 
   void note(const EditReport& report);
-  // The operation asks another peer for the object: it is over when that answers, or has not by then.
-  void note_request(replication::OperationId id, ObjectId object, HostTime give_up_at);
+  // An edit has become an operation on the owner of the object. `asks_until`: it asks another peer, and is over when
+  // that answers, or has not by then.
+  void note(const EditReport& report, ObjectId object, std::optional<HostTime> asks_until);
   // `self`: this peer.
   void note(const replication::Output& output, PeerId self);
   // Gives up what has not been answered.
   void give_up(HostTime now);
-  [[nodiscard]] std::optional<HostTime> next_give_up() const;
-  // Objects that are not given to whoever asks.
-  void hold(ObjectId object) { held_.insert(object); }
-  void let_go(ObjectId object) { held_.erase(object); }
+  // Whether this peer has grabbed the object, and gives it to nobody who asks.
   [[nodiscard]] bool holds(ObjectId object) const { return held_.contains(object); }
   // The requests of others that have come since the last call.
   [[nodiscard]] std::vector<replication::ObjectRequested> take_requests() { return std::exchange(requests_, {}); }
@@ -60,7 +58,8 @@ class PeerEdits {
   [[nodiscard]] std::optional<EditReport> poll();
 
  private:
-  void end_request(OperationState& state, replication::OperationId id, std::string refused);
+  void refuse(OperationState& state, replication::OperationId id, std::string why);
+  void note_given(const replication::ObjectGiven& given, PeerId self);
 
   std::vector<config::ScriptedEdit> scripted_;  // by time
   std::size_t next_ = 0;

@@ -15,7 +15,6 @@ namespace {
 constexpr double kKeySpeedMax_m_s = 1e6;
 // A Viewpoint node does not say how wide its picture is: width / height.
 constexpr double kUsualAspect = 4.0 / 3.0;
-constexpr Duration kAnsweredWithin = std::chrono::seconds(2);  // of a request for an object
 constexpr Duration kStartIsAnnouncedWithin = std::chrono::seconds(5);
 
 const char* to_string(replication::ContactKind kind) {
@@ -260,7 +259,6 @@ HostTime PeerNode::next_deadline() const {
   HostTime next = peer_.next_deadline();
   if (!log_.start) return next;
   if (next_key_ < keys_.size()) next = std::min(next, peer_.clock().to_host(key_time(next_key_)));
-  if (const auto give_up = edits_.next_give_up()) next = std::min(next, *give_up);
   if (edits_.next_at_s()) next = std::min(next, peer_.clock().to_host(next_edit_at()));
   if (options_.keep_log) next = std::min(next, peer_.clock().to_host(sample_time(next_sample_)));
   return next;
@@ -287,49 +285,48 @@ void PeerNode::make_edits(HostTime now) {
 }
 
 EditReport PeerNode::edit(HostTime now, const config::SceneEdit& edit) {
+  if (is_about_ownership(edit)) return change_owner(now, edit);
   EditReport report{edit, std::nullopt, {}};
-  const auto operation = is_about_ownership(edit) ? change_owner(now, edit) : change_scene(now, edit);
-  operation ? void(report.operation = *operation) : void(report.refused = operation.error());
+  auto body = operation_of(edit, scene());
+  if (!body) {
+    report.refused = body.error();
+  } else if (const auto operation = peer_.edit(now, *std::move(body))) {
+    report.operation = *operation;
+  } else {
+    report.refused = operation.error();
+  }
   edits_.note(report);
-  if (operation && is_about_ownership(edit)) follow_request(now, edit, *operation);
   return report;
 }
 
-std::expected<replication::OperationId, std::string> PeerNode::change_scene(HostTime now,
-                                                                            const config::SceneEdit& edit) {
-  auto body = operation_of(edit, scene());
-  if (!body) return std::unexpected(body.error());
-  return peer_.edit(now, *std::move(body));
-}
-
-std::expected<replication::OperationId, std::string> PeerNode::change_owner(HostTime now,
-                                                                            const config::SceneEdit& edit) {
+EditReport PeerNode::change_owner(HostTime now, const config::SceneEdit& edit) {
+  EditReport report{edit, std::nullopt, {}};
   const auto object = scene().find(edit.path);
-  if (!object) return std::unexpected("the scene has no " + edit.path);
-  if (edit.kind == config::SceneEdit::Kind::kRelease) {
-    edits_.let_go(*object);
+  const auto done = [&]() -> std::expected<replication::Taking, std::string> {
+    if (!object) return std::unexpected("the scene has no " + edit.path);
+    if (edit.kind != config::SceneEdit::Kind::kRelease) return peer_.own(now, *object);
     if (peer_.owner(*object) != config_.id) return std::unexpected("this peer does not own it");
-    return peer_.give(now, *object, kNobody);
+    const auto released = peer_.give(now, *object, kNobody);
+    if (!released) return std::unexpected(released.error());
+    return replication::Taking{*released};
+  }();
+  if (!done) {
+    report.refused = done.error();
+    edits_.note(report);
+  } else {
+    report.operation = done->operation;
+    edits_.note(report, *object, done->asks ? std::optional(now + replication::kAskedFor) : std::nullopt);
   }
-  if (edit.kind == config::SceneEdit::Kind::kGrab) edits_.hold(*object);
-  return peer_.own(now, *object);
+  return report;
 }
 
-// A peer that asks another one waits for its answer.
-void PeerNode::follow_request(HostTime now, const config::SceneEdit& edit, replication::OperationId id) {
-  const auto object = scene().find(edit.path);
-  assert(object);
-  const PeerId owner = peer_.owner(*object);
-  const bool asks = edit.kind != config::SceneEdit::Kind::kRelease && owner != kNobody && owner != config_.id;
-  if (asks) edits_.note_request(id, *object, now + kAnsweredWithin);
-}
-
-// Another peer asks for an object of this one. What something drives here, or somebody holds, is not given away.
+// Another peer asks for an object of this one, which keeps what something drives here, and what it holds. Where its
+// answer cannot be, because an edit has removed the object, the request is refused by that.
 void PeerNode::on_request(HostTime now, const replication::ObjectRequested& asked) {
-  if (peer_.owner(asked.object) != config_.id) return;  // it has gone meanwhile, and the asker knows
-  const char* const why_not = drives(asked.object)         ? "its owner drives it"
-                              : edits_.holds(asked.object) ? "its owner holds it"
-                                                           : nullptr;
+  const char* const why_not = peer_.owner(asked.object) != config_.id ? "its owner has it no more"
+                              : drives(asked.object)                  ? "its owner drives it"
+                              : edits_.holds(asked.object)            ? "its owner holds it"
+                                                                      : nullptr;
   if (why_not != nullptr) {
     (void)peer_.edit(now, replication::RefuseRequest{asked.request, why_not});
   } else {

@@ -116,9 +116,7 @@ class PeerNode {
   [[nodiscard]] SimTime key_time(std::size_t key) const { return *log_.start + from_seconds(keys_[key].at_s); }
   void press_keys(HostTime now);
   void make_edits(HostTime now);
-  std::expected<replication::OperationId, std::string> change_scene(HostTime now, const config::SceneEdit& edit);
-  std::expected<replication::OperationId, std::string> change_owner(HostTime now, const config::SceneEdit& edit);
-  void follow_request(HostTime now, const config::SceneEdit& edit, replication::OperationId id);
+  EditReport change_owner(HostTime now, const config::SceneEdit& edit);
   void on_request(HostTime now, const replication::ObjectRequested& asked);
   void follow_scene();
   // The session time of the next edit of the settings; max(): none is left, or the start is not known.

@@ -14,12 +14,12 @@ bool answers_contacts(const WorldModel& model, ObjectId object) {
   });
 }
 
-SceneObjects::SceneObjects(const ModelInForce& model) : model_(model) { (void)add_all({}); }
+SceneObjects::SceneObjects(const ModelInForce& model) : model_(model) { (void)add_all({}, Owners()); }
 
-std::vector<ObjectId> SceneObjects::add_all(SimTime since) {
+std::vector<ObjectId> SceneObjects::add_all(SimTime since, const Owners& owners) {
   std::vector<ObjectId> added;
   for (const ModelNode& node : model_->nodes) {
-    if (!answers_contacts(*model_, node.object)) continue;
+    if (owners.of(node.object) != kNobody || !answers_contacts(*model_, node.object)) continue;
     const auto [at, is_new] = all_.try_emplace(node.object);
     if (!is_new) continue;
     at->second.since = since;
@@ -28,13 +28,13 @@ std::vector<ObjectId> SceneObjects::add_all(SimTime since) {
   return added;
 }
 
-std::vector<ObjectId> SceneObjects::follow_model(SimTime since) {
+std::vector<ObjectId> SceneObjects::follow_model(SimTime since, const Owners& owners) {
   std::vector<ObjectId> over;
   for (const auto& [object, each] : all_) {
     if (!model_->scene->contains(object)) over.push_back(object);
   }
   for (const ObjectId object : over) remove(object);
-  return add_all(since);
+  return add_all(since, owners);
 }
 
 void SceneObjects::place(ObjectId object, SimTime at, const MotionModel& law, std::optional<ObjectId> carrier) {

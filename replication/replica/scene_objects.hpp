@@ -48,10 +48,10 @@ class SceneObjects {
   [[nodiscard]] SceneObject& at(ObjectId object) { return all_.at(object); }
   [[nodiscard]] const SceneObject& at(ObjectId object) const { return all_.at(object); }
   [[nodiscard]] const std::map<ObjectId, SceneObject>& all() const { return all_; }
-  // The model in force is of an edited scene since then: what answers contacts there is one of them, and what did so
-  // before stays one. Returns those that are new.
-  std::vector<ObjectId> follow_model(SimTime since);
-  // A configuration gives the object to a peer.
+  // The model in force is of an edited scene since then: what answers contacts there and nobody owns is one of them,
+  // and what was one before stays one. Returns those that are new.
+  std::vector<ObjectId> follow_model(SimTime since, const Owners& owners);
+  // A configuration or an operation gives the object to a peer.
   void remove(ObjectId object);
 
   // The contact time of the decision that last gave the object an owner; SimTime{}: none has, or it is none of them.
@@ -90,7 +90,7 @@ class SceneObjects {
   [[nodiscard]] std::uint64_t digest(const Owners& owners, const MotionWorld& truth, SimTime at) const;
 
  private:
-  std::vector<ObjectId> add_all(SimTime since);
+  std::vector<ObjectId> add_all(SimTime since, const Owners& owners);
 
   const ModelInForce& model_;
   std::map<ObjectId, SceneObject> all_;

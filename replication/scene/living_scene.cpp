@@ -16,11 +16,13 @@ struct Overloaded : Visitors... {
 
 using Name = std::pair<std::string, ObjectId>;
 
-// What the author of an operation saw under a path.
+// The object that the author of an operation saw under a path.
 std::optional<ObjectId> meaning(const std::vector<Name>& names, std::string_view path) {
   const auto name = std::ranges::find(names, path, &Name::first);
   return name == names.end() ? std::nullopt : std::optional(name->second);
 }
+
+constexpr const char* kGone = "it is not in the scene any more";
 
 // No value has more nodes.
 constexpr std::uint32_t kOfRefusedValue = ReadLimits{}.nodes;
@@ -48,36 +50,6 @@ ReadOptions LivingScene::reading() const {
 
 std::expected<LivingScene::UsedIds, std::string> LivingScene::apply_to(Editing& editing, const OperationBody& body,
                                                                        AuthorId author, const Find& find) const {
-  const auto is_here = [&](ObjectId object) {
-    return editing.scene ? editing.scene->contains(object) : editing.state.scene->contains(object);
-  };
-  if (const auto* const give = std::get_if<GiveObject>(&body)) {
-    if (!is_here(give->object)) return std::unexpected("it is not in the scene any more");
-    PeerId& owner = editing.state.owners.try_emplace(give->object, give->before).first->second;
-    if (owner != give->before && owner != kNobody) {
-      return std::unexpected("peer " + std::to_string(owner.value) + " owns it by then");
-    }
-    if (give->place) {
-      SceneEditor& editor = editing.editor();
-      for (const auto& [field, value] :
-           {std::pair("translation", &give->place->translation), std::pair("rotation", &give->place->rotation)}) {
-        if (const auto set = editor.set(give->place->node, field, *value, {}); !set)
-          return std::unexpected(set.error());
-      }
-    }
-    owner = give->owner;
-    return UsedIds{};
-  }
-  if (const auto* const request = std::get_if<RequestObject>(&body)) {
-    if (!is_here(request->object)) return std::unexpected("it is not in the scene any more");
-    return UsedIds{};
-  }
-  if (std::holds_alternative<RefuseRequest>(body)) return UsedIds{};
-  return edit(editing.editor(), body, author, find);
-}
-
-std::expected<LivingScene::UsedIds, std::string> LivingScene::edit(SceneEditor& editor, const OperationBody& body,
-                                                                   AuthorId author, const Find& find) const {
   using Result = std::expected<UsedIds, std::string>;
   const auto done = [](const std::expected<void, std::string>& result) {
     return result ? Result(UsedIds{}) : Result(std::unexpect, result.error());
@@ -86,25 +58,46 @@ std::expected<LivingScene::UsedIds, std::string> LivingScene::edit(SceneEditor& 
       Overloaded{[&](const AddNodes& add) {
                    const SceneEditor::FirstIds first{ObjectId(add.first_object, author.value),
                                                      NodeId(add.first_node, author.value)};
-                   const auto added = editor.add(add.text, {add.parent, add.before}, first, reading(), find);
+                   const auto added = editing.editor().add(add.text, {add.parent, add.before}, first, reading(), find);
                    return added ? Result(UsedIds{added->objects, added->nodes}) : Result(std::unexpect, added.error());
                  },
-                 [&](const RemoveObject& remove) { return done(editor.remove(remove.object)); },
-                 [&](const RemoveNode& remove) { return done(editor.remove(remove.node)); },
+                 [&](const RemoveObject& remove) { return done(editing.editor().remove(remove.object)); },
+                 [&](const RemoveNode& remove) { return done(editing.editor().remove(remove.node)); },
                  [&](const MoveObject& move) {
-                   return done(editor.move(move.object, {move.parent, move.before}));
+                   return done(editing.editor().move(move.object, {move.parent, move.before}));
                  },
                  [&](const SetField& set) {
-                   const auto nodes = editor.set(set.node, set.field, set.value, NodeId(set.first_node, author.value));
+                   const auto nodes =
+                       editing.editor().set(set.node, set.field, set.value, NodeId(set.first_node, author.value));
                    return nodes ? Result(UsedIds{0, *nodes}) : Result(std::unexpect, nodes.error());
                  },
                  [&](const ChangeRoute& route) {
+                   SceneEditor& editor = editing.editor();
                    return done(route.removes
                                    ? editor.remove_route(route.from, route.event_out, route.to, route.event_in)
                                    : editor.add_route(route.from, route.event_out, route.to, route.event_in));
                  },
-                 [](const auto&) -> Result { std::unreachable(); }},
+                 [&](const GiveObject& give) { return done(give_to(editing, give)); },
+                 [&](const RequestObject& request) {
+                   return editing.contains(request.object) ? Result(UsedIds{}) : Result(std::unexpect, kGone);
+                 },
+                 [](const RefuseRequest&) { return Result(UsedIds{}); }},
       body);
+}
+
+std::expected<void, std::string> LivingScene::give_to(Editing& editing, const GiveObject& give) {
+  if (!editing.contains(give.object)) return std::unexpected(kGone);
+  const auto known = editing.state.owners.find(give.object);
+  const PeerId owner = known == editing.state.owners.end() ? kNobody : known->second;
+  if (owner != kNobody && owner != give.before) {
+    return std::unexpected("peer " + std::to_string(owner.value) + " owns it by then");
+  }
+  if (give.placement) {
+    const auto placed = editing.editor().set_placement(give.object, *give.placement);
+    if (!placed) return placed;
+  }
+  editing.state.owners[give.object] = give.owner;
+  return {};
 }
 
 std::expected<LivingScene::State, std::string> LivingScene::finish(Editing editing) {

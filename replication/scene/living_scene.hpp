@@ -72,7 +72,7 @@ class LivingScene {
   [[nodiscard]] SimTime last_stamp(SimTime until) const;
 
  private:
-  // What a path means that names nothing in the text in which it stands.
+  // The meaning of a path that names nothing in the text in which it stands.
   using Find = std::function<std::optional<ObjectId>(std::string_view)>;
   struct UsedIds {
     std::uint32_t objects = 0, nodes = 0;
@@ -105,12 +105,12 @@ class LivingScene {
     State state;
     std::optional<SceneEditor> scene{};  // none: nothing edits it yet, for that costs a pass over it
     SceneEditor& editor() { return scene ? *scene : scene.emplace(*state.scene); }
+    [[nodiscard]] bool contains(ObjectId id) const { return scene ? scene->contains(id) : state.scene->contains(id); }
   };
   // Applies one operation; the error says why it cannot be.
   [[nodiscard]] std::expected<UsedIds, std::string> apply_to(Editing& editing, const OperationBody& body,
                                                              AuthorId author, const Find& find) const;
-  [[nodiscard]] std::expected<UsedIds, std::string> edit(SceneEditor& editor, const OperationBody& body,
-                                                         AuthorId author, const Find& find) const;
+  [[nodiscard]] static std::expected<void, std::string> give_to(Editing& editing, const GiveObject& give);
   // The error says what the edits together make impossible.
   [[nodiscard]] static std::expected<State, std::string> finish(Editing editing);
   // An Effect says what an operation does.

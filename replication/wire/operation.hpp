@@ -13,6 +13,7 @@
 #include "core/ids.hpp"
 #include "core/strong.hpp"
 #include "core/time.hpp"
+#include "core/transform.hpp"
 
 namespace peerd::replication {
 
@@ -84,26 +85,26 @@ struct ChangeRoute {
 // this one changes nothing: of two peers that take an object at once the earlier one has it.
 struct GiveObject {
   ObjectId object;
-  PeerId owner;   // kNobody: nobody's
-  PeerId before;  // whose it was, as the author saw it
-  // The place where it stands from then on: the fields of its Transform, in the notation of VRML. None: as it is.
-  struct Place {
-    NodeId node;
-    std::string translation, rotation;
-
-    friend bool operator==(const Place&, const Place&) = default;
-  };
-  std::optional<Place> place{};
+  PeerId owner;                          // kNobody: nobody's
+  PeerId before;                         // whose it was, as the author saw it
+  std::optional<Placement> placement{};  // of its Transform, from then on; none: as it is
 
   friend bool operator==(const GiveObject&, const GiveObject&) = default;
 };
 
-// A peer asks the owner for an object, which answers by a GiveObject, or by a RefuseRequest.
+// A peer asks the owner for an object, which answers by a GiveObject, or by a RefuseRequest. A request whose stamp is
+// older than kAnsweredWithin is not answered any more; the peer that has asked gives up after kAskedFor.
+inline constexpr Duration kAnsweredWithin = std::chrono::seconds(1), kAskedFor = std::chrono::seconds(2);
 struct RequestObject {
   ObjectId object;
   PeerId owner, by;
 
   friend bool operator==(const RequestObject&, const RequestObject&) = default;
+};
+// How a peer comes to own an object.
+struct Taking {
+  OperationId operation;
+  bool asks = false;  // another peer, by a RequestObject; else it takes what is nobody's
 };
 struct RefuseRequest {
   OperationId request;

@@ -1,4 +1,7 @@
+#include <algorithm>
+#include <array>
 #include <cassert>
+#include <cmath>
 #include <limits>
 #include <type_traits>
 #include <utility>
@@ -59,10 +62,9 @@ void put(const GiveObject& g, proto::Operation* out) {
   give.set_object(g.object.packed());
   give.set_owner(g.owner.value);
   give.set_before(g.before.value);
-  if (!g.place) return;
-  give.set_node(g.place->node.packed());
-  give.set_translation(g.place->translation);
-  give.set_rotation(g.place->rotation);
+  if (!g.placement) return;
+  give.mutable_translation()->Add(g.placement->translation.begin(), g.placement->translation.end());
+  give.mutable_rotation()->Add(g.placement->rotation.begin(), g.placement->rotation.end());
 }
 
 void put(const RequestObject& r, proto::Operation* out) {
@@ -134,17 +136,22 @@ const char* take(proto::ChangeRoute& in, ChangeRoute& c) {
   return nullptr;
 }
 
-const char* take(proto::GiveObject& in, GiveObject& g) {
+template <std::size_t kCount>
+bool take_numbers(const google::protobuf::RepeatedField<float>& in, std::array<float, kCount>& out) {
+  if (in.size() != kCount || !std::ranges::all_of(in, [](float x) { return std::isfinite(x); })) return false;
+  std::ranges::copy(in, out.begin());
+  return true;
+}
+
+const char* take(const proto::GiveObject& in, GiveObject& g) {
   g.owner = PeerId{in.owner()};
   g.before = PeerId{in.before()};
   if (!take_id(in.object(), g.object)) return kWrongId;
-  if (!in.has_node()) return nullptr;
-  GiveObject::Place& place = g.place.emplace();
-  if (!take_id(in.node(), place.node)) return kWrongId;
-  if (!is_text(in.translation()) || !is_text(in.rotation())) return kWrongText;
-  place.translation = std::move(*in.mutable_translation());
-  place.rotation = std::move(*in.mutable_rotation());
-  return nullptr;
+  if (in.translation().empty() && in.rotation().empty()) return nullptr;
+  Placement& placement = g.placement.emplace();
+  const bool good =
+      take_numbers(in.translation(), placement.translation) && take_numbers(in.rotation(), placement.rotation);
+  return good ? nullptr : "operation_placement";
 }
 
 const char* take(const proto::RequestObject& in, RequestObject& r) {
@@ -181,7 +188,7 @@ const char* take(proto::Operation& in, OperationBody& body) {
     case proto::Operation::kChangeRoute:
       return take(*in.mutable_change_route(), body.emplace<ChangeRoute>());
     case proto::Operation::kGiveObject:
-      return take(*in.mutable_give_object(), body.emplace<GiveObject>());
+      return take(in.give_object(), body.emplace<GiveObject>());
     case proto::Operation::kRequestObject:
       return take(in.request_object(), body.emplace<RequestObject>());
     case proto::Operation::kRefuseRequest:

@@ -36,8 +36,11 @@ class OperationMaker {
         return SetField{node(), text(20), text(90), number()};
       case 5:
         return ChangeRoute{node(), node(), text(20), text(20), random_() % 2 == 0};
-      case 6:
-        return GiveObject{object(), PeerId{number()}, PeerId{number() % 3}};
+      case 6: {
+        GiveObject give{object(), PeerId{number()}, PeerId{number() % 3}, {}};
+        if (random_() % 2 == 0) give.placement = {{1.5f, -2, 1e-30f}, {0, 1, 0, 3.1415927f}};
+        return give;
+      }
       case 7:
         return RequestObject{object(), PeerId{number() | 1}, PeerId{number() | 1}};
       default:

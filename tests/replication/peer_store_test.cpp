@@ -14,7 +14,7 @@ using testing::IsEmpty;
 
 const std::string kHead = "#VRML V2.0 utf8\n";
 
-// What a driver with a store does: it keeps what LogGrown says. Here in memory, and for each peer.
+// The part of a driver with a store: it keeps what LogGrown says, here in memory and for each peer.
 class Stores : public testing::Test {
  protected:
   Stores() : world(box("BALL", "1 1 1", "0 0 0") + box("CAR", "1 1 1", "0 20 0"), {"BALL", "CAR"}) {}
@@ -91,6 +91,21 @@ TEST_F(Stores, WhatAllHaveLeftIsThereWhenTheyComeBack) {
   }
 }
 
+TEST_F(Stores, OwnersAreWhatTheyWere) {
+  begin();
+  ASSERT_TRUE(lan->peer(0).give(lan->host_now(0), world["BALL"], PeerId{2}));  // which a configuration gives to peer 1
+  ASSERT_TRUE(lan->peer(2).own(lan->host_now(2), world["CAR"]));
+  run_on(1s);
+  end();
+  begin();
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(lan->peer(i).owner(world["BALL"]), PeerId{2}) << "peer " << i + 1;
+    EXPECT_EQ(lan->peer(i).owner(world["CAR"]), PeerId{3}) << "peer " << i + 1;
+  }
+  EXPECT_FALSE(lan->peer(0).owns_any());
+  EXPECT_TRUE(lan->peer(2).change_velocity(lan->host_now(2), world["CAR"], Vec3(1, 0, 0), true));
+}
+
 TEST_F(Stores, OnlyOneComesBackAndBringsTheWorldWithIt) {
   begin();
   (void)edit(1, adding("A", 10));
@@ -163,7 +178,7 @@ TEST_F(Stores, IdsOfWhatChangesNothingAreNotUsedAgain) {
   }
 }
 
-// What was removed keeps its ids to itself, in the next life of its author, too.
+// An object that was removed keeps its ids to itself, in the next life of its author, too.
 TEST_F(Stores, IdsOfAnAuthorGoOnBehindAllThatItHasUsed) {
   begin();
   (void)edit(0, adding("A", 10));

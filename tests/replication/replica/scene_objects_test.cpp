@@ -41,6 +41,17 @@ TEST_F(SceneThings, AreCollidersWithAResponseThatNoConfigurationGivesToAPeer) {
   EXPECT_EQ(scene.decided(ball), SimTime{});
 }
 
+// An operation has given BALL to a peer; any edit of the scene comes later.
+TEST_F(SceneThings, AreNoneThatAPeerOwns) {
+  scene.remove(ball);
+  owners.set(ball, PeerId{1});
+  EXPECT_TRUE(scene.follow_model(sim(13s), owners).empty());
+  EXPECT_FALSE(scene.contains(ball));
+  owners.set(ball, kNobody);
+  EXPECT_EQ(scene.follow_model(sim(14s), owners), std::vector{ball});
+  EXPECT_TRUE(scene.contains(ball));
+}
+
 TEST_F(SceneThings, AnswerThePairsInWhichTheyAreRegistered) {
   EXPECT_TRUE(scene.answers({free, wall, CollisionType::kWitness, false}, free));
   EXPECT_FALSE(scene.answers({free, wall, CollisionType::kWitness, true}, wall)) << "it is none";

@@ -229,93 +229,110 @@ TEST(LivingScene, OfTwoThatTakeAnObjectTheEarlierOneHasIt) {
   EXPECT_TRUE(living.owners().empty());
 }
 
-// Operations on all kinds of things, many of which are impossible, do together what they do one after the other.
+const std::string kOfAllKinds =
+    kHead + kWall + kFloor +
+    "DEF CAR Transform { children [ DEF WHEEL Transform { children Shape { geometry Sphere { } } } USE WHEEL ] }\n"
+    "DEF PLANE Transform { collisionResponse CollisionResponse { responseType 2 } children Shape {\n"
+    "  geometry DEF FACE IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] }\n"
+    "  coordIndex [ 0 1 2 -1 ] } } }\n"
+    "USE CAR\n"
+    "DEF CLOCK TimeSensor { } DEF PATH PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 1 0 0 ] }\n"
+    "DEF KEYS KeySensor { recipient \"CAR\" }\n"
+    "CollisionInterest { objectPath \"WALL\" interests [ \"FLOOR\" \"PLANE\" ] }\n"
+    "ROUTE CLOCK.fraction_changed TO PATH.set_fraction ROUTE PATH.value_changed TO PLANE.set_translation\n";
+const std::vector<std::string> kTexts{
+    "DEF NEW Transform { children Shape { geometry Box { } } }",
+    "DEF TWICE Group { children [ DEF IN Transform { } USE IN ] } USE TWICE",
+    "CollisionInterest { objectPath \"CAR\" interests [ \"WALL\" \"FLOOR\" ] }",
+    "KeySensor { recipient \"PLANE\" }",
+    "DEF A TimeSensor { } DEF B PositionInterpolator { } ROUTE A.fraction_changed TO B.set_fraction",
+};
+const std::vector<std::pair<std::string, std::vector<std::string>>> kValues{
+    {"translation", {"1 2 3", "0 0 0"}},
+    {"coordIndex", {"[ 0 1 2 -1 ]", "[ 0 1 3 -1 ]", "[ ]"}},
+    {"point", {"[ 0 0 0, 1 0 0 ]", "[ 0 0 0, 1 0 0, 0 1 0, 0 0 1 ]"}},
+    {"coord", {"NULL", "Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] }"}},
+    {"geometry", {"NULL", "Box { }", "IndexedFaceSet { coordIndex [ 0 1 2 -1 ] }"}},
+    {"restitution", {"0.5", "2"}},
+    {"collisionResponse", {"NULL", "CollisionResponse { responseType 2 restitution 3 }"}},
+    {"loop", {"TRUE"}},
+};
+
+// Operations on all kinds of things, many of which are impossible.
+class AnyOperations {
+ public:
+  AnyOperations(const Scene& file, std::uint32_t seed) : file_(file), random_(seed) {
+    for (std::uint32_t i = 0; i < file.instances.size(); ++i) objects_.push_back(file.id_of(i));
+    for (std::uint32_t i = 0; i < file.document->nodes.size(); ++i) nodes_.push_back(file.document->ids.id_of(i));
+  }
+  std::uint32_t below(std::size_t n) { return static_cast<std::uint32_t>(random_() % n); }
+  // The k-th one, whose ids are its own.
+  OperationBody next(std::uint32_t k) {
+    ScenePlace place;
+    if (below(2) == 0) place.parent = any(objects_);
+    if (below(4) == 0) place.before = any(objects_);
+    switch (below(8)) {
+      case 0:
+        return adding_at(place, k);
+      case 1:
+        return RemoveObject{any(objects_)};
+      case 2:
+        return RemoveNode{any(nodes_)};
+      case 3:
+        return MoveObject{any(objects_), place.parent, place.before};
+      case 4:
+        return ChangeRoute{any(nodes_), any(nodes_), "fraction_changed", "set_fraction", below(2) == 0};
+      case 5: {
+        GiveObject give{any(objects_), PeerId{below(4)}, PeerId{below(4)}};
+        if (below(2) == 0) give.placement = {{1, 2, 3}, {0, 1, 0, 0.5f}};
+        return give;
+      }
+      default:
+        return setting(k);
+    }
+  }
+
+ private:
+  template <class T>
+  T any(const std::vector<T>& list) {
+    return list[below(list.size())];
+  }
+  AddNodes adding_at(const ScenePlace& place, std::uint32_t k) {
+    AddNodes add{place.parent, place.before, kHead + any(kTexts), 10 * k, 10 * k, {}};
+    for (const char* const name : {"CAR", "FLOOR", "PLANE", "WALL"}) add.names.emplace_back(name, *file_.find(name));
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      objects_.emplace_back(10 * k + i, kAda.value);
+      nodes_.emplace_back(10 * k + i, kAda.value);
+    }
+    return add;
+  }
+  // Of a node that has the field, more often than chance finds one.
+  SetField setting(std::uint32_t k) {
+    const auto& [field, choices] = any(kValues);
+    NodeId node = any(nodes_);
+    for (int tries = 0; tries < 20; ++tries) {
+      const auto known = file_.document->ids.find(node, file_.document->nodes.size());
+      if (!known || vrml::find_field(*file_.document->nodes[*known].type, field) != nullptr) break;
+      node = any(nodes_);
+    }
+    return {node, field, any(choices), 10 * k + 5};
+  }
+
+  const Scene& file_;
+  std::mt19937 random_;
+  std::vector<ObjectId> objects_;
+  std::vector<NodeId> nodes_;
+};
+
 TEST(LivingScene, TogetherDoesWhatOneAfterTheOtherDoes) {
-  const Scene file = read(
-      kHead + kWall + kFloor +
-      "DEF CAR Transform { children [ DEF WHEEL Transform { children Shape { geometry Sphere { } } } USE WHEEL ] }\n"
-      "DEF PLANE Transform { collisionResponse CollisionResponse { responseType 2 } children Shape {\n"
-      "  geometry DEF FACE IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] }\n"
-      "  coordIndex [ 0 1 2 -1 ] } } }\n"
-      "USE CAR\n"
-      "DEF CLOCK TimeSensor { } DEF PATH PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 1 0 0 ] }\n"
-      "DEF KEYS KeySensor { recipient \"CAR\" }\n"
-      "CollisionInterest { objectPath \"WALL\" interests [ \"FLOOR\" \"PLANE\" ] }\n"
-      "ROUTE CLOCK.fraction_changed TO PATH.set_fraction ROUTE PATH.value_changed TO PLANE.set_translation\n");
-  const vrml::Document& document = *file.document;
-  const std::vector<std::string> texts{
-      "DEF NEW Transform { children Shape { geometry Box { } } }",
-      "DEF TWICE Group { children [ DEF IN Transform { } USE IN ] } USE TWICE",
-      "CollisionInterest { objectPath \"CAR\" interests [ \"WALL\" \"FLOOR\" ] }",
-      "KeySensor { recipient \"PLANE\" }",
-      "DEF A TimeSensor { } DEF B PositionInterpolator { } ROUTE A.fraction_changed TO B.set_fraction",
-  };
-  const std::vector<std::pair<std::string, std::vector<std::string>>> values{
-      {"translation", {"1 2 3", "0 0 0"}},
-      {"coordIndex", {"[ 0 1 2 -1 ]", "[ 0 1 3 -1 ]", "[ ]"}},
-      {"point", {"[ 0 0 0, 1 0 0 ]", "[ 0 0 0, 1 0 0, 0 1 0, 0 0 1 ]"}},
-      {"coord", {"NULL", "Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] }"}},
-      {"geometry", {"NULL", "Box { }", "IndexedFaceSet { coordIndex [ 0 1 2 -1 ] }"}},
-      {"restitution", {"0.5", "2"}},
-      {"collisionResponse", {"NULL", "CollisionResponse { responseType 2 restitution 3 }"}},
-      {"loop", {"TRUE"}},
-  };
+  const Scene file = read(kOfAllKinds);
   std::size_t refused = 0, done = 0;
   for (std::uint32_t seed = 1; seed <= 400; ++seed) {
-    std::mt19937 random(seed);
-    const auto draw = [&](std::size_t n) { return static_cast<std::uint32_t>(random() % n); };
-    std::vector<ObjectId> objects;
-    std::vector<NodeId> nodes;
-    for (std::uint32_t i = 0; i < file.instances.size(); ++i) objects.push_back(file.id_of(i));
-    for (std::uint32_t i = 0; i < document.nodes.size(); ++i) nodes.push_back(document.ids.id_of(i));
-    const auto any = [&](const auto& list) { return list[draw(list.size())]; };
+    AnyOperations operations(file, seed);
     LivingScene single(file), together(file);
-    const std::uint32_t count = 2 + draw(20);
+    const std::uint32_t count = 2 + operations.below(20);
     for (std::uint32_t k = 1; k <= count; ++k) {
-      ScenePlace place;
-      if (draw(2) == 0) place.parent = any(objects);
-      if (draw(4) == 0) place.before = any(objects);
-      OperationBody body;
-      switch (draw(8)) {
-        case 0: {
-          const std::string& text = texts[draw(texts.size())];
-          body = AddNodes{place.parent, place.before, kHead + text, 10 * k, 10 * k, {}};
-          auto& names = std::get<AddNodes>(body).names;
-          for (const char* const name : {"CAR", "FLOOR", "PLANE", "WALL"}) names.emplace_back(name, *file.find(name));
-          for (std::uint32_t i = 0; i < 4; ++i) {
-            objects.emplace_back(10 * k + i, kAda.value);
-            nodes.emplace_back(10 * k + i, kAda.value);
-          }
-          break;
-        }
-        case 1:
-          body = RemoveObject{any(objects)};
-          break;
-        case 2:
-          body = RemoveNode{any(nodes)};
-          break;
-        case 3:
-          body = MoveObject{any(objects), place.parent, place.before};
-          break;
-        case 4:
-          body = ChangeRoute{any(nodes), any(nodes), "fraction_changed", "set_fraction", draw(2) == 0};
-          break;
-        case 5:
-          body = GiveObject{any(objects), PeerId{draw(4)}, PeerId{draw(4)}};
-          break;
-        default: {
-          const auto& [field, choices] = values[draw(values.size())];
-          body = SetField{any(nodes), field, choices[draw(choices.size())], 10 * k + 5};
-          // A node that has the field, more often than chance finds one.
-          for (int tries = 0; tries < 20; ++tries) {
-            const auto& set = std::get<SetField>(body);
-            const auto node = document.ids.find(set.node, document.nodes.size());
-            if (!node || vrml::find_field(*document.nodes[*node].type, field) != nullptr) break;
-            std::get<SetField>(body).node = any(nodes);
-          }
-        }
-      }
-      const Operation operation{{kAda, k}, at_ms(static_cast<int>(k)), std::move(body)};
+      const Operation operation{{kAda, k}, at_ms(static_cast<int>(k)), operations.next(k)};
       single.add(operation);
       together.add(operation);
     }

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "replication/wire/operation.hpp"
 #include "replication/wire/wire_limits.hpp"
 #include "tests/replication/operations.hpp"
@@ -74,6 +76,9 @@ TEST(OperationCodec, NamesWhatIsWrong) {
   const PeerId ada{1}, bob{2};
   EXPECT_EQ(error_of(with(GiveObject{good, kNobody, kNobody})), "none");
   EXPECT_EQ(error_of(with(GiveObject{bad, ada, bob})), "operation_id");
+  constexpr float kInfinite = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(error_of(with(GiveObject{good, ada, bob, Placement{{0, kInfinite, 0}, {}}})), "operation_placement");
+  EXPECT_EQ(error_of(with(GiveObject{good, ada, bob, Placement{{}, {0, 0, 1, -kInfinite}}})), "operation_placement");
   EXPECT_EQ(error_of(with(RequestObject{bad, ada, bob})), "operation_id");
   EXPECT_EQ(error_of(with(RequestObject{good, kNobody, bob})), "operation_id");
   EXPECT_EQ(error_of(with(RequestObject{good, ada, kNobody})), "operation_id");
