@@ -26,6 +26,7 @@
 #include "peerd/commands/collide_command.hpp"
 #include "peerd/commands/ctl_command.hpp"
 #include "peerd/commands/doctor_command.hpp"
+#include "peerd/commands/join_command.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/replay_command.hpp"
 #include "peerd/commands/run_command.hpp"
@@ -53,12 +54,13 @@ constexpr double kQuaternionMax = 2.0;  // of one component; the peer checks the
 constexpr std::int64_t kSizeMax_mib = 1 << 20;
 constexpr std::int64_t kKeyCodeMax = std::numeric_limits<std::int32_t>::max();
 constexpr std::int64_t kChaosSeedsMax = 1'000'000, kChaosPeersMax = 9;
+constexpr NumberRange kAskedSeconds{0.1, 60.0};
 constexpr NumberRange kChaosSeconds{3.0, 3600.0};
 constexpr std::int64_t kPeerIdMax = std::numeric_limits<std::uint32_t>::max();
 
 // The options of `peerd run` that stand for settings, in place of a configuration file or over it.
 struct RunFlags {
-  std::string world, name, interface, group;
+  std::string world, world_name, name, interface, group;
   std::optional<std::uint32_t> id, port;
   std::vector<std::string> owns, enslaves;  // two names of one option
 };
@@ -93,10 +95,12 @@ std::vector<std::string> network_settings(const RunFlags& flags) {
 std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options) {
   std::vector<std::string> sets;
   if (!flags.world.empty()) sets.push_back("world=" + json_line(std::filesystem::absolute(flags.world).string()));
+  if (!flags.world_name.empty()) sets.push_back("world_name=" + json_line(flags.world_name));
   if (options.config.empty()) {
     options.peer = flags.name.empty() ? "peer" : flags.name;
     sets.push_back("peer." + options.peer + ".id=" + std::to_string(flags.id ? *flags.id : number_by_clock()));
     sets.push_back("peer." + options.peer + ".owns=" + json_line(flags.owns));
+    options.keeps_id = !flags.id;
   }
   for (const std::string& set : network_settings(flags)) sets.push_back(set);
   sets.insert(sets.end(), options.sets.begin(), options.sets.end());
@@ -121,6 +125,25 @@ void add_scenario_options(CLI::App& command, ScenarioOptions& options) {
   command.add_flag("--json", options.json, "print summary.json instead of the table");
 }
 
+// The options of a peer that no configuration describes, and of all others.
+void add_own_options(CLI::App& command, PeerOptions& peer, RunFlags& flags, const std::string& described) {
+  command.add_option("--name", flags.name, "this peer's name" + described + " (default: peer)");
+  command
+      .add_option("--id", flags.id,
+                  "this peer's number; each peer needs its own (default: that of its store, else one by the clock)")
+      ->transform(whole_number_in(1, kPeerIdMax));
+  command.add_option("--own", flags.owns, "a node of the world that this peer runs (repeatable)")
+      ->allow_extra_args(false);
+  command.add_option("--control", peer.control,
+                     "where peerd ctl reaches this peer: the path of a socket, or \"\" for none (default: the "
+                     "configuration's, else one in this user's own folder)");
+  command.add_option("--record", peer.record, "write what this peer did and believed to a file when it leaves");
+  command.add_flag("--take-over", peer.take_over,
+                   "begin at once, without asking for a second whether this peer is running already: that one ends");
+  command.add_flag("--json", peer.json, "log lines as JSON");
+  command.add_flag("-v,--verbose", peer.verbose, "log updates and predictions too");
+}
+
 void add_run_options(CLI::App& command, PeerOptions& peer, RunFlags& flags) {
   command.add_option("-c,--config", peer.config, "a scenario file; --peer says which of its peers this is");
   command.add_option("--overlay", peer.overlays, "a TOML file whose settings replace the configuration's (repeatable)")
@@ -128,24 +151,22 @@ void add_run_options(CLI::App& command, PeerOptions& peer, RunFlags& flags) {
   command.add_option("--set", peer.sets, "KEY=VALUE over the configuration (repeatable)")->allow_extra_args(false);
   command.add_option("--world", flags.world, "the VRML97 world");
   command.add_option("--peer", peer.peer, "which of the configuration's peers (default: its only one)");
-  command.add_option("--name", flags.name, "this peer's name, without a configuration (default: peer)");
-  command.add_option("--id", flags.id, "this peer's number; each peer needs its own (default: one by the clock)")
-      ->transform(whole_number_in(1, kPeerIdMax));
-  command.add_option("--own", flags.owns, "a node of the world that this peer runs (repeatable)")
-      ->allow_extra_args(false);
+  command.add_option("--world-name", flags.world_name,
+                     "what peerd ls calls it; worlds of one file and two names are two (default: that of its file)");
+  add_own_options(command, peer, flags, ", without a configuration");
   command.add_option("--enslave", flags.enslaves, "the former name of --own")
       ->allow_extra_args(false)
       ->group("");  // not in the help
   add_network_options(command, flags);
-  command.add_option("--control", peer.control,
-                     "where peerd ctl reaches this peer: the path of a socket, or \"\" for none (default: the "
-                     "configuration's, else one in this user's own folder)");
-  command.add_option("--record", peer.record, "write what this peer did and believed to a file when it leaves");
-  command.add_flag("--take-over", peer.take_over,
-                   "begin at once, without asking for a second whether this peer is running already: that one ends");
   command.add_flag("--once", peer.once, "leave when the scenario is over; it begins when all its peers are here");
-  command.add_flag("--json", peer.json, "log lines as JSON");
-  command.add_flag("-v,--verbose", peer.verbose, "log updates and predictions too");
+}
+
+void add_store_options(CLI::App& command, StoreOptions& store, const std::string& by_default) {
+  command.add_option("--store", store.folder,
+                     "a folder in which the edits of all peers are kept: the world is there again after all have "
+                     "left; \"\" for none (default: " +
+                         by_default + ")");
+  command.add_flag("--fresh", store.fresh, "begin with the world's file: the store before is put aside");
 }
 
 // The key of `peerd ctl key`, with the modifiers that are held down.
@@ -422,13 +443,74 @@ Command add_run(CLI::App& app) {
   CLI::App* const command = app.add_subcommand("run", "a peer, in the foreground; SIGTERM leaves cleanly");
   command->footer(exit_codes("the world has errors"));
   add_run_options(*command, flags->peer, flags->run);
-  command->add_option("--store", flags->peer.store.folder,
-                      "a folder in which the edits of all peers are kept: the world is there again after all have "
-                      "left; \"\" for none (default: none with a configuration, else one in this user's own folder)");
-  command->add_flag("--fresh", flags->peer.store.fresh, "begin with the world's file: the store before is put aside");
+  add_store_options(*command, flags->peer.store, "none with a configuration, else one in this user's own folder");
   return {command, [flags] {
             flags->peer.store.by_default = flags->peer.config.empty();
             return run_with(*flags);
+          }};
+}
+
+// Whom `peerd ls` and `peerd join` ask.
+struct AskFlags {
+  std::string interface;
+  bool ipv6 = false;
+
+  [[nodiscard]] config::TransportSettings transport() const {
+    config::TransportSettings settings;
+    settings.interface = interface;
+    if (ipv6) settings.group = "ff15::50:0";  // of which the family counts
+    return settings;
+  }
+};
+
+void add_ask_options(CLI::App& command, AskFlags& flags) {
+  command.add_option("--interface", flags.interface,
+                     "network interface, such as eth0 (default: the only one that can multicast, else lo)");
+  command.add_flag("--ipv6", flags.ipv6, "ask by IPv6");
+}
+
+Command add_join(CLI::App& app) {
+  struct Flags {
+    JoinOptions join;
+    RunFlags run;
+    AskFlags ask;
+  };
+  const auto flags = std::make_shared<Flags>();
+  CLI::App* const command = app.add_subcommand(
+      "join", "a peer, as run, in a world that others are in: it gets the world from them and needs no file");
+  command->footer(exit_codes("what it got is damaged"));
+  command->add_option("world", flags->join.world, "the world's name, as peerd ls says (default: the only one)");
+  command->add_option("--from", flags->join.from,
+                      "HOST:PORT of a peer that gives the world, as its log says, in place of asking who is here");
+  add_ask_options(*command, flags->ask);
+  add_own_options(*command, flags->join.peer, flags->run, "");
+  command->add_option("--port", flags->run.port, "UDP port, of its own, where the others use unicast (default: theirs)")
+      ->transform(whole_number_in(1, 65535));
+  add_store_options(*command, flags->join.peer.store, "one in this user's own folder");
+  return {command, [flags] {
+            flags->join.peer.store.by_default = true;
+            flags->join.transport = flags->ask.transport();
+            flags->run.interface = flags->ask.interface;
+            flags->join.peer.sets = as_settings(flags->run, flags->join.peer);
+            return run_join(flags->join);
+          }};
+}
+
+Command add_ls(CLI::App& app) {
+  struct Flags {
+    LsOptions ls;
+    AskFlags ask;
+  };
+  const auto flags = std::make_shared<Flags>();
+  CLI::App* const command = app.add_subcommand("ls", "which worlds and peers there are in this network");
+  command->footer("Exit codes: 0 good, also where there are none, 2 wrong use, 3 the environment");
+  add_ask_options(*command, flags->ask);
+  command->add_option("--seconds", flags->ls.seconds, "how long it asks (default: 1)")
+      ->transform(number_in(kAskedSeconds));
+  command->add_flag("--json", flags->ls.json, "one JSON object");
+  return {command, [flags] {
+            flags->ls.transport = flags->ask.transport();
+            return run_ls(flags->ls, std::cout);
           }};
 }
 
@@ -622,9 +704,9 @@ int run(int argc, char** argv) {
   const std::span words(argv, static_cast<std::size_t>(argc));
   print_errors_as_json(std::ranges::find(words, std::string_view("--json")) != words.end());
   // The commands are in the order of the help.
-  const std::array commands{add_run(app),   add_record(app),  add_replay(app), add_sim(app),    add_scenario(app),
-                            add_check(app), add_collide(app), add_bake(app),   add_doctor(app), add_ctl(app),
-                            add_store(app), add_help(app),    add_version(app)};
+  const std::array commands{add_run(app),    add_join(app),     add_ls(app),    add_record(app),  add_replay(app),
+                            add_sim(app),    add_scenario(app), add_check(app), add_collide(app), add_bake(app),
+                            add_doctor(app), add_ctl(app),      add_store(app), add_help(app),    add_version(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {

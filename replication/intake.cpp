@@ -61,7 +61,7 @@ std::expected<void, Drop> Intake::on_packet(HostTime now, RegionId region, std::
   operations_.on_message(now, m.sender, m);
   if (m.leaving) {
     const Member left = p_.admission.dismiss(m.sender);
-    keeper_.lose(m.sender, left.name, now, true);
+    keeper_.lose(m.sender, left, now, true);
     return {};
   }
   if (!p_.replica.begun()) {
@@ -73,7 +73,7 @@ std::expected<void, Drop> Intake::on_packet(HostTime now, RegionId region, std::
 }
 
 std::expected<void, Drop> Intake::admit(HostTime now, const Message& m) {
-  const auto on_lost = [&](PeerId peer, const Member& member) { keeper_.lose(peer, member.name, now, true); };
+  const auto on_lost = [&](PeerId peer, const Member& member) { keeper_.lose(peer, member, now, true); };
   const auto admission = p_.admission.admit(now, m, p_.time.started(), on_lost);
   if (!admission) {
     // A sender that does not introduce itself does not know this peer: it will answer this peer's introduction.
@@ -89,7 +89,7 @@ std::expected<void, Drop> Intake::admit(HostTime now, const Message& m) {
   const bool restarted = *admission == Membership::Admission::kRestarted;
   p_.greeter.settle_from(now);
   p_.own.check_all();  // a peer is here that does not have the last updates of resting objects
-  if (restarted) keeper_.orphan_objects_of(m.sender, now, true);
+  if (restarted) keeper_.orphan_objects_of(m.sender, now, now, true);
   keeper_.give_as_operations_say();
   p_.exchange.on_joined(m.sender);
   p_.outbox.push(PeerJoined{m.sender, m.introduction()->name, restarted});

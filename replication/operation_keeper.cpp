@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <set>
 #include <utility>
 #include <variant>
 
@@ -78,10 +79,15 @@ PeerId OperationKeeper::owner_of(ObjectId object) const {
 
 // The place of the own object at t, as its Transform would say it. None: the scene says the same, or it moves on.
 std::optional<Placement> OperationKeeper::placement_at(SimTime t, ObjectId object) const {
-  const Scene& scene = *p_.model->scene;
   const KinematicState state = p_.replica.truth().relative_at(object, t);
   const bool moves = state.velocity != Vec3::Zero() || state.angular_velocity_body != Vec3::Zero();
   if (moves && answers_contacts(*p_.model, object)) return std::nullopt;
+  return placement_of_state(object, state);
+}
+
+// The same of a state in the frame of the object's carrier.
+std::optional<Placement> OperationKeeper::placement_of_state(ObjectId object, const KinematicState& state) const {
+  const Scene& scene = *p_.model->scene;
   const auto carrier = p_.model->carrier_of(object);
   const Pose world = carrier ? composed(at_rest(scene.rigid_pose(*carrier)), state).pose() : state.pose();
   const auto placement = placement_of(scene, object, world);
@@ -100,6 +106,28 @@ std::expected<Taking, std::string> OperationKeeper::own(HostTime now, ObjectId o
   const auto operation = asks ? edit(now, RequestObject{object, owner, p_.config.id}) : give(now, object, p_.config.id);
   if (!operation) return std::unexpected(operation.error());
   return Taking{*operation, asks};
+}
+
+void OperationKeeper::place_left_behind(HostTime now, SimTime t) {
+  std::erase_if(p_.left_behind, [&](const auto& each) { return p_.owners.of(each.first) != kNobody; });
+  if (p_.left_behind.empty()) return;
+  const auto is_earlier = [&](const auto& other) { return other.second.synchronised && other.first < p_.config.id; };
+  if (std::ranges::any_of(p_.members.all(), is_earlier)) return;
+  for (const auto& [object, owner] : std::exchange(p_.left_behind, {})) {
+    p_.replica.compute_ghost(object);
+    const auto placement = placement_of_state(object, p_.replica.ghosts().relative_at(object, t));
+    if (!placement) continue;  // it stands where the scene has it, or is of a node that has no place of its own
+    if (!edit(now, PlaceObject{object, owner, t, *placement})) ++p_.counters.drops["place_object"];
+  }
+}
+
+// The own objects among these that this peer has gone on with while others took it for gone.
+std::set<ObjectId> OperationKeeper::going_on(const LeftObjects& left) const {
+  std::set<ObjectId> all;
+  for (const auto& [object, each] : left) {
+    if (each.owner == p_.config.id && each.at > p_.replica.begun_at()) all.insert(object);
+  }
+  return all;
 }
 
 // Passes on what concerns this peer of requests and answers. Old ones come with the log.
@@ -152,7 +180,8 @@ void OperationKeeper::apply_until(SimTime t) {
     report_contacts(p_, now);
     keeper_.give(change->given, at);  // before: what nobody owns from now on goes to its place in the scene
     if (!change->scene) continue;
-    p_.change_scene(change->scene, at);
+    p_.change_scene(change->scene, at, going_on(change->left));
+    for (const auto& [object, left] : change->left) p_.left_behind.erase(object);
     keeper_.follow_scene();
     keeper_.give(change->given, at);  // what is new in it
   }

@@ -30,6 +30,8 @@ class OperationKeeper {
 
   // A datagram of a member has come.
   void on_message(HostTime now, PeerId sender, const Message& message);
+  // Says where what owners have left behind stands: the peer of the lowest id that is here does.
+  void place_left_behind(HostTime now, SimTime t);
   // Lets what takes effect until t do so: both worlds are advanced to each such instant.
   void apply_until(SimTime t);
   // Sends what is due, and says which own operations are held by others.
@@ -41,6 +43,8 @@ class OperationKeeper {
   // The owner of the object, by operations or else at present.
   [[nodiscard]] PeerId owner_of(ObjectId object) const;
   [[nodiscard]] std::optional<Placement> placement_at(SimTime t, ObjectId object) const;
+  [[nodiscard]] std::optional<Placement> placement_of_state(ObjectId object, const KinematicState& state) const;
+  [[nodiscard]] std::set<ObjectId> going_on(const LeftObjects& left) const;
   void on_request(const Operation& operation, SimTime session_now);
   [[nodiscard]] SimTime stamp(HostTime now) const;
   // The exchange goes by how the links are now.

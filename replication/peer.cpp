@@ -59,6 +59,7 @@ void Peer::Impl::on_tick(HostTime now, std::span<const OwnSample> samples) {
     parts.counters.ticks_missed += static_cast<std::uint64_t>(number - parts.ticks.last() - 1);
     parts.ticks.set_last(number);
     tick(*due, samples);
+    operations.place_left_behind(now, *due);
     parts.regions.follow_interest(*due, parts.to_session(now));
   }
   operations.send(now);

@@ -62,13 +62,6 @@ std::vector<OwnedObject> existing(const std::vector<OwnedObject>& objects, const
   return all;
 }
 
-// Returns where the scene places the object, in the frame of its carrier.
-Pose place_in(const WorldModel& model, ObjectId object) {
-  const auto carrier = model.carrier_of(object);
-  const KinematicState world = at_rest(model.scene->rigid_pose(object));
-  return carrier ? relative_to(at_rest(model.scene->rigid_pose(*carrier)), world).pose() : world.pose();
-}
-
 }  // namespace
 
 PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
@@ -108,6 +101,12 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
   assert(own.size() <= owners.size());
 }
 
+Pose PeerParts::place_by_scene(ObjectId object) const {
+  const auto carrier = model->carrier_of(object);
+  const KinematicState world = at_rest(model->scene->rigid_pose(object));
+  return carrier ? relative_to(at_rest(model->scene->rigid_pose(*carrier)), world).pose() : world.pose();
+}
+
 void PeerParts::drop(PeerId sender, const char* reason) {
   ++counters.drops[reason];
   if (Member* member = members.find(sender)) ++member->drops[reason];
@@ -136,7 +135,8 @@ bool PeerParts::let_move(std::span<const ObjectId> objects) {
   return true;
 }
 
-void PeerParts::change_scene(std::shared_ptr<const Scene> edited_scene, SimTime at) {
+void PeerParts::change_scene(std::shared_ptr<const Scene> edited_scene, SimTime at,
+                             const std::set<ObjectId>& going_on) {
   const std::shared_ptr<const WorldModel> next = edited(*model, std::move(edited_scene));
   forget_what_is_gone(*next->scene);
   const auto is_owned = [&](ObjectId object) { return owners.of(object) != kNobody; };
@@ -149,7 +149,9 @@ void PeerParts::change_scene(std::shared_ptr<const Scene> edited_scene, SimTime 
     return each->driven ? Role::kDriven : Role::kAuthoritative;
   };
   std::map<ObjectId, Pose> places;  // of own objects, by the scene before
-  for (const auto& [object, each] : std::as_const(own)) places.emplace(object, place_in(*model, object));
+  for (const auto& [object, each] : std::as_const(own)) {
+    if (!going_on.contains(object)) places.emplace(object, place_by_scene(object));
+  }
   const auto placed = replica.change_scene(*next, at, is_owned, role_in_truth, role_in_ghosts);
   for (auto& [object, each] : own) {  // the samples of the models are in the frame before
     if (next->carrier_of(object) != model->carrier_of(object)) each.models.reset();
@@ -179,6 +181,7 @@ void PeerParts::forget_what_is_gone(const Scene& next) {
     launches.forget(object);
     display.forget(object);
     decisions.remove(object);
+    left_behind.erase(object);
   }
   own.remove(gone);
 }
@@ -186,7 +189,7 @@ void PeerParts::forget_what_is_gone(const Scene& next) {
 // An edit that gives an own object another place than the scene gave it before puts it there; it goes on as it moved.
 // An object that something drives goes its own way.
 void PeerParts::place_own(ObjectId object, SimTime at, const Pose& before) {
-  const Pose now = place_in(*model, object);
+  const Pose now = place_by_scene(object);
   const bool stays = now.position == before.position && now.orientation.coeffs() == before.orientation.coeffs();
   if (stays || own.at(object).driven || !replica.begun()) return;
   MotionModel law = replica.truth().model_at(object, at);

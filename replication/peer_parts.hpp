@@ -53,6 +53,7 @@ struct PeerParts {
   OperationExchange exchange;  // of the logs
   // The world, as far as this peer knows it.
   Owners owners;
+  std::map<ObjectId, PeerId> left_behind;  // by owners who are gone, and no operation says yet where they stand
   OwnObjects own;
   SceneObjects scene;
   Replica replica;
@@ -76,8 +77,10 @@ struct PeerParts {
   // carriers from now on. Returns whether that makes another model of it; then all of its pairs are to be watched anew.
   [[nodiscard]] bool let_move(std::span<const ObjectId> objects);
   // Edits have made that scene of this peer's, from `at` on, up to which both worlds have been advanced and their
-  // events polled. All pairs are to be watched anew.
-  void change_scene(std::shared_ptr<const Scene> edited_scene, SimTime at);
+  // events polled. All pairs are to be watched anew. Own objects that go on do so wherever the scene places them now.
+  void change_scene(std::shared_ptr<const Scene> edited_scene, SimTime at, const std::set<ObjectId>& going_on);
+  // The pose that the scene gives the object, in the frame of its carrier.
+  [[nodiscard]] Pose place_by_scene(ObjectId object) const;
   // The world's velocityVector of an object, which is in its parent's frame, in the world's frame [m/s].
   [[nodiscard]] Vec3 file_velocity(SimTime at, ObjectId object);
   // A velocity relative to the object's carrier, from the frame of its parent, as the file has it, turned to the world.

@@ -40,7 +40,7 @@ bool SessionKeeper::maintain(HostTime now) {
     p_.outbox.push(HostSuspended{gap});
     return false;
   }
-  for (auto& [peer, member] : p_.members.expire(now)) lose(peer, member.name, now, false);
+  for (auto& [peer, member] : p_.members.expire(now)) lose(peer, member, now, false);
   const bool lost_leader = p_.time.has_lost_leader();
   if (p_.time.found_session(now)) {
     if (!p_.replica.begun()) {
@@ -322,6 +322,16 @@ void SessionKeeper::end_owning(ObjectId object, SimTime at) {
   p_.replica.declare_remote(object, Role::kPredicted);
 }
 
+// Each peer has noticed at another instant that the owner is gone, so that the object stands elsewhere at each: until
+// an operation says where (PlaceObject), which may be there already.
+void SessionKeeper::leave_behind(PeerId owner, ObjectId object, SimTime since, SimTime at) {
+  const auto left = p_.living.left().find(object);
+  const bool is_said = left != p_.living.left().end() && left->second.owner == owner && left->second.at >= since;
+  const Pose pose = is_said ? p_.place_by_scene(object) : p_.replica.ghosts().relative_at(object, at).pose();
+  p_.replica.set_ghost(object, at, at_rest(pose), false);
+  if (!is_said) p_.left_behind[object] = owner;
+}
+
 void SessionKeeper::let_move(ObjectId carrier) {
   if (not_carriers_.contains(carrier)) return;
   if (p_.let_move({&carrier, 1})) watch_all_pairs();
@@ -333,14 +343,14 @@ void SessionKeeper::follow_scene() {
   watch_all_pairs();
 }
 
-void SessionKeeper::lose(PeerId peer, const std::string& name, HostTime now, bool left_gracefully) {
-  orphan_objects_of(peer, now, left_gracefully);
+void SessionKeeper::lose(PeerId peer, const Member& member, HostTime now, bool left_gracefully) {
+  orphan_objects_of(peer, member.since, now, left_gracefully);
   p_.greeter.on_peer_lost(peer);
   p_.exchange.on_lost(peer);
-  p_.outbox.push(PeerLost{peer, name, left_gracefully});
+  p_.outbox.push(PeerLost{peer, member.name, left_gracefully});
 }
 
-void SessionKeeper::orphan_objects_of(PeerId peer, HostTime now, bool for_good) {
+void SessionKeeper::orphan_objects_of(PeerId peer, HostTime since, HostTime now, bool for_good) {
   if (p_.world_time.on_peer_lost(peer)) {
     reintroduce();
     p_.scripted.restart();
@@ -361,11 +371,12 @@ void SessionKeeper::orphan_objects_of(PeerId peer, HostTime now, bool for_good) 
       if (for_good) p_.decisions.end_life_of(object, t);
       p_.owners.set(object, kNobody);
       end_owning(object, t);
+      if (!p_.scene.contains(object)) leave_behind(peer, object, p_.to_session(since), t);
       continue;
     }
     if (p_.replica.begun()) {
       p_.replica.compute_ghost(object);
-      p_.replica.set_ghost(object, t, at_rest(p_.replica.ghosts().relative_at(object, t).pose()), false);
+      leave_behind(peer, object, p_.to_session(since), t);
       p_.replica.declare_remote(object, Role::kScene);
       if (p_.replica.receives(object)) p_.outbox.push(ObjectOrphaned{object, peer});
       p_.replica.forget_update_of(object);

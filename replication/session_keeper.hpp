@@ -41,11 +41,11 @@ class SessionKeeper {
   void let_move(ObjectId carrier);
   // Edits have changed the scene of the parts.
   void follow_scene();
-  // A peer has gone.
-  void lose(PeerId peer, const std::string& name, HostTime now, bool left_gracefully);
-  // A peer has gone, or begins anew: what it owned stands still from now on and belongs to nobody.
-  // `for_good`: not only silent; the life of its objects ends.
-  void orphan_objects_of(PeerId peer, HostTime now, bool for_good);
+  // A peer has gone, of which `member` was known.
+  void lose(PeerId peer, const Member& member, HostTime now, bool left_gracefully);
+  // A peer has gone, or begins anew: what it owned stands still from now on and belongs to nobody. An operation may
+  // have said since `since` where it stands. `for_good`: not only silent; the life of its objects ends.
+  void orphan_objects_of(PeerId peer, HostTime since, HostTime now, bool for_good);
   // The introduction of this peer has changed.
   void reintroduce() { p_.greeter.reintroduce(p_.own.size()); }
 
@@ -59,6 +59,7 @@ class SessionKeeper {
   void take_from(PeerId before, ObjectId object);
   void begin_owning(ObjectId object, SimTime at);
   void end_owning(ObjectId object, SimTime at);
+  void leave_behind(PeerId owner, ObjectId object, SimTime since, SimTime at);
 
   PeerParts& p_;
   SceneKeeper& scene_;

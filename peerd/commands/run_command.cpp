@@ -1,7 +1,10 @@
 #include "peerd/commands/run_command.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <iostream>
+#include <iterator>
+#include <map>
 #include <random>
 #include <string>
 #include <utility>
@@ -13,10 +16,12 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/commands/print.hpp"
+#include "peerd/config/shared_settings.hpp"
 #include "peerd/control/control_path.hpp"
 #include "peerd/control/control_server.hpp"
 #include "peerd/daemon/cache_warmer.hpp"
 #include "peerd/daemon/daemon.hpp"
+#include "peerd/daemon/welcome.hpp"
 #include "peerd/input/json_line.hpp"
 #include "peerd/node/describe.hpp"
 #include "peerd/node/peer_node.hpp"
@@ -219,7 +224,9 @@ std::unique_ptr<CacheWarmer> open_cache_warmer(const config::RunSettings& run, L
 
 struct OpenedStore {
   std::unique_ptr<store::OperationStore> store;  // null: there is none
-  std::vector<LogLine> lines;                    // what a person should know
+  std::filesystem::path folder;
+  std::vector<replication::OperationPart> log;  // all that the peer begins with
+  std::vector<LogLine> lines;                   // what a person should know
 };
 
 std::string store_line(const store::OperationStore& store, const std::filesystem::path& folder) {
@@ -252,8 +259,38 @@ Result<OpenedStore> open_store(const StoreOptions& options, std::uint64_t genesi
   }
   if (!store) return std::unexpected(store.error());
   opened.store = *std::move(store);
+  opened.folder = *folder;
   opened.lines.push_back({LogLevel::kInfo, store_line(*opened.store, *folder)});
+  opened.log = opened.store->take_log();
   return opened;
+}
+
+// Adds what other peers have given of the logs to what the store has of them, and to the store.
+Result<void> add_given(std::vector<replication::OperationPart> given, OpenedStore& opened) {
+  std::map<replication::AuthorId, std::vector<std::byte>> held;
+  for (const replication::OperationPart& part : opened.log) {
+    auto& bytes = held[part.author];
+    bytes.insert(bytes.end(), part.bytes.begin(), part.bytes.end());
+  }
+  std::vector<replication::OperationPart> added;
+  for (replication::OperationPart& part : given) {
+    const auto& known = held[part.author];
+    const std::size_t common = std::min(known.size(), part.bytes.size());
+    if (!std::equal(known.begin(), known.begin() + static_cast<std::ptrdiff_t>(common), part.bytes.begin())) {
+      return std::unexpected(InputError{"error: the store " + opened.folder.string() +
+                                            " has other operations of author " + std::to_string(part.author.value) +
+                                            " than the peers here; --fresh puts it aside",
+                                        1});
+    }
+    if (part.bytes.size() == common) continue;
+    part.bytes.erase(part.bytes.begin(), part.bytes.begin() + static_cast<std::ptrdiff_t>(common));
+    added.push_back({part.author, common, std::move(part.bytes)});
+  }
+  if (opened.store) {
+    if (auto stored = opened.store->append(added); !stored) return stored;
+  }
+  std::ranges::move(added, std::back_inserter(opened.log));
+  return {};
 }
 
 PeerNode::Options node_options_of(const PeerOptions& options, const config::RunSettings& run,
@@ -262,7 +299,7 @@ PeerNode::Options node_options_of(const PeerOptions& options, const config::RunS
   // Two starts of one peer are never in the same nanosecond, and a later one has the higher number.
   node.incarnation = static_cast<std::uint64_t>(clock.now().time_since_epoch().count());
   // A configuration of one peer says nothing of the others: it begins with whoever is there.
-  const bool by_itself = run.peers.size() == 1;
+  const bool by_itself = run.peers.size() == 1 || options.given;
   for (const config::PeerSettings& p : run.peers) {
     if (!by_itself && config::starts_with(run.events, p.name)) node.wait_for.push_back({PeerId{p.id}, p.name});
   }
@@ -275,78 +312,165 @@ PeerNode::Options node_options_of(const PeerOptions& options, const config::RunS
   return node;
 }
 
-}  // namespace
+// What a peer is made of, besides its clock and its network.
+struct PeerParts {
+  config::Scenario scenario;
+  const config::PeerSettings* settings = nullptr;  // of the scenario
+  std::unique_ptr<const SharedWorld> shared;
+  OpenedStore opened;
+  config::PeerObjects objects;
+  std::uint64_t session = 0;  // RegionSettings::session_hash
 
-int run_peer(const PeerOptions& options) {
+  [[nodiscard]] const config::RunSettings& run() const { return scenario.runs.front(); }
+  [[nodiscard]] std::string world_name(const PeerOptions& options) const {
+    if (options.given) return options.given->world.name;
+    return scenario.reading.name.empty() ? scenario.world.stem().string() : scenario.reading.name;
+  }
+};
+
+Result<config::Scenario> read_configuration(const PeerOptions& options) {
   config::ScenarioRequest request;
   request.file = options.config;
   request.configs = options.overlays;
   request.sets = options.sets;
   request.real = true;
   request.sweep = false;
-  const auto scenario = config::read_scenario(request);
-  if (!scenario) return failed(scenario.error());
-  print_warnings(scenario->warnings);
-  const config::RunSettings& run = scenario->runs.front();
-  const auto settings = choose_peer(run, options.peer);
-  if (!settings) return failed(settings.error());
-  const auto shared = share_world(scenario->world, scenario->reading, scenario->runs);
-  if (!shared) return failed(shared.error());
-  const Scene& scene = (*shared)->world.scene;
+  if (options.given) request.text = options.given->world.settings;
+  return config::read_scenario(request);
+}
+
+// The world of the configuration, or the one that was given; with its archive, for who joins and for the store.
+Result<config::LoadedWorld> read_world_of(const PeerOptions& options, config::Scenario& scenario) {
+  scenario.reading.keeps_archive = true;
+  if (!options.given) return config::load_world(scenario.world, scenario.reading);
+  const store::StoredWorld& given = options.given->world;
+  auto world = config::load_world(given.archive, scenario.world, scenario.reading);
+  if (world && world->hash != given.genesis) {
+    return std::unexpected(InputError{"error: what was given of \"" + given.name + "\" makes another world here", 1});
+  }
+  return world;
+}
+
+// Opens the store, adds what was given, and keeps the world itself and the peer's number there.
+Result<void> fill_store(const PeerOptions& options, PeerParts& parts, config::PeerSettings& settings) {
+  const config::LoadedWorld& world = parts.shared->world;
+  auto opened = open_store(options.store, world.hash, settings.name);
+  if (!opened) return std::unexpected(opened.error());
+  parts.opened = *std::move(opened);
+  if (options.given) {
+    if (auto added = add_given(options.given->logs, parts.opened); !added) return added;
+  }
+  if (!parts.opened.store) return {};
+  const store::StoredWorld stored{parts.world_name(options), world.hash, config::shared_settings(parts.run()),
+                                  world.archive};
+  if (auto written = store::write_world(parts.opened.folder, stored); !written) return written;
+  if (!options.keeps_id) return {};
+  const auto id = store::identity_in(parts.opened.folder, PeerId{settings.id});
+  if (!id) return std::unexpected(id.error());
+  settings.id = id->value;
+  return {};
+}
+
+Result<PeerParts> make_parts(const PeerOptions& options) {
+  PeerParts parts;
+  auto scenario = read_configuration(options);
+  if (!scenario) return std::unexpected(scenario.error());
+  parts.scenario = *std::move(scenario);
+  print_warnings(parts.scenario.warnings);
+  config::RunSettings& run = parts.scenario.runs.front();
+  const auto chosen = choose_peer(run, options.peer);
+  if (!chosen) return std::unexpected(chosen.error());
+  parts.settings = *chosen;
+  config::PeerSettings& settings = run.peers[static_cast<std::size_t>(*chosen - run.peers.data())];
+  auto world = read_world_of(options, parts.scenario);
+  if (!world) return std::unexpected(world.error());
+  parts.shared = share_world(*std::move(world), parts.scenario.runs);
+  parts.session = run.replication.regions.session_hash(parts.shared->world.hash);
+  if (options.given && options.given->session != 0 && options.given->session != parts.session) {
+    return std::unexpected(InputError{"error: the settings of \"" + options.given->world.name +
+                                          "\" make another session here; is that peer of another version?",
+                                      1});
+  }
+  if (auto filled = fill_store(options, parts, settings); !filled) return std::unexpected(filled.error());
+  const Scene& scene = parts.shared->world.scene;
   print_warnings(config::settings_without_effect(run, scene));
   auto objects = config::resolve(run, scene);
-  if (!objects) return failed(objects.error());
+  if (!objects) return std::unexpected(objects.error());
+  parts.objects = std::move((*objects)[static_cast<std::size_t>(*chosen - run.peers.data())]);
+  return parts;
+}
 
-  const net::HostClock clock(from_seconds((*settings)->clock_offset_s));
-  PeerNode::Options node_options = node_options_of(options, run, **settings, clock);
+Welcome::Options welcome_options(const PeerOptions& options, const PeerParts& parts, const PeerNode::Options& node,
+                                 const net::TransportOptions& reach, const net::OpenedTransport& reached) {
+  const config::TransportSettings& settings = parts.run().transport;
+  config::RunSettings shared = parts.run();
+  if (reached.unicast()) shared.transport.multicast = config::kMulticastNever;
+  return {.multicast = reach.multicast,
+          .address = reached.transport->own_address(),
+          .port = settings.snapshot_port,
+          .session = parts.session,
+          .incarnation = node.incarnation,
+          .world = parts.world_name(options),
+          .settings = config::shared_settings(shared),
+          .genesis = parts.shared->world.hash,
+          // What stands in an Inline that is read later is not in the archive.
+          .archive = parts.scenario.reading.inlines_when_needed ? std::string_view() : parts.shared->world.archive};
+}
 
+}  // namespace
+
+int run_peer(const PeerOptions& options) {
+  auto parts = make_parts(options);
+  if (!parts) return failed(parts.error());
+  const config::RunSettings& run = parts->run();
+  const config::PeerSettings& settings = *parts->settings;
+
+  const net::HostClock clock(from_seconds(settings.clock_offset_s));
+  PeerNode::Options node_options = node_options_of(options, run, settings, clock);
   auto reach = transport_options(run.transport, random_key());
   if (!reach) return failed(reach.error());
-  const std::uint64_t session_hash = run.replication.regions.session_hash((*shared)->world.hash);
-  reach->multicast.groups = net::plan_of_world(reach->multicast.groups, session_hash);
+  reach->multicast.groups = net::plan_of_world(reach->multicast.groups, parts->session);
   asio::io_context io(1);
   const auto reached = net::open_transport(io, clock, *reach);
   if (!reached) return failed(input_error(reached.error()));
   const auto& transport = reached->transport;
 
-  const auto opened = open_store(options.store, (*shared)->world.hash, (*settings)->name);
-  if (!opened) return failed(opened.error());
-  if (const auto& store = opened->store) {
+  if (const auto& store = parts->opened.store) {
     node_options.author = store->author();
-    node_options.log = store->take_log();
     node_options.stores = true;
   }
-  auto& own = (*objects)[static_cast<std::size_t>(*settings - run.peers.data())];
-  const auto node = PeerNode::make(**settings, run.replication, **shared, std::move(own), node_options);
+  node_options.log = std::move(parts->opened.log);
+  const auto node = PeerNode::make(settings, run.replication, *parts->shared, std::move(parts->objects), node_options);
   node_options.log = {};  // the peer has it
 
   if (!options.record.empty()) {  // an error shows before the run and not after it
     if (const auto saved = save(node->log(), options.record); !saved) return failed(saved.error());
   }
-
-  const auto capture = open_capture(options, *scenario, **settings, **shared, node_options, *reached,
+  const auto capture = open_capture(options, parts->scenario, settings, *parts->shared, node_options, *reached,
                                     reach->multicast.groups, clock.now());
   if (!capture) return failed(capture.error());
 
-  Log log((*settings)->name, options.json, options.verbose);
-  log_beginning(**settings, scenario->world, run.transport, *reached, log);
-  for (const std::string& line : (*shared)->findings()) log(spdlog::level::warn, line);
-  for (const LogLine& line : opened->lines) log(line);
+  Log log(settings.name, options.json, options.verbose);
+  const auto log_line = [&log](const LogLine& line) { log(line); };
+  log_beginning(settings, parts->scenario.world, run.transport, *reached, log);
+  for (const std::string& line : parts->shared->findings()) log(spdlog::level::warn, line);
+  for (const LogLine& line : parts->opened.lines) log(line);
 
   const auto cache_warmer = open_cache_warmer(run, log);
-  Daemon daemon(
-      io, *node, *transport, clock, [&log](const LogLine& line) { log(line); },
-      options.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt, capture->get());
+  Daemon daemon(io, *node, *transport, clock, log_line,
+                options.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt, capture->get());
   if (options.verbose) daemon.log_updates();
-  if (!options.take_over) {
-    daemon.ask_first({PeerId{(*settings)->id}, node_options.incarnation, session_hash});
-  }
-  if (opened->store) daemon.keep(*opened->store);
+  if (!options.take_over) daemon.ask_first({PeerId{settings.id}, node_options.incarnation, parts->session});
+  if (parts->opened.store) daemon.keep(*parts->opened.store);
   daemon.busy_poll(std::chrono::microseconds(run.transport.busy_poll_us), cache_warmer.get());
-  auto control = open_control(io, control_place(options, run.control, **settings, log), daemon, log);
+  auto control = open_control(io, control_place(options, run.control, settings, log), daemon, log);
   if (!control) return failed(control.error());
-  const auto poses = open_pose_port(io, **settings, daemon, log);
+  const auto poses = open_pose_port(io, settings, daemon, log);
   if (!poses) return failed(poses.error());
+  std::optional<Welcome> welcome;
+  if (run.transport.discoverable) {
+    welcome.emplace(io, clock, *node, welcome_options(options, *parts, node_options, *reach, *reached), log_line);
+  }
   const int code = daemon.run();
   log_refused(control->get(), poses->get(), log);
   control->reset();

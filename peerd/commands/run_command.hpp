@@ -1,8 +1,12 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "peerd/store/stored_world.hpp"
+#include "replication/wire/operation.hpp"
 
 namespace peerd {
 
@@ -13,11 +17,21 @@ struct StoreOptions {
   bool fresh = false;                           // what is there is put aside
 };
 
+// A world that came from a peer, or from a store, in place of a file.
+struct GivenWorld {
+  store::StoredWorld world;
+  std::uint64_t session = 0;                     // that its peers are in; 0: nobody has said
+  std::vector<replication::OperationPart> logs;  // each from its beginning
+};
+
 struct PeerOptions {
   std::filesystem::path config;                 // a scenario file; one of its peers is run
   std::vector<std::filesystem::path> overlays;  // merged over it, in order
   std::vector<std::string> sets;
-  std::string peer;               // one of the configuration's peers; empty: the only one
+  std::string peer;                 // one of the configuration's peers; empty: the only one
+  std::optional<GivenWorld> given;  // its settings stand for `config`
+  // Nobody has said which number the peer has: it keeps, with its store, the one that it was given first.
+  bool keeps_id = false;
   std::filesystem::path record;   // file for the peer's log; empty: none
   std::filesystem::path capture;  // file for the peer's capture (record/capture.hpp); empty: none
   StoreOptions store;

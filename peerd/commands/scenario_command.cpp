@@ -9,7 +9,6 @@
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
-#include "peerd/commands/measuring.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/scenario_options.hpp"
 #include "peerd/config/resolve.hpp"
@@ -17,6 +16,7 @@
 #include "peerd/scenario/assemble.hpp"
 #include "peerd/scenario/live_events.hpp"
 #include "peerd/scenario/live_run.hpp"
+#include "peerd/scenario/measuring.hpp"
 
 namespace peerd {
 namespace {

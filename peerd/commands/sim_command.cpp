@@ -10,12 +10,12 @@
 
 #include "peerd/command_line/progress.hpp"
 #include "peerd/command_line/stop_signals.hpp"
-#include "peerd/commands/measuring.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/problems.hpp"
 #include "peerd/commands/scenario_options.hpp"
 #include "peerd/config/resolve.hpp"
 #include "peerd/node/describe.hpp"
+#include "peerd/scenario/measuring.hpp"
 #include "peerd/sim/simulated_run.hpp"
 
 namespace peerd {

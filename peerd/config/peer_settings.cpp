@@ -305,6 +305,10 @@ TransportSettings read_transport(TomlReader reader) {
   reader.read("busy_poll_us", s.busy_poll_us, 0, kBusyPollMax_us);
   reader.read_word("multicast", s.multicast, {"auto", "always", "never"});
   reader.read("peers", s.peers);
+  reader.read("discoverable", s.discoverable);
+  std::uint32_t snapshot_port = 0;
+  reader.read("snapshot_port", snapshot_port, 1, 65535);
+  s.snapshot_port = static_cast<std::uint16_t>(snapshot_port);
   reader.finish();
   return s;
 }
@@ -318,10 +322,10 @@ ControlSettings read_control(TomlReader reader) {
   return s;
 }
 
-Result<LoadedWorld> load_world(const std::filesystem::path& path, const WorldReading& reading) {
-  const auto file = read_world_file(path, reading);
-  if (!file) return std::unexpected(file.error());
-  const ReadResult& read = (*file)->result;
+namespace {
+
+Result<LoadedWorld> loaded(const WorldFile& file, const std::filesystem::path& path, const WorldReading& reading) {
+  const ReadResult& read = file.result;
   if (!read.scene) {
     std::string problems;
     for (const Diagnostic& d : read.diagnostics) problems += render(read, d);
@@ -329,8 +333,10 @@ Result<LoadedWorld> load_world(const std::filesystem::path& path, const WorldRea
   }
   // An Inline that is read later leaves other numbers for the instances behind it, even if it holds none; so the hash
   // differs.
-  const std::uint64_t hash = content_hash(read) ^ (read.scene->pending_inlines.empty() ? 0 : 1);
+  std::uint64_t hash = content_hash(read) ^ (read.scene->pending_inlines.empty() ? 0 : 1);
+  for (const char c : reading.name) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u;  // FNV-1a goes on
   LoadedWorld world{path, hash, *read.scene, {}};
+  if (reading.keeps_archive) world.archive = pack(archive_of(file));
   const std::size_t count = read.diagnostics.size(), shown = std::min(count, kShownWarnings);
   for (const Diagnostic& d : std::span(read.diagnostics).first(shown)) {
     const std::string whole = render(read, d);
@@ -341,6 +347,20 @@ Result<LoadedWorld> load_world(const std::filesystem::path& path, const WorldRea
                              " more warnings; peerd check --json lists all");
   }
   return world;
+}
+
+}  // namespace
+
+Result<LoadedWorld> load_world(const std::filesystem::path& path, const WorldReading& reading) {
+  const auto file = read_world_file(path, reading);
+  if (!file) return std::unexpected(file.error());
+  return loaded(**file, path, reading);
+}
+
+Result<LoadedWorld> load_world(std::string bytes, const std::filesystem::path& name, const WorldReading& reading) {
+  const auto file = read_world_bytes(std::move(bytes), name, reading);
+  if (!file) return std::unexpected(file.error());
+  return loaded(**file, name, reading);
 }
 
 }  // namespace peerd::config

@@ -99,9 +99,11 @@ struct TransportSettings {
   std::uint32_t ttl = 1;
   std::uint32_t dscp = 0;
   std::uint32_t receive_buffer_bytes = 1024 * 1024;
-  std::uint32_t busy_poll_us = 0;  // polling time before the peer sleeps; 0: none
-  std::size_t multicast = 0;       // kMulticastAuto, kMulticastAlways or kMulticastNever
-  std::vector<std::string> peers;  // "HOST:PORT": whom unicast greets first
+  std::uint32_t busy_poll_us = 0;   // polling time before the peer sleeps; 0: none
+  std::size_t multicast = 0;        // kMulticastAuto, kMulticastAlways or kMulticastNever
+  std::vector<std::string> peers;   // "HOST:PORT": whom unicast greets first
+  bool discoverable = true;         // says that it is here to who asks in this LAN, and gives its world to who joins
+  std::uint16_t snapshot_port = 0;  // TCP, for who joins; 0: the system chooses one
 };
 inline constexpr std::size_t kMulticastAuto = 0, kMulticastAlways = 1,
                              kMulticastNever = 2;  // TransportSettings::multicast
@@ -116,10 +118,16 @@ struct ControlSettings {
 // The world with its scene and its hash, as every command that makes a peer needs it.
 struct LoadedWorld {
   std::filesystem::path path;
-  std::uint64_t hash = 0;  // hash of the world's files; peers with other files are in another session
+  // Hash of the world's files, and of its name where WorldReading has one: peers with other files are in another
+  // session.
+  std::uint64_t hash = 0;
   Scene scene;
   std::vector<std::string> warnings;  // each as "FILE:LINE:COLUMN: warning: ..", the first ones where there are many
+  std::string archive = {};           // packed (WorldArchive), where WorldReading::keeps_archive
 };
 [[nodiscard]] Result<LoadedWorld> load_world(const std::filesystem::path& path, const WorldReading& reading = {});
+// The same of a world whose bytes are here already; `name` stands for its path.
+[[nodiscard]] Result<LoadedWorld> load_world(std::string bytes, const std::filesystem::path& name,
+                                             const WorldReading& reading);
 
 }  // namespace peerd::config

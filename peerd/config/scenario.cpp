@@ -77,6 +77,12 @@ void read_peers(TomlReader& root, RunSettings& run, const std::filesystem::path&
   std::ranges::sort(run.peers, {}, &PeerSettings::id);
 }
 
+bool is_world_name(const std::string& name) {
+  constexpr std::size_t kWorldNameMax_bytes = 63;
+  const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
+  return !name.empty() && name.size() <= kWorldNameMax_bytes && std::ranges::none_of(name, is_control);
+}
+
 Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const ScenarioRequest& request) {
   const std::filesystem::path& file = request.file;
   std::optional<InputError> error;
@@ -94,6 +100,10 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   reader.read_word("inlines", inlines, {"at-once", "when-needed"});
   scenario.reading.inlines_when_needed = inlines == 1;
   reader.read("expansion", scenario.reading.expansion, 1, kExpansionMax);
+  reader.read("world_name", scenario.reading.name);
+  if (reader.has("world_name") && !is_world_name(scenario.reading.name)) {
+    reader.fail(root.get("world_name"), "world_name: it has 1 to 63 bytes, none of them a control character");
+  }
   reader.read("duration_s", run.duration_s, 0.1, kDurationMax_s);
   reader.read("seed", run.seed);
   reader.read("repeat", scenario.repeat, 1, kRepeatMax);

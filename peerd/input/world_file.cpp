@@ -4,6 +4,8 @@
 
 #include <charconv>
 #include <istream>
+#include <map>
+#include <set>
 #include <utility>
 
 namespace peerd::config {
@@ -63,44 +65,86 @@ std::uint64_t text_bytes_max(const WorldReading& reading) {
   return std::min<std::uint64_t>(ReadLimits{}.text_bytes * reading.expansion, 4095 * kMiB);
 }
 
-// Reads the world of that text. `path` is its name, from which the URLs in it start.
-std::unique_ptr<const WorldFile> read_text_of_world(std::string text, const std::filesystem::path& path,
-                                                    const WorldReading& reading) {
+// The files around the world at `path`, which keeps the name by which it was asked for, wherever another file names it.
+FileLoader files_around(const std::filesystem::path& path, std::uint64_t text_bytes) {
+  std::error_code error;
+  const std::string one = std::filesystem::canonical(path, error).string();
+  return [files = local_files(text_bytes), one, name = path.string()](std::string_view url, std::string_view base) {
+    auto loaded = files(url, base);
+    if (loaded && loaded->name == one) loaded->name = name;
+    return loaded;
+  };
+}
+
+// What `load` gives, which is noted in `loads`.
+FileLoader noting(FileLoader load, std::vector<WorldFile::Load>& loads) {
+  return [load = std::move(load), &loads](std::string_view url, std::string_view base) {
+    auto loaded = load(url, base);
+    if (loaded) loads.push_back({std::string(base), std::string(url), loaded->name});
+    return loaded;
+  };
+}
+
+}  // namespace
+
+Result<std::unique_ptr<const WorldFile>> read_world_bytes(std::string text, const std::filesystem::path& path,
+                                                          const WorldReading& reading) {
   auto file = std::make_unique<WorldFile>();
-  file->text = std::move(text);
   ReadOptions options;
   options.name = path.string();
   options.defer_inlines = reading.inlines_when_needed;
   options.limits.expansion = reading.expansion;
   options.limits.text_bytes = text_bytes_max(reading);
-  // The world keeps the name by which it was asked for, wherever another file names it.
-  std::error_code error;
-  const std::string one = std::filesystem::canonical(path, error).string();
-  options.load = [files = local_files(options.limits.text_bytes), one, name = options.name](std::string_view url,
-                                                                                            std::string_view base) {
-    auto loaded = files(url, base);
-    if (loaded && loaded->name == one) loaded->name = name;
-    return loaded;
-  };
+  WorldArchive archive;
+  if (is_archive(text)) {
+    auto unpacked = unpack(text, options.limits.text_bytes);
+    if (!unpacked) {
+      return std::unexpected(InputError{path.string() + ": error: the archive cannot be read: " + unpacked.error(), 1});
+    }
+    archive = *std::move(unpacked);
+    text = std::move(archive.files.front().text);
+    options.load = archive.loader(options.name);
+  } else {
+    options.load = files_around(path, options.limits.text_bytes);
+  }
+  options.load = noting(std::move(options.load), file->loads);
+  file->text = std::move(text);
   file->result = read_world(file->text, options);
   warn_of_inert_parts(file->result, reading.maps_hierarchies);
   return file;
 }
 
-}  // namespace
-
 Result<std::unique_ptr<const WorldFile>> read_world_file(const std::filesystem::path& path,
                                                          const WorldReading& reading) {
   auto text = read_text_file(path, {text_bytes_max(reading), kWorldAdvice});
   if (!text) return std::unexpected(text.error());
-  return read_text_of_world(std::move(*text), path, reading);
+  return read_world_bytes(std::move(*text), path, reading);
 }
 
 Result<std::unique_ptr<const WorldFile>> read_world_stream(std::istream& in, const WorldReading& reading) {
   constexpr const char* kName = "<stdin>";
   auto text = read_text(in, kName, {text_bytes_max(reading), kWorldAdvice});
   if (!text) return std::unexpected(text.error());
-  return read_text_of_world(std::move(*text), kName, reading);
+  return read_world_bytes(std::move(*text), kName, reading);
+}
+
+WorldArchive archive_of(const WorldFile& world) {
+  WorldArchive archive;
+  std::map<std::string_view, std::uint32_t> numbers;
+  for (const Source& source : world.result.sources) {
+    numbers.try_emplace(source.name, static_cast<std::uint32_t>(archive.files.size()));
+    archive.files.push_back({"", std::string(source.text)});
+  }
+  std::set<std::pair<std::uint32_t, std::string_view>> known;
+  for (const WorldFile::Load& load : world.loads) {
+    const auto in = numbers.find(load.base), file = numbers.find(load.name);
+    // What was found and could not be read is no part of the world.
+    if (in == numbers.end() || file == numbers.end() || !known.emplace(in->second, load.url).second) continue;
+    archive.urls.push_back({in->second, load.url, file->second});
+    std::string& name = archive.files[file->second].name;
+    if (file->second != 0 && name.empty()) name = load.url;
+  }
+  return archive;
 }
 
 }  // namespace peerd::config

@@ -6,9 +6,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/scene/reader.hpp"
 #include "peerd/input/input_error.hpp"
+#include "peerd/input/world_archive.hpp"
 
 namespace peerd::config {
 
@@ -25,17 +27,33 @@ struct WorldReading {
   bool inlines_when_needed = false;  // ReadOptions::defer_inlines
   bool maps_hierarchies = false;     // hierarchyFiles are used, which no peer does (warn_of_inert_parts)
   std::uint32_t expansion = 1;       // ReadLimits::expansion; multiplies the size that the files may have, too
+  bool keeps_archive = false;        // for somebody who passes the world on
+  std::string name = {};             // worlds of one file and two names are two; empty: it has that of its file
 };
 inline constexpr std::uint32_t kExpansionMax = 1'000'000;
 
 // A world with all files that it includes. A world with errors is a result too; a missing file is an error.
 struct WorldFile {
+  // A URL of an Inline or an EXTERNPROTO that led to a file, in the order of reading.
+  struct Load {
+    std::string base, url, name;  // the file that has the URL, and the one that it led to
+  };
+
   std::string text;  // ReadResult::sources may point into it
   ReadResult result;
+  std::vector<Load> loads;
 };
+// Reads a VRML file, which may be packed by gzip, or an archive (WorldArchive).
 [[nodiscard]] Result<std::unique_ptr<const WorldFile>> read_world_file(const std::filesystem::path& path,
                                                                        const WorldReading& reading = {});
+// Reads a world whose bytes, of a VRML file or an archive, are here already; `name` stands for its path.
+[[nodiscard]] Result<std::unique_ptr<const WorldFile>> read_world_bytes(std::string bytes,
+                                                                        const std::filesystem::path& name,
+                                                                        const WorldReading& reading);
 // Reads a world from a stream, such as standard input. The URLs in it start from the current folder.
 [[nodiscard]] Result<std::unique_ptr<const WorldFile>> read_world_stream(std::istream& in, const WorldReading& reading);
+
+// All that has been read of a world, as one archive.
+[[nodiscard]] WorldArchive archive_of(const WorldFile& world);
 
 }  // namespace peerd::config

@@ -81,8 +81,12 @@ Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::pa
                                                        std::span<const config::RunSettings> runs) {
   auto world = config::load_world(path, reading);
   if (!world) return std::unexpected(world.error());
+  return share_world(*std::move(world), runs);
+}
+
+std::unique_ptr<const SharedWorld> share_world(config::LoadedWorld world, std::span<const config::RunSettings> runs) {
   auto shared = std::make_unique<SharedWorld>();
-  shared->world = std::move(*world);
+  shared->world = std::move(world);
   const Scene& scene = shared->world.scene;
   shared->model = replication::make_world_model(scene, config::owned_in(runs, scene));
   return shared;

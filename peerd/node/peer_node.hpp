@@ -30,6 +30,8 @@ struct SharedWorld {
 [[nodiscard]] Result<std::unique_ptr<const SharedWorld>> share_world(const std::filesystem::path& path,
                                                                      const config::WorldReading& reading = {},
                                                                      std::span<const config::RunSettings> runs = {});
+[[nodiscard]] std::unique_ptr<const SharedWorld> share_world(config::LoadedWorld world,
+                                                             std::span<const config::RunSettings> runs);
 
 // A peer together with the sources of its objects' motion and with its log: the part of a driver that the real and the
 // simulated world share. Sans-IO, as the peer itself.

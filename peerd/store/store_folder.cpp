@@ -13,15 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// XDG: a path that is not absolute is to be ignored.
-std::optional<fs::path> state_folder() {
-  const char* const state = std::getenv("XDG_STATE_HOME");
-  if (state != nullptr && state[0] == '/') return fs::path(state) / "peerd";
-  const char* const home = std::getenv("HOME");
-  if (home == nullptr || home[0] != '/') return std::nullopt;
-  return fs::path(home) / ".local" / "state" / "peerd";
-}
-
 // The first of `path`, `path`.2, `path`.3 and so on that fits.
 template <class Fits>
 fs::path first_of(const fs::path& path, Fits fits) {
@@ -31,6 +22,15 @@ fs::path first_of(const fs::path& path, Fits fits) {
 }
 
 }  // namespace
+
+// XDG: a path that is not absolute is to be ignored.
+std::optional<fs::path> state_folder() {
+  const char* const state = std::getenv("XDG_STATE_HOME");
+  if (state != nullptr && state[0] == '/') return fs::path(state) / "peerd";
+  const char* const home = std::getenv("HOME");
+  if (home == nullptr || home[0] != '/') return std::nullopt;
+  return fs::path(home) / ".local" / "state" / "peerd";
+}
 
 std::optional<fs::path> default_folder(std::uint64_t genesis, const std::string& peer) {
   const auto state = state_folder();

@@ -8,8 +8,12 @@
 
 namespace peerd::store {
 
-// The folder of the store of this user's peer of a name in a world, where nobody says another one: in XDG_STATE_HOME,
-// else in ~/.local/state. Each of several peers of one name that run at once has a folder of its own. None: this user
+// The folder in which this user's programs keep such folders, by world and peer: in XDG_STATE_HOME, else in
+// ~/.local/state. None: this user has no home.
+[[nodiscard]] std::optional<std::filesystem::path> state_folder();
+
+// The folder of the store of this user's peer of a name in a world, where nobody says another one: in
+// state_folder(). Each of several peers of one name that run at once has a folder of its own. None: this user
 // has no home.
 [[nodiscard]] std::optional<std::filesystem::path> default_folder(std::uint64_t genesis, const std::string& peer);
 

@@ -81,7 +81,8 @@ std::expected<LivingScene::UsedIds, std::string> LivingScene::apply_to(Editing& 
                  [&](const RequestObject& request) {
                    return editing.contains(request.object) ? Result(UsedIds{}) : Result(std::unexpect, kGone);
                  },
-                 [](const RefuseRequest&) { return Result(UsedIds{}); }},
+                 [](const RefuseRequest&) { return Result(UsedIds{}); },
+                 [&](const PlaceObject& place) { return done(place_in(editing, place)); }},
       body);
 }
 
@@ -100,12 +101,21 @@ std::expected<void, std::string> LivingScene::give_to(Editing& editing, const Gi
   return {};
 }
 
+std::expected<void, std::string> LivingScene::place_in(Editing& editing, const PlaceObject& place) {
+  if (!editing.contains(place.object)) return std::unexpected(kGone);
+  const auto placed = editing.editor().set_placement(place.object, place.placement);
+  if (placed) editing.state.left[place.object] = {place.owner, place.at};
+  return placed;
+}
+
 std::expected<LivingScene::State, std::string> LivingScene::finish(Editing editing) {
   if (!editing.scene) return std::move(editing.state);
   auto scene = editing.scene->finish();
   if (!scene) return std::unexpected(scene.error());
   editing.state.scene = std::make_shared<const Scene>(*std::move(scene));
-  std::erase_if(editing.state.owners, [&](const auto& each) { return !editing.state.scene->contains(each.first); });
+  const auto is_gone = [&](const auto& each) { return !editing.state.scene->contains(each.first); };
+  std::erase_if(editing.state.owners, is_gone);
+  std::erase_if(editing.state.left, is_gone);
   return std::move(editing.state);
 }
 
@@ -160,6 +170,10 @@ std::optional<LivingScene::Change> LivingScene::apply(SimTime until, SimTime kno
   for (const auto& [object, owner] : next.state.owners) {
     const auto before = now_.owners.find(object);
     if (before == now_.owners.end() || before->second != owner) change.given.emplace_back(object, owner);
+  }
+  for (const auto& [object, left] : next.state.left) {
+    const auto before = now_.left.find(object);
+    if (before == now_.left.end() || before->second != left) change.left.emplace(object, left);
   }
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const auto at = entries_.find(entries[i]->first);

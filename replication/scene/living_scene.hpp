@@ -22,6 +22,16 @@ namespace peerd::replication {
 // The owners by operations: absent are objects that none has given to anybody.
 using OwnersByOperation = std::map<ObjectId, PeerId>;
 
+// The objects that owners have left behind: whose each was, and the session time at which it stood where the scene has
+// it since.
+struct LeftObject {
+  PeerId owner;
+  SimTime at{};
+
+  friend bool operator==(const LeftObject&, const LeftObject&) = default;
+};
+using LeftObjects = std::map<ObjectId, LeftObject>;
+
 // A LivingScene is the scene that the world's file and operations make together, and who owns what of it by operations:
 // all of them, applied to the file's scene in the order of their stamps and ids, whenever they came. So peers that know
 // the same operations have the same scene. An operation that what is before it in this order makes impossible (it sets
@@ -43,6 +53,7 @@ class LivingScene {
     SimTime at{};                                      // from then on, which may be in the past
     std::shared_ptr<const Scene> scene;                // null: as before
     std::vector<std::pair<ObjectId, PeerId>> given{};  // objects that have another owner than before
+    LeftObjects left{};                                // those that were left anew
     std::vector<Outcome> outcomes{};  // of the operations that are new, and of those whose outcome is another now
   };
   // Applies the operations that take effect first of those that do until `until`, and with them all others until
@@ -68,6 +79,7 @@ class LivingScene {
   [[nodiscard]] const std::shared_ptr<const Scene>& scene() const { return now_.scene; }
   // The objects that operations have given to somebody, each with its owner; kNobody: the last owner has released it.
   [[nodiscard]] const OwnersByOperation& owners() const { return now_.owners; }
+  [[nodiscard]] const LeftObjects& left() const { return now_.left; }
   // The last stamp of all operations until then; min(): there is none.
   [[nodiscard]] SimTime last_stamp(SimTime until) const;
 
@@ -89,6 +101,7 @@ class LivingScene {
   struct State {
     std::shared_ptr<const Scene> scene;
     OwnersByOperation owners;
+    LeftObjects left{};
   };
   // The outcome of all operations up to a key.
   struct Checkpoint {
@@ -111,6 +124,7 @@ class LivingScene {
   [[nodiscard]] std::expected<UsedIds, std::string> apply_to(Editing& editing, const OperationBody& body,
                                                              AuthorId author, const Find& find) const;
   [[nodiscard]] static std::expected<void, std::string> give_to(Editing& editing, const GiveObject& give);
+  [[nodiscard]] static std::expected<void, std::string> place_in(Editing& editing, const PlaceObject& place);
   // The error says what the edits together make impossible.
   [[nodiscard]] static std::expected<State, std::string> finish(Editing editing);
   // An Effect says what an operation does.

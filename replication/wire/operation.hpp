@@ -113,8 +113,19 @@ struct RefuseRequest {
   friend bool operator==(const RefuseRequest&, const RefuseRequest&) = default;
 };
 
+// What the object's owner has left behind: from then on its Transform says where it stood. An owner that has gone on
+// meanwhile, because it was only silent, stays where it is.
+struct PlaceObject {
+  ObjectId object;
+  PeerId owner;  // whose it was
+  SimTime at{};  // session time at which it stood there
+  Placement placement;
+
+  friend bool operator==(const PlaceObject&, const PlaceObject&) = default;
+};
+
 using OperationBody = std::variant<AddNodes, RemoveObject, RemoveNode, MoveObject, SetField, ChangeRoute, GiveObject,
-                                   RequestObject, RefuseRequest>;
+                                   RequestObject, RefuseRequest, PlaceObject>;
 
 struct Operation {
   OperationId id;

@@ -57,14 +57,26 @@ void put(const ChangeRoute& c, proto::Operation* out) {
   route.set_removes(c.removes);
 }
 
+template <class To>
+void put(const Placement& placement, To& out) {
+  out.mutable_translation()->Add(placement.translation.begin(), placement.translation.end());
+  out.mutable_rotation()->Add(placement.rotation.begin(), placement.rotation.end());
+}
+
 void put(const GiveObject& g, proto::Operation* out) {
   proto::GiveObject& give = *out->mutable_give_object();
   give.set_object(g.object.packed());
   give.set_owner(g.owner.value);
   give.set_before(g.before.value);
-  if (!g.placement) return;
-  give.mutable_translation()->Add(g.placement->translation.begin(), g.placement->translation.end());
-  give.mutable_rotation()->Add(g.placement->rotation.begin(), g.placement->rotation.end());
+  if (g.placement) put(*g.placement, give);
+}
+
+void put(const PlaceObject& p, proto::Operation* out) {
+  proto::PlaceObject& place = *out->mutable_place_object();
+  place.set_object(p.object.packed());
+  place.set_owner(p.owner.value);
+  place.set_at_ns(p.at.time_since_epoch().count());
+  put(p.placement, place);
 }
 
 void put(const RequestObject& r, proto::Operation* out) {
@@ -143,15 +155,26 @@ bool take_numbers(const google::protobuf::RepeatedField<float>& in, std::array<f
   return true;
 }
 
+template <class From>
+const char* take(const From& in, Placement& placement) {
+  const bool good =
+      take_numbers(in.translation(), placement.translation) && take_numbers(in.rotation(), placement.rotation);
+  return good ? nullptr : "operation_placement";
+}
+
 const char* take(const proto::GiveObject& in, GiveObject& g) {
   g.owner = PeerId{in.owner()};
   g.before = PeerId{in.before()};
   if (!take_id(in.object(), g.object)) return kWrongId;
   if (in.translation().empty() && in.rotation().empty()) return nullptr;
-  Placement& placement = g.placement.emplace();
-  const bool good =
-      take_numbers(in.translation(), placement.translation) && take_numbers(in.rotation(), placement.rotation);
-  return good ? nullptr : "operation_placement";
+  return take(in, g.placement.emplace());
+}
+
+const char* take(const proto::PlaceObject& in, PlaceObject& p) {
+  p.owner = PeerId{in.owner()};
+  p.at = SimTime{Duration{in.at_ns()}};
+  if (!take_id(in.object(), p.object) || p.owner == kNobody) return kWrongId;
+  return take(in, p.placement);
 }
 
 const char* take(const proto::RequestObject& in, RequestObject& r) {
@@ -193,6 +216,8 @@ const char* take(proto::Operation& in, OperationBody& body) {
       return take(in.request_object(), body.emplace<RequestObject>());
     case proto::Operation::kRefuseRequest:
       return take(*in.mutable_refuse_request(), body.emplace<RefuseRequest>());
+    case proto::Operation::kPlaceObject:
+      return take(in.place_object(), body.emplace<PlaceObject>());
     case proto::Operation::BODY_NOT_SET:
       break;
   }

@@ -20,7 +20,7 @@ class OperationMaker {
     return o;
   }
   OperationBody body() {
-    switch (random_() % 9) {
+    switch (random_() % 10) {
       case 0: {
         AddNodes a{place(), place(), text(300), number(), number(), {}};
         for (auto i = random_() % 3; i > 0; --i) a.names.emplace_back(text(12), object());
@@ -42,6 +42,9 @@ class OperationMaker {
         return give;
       }
       case 7:
+        return PlaceObject{
+            object(), PeerId{number() | 1}, SimTime{Duration{number()}}, {{1.5f, -2, 1e-30f}, {1, 0, 0, 0}}};
+      case 8:
         return RequestObject{object(), PeerId{number() | 1}, PeerId{number() | 1}};
       default:
         return RefuseRequest{{AuthorId{number() % kAuthorMax + 1}, number() | 1}, text(60)};

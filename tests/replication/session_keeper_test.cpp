@@ -160,7 +160,9 @@ TEST_F(Keeping, WhatALostPeerOwnedStandsStillAndIsNobodys) {
   member_owns(7, {o2});
   p.replica.set_ghost(o2, sim(1s), moving({6, 0, 0}, {1, 0, 0}), false);
   p.own.at(o1).delivery.acknowledged_by.insert(PeerId{7});
-  keeper.lose(PeerId{7}, "seven", host(3s), true);
+  Member member = *p.members.remove(PeerId{7});
+  member.name = "seven";
+  keeper.lose(PeerId{7}, member, host(3s), true);
   EXPECT_EQ(p.owners.of(o2), kNobody);
   EXPECT_EQ(p.replica.ghost(o2, sim(9s)).position, Vec3(8, 0, 0));
   EXPECT_FALSE(p.own.at(o1).delivery.acknowledged_by.contains(PeerId{7}));

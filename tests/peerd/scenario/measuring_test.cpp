@@ -1,4 +1,4 @@
-#include "peerd/commands/measuring.hpp"
+#include "peerd/scenario/measuring.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

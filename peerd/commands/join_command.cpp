@@ -1,0 +1,240 @@
+#include "peerd/commands/join_command.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <iostream>
+#include <map>
+#include <utility>
+
+#include <spdlog/fmt/fmt.h>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <nlohmann/json.hpp>
+
+#include "peerd/commands/print.hpp"
+#include "peerd/commands/problems.hpp"
+#include "peerd/discovery/discovery.hpp"
+#include "peerd/input/json_line.hpp"
+#include "peerd/input/toml_input.hpp"
+#include "peerd/os/host_clock.hpp"
+#include "peerd/snapshot/snapshot_fetch.hpp"
+#include "peerd/store/store_folder.hpp"
+#include "peerd/store/stored_world.hpp"
+#include "peerd/transport/transport_options.hpp"
+#include "replication/wire/codec.hpp"
+
+namespace peerd {
+namespace {
+
+namespace asio = boost::asio;
+using discovery::Found;
+
+constexpr int kEnvironment = 3;
+constexpr std::int64_t kUsualPort = 47474;  // of config::TransportSettings
+constexpr Duration kAsked = std::chrono::seconds(1);
+
+// The peers of one world that meet each other.
+struct World {
+  std::string name;
+  std::uint64_t session = 0;
+  std::vector<Found> peers;
+};
+
+Result<std::vector<World>> worlds_here(const config::TransportSettings& settings, Duration time) {
+  auto reach = transport_options(settings, {});
+  if (!reach) return std::unexpected(reach.error());
+  const net::HostClock clock;
+  auto found = discovery::ask_who_is_here(clock, reach->multicast, time);
+  if (!found) return std::unexpected(input_error(found.error()));
+  std::vector<World> worlds;
+  for (Found& each : *found) {
+    const bool goes_on =
+        !worlds.empty() && worlds.back().name == each.beacon.world && worlds.back().session == each.beacon.session;
+    if (!goes_on) worlds.push_back({each.beacon.world, each.beacon.session, {}});
+    worlds.back().peers.push_back(std::move(each));
+  }
+  return worlds;
+}
+
+nlohmann::ordered_json json_of(const World& world) {
+  nlohmann::ordered_json peers = nlohmann::ordered_json::array();
+  for (const Found& peer : world.peers) {
+    peers.push_back({{"id", peer.beacon.peer.value},
+                     {"name", peer.beacon.name},
+                     {"address", peer.address.to_string()},
+                     {"snapshot_port", peer.beacon.snapshot_port}});
+  }
+  return {{"name", world.name},
+          {"session", fmt::format("{:016x}", world.session)},
+          {"protocol", world.peers.front().beacon.protocol},
+          {"peers", peers}};
+}
+
+std::string line_of(const World& world) {
+  std::string peers;
+  for (const Found& peer : world.peers) {
+    peers += (peers.empty() ? "" : ", ") +
+             fmt::format("{} (id {}) at {}", peer.beacon.name, peer.beacon.peer.value, peer.address.to_string());
+  }
+  const std::uint32_t protocol = world.peers.front().beacon.protocol;
+  const std::string other = protocol == replication::kProtocolVersion
+                                ? ""
+                                : fmt::format("; it speaks version {} of the protocol, this program {}", protocol,
+                                              replication::kProtocolVersion);
+  return fmt::format("{}  (session {:016x}): {}{}\n", world.name, world.session, peers, other);
+}
+
+// The world of that name; with an empty name the only one. Null: there is none.
+Result<const World*> choose(const std::vector<World>& worlds, const std::string& name) {
+  std::vector<const World*> named;
+  for (const World& world : worlds) {
+    if (name.empty() || world.name == name) named.push_back(&world);
+  }
+  if (named.size() > 1) {
+    std::string all;
+    for (const World* const world : named) all += "\n  " + line_of(*world);
+    return std::unexpected(InputError{
+        "error: which of these worlds? Say its name, or --from HOST:PORT of one of its peers:" + all, kEnvironment});
+  }
+  return named.empty() ? nullptr : named.front();
+}
+
+Result<snapshot::Giver> giver_at(const std::string& address) {
+  const auto colon = address.rfind(':');
+  const auto wrong = [&](const std::string& why) {
+    return std::unexpected(InputError{"error: --from " + address + ": " + why, 2});
+  };
+  if (colon == std::string::npos || colon == 0) return wrong("it has to be HOST:PORT, as a peer's log says");
+  std::string host = address.substr(0, colon);
+  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  asio::io_context io;
+  boost::system::error_code failed;
+  const auto found = asio::ip::tcp::resolver(io).resolve(host, address.substr(colon + 1), failed);
+  if (failed || found.empty()) return wrong(failed.message());
+  return snapshot::Giver{address, found.begin()->endpoint()};
+}
+
+Result<std::vector<snapshot::Giver>> givers_of(const World& world) {
+  std::vector<snapshot::Giver> givers;
+  for (const Found& peer : world.peers) {
+    if (peer.beacon.snapshot_port == 0) continue;
+    givers.push_back({peer.beacon.name, {peer.address, peer.beacon.snapshot_port}});
+  }
+  if (!givers.empty()) return givers;
+  return std::unexpected(InputError{"error: no peer of \"" + world.name + "\" gives it to who joins", kEnvironment});
+}
+
+// Of a session by unicast, a newcomer greets those first who gave it the world.
+Result<void> greet_first(const std::vector<snapshot::Giver>& givers, const std::string& settings, PeerOptions& peer) {
+  const auto shared = config::parse_toml(settings, "the settings that were given");
+  if (!shared) return std::unexpected(shared.error());
+  if (shared->at_path("transport.multicast").value_or(std::string()) != "never") return {};
+  const auto port = shared->at_path("transport.port").value_or(std::int64_t{kUsualPort});
+  std::vector<std::string> addresses;
+  for (const snapshot::Giver& giver : givers) {
+    const auto address = giver.at.address();
+    addresses.push_back(fmt::format(fmt::runtime(address.is_v6() ? "[{}]:{}" : "{}:{}"), address.to_string(), port));
+  }
+  peer.sets.push_back("transport.peers=" + json_line(addresses));
+  return {};
+}
+
+Result<GivenWorld> given_by_peers(const std::vector<snapshot::Giver>& givers, std::uint64_t session,
+                                  PeerOptions& peer) {
+  const auto began = std::chrono::steady_clock::now();
+  auto snapshot = snapshot::fetch_snapshot(givers, session);
+  if (!snapshot) return std::unexpected(InputError{"error: " + snapshot.error(), kEnvironment});
+  print_warnings(snapshot->notes);
+  if (auto done = greet_first(givers, snapshot->offer.settings, peer); !done) return std::unexpected(done.error());
+  const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  snapshot::Offer& offer = snapshot->offer;
+  std::cerr << fmt::format("got \"{}\" from {} in {:.2f} s over {}: {} of its files, operations of {}; {}\n",
+                           offer.world, snapshot->given_by, took_s, counted(snapshot->connections, "connection"),
+                           counted(snapshot->archive.size(), "byte"), counted(snapshot->logs.size(), "author"),
+                           snapshot->checked_with.empty() ? "nobody else is here to compare it with"
+                                                          : snapshot->checked_with + " has the same");
+  return GivenWorld{{offer.world, offer.genesis, std::move(offer.settings), std::move(snapshot->archive)},
+                    offer.session,
+                    std::move(snapshot->logs)};
+}
+
+// Nobody is here: whoever comes back brings the world back.
+Result<GivenWorld> given_by_store(JoinOptions& options) {
+  const auto& folder = options.peer.store.folder;
+  std::vector<std::filesystem::path> folders;
+  if (folder && !folder->empty()) {
+    folders.push_back(*folder);
+  } else if (!folder) {
+    folders = store::stores_of_world(options.world);
+    const auto is_of_this_peer = [&](const std::filesystem::path& each) {
+      return each.filename() == options.peer.peer;
+    };
+    if (std::ranges::count_if(folders, is_of_this_peer) == 1) std::erase_if(folders, std::not_fn(is_of_this_peer));
+  }
+  const std::string what = options.world.empty() ? "a world" : "\"" + options.world + "\"";
+  std::string all;
+  for (const auto& each : folders) {
+    auto world = store::read_world_of_store(each);
+    if (!world) return std::unexpected(world.error());
+    all += "\n  " + each.string();
+    const bool is_asked_for = *world && (options.world.empty() || (*world)->name == options.world);
+    if (!is_asked_for || folders.size() > 1) continue;
+    options.peer.store.folder = each;
+    std::cerr << fmt::format("no peer of \"{}\" is here: begins with the store {}\n", (*world)->name, each.string());
+    return GivenWorld{**std::move(world), 0, {}};
+  }
+  if (folders.size() > 1) {
+    return std::unexpected(InputError{
+        "error: no peer of " + what + " is here, and there is more than one store: say --store DIR with one of" + all,
+        kEnvironment});
+  }
+  return std::unexpected(
+      InputError{"error: no peer of " + what +
+                     " answers in this network, and this user has no store of it; peerd ls shows who "
+                     "is here, and --from HOST:PORT asks one peer",
+                 kEnvironment});
+}
+
+Result<GivenWorld> find_world(JoinOptions& options) {
+  if (!options.from.empty()) {
+    const auto giver = giver_at(options.from);
+    if (!giver) return std::unexpected(giver.error());
+    return given_by_peers({*giver}, 0, options.peer);
+  }
+  const auto worlds = worlds_here(options.transport, kAsked);
+  if (!worlds) return std::unexpected(worlds.error());
+  const auto world = choose(*worlds, options.world);
+  if (!world) return std::unexpected(world.error());
+  if (*world == nullptr) return given_by_store(options);
+  const auto givers = givers_of(**world);
+  if (!givers) return std::unexpected(givers.error());
+  return given_by_peers(*givers, (*world)->session, options.peer);
+}
+
+}  // namespace
+
+int run_ls(const LsOptions& options, std::ostream& out) {
+  const auto worlds = worlds_here(options.transport, from_seconds(options.seconds));
+  if (!worlds) return failed(worlds.error());
+  if (options.json) {
+    nlohmann::ordered_json all = nlohmann::ordered_json::array();
+    for (const World& world : *worlds) all.push_back(json_of(world));
+    out << json_line({{"worlds", all}}) << '\n';
+    return 0;
+  }
+  for (const World& world : *worlds) out << line_of(world);
+  if (worlds->empty()) out << "no world answers in this network; peerd doctor says what may be in the way\n";
+  return 0;
+}
+
+int run_join(JoinOptions& options) {
+  auto given = find_world(options);
+  if (!given) return failed(given.error());
+  // The path only names the world, in messages and in a capture.
+  options.peer.sets.push_back("world=" + json_line(given->world.name));
+  options.peer.given = *std::move(given);
+  return run_peer(options.peer);
+}
+
+}  // namespace peerd

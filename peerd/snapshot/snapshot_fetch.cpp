@@ -1,0 +1,340 @@
+#include "peerd/snapshot/snapshot_fetch.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include "peerd/snapshot/framed_stream.hpp"
+#include "replication/wire/codec.hpp"
+
+namespace peerd::snapshot {
+namespace {
+
+namespace asio = boost::asio;
+using replication::AuthorId;
+using replication::LogLength;
+using replication::OperationRange;
+
+// A connection that fails is made again after this, until the fetch as a whole fails.
+constexpr std::chrono::milliseconds kConnectedAgainAfter{500};
+// Another peer is waited for so long, to compare what it has; without one nothing is compared.
+constexpr Duration kComparedWithin = std::chrono::seconds(2);
+// What a newcomer accepts of a world [bytes], so that a forger does not fill its memory.
+constexpr std::uint64_t kSnapshotMax_bytes = std::uint64_t{1} << 30;
+
+// What has to be got: the archive and each log in parts, and which of them are there.
+class Parts {
+ public:
+  void plan(const Offer& offer) {
+    add(replication::kNoAuthor, offer.archive_bytes);
+    for (const LogLength& log : offer.logs) add(log.author, log.bytes);
+  }
+  // The next part that is to be asked of who holds logs so long: one that nobody has been asked for, else one that is
+  // overdue elsewhere, and not by `asker`, which asks for each once.
+  std::optional<OperationRange> next(const std::map<AuthorId, std::uint64_t>& held, std::set<OperationRange>& asked) {
+    const auto fits = [&](const OperationRange& part) {
+      const auto log = held.find(part.author);
+      return log != held.end() && part.to <= log->second && !asked.contains(part);
+    };
+    auto found = std::ranges::find_if(unasked_, fits);
+    if (found != unasked_.end()) {
+      const OperationRange part = *found;
+      unasked_.erase(found);
+      awaited_.push_back(part);
+      asked.insert(part);
+      return part;
+    }
+    const auto again = std::ranges::find_if(awaited_, fits);
+    if (again == awaited_.end()) return std::nullopt;
+    asked.insert(*again);
+    return *again;
+  }
+  // False: the bytes are not what was asked for.
+  bool take(const OperationRange& part, std::string_view bytes) {
+    if (bytes.empty() || bytes.size() > part.to - part.from) return false;
+    const auto awaited = std::ranges::find(awaited_, part);
+    if (awaited == awaited_.end()) return true;  // another peer was faster
+    awaited_.erase(awaited);
+    std::ranges::copy(bytes, content_[part.author].begin() + static_cast<std::ptrdiff_t>(part.from));
+    if (part.from + bytes.size() < part.to) unasked_.push_front({part.author, part.from + bytes.size(), part.to});
+    return true;
+  }
+  // A connection has failed that was asked for the part.
+  void give_back(const OperationRange& part) {
+    const auto awaited = std::ranges::find(awaited_, part);
+    if (awaited == awaited_.end()) return;
+    awaited_.erase(awaited);
+    unasked_.push_front(part);
+  }
+  [[nodiscard]] bool are_there() const { return unasked_.empty() && awaited_.empty(); }
+  [[nodiscard]] std::string& content(AuthorId author) { return content_[author]; }
+
+ private:
+  void add(AuthorId author, std::uint64_t bytes) {
+    content_[author].resize(bytes);
+    for (std::uint64_t from = 0; from < bytes; from += kPartMax_bytes) {
+      unasked_.push_back({author, from, std::min<std::uint64_t>(bytes, from + kPartMax_bytes)});
+    }
+  }
+
+  std::deque<OperationRange> unasked_;
+  std::vector<OperationRange> awaited_;  // in the order of asking
+  std::map<AuthorId, std::string> content_;
+};
+
+class Fetch {
+ public:
+  Fetch(const std::vector<Giver>& givers, std::uint64_t session, const FetchOptions& options)
+      : session_(session), options_(options), patience_(io_) {
+    for (const Giver& giver : givers) {
+      if (peers_.size() < options.givers) peers_.push_back({giver, {}, {}});
+    }
+  }
+
+  std::expected<Snapshot, std::string> run() {
+    if (peers_.empty()) return std::unexpected("no peer gives its world to newcomers");
+    for (std::size_t peer = 0; peer < peers_.size(); ++peer) connect(peer);
+    be_patient();
+    io_.run();
+    if (!error_.empty()) return std::unexpected(error_);
+    return std::move(snapshot_);
+  }
+
+ private:
+  struct Peer {
+    Giver giver;
+    std::map<AuthorId, std::uint64_t> held;  // lengths; empty: it has offered nothing yet
+    std::set<std::string> said;              // notes about it
+  };
+  struct Connection {
+    std::size_t peer;
+    std::shared_ptr<FramedStream> stream;
+    bool is_ready = false;  // connected to a peer that has made an offer
+    bool has_given = false, asks_for_digests = false;
+    std::optional<OperationRange> awaits;
+    std::set<OperationRange> asked;
+  };
+  using ConnectionPtr = std::shared_ptr<Connection>;
+
+  void connect(std::size_t peer) {
+    if (over_) return;
+    const auto connection =
+        std::make_shared<Connection>(Connection{.peer = peer, .stream = nullptr, .awaits = {}, .asked = {}});
+    connection->stream =
+        std::make_shared<FramedStream>(FramedStream::Socket(io_), kReplyMax_bytes, options_.patience,
+                                       [this, weak = std::weak_ptr(connection)](const std::string& why) {
+                                         if (const auto failed = weak.lock()) on_failure(failed, why);
+                                       });
+    connections_.insert(connection);
+    connection->stream->connect(peers_[peer].giver.at, [this, connection] {
+      peers_[connection->peer].held.empty() ? ask_for_offer(connection) : ask_for_part(connection);
+    });
+  }
+
+  void ask(const ConnectionPtr& connection, Request request, std::function<void(Reply)> on_reply) {
+    connection->stream->write(encode(request), [this, connection, on_reply = std::move(on_reply)] {
+      connection->stream->read([this, connection, on_reply](const std::string& frame) {
+        if (over_) return;
+        auto reply = decode_reply(frame);
+        if (!reply) return on_failure(connection, reply.error());
+        if (const auto* refusal = std::get_if<Refusal>(&*reply)) return on_failure(connection, refusal->why);
+        on_reply(*std::move(reply));
+      });
+    });
+  }
+
+  void ask_for_offer(const ConnectionPtr& connection) {
+    ask(connection, {session_, OfferRequest{}}, [this, connection](Reply reply) {
+      auto* offer = std::get_if<Offer>(&reply);
+      if (offer == nullptr) return on_failure(connection, "it answers something else");
+      take_offer(connection, std::move(*offer));
+    });
+  }
+
+  void take_offer(const ConnectionPtr& connection, Offer offer) {
+    Peer& peer = peers_[connection->peer];
+    if (offer.protocol != replication::kProtocolVersion) {
+      return give_up(connection, "it speaks version " + std::to_string(offer.protocol) +
+                                     " of the protocol, this program " + std::to_string(replication::kProtocolVersion));
+    }
+    std::uint64_t bytes = offer.archive_bytes;
+    for (const LogLength& log : offer.logs) bytes = std::min(kSnapshotMax_bytes + 1, bytes + log.bytes);
+    if (bytes > kSnapshotMax_bytes) return give_up(connection, "its world is larger than 1 GiB");
+    const bool is_first = snapshot_.given_by.empty();
+    if (!is_first && (offer.session != session_ || offer.genesis != snapshot_.offer.genesis ||
+                      offer.archive_digest != snapshot_.offer.archive_digest)) {
+      return give_up(connection, "it has packed the world's files in another way");
+    }
+    peer.held = {{replication::kNoAuthor, offer.archive_bytes}};
+    for (const LogLength& log : offer.logs) peer.held[log.author] = log.bytes;
+    if (compares_) {
+      connection->is_ready = true;
+      return ask_another_for_digests();
+    }
+    if (is_first) {
+      session_ = offer.session;
+      snapshot_.given_by = peer.giver.name;
+      snapshot_.offer = std::move(offer);
+      first_ = connection->peer;
+      parts_.plan(snapshot_.offer);
+    }
+    be_patient();
+    const std::size_t share = std::max<std::size_t>(1, options_.connections / peers_.size());
+    for (std::size_t more = 1; more < share; ++more) connect(connection->peer);
+    ask_for_part(connection);
+  }
+
+  void ask_for_part(const ConnectionPtr& connection) {
+    connection->is_ready = true;
+    if (over_ || connection->awaits) return;
+    if (parts_.are_there()) return compare();
+    connection->awaits = parts_.next(peers_[connection->peer].held, connection->asked);
+    if (!connection->awaits) return;  // all that it has is under way
+    ask(connection, {session_, PartRequest{*connection->awaits}}, [this, connection](const Reply& reply) {
+      const OperationRange asked = *std::exchange(connection->awaits, std::nullopt);
+      const auto* part = std::get_if<Part>(&reply);
+      if (part == nullptr || !parts_.take(asked, part->bytes)) {
+        parts_.give_back(asked);
+        return give_up(connection, "it answers something else");
+      }
+      be_patient();
+      connection->has_given = true;
+      ask_on_all();
+    });
+  }
+
+  void ask_on_all() {
+    for (const ConnectionPtr& each : std::set(connections_)) {
+      if (each->is_ready) ask_for_part(each);
+    }
+  }
+
+  // Everything is here. Another peer is asked whether it has the same.
+  void compare() {
+    if (std::exchange(compares_, true)) return ask_another_for_digests();
+    if (digest(parts_.content(replication::kNoAuthor)) != snapshot_.offer.archive_digest) {
+      return end("what came is not the archive that " + snapshot_.given_by + " has offered");
+    }
+    be_patient();
+    ask_another_for_digests();
+  }
+
+  void ask_another_for_digests() {
+    const auto is_other = [&](const ConnectionPtr& each) { return each->peer != first_; };
+    if (std::ranges::none_of(connections_, is_other)) return end("");
+    const auto other = std::ranges::find_if(
+        connections_, [&](const ConnectionPtr& each) { return is_other(each) && each->is_ready && !each->awaits; });
+    if (other == connections_.end() || asks_for_digests_) return;
+    const ConnectionPtr connection = *other;
+    asks_for_digests_ = connection->asks_for_digests = true;
+    DigestRequest request;
+    for (const LogLength& log : snapshot_.offer.logs) {
+      const auto held = peers_[connection->peer].held.find(log.author);
+      if (held != peers_[connection->peer].held.end()) {
+        request.logs.push_back({log.author, std::min(log.bytes, held->second)});
+      }
+    }
+    ask(connection, {session_, request}, [this, connection, request](const Reply& reply) {
+      const auto* digests = std::get_if<Digests>(&reply);
+      if (digests == nullptr || digests->digests.size() != request.logs.size()) {
+        return give_up(connection, "it answers something else");
+      }
+      const std::string& name = peers_[connection->peer].giver.name;
+      for (std::size_t i = 0; i < request.logs.size(); ++i) {
+        const auto bytes = std::string_view(parts_.content(request.logs[i].author)).substr(0, request.logs[i].bytes);
+        if (digests->digests[i] != digest(bytes)) {
+          return end(snapshot_.given_by + " and " + name + " have different operations of author " +
+                     std::to_string(request.logs[i].author.value) + " at one place: one of them is damaged, or lies");
+        }
+      }
+      snapshot_.checked_with = name;
+      end("");
+    });
+  }
+
+  void on_failure(const ConnectionPtr& connection, const std::string& why) {
+    drop(connection);
+    note(connection->peer, why);
+    if (compares_) return ask_another_for_digests();
+    const auto again = std::make_shared<asio::steady_timer>(io_, kConnectedAgainAfter);
+    again->async_wait([this, again, peer = connection->peer](const boost::system::error_code&) { connect(peer); });
+    ask_on_all();
+  }
+
+  // The peer is of no use: it is not asked again.
+  void give_up(const ConnectionPtr& connection, const std::string& why) {
+    drop(connection);
+    note(connection->peer, why);
+    if (compares_) return ask_another_for_digests();
+    if (connections_.empty()) end(last_failure_);
+  }
+
+  void drop(const ConnectionPtr& connection) {
+    connection->stream->close();
+    if (connection->asks_for_digests) asks_for_digests_ = false;
+    if (connection->awaits) parts_.give_back(*std::exchange(connection->awaits, std::nullopt));
+    connections_.erase(connection);
+  }
+
+  void note(std::size_t peer, const std::string& why) {
+    last_failure_ = peers_[peer].giver.name + ": " + why;
+    if (peers_[peer].said.insert(why).second) snapshot_.notes.push_back(last_failure_);
+  }
+
+  void be_patient() {
+    patience_.expires_after(compares_ ? kComparedWithin : options_.patience);
+    patience_.async_wait([this](const boost::system::error_code& cancelled) {
+      if (cancelled) return;
+      const std::string why = last_failure_.empty() ? "nothing came for too long" : last_failure_;
+      end(compares_ ? "" : why);
+    });
+  }
+
+  // With an empty error it has succeeded.
+  void end(std::string error) {
+    if (std::exchange(over_, true)) return;
+    error_ = std::move(error);
+    const auto gave = [](const ConnectionPtr& each) { return each->has_given; };
+    snapshot_.connections = static_cast<std::size_t>(std::ranges::count_if(connections_, gave));
+    for (const ConnectionPtr& each : connections_) each->stream->close();
+    connections_.clear();
+    io_.stop();
+    if (!error_.empty()) return;
+    snapshot_.archive = std::move(parts_.content(replication::kNoAuthor));
+    for (const LogLength& log : snapshot_.offer.logs) {
+      const std::string& bytes = parts_.content(log.author);
+      const auto* const first = reinterpret_cast<const std::byte*>(bytes.data());
+      snapshot_.logs.push_back({log.author, 0, {first, first + bytes.size()}});
+    }
+  }
+
+  std::uint64_t session_;
+  FetchOptions options_;
+  asio::io_context io_{1};
+  asio::steady_timer patience_;
+  std::vector<Peer> peers_;
+  std::set<ConnectionPtr> connections_;
+  std::size_t first_ = 0;  // the peer that has made the offer
+  Parts parts_;
+  Snapshot snapshot_;
+  std::string last_failure_, error_;
+  bool compares_ = false, asks_for_digests_ = false, over_ = false;
+};
+
+}  // namespace
+
+std::expected<Snapshot, std::string> fetch_snapshot(const std::vector<Giver>& givers, std::uint64_t session,
+                                                    const FetchOptions& options) {
+  return Fetch(givers, session, options).run();
+}
+
+}  // namespace peerd::snapshot

@@ -1,0 +1,52 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/address.hpp>
+
+#include "peerd/os/net_error.hpp"
+#include "peerd/snapshot/snapshot_message.hpp"
+#include "replication/operations/operation_log.hpp"
+
+namespace peerd::snapshot {
+
+// What a server gives. All of it outlives the server.
+struct Source {
+  std::uint64_t session = 0;
+  std::string world, settings;  // as in Offer
+  std::uint64_t genesis = 0;
+  std::string_view archive;
+  std::function<const replication::OperationLogs&()> logs;
+};
+
+// Answers newcomers by TCP, in the io_context's one thread: one part of at most kPartMax_bytes at a time of each, which
+// costs less than a millisecond. It changes nothing, whatever it is asked.
+class SnapshotServer {
+ public:
+  static constexpr std::size_t kConnectionsMax = 64;
+
+  // Listens at a port that the system chooses where `port` is 0.
+  [[nodiscard]] static std::expected<std::unique_ptr<SnapshotServer>, net::NetError> open(
+      boost::asio::io_context& io, const boost::asio::ip::address& address, std::uint16_t port, Source source);
+  SnapshotServer(const SnapshotServer&) = delete;
+  SnapshotServer& operator=(const SnapshotServer&) = delete;
+  ~SnapshotServer();
+
+  [[nodiscard]] std::uint16_t port() const;
+
+ private:
+  class Impl;
+  explicit SnapshotServer(std::shared_ptr<Impl> impl);
+  std::shared_ptr<Impl> impl_;
+};
+
+// The reply to a request, which may be anything.
+[[nodiscard]] Reply reply_to(std::string_view request, const Source& source);
+
+}  // namespace peerd::snapshot

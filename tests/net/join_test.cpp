@@ -1,0 +1,165 @@
+// The real program: peers that are found, and newcomers that have no file.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include "peerd/control/control_client.hpp"
+#include "tests/net/listener.hpp"
+#include "tests/net/process.hpp"
+
+namespace peerd::join_test {
+
+using net::testing_support::own_port;
+using nlohmann::json;
+using testing::HasSubstr;
+using testing_support::Process;
+using testing_support::ScratchFolder;
+
+using Words = std::vector<std::string>;
+
+// The world is called as nobody else's on this computer.
+class Joining : public testing::Test {
+ protected:
+  Joining() {
+    folder.write("wheel.wrl", "#VRML V2.0 utf8\nTransform { translation 0 1 0 children Shape { geometry Box { } } }\n");
+    folder.write("w.wrl", "#VRML V2.0 utf8\nDEF CAR Transform { children Inline { url \"wheel.wrl\" } }\n");
+  }
+
+  Process start(const std::string& name, Words words, const Words& more = {}) const {
+    const Words usual{"--name",      name,
+                      "--interface", "lo",
+                      "--control",   (folder / (name + ".sock")).string(),
+                      "--store",     (folder / (name + ".store")).string()};
+    words.insert(words.end(), usual.begin(), usual.end());
+    words.insert(words.end(), more.begin(), more.end());
+    return Process(folder, name, PEERD_PROGRAM, words);
+  }
+  Process run(const std::string& name, const std::string& called, const Words& more = {}) const {
+    Words words{"run",          "--world", (folder / "w.wrl").string(), "--port", std::to_string(own_port(13)),
+                "--world-name", called};
+    words.insert(words.end(), more.begin(), more.end());
+    return start(name, words);
+  }
+  Process join(const std::string& name, const std::string& called, const Words& more = {}) const {
+    return start(name, {"join", called}, more);
+  }
+  [[nodiscard]] json ask(const std::string& name, const json& request) const {
+    const auto line = api::ask(folder / (name + ".sock"), request.dump());
+    return line ? json::parse(*line, nullptr, false) : json();
+  }
+  template <class Condition>
+  static bool wait_until(Condition holds) {
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (!holds()) {
+      if (std::chrono::steady_clock::now() > give_up) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return true;
+  }
+  [[nodiscard]] bool is_in_session(const std::string& name) const {
+    return wait_until([&] {
+      const json status = ask(name, {{"do", "status"}});
+      return status.is_object() && status.at("session").at("joined").get<bool>();
+    });
+  }
+  // What a peer's world is, as VRML.
+  [[nodiscard]] std::string world_of(const std::string& name) const {
+    const json reply = ask(name, {{"do", "world"}});
+    return reply.is_object() ? reply.value("world", std::string()) : std::string();
+  }
+  [[nodiscard]] bool add(const std::string& name, const std::string& def) const {
+    const std::string text = "DEF " + def + " Transform { children Shape { geometry Sphere { } } }";
+    return ask(name, {{"do", "add"}, {"text", text}}).value("done", false) &&
+           wait_until([&] { return world_of(name).find(def) != std::string::npos; });
+  }
+
+  ScratchFolder folder;
+  const std::string world = "world-" + std::to_string(getpid());
+};
+
+TEST_F(Joining, ANewcomerNeedsNoFile) {
+  Process a = run("a", world), b = run("b", world);
+  ASSERT_TRUE(is_in_session("a") && is_in_session("b")) << a.out() << b.out();
+  ASSERT_TRUE(add("a", "BALL"));
+  Process c = join("c", world);
+  ASSERT_TRUE(is_in_session("c")) << c.err();
+  EXPECT_THAT(c.err(), HasSubstr("got \"" + world + "\" from "));
+  EXPECT_THAT(c.err(), HasSubstr(" has the same"));
+  EXPECT_EQ(world_of("c"), world_of("a"));
+  ASSERT_TRUE(add("c", "CONE"));
+  EXPECT_TRUE(wait_until([&] { return world_of("a") == world_of("c"); }));
+}
+
+TEST_F(Joining, LsSaysWhoIsHere) {
+  Process a = run("a", world, {"--id", "17"});
+  ASSERT_TRUE(a.says("gives \"" + world + "\" to who joins", 10)) << a.out() << a.err();
+  Process ls(folder, "ls", PEERD_PROGRAM, {"ls", "--interface", "lo", "--json"});
+  ASSERT_EQ(ls.exit_code(10), 0) << ls.err();
+  const json all = json::parse(ls.out()).at("worlds");
+  const auto found = std::ranges::find_if(all, [&](const json& each) { return each.at("name") == world; });
+  ASSERT_NE(found, all.end()) << ls.out();
+  ASSERT_EQ(found->at("peers").size(), 1u);
+  EXPECT_EQ(found->at("peers")[0].at("id"), 17);
+  EXPECT_EQ(found->at("peers")[0].at("name"), "a");
+  EXPECT_EQ(found->at("peers")[0].at("address"), "127.0.0.1");
+}
+
+// Of one file, at one port.
+TEST_F(Joining, WorldsOfTwoNamesDoNotMix) {
+  Process a = run("a", world + "-1"), b = run("b", world + "-2");
+  ASSERT_TRUE(is_in_session("a") && is_in_session("b"));
+  ASSERT_TRUE(add("a", "BALL"));
+  Process c = join("c", world + "-2");
+  ASSERT_TRUE(is_in_session("c")) << c.err();
+  EXPECT_EQ(world_of("c").find("BALL"), std::string::npos);
+  EXPECT_EQ(ask("c", {{"do", "status"}}).at("members").size(), 1u);
+}
+
+TEST_F(Joining, NobodyIsHereAndAStoreIs) {
+  std::string before;
+  std::uint64_t id = 0;
+  {
+    Process a = run("a", world);
+    ASSERT_TRUE(is_in_session("a") && add("a", "BALL")) << a.out() << a.err();
+    before = world_of("a");
+    id = ask("a", {{"do", "status"}}).at("peer").at("id").get<std::uint64_t>();
+    a.signal(SIGKILL);
+    EXPECT_EQ(a.exit_code(5), -1);
+  }
+  std::filesystem::remove(folder / "w.wrl");
+  std::filesystem::remove(folder / "wheel.wrl");
+  Process again = join("a", world);
+  ASSERT_TRUE(is_in_session("a")) << again.err();
+  EXPECT_THAT(again.err(), HasSubstr("no peer of \"" + world + "\" is here: begins with the store "));
+  EXPECT_EQ(world_of("a"), before);
+  EXPECT_EQ(ask("a", {{"do", "status"}}).at("peer").at("id").get<std::uint64_t>(), id);
+  Process b = join("b", world);
+  ASSERT_TRUE(is_in_session("b")) << b.err();
+  EXPECT_EQ(world_of("b"), before);
+}
+
+TEST_F(Joining, ThereIsNoSuchWorld) {
+  Process c = join("c", world);
+  EXPECT_EQ(c.exit_code(10), 3);
+  EXPECT_THAT(c.err(), HasSubstr("error: no peer of \"" + world + "\" answers in this network"));
+}
+
+TEST_F(Joining, OnePeerIsAskedByItsAddress) {
+  Process a = run("a", world, {"--set", "transport.snapshot_port=" + std::to_string(own_port(14))});
+  ASSERT_TRUE(is_in_session("a"));
+  Process c = join("c", "", {"--from", "127.0.0.1:" + std::to_string(own_port(14))});
+  ASSERT_TRUE(is_in_session("c")) << c.err();
+  EXPECT_EQ(world_of("c"), world_of("a"));
+}
+
+TEST_F(Joining, APeerCanBeHidden) {
+  Process a = run("a", world, {"--set", "transport.discoverable=false"});
+  ASSERT_TRUE(is_in_session("a"));
+  Process c = join("c", world);
+  EXPECT_EQ(c.exit_code(10), 3);
+}
+
+}  // namespace peerd::join_test

@@ -1,0 +1,74 @@
+#include "peerd/config/shared_settings.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "peerd/config/scenario.hpp"
+
+namespace peerd::config::shared_settings_test {
+
+using testing::HasSubstr;
+using testing::Not;
+
+RunSettings run_of(const std::string& text, std::vector<std::string> sets = {}) {
+  ScenarioRequest request;
+  request.text = text;
+  request.sets = std::move(sets);
+  request.real = true;
+  request.sweep = false;
+  auto scenario = read_scenario(request);
+  EXPECT_TRUE(scenario) << scenario.error().text;
+  return scenario ? scenario->runs.front() : RunSettings{};
+}
+
+// A newcomer that adds its world and itself has the same session.
+TEST(SharedSettings, MakeTheSameSessionElsewhere) {
+  const RunSettings run = run_of(R"toml(world = "town.wrl"
+world_name = "Town of 'quotes' and \"more\""
+duration_s = 3
+[replication]
+error_threshold_m = 0.05
+tick_hz = 30
+[decisions]
+policy = "server"
+server = "boss"
+[regions]
+cell_m = 25.0
+[transport]
+group = "239.192.90.0"
+group_pool = 16
+port = 5000
+interface = "eth7"
+[motion.CAR]
+x = "t"
+[peer.boss]
+id = 1
+owns = ["CAR"]
+[peer.other]
+id = 2
+)toml");
+  const std::string shared = shared_settings(run);
+  const RunSettings newcomer = run_of(shared, {"world=w.wrl", "peer.me.id=77"});
+  EXPECT_EQ(newcomer.replication.tick_hz, 30u);
+  EXPECT_EQ(newcomer.replication.policy.error_threshold_m, 0.05);
+  EXPECT_EQ(newcomer.replication.decisions.policy, replication::DecisionPolicy::kServer);
+  EXPECT_EQ(newcomer.replication.decisions.server, PeerId{1});
+  EXPECT_EQ(newcomer.replication.regions.session_hash(5), run.replication.regions.session_hash(5));
+  EXPECT_EQ(newcomer.transport.group, "239.192.90.0");
+  EXPECT_EQ(newcomer.transport.group_pool, 16u);
+  EXPECT_EQ(newcomer.transport.port, 5000u);
+  EXPECT_EQ(newcomer.transport.interface, "") << "that is each peer's own";
+  EXPECT_THAT(shared, Not(HasSubstr("other")));
+  EXPECT_THAT(shared, Not(HasSubstr("CAR")));
+  EXPECT_THAT(shared, HasSubstr("Town of"));
+}
+
+TEST(SharedSettings, OfAPeerWithoutAConfigurationAreTheDefaults) {
+  const RunSettings run = run_of("", {"world=w.wrl", "peer.peer.id=5"});
+  const RunSettings newcomer = run_of(shared_settings(run), {"world=w.wrl", "peer.peer.id=6"});
+  EXPECT_EQ(newcomer.peers.size(), 1u);
+  EXPECT_FALSE(newcomer.transport.port);
+  EXPECT_EQ(newcomer.transport.group, run.transport.group);
+}
+
+}  // namespace peerd::config::shared_settings_test

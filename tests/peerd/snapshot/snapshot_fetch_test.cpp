@@ -1,0 +1,252 @@
+// Newcomers and those who give them a snapshot, over TCP on lo.
+#include "peerd/snapshot/snapshot_fetch.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <memory>
+#include <random>
+#include <thread>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+
+#include "peerd/snapshot/framed_stream.hpp"
+#include "peerd/snapshot/snapshot_server.hpp"
+#include "replication/operations/operation_log.hpp"
+#include "replication/wire/codec.hpp"
+#include "tests/replication/operations.hpp"
+
+namespace peerd::snapshot::snapshot_fetch_test {
+
+namespace asio = boost::asio;
+using namespace std::chrono_literals;
+using replication::AuthorId;
+using replication::OperationId;
+using replication::OperationLogs;
+using testing::HasSubstr;
+
+constexpr std::uint64_t kSession = 77;
+
+std::string random_bytes(std::size_t size, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::string bytes(size, ' ');
+  for (char& c : bytes) c = static_cast<char>(random());
+  return bytes;
+}
+
+// The logs of two authors, with so many operations each, of which one is larger than a part.
+OperationLogs some_logs(std::uint32_t operations, std::uint64_t seed = 1) {
+  OperationLogs logs;
+  for (const AuthorId author : {AuthorId{5}, AuthorId{6}}) {
+    replication::test::OperationMaker maker(seed + author.value);
+    std::uint64_t from = 0;
+    for (std::uint32_t number = 1; number <= operations; ++number) {
+      const OperationId id{author, number};
+      const auto bytes = replication::encode(number == 3 ? maker.large(id, 3 * kPartMax_bytes) : maker.operation(id));
+      EXPECT_TRUE(logs.receive({author, from, bytes}));
+      from += bytes.size();
+    }
+  }
+  return logs;
+}
+
+// A peer that gives a snapshot, in a thread of its own.
+class GivingPeer {
+ public:
+  explicit GivingPeer(OperationLogs held, std::string packed = random_bytes(1'000'000, 1),
+                      std::uint64_t session = kSession)
+      : archive(std::move(packed)), logs(std::move(held)) {
+    auto opened = SnapshotServer::open(
+        io, asio::ip::address_v4::loopback(), 0,
+        {session, "town", "expansion = 1\n", 9, archive, [this]() -> const OperationLogs& { return logs; }});
+    EXPECT_TRUE(opened);
+    server = *std::move(opened);
+    thread = std::thread([this] { io.run(); });
+  }
+  GivingPeer(const GivingPeer&) = delete;
+  GivingPeer& operator=(const GivingPeer&) = delete;
+  ~GivingPeer() {
+    io.stop();
+    thread.join();
+  }
+  [[nodiscard]] Giver giver(const std::string& name) const {
+    return {name, {asio::ip::address_v4::loopback(), server->port()}};
+  }
+
+  std::string archive;
+  OperationLogs logs;
+  asio::io_context io{1};
+  std::unique_ptr<SnapshotServer> server;
+  std::thread thread;
+};
+
+// A peer between a newcomer and one that gives, which passes on so many replies in all and then nothing more: it closes
+// what is open, and listens no more.
+class FailingPeer {
+ public:
+  FailingPeer(const Source& source, int replies) : source_(source), left_(replies) {
+    acceptor_.listen();
+    thread_ = std::thread([this] { serve(); });
+  }
+  FailingPeer(const FailingPeer&) = delete;
+  FailingPeer& operator=(const FailingPeer&) = delete;
+  ~FailingPeer() {
+    io_.stop();
+    thread_.join();
+  }
+  [[nodiscard]] Giver giver(const std::string& name) const { return {name, acceptor_.local_endpoint()}; }
+
+ private:
+  void serve() {
+    accept();
+    io_.run();
+  }
+  void accept() {
+    acceptor_.async_accept([this](const boost::system::error_code& failed, asio::ip::tcp::socket socket) {
+      if (failed) return;
+      const auto stream = std::make_shared<FramedStream>(std::move(socket), kRequestMax_bytes, 10s, [](const auto&) {});
+      streams_.push_back(stream);
+      answer(stream);
+      accept();
+    });
+  }
+  void answer(const std::shared_ptr<FramedStream>& stream) {
+    stream->read([this, stream](const std::string& request) {
+      if (left_-- <= 0) {
+        boost::system::error_code ignored;
+        acceptor_.close(ignored);
+        for (const auto& each : streams_) each->close();
+        return;
+      }
+      stream->write(encode(reply_to(request, source_)), [this, stream] { answer(stream); });
+    });
+  }
+
+  const Source& source_;
+  int left_;
+  asio::io_context io_{1};
+  asio::ip::tcp::acceptor acceptor_{io_, {asio::ip::address_v4::loopback(), 0}, false};
+  std::vector<std::shared_ptr<FramedStream>> streams_;
+  std::thread thread_;
+};
+
+void expect_all_of(const Snapshot& snapshot, const GivingPeer& peer) {
+  EXPECT_EQ(snapshot.archive, peer.archive);
+  EXPECT_EQ(snapshot.offer.world, "town");
+  EXPECT_EQ(snapshot.offer.settings, "expansion = 1\n");
+  ASSERT_EQ(snapshot.logs.size(), peer.logs.lengths().size());
+  for (const auto& part : snapshot.logs) {
+    const auto held = peer.logs.bytes({part.author, 0, peer.logs.length(part.author)});
+    EXPECT_TRUE(std::ranges::equal(part.bytes, held)) << part.author.value;
+  }
+}
+
+TEST(SnapshotFetch, GetsAllFromOnePeer) {
+  const GivingPeer a(some_logs(20));
+  const auto snapshot = fetch_snapshot({a.giver("a")}, kSession);
+  ASSERT_TRUE(snapshot) << snapshot.error();
+  expect_all_of(*snapshot, a);
+  EXPECT_EQ(snapshot->given_by, "a");
+  EXPECT_EQ(snapshot->checked_with, "");
+  EXPECT_GT(snapshot->connections, 1u);
+}
+
+TEST(SnapshotFetch, AWorldWithoutOperationsIsCompared) {
+  const GivingPeer a(OperationLogs()), b(OperationLogs());
+  const auto snapshot = fetch_snapshot({a.giver("a"), b.giver("b")}, 0);
+  ASSERT_TRUE(snapshot) << snapshot.error();
+  expect_all_of(*snapshot, a);
+  EXPECT_EQ(snapshot->checked_with, snapshot->given_by == "a" ? "b" : "a");
+}
+
+// Whoever answers first offers what it has; the other is asked about as much as both have.
+TEST(SnapshotFetch, ComparesWithAPeerThatHasLess) {
+  const GivingPeer a(some_logs(20)), b(some_logs(10));
+  const auto snapshot = fetch_snapshot({a.giver("a"), b.giver("b")}, kSession);
+  ASSERT_TRUE(snapshot) << snapshot.error();
+  expect_all_of(*snapshot, snapshot->given_by == "a" ? a : b);
+  EXPECT_NE(snapshot->checked_with, "");
+}
+
+TEST(SnapshotFetch, TellsThatTwoPeersDiffer) {
+  const GivingPeer a(some_logs(20, 1)), b(some_logs(20, 2));
+  const auto snapshot = fetch_snapshot({a.giver("a"), b.giver("b")}, kSession);
+  ASSERT_FALSE(snapshot);
+  EXPECT_THAT(snapshot.error(), HasSubstr("have different operations of author 5 at one place"));
+}
+
+TEST(SnapshotFetch, APeerThatFailsIsReplaced) {
+  const GivingPeer a(some_logs(20));
+  const Source source{kSession, "town",    "expansion = 1\n",
+                      9,        a.archive, [&a]() -> const OperationLogs& { return a.logs; }};
+  for (int replies = 0; replies < 12; ++replies) {
+    const FailingPeer failing(source, replies);
+    const auto snapshot = fetch_snapshot({failing.giver("failing"), a.giver("a")}, kSession);
+    ASSERT_TRUE(snapshot) << snapshot.error();
+    expect_all_of(*snapshot, a);
+    EXPECT_FALSE(snapshot->notes.empty());
+  }
+}
+
+TEST(SnapshotFetch, SaysWhyNobodyGives) {
+  const GivingPeer elsewhere(OperationLogs(), "archive", kSession + 1);
+  FetchOptions options;
+  options.patience = 1s;
+  const auto other = fetch_snapshot({elsewhere.giver("elsewhere")}, kSession, options);
+  ASSERT_FALSE(other);
+  EXPECT_THAT(other.error(), HasSubstr("elsewhere: this peer is in another world"));
+  EXPECT_FALSE(fetch_snapshot({}, kSession));
+  // A port at which nobody listens any more.
+  Giver gone{"gone", {}};
+  {
+    const GivingPeer peer(OperationLogs());
+    gone.at = peer.giver("").at;
+  }
+  const auto nobody = fetch_snapshot({gone}, kSession, options);
+  ASSERT_FALSE(nobody);
+  EXPECT_THAT(nobody.error(), HasSubstr("gone: "));
+}
+
+TEST(SnapshotFetch, APeerWithAnotherArchiveGivesNothing) {
+  const GivingPeer a(OperationLogs(), "one archive"), b(OperationLogs(), "another archive");
+  const auto snapshot = fetch_snapshot({a.giver("a"), b.giver("b")}, kSession);
+  ASSERT_TRUE(snapshot) << snapshot.error();
+  expect_all_of(*snapshot, snapshot->given_by == "a" ? a : b);
+  EXPECT_THAT(snapshot->notes, testing::Contains(HasSubstr("has packed the world's files in another way")));
+}
+
+TEST(SnapshotServer, SaysNothingToNonsense) {
+  const GivingPeer a(some_logs(3));
+  const Source source{kSession, "town", "", 9, a.archive, [&a]() -> const OperationLogs& { return a.logs; }};
+  EXPECT_TRUE(std::holds_alternative<Refusal>(reply_to("nonsense", source)));
+  const auto ask = [&](std::variant<OfferRequest, PartRequest, DigestRequest> what) {
+    return reply_to(encode(Request{kSession, std::move(what)}), source);
+  };
+  EXPECT_TRUE(std::holds_alternative<Refusal>(ask(PartRequest{{AuthorId{999}, 0, 1}})));
+  EXPECT_TRUE(std::holds_alternative<Refusal>(
+      ask(PartRequest{{replication::kNoAuthor, a.archive.size(), a.archive.size() + 1}})));
+  const Reply end = ask(PartRequest{{replication::kNoAuthor, a.archive.size() - 1, a.archive.size() + 1}});
+  ASSERT_TRUE(std::holds_alternative<Part>(end));
+  EXPECT_EQ(std::get<Part>(end).bytes, a.archive.substr(a.archive.size() - 1));
+  const Reply digests = ask(DigestRequest{{{AuthorId{5}, std::uint64_t{1} << 40}}});
+  ASSERT_TRUE(std::holds_alternative<Digests>(digests));
+  EXPECT_EQ(std::get<Digests>(digests).digests, std::vector<std::uint64_t>{0});
+}
+
+TEST(SnapshotServer, TakesFewConnectionsAndGoesOn) {
+  const GivingPeer a(OperationLogs());
+  asio::io_context io;
+  std::vector<asio::ip::tcp::socket> idle;
+  for (std::size_t i = 0; i < 2 * SnapshotServer::kConnectionsMax; ++i) {
+    idle.emplace_back(io).connect(a.giver("").at);
+  }
+  idle.clear();  // whoever goes makes room
+  const auto snapshot = fetch_snapshot({a.giver("a")}, kSession);
+  ASSERT_TRUE(snapshot) << snapshot.error();
+  expect_all_of(*snapshot, a);
+}
+
+}  // namespace peerd::snapshot::snapshot_fetch_test
