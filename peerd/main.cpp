@@ -55,7 +55,7 @@ constexpr std::int64_t kSizeMax_mib = 1 << 20;
 constexpr std::int64_t kKeyCodeMax = std::numeric_limits<std::int32_t>::max();
 constexpr std::int64_t kChaosSeedsMax = 1'000'000, kChaosPeersMax = 9;
 constexpr NumberRange kAskedSeconds{0.1, 60.0};
-constexpr NumberRange kChaosSeconds{3.0, 3600.0};
+constexpr NumberRange kChaosSeconds{kChaosSecondsMin, 3600.0};
 constexpr std::int64_t kPeerIdMax = std::numeric_limits<std::uint32_t>::max();
 
 // The options of `peerd run` that stand for settings, in place of a configuration file or over it.
@@ -545,7 +545,7 @@ void add_chaos_options(CLI::App& command, ChaosOptions& options) {
   command.add_option("--count", options.count, "with --chaos: so many seeds from that one on (default: 1)")
       ->transform(whole_number_in(1, kChaosSeedsMax))
       ->needs(chaos);
-  command.add_option("--chaos-seconds", options.seconds, "how long each run is (default: 60)")
+  command.add_option("--chaos-seconds", options.seconds, "how long each run is [s], 22 at least (default: 60)")
       ->transform(number_in(kChaosSeconds))
       ->needs(chaos);
   command.add_option("--chaos-peers", options.peers, "the first peers only")

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cassert>
+#include <map>
 #include <memory>
+#include <set>
 #include <span>
 #include <utility>
 #include <variant>
@@ -12,8 +14,9 @@
 #include "peerd/chaos/damaged_network.hpp"
 #include "peerd/chaos/edit_maker.hpp"
 #include "peerd/chaos/oracle.hpp"
-#include "peerd/chaos/random.hpp"
+#include "peerd/chaos/random_stream.hpp"
 #include "peerd/chaos/skewed_clock.hpp"
+#include "peerd/node/peer_node.hpp"
 
 namespace peerd::chaos {
 namespace {
@@ -23,10 +26,7 @@ using sim::VirtualTime;
 // The virtual clock starts here, so that no host's clock is negative.
 constexpr VirtualTime kClockBegin{std::chrono::seconds(10'000'000)};
 constexpr Duration kCheckEvery = std::chrono::milliseconds(250);
-// After so long without a fault all peers are to have one scene.
-constexpr double kOneWorldWithin_s = 10.0;
 constexpr std::uint32_t kGhostSamples_hz = 4;
-constexpr std::uint64_t kTruthStream = 10;
 // The host of a daemon whose clock is kept by NTP says so.
 constexpr Duration kOsClockError = std::chrono::milliseconds(20);
 
@@ -36,9 +36,9 @@ struct Host {
   double wall_offset_s = 0.0;
   std::uint64_t incarnation = 0;
   bool joined = false;
-  int down = 0;  // so many faults keep it down
+  std::set<std::size_t> down_by;  // the faults that keep it down, by their index
   VirtualTime runs_from = kClockBegin;
-  bool dies_when_held = false;
+  std::optional<std::size_t> dies_by;  // this fault ends it as soon as an operation of it is held
   bool states_os_clock = false;
 };
 
@@ -59,7 +59,7 @@ class ChaosRun {
         hosts_(plan.peers.size()) {
     for (std::size_t i = 0; i < hosts_.size(); ++i) {
       hosts_[i].wall_offset_s = plan.peers[i].wall_offset_s;
-      hosts_[i].states_os_clock = Random(plan.seed, kTruthStream, i).chance(0.4);
+      hosts_[i].states_os_clock = stream_of(plan.seed, Stream::kOsClock, i).chance(0.4);
       schedule(plan.peers[i].joins_at_s, Due::Kind::kJoin, i);
     }
     for (std::size_t i = 0; i < plan.faults.size(); ++i) {
@@ -206,7 +206,7 @@ class ChaosRun {
       }
       if (const auto* join = std::get_if<replication::Join>(&*out)) network_.join(i, join->region);
       if (const auto* leave = std::get_if<replication::Leave>(&*out)) network_.leave(i, leave->region);
-      dies = dies || (hosts_[i].dies_when_held && std::holds_alternative<replication::OperationHeld>(*out));
+      dies = dies || (hosts_[i].dies_by && std::holds_alternative<replication::OperationHeld>(*out));
       oracle_.on_output(now_s(), i, *out);
     }
     while (node.poll_key_report()) {
@@ -215,14 +215,13 @@ class ChaosRun {
     }
     if (!dies) return;
     oracle_.count("author died when its operation was held");
-    hosts_[i].dies_when_held = false;
-    ++hosts_[i].down;
+    hosts_[i].down_by.insert(*std::exchange(hosts_[i].dies_by, std::nullopt));
     stop(i, false);
   }
 
   void start(std::size_t i) {
     Host& host = hosts_[i];
-    if (host.node || !host.joined || host.down > 0) return;
+    if (host.node || !host.joined || !host.down_by.empty()) return;
     config::PeerSettings settings;
     settings.id = plan_.peers[i].id;
     settings.name = fmt::format("p{}", settings.id);
@@ -267,9 +266,9 @@ class ChaosRun {
         hosts_[due.index].joined = true;
         return start(due.index);
       case Due::Kind::kBegin:
-        return begin(plan_.faults[due.index]);
+        return set(due.index, true);
       case Due::Kind::kEnd:
-        return end(plan_.faults[due.index]);
+        return set(due.index, false);
       case Due::Kind::kEdit:
         return edit(plan_.edits[due.index]);
       case Due::Kind::kHeal:
@@ -292,52 +291,60 @@ class ChaosRun {
     }
   }
 
-  void begin(const Fault& fault) {
-    Host& host = hosts_[fault.peer];
-    oracle_.count(fmt::format("fault: {}", to_string(fault.kind)));
+  // The fault begins, or is over.
+  void set(std::size_t index, bool begins) {
+    if (!begins && healed_) return;  // all faults ended with that
+    const Fault& fault = plan_.faults[index];
+    if (begins) oracle_.count(fmt::format("fault: {}", to_string(fault.kind)));
     switch (fault.kind) {
       case FaultKind::kCrash:
       case FaultKind::kLeave:
-        ++host.down;
-        return stop(fault.peer, fault.kind == FaultKind::kLeave);
+        return begins ? take_down(index) : bring_back(index);
       case FaultKind::kPartition:
       case FaultKind::kOneWay:
-        return cut(fault, true);
+        return cut(fault, begins);
       case FaultKind::kLinks:
-        return network_.set_links(fault.links);
+        return make_links_bad(index, begins);
       case FaultKind::kSuspend:
-        host.runs_from = std::max(host.runs_from, now_ + from_seconds(fault.for_s));
+        if (begins)
+          hosts_[fault.peer].runs_from = std::max(hosts_[fault.peer].runs_from, now_ + from_seconds(fault.for_s));
         return;
       case FaultKind::kClockStep:
-        host.wall_offset_s += fault.step_s;
+        if (begins) hosts_[fault.peer].wall_offset_s += fault.step_s;
         return;
       case FaultKind::kAuthorDies:
-        if (!host.node) return;
-        host.dies_when_held = true;
-        return edit({fault.number, fault.at_s, fault.peer, EditKind::kAny, mixed_bits(plan_.seed + fault.number)});
+        return begins ? edit_and_die_when_held(index) : bring_back(index);
     }
   }
 
-  void end(const Fault& fault) {
-    if (healed_) return;  // all faults ended with that
-    Host& host = hosts_[fault.peer];
-    switch (fault.kind) {
-      case FaultKind::kCrash:
-      case FaultKind::kLeave:
-        --host.down;
-        return start(fault.peer);
-      case FaultKind::kPartition:
-      case FaultKind::kOneWay:
-        return cut(fault, false);
-      case FaultKind::kLinks:
-        return network_.set_links(plan_.links);
-      case FaultKind::kAuthorDies:
-        if (!std::exchange(host.dies_when_held, false) && host.down > 0 && !host.node) --host.down;
-        return start(fault.peer);
-      case FaultKind::kSuspend:
-      case FaultKind::kClockStep:
-        return;
+  void take_down(std::size_t index) {
+    const Fault& fault = plan_.faults[index];
+    hosts_[fault.peer].down_by.insert(index);
+    stop(fault.peer, fault.kind == FaultKind::kLeave);
+  }
+
+  void bring_back(std::size_t index) {
+    Host& host = hosts_[plan_.faults[index].peer];
+    host.down_by.erase(index);
+    if (host.dies_by == index) host.dies_by.reset();
+    start(plan_.faults[index].peer);
+  }
+
+  void edit_and_die_when_held(std::size_t index) {
+    const Fault& fault = plan_.faults[index];
+    if (!hosts_[fault.peer].node) return;
+    hosts_[fault.peer].dies_by = index;
+    edit({fault.number, fault.at_s, fault.peer, EditKind::kAny, mixed_bits(plan_.seed + fault.number)});
+  }
+
+  // Of several such faults at once, all links are as the last one says.
+  void make_links_bad(std::size_t index, bool begins) {
+    if (begins) {
+      bad_links_.push_back(index);
+    } else {
+      std::erase(bad_links_, index);
     }
+    network_.set_links(bad_links_.empty() ? plan_.links : plan_.faults[bad_links_.back()].links);
   }
 
   void edit(const PlannedEdit& planned) {
@@ -357,10 +364,9 @@ class ChaosRun {
     network_.mend_all();
     network_.set_links(plan_.healed);
     for (std::size_t i = 0; i < hosts_.size(); ++i) {
-      hosts_[i].down = 0;
-      hosts_[i].dies_when_held = false;
-      hosts_[i].runs_from = std::min(hosts_[i].runs_from, now_);
-      hosts_[i].joined = true;
+      assert(hosts_[i].joined);
+      hosts_[i].down_by.clear();
+      hosts_[i].dies_by.reset();
       start(i);
     }
   }
@@ -393,6 +399,7 @@ class ChaosRun {
   Oracle oracle_;
   std::vector<Host> hosts_;
   std::multimap<VirtualTime, Due> due_;  // those of one time in the order in which they were scheduled
+  std::vector<std::size_t> bad_links_;   // the faults that make links bad now, by their index
   VirtualTime now_ = kClockBegin;
   bool healed_ = false, stopped_ = false, was_late_ = false;
   std::uint64_t trace_ = 0, checks_ = 0;

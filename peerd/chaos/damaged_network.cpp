@@ -7,7 +7,6 @@
 namespace peerd::chaos {
 namespace {
 
-constexpr std::uint64_t kLinkStream = 8, kDamageStream = 9;
 constexpr std::size_t kFlipsMax = 4;
 constexpr double kTruncates = 0.3;  // else it flips bits
 
@@ -23,7 +22,7 @@ std::uint16_t checksum(std::span<const std::byte> bytes) {
 }
 
 DamagedNetwork::DamagedNetwork(std::uint64_t seed, std::size_t peers, const LinkFaults& links)
-    : peers_(peers), seed_(seed), cuts_(peers * peers), joined_(peers), random_(seed, kDamageStream) {
+    : peers_(peers), seed_(seed), cuts_(peers * peers), joined_(peers), random_(stream_of(seed, Stream::kDamage)) {
   set_links(links);
 }
 
@@ -31,7 +30,7 @@ void DamagedNetwork::set_links(const LinkFaults& links) {
   damage_ = links.damage;
   links_.clear();
   for (std::size_t i = 0; i < peers_ * peers_; ++i) {
-    links_.emplace_back(links.link, Random(seed_, kLinkStream, changes_++).next());
+    links_.emplace_back(links.link, stream_of(seed_, Stream::kLink, changes_++).bits());
   }
 }
 
@@ -52,7 +51,8 @@ replication::Bytes DamagedNetwork::damaged(const replication::Bytes& datagram) {
       bytes.resize(random_.below(bytes.size()));
     } else {
       for (std::size_t flips = 1 + random_.below(kFlipsMax); flips > 0; --flips) {
-        bytes[random_.below(bytes.size())] ^= std::byte{1} << static_cast<int>(random_.below(8));
+        const std::size_t at = random_.below(bytes.size());
+        bytes[at] ^= std::byte{1} << static_cast<int>(random_.below(8));
       }
     }
     if (checksum(bytes) != checksum(datagram)) return bytes;

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "peerd/chaos/plan.hpp"
-#include "peerd/chaos/random.hpp"
+#include "peerd/chaos/random_stream.hpp"
 #include "peerd/sim/network.hpp"
 #include "replication/wire/wire.hpp"
 

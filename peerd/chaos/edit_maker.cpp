@@ -7,7 +7,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "peerd/chaos/random.hpp"
+#include "core/scene/scene.hpp"
+#include "peerd/chaos/random_stream.hpp"
 
 namespace peerd::chaos {
 namespace {
@@ -32,7 +33,7 @@ SceneEdit setting(std::string path, std::string field, std::string value) {
 
 class EditMaker {
  public:
-  EditMaker(const PlannedEdit& planned, const Scene& scene) : random_(planned.seed) {
+  EditMaker(const PlannedEdit& planned, const Scene& scene) : random_(planned.seed, 0) {
     for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
       const Instance& each = scene.instances[i];
       if (each.kind != NodeKind::kTransform || each.def.empty() || is_wall(each.def)) continue;
@@ -54,19 +55,24 @@ class EditMaker {
       case 4:
       case 5:
         return moving();
-      case 6:
-        return setting(some_transform(), "velocityVector", vector(2.0));
-      case 7:
-        return setting(some_transform() + "_M", "diffuseColor", fmt::format("0.5 {:.2f} 0.5", random_.between(0, 1)));
+      case 6: {
+        const std::string path = some_transform();
+        return setting(path, "velocityVector", vector(2.0));
+      }
+      case 7: {
+        const std::string path = some_transform() + "_M";
+        return setting(path, "diffuseColor", fmt::format("0.5 {:.2f} 0.5", random_.uniform()));
+      }
       default:
         return position(some_transform());
     }
   }
   SceneEdit large() {
-    std::string text;
-    while (text.size() < kLargeText_bytes)
-      text += fmt::format("DEF {}_{} WorldInfo {{ title \"{:x}\" }}\n", name_, text.size(), random_.next());
-    return adding(block() + text);
+    std::string text = block();
+    const std::size_t end = text.size() + kLargeText_bytes;
+    while (text.size() < end)
+      text += fmt::format("DEF {}_{} WorldInfo {{ title \"{:x}\" }}\n", name_, text.size(), random_.bits());
+    return adding(std::move(text));
   }
   SceneEdit one_field() { return position("S1"); }
   SceneEdit position(const std::string& path) { return setting(path, "translation", vector(kGround_m)); }
@@ -76,27 +82,31 @@ class EditMaker {
 
  private:
   std::string vector(double most) {
-    return fmt::format("{:.3f} 0 {:.3f}", random_.between(-most, most), random_.between(-most, most));
+    const double x = random_.uniform(-most, most), z = random_.uniform(-most, most);
+    return fmt::format("{:.3f} 0 {:.3f}", x, z);
   }
   std::string block() {
+    const std::string place = vector(kGround_m);
+    const double width_m = random_.uniform(0.2, 0.9), depth_m = random_.uniform(0.2, 0.9);
     return fmt::format(
-        "DEF {} Transform {{ translation {} children Shape {{ appearance Appearance {{ material DEF {}_M Material {{ "
-        "}} "
-        "}} geometry Box {{ size {:.2f} 0.8 {:.2f} }} }} }}\n",
-        name_, vector(kGround_m), name_, random_.between(0.2, 0.9), random_.between(0.2, 0.9));
+        "DEF {0} Transform {{ translation {1} children Shape {{ appearance Appearance {{ material DEF {0}_M Material "
+        "{{ }} }} geometry Box {{ size {2:.2f} 0.8 {3:.2f} }} }} }}\n",
+        name_, place, width_m, depth_m);
   }
   std::string interest() {
     return fmt::format("CollisionInterest {{ objectPath \"M1A\" collisionType 1 interests [ \"{}\" ] }}\n", name_);
   }
   // The world itself moves it.
   std::string moved_block() {
-    return block() + interest() +
-           fmt::format(
-               "DEF {0}_T TimeSensor {{ loop TRUE cycleInterval {1:.2f} }}\n"
-               "DEF {0}_I PositionInterpolator {{ key [ 0 0.5 1 ] keyValue [ {2}, {3}, {2} ] }}\n"
-               "ROUTE {0}_T.fraction_changed TO {0}_I.set_fraction\n"
-               "ROUTE {0}_I.value_changed TO {0}.set_translation\n",
-               name_, random_.between(2.0, 9.0), vector(kGround_m), vector(kGround_m));
+    const std::string moved = block() + interest();
+    const double cycle_s = random_.uniform(2.0, 9.0);
+    const std::string from = vector(kGround_m), to = vector(kGround_m);
+    return moved + fmt::format(
+                       "DEF {0}_T TimeSensor {{ loop TRUE cycleInterval {1:.2f} }}\n"
+                       "DEF {0}_I PositionInterpolator {{ key [ 0 0.5 1 ] keyValue [ {2}, {3}, {2} ] }}\n"
+                       "ROUTE {0}_T.fraction_changed TO {0}_I.set_fraction\n"
+                       "ROUTE {0}_I.value_changed TO {0}.set_translation\n",
+                       name_, cycle_s, from, to);
   }
   static SceneEdit adding(std::string text) {
     SceneEdit edit;

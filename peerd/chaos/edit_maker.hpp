@@ -2,9 +2,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/scene/scene.hpp"
 #include "peerd/chaos/plan.hpp"
 #include "peerd/config/scene_edit.hpp"
+
+namespace peerd {
+struct Scene;
+}
 
 namespace peerd::chaos {
 

@@ -8,6 +8,7 @@
 
 #include "core/vrml/document.hpp"
 #include "core/writer/writer.hpp"
+#include "peerd/node/peer_node.hpp"
 
 namespace peerd::chaos {
 namespace {

@@ -9,10 +9,14 @@
 #include <vector>
 
 #include "core/ids.hpp"
-#include "peerd/node/peer_node.hpp"
-#include "peerd/sim/network.hpp"
+#include "peerd/node/edit_operation.hpp"
+#include "peerd/node/peer_log.hpp"
 #include "replication/output/output.hpp"
 #include "replication/wire/operation.hpp"
+
+namespace peerd {
+class PeerNode;
+}
 
 namespace peerd::chaos {
 

@@ -1,6 +1,7 @@
 #include "peerd/chaos/plan.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <charconv>
 #include <limits>
@@ -8,47 +9,46 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "peerd/chaos/random.hpp"
+#include "peerd/chaos/random_stream.hpp"
 
 namespace peerd::chaos {
 namespace {
 
-// The streams of random numbers of a seed; the world's is 1.
-enum Stream : std::uint64_t { kGeneral = 2, kPeer = 3, kFault = 4, kEdit = 5, kRareFault = 6, kRareEdit = 7 };
-
 constexpr std::size_t kPeersMin = 5, kPeersMax = 9;
-constexpr double kSettled_s = 3.0;  // the first peers have found each other, most often
-constexpr double kHealed_s = 15.0;  // at the end of a run, or half of it where that is shorter
+constexpr double kSettled_s = 3.0;     // the first peers have found each other, most often
+constexpr double kHealedMax_s = 15.0;  // at the end of a run, or half of it where that is shorter
 constexpr double kFaultEvery_s = 2.0, kEditEvery_s = 0.7;
 constexpr std::int64_t kSkewMax_ppm = 500;
 constexpr double kWallStepMax_s = 10.0;
 constexpr double kRareChance = 0.25, kUncheckedChance = 0.06;
 
-config::LinkSettings link(double latency_ms, double jitter_ms, double loss, double duplication, double reordering) {
-  config::LinkSettings settings;
-  settings.latency_ms = latency_ms;
-  settings.jitter_ms = jitter_ms;
-  settings.loss = loss;
-  settings.duplication = duplication;
-  settings.reordering = reordering;
-  return settings;
-}
-
 LinkFaults draw_links(Random& random, double loss_max) {
   LinkFaults links;
-  links.link = link(random.between(0.2, 80.0), random.between(0.0, 40.0), random.between(0.0, loss_max),
-                    random.between(0.0, 0.1), random.between(0.0, 0.2));
-  if (random.chance(0.3)) links.link.loss_burst = random.between(2.0, 10.0);
-  links.damage = random.between(0.0, 0.05);
+  links.link.latency_ms = random.uniform(0.2, 80.0);
+  links.link.jitter_ms = random.uniform(0.0, 40.0);
+  links.link.loss = random.uniform(0.0, loss_max);
+  links.link.duplication = random.uniform(0.0, 0.1);
+  links.link.reordering = random.uniform(0.0, 0.2);
+  if (random.chance(0.3)) links.link.loss_burst = random.uniform(2.0, 10.0);
+  links.damage = random.uniform(0.0, 0.05);
+  return links;
+}
+
+LinkFaults draw_healed_links(Random& random) {
+  LinkFaults links;
+  links.link.latency_ms = random.uniform(0.2, 60.0);
+  links.link.jitter_ms = random.uniform(0.0, 5.0);
+  links.link.loss = random.uniform(0.0, 0.02);
   return links;
 }
 
 class PlanDrawer {
  public:
-  PlanDrawer(std::uint64_t seed, const ChaosLimits& limits) : random_(seed, kGeneral) {
+  PlanDrawer(std::uint64_t seed, const ChaosLimits& limits) : random_(stream_of(seed, Stream::kGeneral)) {
+    assert(limits.seconds >= ChaosLimits::kSecondsMin);
     plan_.seed = seed;
     plan_.limits = limits;
-    plan_.heal_s = limits.seconds - std::min(kHealed_s, limits.seconds / 2.0);
+    plan_.heal_s = limits.seconds - std::min(kHealedMax_s, limits.seconds / 2.0);
   }
 
   ChaosPlan all() {
@@ -64,7 +64,7 @@ class PlanDrawer {
                                    replication::DecisionPolicy::kExpectedError};
     plan_.policy = kPolicies[random_.below(kPolicies.size())];
     plan_.links = draw_links(random_, 0.1);
-    plan_.healed.link = link(random_.between(0.2, 60.0), random_.between(0.0, 5.0), random_.between(0.0, 0.02), 0, 0);
+    plan_.healed = draw_healed_links(random_);
     for (std::size_t i = 0; i < peers; ++i) plan_.peers.push_back(draw_peer(i));
     plan_.world = draw_world(plan_.seed, peers);
     draw_faults();
@@ -74,13 +74,13 @@ class PlanDrawer {
 
  private:
   PlannedPeer draw_peer(std::size_t i) const {
-    Random random(plan_.seed, kPeer, i);
+    Random random = stream_of(plan_.seed, Stream::kPeer, i);
     PlannedPeer peer;
     peer.id = static_cast<std::uint32_t>(i + 1);
     const bool is_late = i >= 2 && random.chance(0.25);
-    peer.joins_at_s = is_late ? random.between(kSettled_s, 0.9 * plan_.heal_s) : random.between(0.0, 0.4);
-    peer.skew_ppm = static_cast<std::int64_t>(random.between(-1.0, 1.0) * kSkewMax_ppm);
-    peer.wall_offset_s = random.between(-kWallStepMax_s, kWallStepMax_s);
+    peer.joins_at_s = is_late ? random.uniform(kSettled_s, 0.9 * plan_.heal_s) : random.uniform(0.0, 0.4);
+    peer.skew_ppm = static_cast<std::int64_t>(random.uniform(-1.0, 1.0) * kSkewMax_ppm);
+    peer.wall_offset_s = random.uniform(-kWallStepMax_s, kWallStepMax_s);
     return peer;
   }
 
@@ -88,31 +88,36 @@ class PlanDrawer {
   void draw_faults() {
     const auto count = static_cast<std::uint32_t>(std::max(0.0, plan_.heal_s - kSettled_s) / kFaultEvery_s);
     for (std::uint32_t number = 0; number < count; ++number) {
-      Random random(plan_.seed, kFault, number);
+      Random random = stream_of(plan_.seed, Stream::kFault, number);
       add(draw_fault(random, number));
     }
     std::uint32_t number = count;
-    Random random(plan_.seed, kRareFault);
+    Random random = stream_of(plan_.seed, Stream::kRareFault);
     const auto add_rare = [&](FaultKind kind, double at_s, double for_s, std::size_t peer) {
       Fault fault{number++, kind, at_s, for_s, peer, {}, {}, 0.0};
       if (kind == FaultKind::kPartition) fault.side = draw_side(random);
       add(fault);
     };
     if (plan_.has(Rare::kAuthorDies)) {
-      for (int i = 0; i < 3; ++i)
-        add_rare(FaultKind::kAuthorDies, a_time(random), random.between(1.0, 6.0), a_peer(random));
+      for (int i = 0; i < 3; ++i) {
+        const double at_s = a_time(random), for_s = random.uniform(1.0, 6.0);
+        add_rare(FaultKind::kAuthorDies, at_s, for_s, a_peer(random));
+      }
     }
-    if (plan_.has(Rare::kLongPartition)) add_rare(FaultKind::kPartition, a_time(random), random.between(6.0, 15.0), 0);
+    if (plan_.has(Rare::kLongPartition)) {
+      const double at_s = a_time(random), for_s = random.uniform(6.0, 15.0);
+      add_rare(FaultKind::kPartition, at_s, for_s, 0);
+    }
     if (plan_.has(Rare::kFlapping)) {
       const std::size_t peer = a_peer(random);
       double at_s = a_time(random);
-      for (int i = 0; i < 6; ++i, at_s += random.between(0.3, 2.5)) add_rare(FaultKind::kCrash, at_s, 0.1, peer);
+      for (int i = 0; i < 6; ++i, at_s += random.uniform(0.3, 2.5)) add_rare(FaultKind::kCrash, at_s, 0.1, peer);
     }
     if (plan_.has(Rare::kLoneSurvivor)) {
       const std::size_t survivor = a_peer(random);
       const double at_s = a_time(random);
       for (std::size_t peer = 0; peer < plan_.peers.size(); ++peer) {
-        if (peer != survivor) add_rare(FaultKind::kCrash, at_s, random.between(0.5, 4.0), peer);
+        if (peer != survivor) add_rare(FaultKind::kCrash, at_s, random.uniform(0.5, 4.0), peer);
       }
     }
     std::ranges::stable_sort(plan_.faults, {}, &Fault::at_s);
@@ -123,16 +128,16 @@ class PlanDrawer {
     fault.number = number;
     fault.kind = static_cast<FaultKind>(random.below(7));
     fault.at_s = a_time(random);
-    fault.for_s = random.between(0.2, 5.0);
+    fault.for_s = random.uniform(0.2, 5.0);
     fault.peer = a_peer(random);
     fault.side = draw_side(random);
     fault.links = draw_links(random, 0.5);
-    fault.step_s = random.between(-kWallStepMax_s, kWallStepMax_s);
+    fault.step_s = random.uniform(-kWallStepMax_s, kWallStepMax_s);
     return fault;
   }
 
   [[nodiscard]] double a_time(Random& random) const {
-    return random.between(std::min(kSettled_s, plan_.heal_s), plan_.heal_s);
+    return random.uniform(std::min(kSettled_s, plan_.heal_s), plan_.heal_s);
   }
   // Draws from all peers of the seed, so that a limit changes no draw. The plan leaves out what concerns others.
   [[nodiscard]] std::size_t a_peer(Random& random) const { return random.below(drawn_peers_); }
@@ -151,32 +156,39 @@ class PlanDrawer {
   void draw_edits() {
     const auto count = static_cast<std::uint32_t>(std::max(0.0, plan_.limits.seconds - kSettled_s) / kEditEvery_s);
     for (std::uint32_t number = 0; number < count; ++number) {
-      Random random(plan_.seed, kEdit, number);
+      Random random = stream_of(plan_.seed, Stream::kEdit, number);
       // The last ones come after the heal, so that the run shows that edits work again.
       const double until_s = plan_.heal_s + 2.0;
-      const double at_s = random.between(std::min(kSettled_s, until_s), until_s);
-      add(PlannedEdit{number, at_s, a_peer(random), EditKind::kAny, random.next()});
+      const double at_s = random.uniform(std::min(kSettled_s, until_s), until_s);
+      add(draw_edit(random, number, at_s, EditKind::kAny));
     }
     std::uint32_t number = count;
-    Random random(plan_.seed, kRareEdit);
+    Random random = stream_of(plan_.seed, Stream::kRareEdit);
     if (plan_.has(Rare::kLargeEdits)) {
       for (int i = 0; i < 4; ++i) {
-        add(PlannedEdit{number++, a_time(random), a_peer(random), EditKind::kLarge, random.next()});
+        const double at_s = a_time(random);
+        add(draw_edit(random, number++, at_s, EditKind::kLarge));
       }
     }
     if (plan_.has(Rare::kBurst)) {
-      add(PlannedEdit{number++, a_time(random), a_peer(random), EditKind::kBurst, random.next()});
+      const double at_s = a_time(random);
+      add(draw_edit(random, number++, at_s, EditKind::kBurst));
     }
     if (plan_.has(Rare::kOneField)) {
       for (int i = 0; i < 5; ++i) {
         const double at_s = a_time(random);
-        const std::uint64_t seed = random.next();
+        const std::uint64_t seed = random.bits();
         for (std::size_t peer = 0; peer < kPeersMin; ++peer) {
           add(PlannedEdit{number++, at_s, peer, EditKind::kOneField, seed + peer});
         }
       }
     }
     std::ranges::stable_sort(plan_.edits, {}, &PlannedEdit::at_s);
+  }
+
+  [[nodiscard]] PlannedEdit draw_edit(Random& random, std::uint32_t number, double at_s, EditKind kind) const {
+    const std::size_t peer = a_peer(random);
+    return {number, at_s, peer, kind, random.bits()};
   }
 
   void add(const PlannedEdit& edit) {
@@ -231,7 +243,9 @@ bool read_without(std::string_view list, ChaosLimits& limits) {
   constexpr std::uint32_t kNumberMax = 1'000'000;
   while (!list.empty()) {
     const std::string_view item = list.substr(0, list.find(','));
-    list.remove_prefix(std::min(list.size(), item.size() + 1));
+    list.remove_prefix(item.size());
+    if (list.size() == 1) return false;  // a comma with nothing behind it
+    list.remove_prefix(std::min<std::size_t>(list.size(), 1));
     if (item.size() < 2 || (item[0] != 'f' && item[0] != 'e')) return false;
     std::uint32_t first = 0;
     const char* const end = item.data() + item.size();

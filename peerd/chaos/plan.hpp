@@ -1,5 +1,4 @@
 #pragma once
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -72,8 +71,15 @@ struct PlannedEdit {
   std::uint64_t seed = 0;  // what is edited depends on the scene then
 };
 
+// After so long without a fault all peers are to have one scene [s].
+inline constexpr double kOneWorldWithin_s = 10.0;
+
 // The part that a run leaves out of what its seed draws.
 struct ChaosLimits {
+  // A run has that time behind the healing, and a second more in which it is checked. In a shorter one peers would be
+  // blamed for what they had no time to do.
+  static constexpr double kSecondsMin = 2.0 * (kOneWorldWithin_s + 1.0);
+
   double seconds = 60.0;             // of the run; the network heals 15 s before the end, or at half of it
   std::optional<std::size_t> peers;  // the first ones
   std::set<std::uint32_t> without_faults, without_edits;  // by number

@@ -37,8 +37,8 @@ class Shrinker {
   void shorten() {
     for (const double part : {0.25, 0.5}) {
       ChaosLimits smaller = best_.limits;
-      smaller.seconds *= part;
-      if (take(smaller)) return;
+      smaller.seconds = std::max(smaller.seconds * part, ChaosLimits::kSecondsMin);
+      if (smaller.seconds < best_.limits.seconds && take(smaller)) return;
     }
   }
 

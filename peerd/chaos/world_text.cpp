@@ -8,7 +8,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "core/scene/reader.hpp"
-#include "peerd/chaos/random.hpp"
+#include "peerd/chaos/random_stream.hpp"
+#include "peerd/node/peer_node.hpp"
 
 namespace peerd::chaos {
 namespace {
@@ -35,7 +36,7 @@ std::string wall(const char* name, double x, double z) {
 // Writes the objects one after the other.
 class WorldWriter {
  public:
-  WorldWriter(std::uint64_t seed, std::size_t peers) : random_(seed, 1) {
+  WorldWriter(std::uint64_t seed, std::size_t peers) : random_(stream_of(seed, Stream::kWorld)) {
     world_.owned.resize(peers);
     for (std::size_t i = 0; i < kColumns * kColumns + kColumns; ++i) places_.push_back(i);
     for (std::size_t i = places_.size(); i > 1; --i) std::swap(places_[i - 1], places_[random_.below(i)]);
@@ -66,24 +67,27 @@ class WorldWriter {
     return fmt::format("translation {:.3f} 0 {:.3f}", x, z);
   }
   Vec3 size() {
-    return {random_.between(0.3, kLargest_m), random_.between(0.3, kLargest_m), random_.between(0.3, kLargest_m)};
+    const double x = random_.uniform(0.3, kLargest_m), y = random_.uniform(0.3, kLargest_m);
+    return {x, y, random_.uniform(0.3, kLargest_m)};
   }
   std::string mover(const std::string& name) {
     const std::string response =
-        random_.chance(0.5) ? "" : fmt::format("responseType 2 restitution {:.2f}", random_.between(0.6, 1.0));
+        random_.chance(0.5) ? "" : fmt::format("responseType 2 restitution {:.2f}", random_.uniform(0.6, 1.0));
+    const double vx = random_.uniform(-3.0, 3.0), vz = random_.uniform(-3.0, 3.0);
     text_ += box(name,
                  fmt::format("{} velocityVector {:.3f} 0 {:.3f} distanceThreshold 0.1 collisionResponse "
                              "CollisionResponse {{ {} }}",
-                             place(), random_.between(-3.0, 3.0), random_.between(-3.0, 3.0), response),
+                             place(), vx, vz, response),
                  size());
     movers_.push_back(name);
     return name;
   }
   std::string loose(const std::string& name) {
+    const double mass = random_.uniform(0.5, 3.0), friction = random_.uniform(0.2, 1.0);
     text_ += box(name,
                  fmt::format("{} collisionResponse CollisionResponse {{ responseType 2 mass {:.2f} restitution 0.8 "
                              "friction {:.2f} }}",
-                             place(), random_.between(0.5, 3.0), random_.between(0.2, 1.0)),
+                             place(), mass, friction),
                  size());
     return name;
   }
@@ -94,8 +98,9 @@ class WorldWriter {
       text_ += box(name, where, size());
       return name;
     }
-    text_ += fmt::format("DEF {} Transform {{ {} children [\n{}{}] }}\n", name, where, box(name + "P", "", size()),
-                         box(name + "Q", "translation 0 0.9 0", size()));
+    const Vec3 below = size(), above = size();
+    text_ += fmt::format("DEF {} Transform {{ {} children [\n{}{}] }}\n", name, where, box(name + "P", "", below),
+                         box(name + "Q", "translation 0 0.9 0", above));
     return name;
   }
   void interest(const std::string& in, const std::string& others) {

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "peerd/node/peer_node.hpp"
+namespace peerd {
+struct SharedWorld;
+}
 
 namespace peerd::chaos {
 

@@ -21,6 +21,9 @@ namespace {
 
 constexpr std::size_t kShrinkRunsMax = 120;
 constexpr std::size_t kShrunkMax = 3;  // seeds
+static_assert(kChaosSecondsMin == chaos::ChaosLimits::kSecondsMin);
+
+using Simulate = std::function<chaos::ChaosReport(const chaos::ChaosPlan&)>;
 
 struct Seeds {
   std::uint64_t first = 0, last = 0;
@@ -61,23 +64,25 @@ nlohmann::ordered_json as_json(const chaos::ChaosReport& report) {
 // Runs the seeds one after the other, until a signal stops it.
 class ChaosCommand {
  public:
-  ChaosCommand(const ChaosOptions& options, const chaos::ChaosLimits& limits) : options_(options), limits_(limits) {}
+  ChaosCommand(const ChaosOptions& options, const chaos::ChaosLimits& limits, const Simulate& simulate,
+               const StopSignals& signals)
+      : options_(options), limits_(limits), simulate_(simulate), signals_(signals) {}
 
-  int run(const Seeds& seeds, const StopSignals& signals) {
+  int run(const Seeds& seeds) {
     const auto begun = std::chrono::steady_clock::now();
-    for (std::uint64_t seed = seeds.first; seed <= seeds.last && signals.signal() == 0; ++seed) {
+    for (std::uint64_t seed = seeds.first; seed <= seeds.last && signals_.signal() == 0; ++seed) {
       run_one(seed);
       if (seed == seeds.last) break;  // the last of all numbers has no successor
     }
     const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
     if (!options_.json) print_sum(took_s);
-    if (signals.signal() != 0) return signals.exit_code();
+    if (signals_.signal() != 0) return signals_.exit_code();
     return failed_ > 0 ? 1 : 0;
   }
 
  private:
   void run_one(std::uint64_t seed) {
-    const chaos::ChaosReport report = chaos::run_chaos(chaos::draw_plan(seed, limits_));
+    const chaos::ChaosReport report = simulate_(chaos::draw_plan(seed, limits_));
     ++runs_;
     for (const auto& [branch, times] : report.branches) {
       if (times == 0) continue;
@@ -99,13 +104,15 @@ class ChaosCommand {
   }
 
   void shrink(std::uint64_t seed, std::ostream& out) {
+    // After a signal no run fails, so that what has been found so far is printed.
     const auto fails = [&](const chaos::ChaosLimits& limits) {
-      return !chaos::run_chaos(chaos::draw_plan(seed, limits)).violations.empty();
+      return signals_.signal() == 0 && !simulate_(chaos::draw_plan(seed, limits)).violations.empty();
     };
     const chaos::Shrunk shrunk = chaos::shrink(seed, limits_, fails, kShrinkRunsMax);
     const chaos::ChaosPlan plan = chaos::draw_plan(seed, shrunk.limits);
-    out << fmt::format("  smaller, with {} peers, {} faults and {} edits ({} runs): peerd sim {}", plan.peers.size(),
-                       plan.faults.size(), plan.edits.size(), shrunk.runs, chaos::options_of(seed, shrunk.limits))
+    out << fmt::format("  smaller, with {}, {} and {} ({}): peerd sim {}", counted(plan.peers.size(), "peer"),
+                       counted(plan.faults.size(), "fault"), counted(plan.edits.size(), "edit"),
+                       counted(shrunk.runs, "run"), chaos::options_of(seed, shrunk.limits))
         << '\n'
         << std::flush;
   }
@@ -136,6 +143,8 @@ class ChaosCommand {
 
   const ChaosOptions& options_;
   const chaos::ChaosLimits& limits_;
+  const Simulate& simulate_;
+  const StopSignals& signals_;
   std::uint64_t runs_ = 0, failed_ = 0;
   double latest_s_ = 0.0;
   std::map<std::string, std::pair<std::uint64_t, std::uint64_t>> taken_;  // times, and seeds
@@ -143,7 +152,9 @@ class ChaosCommand {
 
 }  // namespace
 
-int run_chaos_seeds(const ChaosOptions& options) {
+int run_chaos_seeds(const ChaosOptions& options) { return run_chaos_seeds(options, chaos::run_chaos); }
+
+int run_chaos_seeds(const ChaosOptions& options, const Simulate& simulate) {
   StopSignals signals("stopped before the first seed");
   const auto seeds = read_seeds(options);
   if (!seeds) return failed({"error: --chaos " + options.seeds + ": write a seed, or FIRST..LAST without --count", 2});
@@ -154,7 +165,7 @@ int run_chaos_seeds(const ChaosOptions& options) {
     return failed({"error: --chaos-without " + options.without + ": write a list such as f3,e7,e10-20", 2});
   }
   signals.note_from_now_on("stopped at once by a second signal");
-  return ChaosCommand(options, limits).run(*seeds, signals);
+  return ChaosCommand(options, limits, simulate, signals).run(*seeds);
 }
 
 }  // namespace peerd

@@ -1,9 +1,18 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
+namespace peerd::chaos {
+struct ChaosPlan;
+struct ChaosReport;
+}  // namespace peerd::chaos
+
 namespace peerd {
+
+// The shortest run of `peerd sim --chaos` [s]: behind the healing, peers have the time to do what they must.
+inline constexpr double kChaosSecondsMin = 22.0;
 
 // The options of `peerd sim --chaos`.
 struct ChaosOptions {
@@ -19,5 +28,8 @@ struct ChaosOptions {
 // `peerd sim --chaos`: peers that edit a world while everything fails that can, one run for each seed. A violation of
 // what must hold is a finding.
 [[nodiscard]] int run_chaos_seeds(const ChaosOptions& options);
+// The same with another simulation.
+[[nodiscard]] int run_chaos_seeds(const ChaosOptions& options,
+                                  const std::function<chaos::ChaosReport(const chaos::ChaosPlan&)>& simulate);
 
 }  // namespace peerd

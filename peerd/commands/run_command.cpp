@@ -236,6 +236,19 @@ std::string store_line(const store::OperationStore& store, const std::filesystem
                      counted(operations, "operation"), counted(store.logs().size(), "author"), store.author().value);
 }
 
+// Locks the folder of the store, and puts aside what is in it where it is to be a fresh one.
+Result<store::FolderLock> lock_store(const StoreOptions& options, const std::filesystem::path& folder, bool by_default,
+                                     std::vector<LogLine>& lines) {
+  const auto lock_again = [&] { return by_default ? store::lock_first_free(folder) : store::lock_folder(folder); };
+  auto lock = lock_again();
+  if (!lock || !options.fresh) return lock;
+  const auto locked = lock->folder();
+  const auto aside = store::put_aside(*std::move(lock));
+  if (!aside) return std::unexpected(aside.error());
+  if (*aside) lines.push_back({LogLevel::kInfo, "the store before is now " + (*aside)->string()});
+  return by_default ? lock_again() : store::lock_folder(locked);
+}
+
 // Nobody has asked for the store of a peer that has one by default: where it can't be made, the peer runs without.
 Result<OpenedStore> open_store(const StoreOptions& options, std::uint64_t genesis, const std::string& peer) {
   OpenedStore opened;
@@ -245,22 +258,28 @@ Result<OpenedStore> open_store(const StoreOptions& options, std::uint64_t genesi
     opened.lines.push_back({LogLevel::kWarning, "runs without a store: this user has no home; say --store DIR"});
   }
   if (!folder || folder->empty()) return opened;
-  if (options.fresh) {
-    const auto aside = store::put_aside(*folder);
-    if (!aside) return std::unexpected(aside.error());
-    if (*aside) opened.lines.push_back({LogLevel::kInfo, "the store before is now " + (*aside)->string()});
-  }
   std::random_device random;
   std::uniform_int_distribution<std::uint32_t> authors(1, replication::kAuthorMax);
-  auto store = store::OperationStore::open(*folder, genesis, replication::AuthorId{authors(random)});
-  if (!store && by_default && !store::OperationStore::exists(*folder)) {
+  auto lock = lock_store(options, *folder, by_default, opened.lines);
+  const std::filesystem::path at = lock ? lock->folder() : *folder;
+  auto store = lock ? store::OperationStore::open(*std::move(lock), genesis, replication::AuthorId{authors(random)})
+                    : std::unexpected(lock.error());
+  if (!store && by_default && !store::OperationStore::exists(at)) {
     opened.lines.push_back({LogLevel::kWarning, "runs without a store: " + store.error().text});
     return opened;
   }
   if (!store) return std::unexpected(store.error());
   opened.store = *std::move(store);
-  opened.folder = *folder;
-  opened.lines.push_back({LogLevel::kInfo, store_line(*opened.store, *folder)});
+  opened.folder = at;
+  opened.lines.push_back({LogLevel::kInfo, store_line(*opened.store, at)});
+  if (opened.store->is_copy()) {
+    opened.lines.push_back(
+        {LogLevel::kWarning,
+         "the store is a copy, or an older one that was put back: this peer begins a log of its own"});
+  }
+  if (!opened.store->author_error().empty()) {
+    opened.lines.push_back({LogLevel::kWarning, opened.store->author_error()});
+  }
   opened.log = opened.store->take_log();
   return opened;
 }
@@ -365,7 +384,7 @@ Result<void> fill_store(const PeerOptions& options, PeerParts& parts, config::Pe
                                   world.archive};
   if (auto written = store::write_world(parts.opened.folder, stored); !written) return written;
   if (!options.keeps_id) return {};
-  const auto id = store::identity_in(parts.opened.folder, PeerId{settings.id});
+  const auto id = store::identity_in(parts.opened.folder, PeerId{settings.id}, parts.opened.store->is_copy());
   if (!id) return std::unexpected(id.error());
   settings.id = id->value;
   return {};

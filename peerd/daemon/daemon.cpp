@@ -258,7 +258,11 @@ void Daemon::leave() {
   if (capture_) capture_->on_leave(at);
   node_.leave(at);
   drain();
-  (void)store_growth();
+  if (!store_growth() || !unstored_.empty()) {
+    log_({LogLevel::kError,
+          fmt::format("leaves with {} bytes of edits that its store does not have", unstored_.bytes())});
+    exit_code_ = kEnvironment;
+  }
   stop();
 }
 
@@ -315,7 +319,7 @@ void Daemon::drain() {
 // Returns whether it is of this peer's own log.
 bool Daemon::note_growth(const replication::LogGrown& grown) {
   assert(store_ != nullptr);
-  unstored_.push_back(grown);
+  unstored_.add({grown.range, grown.last});
   if (grown.range.author == store_->author()) return true;
   store_due_ = std::min(store_due_, clock_.now() + kStoredWithin);
   return false;
@@ -323,25 +327,30 @@ bool Daemon::note_growth(const replication::LogGrown& grown) {
 
 bool Daemon::store_growth() {
   store_due_ = HostTime::max();
-  if (store_ == nullptr || unstored_.empty()) return true;
-  std::vector<replication::OperationPart> parts;
-  for (const replication::LogGrown& grown : unstored_) {
-    const auto bytes = node_.peer().log_bytes(grown.range);
-    assert(bytes.size() == grown.range.to - grown.range.from);
-    parts.push_back({grown.range.author, grown.range.from, {bytes.begin(), bytes.end()}});
+  while (!unstored_.empty()) {
+    const auto batch = unstored_.next_batch();
+    std::vector<replication::OperationPart> parts;
+    for (const auto& grown : batch) {
+      const auto bytes = node_.peer().log_bytes(grown.range);
+      assert(bytes.size() == grown.range.to - grown.range.from);
+      parts.push_back({grown.range.author, grown.range.from, {bytes.begin(), bytes.end()}});
+    }
+    if (const auto stored = store_->append(parts); !stored) {
+      node_.note_store_failed();
+      if (store_->must_stop()) exit_code_ = kEnvironment;
+      if (!std::exchange(store_fails_, true) || store_->must_stop()) log_({LogLevel::kError, stored.error().text});
+      store_due_ = clock_.now() + kStoreTriedAgainAfter;
+      return !store_->must_stop();
+    }
+    for (const auto& grown : batch) {
+      if (grown.range.author == store_->author()) node_.note_stored(grown.last);
+    }
+    unstored_.drop(batch.size());
   }
-  if (const auto stored = store_->append(parts); !stored) {
-    node_.note_store_failed();
-    if (store_->must_stop()) exit_code_ = kEnvironment;
-    if (!std::exchange(store_fails_, true) || store_->must_stop()) log_({LogLevel::kError, stored.error().text});
-    store_due_ = clock_.now() + kStoreTriedAgainAfter;
-    return !store_->must_stop();
+  if (std::exchange(store_fails_, false)) {
+    log_({LogLevel::kInfo, "the store can be written again, and has all"});
+    if (!store_->author_error().empty()) log_({LogLevel::kWarning, store_->author_error()});
   }
-  if (std::exchange(store_fails_, false)) log_({LogLevel::kInfo, "the store can be written again, and has all"});
-  for (const replication::LogGrown& grown : unstored_) {
-    if (grown.range.author == store_->author()) node_.note_stored(grown.last);
-  }
-  unstored_.clear();
   return true;
 }
 

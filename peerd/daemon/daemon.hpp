@@ -17,6 +17,7 @@
 #include "peerd/os/host_clock.hpp"
 #include "peerd/record/capture.hpp"
 #include "peerd/store/operation_store.hpp"
+#include "peerd/store/unstored_growth.hpp"
 #include "peerd/transport/transport.hpp"
 #include "replication/output/output.hpp"
 #include "replication/session/identity.hpp"
@@ -110,8 +111,8 @@ class Daemon {
   std::optional<Duration> leave_after_;
   std::optional<replication::IdentityQuestion> question_;  // is being asked: the peer has not begun
   store::OperationStore* store_ = nullptr;                 // null: none
-  std::vector<replication::LogGrown> unstored_;            // in order
-  HostTime store_due_ = HostTime::max();                   // of what is unstored
+  store::UnstoredGrowth unstored_;
+  HostTime store_due_ = HostTime::max();  // of what is unstored
   bool store_fails_ = false;
   record::CaptureWriter* capture_;  // null: none, or it has failed
   std::function<void()> received_handler_;

@@ -26,6 +26,7 @@ class Random {
     for (int i = 0; i < 12; ++i) sum += uniform();
     return sum;
   }
+  bool chance(double probability) { return uniform() < probability; }
   // An integer from 0 to count - 1.
   std::uint64_t below(std::uint64_t count) { return bits() % count; }
 

@@ -1,15 +1,28 @@
 #include "peerd/store/database.hpp"
 
 #include <cassert>
+#include <cstring>
+#include <system_error>
 
+#include <spdlog/fmt/fmt.h>
 #include <sqlite3.h>
 
 namespace peerd::store {
 namespace {
 
+// Of an error of the operating system, SQLite's own words say neither which nor why.
 DatabaseError sqlite_error(sqlite3* database) {
   assert(database != nullptr);
-  return {sqlite3_errcode(database) & 0xFF, sqlite3_errmsg(database)};
+  const int code = sqlite3_errcode(database) & 0xFF;
+  std::string text = sqlite3_errmsg(database);
+  const int why = sqlite3_system_errno(database);
+  if ((code == SQLITE_IOERR || code == SQLITE_CANTOPEN) && why != 0) text += fmt::format(" ({})", std::strerror(why));
+  return {code, text};
+}
+
+DatabaseResult<void> set_checkpoint_on_close(sqlite3* database, bool does) {
+  if (sqlite3_db_config(database, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, does ? 0 : 1, nullptr) == SQLITE_OK) return {};
+  return std::unexpected(sqlite_error(database));
 }
 
 }  // namespace
@@ -20,17 +33,21 @@ bool DatabaseError::is_corrupt() const { return code == SQLITE_CORRUPT || code =
 void Statement::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 
 void Statement::bind(int parameter, std::int64_t value) {
-  [[maybe_unused]] const int code = sqlite3_bind_int64(statement_.get(), parameter + 1, value);
-  assert(code == SQLITE_OK);
+  note_bound(sqlite3_bind_int64(statement_.get(), parameter + 1, value));
 }
 
 void Statement::bind(int parameter, std::span<const std::byte> bytes) {
-  [[maybe_unused]] const int code =
-      sqlite3_bind_blob64(statement_.get(), parameter + 1, bytes.data(), bytes.size(), SQLITE_STATIC);
-  assert(code == SQLITE_OK);
+  note_bound(sqlite3_bind_blob64(statement_.get(), parameter + 1, bytes.data(), bytes.size(), SQLITE_STATIC));
+}
+
+// A value that is too large for SQLite, or for the memory.
+void Statement::note_bound(int code) {
+  assert(code != SQLITE_RANGE && code != SQLITE_MISUSE);
+  if (code != SQLITE_OK) unbound_ = sqlite_error(sqlite3_db_handle(statement_.get()));
 }
 
 DatabaseResult<bool> Statement::step() {
+  if (const auto unbound = std::exchange(unbound_, std::nullopt)) return std::unexpected(*unbound);
   const int code = sqlite3_step(statement_.get());
   if (code == SQLITE_ROW) return true;
   if (code == SQLITE_DONE) {
@@ -65,11 +82,26 @@ DatabaseResult<Database> Database::open(const std::filesystem::path& file, bool 
   if (opened == nullptr) return std::unexpected(DatabaseError{SQLITE_NOMEM, "there is no memory for it"});
   Database database(opened);
   if (code != SQLITE_OK) return std::unexpected(sqlite_error(opened));
-  for (const char* const sql : {"PRAGMA locking_mode = EXCLUSIVE", "PRAGMA journal_mode = WAL",
-                                "PRAGMA synchronous = FULL", "BEGIN EXCLUSIVE", "COMMIT"}) {
+  // Where nothing is written ahead, closing changes nothing and removes the empty file that opening has made.
+  std::error_code failed;
+  const bool is_ahead = std::filesystem::file_size(file.string() + "-wal", failed) > 0 && !failed;
+  if (is_ahead && !may_create) {
+    if (const auto set = set_checkpoint_on_close(opened, false); !set) return std::unexpected(set.error());
+  }
+  for (const char* const sql : {"PRAGMA locking_mode = EXCLUSIVE", "BEGIN EXCLUSIVE", "COMMIT"}) {
     if (const auto done = database.run(sql); !done) return std::unexpected(done.error());
   }
+  if (may_create) {
+    if (const auto accepted = database.accept(); !accepted) return std::unexpected(accepted.error());
+  }
   return database;
+}
+
+DatabaseResult<void> Database::accept() {
+  for (const char* const sql : {"PRAGMA journal_mode = WAL", "PRAGMA synchronous = FULL"}) {
+    if (const auto done = run(sql); !done) return done;
+  }
+  return set_checkpoint_on_close(database_.get(), true);
 }
 
 DatabaseResult<void> Database::run(const char* sql) {

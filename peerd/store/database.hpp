@@ -4,6 +4,7 @@
 #include <expected>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -24,7 +25,8 @@ struct DatabaseError {
 template <class T>
 using DatabaseResult = std::expected<T, DatabaseError>;
 
-// A statement of SQL, compiled once. Columns and parameters count from 0.
+// A statement of SQL, compiled once. Columns and parameters count from 0. A parameter that could not be bound is an
+// error of the next step.
 class Statement {
  public:
   void bind(int parameter, std::int64_t value);
@@ -43,15 +45,23 @@ class Statement {
   };
   explicit Statement(sqlite3_stmt* statement) : statement_(statement) {}
 
+  void note_bound(int code);
+
   std::unique_ptr<sqlite3_stmt, Finalize> statement_;
+  std::optional<DatabaseError> unbound_;
 };
 
 // A file of SQLite that this process has for itself: written ahead (WAL), and synchronised with the disk by each
 // transaction.
 class Database {
  public:
-  // Makes the file where `may_create`; else there must be one. Another process that has it is an error, at once.
+  // Makes the file where `may_create`; else there must be one, which stays byte for byte as it is, and so does what is
+  // written ahead of it, until accept(). Another process that has it is an error, at once.
   [[nodiscard]] static DatabaseResult<Database> open(const std::filesystem::path& file, bool may_create);
+
+  // The file is one of ours: it may be written from now on, and when it is closed, all that is written ahead goes
+  // there.
+  [[nodiscard]] DatabaseResult<void> accept();
 
   [[nodiscard]] DatabaseResult<void> run(const char* sql);
   [[nodiscard]] DatabaseResult<Statement> prepare(std::string_view sql);

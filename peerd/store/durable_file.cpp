@@ -7,6 +7,8 @@
 #include <cstring>
 #include <string>
 
+#include "peerd/store/synchronise.hpp"
+
 namespace peerd::store {
 namespace {
 
@@ -19,14 +21,6 @@ int write_all(int fd, std::string_view bytes) {
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
   return fsync(fd) == 0 ? 0 : errno;
-}
-
-int synchronise_folder(const std::filesystem::path& folder) {
-  const int fd = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd < 0) return errno;
-  const int failed = fsync(fd) == 0 ? 0 : errno;
-  close(fd);
-  return failed;
 }
 
 }  // namespace
@@ -42,7 +36,7 @@ Result<void> write_durably(const std::filesystem::path& file, std::string_view b
   int failed = write_all(fd, bytes);
   if (close(fd) != 0 && failed == 0) failed = errno;
   if (failed == 0 && rename(unfinished.c_str(), file.c_str()) != 0) failed = errno;
-  if (failed == 0) failed = synchronise_folder(file.parent_path().empty() ? "." : file.parent_path());
+  if (failed == 0) failed = synchronise(file.has_parent_path() ? file.parent_path() : ".").value();
   if (failed != 0) return cannot(failed);
   return {};
 }

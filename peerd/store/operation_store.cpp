@@ -3,19 +3,21 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
-#include <fstream>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
 
-#include "peerd/input/text_file.hpp"
+#include "peerd/store/author_file.hpp"
+#include "peerd/store/store_error.hpp"
+#include "peerd/store/stored_world.hpp"
+#include "peerd/store/synchronise.hpp"
 #include "replication/operations/operation_log.hpp"
 
 namespace peerd::store {
@@ -28,10 +30,8 @@ using replication::OperationPart;
 // The file says by this number whose it is ("peer", in ASCII).
 constexpr std::int64_t kApplication = 0x70656572;
 constexpr const char* kFile = "operations.sqlite";
-constexpr const char* kAuthorFile = "author";
 // A store that is being made has this name until it is whole.
 constexpr const char* kUnfinished = "operations.sqlite.new";
-constexpr SizeLimit kAuthorLimit{64, "this is not the author of a store", 3};
 
 // A checksum of what a row has (FNV-1a): SQLite's own checks see no byte that has changed within a part.
 std::int64_t checksum(AuthorId author, std::uint64_t from, std::span<const std::byte> bytes) {
@@ -41,15 +41,6 @@ std::int64_t checksum(AuthorId author, std::uint64_t from, std::span<const std::
   for (int shift = 0; shift < 64; shift += 8) add(from >> shift & 0xFFU);
   for (const std::byte byte : bytes) add(std::to_integer<std::uint64_t>(byte));
   return static_cast<std::int64_t>(hash);
-}
-
-// The contents of this file or folder outlast a power cut.
-bool synchronise(const fs::path& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return false;
-  const bool done = ::fsync(file) == 0;
-  ::close(file);
-  return done;
 }
 
 DatabaseResult<void> make_file(const fs::path& file, std::uint64_t genesis) {
@@ -74,33 +65,49 @@ DatabaseResult<void> make_file(const fs::path& file, std::uint64_t genesis) {
   return {};
 }
 
-// Whether the file has the header of a database of this program (SQLite's file format, 1.3). SQLite would take an empty
-// file for a new one, and change another program's.
-bool begins_as_store(const fs::path& file) {
-  std::array<char, 100> header{};
-  std::ifstream in(file, std::ios::binary);
-  if (!in.read(header.data(), header.size())) return false;
-  std::uint32_t application = 0;
-  for (std::size_t i = 68; i < 72; ++i) application = application << 8 | static_cast<unsigned char>(header[i]);
-  return std::string_view(header.data(), 16) == std::string_view("SQLite format 3\0", 16) &&
-         application == kApplication;
-}
-
-InputError store_error(const fs::path& folder, const std::string& sentence, int exit_code) {
-  return {"error: the store " + folder.string() + " " + sentence, exit_code};
-}
-
-// A copy whose author went on writing elsewhere would contradict that log: a copy's peer begins one of its own.
 InputError damage(const fs::path& folder, const std::string& what) {
-  return store_error(folder, "is damaged: " + what + "; put a copy of it in its place, without the file `author`", 1);
+  return store_error(folder, "is damaged: " + what + "; put a copy of it in its place", 1);
 }
 
-InputError store_error(const fs::path& folder, const DatabaseError& why) {
-  if (why.is_busy()) {
-    return store_error(folder, "is in use by another process; end that one, or give this peer a store of its own", 3);
-  }
+InputError database_error(const fs::path& folder, const DatabaseError& why) {
+  if (why.is_busy()) return in_use(folder);
   if (why.is_corrupt()) return damage(folder, why.text);
   return store_error(folder, "cannot be used: " + why.text, 3);
+}
+
+InputError lock_error(const fs::path& folder, const LockError& why) {
+  switch (why.why) {
+    case LockError::Why::kInUse:
+      return in_use(folder);
+    case LockError::Why::kMissing:
+      return {"error: there is no store in " + folder.string(), 2};
+    case LockError::Why::kFailed:
+      break;
+  }
+  return store_error(folder, "cannot be used: " + why.text, 3);
+}
+
+// Makes the store's file. It gets its name once it is whole, so that whatever has this name is a store, or a damaged
+// one. The folder is locked.
+Result<void> make_store(const fs::path& folder, std::uint64_t genesis) {
+  const auto cannot = [&](const std::string& why) {
+    return std::unexpected(store_error(folder, "cannot be made: " + why, 3));
+  };
+  std::error_code failed;
+  for (const char* const left : {"-wal", "-shm", "-journal"}) {
+    const bool is_left = fs::exists(folder / (std::string(kFile) + left), failed);
+    if (failed) return cannot(failed.message());
+    if (is_left) return cannot("there is " + std::string(kFile) + left + ", of a store whose file is gone");
+  }
+  for (const char* const left : {"", "-wal", "-journal"}) {
+    fs::remove(folder / (kUnfinished + std::string(left)), failed);
+    if (failed) return cannot(failed.message());
+  }
+  if (const auto made = make_file(folder / kUnfinished, genesis); !made) return cannot(made.error().text);
+  fs::rename(folder / kUnfinished, folder / kFile, failed);
+  if (!failed) failed = synchronise(folder);
+  if (failed) return cannot(failed.message());
+  return {};
 }
 
 }  // namespace
@@ -109,53 +116,45 @@ InputError OperationStore::error(const std::string& sentence, int exit_code) con
   return store_error(folder_, sentence, exit_code);
 }
 
-InputError OperationStore::error(const DatabaseError& why) const { return store_error(folder_, why); }
+InputError OperationStore::error(const DatabaseError& why) const { return database_error(folder_, why); }
 
-// The file gets its name once it is whole, so that whatever has this name is a store, or a damaged one.
+Result<std::unique_ptr<OperationStore>> OperationStore::open(FolderLock folder, std::uint64_t genesis, AuthorId fresh) {
+  assert(fresh != replication::kNoAuthor && fresh.value <= replication::kAuthorMax);
+  const fs::path at = folder.folder();
+  std::error_code failed;
+  const bool is_there = fs::exists(at / kFile, failed);
+  if (failed) return std::unexpected(store_error(at, "cannot be used: " + failed.message(), 3));
+  if (!is_there) {
+    if (const auto made = make_store(at, genesis); !made) return std::unexpected(made.error());
+  }
+  auto opened = open_existing(std::move(folder));
+  if (!opened) return opened;
+  OperationStore& store = **opened;
+  if (store.genesis_ != genesis) {
+    return std::unexpected(store.error(
+        fmt::format("is of another world: that of the hash {:016x}, and this one has {:016x}", store.genesis_, genesis),
+        2));
+  }
+  if (const auto accepted = store.database_.accept(); !accepted) return std::unexpected(store.error(accepted.error()));
+  if (store.author_ == replication::kNoAuthor) store.author_ = fresh;
+  // A file that is made anew with each opening tells an older one that is put back in its place. On a full disk it is
+  // the one from before, or none, so that the next life begins a log of its own: author_error() says so.
+  (void)store.write_author();
+  return opened;
+}
+
 Result<std::unique_ptr<OperationStore>> OperationStore::open(const fs::path& folder, std::uint64_t genesis,
                                                              AuthorId fresh) {
-  assert(fresh != replication::kNoAuthor && fresh.value <= replication::kAuthorMax);
-  std::error_code failed;
-  fs::create_directories(folder, failed);
-  const auto cannot = [&](const std::string& why) {
-    return std::unexpected(InputError{"error: the store " + folder.string() + " cannot be made: " + why, 3});
-  };
-  if (failed) return cannot(failed.message());
-  if (!fs::exists(folder / kFile, failed)) {
-    if (failed) return cannot(failed.message());
-    for (const char* const left : {"-wal", "-shm", "-journal"}) {
-      if (fs::exists(folder / (std::string(kFile) + left), failed)) {
-        return cannot("there is " + std::string(kFile) + left + ", of a store whose file is gone");
-      }
-    }
-    for (const char* const left : {"", "-wal", "-journal"})
-      fs::remove(folder / (kUnfinished + std::string(left)), failed);
-    if (const auto made = make_file(folder / kUnfinished, genesis); !made) return cannot(made.error().text);
-    fs::rename(folder / kUnfinished, folder / kFile, failed);
-    if (failed) return cannot(failed.message());
-    if (!synchronise(folder)) return cannot(std::strerror(errno));
-  }
-  auto store = open_existing(folder);
-  if (!store) return store;
-  if ((*store)->genesis_ != genesis) {
-    return std::unexpected(
-        (*store)->error(fmt::format("is of another world: that of the hash {:016x}, and this one has {:016x}",
-                                    (*store)->genesis_, genesis),
-                        2));
-  }
-  if ((*store)->author_ == replication::kNoAuthor) {
-    (*store)->author_ = fresh;
-    if (const auto written = (*store)->write_author(); !written) return std::unexpected(written.error());
-  }
-  return store;
+  auto lock = FolderLock::take(folder, FolderLock::Making::kFolders);
+  if (!lock) return std::unexpected(lock_error(folder, lock.error()));
+  return open(*std::move(lock), genesis, fresh);
 }
 
 Result<std::unique_ptr<OperationStore>> OperationStore::open(const fs::path& folder) {
-  std::error_code failed;
-  if (!fs::exists(folder / kFile, failed)) {
-    return std::unexpected(InputError{"error: there is no store in " + folder.string(), 2});
-  }
-  return open_existing(folder);
+  auto lock = FolderLock::take(folder, FolderLock::Making::kNone);
+  if (!lock) return std::unexpected(lock_error(folder, lock.error()));
+  if (!exists(folder)) return std::unexpected(lock_error(folder, {LockError::Why::kMissing, {}}));
+  return open_existing(*std::move(lock));
 }
 
 // If that cannot be told, there may be one.
@@ -164,19 +163,46 @@ bool OperationStore::exists(const fs::path& folder) {
   return fs::exists(folder / kFile, failed) || failed;
 }
 
-bool OperationStore::is_in_use(const fs::path& folder) {
-  if (!begins_as_store(folder / kFile)) return false;
-  const auto database = Database::open(folder / kFile, false);
-  return !database && database.error().is_busy();
+// Reads the header of the file (SQLite's file format, 1.3). SQLite would take an empty file for a new one, and change
+// another program's.
+Result<void> OperationStore::check_file(const fs::path& folder) {
+  const int file = ::open((folder / kFile).c_str(), O_RDONLY | O_CLOEXEC);
+  std::array<char, 100> header{};
+  const ssize_t size = file < 0 ? -1 : ::pread(file, header.data(), header.size(), 0);
+  const int why = errno;
+  if (file >= 0) ::close(file);
+  if (size < 0) {
+    return std::unexpected(
+        store_error(folder, fmt::format("cannot be read: its file {}: {}", kFile, std::strerror(why)), 3));
+  }
+  if (static_cast<std::size_t>(size) < header.size() ||
+      std::string_view(header.data(), 16) != std::string_view("SQLite format 3\0", 16)) {
+    return std::unexpected(damage(folder, fmt::format("its file {} is empty, or another program's", kFile)));
+  }
+  std::uint32_t application = 0;
+  for (std::size_t i = 68; i < 72; ++i) application = application << 8 | static_cast<unsigned char>(header[i]);
+  if (application != kApplication) {
+    return std::unexpected(store_error(folder, fmt::format("is none: its file {} is another program's", kFile), 2));
+  }
+  return {};
 }
 
-Result<std::unique_ptr<OperationStore>> OperationStore::open_existing(const fs::path& folder) {
-  if (!begins_as_store(folder / kFile)) {
-    return std::unexpected(damage(folder, "its file is empty, or another program's"));
+bool OperationStore::is_own_file(std::string_view name) {
+  for (const std::string_view file : {std::string_view(kFile), std::string_view(kUnfinished)}) {
+    if (!name.starts_with(file)) continue;
+    const std::string_view end = name.substr(file.size());
+    if (end.empty() || end == "-wal" || end == "-shm" || end == "-journal") return true;
   }
+  if (name.ends_with(".new")) name.remove_suffix(4);  // one that is being made
+  return name == kAuthorFile || std::ranges::find(kWorldFiles, name) != kWorldFiles.end();
+}
+
+Result<std::unique_ptr<OperationStore>> OperationStore::open_existing(FolderLock lock) {
+  const fs::path folder = lock.folder();
+  if (const auto good = check_file(folder); !good) return std::unexpected(good.error());
   auto database = Database::open(folder / kFile, false);
-  if (!database) return std::unexpected(store_error(folder, database.error()));
-  std::unique_ptr<OperationStore> store(new OperationStore(folder, *std::move(database)));
+  if (!database) return std::unexpected(database_error(folder, database.error()));
+  std::unique_ptr<OperationStore> store(new OperationStore(std::move(lock), *std::move(database)));
   if (const auto read = store->read(); !read) return std::unexpected(read.error());
   return store;
 }
@@ -230,32 +256,26 @@ Result<void> OperationStore::read_parts() {
   return {};
 }
 
+std::uint64_t OperationStore::own_bytes() const {
+  const auto own = std::ranges::find(logs_, author_, &StoredLog::author);
+  return own == logs_.end() ? 0 : own->bytes;
+}
+
 Result<void> OperationStore::read_author() {
-  std::error_code failed;
-  if (!fs::exists(folder_ / kAuthorFile, failed)) return {};
-  const auto text = read_text_file(folder_ / kAuthorFile, kAuthorLimit);
-  if (!text) return std::unexpected(text.error());
-  std::uint32_t number = 0;
-  const auto [end, wrong] = std::from_chars(text->data(), text->data() + text->size(), number);
-  if (wrong != std::errc() || std::string_view(end) != "\n" || number == 0 || number > replication::kAuthorMax) {
-    return std::unexpected(
-        error("is damaged: its file `author` is not a number; without that file, the peer begins a "
-              "log of its own",
-              1));
-  }
-  author_ = AuthorId{number};
-  author_is_noted_ = true;
+  const auto stored = store::read_author(folder_, folder_ / kFile);
+  if (!stored) return std::unexpected(stored.error());
+  if (!*stored) return {};
+  author_ = (*stored)->author;
+  is_copy_ = !(*stored)->is_original || own_bytes() < (*stored)->log_bytes;
+  if (is_copy_) author_ = replication::kNoAuthor;
   return {};
 }
 
 Result<void> OperationStore::write_author() {
-  const fs::path unfinished = folder_ / (std::string(kAuthorFile) + ".new");
-  if (const auto written = write_text_file(unfinished, std::to_string(author_.value) + "\n"); !written) return written;
-  std::error_code failed;
-  if (synchronise(unfinished)) fs::rename(unfinished, folder_ / kAuthorFile, failed);
-  if (failed || !synchronise(folder_)) return std::unexpected(error("cannot be written: its file `author`", 3));
-  author_is_noted_ = true;
-  return {};
+  const auto written = store::write_author(folder_, folder_ / kFile, author_, own_bytes());
+  author_is_noted_ = written.has_value();
+  author_error_ = written ? "" : written.error().text;
+  return written;
 }
 
 DatabaseResult<void> OperationStore::insert(std::span<const OperationPart> parts) {
@@ -272,22 +292,23 @@ DatabaseResult<void> OperationStore::insert(std::span<const OperationPart> parts
   return database_.run("COMMIT");
 }
 
+// After a failure the file `author` may be there even where it was not written for good, so it is removed in any case.
+// That takes no room on a full disk.
 Result<void> OperationStore::append(std::span<const OperationPart> parts) {
   if (parts.empty()) return {};
   const auto done = insert(parts);
   if (done) {
     must_stop_ = false;
-    if (!author_is_noted_) (void)write_author();  // without it the next life begins a log of its own
+    if (!author_is_noted_) (void)write_author();  // author_error() says why it is not
     return {};
   }
   (void)database_.run("ROLLBACK");  // an error that ended the transaction has done so
-  std::error_code failed;
-  if (author_is_noted_) {  // which takes no room on a full disk
-    fs::remove(folder_ / kAuthorFile, failed);
-    author_is_noted_ = failed || !synchronise(folder_);
-  }
-  must_stop_ = author_is_noted_;
-  return std::unexpected(error("cannot be written: " + done.error().text + "; is the disk full?", 3));
+  const auto removed = remove_author(folder_);
+  author_is_noted_ = false;
+  must_stop_ = !removed;
+  return std::unexpected(error("cannot be written: " + done.error().text + "; is the disk full?" +
+                                   (removed ? "" : " This peer ends, because " + removed.error().text),
+                               3));
 }
 
 }  // namespace peerd::store

@@ -5,12 +5,14 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "core/time.hpp"
 #include "peerd/input/input_error.hpp"
 #include "peerd/store/database.hpp"
+#include "peerd/store/folder_lock.hpp"
 #include "replication/wire/operation.hpp"
 
 namespace peerd::store {
@@ -26,26 +28,37 @@ struct StoredLog {
 // The operations of a world, on a disk: a folder with the file operations.sqlite, and in the file `author` the author
 // whose log its peer writes. One process at a time has it.
 //
-// The store never begins anew by itself: what is there and cannot be read whole is an error, and stays as it is.
+// The store never begins anew by itself: what is there and cannot be read whole is an error, and stays as it is, byte
+// for byte. So does what is opened to be read only.
 class OperationStore {
  public:
   static constexpr std::int64_t kFormat = 1;
 
   // Opens the store of a world in the folder, and makes it where there is none. `genesis`: the hash of the world's
-  // file; `fresh`: the author of the log that a new store begins. All that it holds is read and checked.
+  // file; `fresh`: the author of the log that a new store begins, or one that is a copy. All that it holds is read and
+  // checked.
+  [[nodiscard]] static Result<std::unique_ptr<OperationStore>> open(FolderLock folder, std::uint64_t genesis,
+                                                                    replication::AuthorId fresh);
+  // Makes the folder, too, and locks it.
   [[nodiscard]] static Result<std::unique_ptr<OperationStore>> open(const std::filesystem::path& folder,
                                                                     std::uint64_t genesis, replication::AuthorId fresh);
-  // Opens the store that is there, of whichever world.
+  // Opens the store that is there, of whichever world, to be read only.
   [[nodiscard]] static Result<std::unique_ptr<OperationStore>> open(const std::filesystem::path& folder);
 
   // Whether there is a store, be it damaged.
   [[nodiscard]] static bool exists(const std::filesystem::path& folder);
-  // Whether there is a store that another process has open now.
-  [[nodiscard]] static bool is_in_use(const std::filesystem::path& folder);
+  // Whether its file begins as one. Exit codes of the error: 1 it is damaged; 2 it is another program's; 3 it cannot be
+  // read.
+  [[nodiscard]] static Result<void> check_file(const std::filesystem::path& folder);
+  // Whether a store has files of this name.
+  [[nodiscard]] static bool is_own_file(std::string_view name);
 
   [[nodiscard]] std::uint64_t genesis() const { return genesis_; }
   // The author that writes on in this store; nobody: the next peer begins a log of its own.
   [[nodiscard]] replication::AuthorId author() const { return author_; }
+  // Its files are copies, or older ones that have been put back: the author whose log they were for may have written on
+  // elsewhere, so the peer begins a log of its own.
+  [[nodiscard]] bool is_copy() const { return is_copy_; }
   // The operations that it held when it was opened: whole ones, by author and in order.
   [[nodiscard]] const std::vector<replication::OperationPart>& log() const { return log_; }
   // The same, for somebody who keeps it: log() is empty afterwards.
@@ -59,26 +72,32 @@ class OperationStore {
   // Whether the last append() has failed, and not even that could be noted: what this peer publishes from now on, it
   // could contradict in its next life.
   [[nodiscard]] bool must_stop() const { return must_stop_; }
+  // Why the file `author` could not be written, so that the next life might begin a log of its own; empty: it is there.
+  [[nodiscard]] const std::string& author_error() const { return author_error_; }
 
  private:
-  OperationStore(std::filesystem::path folder, Database database)
-      : folder_(std::move(folder)), database_(std::move(database)) {}
-  [[nodiscard]] static Result<std::unique_ptr<OperationStore>> open_existing(const std::filesystem::path& folder);
+  OperationStore(FolderLock lock, Database database)
+      : lock_(std::move(lock)), folder_(lock_.folder()), database_(std::move(database)) {}
+  [[nodiscard]] static Result<std::unique_ptr<OperationStore>> open_existing(FolderLock lock);
   [[nodiscard]] Result<void> read();
   [[nodiscard]] Result<void> read_parts();
   [[nodiscard]] Result<void> read_author();
   [[nodiscard]] Result<void> write_author();
+  [[nodiscard]] std::uint64_t own_bytes() const;
   [[nodiscard]] DatabaseResult<void> insert(std::span<const replication::OperationPart> parts);
   [[nodiscard]] InputError error(const std::string& sentence, int exit_code) const;
   [[nodiscard]] InputError error(const DatabaseError& why) const;
 
+  FolderLock lock_;  // outlives the database
   std::filesystem::path folder_;
   Database database_;
   std::uint64_t genesis_ = 0;
   replication::AuthorId author_ = replication::kNoAuthor;
   std::vector<replication::OperationPart> log_;
   std::vector<StoredLog> logs_;
-  bool author_is_noted_ = false;
+  bool is_copy_ = false;
+  bool author_is_noted_ = false;  // the file `author` is known to be on the disk
+  std::string author_error_;
   bool must_stop_ = false;
 };
 

@@ -7,6 +7,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "peerd/store/operation_store.hpp"
+#include "peerd/store/store_error.hpp"
+#include "peerd/store/synchronise.hpp"
 
 namespace peerd::store {
 namespace {
@@ -19,6 +21,17 @@ fs::path first_of(const fs::path& path, Fits fits) {
   fs::path each = path;
   for (int number = 2; !fits(each); ++number) each = fmt::format("{}.{}", path.string(), number);
   return each;
+}
+
+// What stands in the folder that no store puts there; empty: nothing.
+Result<std::string> foreign_in(const fs::path& folder) {
+  std::error_code failed;
+  for (fs::directory_iterator each(folder, failed), end; !failed && each != end; each.increment(failed)) {
+    const std::string name = each->path().filename().string();
+    if (!OperationStore::is_own_file(name)) return name;
+  }
+  if (failed) return std::unexpected(store_error(folder, "cannot be put aside: " + failed.message(), 3));
+  return std::string();
 }
 
 }  // namespace
@@ -37,21 +50,50 @@ std::optional<fs::path> default_folder(std::uint64_t genesis, const std::string&
   if (!state) return std::nullopt;
   std::string name = peer;
   std::ranges::replace(name, '/', '_');
-  return first_of(*state / fmt::format("{:016x}", genesis) / name,
-                  [](const fs::path& folder) { return !OperationStore::is_in_use(folder); });
+  if (name.empty() || name == "." || name == "..") name += "_";  // these would be other folders
+  return *state / fmt::format("{:016x}", genesis) / name;
 }
 
-Result<std::optional<fs::path>> put_aside(const fs::path& folder) {
-  std::error_code failed;
-  if (!fs::exists(folder, failed)) return std::nullopt;
+Result<FolderLock> lock_folder(const fs::path& folder) {
+  auto lock = FolderLock::take(folder, FolderLock::Making::kFolders);
+  if (lock) return *std::move(lock);
+  if (lock.error().why == LockError::Why::kInUse) return std::unexpected(in_use(folder));
+  return std::unexpected(store_error(folder, "cannot be used: " + lock.error().text, 3));
+}
+
+Result<FolderLock> lock_first_free(const fs::path& folder) {
+  std::expected<FolderLock, LockError> lock = std::unexpected(LockError{});
+  const fs::path free = first_of(folder, [&](const fs::path& each) {
+    lock = FolderLock::take(each, FolderLock::Making::kFolders);
+    return lock || lock.error().why != LockError::Why::kInUse;
+  });
+  if (lock) return *std::move(lock);
+  return std::unexpected(store_error(free, "cannot be used: " + lock.error().text, 3));
+}
+
+Result<std::optional<fs::path>> put_aside(FolderLock lock) {
+  const fs::path folder = lock.folder();
   const auto cannot = [&](const std::string& why) {
-    return std::unexpected(InputError{"error: the store " + folder.string() + " cannot be put aside: " + why, 3});
+    return std::unexpected(store_error(folder, "cannot be put aside: " + why, 3));
   };
-  if (OperationStore::is_in_use(folder)) return cannot("it is in use by another process");
+  std::error_code failed;
+  const bool is_empty = fs::is_empty(folder, failed);
+  if (failed) return cannot(failed.message());
+  if (is_empty) return std::nullopt;
+  const auto foreign = foreign_in(folder);
+  if (!foreign) return std::unexpected(foreign.error());
+  if (!foreign->empty()) {
+    return std::unexpected(InputError{
+        "error: " + folder.string() + " is not put aside, because it has what is of no store: " + *foreign, 2});
+  }
+  if (const auto good = OperationStore::check_file(folder); !good && good.error().exit_code == 2) {
+    return std::unexpected(good.error());
+  }
   const fs::path named = folder.has_filename() ? folder : folder.parent_path();
   fs::path aside =
       first_of(named.string() + ".before", [&](const fs::path& path) { return !fs::exists(path, failed) || failed; });
   fs::rename(named, aside, failed);
+  if (!failed) failed = synchronise(named.has_parent_path() ? named.parent_path() : fs::path("."));
   if (failed) return cannot(failed.message());
   return aside;
 }

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char *kArchive = "world.archive", *kDescription = "world.json", *kPeer = "peer";
+constexpr const char *kArchive = kWorldFiles[0], *kDescription = kWorldFiles[1], *kPeer = kWorldFiles[2];
 constexpr int kFormat = 1;
 constexpr SizeLimit kArchiveMax{4096 * kMiB, "no world is so large"};
 constexpr SizeLimit kDescriptionMax{16 * kMiB, "no description of a world is so long"};
@@ -87,10 +87,10 @@ std::vector<fs::path> stores_of_world(const std::string& name) {
   return found;
 }
 
-Result<PeerId> identity_in(const fs::path& folder, PeerId fresh) {
+Result<PeerId> identity_in(const fs::path& folder, PeerId fresh, bool is_copy) {
   const fs::path file = folder / kPeer;
   std::error_code failed;
-  if (!fs::exists(file, failed)) {
+  if (is_copy || !fs::exists(file, failed)) {
     if (auto written = write_durably(file, std::to_string(fresh.value) + '\n'); !written) {
       return std::unexpected(written.error());
     }

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -31,7 +32,10 @@ struct StoredWorld {
 [[nodiscard]] std::vector<std::filesystem::path> stores_of_world(const std::string& name);
 
 // The number by which the peer of this store is known in its world, the same in each of its lives: that of the file
-// `peer`, which is made where there is none, with the number `fresh`.
-[[nodiscard]] Result<PeerId> identity_in(const std::filesystem::path& folder, PeerId fresh);
+// `peer`, which is made where there is none, and anew for a copy of a store, with the number `fresh`.
+[[nodiscard]] Result<PeerId> identity_in(const std::filesystem::path& folder, PeerId fresh, bool is_copy = false);
+
+// The files that this puts into the folder of a store.
+inline constexpr std::array kWorldFiles{"world.archive", "world.json", "peer"};
 
 }  // namespace peerd::store

@@ -74,6 +74,7 @@ INSTANTIATE_TEST_SUITE_P(
         NumberCase{"sim --seed -1 s.toml", "--seed: -1 is out of range"},
         NumberCase{"sim --seed 99999999999999999999 s.toml", "--seed: 99999999999999999999 is out of range"},
         NumberCase{"sim --seed 9223372036854775808 s.toml", "--seed: 9223372036854775808 is out of range"},
+        NumberCase{"sim --chaos 1 --chaos-seconds 21.9", "--chaos-seconds: 21.9 is out of range: 22 to 3600"},
         NumberCase{"sim --repeat 0 s.toml", "--repeat: 0 is out of range: 1 to 10000"},
         NumberCase{"scenario --repeat nan s.toml", "--repeat: nan is no whole number"},
         NumberCase{"run --world w.wrl --id 0", "--id: 0 is out of range: 1 to 4294967295"},

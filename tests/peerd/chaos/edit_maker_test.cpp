@@ -4,8 +4,10 @@
 
 #include <set>
 
+#include "core/mixed_bits.hpp"
 #include "peerd/chaos/world_text.hpp"
 #include "peerd/node/edit_operation.hpp"
+#include "peerd/node/peer_node.hpp"
 
 namespace peerd::chaos::edit_maker_test {
 
@@ -38,6 +40,20 @@ TEST_F(ChaosEdits, AreAFunctionOfTheirSeedAndTheScene) {
     EXPECT_EQ(name_of(a[0]), name_of(b[0]));
     EXPECT_EQ(a[0].text, b[0].text);
   }
+}
+
+TEST_F(ChaosEdits, AreTheSameWithEveryCompiler) {
+  std::uint64_t hash = 0;
+  const auto add = [&](const std::string& text) {
+    for (const char c : text) hash = mixed_bits(hash ^ static_cast<unsigned char>(c)) + 1;
+  };
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    for (const EditKind kind : {EditKind::kAny, EditKind::kLarge, EditKind::kOneField}) {
+      const auto edit = edits(kind, seed, scene).at(0);
+      for (const std::string& text : {name_of(edit), edit.text, edit.value}) add(text);
+    }
+  }
+  EXPECT_EQ(hash, 8439946313023313238u);
 }
 
 TEST_F(ChaosEdits, RareOnesAreWhatTheyAreFor) {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "peerd/chaos/world_text.hpp"
+#include "peerd/node/peer_node.hpp"
 
 namespace peerd::chaos::oracle_test {
 

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "peerd/chaos/chaos_run.hpp"
+
 namespace peerd::chaos::shrink_test {
 
 bool has_fault(const ChaosPlan& plan, std::uint32_t number) {
@@ -32,6 +34,43 @@ TEST(Shrink, FindsWhatItTakes) {
   EXPECT_EQ(plan.faults.size(), 1u);
   EXPECT_EQ(plan.edits.size(), 2u);
   EXPECT_TRUE(has_fault(plan, fault) && has_edit(plan, edit) && has_edit(plan, other));
+}
+
+// In a run that is too short for peers to do what they must, everything fails.
+TEST(Shrink, AsksForNoRunThatIsTooShort) {
+  ChaosLimits shortest;
+  shortest.seconds = ChaosLimits::kSecondsMin;
+  for (const ChaosLimits& limits : {ChaosLimits{}, shortest}) {
+    bool shortens = false;
+    const auto fails = [&](const ChaosLimits& smaller) {
+      EXPECT_GE(smaller.seconds, ChaosLimits::kSecondsMin);
+      shortens = shortens || smaller.seconds < limits.seconds;
+      return true;
+    };
+    const Shrunk shrunk = shrink(2, limits, fails, 10);
+    EXPECT_EQ(shrunk.limits.seconds, ChaosLimits::kSecondsMin);
+    EXPECT_EQ(shortens, limits.seconds > ChaosLimits::kSecondsMin);
+  }
+}
+
+// Real runs, which count as failed where an author has died by the fault that makes it.
+TEST(Shrink, FindsTheFaultOfARealRun) {
+  ChaosLimits limits;
+  limits.seconds = ChaosLimits::kSecondsMin;
+  limits.peers = 3;
+  const auto fails = [](std::uint64_t seed) {
+    return [seed](const ChaosLimits& smaller) {
+      return run_chaos(draw_plan(seed, smaller)).branches.contains("author died when its operation was held");
+    };
+  };
+  std::uint64_t seed = 1;
+  while (!fails(seed)(limits)) ++seed;
+  const Shrunk shrunk = shrink(seed, limits, fails(seed), 80);
+  const ChaosPlan plan = draw_plan(seed, shrunk.limits);
+  ASSERT_EQ(plan.faults.size(), 1u) << options_of(seed, shrunk.limits);
+  EXPECT_EQ(plan.faults[0].kind, FaultKind::kAuthorDies);
+  EXPECT_EQ(plan.edits.size(), 0u) << "the fault makes an edit of its own";
+  EXPECT_TRUE(fails(seed)(shrunk.limits));
 }
 
 TEST(Shrink, AsksNoMoreThanItMay) {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "peerd/chaos/random.hpp"
+#include "peerd/motion/random.hpp"
 
 namespace peerd::chaos::skewed_clock_test {
 
@@ -19,7 +19,7 @@ TEST(SkewedClock, GainsWhatItSays) {
 }
 
 TEST(SkewedClock, WhenIsTheFirstInstantOfAReading) {
-  Random random(1);
+  config::Random random(1, 0);
   for (int i = 0; i < 20'000; ++i) {
     const auto ppm = static_cast<std::int64_t>(random.below(1001)) - 500;
     const SkewedClock clock(kBegin, kHost, ppm);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "peerd/node/peer_node.hpp"
+
 namespace peerd::chaos::world_text_test {
 
 TEST(ChaosWorld, CanBeReadAndHasItsObjects) {

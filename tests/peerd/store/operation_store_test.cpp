@@ -6,11 +6,15 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <atomic>
+#include <barrier>
 #include <csignal>
 #include <map>
+#include <thread>
 
 #include "replication/operations/operation_log.hpp"
 #include "tests/peerd/scratch_folder.hpp"
+#include "tests/peerd/store/watched_fsync.hpp"
 #include "tests/replication/operations.hpp"
 
 namespace peerd::store::operation_store_test {
@@ -21,6 +25,7 @@ using replication::OperationPart;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 using testing::SizeIs;
 using testing_support::ScratchFolder;
 
@@ -91,9 +96,16 @@ TEST_F(Store, BeginsEmptyAndKeepsWhatIsAppended) {
 }
 
 TEST_F(Store, AnotherWorldIsRefusedByName) {
-  ASSERT_TRUE(open());
+  const std::vector<OperationPart> all{part(kOwn, 3)};
+  {
+    auto store = open();
+    ASSERT_TRUE(store) << store.error().text;
+    append(**store, all);
+  }
   EXPECT_THAT(error_of_opening(kWorld + 1), AllOf(HasSubstr(at.string()), HasSubstr("another world")));
-  EXPECT_EQ(error_of_opening(), "") << "and nothing of it is lost";
+  const auto store = open();
+  ASSERT_TRUE(store) << store.error().text;
+  EXPECT_EQ(bytes_of((*store)->log()), bytes_of(all)) << "and nothing of it is lost";
 }
 
 TEST_F(Store, ASecondUserIsRefused) {
@@ -119,6 +131,84 @@ TEST_F(Store, AFileThatIsEmptyOrAnotherProgramsIsNoStore) {
   folder.write("store/operations.sqlite", std::string(8192, 'x'));
   EXPECT_THAT(error_of_opening(), HasSubstr("is damaged"));
   EXPECT_EQ(testing_support::text_of(at / "operations.sqlite"), std::string(8192, 'x')) << "it stays as it is";
+}
+
+TEST_F(Store, AnotherProgramsDatabaseIsNoStore) {
+  std::filesystem::create_directories(at);
+  const auto file = at / "operations.sqlite";
+  {
+    auto database = Database::open(file, true);
+    ASSERT_TRUE(database) << database.error().text;
+    ASSERT_TRUE(database->run("CREATE TABLE theirs (x)"));
+  }
+  const std::string before = testing_support::text_of(file);
+  const auto store = open();
+  ASSERT_FALSE(store);
+  EXPECT_THAT(store.error().text, AllOf(HasSubstr(at.string()), HasSubstr("another program's")));
+  EXPECT_EQ(store.error().exit_code, 2);
+  EXPECT_EQ(testing_support::text_of(file), before);
+}
+
+TEST_F(Store, AFileThatCannotBeReadIsNotCalledDamaged) {
+  std::filesystem::create_directories(at / "operations.sqlite");
+  const auto store = OperationStore::open(at);
+  ASSERT_FALSE(store);
+  EXPECT_THAT(store.error().text, AllOf(HasSubstr(at.string()), HasSubstr("Is a directory")));
+  EXPECT_EQ(store.error().exit_code, 3);
+}
+
+// A store whose peer was killed has its last operations in the file that is written ahead. Nothing of the two changes
+// when it is refused, or only checked.
+TEST_F(Store, WhatIsRefusedOrCheckedStaysAsItIs) {
+  const auto killed = folder / "killed";
+  std::filesystem::create_directories(killed);
+  {
+    auto store = open();
+    ASSERT_TRUE(store) << store.error().text;
+    append(**store, {part(kOwn, 20)});
+    for (const char* const file : {"operations.sqlite", "operations.sqlite-wal", "author"}) {
+      std::filesystem::copy_file(at / file, killed / file);
+    }
+  }
+  const auto all = [&] {
+    std::map<std::string, std::string> files;
+    for (const auto& each : std::filesystem::directory_iterator(killed)) {
+      files[each.path().filename()] = testing_support::text_of(each.path());
+    }
+    return files;
+  };
+  const auto before = all();
+  ASSERT_GT(before.at("operations.sqlite-wal").size(), 4096U);
+  {
+    const auto refused = OperationStore::open(killed, kWorld + 1, kOwn);
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().text, HasSubstr("another world"));
+  }
+  EXPECT_EQ(all(), before);
+  {
+    const auto checked = OperationStore::open(killed);
+    ASSERT_TRUE(checked) << checked.error().text;
+    EXPECT_THAT((*checked)->log(), SizeIs(1));
+  }
+  EXPECT_EQ(all(), before);
+  {  // a newer format, which is written ahead
+    auto database = Database::open(killed / "operations.sqlite", false);
+    ASSERT_TRUE(database) << database.error().text;
+    ASSERT_TRUE(database->run("PRAGMA user_version = 2"));
+  }
+  const auto newer = all();
+  {
+    const auto refused = OperationStore::open(killed, kWorld, kOwn);
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().text, HasSubstr("has format 2"));
+  }
+  EXPECT_EQ(all(), newer);
+}
+
+TEST_F(Store, ACheckOfAStoreThatWasClosedLeavesNoOtherFile) {
+  ASSERT_TRUE(open());
+  ASSERT_TRUE(OperationStore::open(at));
+  EXPECT_FALSE(std::filesystem::exists(at / "operations.sqlite-wal"));
 }
 
 TEST_F(Store, AStoreThatIsNotThereIsNotMadeByACheck) {
@@ -250,6 +340,157 @@ TEST_F(Store, WhatAFullDiskRefusedCanBeWrittenLater) {
   ASSERT_TRUE(again) << again.error().text;
   EXPECT_EQ(bytes_of((*again)->log()), bytes_of({late}));
   EXPECT_EQ((*again)->author(), kOwn);
+}
+
+// The author of a store that is a copy, or was put back, may have written on elsewhere: its log would fork.
+class Copy : public Store {
+ protected:
+  void SetUp() override {
+    auto store = open();
+    ASSERT_TRUE(store) << store.error().text;
+    append(**store, {part(kOwn, 2)});
+  }
+  static void expect_author(const std::filesystem::path& where, AuthorId author, bool is_copy) {
+    const auto store = OperationStore::open(where, kWorld, AuthorId{55});
+    ASSERT_TRUE(store) << store.error().text;
+    EXPECT_EQ((*store)->author(), author);
+    EXPECT_EQ((*store)->is_copy(), is_copy);
+    EXPECT_THAT((*store)->logs(), Not(IsEmpty())) << "and all that was in it is there";
+  }
+};
+
+TEST_F(Copy, OfTheFolderBeginsALogOfItsOwn) {
+  std::filesystem::copy(at, folder / "copy", std::filesystem::copy_options::recursive);
+  expect_author(folder / "copy", AuthorId{55}, true);
+  expect_author(folder / "copy", AuthorId{55}, false);
+  expect_author(at, kOwn, false);
+}
+
+TEST_F(Copy, IsNotWhatHasAnotherName) {
+  std::filesystem::rename(at, folder / "moved");
+  expect_author(folder / "moved", kOwn, false);
+}
+
+TEST_F(Copy, ThatIsPutBackInPlaceBeginsALogOfItsOwn) {
+  const std::string file = testing_support::text_of(at / "operations.sqlite");
+  const std::string author = testing_support::text_of(at / "author");
+  {
+    auto store = open();
+    ASSERT_TRUE(store) << store.error().text;
+    append(**store, {part(kOwn, 1)});
+  }
+  folder.write("store/operations.sqlite", file);
+  folder.write("store/author", author);
+  expect_author(at, AuthorId{55}, true);
+}
+
+TEST_F(Copy, OfTheFileAloneBeginsALogOfItsOwn) {
+  const std::string file = testing_support::text_of(at / "operations.sqlite");
+  {
+    auto store = open();
+    ASSERT_TRUE(store) << store.error().text;
+    append(**store, {part(kOwn, 1)});
+  }
+  ASSERT_TRUE(open());
+  folder.write("store/operations.sqlite", file);
+  expect_author(at, AuthorId{55}, true);
+}
+
+TEST_F(Copy, WhoseAuthorIsNoNumberIsDamaged) {
+  folder.write("store/author", "seven\n");
+  EXPECT_THAT(error_of_opening(), AllOf(HasSubstr(at.string()), HasSubstr("`author` is not a number")));
+}
+
+// What a disk does not take is not taken for written.
+class Disk : public Store {
+ protected:
+  // As on a full disk: files cannot grow.
+  Result<void> append_on_full_disk(OperationStore& store, const OperationPart& more) {
+    rlimit before{};
+    getrlimit(RLIMIT_FSIZE, &before);
+    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit none{8192, before.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &none);
+    auto done = store.append({&more, 1});
+    setrlimit(RLIMIT_FSIZE, &before);
+    std::signal(SIGXFSZ, handler);
+    return done;
+  }
+  testing_support::WatchedFsync fsyncs;
+};
+
+TEST_F(Disk, HasTheNamesOfAllFoldersThatLeadToAStore) {
+  const auto deep = folder / "a" / "b" / "store";
+  ASSERT_TRUE(OperationStore::open(deep, kWorld, kOwn));
+  EXPECT_THAT(fsyncs.done(), testing::IsSupersetOf({folder.path(), folder / "a", folder / "a" / "b", deep}));
+}
+
+// The file `author` may be there although it was not written for good.
+TEST_F(Disk, AnAuthorThatIsNotWrittenForGoodGoesWithTheNextFailure) {
+  const OperationPart first = part(kOwn, 200), second = part(kOwn, 200);
+  {
+    auto store = open();
+    ASSERT_TRUE(store) << store.error().text;
+    ASSERT_FALSE(append_on_full_disk(**store, first));
+    ASSERT_FALSE(std::filesystem::exists(at / "author"));
+    fsyncs.fail(at);
+    append(**store, {first});
+    EXPECT_THAT((*store)->author_error(), AllOf(HasSubstr(at.string()), HasSubstr("`author`")));
+    fsyncs.fail({});
+    ASSERT_FALSE(append_on_full_disk(**store, second));
+    EXPECT_FALSE((*store)->must_stop());
+  }
+  const auto again = OperationStore::open(at, kWorld, AuthorId{55});
+  ASSERT_TRUE(again) << again.error().text;
+  EXPECT_EQ((*again)->author(), AuthorId{55}) << "the second part may be at other peers";
+}
+
+TEST_F(Disk, AnAuthorWhoseContentsAreNotThereGetsNoName) {
+  fsyncs.fail(at / "author.new");
+  const auto store = open();
+  ASSERT_TRUE(store) << store.error().text;
+  EXPECT_THAT((*store)->author_error(), HasSubstr("Input/output error"));
+  EXPECT_FALSE(std::filesystem::exists(at / "author"));
+}
+
+TEST_F(Disk, APeerWhoseAuthorCannotBeRemovedMustStop) {
+  const OperationPart lost = part(kOwn, 200);
+  auto store = open();
+  ASSERT_TRUE(store) << store.error().text;
+  fsyncs.fail(at);
+  const auto refused = append_on_full_disk(**store, lost);
+  ASSERT_FALSE(refused);
+  EXPECT_TRUE((*store)->must_stop());
+  EXPECT_THAT(refused.error().text, HasSubstr("This peer ends"));
+}
+
+// Whoever comes second must not take the first one's unfinished file away.
+TEST_F(Store, OfManyWhoBeginItAtOnceOneHasIt) {
+  for (int round = 0; round < 20; ++round) {
+    const auto where = folder / ("store" + std::to_string(round));
+    constexpr std::uint32_t kUsers = 8;
+    std::barrier begin(kUsers), end(kUsers);
+    std::atomic<std::uint32_t> users = 0, others = 0;
+    {
+      std::vector<std::jthread> threads;
+      for (std::uint32_t i = 1; i <= kUsers; ++i) {
+        threads.emplace_back([&, i] {
+          begin.arrive_and_wait();
+          const auto store = OperationStore::open(where, kWorld, AuthorId{i});
+          if (store) {
+            ++users;
+          } else if (store.error().text.find("in use by another process") == std::string::npos) {
+            ++others;
+            ADD_FAILURE() << store.error().text;
+          }
+          end.arrive_and_wait();  // nobody comes after another has closed it
+        });
+      }
+    }
+    ASSERT_EQ(users, 1U);
+    ASSERT_EQ(others, 0U);
+    ASSERT_TRUE(OperationStore::open(where));
+  }
 }
 
 }  // namespace peerd::store::operation_store_test

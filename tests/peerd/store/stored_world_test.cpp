@@ -69,6 +69,9 @@ TEST(Identity, IsTheFirstOne) {
   const ScratchFolder folder;
   EXPECT_EQ(identity_in(folder.path(), PeerId{7}), PeerId{7});
   EXPECT_EQ(identity_in(folder.path(), PeerId{8}), PeerId{7});
+  EXPECT_EQ(identity_in(folder.path(), PeerId{9}, true), PeerId{9})
+      << "two peers of one number would be in each other's way";
+  EXPECT_EQ(identity_in(folder.path(), PeerId{8}), PeerId{9});
   for (const char* const bad : {"", "0\n", "-1\n", "7", "7\nmore", "4294967296\n"}) {
     folder.write("peer", bad);
     const auto id = identity_in(folder.path(), PeerId{8});

@@ -1,0 +1,14 @@
+#pragma once
+#include <filesystem>
+#include <system_error>
+
+namespace peerd::store {
+
+// Waits until the contents of this file, or the names in this folder, outlast a power cut. The error says why they do
+// not.
+[[nodiscard]] std::error_code synchronise(const std::filesystem::path& path);
+
+// Makes the folder and those that lead to it, each with its name on the disk.
+[[nodiscard]] std::error_code make_folders(const std::filesystem::path& folder);
+
+}  // namespace peerd::store
