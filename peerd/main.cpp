@@ -53,6 +53,7 @@ constexpr NumberRange kTicksPerSecond{1e-6, 1e6};
 constexpr double kQuaternionMax = 2.0;  // of one component; the peer checks their norm
 constexpr std::int64_t kSizeMax_mib = 1 << 20;
 constexpr std::int64_t kKeyCodeMax = std::numeric_limits<std::int32_t>::max();
+constexpr std::int64_t kEventCountMax = std::numeric_limits<std::int32_t>::max();
 constexpr std::int64_t kChaosSeedsMax = 1'000'000, kChaosPeersMax = 9;
 constexpr NumberRange kAskedSeconds{0.1, 60.0};
 constexpr NumberRange kChaosSeconds{kChaosSecondsMin, 3600.0};
@@ -183,14 +184,19 @@ struct PoseFlags {
   std::vector<double> position_m, orientation_xyzw;
 };
 
-// The edit of `peerd ctl add`, `remove`, `move`, `set`, `own`, `grab` and `release`.
+// The edit of `peerd ctl add`, `remove`, `move`, `set`, `own`, `grab`, `release`, `data` and `send`.
 struct EditFlags {
   std::string file, path, under, field;
   std::vector<std::string> value;
+  std::optional<std::string> key, data;
+  std::string topic, text;
+  bool removes = false;
+  std::vector<std::string> kinds;  // of `subscribe`
 };
 
 struct CtlCommands {
-  CLI::App *status, *peers, *objects, *key, *pose, *add, *remove, *move, *set, *own, *grab, *release, *save, *leave;
+  CLI::App *status, *peers, *objects, *key, *pose, *add, *remove, *move, *set, *own, *grab, *release, *data, *send;
+  CLI::App *undo, *redo, *conflicts, *subscribe, *save, *leave;
 
   // The one of those whose only argument is a path; null: it is another one.
   [[nodiscard]] const CLI::App* with_path_alone() const {
@@ -224,6 +230,22 @@ void add_edit_commands(CLI::App& ctl, CtlCommands& commands, CtlOptions& options
   commands.own = add_owning("own", "makes an object this peer's: it takes what nobody owns, and asks an owner");
   commands.grab = add_owning("grab", "the same, and then this peer gives it to nobody who asks");
   commands.release = add_owning("release", "makes an object of this peer nobody's");
+  commands.data = ctl.add_subcommand("data", "a value that applications keep at a node: prints it, or sets it for all");
+  commands.data->add_option("path", edit.path, "the node's path, or its DEF name")->required();
+  commands.data->add_option("key", edit.key, "which one (default: prints the keys that it has)");
+  auto* const value = commands.data->add_option("value", edit.data, "what it is from now on (default: prints it)");
+  commands.data->add_flag("--remove", edit.removes, "removes the key")->excludes(value);
+  commands.send = ctl.add_subcommand("send", "sends a message to all peers that are here");
+  commands.send->add_option("topic", edit.topic, "what it is about")->required();
+  commands.send->add_option("text", edit.text, "what it says")->required();
+  commands.undo = ctl.add_subcommand("undo", "undoes the last edit of this peer that others have not overwritten");
+  commands.redo = ctl.add_subcommand("redo", "redoes what this peer has undone last");
+  commands.conflicts = ctl.add_subcommand("conflicts", "edits that are lost by others made at the same time");
+  commands.subscribe =
+      ctl.add_subcommand("subscribe", "prints a line of JSON for each event, as it comes, until the peer ends");
+  commands.subscribe->add_option("kinds", edit.kinds, "objects, contacts, peers, data, messages, edits (default: all)");
+  commands.subscribe->add_option("--count", options.events, "ends after that many events")
+      ->transform(whole_number_in(1, kEventCountMax));
   commands.save = ctl.add_subcommand("save", "writes the scene as it is now as a world file");
   commands.save->add_option("file", options.save, "(default: standard output)");
 }
@@ -286,6 +308,14 @@ Result<std::string> edit_request(const CtlCommands& commands, const EditFlags& e
     request = {{"do", "add"}, {"text", *text}};
   } else if (const CLI::App* const named = commands.with_path_alone()) {
     request = {{"do", named->get_name()}, {"path", edit.path}};
+  } else if (*commands.data) {
+    if (edit.removes && !edit.key) return std::unexpected(InputError{"error: --remove: which key?"});
+    request = {{"do", "data"}, {"path", edit.path}};
+    if (edit.key) request["key"] = *edit.key;
+    if (edit.data) request["value"] = *edit.data;
+    if (edit.removes) request["remove"] = true;
+  } else if (*commands.send) {
+    request = {{"do", "send"}, {"topic", edit.topic}, {"text", edit.text}};
   } else if (*commands.move) {
     request = {{"do", "move"}, {"path", edit.path}};
   } else {
@@ -305,7 +335,16 @@ Result<std::string> ctl_request(const CtlCommands& commands, const KeyFlags& key
   if (*commands.pose) return pose_request(pose);
   if (*commands.leave) return R"({"do":"leave"})";
   if (*commands.save) return R"({"do":"world"})";
-  const bool edits = commands.with_path_alone() != nullptr || *commands.add || *commands.move || *commands.set;
+  if (*commands.undo) return R"({"do":"undo"})";
+  if (*commands.redo) return R"({"do":"redo"})";
+  if (*commands.conflicts) return R"({"do":"conflicts"})";
+  if (*commands.subscribe) {
+    nlohmann::json request{{"do", "subscribe"}};
+    if (!edit.kinds.empty()) request["to"] = edit.kinds;
+    return json_line(request);
+  }
+  const bool edits = commands.with_path_alone() != nullptr || *commands.add || *commands.move || *commands.set ||
+                     *commands.data || *commands.send;
   if (edits) return edit_request(commands, edit);
   if (key.name.empty() == !key.value) {
     return std::unexpected(InputError{"error: which key? Say its name, such as ArrowUp, or --value NUMBER"});
@@ -684,6 +723,7 @@ Command add_ctl(CLI::App& app) {
             const auto request = ctl_request(flags->commands, flags->key, flags->pose, flags->edit);
             if (!request) return failed(request.error());
             flags->ctl.request = *request;
+            flags->ctl.follows = bool(*flags->commands.subscribe);
             return run_ctl(flags->ctl);
           }};
 }

@@ -35,7 +35,45 @@ OperationKeeper::OperationKeeper(PeerParts& parts, SessionKeeper& keeper) : p_(p
 void OperationKeeper::note_growth(AuthorId author, std::uint64_t whole_before) {
   const std::uint64_t whole = p_.logs.whole(author);
   assert(whole >= whole_before);
-  if (whole > whole_before) p_.outbox.push(LogGrown{{author, whole_before, whole}, p_.logs.last(author)});
+  if (whole == whole_before || withheld_.contains(author)) return;
+  const std::uint64_t kept = author == p_.author ? whole : withhold_far_stamps(author, whole_before);
+  const std::uint32_t later = kept == whole ? 0 : withheld_.at(author).operations;
+  if (kept == whole_before) return;
+  p_.outbox.push(LogGrown{{author, whole_before, kept}, {author, p_.logs.last(author).number - later}});
+}
+
+// A store would make the scene of them when this peer starts again, and its time would go on behind them: it gets a log
+// up to the first stamp that is far ahead, and the rest when that is not far ahead any more. Returns the end of what it
+// gets, of whole operations from `from` on.
+std::uint64_t OperationKeeper::withhold_far_stamps(AuthorId author, std::uint64_t from) {
+  const std::uint64_t whole = p_.logs.whole(author);
+  if (!p_.replica.begun() || p_.logs.last_stamp(author) <= far_ahead_) return whole;
+  std::uint64_t at = from, end = whole;
+  Withheld withheld;
+  while (at < whole) {
+    const auto next = decode_operation(author, p_.logs.bytes({author, at, whole}));
+    assert(next && *next);  // the log has read it
+    if (withheld.operations > 0 || (*next)->operation.stamp > far_ahead_) {
+      if (withheld.operations++ == 0) {
+        end = at;
+        withheld.stamp = (*next)->operation.stamp;
+      }
+    }
+    at += (*next)->size_bytes;
+  }
+  withheld.from = end;
+  withheld_.emplace(author, withheld);
+  return end;
+}
+
+void OperationKeeper::give_withheld() {
+  std::erase_if(withheld_, [&](const auto& each) {
+    const auto& [author, withheld] = each;
+    if (withheld.stamp > far_ahead_) return false;
+    assert(author != p_.author && withheld.from < p_.logs.whole(author));
+    p_.outbox.push(LogGrown{{author, withheld.from, p_.logs.whole(author)}, p_.logs.last(author)});
+    return true;
+  });
 }
 
 SimTime OperationKeeper::stamp(HostTime now) const {
@@ -54,14 +92,22 @@ std::expected<OperationId, std::string> OperationKeeper::edit(HostTime now, Oper
     add->first_node = next_node_;
   }
   if (auto* const set = std::get_if<SetField>(&body)) set->first_node = next_node_;
-  auto draft = p_.living.draft(std::move(body), p_.author);
+  auto draft = p_.living.draft(std::move(body), p_.author, p_.to_session(now) + kStampAheadMax);
   if (!draft) return std::unexpected(draft.error());
+  return append(now, *std::move(draft));
+}
+
+std::expected<OperationId, std::string> OperationKeeper::append(HostTime now, LivingScene::Draft draft) {
   const OperationId id{p_.author, p_.logs.last(p_.author).number + 1};
-  Operation operation{id, stamp(now), std::move(draft->body)};
+  Operation operation{id, stamp(now), std::move(draft.body), p_.living.conflicts().news_for(p_.author)};
   const std::uint64_t whole_before = p_.logs.whole(p_.author);
+  if (const std::size_t size = encode(operation).size(); size > kOperationMax_bytes) {
+    return std::unexpected("it has " + std::to_string(size) + " bytes, and an operation may have " +
+                           std::to_string(kOperationMax_bytes));
+  }
   if (const auto appended = p_.logs.append(operation); !appended) return std::unexpected(appended.error());
-  next_object_ += draft->objects;
-  next_node_ += draft->nodes;
+  next_object_ += draft.objects;
+  next_node_ += draft.nodes;
   p_.living.add(std::move(operation));
   note_growth(p_.author, whole_before);
   follow_link();
@@ -69,6 +115,15 @@ std::expected<OperationId, std::string> OperationKeeper::edit(HostTime now, Oper
   ++p_.counters.operations;
   send(now);
   return id;
+}
+
+std::expected<UndoneEdit, std::string> OperationKeeper::undo(HostTime now, bool redoes) {
+  if (!p_.replica.begun()) return std::unexpected("this peer is in no session yet");
+  const auto next = p_.living.next_undo(p_.author, redoes, p_.to_session(now) + kStampAheadMax);
+  if (!next) return std::unexpected(next.error());
+  const auto done = append(now, {next->undo, 0, 0});
+  if (!done) return std::unexpected(done.error());
+  return UndoneEdit{*done, {p_.author, next->undo.number}, kind_of(next->undone)};
 }
 
 PeerId OperationKeeper::owner_of(ObjectId object) const {
@@ -164,13 +219,28 @@ void OperationKeeper::on_message(HostTime now, PeerId sender, const Message& m) 
   if (m.hello) p_.exchange.on_lengths(now, sender, m.hello->logs);
 }
 
+// Messages are for those who were there when they were sent, be it apart from the sender.
+void OperationKeeper::publish_data(const LivingScene::Change& change) {
+  for (const NodeData::Change& each : change.data) {
+    p_.outbox.push(DataChanged{each.node, each.key, each.value, change.at});
+  }
+  for (const Operation& each : change.messages) {
+    if (each.stamp < p_.replica.begun_at()) continue;
+    const auto& message = std::get<SendMessage>(each.body);
+    p_.outbox.push(MessageReceived{each.id, message.by, message.topic, message.text, each.stamp});
+  }
+}
+
 void OperationKeeper::apply_until(SimTime t) {
   assert(p_.replica.begun());
+  far_ahead_ = t + kStampAheadMax;
+  if (!withheld_.empty()) give_withheld();
   const SimTime known = std::min(applied_until_, t);
   while (const auto change = p_.living.apply(t, known)) {
     for (const LivingScene::Outcome& outcome : change->outcomes) {
       p_.outbox.push(SceneEdited{outcome.id, change->at, outcome.refused});
     }
+    publish_data(*change);
     if (!change->scene && change->given.empty()) continue;
     const SimTime at = std::max({change->at, t - kLateMax, p_.replica.begun_at()});
     const SimTime now = std::max(at, known);

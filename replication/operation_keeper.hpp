@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <expected>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -23,6 +24,8 @@ class OperationKeeper {
   // chooses the ids of what it adds, and resolves the names of its text. The error says why it cannot be.
   [[nodiscard]] std::expected<OperationId, std::string> edit(HostTime now, OperationBody body);
 
+  // Undoes or redoes this author's last edit (LivingScene::next_undo()).
+  [[nodiscard]] std::expected<UndoneEdit, std::string> undo(HostTime now, bool redoes);
   // Gives the object to a peer, or to nobody.
   [[nodiscard]] std::expected<OperationId, std::string> give(HostTime now, ObjectId object, PeerId to);
   // Takes the object where it is nobody's or its owner is not here; else asks its owner for it.
@@ -46,14 +49,26 @@ class OperationKeeper {
   [[nodiscard]] std::optional<Placement> placement_of_state(ObjectId object, const KinematicState& state) const;
   [[nodiscard]] std::set<ObjectId> going_on(const LeftObjects& left) const;
   void on_request(const Operation& operation, SimTime session_now);
+  [[nodiscard]] std::expected<OperationId, std::string> append(HostTime now, LivingScene::Draft draft);
+  void publish_data(const LivingScene::Change& change);
   [[nodiscard]] SimTime stamp(HostTime now) const;
   // The exchange goes by how the links are now.
   void follow_link();
+  [[nodiscard]] std::uint64_t withhold_far_stamps(AuthorId author, std::uint64_t from);
+  void give_withheld();
   // Says that the log has more whole operations than it had.
   void note_growth(AuthorId author, std::uint64_t whole_before);
 
   PeerParts& p_;
   SessionKeeper& keeper_;
+  // What the store does not get of a log yet, because the stamp of its first operation is far ahead.
+  struct Withheld {
+    std::uint64_t from = 0;
+    SimTime stamp{};
+    std::uint32_t operations = 0;  // when it began
+  };
+  std::map<AuthorId, Withheld> withheld_;
+  SimTime far_ahead_ = SimTime::max();  // stamps after it are
   SimTime applied_until_ = SimTime::min();
   std::uint32_t next_object_ = 0, next_node_ = 0;  // of this author
 };

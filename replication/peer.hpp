@@ -16,6 +16,8 @@
 #include "replication/policy/peer_config.hpp"
 #include "replication/replica/own_sample.hpp"
 #include "replication/replica/owners.hpp"
+#include "replication/scene/conflicts.hpp"
+#include "replication/scene/node_data.hpp"
 #include "replication/session/membership.hpp"
 #include "replication/session/session_clock.hpp"
 #include "replication/wire/wire.hpp"
@@ -76,6 +78,9 @@ class Peer {
   // Gives an object to another peer, or, kNobody, to nobody: then it stands where it is or, if it answers contacts,
   // goes on as it moves.
   std::expected<OperationId, std::string> give(HostTime now, ObjectId object, PeerId to);
+  // Undoes the last edit of this author that it has not undone, or redoes the one that it has undone last, by another
+  // operation; what others have overwritten is passed over. The error says why there is none.
+  std::expected<UndoneEdit, std::string> undo(HostTime now, bool redoes);
   // Says goodbye. The peer is over after this.
   void leave(HostTime now);
 
@@ -90,6 +95,11 @@ class Peer {
   [[nodiscard]] PeerId id() const;
   // The scene as all operations until the last tick have made it.
   [[nodiscard]] const Scene& scene() const;
+  // The data of applications at nodes, as all operations until the last tick have made them.
+  [[nodiscard]] const NodeData& data() const;
+  // What operations have lost by others that did not know them, and an operation; null: it is not known.
+  [[nodiscard]] const Conflicts& conflicts() const;
+  [[nodiscard]] const OperationBody* find(const OperationKey& operation) const;
   [[nodiscard]] const SessionClock& clock() const;
   [[nodiscard]] const std::optional<OsClock>& os_clock() const;
   // The peer whose session time this one takes over; itself: it leads. None: nobody's yet.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <numeric>
+#include <set>
 #include <string>
 
 namespace peerd::vrml {
@@ -249,6 +250,23 @@ std::vector<bool> DocumentEditor::reached() {
   std::vector<bool> reached(nodes_.size());
   for (const std::uint32_t node : order_) reached[node] = true;
   return reached;
+}
+
+std::vector<std::uint32_t> DocumentEditor::below(std::uint32_t node) const {
+  std::vector<std::uint32_t> open{node};
+  std::set<std::uint32_t> found{node};
+  while (!open.empty()) {
+    const std::uint32_t next = open.back();
+    open.pop_back();
+    if (!leads_on(nodes_[next])) continue;
+    for (const Field& field : fields_of(next)) {
+      if (!holds_nodes(field.spec->type)) continue;
+      for (const NodeRef& ref : refs_of(next, field)) {
+        if (ref.is_node() && found.insert(ref.index).second) open.push_back(ref.index);
+      }
+    }
+  }
+  return {found.begin(), found.end()};
 }
 
 DocumentEditor::Result DocumentEditor::finish() {

@@ -38,6 +38,9 @@ class DocumentEditor {
   // Returns for each node whether anything leads to it, as it must to be in the document.
   [[nodiscard]] std::vector<bool> reached();
 
+  // The nodes that a node leads to, itself included, in ascending order.
+  [[nodiscard]] std::vector<std::uint32_t> below(std::uint32_t node) const;
+
   // Returns the document, to be completed by set_strings(), and where each node is in it; NodeRef::kNull: nothing leads
   // to the node any more. The editor is not used any more.
   struct Result {

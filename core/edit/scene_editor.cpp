@@ -213,6 +213,23 @@ void SceneEditor::add_drafts(const Scene& content, std::uint32_t first_node, std
   live_ += all.size();
 }
 
+SceneEditor::Below SceneEditor::below(ObjectId id) const {
+  const auto draft = draft_of(id);
+  if (!draft) return {};
+  Below below;
+  std::vector<std::uint32_t> open{*draft};
+  while (!open.empty()) {
+    const Draft& next = drafts_[open.back()];
+    open.pop_back();
+    below.objects.push_back(next.id);
+    open.insert(open.end(), next.children.begin(), next.children.end());
+  }
+  for (const std::uint32_t node : document_.below(drafts_[*draft].node)) below.nodes.push_back(document_.id_of(node));
+  std::ranges::sort(below.objects);
+  std::ranges::sort(below.nodes);
+  return below;
+}
+
 void SceneEditor::mark_removed(std::uint32_t draft) {
   drafts_[draft].removed = true;
   --instances_of_[drafts_[draft].node];

@@ -48,6 +48,12 @@ class SceneEditor {
   [[nodiscard]] std::expected<Added, std::string> add(
       std::string_view text, const ScenePlace& place, const FirstIds& first, const ReadOptions& options,
       const std::function<std::optional<ObjectId>(std::string_view)>& find = {});
+  // The instance and those below it, and the nodes of all that is below it, ascending; none: it is not there.
+  struct Below {
+    std::vector<ObjectId> objects;
+    std::vector<NodeId> nodes;
+  };
+  [[nodiscard]] Below below(ObjectId id) const;
   // Removes an instance with all below it; ROUTEs and interests that lead to it go with it.
   [[nodiscard]] std::expected<void, std::string> remove(ObjectId id);
   // Removes a node that is no instance, such as a CollisionInterest or a TimeSensor, wherever it stands.
@@ -66,6 +72,7 @@ class SceneEditor {
                                                               std::string_view event_in);
 
   [[nodiscard]] bool contains(ObjectId id) const { return draft_of(id).has_value(); }
+  [[nodiscard]] bool contains(NodeId id) { return node_of(id).has_value(); }
   // Returns whether finish() may fail: only there it is known whether the nodes of a geometry or of a CollisionResponse
   // go together. All other changes are checked when they are made.
   [[nodiscard]] bool may_fail() const { return may_fail_; }

@@ -205,11 +205,58 @@ void print_edit(const Json& reply) {
                            id.at("number").get<std::uint64_t>(), state);
 }
 
+void print_conflicts(const Json& reply) {
+  const auto operation = [](const Json& o) {
+    return fmt::format("operation {}:{}, at {:.3f} s", o.at("author").get<std::uint64_t>(),
+                       o.at("number").get<std::uint64_t>(), o.at("at_s").get<double>());
+  };
+  for (const Json& c : reply.at("conflicts")) {
+    const std::string value = c.at("value").is_null() ? "" : " " + c.at("value").get<std::string>();
+    const Json& winner = c.at("winner");
+    std::cout << fmt::format(
+        "{}{} ({}) is lost: {}\n", c.at("what").get<std::string>(), value, operation(c.at("lost")),
+        winner.is_null() ? "what it needs is not there"
+                         : fmt::format("{} ({}) counts", winner.at("what").get<std::string>(), operation(winner)));
+  }
+  if (const auto forgotten = reply.at("forgotten").get<std::uint64_t>(); forgotten > 0) {
+    std::cout << fmt::format("and {} more, which had no room and are forgotten\n", forgotten);
+  }
+}
+
+// A value, or keys, line by line.
+void print_data(const Json& reply) {
+  if (reply.contains("refused")) {
+    std::cout << fmt::format("{}: {}\n", reply.at("path").get<std::string>(), reply.at("refused").get<std::string>());
+  } else if (reply.contains("value")) {
+    std::cout << reply.at("value").get<std::string>() << '\n';
+  } else {
+    for (const Json& key : reply.at("keys")) std::cout << key.get<std::string>() << '\n';
+  }
+}
+
+// Prints events until there have been as many as wanted, or the peer ends.
+int follow(const std::filesystem::path& socket, const CtlOptions& options) {
+  Result<void> refused;
+  std::uint64_t lines = 0;  // the reply is the first one
+  const auto done = api::listen(socket, options.request, [&](const std::string& line) {
+    if (lines++ == 0) {
+      const auto reply = read_reply(socket, line);
+      if (!reply) refused = std::unexpected(reply.error());
+      return reply.has_value();
+    }
+    std::cout << line << std::endl;  // at once, for whoever reads it
+    return std::cout.good() && lines != options.events + 1;
+  });
+  if (!done) return failed(done.error());
+  return refused ? 0 : failed(refused.error());
+}
+
 }  // namespace
 
 int run_ctl(const CtlOptions& options) {
   const auto socket = options.socket.empty() ? api::find_socket(options.name) : options.socket;
   if (!socket) return failed(socket.error());
+  if (options.follows) return follow(*socket, options);
   const auto line = api::ask(*socket, options.request);
   if (!line) return failed(line.error());
   auto read = read_reply(*socket, *line);
@@ -220,6 +267,9 @@ int run_ctl(const CtlOptions& options) {
   }
   if (reply.contains("peers")) {
     if (const auto all = fetch_rest(*socket, "peers", reply); !all) return failed(all.error());
+  }
+  if (reply.contains("conflicts")) {
+    if (const auto all = fetch_rest(*socket, "conflicts", reply); !all) return failed(all.error());
   }
   if (reply.contains("edit") && reply.contains("operation")) {
     const auto state = await_operation(*socket, reply);
@@ -241,6 +291,10 @@ int run_ctl(const CtlOptions& options) {
     print_status(reply);
   } else if (reply.contains("edit")) {
     print_edit(reply);
+  } else if (reply.contains("conflicts")) {
+    print_conflicts(reply);
+  } else if (reply.contains("keys") || reply.contains("value")) {
+    print_data(reply);
   } else if (reply.contains("world")) {
     std::cout << reply.at("world").get<std::string>();
   } else if (reply.contains("key")) {

@@ -1,14 +1,17 @@
 #pragma once
+#include <cstdint>
 #include <string>
 
 namespace peerd {
 
 struct CtlOptions {
-  std::string socket;   // path of the peer's socket; empty: found by its name
-  std::string name;     // the peer's name; empty: the only peer of this user
-  std::string request;  // a line of the control protocol
-  bool json = false;    // print the reply as it came
-  std::string save;     // the file that the world of the reply goes to; empty: it is printed
+  std::string socket;        // path of the peer's socket; empty: found by its name
+  std::string name;          // the peer's name; empty: the only peer of this user
+  std::string request;       // a line of the control protocol
+  bool json = false;         // print the reply as it came
+  bool follows = false;      // a request for events: each is printed, a line as it came
+  std::uint64_t events = 0;  // the number of events after which it ends; 0: when the peer ends
+  std::string save;          // the file that the world of the reply goes to; empty: it is printed
 };
 
 // `peerd ctl`: sends a request to a peer on this computer and prints its reply. Returns 1 when a key did not do all

@@ -484,6 +484,7 @@ int run_peer(const PeerOptions& options) {
   daemon.busy_poll(std::chrono::microseconds(run.transport.busy_poll_us), cache_warmer.get());
   auto control = open_control(io, control_place(options, run.control, settings, log), daemon, log);
   if (!control) return failed(control.error());
+  if (*control) daemon.publish_to(**control);
   const auto poses = open_pose_port(io, settings, daemon, log);
   if (!poses) return failed(poses.error());
   std::optional<Welcome> welcome;

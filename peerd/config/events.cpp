@@ -23,7 +23,11 @@ const std::initializer_list<std::string_view> kKinds{"join",
                                                      to_string(SceneEdit::Kind::kSet),
                                                      to_string(SceneEdit::Kind::kOwn),
                                                      to_string(SceneEdit::Kind::kGrab),
-                                                     to_string(SceneEdit::Kind::kRelease)};
+                                                     to_string(SceneEdit::Kind::kRelease),
+                                                     to_string(SceneEdit::Kind::kData),
+                                                     to_string(SceneEdit::Kind::kSend),
+                                                     to_string(SceneEdit::Kind::kUndo),
+                                                     to_string(SceneEdit::Kind::kRedo)};
 constexpr SizeLimit kAddedText{kMiB, "no operation is so long", 2};
 constexpr std::size_t kFirstEdit = static_cast<std::size_t>(EventKind::kEdit);
 
@@ -112,8 +116,20 @@ class EventReader {
           reader.fail(reader.raw().get("file"), reader.dotted("file") + ": " + text.error().text);
         }
       }
-    } else {
+    } else if (kind != SceneEdit::Kind::kSend && kind != SceneEdit::Kind::kUndo && kind != SceneEdit::Kind::kRedo) {
       needed("path", e.path);
+    }
+    if (kind == SceneEdit::Kind::kSend) {
+      needed("topic", e.key);
+      needed("text", e.data);
+    }
+    if (kind == SceneEdit::Kind::kData) {
+      needed("key", e.key);
+      reader.read("value", e.data);
+      reader.read("remove", e.removes);
+      if (reader.has("value") == e.removes) {
+        reader.fail(nullptr, reader.dotted("value") + ": give either a value or remove = true");
+      }
     }
     if (kind == SceneEdit::Kind::kAdd || kind == SceneEdit::Kind::kMove) reader.read("under", e.under);
     if (kind == SceneEdit::Kind::kSet) {

@@ -5,16 +5,19 @@
 
 namespace peerd::config {
 
-// A change of the scene, or of who owns what in it, as people and scripts ask for it: paths are as in a world file
-// (Scene::find).
+// A change of the scene, of data at its nodes, or of who owns what in it, or a message to all, as people and scripts
+// ask for it: paths are as in a world file (Scene::find).
 struct SceneEdit {
-  enum class Kind : std::uint8_t { kAdd, kRemove, kMove, kSet, kOwn, kGrab, kRelease };
+  enum class Kind : std::uint8_t { kAdd, kRemove, kMove, kSet, kOwn, kGrab, kRelease, kData, kSend, kUndo, kRedo };
   Kind kind{};
-  // The thing to remove, move, set, own or release: an instance, or, to be removed or set, a node by its DEF name.
+  // The thing to remove, move, set, own or release, or that has the data: an instance, or, to be removed or set, or for
+  // data, a node by its DEF name.
   std::string path;
   std::string text;          // kAdd: VRML, with or without its first line
   std::string under;         // kAdd, kMove: the new parent; empty: the top level
   std::string field, value;  // kSet: in the notation of VRML
+  std::string key, data;     // kData: the key and its value; kSend: the topic and the text. Any bytes
+  bool removes = false;      // kData: the key is removed
 };
 
 // The word for a kind in scenarios, requests and logs.
@@ -34,6 +37,14 @@ struct SceneEdit {
       return "grab";
     case SceneEdit::Kind::kRelease:
       return "release";
+    case SceneEdit::Kind::kData:
+      return "data";
+    case SceneEdit::Kind::kSend:
+      return "send";
+    case SceneEdit::Kind::kUndo:
+      return "undo";
+    case SceneEdit::Kind::kRedo:
+      return "redo";
   }
   return "?";
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/writer/writer.hpp"
+#include "peerd/control/conflict_rows.hpp"
 #include "peerd/control/request.hpp"
 #include "peerd/feed/json_members.hpp"
 #include "replication/decision/decision.hpp"
@@ -230,6 +231,41 @@ ordered_json operation_reply(const PeerNode& node, replication::OperationId id) 
   return reply;
 }
 
+// The value under a key, or all keys of the node, of which there are NodeData::kKeysOfNodeMax at most.
+ordered_json data_reply(const PeerNode& node, const DataRequest& request) {
+  ordered_json reply = good();
+  reply["path"] = request.path;
+  const auto at = find_node(node.scene(), request.path);
+  const replication::NodeData& data = node.peer().data();
+  std::string refused = at ? "" : at.error();
+  if (request.key) {
+    const std::string* const value = at ? data.find(*at, *request.key) : nullptr;
+    reply["key"] = *request.key;
+    reply["value"] = value != nullptr ? ordered_json(*value) : ordered_json(nullptr);
+    if (at && value == nullptr) refused = "it has no such key";
+  } else {
+    reply["keys"] = at ? data.keys(*at) : std::vector<std::string>();
+  }
+  reply["done"] = refused.empty();
+  if (!refused.empty()) reply["refused"] = refused;
+  return reply;
+}
+
+ordered_json conflicts_reply(const PeerNode& node, HostTime now, const ConflictsRequest& request) {
+  ordered_json reply = good();
+  reply.update(conflict_rows(node, now, request.from));
+  return reply;
+}
+
+ordered_json subscribe_reply(EventKinds kinds) {
+  ordered_json reply = good();
+  reply["subscribed"] = ordered_json::array();
+  for (const std::string_view name : kEventKindNames) {
+    if (kinds.contains(*find_event_kind(name))) reply["subscribed"].push_back(name);
+  }
+  return reply;
+}
+
 ordered_json world_reply(const PeerNode& node) {
   ordered_json reply = good();
   const auto written = write_world(node.scene());
@@ -266,6 +302,13 @@ Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host
   if (const auto* edit = std::get_if<EditRequest>(&*request)) return {line_of(edit_reply(node.edit(now, edit->edit)))};
   if (const auto* operation = std::get_if<OperationRequest>(&*request)) {
     return {line_of(operation_reply(node, operation->operation))};
+  }
+  if (const auto* data = std::get_if<DataRequest>(&*request)) return {line_of(data_reply(node, *data))};
+  if (const auto* conflicts = std::get_if<ConflictsRequest>(&*request)) {
+    return {line_of(conflicts_reply(node, now, *conflicts))};
+  }
+  if (const auto* subscribe = std::get_if<SubscribeRequest>(&*request)) {
+    return {line_of(subscribe_reply(subscribe->kinds)), /*leave=*/false, subscribe->kinds};
   }
   if (std::holds_alternative<WorldRequest>(*request)) return {line_of(world_reply(node))};
   if (std::holds_alternative<LeaveRequest>(*request)) return {line_of(good()), /*leave=*/true};

@@ -1,15 +1,18 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "peerd/control/event_kind.hpp"
 #include "peerd/node/peer_node.hpp"
 #include "peerd/os/traffic_counters.hpp"
 
 namespace peerd::api {
 
 struct Answer {
-  std::string line;    // JSON without a line end; empty: no reply is wanted
-  bool leave = false;  // the request asks the peer to leave
+  std::string line;                       // JSON without a line end; empty: no reply is wanted
+  bool leave = false;                     // the request asks the peer to leave
+  std::optional<EventKinds> subscribe{};  // the client wants these from now on, and no others
 };
 
 // Executes one line of the control protocol at the peer. The caller drains the node's outputs afterwards. Unix time +

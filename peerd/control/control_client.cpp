@@ -30,6 +30,18 @@ bool is_full_queue(const error_code& error) {
   return error == asio::error::would_block || error == asio::error::no_buffer_space;
 }
 
+std::unexpected<InputError> nobody_at(const std::filesystem::path& path, const std::string& why) {
+  return std::unexpected(InputError{"error: no peer answers at " + path.string() + ": " + why, 3});
+}
+
+Result<void> connect_to_peer(Protocol::socket& socket, const std::filesystem::path& path) {
+  if (path.string().size() >= sizeof(sockaddr_un::sun_path))
+    return nobody_at(path, "the path is too long for a socket's");
+  const error_code error = connect(socket, path);
+  if (error) return nobody_at(path, is_full_queue(error) ? "it is stopped, or busy" : error.message());
+  return {};
+}
+
 }  // namespace
 
 error_code reach(const std::filesystem::path& path) {
@@ -42,14 +54,10 @@ error_code reach(const std::filesystem::path& path) {
 
 Result<std::string> ask(const std::filesystem::path& path, const std::string& request,
                         std::chrono::milliseconds within) {
-  const auto nobody = [&](const std::string& why) {
-    return std::unexpected(InputError{"error: no peer answers at " + path.string() + ": " + why, 3});
-  };
+  const auto nobody = [&](const std::string& why) { return nobody_at(path, why); };
   asio::io_context io(1);
   Protocol::socket socket(io);
-  if (path.string().size() >= sizeof(sockaddr_un::sun_path)) return nobody("the path is too long for a socket's");
-  const error_code error = connect(socket, path);
-  if (error) return nobody(is_full_queue(error) ? "it is stopped, or busy" : error.message());
+  if (const auto connected = connect_to_peer(socket, path); !connected) return std::unexpected(connected.error());
 
   const std::string line = request + '\n';
   std::string reply;
@@ -67,6 +75,25 @@ Result<std::string> ask(const std::filesystem::path& path, const std::string& re
   if (!done) return nobody("it is silent for " + std::to_string(within.count()) + " ms");
   if (*done) return nobody(done->message());
   return reply;
+}
+
+Result<void> listen(const std::filesystem::path& path, const std::string& request,
+                    const std::function<bool(const std::string& line)>& on_line) {
+  asio::io_context io(1);
+  Protocol::socket socket(io);
+  if (const auto connected = connect_to_peer(socket, path); !connected) return std::unexpected(connected.error());
+  error_code error;
+  socket.non_blocking(false, error);
+  if (!error) asio::write(socket, asio::buffer(request + '\n'), error);
+  std::string bytes;
+  for (bool first = true, more = true; more; first = false) {
+    const std::size_t size_bytes = error ? 0 : asio::read_until(socket, asio::dynamic_buffer(bytes), '\n', error);
+    if (error && first) return nobody_at(path, error.message());
+    if (error) return {};
+    more = on_line(bytes.substr(0, size_bytes - 1));
+    bytes.erase(0, size_bytes);
+  }
+  return {};
 }
 
 }  // namespace peerd::api

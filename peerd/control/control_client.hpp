@@ -1,6 +1,7 @@
 #pragma once
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include <boost/system/error_code.hpp>
@@ -16,5 +17,10 @@ namespace peerd::api {
 // exit code 3, says that no peer answers.
 [[nodiscard]] Result<std::string> ask(const std::filesystem::path& path, const std::string& request,
                                       std::chrono::milliseconds within = std::chrono::seconds(3));
+
+// Sends one request and gives each line that comes, the reply first, to `on_line`, until that returns false or the peer
+// closes the connection. The error, with exit code 3, says that no peer answers.
+[[nodiscard]] Result<void> listen(const std::filesystem::path& path, const std::string& request,
+                                  const std::function<bool(const std::string& line)>& on_line);
 
 }  // namespace peerd::api

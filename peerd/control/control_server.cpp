@@ -5,10 +5,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cassert>
+#include <deque>
 #include <set>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
@@ -19,6 +22,7 @@
 
 #include "peerd/control/answer.hpp"
 #include "peerd/control/control_client.hpp"
+#include "peerd/control/event_line.hpp"
 #include "peerd/control/request.hpp"
 
 namespace peerd::api {
@@ -134,6 +138,21 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
 
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
+  void subscribe(EventKinds kinds) {
+    assert(answering_ != nullptr);
+    answering_->wanted = kinds;
+    find_wanted();
+  }
+  [[nodiscard]] EventKinds wanted() const { return wanted_; }
+
+  void publish(EventKind kind, const std::string& line) {
+    assert(line.find('\n') == std::string::npos);
+    if (!wanted_.contains(kind)) return;
+    for (const ClientPtr& client : std::vector<ClientPtr>(clients_.begin(), clients_.end())) {
+      if (client->wanted.contains(kind)) give(client, line);
+    }
+  }
+
  private:
   struct Client {
     explicit Client(Protocol::socket s) : socket(std::move(s)), deadline(socket.get_executor()) {}
@@ -144,7 +163,17 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
     }
     Protocol::socket socket;
     asio::steady_timer deadline;
-    std::string in, out;
+    std::string in;
+    struct Line {
+      std::string text;
+      bool is_reply = false;  // else it is an event
+    };
+    std::deque<Line> out;
+    std::size_t events_bytes = 0;  // of those in `out`
+    std::size_t events = 0;
+    std::uint64_t dropped = 0;  // events since the line that said so last
+    bool writes = false;        // the rest of the first line
+    EventKinds wanted{};
     bool last = false;  // the connection closes after this reply
   };
   using ClientPtr = std::shared_ptr<Client>;
@@ -200,7 +229,9 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
     ++counters_.requests;
     const std::string line = client->in.substr(0, size_bytes - 1);
     client->in.erase(0, size_bytes);
+    answering_ = client.get();
     std::string answer = answer_(line);
+    answering_ = nullptr;
     if (!clients_.contains(client)) return;
     if (answer.empty()) return read(client);
     reply(client, std::move(answer));
@@ -211,24 +242,74 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
   // client.
   void reply(const ClientPtr& client, std::string line) {
     assert(line.find('\n') == std::string::npos);
-    client->out = std::move(line) + '\n';
-    error_code error;
-    const std::size_t written = client->socket.write_some(asio::buffer(client->out), error);
-    if (error && error != asio::error::would_block && error != asio::error::try_again) return drop(client);
-    if (written == client->out.size()) return replied(client);
+    client->out.push_back({std::move(line) + '\n', true});
+    write(client);
+    const bool is_out = !clients_.contains(client) ||
+                        std::ranges::none_of(client->out, [](const Client::Line& each) { return each.is_reply; });
+    if (is_out) return;
     client->deadline.expires_after(kReplyWithin);
     client->deadline.async_wait([self = shared_from_this(), client](const error_code& cancelled) {
       if (cancelled || !self->clients_.contains(client)) return;
       ++self->counters_.too_slow;
       self->drop(client);
     });
-    asio::async_write(client->socket, asio::buffer(client->out) + written,
-                      [self = shared_from_this(), client](const error_code& failed, std::size_t) {
-                        if (!self->clients_.contains(client)) return;
-                        client->deadline.cancel();
-                        if (failed) return self->drop(client);
-                        self->replied(client);
-                      });
+  }
+
+  // An event that has no room is dropped. What was dropped is said before the next one that has.
+  void give(const ClientPtr& client, const std::string& line) {
+    const bool fits = client->events < kEventsMax && client->events_bytes + line.size() <= kEventsMax_bytes;
+    if (!fits) {
+      ++client->dropped;
+      ++counters_.events_dropped;
+      return;
+    }
+    if (client->dropped > 0) push_event(*client, dropped_line(std::exchange(client->dropped, 0)));
+    push_event(*client, line);
+    write(client);
+  }
+
+  static void push_event(Client& client, const std::string& line) {
+    client.out.push_back({line + '\n', false});
+    client.events_bytes += line.size() + 1;
+    ++client.events;
+  }
+
+  // Writes what the socket takes, and the rest when it takes more.
+  void write(const ClientPtr& client) {
+    while (clients_.contains(client) && !client->writes && !client->out.empty()) {
+      const std::string& line = client->out.front().text;
+      error_code error;
+      const std::size_t written = client->socket.write_some(asio::buffer(line), error);
+      if (error && error != asio::error::would_block && error != asio::error::try_again) return drop(client);
+      if (written == line.size()) {
+        wrote(client);
+        continue;
+      }
+      client->writes = true;
+      asio::async_write(client->socket, asio::buffer(line) + written,
+                        [self = shared_from_this(), client](const error_code& failed, std::size_t) {
+                          if (!self->clients_.contains(client)) return;
+                          client->writes = false;
+                          if (failed) return self->drop(client);
+                          self->wrote(client);
+                          self->write(client);
+                        });
+    }
+  }
+
+  void wrote(const ClientPtr& client) {
+    const Client::Line line = std::move(client->out.front());
+    client->out.pop_front();
+    if (!line.is_reply) {
+      client->events_bytes -= line.text.size();
+      --client->events;
+    }
+    if (client->events == 0 && client->dropped > 0) {
+      push_event(*client, dropped_line(std::exchange(client->dropped, 0)));
+    }
+    if (!line.is_reply) return;
+    client->deadline.cancel();
+    replied(client);
   }
 
   void replied(const ClientPtr& client) {
@@ -236,8 +317,14 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
     read(client);
   }
 
+  void find_wanted() {
+    wanted_ = {};
+    for (const ClientPtr& client : clients_) wanted_.add(client->wanted);
+  }
+
   void drop(const ClientPtr& client) {
     clients_.erase(client);
+    if (!client->wanted.empty()) find_wanted();
     client->close();
   }
 
@@ -247,6 +334,8 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
   Protocol::acceptor acceptor_;
   asio::steady_timer again_;
   std::set<ClientPtr> clients_;
+  Client* answering_ = nullptr;     // whose request is being answered; null: none is
+  EventKinds wanted_;               // by some client
   std::pair<dev_t, ino_t> file_{};  // identifies our socket: close() leaves another one at the same path alone
   bool over_ = false;
   Counters counters_;
@@ -255,6 +344,12 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
 ControlServer::ControlServer(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 ControlServer::~ControlServer() { impl_->close(); }
+
+void ControlServer::subscribe(EventKinds kinds) { impl_->subscribe(kinds); }
+
+EventKinds ControlServer::wanted() const { return impl_->wanted(); }
+
+void ControlServer::publish(EventKind kind, const std::string& line) { impl_->publish(kind, line); }
 
 const ControlServer::Counters& ControlServer::counters() const { return impl_->counters(); }
 

@@ -43,6 +43,7 @@ Request read_edit(feed::JsonMembers& members, config::SceneEdit::Kind kind) {
   using enum config::SceneEdit::Kind;
   config::SceneEdit edit;
   edit.kind = kind;
+  if (kind == kUndo || kind == kRedo) return EditRequest{std::move(edit)};
   if (kind == kAdd) {
     edit.text = members.required(members.text("text"), "text");
   } else {
@@ -56,6 +57,43 @@ Request read_edit(feed::JsonMembers& members, config::SceneEdit::Kind kind) {
   return EditRequest{std::move(edit)};
 }
 
+// With a value, or to be removed: an edit; else a question.
+Request read_data(feed::JsonMembers& members) {
+  std::string path = members.required(members.text("path"), "path");
+  std::optional<std::string> key = members.text("key"), value = members.text("value");
+  const bool removes = members.flag("remove");
+  if (!value && !removes) return DataRequest{std::move(path), std::move(key)};
+  if (value && removes) members.fail("remove", "and \"value\" exclude each other");
+  config::SceneEdit edit;
+  edit.kind = config::SceneEdit::Kind::kData;
+  edit.path = std::move(path);
+  edit.key = members.required(std::move(key), "key");
+  edit.data = value.value_or("");
+  edit.removes = removes;
+  return EditRequest{std::move(edit)};
+}
+
+Request read_message(feed::JsonMembers& members) {
+  config::SceneEdit edit;
+  edit.kind = config::SceneEdit::Kind::kSend;
+  edit.key = members.required(members.text("topic"), "topic");
+  edit.data = members.required(members.text("text"), "text");
+  return EditRequest{std::move(edit)};
+}
+
+// Without a list, to all kinds.
+Request read_subscription(feed::JsonMembers& members) {
+  const auto names = members.texts("to");
+  if (!names) return SubscribeRequest{EventKinds::all()};
+  EventKinds kinds;
+  for (const std::string& name : *names) {
+    const auto kind = find_event_kind(name);
+    if (kind) kinds.add(*kind);
+    if (!kind) members.fail("to", "has \"" + name + "\", which is no kind of events");
+  }
+  return SubscribeRequest{kinds};
+}
+
 Request read_operation(feed::JsonMembers& members) {
   const auto author = members.whole("author", 0, 1, replication::kAuthorMax);
   const auto number = members.whole("number", 0, 1, std::numeric_limits<std::uint32_t>::max());
@@ -65,7 +103,7 @@ Request read_operation(feed::JsonMembers& members) {
 
 std::optional<config::SceneEdit::Kind> edit_kind(std::string_view word) {
   using enum config::SceneEdit::Kind;
-  for (const auto kind : {kAdd, kRemove, kMove, kSet, kOwn, kGrab, kRelease}) {
+  for (const auto kind : {kAdd, kRemove, kMove, kSet, kOwn, kGrab, kRelease, kUndo, kRedo}) {
     if (word == config::to_string(kind)) return kind;
   }
   return std::nullopt;
@@ -93,6 +131,14 @@ std::expected<Request, std::string> parse_request(std::string_view line) {
     request = feed::read_pose_message(members);
   } else if (const auto kind = edit_kind(what)) {
     request = read_edit(members, *kind);
+  } else if (what == "data") {
+    request = read_data(members);
+  } else if (what == "send") {
+    request = read_message(members);
+  } else if (what == "conflicts") {
+    request = ConflictsRequest{static_cast<std::uint32_t>(members.whole("from", 0, 0, kCodeMax))};
+  } else if (what == "subscribe") {
+    request = read_subscription(members);
   } else if (what == "operation") {
     request = read_operation(members);
   } else if (what == "world") {
@@ -102,7 +148,9 @@ std::expected<Request, std::string> parse_request(std::string_view line) {
   } else {
     members.fail("do",
                  "must be one of \"key\", \"status\", \"peers\", \"objects\", \"pose\", \"add\", \"remove\", \"move\", "
-                 "\"set\", \"own\", \"grab\", \"release\", \"operation\", \"world\", \"leave\"");
+                 "\"set\", \"own\", \"grab\", \"release\", \"data\", \"send\", \"undo\", \"redo\", \"conflicts\", "
+                 "\"subscribe\", \"operation\", "
+                 "\"world\", \"leave\"");
   }
   if (std::string error = members.finish(); !error.empty()) return std::unexpected(std::move(error));
   return *request;

@@ -2,12 +2,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <expected>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
 
 #include "core/motion/key_codes.hpp"
 #include "peerd/config/scene_edit.hpp"
+#include "peerd/control/event_kind.hpp"
 #include "peerd/feed/pose_message.hpp"
 #include "replication/wire/operation.hpp"
 
@@ -19,7 +21,9 @@ namespace peerd::api {
 inline constexpr std::size_t kLineMax_bytes = 65'536;
 // The longest lists of one reply. Making a longer one would hold up the peer's ticks.
 inline constexpr std::uint32_t kObjectsMax = 256;
-inline constexpr std::size_t kPeersMax = 256, kRegionsMax = 1024;
+inline constexpr std::size_t kPeersMax = 256, kRegionsMax = 1024, kConflictsMax = 64;
+// The longest lost value of a reply [bytes]; of a longer one the beginning.
+inline constexpr std::size_t kLostValueMax_bytes = 4096;
 
 struct KeyRequest {
   KeyEvent key;
@@ -41,9 +45,22 @@ struct EditRequest {
 struct OperationRequest {
   replication::OperationId operation;
 };
+// A DataRequest asks for the value under a key of a node, or for the keys that the node has.
+struct DataRequest {
+  std::string path;
+  std::optional<std::string> key;
+};
+struct ConflictsRequest {
+  std::uint32_t from = 0;  // so many are passed over
+};
+// A SubscribeRequest asks for the events of these kinds, from now on.
+struct SubscribeRequest {
+  EventKinds kinds;
+};
 struct WorldRequest {};  // the scene as it is, as VRML
-using Request = std::variant<KeyRequest, StatusRequest, PeersRequest, ObjectsRequest, LeaveRequest, PoseRequest,
-                             EditRequest, OperationRequest, WorldRequest>;
+using Request =
+    std::variant<KeyRequest, StatusRequest, PeersRequest, ObjectsRequest, LeaveRequest, PoseRequest, EditRequest,
+                 OperationRequest, DataRequest, ConflictsRequest, SubscribeRequest, WorldRequest>;
 
 // Parses one line of hostile input. The error is one sentence for its sender.
 [[nodiscard]] std::expected<Request, std::string> parse_request(std::string_view line);

@@ -13,6 +13,7 @@
 #include <boost/asio/post.hpp>
 
 #include "peerd/control/answer.hpp"
+#include "peerd/control/event_line.hpp"
 #include "peerd/control/request.hpp"
 #include "peerd/daemon/cache_warmer.hpp"
 #include "peerd/feed/pose_message.hpp"
@@ -93,6 +94,7 @@ std::string Daemon::on_control(std::string_view line) {
   if (capture_) capture_->on_control(at, host_minus_wall, line);
   api::Answer answer = api::answer(node_, at, line, host_minus_wall, &transport_.counters());
   drain();
+  if (answer.subscribe && control_ != nullptr) control_->subscribe(*answer.subscribe);
   if (answer.leave) {
     boost::asio::post(io_, [this] {
       if (over_) return;
@@ -306,6 +308,7 @@ void Daemon::drain() {
       exit_code_ = kEnvironment;
       stop();
     }
+    if (control_ != nullptr && !control_->wanted().empty()) publish(out);
     if (const auto line = describe(out, node_.scene())) log_(*line);
   }
   while (const auto key = node_.poll_key_report()) {
@@ -314,6 +317,12 @@ void Daemon::drain() {
   while (const auto edit = node_.poll_edit_report()) log_(describe(*edit));
   while (const auto notice = node_.poll_feed_notice()) log_(describe(*notice));
   if (capture_) keep_capture();
+}
+
+void Daemon::publish(const replication::Output& event) {
+  assert(control_ != nullptr);
+  const auto kind = api::kind_of(event);
+  if (kind && control_->wanted().contains(*kind)) control_->publish(*kind, api::event_line(event, node_));
 }
 
 // Returns whether it is of this peer's own log.

@@ -10,6 +10,7 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "peerd/control/control_server.hpp"
 #include "peerd/daemon/tick_lateness.hpp"
 #include "peerd/node/describe.hpp"
 #include "peerd/node/peer_node.hpp"
@@ -45,6 +46,8 @@ class Daemon {
 
   // Answers one line of the control protocol; the reply to "leave" is out before the peer leaves.
   std::string on_control(std::string_view line);
+  // Events go to clients of this server that have subscribed. It outlives the run.
+  void publish_to(api::ControlServer& control) { control_ = &control; }
   // Takes one datagram of an external program.
   void on_poses(std::string_view datagram);
   // Takes poses of a program in this process; there must be no capture, which could not record them.
@@ -96,6 +99,7 @@ class Daemon {
   void stop();
   void drain();
   void keep_capture();
+  void publish(const replication::Output& event);
   [[nodiscard]] bool note_growth(const replication::LogGrown& grown);
   // Writes what has grown. False: this peer must not go on.
   [[nodiscard]] bool store_growth();
@@ -114,7 +118,8 @@ class Daemon {
   store::UnstoredGrowth unstored_;
   HostTime store_due_ = HostTime::max();  // of what is unstored
   bool store_fails_ = false;
-  record::CaptureWriter* capture_;  // null: none, or it has failed
+  api::ControlServer* control_ = nullptr;  // null: nobody can subscribe
+  record::CaptureWriter* capture_;         // null: none, or it has failed
   std::function<void()> received_handler_;
   net::ForwardTime forward_;
   TickLateness lateness_;

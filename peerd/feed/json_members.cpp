@@ -85,6 +85,14 @@ std::optional<Eigen::Matrix<double, Size, 1>> JsonMembers::numbers(const char* n
 template std::optional<Eigen::Vector3d> JsonMembers::numbers<3>(const char*);
 template std::optional<Eigen::Vector4d> JsonMembers::numbers<4>(const char*);
 
+std::optional<std::vector<std::string>> JsonMembers::texts(const char* name) {
+  const json* value = find(name);
+  if (value == nullptr) return std::nullopt;
+  const bool good = value->is_array() && std::ranges::all_of(*value, [](const json& item) { return item.is_string(); });
+  if (!good) return fail(name, "must be a list of strings"), std::nullopt;
+  return value->get<std::vector<std::string>>();
+}
+
 std::vector<const json*> JsonMembers::objects(const char* name) {
   const json* value = find(name);
   std::vector<const json*> items;

@@ -27,6 +27,8 @@ class JsonMembers {
 
   [[nodiscard]] bool has(const char* name) const { return object_.contains(name); }
   std::optional<std::string> text(const char* name);
+  // A list of strings; none where the member is missing or wrong.
+  std::optional<std::vector<std::string>> texts(const char* name);
   bool flag(const char* name, bool otherwise = false);
   // A whole number from `min` to `max`; `otherwise` where the member is missing or wrong.
   std::int64_t whole(const char* name, std::int64_t otherwise, std::int64_t min, std::int64_t max);

@@ -131,6 +131,14 @@ struct LineOf {
     if (e.refused.empty()) return LogLine{LogLevel::kInfo, operation + " takes effect"};
     return LogLine{LogLevel::kWarning, fmt::format("{} changes nothing: {}", operation, e.refused)};
   }
+  Line operator()(const DataChanged& d) const {
+    return LogLine{LogLevel::kDebug, fmt::format("{} of {} is {}", d.key, path_or_id(scene, d.node),
+                                                 d.value ? fmt::format("{} bytes of data", d.value->size()) : "gone")};
+  }
+  Line operator()(const MessageReceived& m) const {
+    return LogLine{LogLevel::kInfo,
+                   fmt::format("peer {} sends to all: {}, {} bytes", m.by.value, m.topic, m.text.size())};
+  }
   Line operator()(const OperationHeld& h) const {
     return LogLine{LogLevel::kDebug, fmt::format("operation {}:{} is held by another peer", h.operation.author.value,
                                                  h.operation.number)};

@@ -20,15 +20,6 @@ std::expected<ObjectId, std::string> find(const Scene& scene, const std::string&
   return std::unexpected("the scene has no " + path);
 }
 
-// A node by its DEF name, or the node of an instance.
-std::expected<NodeId, std::string> find_node(const Scene& scene, const std::string& path) {
-  const vrml::Document& document = *scene.document;
-  if (const auto object = scene.find(path)) return document.ids.id_of(scene.at(*object).node);
-  const auto named = std::ranges::find(document.nodes, path, &vrml::Node::def);
-  if (named == document.nodes.end()) return std::unexpected("the scene has no " + path);
-  return document.ids.id_of(static_cast<std::uint32_t>(named - document.nodes.begin()));
-}
-
 std::expected<std::optional<ObjectId>, std::string> find_parent(const Scene& scene, const std::string& under) {
   if (under.empty()) return std::optional<ObjectId>();
   auto parent = find(scene, under);
@@ -38,12 +29,28 @@ std::expected<std::optional<ObjectId>, std::string> find_parent(const Scene& sce
 
 }  // namespace
 
+std::expected<NodeId, std::string> find_node(const Scene& scene, const std::string& path) {
+  const vrml::Document& document = *scene.document;
+  if (const auto object = scene.find(path)) return document.ids.id_of(scene.at(*object).node);
+  const auto named = std::ranges::find(document.nodes, path, &vrml::Node::def);
+  if (named == document.nodes.end()) return std::unexpected("the scene has no " + path);
+  return document.ids.id_of(static_cast<std::uint32_t>(named - document.nodes.begin()));
+}
+
 bool is_about_ownership(const SceneEdit& edit) {
   using enum SceneEdit::Kind;
   return edit.kind == kOwn || edit.kind == kGrab || edit.kind == kRelease;
 }
 
-std::expected<OperationBody, std::string> operation_of(const SceneEdit& edit, const Scene& scene) {
+bool is_undo(const SceneEdit& edit) {
+  return edit.kind == SceneEdit::Kind::kUndo || edit.kind == SceneEdit::Kind::kRedo;
+}
+
+std::string name_of(const UndoneEdit& undone) {
+  return fmt::format("operation {}:{} ({})", undone.edit.author.value, undone.edit.number, undone.kind);
+}
+
+std::expected<OperationBody, std::string> operation_of(const SceneEdit& edit, const Scene& scene, PeerId self) {
   switch (edit.kind) {
     case SceneEdit::Kind::kAdd: {
       const auto parent = find_parent(scene, edit.under);
@@ -68,9 +75,18 @@ std::expected<OperationBody, std::string> operation_of(const SceneEdit& edit, co
       if (!node) return std::unexpected(node.error());
       return SetField{*node, edit.field, edit.value, 0};
     }
+    case SceneEdit::Kind::kData: {
+      const auto node = find_node(scene, edit.path);
+      if (!node) return std::unexpected(node.error());
+      return SetData{*node, edit.key, edit.removes ? std::nullopt : std::optional(edit.data)};
+    }
+    case SceneEdit::Kind::kSend:
+      return SendMessage{self, edit.key, edit.data};
     case SceneEdit::Kind::kOwn:
     case SceneEdit::Kind::kGrab:
     case SceneEdit::Kind::kRelease:
+    case SceneEdit::Kind::kUndo:
+    case SceneEdit::Kind::kRedo:
       break;
   }
   return std::unexpected("there is no such edit");
@@ -90,6 +106,13 @@ std::string name_of(const SceneEdit& edit) {
       return fmt::format("{} {} {}{}", kind, edit.path, edit.under.empty() ? "to the top level" : "below ", edit.under);
     case SceneEdit::Kind::kSet:
       return fmt::format("{} {} {} {}", kind, edit.path, edit.field, edit.value);
+    case SceneEdit::Kind::kData:
+      return fmt::format("{} {} {}{}", kind, edit.path, edit.key, edit.removes ? " removed" : "");
+    case SceneEdit::Kind::kUndo:
+    case SceneEdit::Kind::kRedo:
+      return fmt::format("{}{}{}", kind, edit.path.empty() ? "" : " of ", edit.path);
+    case SceneEdit::Kind::kSend:
+      return fmt::format("{} {}", kind, edit.key);
   }
   return "";
 }
@@ -104,6 +127,18 @@ LogLine describe(const EditReport& report) {
 
 std::string path_or_id(const Scene& scene, ObjectId object) {
   return scene.contains(object) ? scene.path_of(object) : fmt::format("object {}:{}", object.origin, object.number);
+}
+
+std::string path_or_id(const Scene& scene, NodeId node) {
+  const vrml::Document& document = *scene.document;
+  const auto index = document.ids.find(node, document.nodes.size());
+  if (!index) return fmt::format("node {}:{}", node.origin, node.number);
+  const auto instance = std::ranges::find(scene.instances, *index, &Instance::node);
+  if (instance != scene.instances.end()) {
+    return scene.path_of(scene.id_of(static_cast<std::uint32_t>(instance - scene.instances.begin())));
+  }
+  const std::string_view def = document.nodes[*index].def;
+  return def.empty() ? fmt::format("node {}:{}", node.origin, node.number) : std::string(def);
 }
 
 }  // namespace peerd

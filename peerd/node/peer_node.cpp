@@ -290,14 +290,28 @@ void PeerNode::make_edits(HostTime now) {
 
 EditReport PeerNode::edit(HostTime now, const config::SceneEdit& edit) {
   if (is_about_ownership(edit)) return change_owner(now, edit);
+  if (is_undo(edit)) return undo(now, edit);
   EditReport report{edit, std::nullopt, {}};
-  auto body = operation_of(edit, scene());
+  auto body = operation_of(edit, scene(), config_.id);
   if (!body) {
     report.refused = body.error();
   } else if (const auto operation = peer_.edit(now, *std::move(body))) {
     report.operation = *operation;
   } else {
     report.refused = operation.error();
+  }
+  edits_.note(report);
+  return report;
+}
+
+// The report names the edit that is undone, or redone.
+EditReport PeerNode::undo(HostTime now, const config::SceneEdit& edit) {
+  EditReport report{edit, std::nullopt, {}};
+  if (const auto undone = peer_.undo(now, edit.kind == config::SceneEdit::Kind::kRedo)) {
+    report.operation = undone->operation;
+    report.edit.path = name_of(*undone);
+  } else {
+    report.refused = undone.error();
   }
   edits_.note(report);
   return report;

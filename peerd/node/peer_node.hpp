@@ -118,6 +118,7 @@ class PeerNode {
   [[nodiscard]] SimTime key_time(std::size_t key) const { return *log_.start + from_seconds(keys_[key].at_s); }
   void press_keys(HostTime now);
   void make_edits(HostTime now);
+  EditReport undo(HostTime now, const config::SceneEdit& edit);
   EditReport change_owner(HostTime now, const config::SceneEdit& edit);
   void on_request(HostTime now, const replication::ObjectRequested& asked);
   void follow_scene();

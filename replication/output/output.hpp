@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -95,6 +96,20 @@ struct SceneEdited {
   SimTime at;
   std::string refused;  // why it changes nothing; empty: it does what it says
 };
+// An application's value at a node is another from now on, or is gone, also with its node.
+struct DataChanged {
+  NodeId node;
+  std::string key;
+  std::optional<std::string> value;  // none: the key is gone
+  SimTime at;
+};
+// A peer, which may be this one, has sent this to all.
+struct MessageReceived {
+  OperationId operation;
+  PeerId by;
+  std::string topic, text;
+  SimTime at;
+};
 // Another peer has this peer's operation, which is not lost any more with this peer.
 struct OperationHeld {
   OperationId operation;
@@ -149,7 +164,7 @@ struct ContactSeen {
 using Output =
     std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined, PeerLost,
                  ObjectOrphaned, OtherVersion, OtherWorld, IdInUse, NameInUse, OwnershipConflict, FounderGaveWay,
-                 SceneEdited, OperationHeld, ObjectGiven, ObjectRequested, RequestRefused, LogGrown, Published,
-                 ContactSeen, Overruled, ContactsRetracted, BodiesOverlap, NotColliding>;
+                 SceneEdited, DataChanged, MessageReceived, OperationHeld, ObjectGiven, ObjectRequested, RequestRefused,
+                 LogGrown, Published, ContactSeen, Overruled, ContactsRetracted, BodiesOverlap, NotColliding>;
 
 }  // namespace peerd::replication

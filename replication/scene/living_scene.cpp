@@ -6,6 +6,8 @@
 #include <utility>
 #include <variant>
 
+#include "core/vrml/document.hpp"
+
 namespace peerd::replication {
 namespace {
 
@@ -24,20 +26,44 @@ std::optional<ObjectId> meaning(const std::vector<Name>& names, std::string_view
 
 constexpr const char* kGone = "it is not in the scene any more";
 
+// A message that is longer changes no more than any other, but is delivered to nobody.
+constexpr std::size_t kTopicMax_bytes = 256, kMessageMax_bytes = std::size_t{16} << 10;
+
+std::expected<void, std::string> check(const SendMessage& message) {
+  if (message.topic.empty() || message.topic.size() > kTopicMax_bytes) {
+    return std::unexpected("a topic has 1 to " + std::to_string(kTopicMax_bytes) + " bytes, and this one " +
+                           std::to_string(message.topic.size()));
+  }
+  if (message.text.size() > kMessageMax_bytes) {
+    return std::unexpected("the text has " + std::to_string(message.text.size()) + " bytes, and may have " +
+                           std::to_string(kMessageMax_bytes));
+  }
+  return {};
+}
+
 // No value has more nodes.
 constexpr std::uint32_t kOfRefusedValue = ReadLimits{}.nodes;
 
 }  // namespace
 
-LivingScene::LivingScene(const Scene& file) : file_(std::shared_ptr<void>(), &file), now_{file_, {}} {}
+LivingScene::LivingScene(const Scene& file)
+    : file_(std::shared_ptr<void>(), &file),
+      begin_{file_, {}, std::make_shared<const NodeData>()},
+      now_(begin_),
+      conflicts_([this](const Key& key) {
+        const auto at = entries_.find(key);
+        return at != entries_.end() && at->second.applied && at->second.refused.empty() && !at->second.undone;
+      }) {}
 
 bool LivingScene::add(Operation operation) {
   assert(operation.id.author != kNoAuthor);
+  const Operation known{operation.id, operation.stamp, {}, std::move(operation.knows)};
   const auto [at, is_new] =
-      entries_.try_emplace({operation.stamp, operation.id}, Entry{std::move(operation.body), false, {}, {}});
+      entries_.try_emplace({operation.stamp, operation.id}, Entry{std::move(operation.body), false, false, {}, {}});
   if (!is_new) return false;
+  conflicts_.add(known);
   due_.insert(at->first);
-  with_all_.reset();
+  if (operation.stamp <= with_all_until_) with_all_.reset();
   return true;
 }
 
@@ -82,7 +108,10 @@ std::expected<LivingScene::UsedIds, std::string> LivingScene::apply_to(Editing& 
                    return editing.contains(request.object) ? Result(UsedIds{}) : Result(std::unexpect, kGone);
                  },
                  [](const RefuseRequest&) { return Result(UsedIds{}); },
-                 [&](const PlaceObject& place) { return done(place_in(editing, place)); }},
+                 [&](const PlaceObject& place) { return done(place_in(editing, place)); },
+                 [&](const SetData& data) { return done(set_data(editing, data)); },
+                 [&](const SendMessage& message) { return done(check(message)); },
+                 [](const UndoOperation&) { return Result(UsedIds{}); }},  // it chooses what else is applied
       body);
 }
 
@@ -108,6 +137,19 @@ std::expected<void, std::string> LivingScene::place_in(Editing& editing, const P
   return placed;
 }
 
+bool LivingScene::Editing::contains(NodeId node) {
+  if (scene) return scene->contains(node);
+  const vrml::Document& document = *state.scene->document;
+  return document.ids.find(node, document.nodes.size()).has_value();
+}
+
+std::expected<void, std::string> LivingScene::set_data(Editing& editing, const SetData& set) {
+  if (!editing.contains(set.node)) return std::unexpected(kGone);
+  if (set.value) return editing.data().set(set.node, set.key, *set.value);
+  editing.data().remove(set.node, set.key);
+  return {};
+}
+
 std::expected<LivingScene::State, std::string> LivingScene::finish(Editing editing) {
   if (!editing.scene) return std::move(editing.state);
   auto scene = editing.scene->finish();
@@ -116,25 +158,50 @@ std::expected<LivingScene::State, std::string> LivingScene::finish(Editing editi
   const auto is_gone = [&](const auto& each) { return !editing.state.scene->contains(each.first); };
   std::erase_if(editing.state.owners, is_gone);
   std::erase_if(editing.state.left, is_gone);
+  if (!editing.state.data->empty()) {
+    const vrml::Document& document = *editing.state.scene->document;
+    editing.data().keep([&](NodeId node) { return document.ids.find(node, document.nodes.size()).has_value(); });
+  }
   return std::move(editing.state);
 }
 
-LivingScene::Applied LivingScene::applied(const State& base, std::span<const Entries::const_iterator> entries) const {
+LivingScene::Applied LivingScene::applied(const State& base, std::span<const Entries::const_iterator> entries,
+                                          const Undone& undone) const {
   Applied all{base, {}};
-  while (all.effects.size() < entries.size()) apply_run(entries.subspan(all.effects.size()), all);
+  while (all.effects.size() < entries.size()) apply_run(entries.subspan(all.effects.size()), undone, all);
   return all;
 }
 
-void LivingScene::apply_run(std::span<const Entries::const_iterator> entries, Applied& all) const {
+LivingScene::Effect LivingScene::apply_one(Editing& editing, Entries::const_iterator at) const {
+  assert(at != entries_.end());
+  const auto& [key, entry] = *at;
+  if (const auto* const undo = std::get_if<UndoOperation>(&entry.body)) {
+    return target_of(key, *undo) ? Effect{} : Effect{"its author has made no such edit", {}};
+  }
+  const auto* const add = std::get_if<AddNodes>(&entry.body);
+  const auto find = [&](std::string_view path) { return meaning(add->names, path); };
+  RemovedIds removed;
+  if (const auto* const remove = std::get_if<RemoveObject>(&entry.body)) {
+    SceneEditor::Below below = editing.editor().below(remove->object);
+    removed = {std::move(below.objects), std::move(below.nodes)};
+  } else if (const auto* const node = std::get_if<RemoveNode>(&entry.body)) {
+    removed.nodes.push_back(node->node);
+  }
+  const auto used = apply_to(editing, entry.body, key.second.author, add != nullptr ? Find(find) : Find());
+  return used ? Effect{{}, *used, std::move(removed)} : Effect{used.error(), {}};
+}
+
+void LivingScene::apply_run(std::span<const Entries::const_iterator> entries, const Undone& undone,
+                            Applied& all) const {
   Editing editing{all.state};
   std::vector<Effect> effects;
   while (effects.size() < entries.size() && !(editing.scene && editing.scene->may_fail())) {
     const auto at = entries[effects.size()];
-    const OperationBody& body = at->second.body;
-    const auto* const add = std::get_if<AddNodes>(&body);
-    const auto find = [&](std::string_view path) { return meaning(add->names, path); };
-    const auto used = apply_to(editing, body, at->first.second.author, add != nullptr ? Find(find) : Find());
-    effects.push_back(used ? Effect{{}, *used} : Effect{used.error(), {}});
+    if (undone.contains(at->first)) {
+      effects.push_back(Effect{{}, {}, {}, true});
+    } else {
+      effects.push_back(apply_one(editing, at));
+    }
   }
   if (std::ranges::any_of(effects, &std::string::empty, &Effect::refused)) {
     if (auto state = finish(std::move(editing))) {
@@ -143,8 +210,8 @@ void LivingScene::apply_run(std::span<const Entries::const_iterator> entries, Ap
       effects[0].refused = state.error();
     } else {  // The last one makes something impossible: it is refused, and those before it are not.
       const std::size_t last = effects.size() - 1;
-      apply_run(entries.first(last), all);
-      return apply_run(entries.subspan(last, 1), all);
+      apply_run(entries.first(last), undone, all);
+      return apply_run(entries.subspan(last, 1), undone, all);
     }
   }
   std::ranges::move(effects, std::back_inserter(all.effects));
@@ -152,20 +219,24 @@ void LivingScene::apply_run(std::span<const Entries::const_iterator> entries, Ap
 
 LivingScene::Checkpoint LivingScene::checkpoint_before(const Key& key) const {
   const auto after = std::ranges::lower_bound(checkpoints_, key, {}, &Checkpoint::last);
-  return after == checkpoints_.begin() ? Checkpoint{{SimTime::min(), {}}, {file_, {}}, 0} : *std::prev(after);
+  return after == checkpoints_.begin() ? Checkpoint{{SimTime::min(), {}}, begin_, 0} : *std::prev(after);
 }
 
 std::optional<LivingScene::Change> LivingScene::apply(SimTime until, SimTime known) {
   if (due_.empty() || due_.begin()->first > until) return std::nullopt;
   const Key first = *due_.begin();
   const SimTime last = std::max(first.first, std::min(known, until));
-  std::erase_if(checkpoints_, [&](const Checkpoint& each) { return !(each.last < first); });
-  const Checkpoint base = checkpoint_before(first);
+  Undone undone = undone_;
+  const Key from = follow_undos(last, undone).value_or(first);
+  std::erase_if(checkpoints_, [&](const Checkpoint& each) { return !(each.last < from); });
+  const Checkpoint base = checkpoint_before(from);
   std::vector<Entries::const_iterator> entries;
   for (auto at = entries_.upper_bound(base.last); at != entries_.end(); ++at) {
     if (at->first.first <= last || at->second.applied) entries.emplace_back(at);
   }
-  Applied next = applied(base.state, entries);
+  Applied next = applied(base.state, entries, undone);
+  assert(next.effects.size() == entries.size() && !entries.empty());
+  undone_ = std::move(undone);
   Change change{first.first, next.state.scene == now_.scene ? nullptr : next.state.scene};
   for (const auto& [object, owner] : next.state.owners) {
     const auto before = now_.owners.find(object);
@@ -175,21 +246,43 @@ std::optional<LivingScene::Change> LivingScene::apply(SimTime until, SimTime kno
     const auto before = now_.left.find(object);
     if (before == now_.left.end() || before->second != left) change.left.emplace(object, left);
   }
+  if (next.state.data != now_.data) change.data = next.state.data->changes_since(*now_.data);
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    const auto at = entries_.find(entries[i]->first);
-    Entry& entry = at->second;
-    Effect& effect = next.effects[i];
-    if (!entry.applied || entry.refused != effect.refused)
-      change.outcomes.push_back({at->first.second, effect.refused});
-    if (effect.refused.empty()) entry.used = effect.used;
-    entry = {std::move(entry.body), true, std::move(effect.refused), entry.used};
-    due_.erase(at->first);
+    note_effect(entries_.find(entries[i]->first), std::move(next.effects[i]), change);
   }
+  conflicts_.find(until == SimTime::max() ? entries.back()->first.first : until);
   now_ = std::move(next.state);
   checkpoints_.push_back({entries.back()->first, now_, base.count + entries.size()});
   thin_checkpoints();
   assert(std::ranges::is_sorted(checkpoints_, {}, &Checkpoint::last));
   return change;
+}
+
+void LivingScene::note_effect(Entries::iterator at, Effect effect, Change& change) {
+  const Key& key = at->first;
+  Entry& entry = at->second;
+  const bool is_new = !entry.applied, was_refused = !entry.refused.empty();
+  entry.applied = true;
+  due_.erase(key);
+  const bool was_undone = std::exchange(entry.undone, effect.undone);
+  if (effect.undone) {
+    if (!was_undone) conflicts_.on_undone(key);
+    if (is_new) change.outcomes.push_back({key.second, "its author has undone it"});
+    return;
+  }
+  const bool is_message = std::holds_alternative<SendMessage>(entry.body);
+  if (is_message && is_new && effect.refused.empty()) {
+    change.messages.push_back({key.second, key.first, entry.body});
+  }
+  if (is_new || entry.refused != effect.refused) change.outcomes.push_back({key.second, effect.refused});
+  entry.refused = std::move(effect.refused);
+  if (entry.refused.empty()) {
+    entry.used = effect.used;
+    const bool comes_into_force = is_new || was_refused || was_undone;
+    conflicts_.on_in_force(key, entry.body, effect.used.objects, std::move(effect.removed), comes_into_force);
+  } else if (is_new || !was_refused || was_undone) {
+    conflicts_.on_refused(key, entry.body);
+  }
 }
 
 // Keeps fewer, the older they are: each is half as old again as the next one, so that there are some log(n) of them and
@@ -205,16 +298,30 @@ void LivingScene::thin_checkpoints() {
   checkpoints_ = std::move(kept);
 }
 
-std::expected<LivingScene::Draft, std::string> LivingScene::draft(OperationBody body, AuthorId author) {
-  if (!with_all_ && due_.empty()) with_all_ = now_;
-  if (!with_all_) {
-    const Checkpoint base = checkpoint_before(*due_.begin());
-    std::vector<Entries::const_iterator> rest;
-    for (auto at = entries_.upper_bound(base.last); at != entries_.end(); ++at) rest.emplace_back(at);
-    with_all_ = applied(base.state, rest).state;
+LivingScene::State LivingScene::all_until(SimTime until, const Key& first, const Undone& undone) const {
+  const Checkpoint base = checkpoint_before(first);
+  std::vector<Entries::const_iterator> rest;
+  for (auto at = entries_.upper_bound(base.last); at != entries_.end() && at->first.first <= until; ++at) {
+    rest.emplace_back(at);
   }
-  const Scene& scene = *with_all_->scene;
-  Editing editing{*with_all_};
+  return applied(base.state, rest, undone).state;
+}
+
+const LivingScene::State& LivingScene::with_all(SimTime until) {
+  const auto first_due = [&](SimTime after) { return due_.upper_bound({after, {AuthorId{~0u}, ~0u}}); };
+  const auto next = first_due(with_all_ ? with_all_until_ : SimTime::min());
+  if (with_all_ && (next == due_.end() || next->first > until)) return *with_all_;
+  with_all_until_ = until;
+  if (due_.empty() || due_.begin()->first > until) return with_all_.emplace(now_);
+  Undone undone = undone_;
+  const Key first = follow_undos(until, undone).value_or(*due_.begin());
+  return with_all_.emplace(all_until(until, first, undone));
+}
+
+std::expected<LivingScene::Draft, std::string> LivingScene::draft(OperationBody body, AuthorId author, SimTime until) {
+  const State& all = with_all(until);
+  const Scene& scene = *all.scene;
+  Editing editing{all};
   std::vector<Name> names;
   const auto used = apply_to(editing, body, author, [&](std::string_view path) {
     const auto found = scene.find(path);

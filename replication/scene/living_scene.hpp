@@ -15,6 +15,8 @@
 #include "core/edit/scene_editor.hpp"
 #include "core/scene/scene.hpp"
 #include "core/time.hpp"
+#include "replication/scene/conflicts.hpp"
+#include "replication/scene/node_data.hpp"
 #include "replication/wire/operation.hpp"
 
 namespace peerd::replication {
@@ -32,10 +34,12 @@ struct LeftObject {
 };
 using LeftObjects = std::map<ObjectId, LeftObject>;
 
-// A LivingScene is the scene that the world's file and operations make together, and who owns what of it by operations:
+// A LivingScene is the scene that the world's file and operations make together, the data that applications keep at its
+// nodes, and who owns what of it by operations:
 // all of them, applied to the file's scene in the order of their stamps and ids, whenever they came. So peers that know
 // the same operations have the same scene. An operation that what is before it in this order makes impossible (it sets
-// a field of a node that is gone) changes nothing, until another one that comes later allows it.
+// a field of a node that is gone) changes nothing, until another one that comes later allows it. From an UndoOperation
+// on, all is as if the operation that it undoes had never been, and others' later ones are applied without it.
 class LivingScene {
  public:
   // The scene of the world's file outlives this.
@@ -54,19 +58,37 @@ class LivingScene {
     std::shared_ptr<const Scene> scene;                // null: as before
     std::vector<std::pair<ObjectId, PeerId>> given{};  // objects that have another owner than before
     LeftObjects left{};                                // those that were left anew
-    std::vector<Outcome> outcomes{};  // of the operations that are new, and of those whose outcome is another now
+    std::vector<NodeData::Change> data{};
+    std::vector<Operation> messages{};  // of SendMessage, in order; each once
+    std::vector<Outcome> outcomes{};    // of the operations that are new, and of those whose outcome is another now
   };
   // Applies the operations that take effect first of those that do until `until`, and with them all others until
   // `known`, up to which the world has been computed already. None: there are none.
   [[nodiscard]] std::optional<Change> apply(SimTime until, SimTime known);
 
-  // An operation of the author as it would be in the scene that all known operations make, those to come included: with
-  // the names of its text, and how many ids it uses. The error says why it would change nothing.
+  // An operation of the author as it would be in the scene that all known operations until `until` make, which is not
+  // before what has been applied: with the names of its text, and how many ids it uses. The error says why it would
+  // change nothing.
   struct Draft {
     OperationBody body;
     std::uint32_t objects = 0, nodes = 0;
   };
-  [[nodiscard]] std::expected<Draft, std::string> draft(OperationBody body, AuthorId author);
+  [[nodiscard]] std::expected<Draft, std::string> draft(OperationBody body, AuthorId author,
+                                                        SimTime until = SimTime::max());
+
+  // What undoes or redoes, by the same author, the last edit that it has not undone, or the one that it has undone last
+  // and made no other edit since. Edits that others have overwritten are passed over, as undoing them would change
+  // nothing. The error says, for people, why there is none.
+  struct Undoing {
+    UndoOperation undo;
+    OperationBody undone;
+  };
+  [[nodiscard]] std::expected<Undoing, std::string> next_undo(AuthorId author, bool redoes, SimTime until);
+
+  // What operations have lost by others that did not know them.
+  [[nodiscard]] const Conflicts& conflicts() const { return conflicts_; }
+  // Null: it is not known.
+  [[nodiscard]] const OperationBody* find(const OperationKey& key) const;
 
   // The ids that the known operations of an author have used are below these, also those of operations that change
   // nothing here, and have done what they say elsewhere.
@@ -80,6 +102,7 @@ class LivingScene {
   // The objects that operations have given to somebody, each with its owner; kNobody: the last owner has released it.
   [[nodiscard]] const OwnersByOperation& owners() const { return now_.owners; }
   [[nodiscard]] const LeftObjects& left() const { return now_.left; }
+  [[nodiscard]] const NodeData& data() const { return *now_.data; }
   // The last stamp of all operations until then; min(): there is none.
   [[nodiscard]] SimTime last_stamp(SimTime until) const;
 
@@ -89,10 +112,11 @@ class LivingScene {
   struct UsedIds {
     std::uint32_t objects = 0, nodes = 0;
   };
-  using Key = std::pair<SimTime, OperationId>;
+  using Key = OperationKey;
+  using Undone = std::set<Key>;
   struct Entry {
     OperationBody body;
-    bool applied = false;
+    bool applied = false, undone = false;
     std::string refused;
     std::optional<UsedIds> used;  // none: it has been refused each time
   };
@@ -101,6 +125,7 @@ class LivingScene {
   struct State {
     std::shared_ptr<const Scene> scene;
     OwnersByOperation owners;
+    std::shared_ptr<const NodeData> data;
     LeftObjects left{};
   };
   // The outcome of all operations up to a key.
@@ -116,11 +141,18 @@ class LivingScene {
   // A State that is being made.
   struct Editing {
     State state;
-    std::optional<SceneEditor> scene{};  // none: nothing edits it yet, for that costs a pass over it
+    std::shared_ptr<NodeData> new_data{};  // null: as before
+    std::optional<SceneEditor> scene{};    // none: nothing edits it yet, for that costs a pass over it
     SceneEditor& editor() { return scene ? *scene : scene.emplace(*state.scene); }
     [[nodiscard]] bool contains(ObjectId id) const { return scene ? scene->contains(id) : state.scene->contains(id); }
+    NodeData& data() {
+      if (!new_data) state.data = new_data = std::make_shared<NodeData>(*state.data);
+      return *new_data;
+    }
+    [[nodiscard]] bool contains(NodeId node);
   };
   // Applies one operation; the error says why it cannot be.
+  [[nodiscard]] static std::expected<void, std::string> set_data(Editing& editing, const SetData& set);
   [[nodiscard]] std::expected<UsedIds, std::string> apply_to(Editing& editing, const OperationBody& body,
                                                              AuthorId author, const Find& find) const;
   [[nodiscard]] static std::expected<void, std::string> give_to(Editing& editing, const GiveObject& give);
@@ -131,26 +163,45 @@ class LivingScene {
   struct Effect {
     std::string refused;  // why it changes nothing; empty: it does what it says
     UsedIds used;
+    RemovedIds removed{};
+    bool undone = false;
   };
   // An Applied has what operations, in order, make of a state, and what each of them does.
   struct Applied {
     State state;
     std::vector<Effect> effects;
   };
-  [[nodiscard]] Applied applied(const State& base, std::span<const Entries::const_iterator> entries) const;
+  [[nodiscard]] Applied applied(const State& base, std::span<const Entries::const_iterator> entries,
+                                const Undone& undone) const;
   // Applies the first of them by one editor: as many as cannot make what it cannot finish, and the next one. So the
   // outcome is that of one operation after the other, and a thousand that move things cost one new scene.
-  void apply_run(std::span<const Entries::const_iterator> entries, Applied& all) const;
+  void apply_run(std::span<const Entries::const_iterator> entries, const Undone& undone, Applied& all) const;
+  [[nodiscard]] Effect apply_one(Editing& editing, Entries::const_iterator at) const;
+  // The edit that an operation at that key undoes or redoes; none: there is no such edit.
+  [[nodiscard]] std::optional<Key> target_of(const Key& key, const UndoOperation& undo) const;
+  // Adds to what is undone, or takes from it, by the operations that are due until then. Returns the first operation
+  // from which on all is to be applied anew.
+  [[nodiscard]] std::optional<Key> follow_undos(SimTime until, Undone& undone) const;
+  void note_effect(Entries::iterator at, Effect effect, Change& change);
+  // The outcome of all operations until then. `first`: the first of those that the checkpoints do not have so.
+  [[nodiscard]] State all_until(SimTime until, const Key& first, const Undone& undone) const;
+  [[nodiscard]] const State& with_all(SimTime until);
+  [[nodiscard]] std::vector<Key> undo_candidates(AuthorId author, bool redoes) const;
+  [[nodiscard]] std::string why_not_undo(const Key& target, bool redoes, const State& before, const State& after) const;
   // The last checkpoint before a key; the file's scene where there is none.
   [[nodiscard]] Checkpoint checkpoint_before(const Key& key) const;
   void thin_checkpoints();
 
   const std::shared_ptr<const Scene> file_;  // owned by nobody here
+  const State begin_;                        // before all operations
   Entries entries_;
   std::set<Key> due_;                    // not applied yet
+  Undone undone_;                        // of those that are applied
   std::vector<Checkpoint> checkpoints_;  // in order
   State now_;                            // by the last apply()
-  std::optional<State> with_all_{};      // by all operations; none: not known
+  std::optional<State> with_all_{};      // by all operations until with_all_until_; none: not known
+  SimTime with_all_until_ = SimTime::min();
+  Conflicts conflicts_;
 };
 
 }  // namespace peerd::replication

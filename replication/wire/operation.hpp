@@ -17,7 +17,8 @@
 
 namespace peerd::replication {
 
-// An operation is a durable change of the scene, or of who owns what in it, made by one peer and repeated by all. Every
+// An operation is a durable change of the scene, of data that stand at its nodes, or of who owns what in it, or a
+// message to all; one peer makes it and all repeat it. Every
 // author writes a log of its own, a sequence of bytes that only grows: peers exchange ranges of it (OperationPart), so
 // that an operation may be larger than a datagram, and whoever holds a range can pass it on without reading it.
 
@@ -124,8 +125,44 @@ struct PlaceObject {
   friend bool operator==(const PlaceObject&, const PlaceObject&) = default;
 };
 
+// A value that an application keeps at a node, under a key: any bytes. It goes with the node.
+struct SetData {
+  NodeId node;
+  std::string key;
+  std::optional<std::string> value;  // none: the key is removed
+
+  friend bool operator==(const SetData&, const SetData&) = default;
+};
+
+// A message of an application to all peers. It changes nothing.
+struct SendMessage {
+  PeerId by;
+  std::string topic, text;  // any bytes
+
+  friend bool operator==(const SendMessage&, const SendMessage&) = default;
+};
+
+// From the stamp on the scene is as if that earlier operation of the same author had never been, but for its ids; or
+// as if it had not been undone.
+struct UndoOperation {
+  std::uint32_t number = 0;
+  SimTime stamp{};  // of that operation
+  bool redoes = false;
+
+  friend bool operator==(const UndoOperation&, const UndoOperation&) = default;
+};
+
 using OperationBody = std::variant<AddNodes, RemoveObject, RemoveNode, MoveObject, SetField, ChangeRoute, GiveObject,
-                                   RequestObject, RefuseRequest, PlaceObject>;
+                                   RequestObject, RefuseRequest, SetData, SendMessage, UndoOperation, PlaceObject>;
+
+// What a peer has just undone or redone: by which operation, which one, and what that was (kind_of()).
+struct UndoneEdit {
+  OperationId operation, edit;
+  std::string kind;
+};
+
+// The word for it in logs and listings: add, remove, set, ..
+[[nodiscard]] const char* kind_of(const OperationBody& body);
 
 struct Operation {
   OperationId id;
@@ -134,7 +171,13 @@ struct Operation {
   // is in the nanoseconds. All peers apply operations in the order of stamp and id.
   SimTime stamp{};
   OperationBody body;
+  // Which operations of others its author knew that it had not named so before: of each of these logs all up to that
+  // number. Authors ascend.
+  std::vector<OperationId> knows{};
 };
+
+// What an author knows beyond that many logs, its next operations say.
+inline constexpr std::size_t kKnowsMax = 512;
 
 // Bytes [from, from + bytes.size()) of an author's log.
 struct OperationPart {

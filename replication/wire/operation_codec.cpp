@@ -93,6 +93,27 @@ void put(const RefuseRequest& r, proto::Operation* out) {
   refuse.set_reason(r.reason);
 }
 
+void put(const SetData& d, proto::Operation* out) {
+  proto::SetData& data = *out->mutable_set_data();
+  data.set_node(d.node.packed());
+  data.set_key(d.key);
+  if (d.value) data.set_value(*d.value);
+}
+
+void put(const SendMessage& m, proto::Operation* out) {
+  proto::SendMessage& message = *out->mutable_send_message();
+  message.set_by(m.by.value);
+  message.set_topic(m.topic);
+  message.set_text(m.text);
+}
+
+void put(const UndoOperation& u, proto::Operation* out) {
+  proto::UndoOperation& undo = *out->mutable_undo_operation();
+  undo.set_number(u.number);
+  undo.set_stamp_ns(u.stamp.time_since_epoch().count());
+  undo.set_redoes(u.redoes);
+}
+
 // ---- from Protobuf: each take_..() answers null, or what is wrong ----
 
 constexpr const char* kWrongId = "operation_id";
@@ -192,6 +213,45 @@ const char* take(proto::RefuseRequest& in, RefuseRequest& r) {
   return nullptr;
 }
 
+const char* take(proto::SetData& in, SetData& d) {
+  if (!take_id(in.node(), d.node)) return kWrongId;
+  d.key = std::move(*in.mutable_key());
+  if (in.has_value()) d.value = std::move(*in.mutable_value());
+  return nullptr;
+}
+
+const char* take(proto::SendMessage& in, SendMessage& m) {
+  m.by = PeerId{in.by()};
+  if (m.by == kNobody) return kWrongId;
+  m.topic = std::move(*in.mutable_topic());
+  m.text = std::move(*in.mutable_text());
+  return nullptr;
+}
+
+const char* take(const proto::UndoOperation& in, UndoOperation& u) {
+  u.number = in.number();
+  if (u.number == 0) return kWrongId;
+  if (!in_range(in.stamp_ns())) return "operation_stamp";
+  u.stamp = SimTime{Duration{in.stamp_ns()}};
+  u.redoes = in.redoes();
+  return nullptr;
+}
+
+// Pairs of an author, less the one before, and a number.
+const char* take_knows(const proto::Operation& in, std::vector<OperationId>& knows) {
+  if (in.knows_author_size() != in.knows_number_size() || in.knows_author_size() > static_cast<int>(kKnowsMax)) {
+    return kWrongId;
+  }
+  std::uint32_t last = 0;
+  for (int i = 0; i < in.knows_author_size(); ++i) {
+    const std::uint32_t more = in.knows_author(i), number = in.knows_number(i);
+    if (more == 0 || more > kAuthorMax - last || number == 0) return kWrongId;
+    last += more;
+    knows.push_back({AuthorId{last}, number});
+  }
+  return nullptr;
+}
+
 const char* take(proto::Operation& in, OperationBody& body) {
   switch (in.body_case()) {
     case proto::Operation::kAddNodes:
@@ -216,6 +276,12 @@ const char* take(proto::Operation& in, OperationBody& body) {
       return take(in.request_object(), body.emplace<RequestObject>());
     case proto::Operation::kRefuseRequest:
       return take(*in.mutable_refuse_request(), body.emplace<RefuseRequest>());
+    case proto::Operation::kSetData:
+      return take(*in.mutable_set_data(), body.emplace<SetData>());
+    case proto::Operation::kSendMessage:
+      return take(*in.mutable_send_message(), body.emplace<SendMessage>());
+    case proto::Operation::kUndoOperation:
+      return take(in.undo_operation(), body.emplace<UndoOperation>());
     case proto::Operation::kPlaceObject:
       return take(in.place_object(), body.emplace<PlaceObject>());
     case proto::Operation::BODY_NOT_SET:
@@ -246,12 +312,27 @@ std::expected<std::pair<std::size_t, std::size_t>, const char*> size_of_first(st
 
 }  // namespace
 
+const char* kind_of(const OperationBody& body) {
+  constexpr std::array kKinds{"add",     "remove", "remove", "move", "set",  "route", "give",
+                              "request", "refuse", "data",   "send", "undo", "place"};
+  static_assert(kKinds.size() == std::variant_size_v<OperationBody>);
+  const auto* const undo = std::get_if<UndoOperation>(&body);
+  return undo != nullptr && undo->redoes ? "redo" : kKinds[body.index()];
+}
+
 std::vector<std::byte> encode(const Operation& operation) {
   assert(operation.id.number != 0 && in_range(operation.stamp.time_since_epoch().count()));
   proto::Operation message;
   message.set_number(operation.id.number);
   message.set_stamp_ns(operation.stamp.time_since_epoch().count());
   std::visit([&](const auto& body) { put(body, &message); }, operation.body);
+  std::uint32_t last = 0;
+  for (const auto& [author, number] : operation.knows) {
+    assert(author.value > last && number > 0);
+    message.add_knows_author(author.value - last);
+    message.add_knows_number(number);
+    last = author.value;
+  }
   const std::size_t size = message.ByteSizeLong();
   assert(size <= static_cast<std::size_t>(std::numeric_limits<int>::max()));
   std::vector<std::byte> bytes;
@@ -281,6 +362,7 @@ std::expected<std::optional<DecodedOperation>, const char*> decode_operation(Aut
   decoded.operation.id = {author, message.number()};
   decoded.operation.stamp = SimTime{Duration{message.stamp_ns()}};
   if (const char* wrong = take(message, decoded.operation.body)) return std::unexpected(wrong);
+  if (const char* wrong = take_knows(message, decoded.operation.knows)) return std::unexpected(wrong);
   return decoded;
 }
 

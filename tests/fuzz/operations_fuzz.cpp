@@ -32,7 +32,7 @@ void check(const Operation& operation) {
   const auto again = decode_operation(operation.id.author, bytes);
   require(again && *again && (*again)->size_bytes == bytes.size());
   require((*again)->operation.id == operation.id && (*again)->operation.stamp == operation.stamp);
-  require((*again)->operation.body == operation.body);
+  require((*again)->operation.body == operation.body && (*again)->operation.knows == operation.knows);
 }
 
 class Driver {

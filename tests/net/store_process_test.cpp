@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/mount.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstdlib>
@@ -11,6 +12,7 @@
 #include <iostream>
 #include <random>
 #include <set>
+#include <sstream>
 #include <thread>
 
 #include <nlohmann/json.hpp>
@@ -98,6 +100,45 @@ class StoreProcess : public testing::Test {
 
   ScratchFolder folder;
 };
+
+// Two processes: what one of them sets and sends, a client of the other one is given as it comes.
+TEST_F(StoreProcess, EventsArePushedToWhoHasSubscribed) {
+  const Process a = start("a"), b = start("b");
+  ASSERT_TRUE(is_in_session("a") && is_in_session("b"));
+  ASSERT_TRUE(wait_until([&] { return ask({{"do", "status"}}, "a")["members"].size() == 1; }));
+  const std::vector<std::string> subscribe{"ctl",       "--control", socket_of("b").string(),
+                                           "subscribe", "data",      "messages"};
+  std::vector<std::string> one = subscribe;
+  one.insert(one.end(), {"--count", "1"});
+  Process events(folder, "events", PEERD_PROGRAM, subscribe), first(folder, "first", PEERD_PROGRAM, one);
+  const auto ctl = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"ctl", "--control", socket_of("a").string()});
+    Process process(folder, "ctl", PEERD_PROGRAM, words);
+    EXPECT_EQ(process.exit_code(20), 0) << process.err();
+    return process.out();
+  };
+  // Until the clients have subscribed.
+  ASSERT_TRUE(wait_until([&] {
+    (void)ask({{"do", "send"}, {"topic", "t"}, {"text", "early"}}, "a");
+    return !events.out().empty() && !first.running();
+  }));
+  EXPECT_EQ(first.exit_code(1), 0) << first.err();
+  EXPECT_EQ(std::ranges::count(first.out(), '\n'), 1);
+  EXPECT_THAT(ctl({"data", "A", "seat", "3"}), HasSubstr("done, and stored"));
+  EXPECT_EQ(ctl({"data", "A", "seat"}), "3\n");
+  EXPECT_THAT(ctl({"undo"}), HasSubstr("undo of operation"));
+  (void)ctl({"send", "chat", "last"});
+  ASSERT_TRUE(wait_until([&] { return events.out().find("\"last\"") != std::string::npos; })) << events.out();
+  std::istringstream lines(events.out());
+  std::vector<json> values;
+  for (std::string line; std::getline(lines, line);) {
+    const json event = json::parse(line, nullptr, false);
+    ASSERT_TRUE(event.is_object()) << line;
+    if (event["event"] == "data") values.push_back(event["value"]);
+  }
+  EXPECT_EQ(values, (std::vector<json>{"3", nullptr}));
+  EXPECT_EQ(ctl({"conflicts"}), "");
+}
 
 // Adds nodes one by one and removes older ones, so that the world stays small.
 class KilledPeer : public StoreProcess {

@@ -12,7 +12,14 @@ class OperationMaker {
  public:
   explicit OperationMaker(std::uint64_t seed) : random_(seed) {}
 
-  Operation operation(OperationId id) { return {id, SimTime{Duration{1'000'000 * std::int64_t{id.number}}}, body()}; }
+  Operation operation(OperationId id) {
+    Operation o{id, SimTime{Duration{1'000'000 * std::int64_t{id.number}}}, body()};
+    std::uint32_t author = 0;
+    for (auto i = random_() % 3; i > 0; --i) {
+      o.knows.push_back({AuthorId{author += 1 + number() % 1'000'000}, number() | 1});
+    }
+    return o;
+  }
   // Of about that size.
   Operation large(OperationId id, std::size_t bytes) {
     Operation o = operation(id);
@@ -20,7 +27,7 @@ class OperationMaker {
     return o;
   }
   OperationBody body() {
-    switch (random_() % 10) {
+    switch (random_() % 13) {
       case 0: {
         AddNodes a{place(), place(), text(300), number(), number(), {}};
         for (auto i = random_() % 3; i > 0; --i) a.names.emplace_back(text(12), object());
@@ -41,11 +48,17 @@ class OperationMaker {
         if (random_() % 2 == 0) give.placement = {{1.5f, -2, 1e-30f}, {0, 1, 0, 3.1415927f}};
         return give;
       }
-      case 7:
+      case 11:
         return PlaceObject{
             object(), PeerId{number() | 1}, SimTime{Duration{number()}}, {{1.5f, -2, 1e-30f}, {1, 0, 0, 0}}};
-      case 8:
+      case 7:
         return RequestObject{object(), PeerId{number() | 1}, PeerId{number() | 1}};
+      case 8:
+        return SetData{node(), text(20), random_() % 3 == 0 ? std::nullopt : std::optional(text(90))};
+      case 9:
+        return SendMessage{PeerId{number() | 1}, text(20), text(90)};
+      case 10:
+        return UndoOperation{number() | 1, SimTime{Duration{number()}}, random_() % 2 == 0};
       default:
         return RefuseRequest{{AuthorId{number() % kAuthorMax + 1}, number() | 1}, text(60)};
     }
@@ -67,7 +80,7 @@ class OperationMaker {
 };
 
 inline bool same(const Operation& a, const Operation& b) {
-  return a.id == b.id && a.stamp == b.stamp && a.body == b.body;
+  return a.id == b.id && a.stamp == b.stamp && a.body == b.body && a.knows == b.knows;
 }
 
 // A log of so many operations, as bytes.

@@ -35,4 +35,23 @@ TEST(Edits, TheBallMeetsWhatIsThereAtTheTime) {
   }
 }
 
+// As events: b takes back that the wall is nearer, so that the ball meets it where it was; it says what it does, at a
+// node and to all.
+TEST(Edits, UndoDataAndMessagesAreEvents) {
+  const std::string undo = "event.b-undo.", redo = "event.c-redo.", data = "event.d-data.", send = "event.e-send.";
+  const Ran ran =
+      run_scenario(kEdits, {undo + "at_s=8", undo + "kind=undo", undo + "peer=b", redo + "at_s=11", redo + "kind=redo",
+                            redo + "peer=b", data + "at_s=9", data + "kind=data", data + "peer=a", data + "path=WALL",
+                            data + "key=who", data + "value=b", send + "at_s=9.5", send + "kind=send", send + "peer=a",
+                            send + "topic=chat", send + "text=hello"})
+          .front();
+  std::vector<double> times;
+  for (const auto& row : ran.contacts(PeerId{1}, "owner")) times.push_back(row.t_s);
+  constexpr double kRounding_s = 1e-8;
+  EXPECT_THAT(times, ElementsAre(DoubleNear(3.25, kRounding_s), DoubleNear(7.0, kRounding_s),
+                                 DoubleNear(10.75, kRounding_s), DoubleNear(14.5, kRounding_s)));
+  EXPECT_EQ(ran.summary["counters"]["operations"], 7);
+  EXPECT_EQ(ran.summary["counters"]["scene_changes"], 15) << "data and messages are none";
+}
+
 }  // namespace peerd::sim::edits_test

@@ -217,6 +217,13 @@ TEST_F(EventsTest, AnEditSaysWhatAndWhere) {
   EXPECT_THAT(error("kind = \"set\"\npath = \"A\"\n"), HasSubstr("field"));
   EXPECT_THAT(error("kind = \"remove\"\n"), HasSubstr("path"));
   EXPECT_THAT(error("kind = \"remove\"\npath = \"A\"\nvalue = \"1\"\n"), HasSubstr("value"));
+  EXPECT_THAT(error("kind = \"data\"\npath = \"A\"\n"), HasSubstr("key"));
+  EXPECT_THAT(error("kind = \"data\"\npath = \"A\"\nkey = \"k\"\n"), HasSubstr("either a value or remove"));
+  EXPECT_THAT(error("kind = \"data\"\npath = \"A\"\nkey = \"k\"\nvalue = \"1\"\nremove = true\n"),
+              HasSubstr("either a value or remove"));
+  EXPECT_EQ(error("kind = \"data\"\npath = \"A\"\nkey = \"k\"\nremove = true\n"), "");
+  EXPECT_THAT(error("kind = \"send\"\ntopic = \"chat\"\n"), HasSubstr("text"));
+  EXPECT_EQ(error("kind = \"send\"\ntopic = \"chat\"\ntext = \"hello\"\n"), "");
 }
 
 }  // namespace peerd::config::events_test

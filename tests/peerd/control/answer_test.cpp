@@ -171,6 +171,32 @@ TEST_F(ControlAnswer, EditsTheScene) {
   EXPECT_EQ(ask(R"({"do":"operation","author":1,"number":99})")["refused"], "this peer has made no such operation");
 }
 
+TEST_F(ControlAnswer, KeepsDataAtNodes) {
+  make();
+  run(1);
+  EXPECT_EQ(ask(R"({"do":"data","path":"A","key":"colour"})")["refused"], "it has no such key");
+  const json set = ask(R"({"do":"data","path":"A","key":"colour","value":"red"})");
+  ASSERT_EQ(set["done"], true) << set;
+  EXPECT_EQ(set["edit"], "data A colour");
+  EXPECT_EQ(ask(R"({"do":"data","path":"MORE","key":"k","value":""})")["done"], true) << "a node that is no instance";
+  run(2);
+  EXPECT_EQ(ask(R"({"do":"data","path":"A","key":"colour"})")["value"], "red");
+  EXPECT_EQ(ask(R"({"do":"data","path":"MORE","key":"k"})")["value"], "");
+  EXPECT_EQ(ask(R"({"do":"data","path":"A"})")["keys"], json::array({"colour"}));
+  EXPECT_EQ(ask(R"({"do":"data","path":"A","key":"colour","remove":true})")["edit"], "data A colour removed");
+  run(3);
+  EXPECT_EQ(ask(R"({"do":"data","path":"A"})")["keys"], json::array());
+  EXPECT_EQ(ask(R"({"do":"data","path":"NONE"})")["refused"], "the scene has no NONE");
+  const json long_key = ask(json{{"do", "data"}, {"path", "A"}, {"key", std::string(257, 'k')}, {"value", ""}}.dump());
+  EXPECT_EQ(long_key["refused"], "a key has 1 to 256 bytes, and this one 257");
+  const json sent = ask(R"({"do":"send","topic":"chat","text":"hello"})");
+  EXPECT_EQ(sent["edit"], "send chat");
+  run(4);
+  json operation = sent["operation"];
+  operation["do"] = "operation";
+  EXPECT_EQ(ask(operation.dump())["applied"], true);
+}
+
 TEST_F(ControlAnswer, RubbishGetsAReasonAndLeavesThePeerAlone) {
   make();
   run(1);

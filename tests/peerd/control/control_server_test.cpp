@@ -13,6 +13,9 @@
 #include <boost/asio/local/stream_protocol.hpp>
 #include <boost/asio/read_until.hpp>
 #include <boost/asio/write.hpp>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
 #include <thread>
 
 #include "peerd/control/control_client.hpp"
@@ -25,19 +28,25 @@ namespace asio = boost::asio;
 using Protocol = asio::local::stream_protocol;
 using testing::HasSubstr;
 
-// A server that answers each line with that line, or with a very long one.
+// A server that answers each line with that line, or with a very long one; after "events KIND" the client gets those.
 class ControlServerTest : public testing::Test {
  protected:
   ControlServerTest() : path(folder / "c.sock") {}
   std::unique_ptr<ControlServer> open() {
     auto server = ControlServer::open(io, path, [this](std::string_view line) {
       if (line == "quiet") return std::string();
+      if (line.starts_with("events ")) {
+        EventKinds kinds;
+        kinds.add(find_event_kind(line.substr(7)).value());
+        serving->subscribe(kinds);
+      }
       return line == "much" ? std::string(kMuch_bytes, 'x') : "got " + std::string(line);
     });
     if (!server) {
       ADD_FAILURE() << server.error().text;
       return nullptr;
     }
+    serving = server->get();
     return std::move(*server);
   }
   Protocol::socket connect() {
@@ -69,6 +78,7 @@ class ControlServerTest : public testing::Test {
   testing_support::ScratchFolder folder;
   std::filesystem::path path;
   asio::io_context io;
+  ControlServer* serving = nullptr;
 };
 
 TEST_F(ControlServerTest, OneLineInOneLineOut) {
@@ -220,6 +230,70 @@ TEST_F(ControlServerTest, WhoDoesNotReadIsDroppedAndHoldsNobodyUp) {
   EXPECT_EQ(server->counters().too_slow, 1u);
   send(quick, "two\n");
   EXPECT_EQ(receive(quick, 1), "got two\n");
+}
+
+TEST_F(ControlServerTest, EventsGoToWhoHasSubscribed) {
+  const auto server = open();
+  Protocol::socket a = connect(), b = connect();
+  server->publish(EventKind::kData, "nobody wants it");
+  send(a, "events data\n");
+  send(b, "events peers\n");
+  EXPECT_EQ(receive(a, 1), "got events data\n");
+  EXPECT_EQ(receive(b, 1), "got events peers\n");
+  server->publish(EventKind::kData, "1");
+  server->publish(EventKind::kPeers, "2");
+  server->publish(EventKind::kEdits, "3");
+  server->publish(EventKind::kData, "4");
+  EXPECT_EQ(receive(a, 2), "1\n4\n");
+  EXPECT_EQ(receive(b, 1), "2\n");
+  send(a, "one\n");
+  EXPECT_EQ(receive(a, 1), "got one\n") << "it may go on to ask";
+  send(a, "events edits\n");
+  EXPECT_EQ(receive(a, 1), "got events edits\n");
+  server->publish(EventKind::kData, "5");
+  server->publish(EventKind::kEdits, "6");
+  EXPECT_EQ(receive(a, 1), "6\n");
+  a.close();
+  b.close();
+  io.restart();
+  io.run_for(std::chrono::milliseconds(20));
+  EXPECT_TRUE(server->wanted().empty());
+}
+
+TEST_F(ControlServerTest, WhoReadsTooSlowlyIsToldWhatWasDropped) {
+  const auto server = open();
+  Protocol::socket slow = connect(), quick = connect();
+  for (Protocol::socket* client : {&slow, &quick}) {
+    send(*client, "events contacts\n");
+    EXPECT_EQ(receive(*client, 1), "got events contacts\n");
+  }
+  constexpr int kEvents = 5000;
+  const std::string padding(1000, '.');
+  int read = 0;
+  const auto begun = std::chrono::steady_clock::now();
+  for (int k = 0; k < kEvents; ++k) {
+    server->publish(EventKind::kContacts, std::to_string(k) + " " + padding);
+    if (k % 100 == 99) read += static_cast<int>(std::ranges::count(receive(quick, 100), '\n'));
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(5));
+  EXPECT_EQ(read, kEvents) << "who reads gets all";
+  EXPECT_GT(server->counters().events_dropped, 1000u);
+  // It reads on, and more events come.
+  std::istringstream lines(receive(slow, kEvents));
+  server->publish(EventKind::kContacts, "last");
+  int last = -1, dropped = 0, got = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with('{')) {
+      dropped += nlohmann::json::parse(line).at("count").get<int>();
+    } else {
+      EXPECT_GT(std::stoi(line), last) << "in order";
+      last = std::stoi(line);
+      ++got;
+    }
+  }
+  EXPECT_EQ(got + dropped, kEvents);
+  EXPECT_EQ(static_cast<std::uint64_t>(dropped), server->counters().events_dropped);
+  EXPECT_EQ(receive(slow, 1), "last\n");
 }
 
 TEST_F(ControlServerTest, AReplyLargerThanTheSocketsBufferArrives) {

@@ -37,6 +37,33 @@ TEST(Request, TheOthers) {
   EXPECT_EQ(std::get<ObjectsRequest>(*parse_request(R"({"do":"objects"})")).count, kObjectsMax);
 }
 
+TEST(Request, SubscribesToKinds) {
+  const auto some = std::get<SubscribeRequest>(*parse_request(R"({"do":"subscribe","to":["data","peers","data"]})"));
+  EventKinds expected;
+  expected.add(EventKind::kData);
+  expected.add(EventKind::kPeers);
+  EXPECT_EQ(some.kinds, expected);
+  EXPECT_FALSE(some.kinds.contains(EventKind::kEdits));
+  EXPECT_EQ(std::get<SubscribeRequest>(*parse_request(R"({"do":"subscribe"})")).kinds, EventKinds::all());
+  EXPECT_TRUE(std::get<SubscribeRequest>(*parse_request(R"({"do":"subscribe","to":[]})")).kinds.empty());
+  EXPECT_THAT(parse_request(R"({"do":"subscribe","to":["date"]})").error(), HasSubstr("\"date\""));
+  EXPECT_THAT(parse_request(R"({"do":"subscribe","to":"data"})").error(), HasSubstr("must be a list of strings"));
+}
+
+TEST(Request, DataAreReadSetAndRemoved) {
+  EXPECT_EQ(std::get<DataRequest>(*parse_request(R"({"do":"data","path":"A","key":"k"})")).key, "k");
+  EXPECT_FALSE(std::get<DataRequest>(*parse_request(R"({"do":"data","path":"A"})")).key);
+  const auto set = std::get<EditRequest>(*parse_request(R"({"do":"data","path":"A","key":"k","value":""})")).edit;
+  EXPECT_EQ(set.kind, config::SceneEdit::Kind::kData);
+  EXPECT_FALSE(set.removes);
+  EXPECT_TRUE(
+      std::get<EditRequest>(*parse_request(R"({"do":"data","path":"A","key":"k","remove":true})")).edit.removes);
+  EXPECT_THAT(parse_request(R"({"do":"data","path":"A","key":"k","value":"1","remove":true})").error(),
+              HasSubstr("exclude"));
+  EXPECT_THAT(parse_request(R"({"do":"data","path":"A","value":"1"})").error(), HasSubstr("key"));
+  EXPECT_THAT(parse_request(R"({"do":"send","topic":"chat"})").error(), HasSubstr("text"));
+}
+
 TEST(Request, PosesOfOneObjectOrOfMany) {
   const auto one = std::get<PoseRequest>(*parse_request(
       R"({"do":"pose","object":"CAR","position_m":[1,2.5,-3e1],"orientation_xyzw":[0.1,0.2,0.3,0.9],"time_s":12.5,)"

@@ -79,6 +79,10 @@ TEST(OperationCodec, NamesWhatIsWrong) {
   constexpr float kInfinite = std::numeric_limits<float>::infinity();
   EXPECT_EQ(error_of(with(GiveObject{good, ada, bob, Placement{{0, kInfinite, 0}, {}}})), "operation_placement");
   EXPECT_EQ(error_of(with(GiveObject{good, ada, bob, Placement{{}, {0, 0, 1, -kInfinite}}})), "operation_placement");
+  EXPECT_EQ(error_of(with(PlaceObject{good, ada, {}, {}})), "none");
+  EXPECT_EQ(error_of(with(PlaceObject{bad, ada, {}, {}})), "operation_id");
+  EXPECT_EQ(error_of(with(PlaceObject{good, kNobody, {}, {}})), "operation_id");
+  EXPECT_EQ(error_of(with(PlaceObject{good, ada, {}, {{kInfinite, 0, 0}, {}}})), "operation_placement");
   EXPECT_EQ(error_of(with(RequestObject{bad, ada, bob})), "operation_id");
   EXPECT_EQ(error_of(with(RequestObject{good, kNobody, bob})), "operation_id");
   EXPECT_EQ(error_of(with(RequestObject{good, ada, kNobody})), "operation_id");
@@ -86,6 +90,23 @@ TEST(OperationCodec, NamesWhatIsWrong) {
   EXPECT_EQ(error_of(with(RefuseRequest{{AuthorId{kOriginTooHigh}, 1}, "no"})), "operation_id");
   EXPECT_EQ(error_of(with(RefuseRequest{{kAuthor, 0}, "no"})), "operation_id");
   EXPECT_EQ(error_of(with(RefuseRequest{{kAuthor, 1}, ""})), "operation_text");
+  EXPECT_EQ(error_of(with(SetData{node, "a", "1"})), "none");
+  EXPECT_EQ(error_of(with(SetData{node, "", std::string("\0", 1)})), "none");
+  EXPECT_EQ(error_of(with(SetData{bad_node, "a", std::nullopt})), "operation_id");
+  EXPECT_EQ(error_of(with(SendMessage{ada, "", ""})), "none");
+  EXPECT_EQ(error_of(with(SendMessage{kNobody, "topic", "text"})), "operation_id");
+  EXPECT_EQ(error_of(with(UndoOperation{1, SimTime{}, false})), "none");
+  EXPECT_EQ(error_of(with(UndoOperation{0, SimTime{}, true})), "operation_id");
+  Operation knows = with(RemoveObject{good});
+  knows.knows = {{AuthorId{1}, 1}, {AuthorId{kAuthorMax}, 1}};
+  EXPECT_EQ(error_of(knows), "none");
+  knows.knows.push_back({AuthorId{kOriginTooHigh}, 1});
+  EXPECT_EQ(error_of(knows), "operation_id");
+  knows.knows.clear();
+  for (std::uint32_t a = 1; a <= kKnowsMax + 1; ++a) knows.knows.push_back({AuthorId{a}, a});
+  EXPECT_EQ(error_of(knows), "operation_id");
+  knows.knows.pop_back();
+  EXPECT_EQ(error_of(knows), "none");
   EXPECT_EQ(error_of({0}), "operation_number");         // an empty message
   EXPECT_EQ(error_of({2, 0x08, 1}), "operation_kind");  // a number and no body
   EXPECT_EQ(error_of({2, 0x08, 0}), "operation_number");

@@ -1,0 +1,109 @@
+// Undo and redo of a LivingScene.
+#include <algorithm>
+#include <cassert>
+
+#include "core/writer/writer.hpp"
+#include "replication/scene/living_scene.hpp"
+
+namespace peerd::replication {
+namespace {
+
+// Others' edits may have made all of so many meaningless; nobody means what lies behind.
+constexpr std::size_t kPassedOverMax = 64;
+
+bool can_be_undone(const OperationBody& body) {
+  return std::holds_alternative<AddNodes>(body) || std::holds_alternative<RemoveObject>(body) ||
+         std::holds_alternative<RemoveNode>(body) || std::holds_alternative<MoveObject>(body) ||
+         std::holds_alternative<SetField>(body) || std::holds_alternative<ChangeRoute>(body) ||
+         std::holds_alternative<SetData>(body);
+}
+
+// Whether the two look alike to people: what a file of them would say.
+bool are_alike(const Scene& a, const Scene& b) {
+  const auto text_a = write_world(a), text_b = write_world(b);
+  return text_a && text_b && text_a->text == text_b->text;
+}
+
+}  // namespace
+
+std::optional<LivingScene::Key> LivingScene::target_of(const Key& key, const UndoOperation& undo) const {
+  const Key target{undo.stamp, {key.second.author, undo.number}};
+  const auto at = entries_.find(target);
+  if (!(target < key) || at == entries_.end() || !can_be_undone(at->second.body)) return std::nullopt;
+  return target;
+}
+
+// Undos of one operation are all by its author, so that they come, and are due, in the order of its log.
+std::optional<LivingScene::Key> LivingScene::follow_undos(SimTime until, Undone& undone) const {
+  std::optional<Key> first;
+  for (auto key = due_.begin(); key != due_.end() && key->first <= until; ++key) {
+    first = std::min(first.value_or(*key), *key);
+    const auto* const undo = std::get_if<UndoOperation>(&entries_.at(*key).body);
+    const auto target = undo != nullptr ? target_of(*key, *undo) : std::nullopt;
+    if (!target) continue;
+    const bool changes = undo->redoes ? undone.erase(*target) > 0 : undone.insert(*target).second;
+    if (changes) first = std::min(*first, *target);
+  }
+  return first;
+}
+
+const OperationBody* LivingScene::find(const OperationKey& key) const {
+  const auto at = entries_.find(key);
+  return at == entries_.end() ? nullptr : &at->second.body;
+}
+
+// The last first.
+std::vector<LivingScene::Key> LivingScene::undo_candidates(AuthorId author, bool redoes) const {
+  std::vector<Key> done, undone;
+  for (const auto& [key, entry] : entries_) {
+    if (key.second.author != author) continue;
+    if (const auto* const undo = std::get_if<UndoOperation>(&entry.body)) {
+      const auto target = target_of(key, *undo);
+      if (!target) continue;
+      std::erase(undo->redoes ? undone : done, *target);
+      (undo->redoes ? done : undone).push_back(*target);
+    } else if (can_be_undone(entry.body)) {
+      done.push_back(key);
+      undone.clear();
+    }
+  }
+  std::vector<Key>& chosen = redoes ? undone : done;
+  if (!redoes) std::ranges::sort(chosen);  // what was redone counts as old as it is
+  std::ranges::reverse(chosen);
+  assert(std::ranges::all_of(chosen, [&](const Key& key) { return key.second.author == author; }));
+  return chosen;
+}
+
+// Returns why an undo or redo that leads from the one state to the other is none; empty: it is one.
+std::string LivingScene::why_not_undo(const Key& target, bool redoes, const State& before, const State& after) const {
+  const OperationBody& body = entries_.at(target).body;
+  assert(can_be_undone(body) && before.scene && after.scene);
+  const bool removes = redoes ? std::holds_alternative<RemoveObject>(body) : std::holds_alternative<AddNodes>(body);
+  if (!removes) {
+    for (std::uint32_t i = 0; i < before.scene->instances.size(); ++i) {
+      if (!after.scene->contains(before.scene->id_of(i))) return "where it stood is not in the scene any more";
+    }
+  }
+  const bool same_data = after.data->changes_since(*before.data).empty();
+  return same_data && are_alike(*before.scene, *after.scene) ? "others have changed since what it had changed" : "";
+}
+
+std::expected<LivingScene::Undoing, std::string> LivingScene::next_undo(AuthorId author, bool redoes, SimTime until) {
+  const State before = with_all(until);
+  Undone all_undone = undone_;
+  const auto first_due = follow_undos(until, all_undone);
+  std::string why = redoes ? "this peer has undone nothing since its last edit" : "this peer has no edit to undo";
+  std::size_t tries = 0;
+  for (const Key& target : undo_candidates(author, redoes)) {
+    if (++tries > kPassedOverMax) break;
+    Undone undone = all_undone;
+    redoes ? void(undone.erase(target)) : void(undone.insert(target));
+    const State after = all_until(until, first_due ? std::min(*first_due, target) : target, undone);
+    const std::string refused = why_not_undo(target, redoes, before, after);
+    if (refused.empty()) return Undoing{{target.second.number, target.first, redoes}, entries_.at(target).body};
+    if (tries == 1) why = refused;
+  }
+  return std::unexpected(why);
+}
+
+}  // namespace peerd::replication
