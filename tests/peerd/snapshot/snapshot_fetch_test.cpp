@@ -155,7 +155,7 @@ TEST(SnapshotFetch, GetsAllFromOnePeer) {
 }
 
 TEST(SnapshotFetch, AWorldWithoutOperationsIsCompared) {
-  const GivingPeer a(OperationLogs()), b(OperationLogs());
+  const GivingPeer a(OperationLogs{}), b(OperationLogs{});
   const auto snapshot = fetch_snapshot({a.giver("a"), b.giver("b")}, 0);
   ASSERT_TRUE(snapshot) << snapshot.error();
   expect_all_of(*snapshot, a);
@@ -192,7 +192,7 @@ TEST(SnapshotFetch, APeerThatFailsIsReplaced) {
 }
 
 TEST(SnapshotFetch, SaysWhyNobodyGives) {
-  const GivingPeer elsewhere(OperationLogs(), "archive", kSession + 1);
+  const GivingPeer elsewhere(OperationLogs{}, "archive", kSession + 1);
   FetchOptions options;
   options.patience = 1s;
   const auto other = fetch_snapshot({elsewhere.giver("elsewhere")}, kSession, options);
@@ -202,7 +202,7 @@ TEST(SnapshotFetch, SaysWhyNobodyGives) {
   // A port at which nobody listens any more.
   Giver gone{"gone", {}};
   {
-    const GivingPeer peer(OperationLogs());
+    const GivingPeer peer(OperationLogs{});
     gone.at = peer.giver("").at;
   }
   const auto nobody = fetch_snapshot({gone}, kSession, options);
@@ -211,7 +211,7 @@ TEST(SnapshotFetch, SaysWhyNobodyGives) {
 }
 
 TEST(SnapshotFetch, APeerWithAnotherArchiveGivesNothing) {
-  const GivingPeer a(OperationLogs(), "one archive"), b(OperationLogs(), "another archive");
+  const GivingPeer a(OperationLogs{}, "one archive"), b(OperationLogs{}, "another archive");
   const auto snapshot = fetch_snapshot({a.giver("a"), b.giver("b")}, kSession);
   ASSERT_TRUE(snapshot) << snapshot.error();
   expect_all_of(*snapshot, snapshot->given_by == "a" ? a : b);
@@ -237,7 +237,7 @@ TEST(SnapshotServer, SaysNothingToNonsense) {
 }
 
 TEST(SnapshotServer, TakesFewConnectionsAndGoesOn) {
-  const GivingPeer a(OperationLogs());
+  const GivingPeer a(OperationLogs{});
   asio::io_context io;
   std::vector<asio::ip::tcp::socket> idle;
   for (std::size_t i = 0; i < 2 * SnapshotServer::kConnectionsMax; ++i) {
