@@ -382,7 +382,8 @@ void SessionKeeper::orphan_objects_of(PeerId peer, HostTime since, HostTime now,
       p_.replica.forget_update_of(object);
     }
     p_.regions.on_orphaned(object);
-    if (for_good) p_.decisions.end_life_of(object, t);
+    // Before it begins, this peer does not know the session's time: its own may be seconds ahead.
+    if (for_good) p_.decisions.end_life_of(object, p_.replica.begun() ? t : SimTime::min());
     p_.owners.set(object, kNobody);
   }
   if (owned_any) watch_all_pairs();  // a pass over all pairs: not for each datagram that says goodbye

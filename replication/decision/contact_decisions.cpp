@@ -394,7 +394,9 @@ const char* ContactDecisions::why_void(const DecisionRecord& d) const {
   for (const ObjectId object : {d.collider, d.collidee}) {
     if (own_.contains(object) && replica_.begun() && d.contact < replica_.begun_at()) return "decision_before_life";
     const auto life = life_since_.find(object);
-    if (life != life_since_.end() && d.contact < life->second) return "decision_before_life";
+    if (life == life_since_.end()) continue;
+    const SimTime begins = replica_.begun() ? std::max(life->second, replica_.begun_at()) : life->second;
+    if (d.contact < begins) return "decision_before_life";
   }
   return nullptr;
 }

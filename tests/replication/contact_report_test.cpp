@@ -1,7 +1,9 @@
 #include "replication/contact_report.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/edit/scene_editor.hpp"
 #include "tests/replication/lan.hpp"
 #include "tests/replication/parts.hpp"
 
@@ -86,6 +88,26 @@ INSTANTIATE_TEST_SUITE_P(Table, Kinds,
                                          Case{"RemoteAndTheScenes", 3, 0, ContactKind::kPredicted},
                                          Case{"BothRemote", 1, 3, ContactKind::kPredicted}),
                          [](const auto& c) { return std::string(c.param.name); });
+
+// The two have met, and before that is reported an edit takes one of them away, with its polygons: the contact is
+// reported without them, and nobody decides it.
+TEST_P(Kinds, OfWhatAnEditHasTakenAwayAreNotDecided) {
+  begin(PeerId{GetParam().ball_owner}, PeerId{GetParam().wall_owner});
+  (void)report(1490ms);
+  p->replica.truth().advance(sim(1510ms));
+  p->replica.ghosts().advance(sim(1510ms));
+  SceneEditor editor(world.scene);
+  ASSERT_TRUE(editor.remove(right));
+  auto scene = editor.finish();
+  ASSERT_TRUE(scene);
+  p->change_scene(std::make_shared<const Scene>(*std::move(scene)), sim(1510ms));
+  const auto outputs = report(1510ms);
+  for (const ContactSeen& seen : only<ContactSeen>(outputs)) {
+    EXPECT_THAT(seen.kind, testing::AnyOf(ContactKind::kOwner, ContactKind::kPredicted));
+    EXPECT_TRUE(seen.contact.polygons.pairs.empty());
+  }
+  EXPECT_EQ(only<ContactSeen>(outputs).size(), 1u);
+}
 
 // Whoever reports it: the least of the polygons that touch, as it is a witness that the interest asks for.
 TEST_P(Kinds, SayTheTypeAndThePolygons) {

@@ -261,6 +261,26 @@ TEST_F(Deferring, AnothersDecisionMovesBothWorldsAndEndsTheWaiting) {
   EXPECT_EQ(retracted[0].object, a);
 }
 
+// Of an object whose owner has left, decisions on contacts of before that are void.
+TEST_F(Deferring, ALaterLifeIsNotBoundByAnEarlierOne) {
+  decisions.end_life_of(b, sim(9s));
+  EXPECT_STREQ(decisions.on_decision(other, 1, record(sim(8999ms)), sim(10s)), "decision_before_life");
+  EXPECT_EQ(decisions.on_decision(other, 2, record(sim(9s)), sim(10s)), nullptr);
+}
+
+// A peer that had not begun when the owner left knows no time of that but its own beginning.
+TEST_F(Deciding, ALifeThatEndedBeforeThisPeerBeganBindsNothingFromThenOn) {
+  decisions.end_life_of(b, SimTime::min());
+  const auto between_others = [&](SimTime at) {
+    DecisionRecord d = record(at);
+    d.collider = b;
+    d.collidee = c;
+    return d;
+  };
+  EXPECT_STREQ(decisions.on_decision(other, 1, between_others(sim(-1ms)), sim(10s)), "decision_before_life");
+  EXPECT_EQ(decisions.on_decision(other, 2, between_others(sim(0s)), sim(10s)), nullptr);
+}
+
 TEST_F(Deferring, ADecisionCountsOnceAndOfItsDeciderAlone) {
   EXPECT_STREQ(decisions.on_decision(PeerId{9}, 1, record(), sim(10s)), "not_decider");
   for (const ObjectId stranger : {ObjectId{999}, world["A/0"], a}) {
