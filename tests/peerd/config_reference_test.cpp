@@ -77,6 +77,8 @@ const Section kSections[] = {
       {"event.e={at_s = 1, kind = \"remove\", peer = \"b\"}"},
       {"event.e={at_s = 1, kind = \"move\", peer = \"b\", path = \"CAR\"}"},
       {"event.e={at_s = 1, kind = \"set\", peer = \"b\", path = \"CAR\", field = \"scale\"}"},
+      {"event.e={at_s = 1, kind = \"data\", peer = \"b\", path = \"CAR\", value = \"1\"}"},
+      {"event.e={at_s = 1, kind = \"send\", peer = \"b\", text = \"hello\"}"},
       {"event.d={at_s = 0, kind = \"partition\", groups = [[\"b\"]]}", "event.e={at_s = 1}"}}},
     {"### `[expect.NAME]`",
      "expect.e.",
