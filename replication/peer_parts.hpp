@@ -78,7 +78,7 @@ struct PeerParts {
   [[nodiscard]] bool let_move(std::span<const ObjectId> objects);
   // Edits have made that scene of this peer's, from `at` on, up to which both worlds have been advanced and their
   // events polled. All pairs are to be watched anew. Own objects that go on do so wherever the scene places them now.
-  void change_scene(std::shared_ptr<const Scene> edited_scene, SimTime at, const std::set<ObjectId>& going_on);
+  void change_scene(std::shared_ptr<const Scene> edited_scene, SimTime at, const std::set<ObjectId>& going_on = {});
   // The pose that the scene gives the object, in the frame of its carrier.
   [[nodiscard]] Pose place_by_scene(ObjectId object) const;
   // The world's velocityVector of an object, which is in its parent's frame, in the world's frame [m/s].
