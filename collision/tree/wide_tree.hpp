@@ -96,6 +96,8 @@ class WideTree {
   }
   // The oriented box of what is in a slot.
   [[nodiscard]] OrientedBox box(ChildSlot slot) const;
+  // A node whose only child has the boxes of what is in a slot, for kernels that take nodes.
+  [[nodiscard]] Node lone(ChildSlot slot) const;
   void build_all();
   // The soup's vertices have moved, its faces have not: new boxes for what is built, over the same triangles. O(soup).
   void refit();
@@ -121,7 +123,6 @@ class WideTree {
   [[nodiscard]] OrientedBox fitted(const SplitRange& range) const;
   [[nodiscard]] OrientedBox refitted(Ref ref, const Bounds4& bounds, const OrientedBox& before) const;
   [[nodiscard]] Bounds4 bounds(Ref ref) const;
-
   void measure();
 
   const TriangleSoup* soup_;
@@ -136,5 +137,10 @@ class WideTree {
   std::vector<Float4> points_;      // the soup's vertices in the tree's numbers; gone when all is built
   std::vector<SplitRange> ranges_;  // the ranges of pending children, by index
 };
+
+// A node without children, and the boxes of one of them.
+[[nodiscard]] WideTree::Node childless_node();
+void put_aligned(const OrientedBox& box, WideTree::Node& node, std::size_t child);
+void put_oriented(const OrientedBox& box, WideTree::Node& node, std::size_t child);
 
 }  // namespace peerd::collision
