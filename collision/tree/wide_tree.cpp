@@ -77,8 +77,8 @@ void WideTree::measure() {
   scale_ = extent_m_ <= kLargest ? 1.0 : kLargest * std::exp2(-std::ceil(std::log2(extent_m_)));
 }
 
-static_assert(WideTree::kWidth == 8 && sizeof(WideTree::Node) % 32 == 0 && sizeof(WideTree::Leaf) % 32 == 0);
-static_assert(alignof(WideTree::Node) == 32 && alignof(WideTree::Leaf) == 32);
+static_assert(WideTree::kWidth == 8 && sizeof(WideTree::Node) % 64 == 0 && sizeof(WideTree::Leaf) % 64 == 0);
+static_assert(alignof(WideTree::Node) == 64 && alignof(WideTree::Leaf) == 64);
 
 WideTree::WideTree(const TriangleSoup& soup, std::shared_ptr<const void> owner, std::span<const Node> nodes,
                    std::span<const Leaf> leaves)

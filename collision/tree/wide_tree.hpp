@@ -44,18 +44,21 @@ class WideTree {
   static constexpr float kNoBox = -std::numeric_limits<float>::infinity();
 
   // Children that are there stand before those that aren't.
-  struct alignas(32) Node {
+  struct alignas(64) Node {
     using Rows = std::array<std::array<float, kWidth>, 3>;  // by axis, then child [m]
     Rows center, half;
     std::array<Ref, kWidth> children;
     Rows oriented_center, oriented_half;  // the oriented boxes
     std::array<Rows, 3> axes;             // theirs: by axis, then component, then child
   };
-  struct alignas(32) Leaf {
-    std::array<std::array<std::array<float, kWidth>, 3>, 3> corners;  // from `center`; by corner, axis, triangle [m]
-    std::array<std::uint32_t, kWidth> faces;                          // indices of the soup's faces
-    std::array<float, 3> center, half;                                // the box of the whole leaf [m]
+  // All of a leaf but its corners is one line of the processor's cache: of most leaves, views need no more.
+  struct alignas(64) Leaf {
+    std::array<std::uint32_t, kWidth> faces;  // indices of the soup's faces
+    std::array<float, 3> center, half;        // the box of the whole leaf [m]
     std::uint32_t count = 0;
+    std::uint32_t zero = 0;  // this and the last make no byte of a file depend on what was in memory
+    std::array<std::array<std::array<float, kWidth>, 3>, 3> corners;  // from `center`; by corner, axis, triangle [m]
+    std::array<float, kWidth> zeros{};
   };
 
   // The soup has a face, and fewer than 2^30; it outlives the tree, at its place.
