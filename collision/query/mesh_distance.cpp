@@ -24,22 +24,9 @@ struct Boxes {
   std::uint32_t count = 0;
 };
 
-WideTree::Node one_box(const std::array<float, 3>& center, const std::array<float, 3>& half, const OrientedBox& box) {
-  WideTree::Node node;
-  for (std::size_t k = 0; k < 3; ++k) {
-    node.center[k].fill(center[k]);
-    node.half[k].fill(half[k]);
-    node.oriented_center[k].fill(box.center[k]);
-    node.oriented_half[k].fill(box.half[k]);
-    for (std::size_t c = 0; c < 3; ++c) node.axes[k][c].fill(box.axes[k][c]);
-  }
-  return node;
-}
-
 Boxes boxes(const WideTree& tree, WideTree::ChildSlot slot, Ref ref, WideTree::Node& own) {
   if (ref.kind() == Ref::kLeaf) {
-    const WideTree::Leaf& leaf = tree.leaf(ref.index());
-    own = one_box(leaf.center, leaf.half, tree.box(slot));
+    own = tree.lone(slot);
     return {&own, 1};
   }
   assert(ref.kind() == Ref::kNode && tree.node(ref.index()).children[0].kind() != Ref::kNone);
@@ -47,12 +34,6 @@ Boxes boxes(const WideTree& tree, WideTree::ChildSlot slot, Ref ref, WideTree::N
   std::uint32_t count = WideTree::kWidth;
   while (node.children[count - 1].kind() == Ref::kNone) --count;
   return {&node, count};
-}
-
-// The box of a whole soup, whatever of its tree is built.
-WideTree::Node whole(const WideTree& tree) {
-  const OrientedBox box = tree.box(WideTree::kRoot);
-  return one_box(box.center, box.half, box);
 }
 
 // The range of a polygon's faces, which stand by polygon.
@@ -119,7 +100,8 @@ struct MeshDistanceQuery::Search {
     const double upper_m = length(found.on_b - found.on_a) * (1.0 + 0x1p-50) + 0x1p-530;
     found.upper_m = upper_m < kInfinity ? upper_m : kInfinity;  // places that overflow are no number
     Distances distances;
-    distances_of_nodes(whole(a), 1, whole(b), 1, motion, std::numeric_limits<float>::max(), distances);
+    distances_of_nodes(a.lone(WideTree::kRoot), 1, b.lone(WideTree::kRoot), 1, motion,
+                       std::numeric_limits<float>::max(), distances);
     push({distances.lower[0][0], WideTree::kRoot, WideTree::kRoot, false});
   }
 

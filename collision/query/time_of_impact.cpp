@@ -134,21 +134,6 @@ void for_each_direction(const Triangle& a, const Triangle& b, const Vec3& betwee
   if (noise < 1.0) visit(between, noise);
 }
 
-// Makes a node of which a leaf's boxes are the only child.
-WideTree::Node node_around(const WideTree::Leaf& leaf, const OrientedBox& box) {
-  WideTree::Node node;
-  for (std::size_t k = 0; k < 3; ++k) {
-    node.center[k].fill(0.0f);
-    node.half[k].fill(WideTree::kNoBox);
-    node.center[k][0] = leaf.center[k];
-    node.half[k][0] = leaf.half[k];
-    node.oriented_center[k].fill(box.center[k]);
-    node.oriented_half[k].fill(box.half[k]);
-    for (std::size_t c = 0; c < 3; ++c) node.axes[k][c].fill(box.axes[k][c]);
-  }
-  return node;
-}
-
 template <class Then>
 void for_each_bit(std::uint32_t bits, Then&& then) {
   for (; bits != 0; bits &= bits - 1) then(static_cast<std::size_t>(std::countr_zero(bits)));
@@ -204,8 +189,8 @@ class MeshImpactQuery::Search {
       const double until_s = std::min(best_s_, std::max(from_s + window_s, from_s * (1.0 + 0x1p-40)));
       assert(until_s >= from_s);
       const std::uint32_t work = search_window(from_s, until_s, max_work);
-      if (exhausted_) {
-        impact_.state = MeshImpactState::kIterationLimit;
+      if (exhausted_ || too_far_apart_) {
+        impact_.state = exhausted_ ? MeshImpactState::kIterationLimit : MeshImpactState::kTooLarge;
         impact_.time_s = from_s;
         return impact_;
       }
@@ -245,12 +230,14 @@ class MeshImpactQuery::Search {
     const MotionState now(at_a, at_b);
     // Pairs nearer than the tolerance are visited: they would come nearer before they are a hit otherwise.
     const WideMotion wide(a_, b_, now.a_from_b, options_.tolerance_m);
+    too_far_apart_ = !wide.in_range;
+    if (too_far_apart_) return 0;
     const WideSpeeds speeds = speeds_at(at_a, at_b, until_s - from_s);
     stack_.assign(1, {WideTree::kRoot, WideTree::kRoot});
     pairs_.clear();
     Masks masks;
     MeetTimes times;
-    WideTree::Node around;  // a leaf beside a node
+    WideTree::Node around;  // what is visited beside a leaf is a node, so the leaf's boxes are made one
     // The pairs of triangles that wait count as well.
     const auto work_done = [&, before = impact_.iterations] {
       return impact_.iterations - before + static_cast<std::uint32_t>(pairs_.size());
@@ -263,8 +250,8 @@ class MeshImpactQuery::Search {
       const Ref of_a = a_.at(slot_a), of_b = b_.at(slot_b);
       const bool node_a = of_a.kind() == Ref::kNode, node_b = of_b.kind() == Ref::kNode;
       if (node_a || node_b) {
-        if (!node_a) around = node_around(a_.leaf(of_a.index()), a_.box(slot_a));
-        if (!node_b) around = node_around(b_.leaf(of_b.index()), b_.box(slot_b));
+        if (!node_a) around = a_.lone(slot_a);
+        if (!node_b) around = b_.lone(slot_b);
         nodes_may_meet(node_a ? a_.node(of_a.index()) : around, node_b ? b_.node(of_b.index()) : around, wide, speeds,
                        within_s, masks);
         for (std::size_t row = WideTree::kWidth; row-- > 0;) {
@@ -466,6 +453,7 @@ class MeshImpactQuery::Search {
   double acceleration_m_s2_ = 0.0;      // of one origin against the other
   double coordinate_bound_m_ = 0.0;     // the sum of the largest coordinates at the start
   bool hit_ = false, exhausted_ = false;
+  bool too_far_apart_ = false;  // for binary32
   MeshImpact impact_;
 };
 

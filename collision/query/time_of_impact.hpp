@@ -15,7 +15,8 @@ enum class MeshImpactState : std::uint8_t {
   kHit,             // nearer than the tolerance at `time_s` and not parting, and no contact before
   kOverlapped,      // they touch at the start: exact
   kIterationLimit,  // failed: no contact before `time_s`, nothing is known of later; the iterations ran out
-  kTooLarge,        // failed: nothing is known, a mesh is larger than 2^60 m
+  kTooLarge,        // failed: no contact before `time_s`, nothing is known of later: a mesh is larger than 2^60 m, or
+                    // they are 2^62 m apart then
 };
 
 struct MeshImpact {

@@ -17,6 +17,11 @@ using Ref = WideTree::Ref;
 // one at this offset.
 constexpr double kFar = 0x1p100;
 
+// What to do with a slot that descend() comes to.
+enum class ViewStep : std::uint8_t { kVisit, kSkip, kEnd };
+
+std::uint32_t all_of(const WideTree::Leaf& leaf) { return (1u << leaf.count) - 1; }
+
 // World points are rotation * p + position for p of the soup, so normal . world + offset is
 // (rotation^T normal) . p + (normal . position + offset). With E the tree's extent, the roundings of binary32 sum up to
 // less than 2^-24 of 40 E, as long as the offset is below 8 E; beyond that it alone decides.
@@ -101,40 +106,71 @@ InView in_view(const Frustum& frustum, const WorldBox& box, PlaneMask& active) {
   return active == 0 ? InView::kInside : InView::kMaybe;
 }
 
-// Descends depth first, in the tree's order. found(leaf, bits), called for triangles that may be in view, bit i for the
-// leaf's triangle i, and stop(visit), called before a slot is visited, return true to end the search.
-template <class Stop, class Found>
-void ViewQuery::descend(WideTree& tree, const WidePlanes& planes, const Visit& root, Stop stop, Found found) {
+// Descends depth first, in the tree's order. enter(visit) is asked before a slot is visited. found(leaf, bits), called
+// for triangles that may be in view, bit i for the leaf's triangle i, returns true to end the search.
+template <class Enter, class Found>
+void ViewQuery::descend(WideTree& tree, const WidePlanes& planes, const Visit& root, Enter enter, Found found) {
   std::array<PlaneMask, WideTree::kWidth> crossed;
   stack_.clear();
   stack_.push_back(root);
   while (!stack_.empty()) {
     const Visit visit = stack_.back();
     stack_.pop_back();
-    if (stop(visit)) return;
+    const ViewStep step = enter(visit);
+    if (step == ViewStep::kEnd) return;
+    if (step == ViewStep::kSkip) continue;
     const Ref ref = tree.at(visit.place);
     counters_.plane_tests += static_cast<std::uint64_t>(std::popcount(visit.active));
     if (ref.kind() == Ref::kLeaf) {
       const WideTree::Leaf& leaf = tree.leaf(ref.index());
       ++counters_.leaf_tests;
-      const std::uint32_t all = (1u << leaf.count) - 1;
-      const std::uint32_t bits = visit.active == 0 ? all : test_planes_leaf(leaf, planes, visit.active, crossed);
+      const std::uint32_t bits = test_planes_leaf(leaf, planes, visit.active, crossed);
       if (bits != 0 && found(leaf, bits)) return;
       continue;
     }
     const WideTree::Node& node = tree.node(ref.index());
-    std::uint32_t bits = 0xff;
-    if (visit.active != 0) {
-      counters_.bv_tests += WideTree::kWidth;
-      bits = test_planes_node(node, planes, visit.active, crossed);
-    } else {
-      crossed.fill(0);
-    }
+    counters_.bv_tests += WideTree::kWidth;
+    std::uint32_t bits = test_planes_node(node, planes, visit.active, crossed);
     while (bits != 0) {
       const auto i = static_cast<std::size_t>(std::bit_width(bits) - 1);
       bits ^= 1u << i;
       if (node.children[i].kind() == Ref::kNone) continue;
       stack_.push_back({WideTree::child_slot(ref, i), crossed[i], visit.levels - 1});
+    }
+  }
+}
+
+// There is room for all lanes, so that each leaf takes one copy of one length.
+void ViewQuery::append(const WideTree::Leaf& leaf) {
+  assert(seen_ + WideTree::kWidth <= faces_.size());
+  std::ranges::copy(leaf.faces, faces_.begin() + static_cast<std::ptrdiff_t>(seen_));
+  seen_ += leaf.count;
+}
+
+// Appends all triangles below a slot, in the tree's order: nothing there needs a test.
+void ViewQuery::append_all(WideTree& tree, WideTree::ChildSlot slot) {
+  const auto open = [&](WideTree::ChildSlot below) {
+    Ref ref = tree.peek(below);
+    if (ref.kind() == Ref::kPending) ref = tree.at(below);
+    if (ref.kind() == Ref::kNode) {
+      for (const Ref child : tree.node(ref.index()).children) {
+        if (child.kind() == Ref::kLeaf) __builtin_prefetch(&tree.leaf(child.index()));
+        if (child.kind() == Ref::kNode) __builtin_prefetch(&tree.node(child.index()).children);
+      }
+      return opened_.push_back({ref.index(), 0});
+    }
+    ++counters_.leaf_tests;
+    append(tree.leaf(ref.index()));
+  };
+  opened_.clear();
+  open(slot);
+  while (!opened_.empty()) {
+    Opened& top = opened_.back();
+    const Ref node(Ref::kNode, top.node);
+    if (top.next == WideTree::kWidth || tree.node(top.node).children[top.next].kind() == Ref::kNone) {
+      opened_.pop_back();
+    } else {
+      open(WideTree::child_slot(node, top.next++));
     }
   }
 }
@@ -145,28 +181,37 @@ bool ViewQuery::may_be_in_view(WideTree& tree, const Pose& T_world_soup, const F
   bool may_be = false;
   descend(
       tree, planes_of(tree, T_world_soup, frustum), {WideTree::kRoot, active, levels},
-      [&](const Visit& visit) { return may_be = visit.active == 0 || visit.levels == 0; },
+      [&](const Visit& visit) {
+        may_be = visit.active == 0 || visit.levels == 0;
+        return may_be ? ViewStep::kEnd : ViewStep::kVisit;
+      },
       [&](const WideTree::Leaf&, std::uint32_t) { return may_be = true; });
   return may_be;
 }
 
-const std::vector<std::uint32_t>& ViewQuery::faces_in_view(WideTree& tree, const Pose& T_world_soup,
-                                                           const Frustum& frustum) {
-  faces_.clear();
+std::span<const std::uint32_t> ViewQuery::faces_in_view(WideTree& tree, const Pose& T_world_soup,
+                                                        const Frustum& frustum) {
+  seen_ = 0;
+  faces_.resize(std::max(faces_.size(), tree.soup().faces.size() + WideTree::kWidth));
   descend(
       tree, planes_of(tree, T_world_soup, frustum), {WideTree::kRoot, frustum.all(), kAllLevels},
-      [](const Visit&) { return false; },
+      [&](const Visit& visit) {
+        if (visit.active != 0) return ViewStep::kVisit;
+        append_all(tree, visit.place);
+        return ViewStep::kSkip;
+      },
       [&](const WideTree::Leaf& leaf, std::uint32_t bits) {
-        if (bits == (1u << leaf.count) - 1) {
-          faces_.insert(faces_.end(), leaf.faces.begin(), leaf.faces.begin() + leaf.count);
+        if (bits == all_of(leaf)) {
+          append(leaf);
           return false;
         }
-        for (; bits != 0; bits &= bits - 1) {
-          faces_.push_back(leaf.faces[static_cast<std::size_t>(std::countr_zero(bits))]);
-        }
+        std::size_t end = seen_;
+        for (; bits != 0; bits &= bits - 1)
+          faces_[end++] = leaf.faces[static_cast<std::size_t>(std::countr_zero(bits))];
+        seen_ = end;
         return false;
       });
-  return faces_;
+  return std::span(faces_).first(seen_);
 }
 
 }  // namespace peerd::collision

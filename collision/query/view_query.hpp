@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <expected>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -81,8 +82,8 @@ class ViewQuery {
   [[nodiscard]] bool may_be_in_view(WideTree& tree, const Pose& T_world_soup, const Frustum& frustum, PlaneMask active,
                                     int levels = kAllLevels);
   // The faces that may be in view, in the order of the tree; valid until the next query.
-  [[nodiscard]] const std::vector<std::uint32_t>& faces_in_view(WideTree& tree, const Pose& T_world_soup,
-                                                                const Frustum& frustum);
+  [[nodiscard]] std::span<const std::uint32_t> faces_in_view(WideTree& tree, const Pose& T_world_soup,
+                                                             const Frustum& frustum);
 
   [[nodiscard]] const ViewCounters& counters() const { return counters_; }
 
@@ -92,11 +93,20 @@ class ViewQuery {
     PlaneMask active;
     int levels;
   };
-  template <class Stop, class Found>
-  void descend(WideTree& tree, const WidePlanes& planes, const Visit& root, Stop stop, Found found);
+  template <class Enter, class Found>
+  void descend(WideTree& tree, const WidePlanes& planes, const Visit& root, Enter enter, Found found);
+  void append(const WideTree::Leaf& leaf);
+  void append_all(WideTree& tree, WideTree::ChildSlot slot);
+
+  // A node on the way to the leaves below it, and its next child.
+  struct Opened {
+    std::uint32_t node, next;
+  };
 
   std::vector<Visit> stack_;
-  std::vector<std::uint32_t> faces_;
+  std::vector<Opened> opened_;
+  std::vector<std::uint32_t> faces_;  // room for those of all soups that were asked, of which seen_ are in view
+  std::size_t seen_ = 0;
   ViewCounters counters_;
 };
 

@@ -70,16 +70,17 @@ HWY_INLINE void append(std::uint32_t bits, const ChosenLanes& chosen, LanePairs&
   }
 }
 
-// Oriented boxes, one to a lane. Of the axes by component: axes[k][c] has the component c of all boxes' axis k.
-struct TurnedBoxes {
+// Oriented boxes, one to a lane.
+struct OrientedBoxes {
   V3 center, half;
-  V3 axes[3];
+  V3 axes[3];  // the first axis of each box, the second, the third
 };
 
-// Boxes of B in A's frame.
+// The oriented boxes of B's children in A's frame; their half sides stay as they are.
 struct MovedBoxes {
-  Rows center, lo, hi;  // and the axis-aligned boxes around them
+  Rows center;
   std::array<Rows, 3> axes;
+  Rows lo, hi;  // the axis-aligned boxes of A's frame around them, wider by the slack
 };
 HWY_INLINE V3 absolute(const V3& v) { return {hn::Abs(v.x), hn::Abs(v.y), hn::Abs(v.z)}; }
 HWY_INLINE void move_boxes(const WideTree::Node& b, const WideMotion& m, MovedBoxes& out) {
@@ -99,54 +100,59 @@ HWY_INLINE void move_boxes(const WideTree::Node& b, const WideMotion& m, MovedBo
   }
 }
 
-// The fifteen axes of Gottschalk, Lin and Manocha, "OBBTree", SIGGRAPH 1996: those of either box, and their products.
-struct Fifteen {
-  V ha[3], hb[3], t[3];   // half the sides, and the way from A to B along A's axes
-  V c[3][3], size[3][3];  // the products of axes, and their absolute values
+// What pairs of boxes have along the fifteen separating axes of Gottschalk, Lin and Manocha, "OBBTree", SIGGRAPH 1996:
+// the three of A, the three of B, and the cross products of one of either, whose length is 1 at most.
+struct SeparatingAxes {
+  V ha[3], hb[3];         // half the sides of either box
+  V t[3];                 // the vector from A's center to B's, by its components along A's axes
+  V c[3][3], size[3][3];  // the dot products of an axis of A and one of B, and their absolute values
 
-  HWY_INLINE Fifteen(const TurnedBoxes& a, const TurnedBoxes& b) {
-    const V3 way = minus(b.center, a.center);
+  HWY_INLINE SeparatingAxes(const OrientedBoxes& a, const OrientedBoxes& b) {
+    const V3 a_to_b = minus(b.center, a.center);
     ha[0] = a.half.x, ha[1] = a.half.y, ha[2] = a.half.z;
     hb[0] = b.half.x, hb[1] = b.half.y, hb[2] = b.half.z;
-    set_row<0>(a, b, way), set_row<1>(a, b, way), set_row<2>(a, b, way);
+    set_row<0>(a, b, a_to_b), set_row<1>(a, b, a_to_b), set_row<2>(a, b, a_to_b);
   }
+  // How far both boxes together reach along A's axis i, along B's axis j, and along the cross product of the two.
   template <std::size_t i>
-  HWY_INLINE V reach_of_a() const {
+  HWY_INLINE V reach_along_a() const {
     return hn::Add(dot({size[i][0], size[i][1], size[i][2]}, {hb[0], hb[1], hb[2]}), ha[i]);
   }
   template <std::size_t j>
-  HWY_INLINE V reach_of_b() const {
+  HWY_INLINE V reach_along_b() const {
     return hn::Add(dot({size[0][j], size[1][j], size[2][j]}, {ha[0], ha[1], ha[2]}), hb[j]);
   }
   template <std::size_t i, std::size_t j>
-  HWY_INLINE V reach_across() const {
+  HWY_INLINE V reach_along_product() const {
     constexpr std::size_t i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
     return hn::Add(hn::Add(hn::Mul(ha[i1], size[i2][j]), hn::Mul(ha[i2], size[i1][j])),
                    hn::Add(hn::Mul(hb[j1], size[i][j2]), hn::Mul(hb[j2], size[i][j1])));
   }
-  // A vector with the components v along A's axes, along an axis of B's or a product.
+  // The component along B's axis j, and along the product of A's axis i and it, of a vector with the components v along
+  // A's axes.
   template <std::size_t j>
   HWY_INLINE V along_b(const V (&v)[3]) const {
     return dot({c[0][j], c[1][j], c[2][j]}, {v[0], v[1], v[2]});
   }
   template <std::size_t i, std::size_t j>
-  HWY_INLINE V along_across(const V (&v)[3]) const {
+  HWY_INLINE V along_product(const V (&v)[3]) const {
     constexpr std::size_t i1 = (i + 1) % 3, i2 = (i + 2) % 3;
     return hn::Sub(hn::Mul(v[i2], c[i1][j]), hn::Mul(v[i1], c[i2][j]));
   }
 
  private:
   template <std::size_t i>
-  HWY_INLINE void set_row(const TurnedBoxes& a, const TurnedBoxes& b, const V3& way) {
-    t[i] = dot(a.axes[i], way);
+  HWY_INLINE void set_row(const OrientedBoxes& a, const OrientedBoxes& b, const V3& a_to_b) {
+    t[i] = dot(a.axes[i], a_to_b);
     c[i][0] = dot(a.axes[i], b.axes[0]), c[i][1] = dot(a.axes[i], b.axes[1]), c[i][2] = dot(a.axes[i], b.axes[2]);
     size[i][0] = hn::Abs(c[i][0]), size[i][1] = hn::Abs(c[i][1]), size[i][2] = hn::Abs(c[i][2]);
   }
 };
 
+// The boxes of the chosen pairs, out of those of a node's children.
 template <bool kOfA>
-HWY_INLINE TurnedBoxes chosen_boxes(const Rows& center, const Rows& half, const std::array<Rows, 3>& axes,
-                                    const RowLookup<kOfA>& chosen) {
+HWY_INLINE OrientedBoxes chosen_boxes(const Rows& center, const Rows& half, const std::array<Rows, 3>& axes,
+                                      const RowLookup<kOfA>& chosen) {
   return {chosen(center), chosen(half), {chosen(axes[0]), chosen(axes[1]), chosen(axes[2])}};
 }
 

@@ -68,17 +68,18 @@ HWY_INLINE V gap_along_centers(const V3& center_a, const V3& half_a, const V3& c
   return hn::IfThenElseZero(good, known(certain));
 }
 
-// Bounds of the distances of oriented boxes: along the axes of either, and along the line of the centers, whose
-// direction t is as rounded as the way along A's axes; twice the slack has room for what that adds.
-HWY_INLINE V distance_of_oriented_boxes(const TurnedBoxes& a, const TurnedBoxes& b, V slack) {
-  const Fifteen f(a, b);
+// Lower bounds of the distances of oriented boxes: the length of their gaps along A's axes, or along B's, or the gap
+// along the line of their centers, t. The slack is that of one axis; errors along the line of centers are at most
+// sqrt(3) times as large, so it takes two.
+HWY_INLINE V distance_of_oriented_boxes(const OrientedBoxes& a, const OrientedBoxes& b, V slack) {
+  const SeparatingAxes f(a, b);
   const auto gap = [&](V distance, V reach)
                        HWY_ATTR { return known(hn::Sub(hn::Abs(distance), hn::Add(reach, slack))); };
   const V t_b[3] = {f.along_b<0>(f.t), f.along_b<1>(f.t), f.along_b<2>(f.t)};
-  const V along_a =
-      gap_length(gap(f.t[0], f.reach_of_a<0>()), gap(f.t[1], f.reach_of_a<1>()), gap(f.t[2], f.reach_of_a<2>()));
-  const V along_b =
-      gap_length(gap(t_b[0], f.reach_of_b<0>()), gap(t_b[1], f.reach_of_b<1>()), gap(t_b[2], f.reach_of_b<2>()));
+  const V along_a = gap_length(gap(f.t[0], f.reach_along_a<0>()), gap(f.t[1], f.reach_along_a<1>()),
+                               gap(f.t[2], f.reach_along_a<2>()));
+  const V along_b = gap_length(gap(t_b[0], f.reach_along_b<0>()), gap(t_b[1], f.reach_along_b<1>()),
+                               gap(t_b[2], f.reach_along_b<2>()));
   const V square = dot({f.t[0], f.t[1], f.t[2]}, {f.t[0], f.t[1], f.t[2]});
   const V reach = hn::Add(dot(a.half, {hn::Abs(f.t[0]), hn::Abs(f.t[1]), hn::Abs(f.t[2])}),
                           dot(b.half, {hn::Abs(t_b[0]), hn::Abs(t_b[1]), hn::Abs(t_b[2])}));

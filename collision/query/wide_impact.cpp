@@ -16,51 +16,25 @@
 HWY_BEFORE_NAMESPACE();
 namespace peerd::collision::HWY_NAMESPACE {
 
-// Velocities of the middles of a node's boxes, in either frame, and how much faster other points in them are at most.
+// The velocities of the centers of oriented boxes, in A's frame, and how much faster other points in them are at most.
 struct Velocities {
-  Rows in_own, in_other;
-  Row spread;
-};
-template <class ToOther>
-HWY_INLINE void velocities(const WideTree::Node& node, const std::array<float, 3>& base,
-                           const std::array<float, 3>& turn, float rate, ToOther to_other, Velocities& out) {
-  const V3 axis{set(turn[0]), set(turn[1]), set(turn[2])};
-  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
-    const V3 v = plus(cross(axis, load3(node.center, i)), base), other = to_other(v), half = load3(node.half, i);
-    store(v.x, out.in_own[0], i), store(v.y, out.in_own[1], i), store(v.z, out.in_own[2], i);
-    store(other.x, out.in_other[0], i), store(other.y, out.in_other[1], i), store(other.z, out.in_other[2], i);
-    store(hn::Mul(set(rate), hn::Sqrt(dot(half, half))), out.spread, i);
-  }
-}
-
-// Along an axis: boxes with a gap that is not closed by then, whichever is on the positive side.
-HWY_INLINE auto apart_along(V from_a_to_b, V reach, V velocity_a, V velocity_b, V spare, V within) {
-  const V gap = hn::Sub(hn::Abs(from_a_to_b), reach);
-  const V closing =
-      hn::Add(hn::Xor(hn::Sub(velocity_a, velocity_b), hn::And(from_a_to_b, hn::SignBit(Lanes()))), spare);
-  return hn::Gt(gap, hn::Max(hn::Mul(closing, within), hn::Zero(Lanes())));
-}
-
-// Velocities of the middles of oriented boxes, in A's frame, and how much faster other points in them are at most.
-struct TurnedVelocities {
   Rows v;
   Row spread;
 };
 template <class ToA>
-HWY_INLINE void turned_velocities(const WideTree::Node& node, const std::array<float, 3>& base,
-                                  const std::array<float, 3>& turn, float rate, ToA to_a_axes, TurnedVelocities& out) {
-  const V3 axis{set(turn[0]), set(turn[1]), set(turn[2])};
+HWY_INLINE void velocities(const WideTree::Node& node, const std::array<float, 3>& linear,
+                           const std::array<float, 3>& angular, float rate, ToA to_a, Velocities& out) {
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
     const V3 half = load3(node.oriented_half, i);
-    store3(to_a_axes(plus(cross(axis, load3(node.oriented_center, i)), base)), out.v, i);
+    store3(to_a(plus(cross(set3(angular), load3(node.oriented_center, i)), linear)), out.v, i);
     store(hn::Mul(set(rate), hn::Sqrt(dot(half, half))), out.spread, i);
   }
 }
 
 // The pairs of boxes whose gap along A's axes may close.
 HWY_INLINE std::uint64_t pairs_that_may_meet(const WideTree::Node& a, const WideTree::Node& b, const MovedBoxes& moved,
-                                             const TurnedVelocities& of_a, const TurnedVelocities& of_b,
-                                             const WideSpeeds& s, float within_s) {
+                                             const Velocities& of_a, const Velocities& of_b, const WideSpeeds& s,
+                                             float within_s) {
   std::uint64_t near = 0;
   const V within = set(within_s), zero = hn::Zero(Lanes());
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
@@ -86,20 +60,22 @@ HWY_INLINE std::uint64_t pairs_that_may_meet(const WideTree::Node& a, const Wide
   return near;
 }
 
-// The fifteen axes of boxes that move: apart where a gap along one is not closed by then.
-HWY_INLINE auto stay_apart(const TurnedBoxes& a, const TurnedBoxes& b, const V3& relative, V spare, V slack, V within) {
-  const Fifteen f(a, b);
-  const V speed[3] = {dot(a.axes[0], relative), dot(a.axes[1], relative), dot(a.axes[2], relative)};
+// Boxes stay apart where they have a gap along one of the axes that isn't closed in time: at `velocity`, A's less B's,
+// and at most by `spare` faster.
+HWY_INLINE auto stay_apart(const OrientedBoxes& a, const OrientedBoxes& b, const V3& velocity, V spare, V slack,
+                           V within) {
+  const SeparatingAxes f(a, b);
+  const V speed[3] = {dot(a.axes[0], velocity), dot(a.axes[1], velocity), dot(a.axes[2], velocity)};
   const auto along = [&](V distance, V reach, V closing) HWY_ATTR {
     const V gap = hn::Sub(hn::Abs(distance), hn::Add(reach, slack));
     const V toward = hn::Add(hn::Xor(closing, hn::And(distance, hn::SignBit(Lanes()))), spare);
     return hn::Gt(gap, hn::Max(hn::Mul(toward, within), hn::Zero(Lanes())));
   };
-  const auto of_a = [&]<std::size_t i>() HWY_ATTR { return along(f.t[i], f.reach_of_a<i>(), speed[i]); };
+  const auto of_a = [&]<std::size_t i>() HWY_ATTR { return along(f.t[i], f.reach_along_a<i>(), speed[i]); };
   const auto of_b = [&]<std::size_t j>()
-                        HWY_ATTR { return along(f.along_b<j>(f.t), f.reach_of_b<j>(), f.along_b<j>(speed)); };
+                        HWY_ATTR { return along(f.along_b<j>(f.t), f.reach_along_b<j>(), f.along_b<j>(speed)); };
   const auto across = [&]<std::size_t i, std::size_t j>() HWY_ATTR {
-    return along(f.along_across<i, j>(f.t), f.reach_across<i, j>(), f.along_across<i, j>(speed));
+    return along(f.along_product<i, j>(f.t), f.reach_along_product<i, j>(), f.along_product<i, j>(speed));
   };
   const auto across_a = [&]<std::size_t i>() HWY_ATTR {
     return hn::Or(hn::Or(across.template operator()<i, 0>(), across.template operator()<i, 1>()),
@@ -117,11 +93,11 @@ void NodesMayMeet(const WideTree::Node& a, const WideTree::Node& b, const WideMo
                   float within_s, Masks& masks) {
   MovedBoxes moved;
   move_boxes(b, m, moved);
-  TurnedVelocities of_a, of_b;
+  Velocities of_a, of_b;
   const auto same = [](const V3& v) { return v; };
   const auto turned = [&](const V3& v) { return times(m.a_from_b, v); };
-  turned_velocities(a, s.linear_velocity_a, s.angular_velocity_a, s.rate_a, same, of_a);
-  turned_velocities(b, s.linear_velocity_b, s.angular_velocity_b, s.rate_b, turned, of_b);
+  velocities(a, s.linear_velocity_a, s.angular_velocity_a, s.rate_a, same, of_a);
+  velocities(b, s.linear_velocity_b, s.angular_velocity_b, s.rate_b, turned, of_b);
   masks.fill(0);
   const V slack = set(m.slack_oriented), within = set(within_s);
   for (std::uint64_t near = pairs_that_may_meet(a, b, moved, of_a, of_b, s, within_s); near != 0;) {
@@ -136,40 +112,6 @@ void NodesMayMeet(const WideTree::Node& a, const WideTree::Node& b, const WideMo
       const std::uint8_t pair = pair_at(chosen, hwy::Num0BitsBelowLS1Bit_Nonzero32(left));
       std::uint8_t& mask = masks[LanePairs::of_b(pair)];
       mask = static_cast<std::uint8_t>(mask | 1u << LanePairs::of_a(pair));
-    }
-  }
-}
-
-void LargeNodesMayMeet(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& m, const WideSpeeds& s,
-                       float within_s, Masks& masks) {
-  Boxes b_in_a, a_in_b;
-  to_a(b, m, b_in_a);
-  to_b(a, m, a_in_b);
-  Velocities of_a, of_b;
-  velocities(
-      a, s.linear_velocity_a, s.angular_velocity_a, s.rate_a, [&](const V3& v) { return times(m.b_from_a, v); }, of_a);
-  velocities(
-      b, s.linear_velocity_b, s.angular_velocity_b, s.rate_b, [&](const V3& v) { return times(m.a_from_b, v); }, of_b);
-  const V within = set(within_s);
-  masks.fill(0);
-  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
-    const auto there = hn::Ge(load(a.half[0], i), hn::Zero(Lanes()));
-    for (std::size_t row = 0; row < kWidth; ++row) {
-      if (b.half[0][row] < 0.0f) continue;
-      const V spare = hn::Add(load(of_a.spread, i), set(of_b.spread[row] + s.slack_m_s));
-      auto apart = hn::Not(there);
-      for (std::size_t k = 0; k < 3; ++k) {
-        apart = hn::Or(apart, apart_along(hn::Sub(set(b_in_a.center[k][row]), load(a.center[k], i)),
-                                          hn::Add(load(a.half[k], i), set(b_in_a.half[k][row])),
-                                          load(of_a.in_own[k], i), set(of_b.in_other[k][row]), spare, within));
-      }
-      if (hn::AllTrue(Lanes(), apart)) continue;
-      for (std::size_t k = 0; k < 3; ++k) {
-        apart = hn::Or(apart, apart_along(hn::Sub(set(b.center[k][row]), load(a_in_b.center[k], i)),
-                                          hn::Add(load(a_in_b.half[k], i), set(b.half[k][row])),
-                                          load(of_a.in_other[k], i), set(of_b.in_own[k][row]), spare, within));
-      }
-      masks[row] = static_cast<std::uint8_t>(masks[row] | bits(hn::Not(apart), i));
     }
   }
 }
@@ -361,17 +303,12 @@ HWY_AFTER_NAMESPACE();
 namespace peerd::collision {
 
 HWY_EXPORT(NodesMayMeet);
-HWY_EXPORT(LargeNodesMayMeet);
 HWY_EXPORT(LeavesMayMeet);
 
 void nodes_may_meet(const WideTree::Node& a, const WideTree::Node& b, const WideMotion& motion,
                     const WideSpeeds& speeds, float within_s, Masks& masks) {
-  assert(!(within_s < 0.0f) && !(speeds.slack_m_s < 0.0f));
-  if (motion.in_range) {
-    HWY_DYNAMIC_DISPATCH(NodesMayMeet)(a, b, motion, speeds, within_s, masks);
-  } else {
-    HWY_DYNAMIC_DISPATCH(LargeNodesMayMeet)(a, b, motion, speeds, within_s, masks);
-  }
+  assert(motion.in_range && !(within_s < 0.0f) && !(speeds.slack_m_s < 0.0f));
+  HWY_DYNAMIC_DISPATCH(NodesMayMeet)(a, b, motion, speeds, within_s, masks);
 }
 void leaves_may_meet(const WideTree::Leaf& a, const WideTree::Leaf& b, const WideMotion& motion,
                      const WideSpeeds& speeds, float within_s, Masks& masks, MeetTimes& times) {

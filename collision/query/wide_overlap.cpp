@@ -23,19 +23,19 @@ HWY_INLINE auto overlap(const V3& center_a, const V3& half_a, const V3& center_b
 }
 
 // Boxes are apart where they are along one of the axes by more than the slack, which has room for all that is off.
-HWY_INLINE auto overlap(const TurnedBoxes& a, const TurnedBoxes& b, V slack) {
-  const Fifteen f(a, b);
+HWY_INLINE auto overlap(const OrientedBoxes& a, const OrientedBoxes& b, V slack) {
+  const SeparatingAxes f(a, b);
   const auto along = [&](V distance, V reach) HWY_ATTR { return hn::Le(hn::Abs(distance), hn::Add(reach, slack)); };
-  auto near =
-      hn::And(hn::And(hn::And(along(f.t[0], f.reach_of_a<0>()), along(f.t[1], f.reach_of_a<1>())),
-                      along(f.t[2], f.reach_of_a<2>())),
-              hn::And(hn::And(along(f.along_b<0>(f.t), f.reach_of_b<0>()), along(f.along_b<1>(f.t), f.reach_of_b<1>())),
-                      along(f.along_b<2>(f.t), f.reach_of_b<2>())));
+  auto near = hn::And(
+      hn::And(hn::And(along(f.t[0], f.reach_along_a<0>()), along(f.t[1], f.reach_along_a<1>())),
+              along(f.t[2], f.reach_along_a<2>())),
+      hn::And(hn::And(along(f.along_b<0>(f.t), f.reach_along_b<0>()), along(f.along_b<1>(f.t), f.reach_along_b<1>())),
+              along(f.along_b<2>(f.t), f.reach_along_b<2>())));
   if (hn::AllFalse(Lanes(), near)) return near;
   const auto across = [&]<std::size_t i>() HWY_ATTR {
-    return hn::And(hn::And(along(f.along_across<i, 0>(f.t), f.reach_across<i, 0>()),
-                           along(f.along_across<i, 1>(f.t), f.reach_across<i, 1>())),
-                   along(f.along_across<i, 2>(f.t), f.reach_across<i, 2>()));
+    return hn::And(hn::And(along(f.along_product<i, 0>(f.t), f.reach_along_product<i, 0>()),
+                           along(f.along_product<i, 1>(f.t), f.reach_along_product<i, 1>())),
+                   along(f.along_product<i, 2>(f.t), f.reach_along_product<i, 2>()));
   };
   return hn::And(near, hn::And(hn::And(across.template operator()<0>(), across.template operator()<1>()),
                                across.template operator()<2>()));
@@ -78,15 +78,15 @@ void TestNodes(const WideTree::Node& a, const WideTree::Node& b, const WideMotio
 // One box against the children of a node; bit i of the result is child i.
 HWY_INLINE std::uint8_t test_box_node(const OrientedBox& box, const WideTree::Node& node, const Matrix& node_from_box,
                                       const std::array<float, 3>& box_in_node, float slack) {
-  const TurnedBoxes b = {plus(times(node_from_box, set3(box.center)), box_in_node),
-                         set3(box.half),
-                         {times(node_from_box, set3(box.axes[0])), times(node_from_box, set3(box.axes[1])),
-                          times(node_from_box, set3(box.axes[2]))}};
+  const OrientedBoxes b = {plus(times(node_from_box, set3(box.center)), box_in_node),
+                           set3(box.half),
+                           {times(node_from_box, set3(box.axes[0])), times(node_from_box, set3(box.axes[1])),
+                            times(node_from_box, set3(box.axes[2]))}};
   std::uint32_t out = 0;
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(Lanes())) {
-    const TurnedBoxes a = {load3(node.oriented_center, i),
-                           load3(node.oriented_half, i),
-                           {load3(node.axes[0], i), load3(node.axes[1], i), load3(node.axes[2], i)}};
+    const OrientedBoxes a = {load3(node.oriented_center, i),
+                             load3(node.oriented_half, i),
+                             {load3(node.axes[0], i), load3(node.axes[1], i), load3(node.axes[2], i)}};
     out |= bits(overlap(a, b, set(slack)), i);
   }
   return static_cast<std::uint8_t>(out);

@@ -19,7 +19,7 @@
 
 namespace peerd::collision {
 
-// A file in memory, at an address that is a multiple of 32.
+// A file in memory, at an address that is a multiple of 64.
 struct MappedFile {
   std::shared_ptr<const void> owner;
   std::span<const std::byte> bytes;

@@ -13,8 +13,7 @@ namespace {
 
 using Int4 = int __attribute__((vector_size(16)));
 constexpr std::size_t kMostBins = 16;
-constexpr std::uint32_t kFewItems = 64;  // ranges of no more have half the bins
-
+constexpr std::uint32_t kFewItems = 64;    // ranges of no more have half the bins
 constexpr std::uint32_t kManyItems = 512;  // ranges of more are split across the axis of the longest spread alone
 
 struct SplitBin {

@@ -16,7 +16,7 @@ using Ref = WideTree::Ref;
 
 struct Header {
   std::array<char, 8> magic{};
-  std::uint32_t version = 2;
+  std::uint32_t version = 3;
   std::uint32_t header_bytes = 64;
   std::uint64_t fingerprint = 0;
   std::uint64_t checksum = 0;
@@ -25,7 +25,7 @@ struct Header {
 };
 static_assert(sizeof(Header) == 64 && std::is_trivially_copyable_v<Header>);
 static_assert(std::is_trivially_copyable_v<WideTree::Node> && sizeof(WideTree::Node) == 704);
-static_assert(std::is_trivially_copyable_v<WideTree::Leaf> && sizeof(WideTree::Leaf) == 352);
+static_assert(std::is_trivially_copyable_v<WideTree::Leaf> && sizeof(WideTree::Leaf) == 384);
 
 Header new_header() {
   Header header;

@@ -15,7 +15,7 @@ namespace peerd::collision {
 //
 //   offset  bytes  what
 //        0      8  "PEERDHRC"
-//        8      4  version, 2; any other is refused, and so is the other byte order
+//        8      4  version, 3; any other is refused, and so is the other byte order
 //       12      4  bytes of the header, 64
 //       16      8  fingerprint of the soup: its vertices and faces
 //       24      8  checksum of all that follows the header
@@ -32,7 +32,7 @@ inline constexpr std::string_view kHierarchyMagic = "PEERDHRC";
 // Builds the tree to its end, and returns the file.
 [[nodiscard]] std::string write_hierarchy(WideTree& tree);
 
-// The tree in `bytes`, which stay where they are as long as `owner`, at an address that is a multiple of 32. The error
+// The tree in `bytes`, which stay where they are as long as `owner`, at an address that is a multiple of 64. The error
 // says in a few words why it doesn't fit: another soup's, damaged, cut short, of another version.
 [[nodiscard]] std::expected<WideTree, std::string> read_hierarchy(const TriangleSoup& soup,
                                                                   std::shared_ptr<const void> owner,

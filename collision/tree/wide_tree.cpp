@@ -18,13 +18,6 @@ constexpr std::uint32_t kWeighed = 64;
 std::size_t most_leaves(std::size_t triangles) { return triangles <= kLeafSize ? 1 : triangles; }
 std::size_t most_nodes(std::size_t triangles) { return triangles <= kLeafSize ? 0 : (triangles - 2) / 7; }
 
-void put(const OrientedBox& box, WideTree::Node& node, std::size_t child) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    node.oriented_center[k][child] = box.center[k];
-    node.oriented_half[k][child] = box.half[k];
-    for (std::size_t c = 0; c < 3; ++c) node.axes[k][c][child] = box.axes[k][c];
-  }
-}
 OrientedBox oriented_box(const WideTree::Node& node, std::size_t child) {
   OrientedBox box;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -34,11 +27,13 @@ OrientedBox oriented_box(const WideTree::Node& node, std::size_t child) {
   }
   return box;
 }
-void put_aligned(const OrientedBox& box, WideTree::Node& node, std::size_t child) {
+OrientedBox aligned_box(const WideTree::Node& node, std::size_t child) {
+  OrientedBox box;
   for (std::size_t k = 0; k < 3; ++k) {
-    node.center[k][child] = box.center[k];
-    node.half[k][child] = box.half[k];
+    box.center[k] = node.center[k][child];
+    box.half[k] = node.half[k][child];
   }
+  return box;
 }
 
 Bounds4 bounds_of(const std::array<float, 3>& center, const std::array<float, 3>& half) {
@@ -47,6 +42,29 @@ Bounds4 bounds_of(const std::array<float, 3>& center, const std::array<float, 3>
 }
 
 }  // namespace
+
+WideTree::Node childless_node() {
+  WideTree::Node node{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    node.half[k].fill(WideTree::kNoBox);
+    node.oriented_half[k].fill(WideTree::kNoBox);
+    node.axes[k][k].fill(1.0f);
+  }
+  return node;
+}
+void put_aligned(const OrientedBox& box, WideTree::Node& node, std::size_t child) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    node.center[k][child] = box.center[k];
+    node.half[k][child] = box.half[k];
+  }
+}
+void put_oriented(const OrientedBox& box, WideTree::Node& node, std::size_t child) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    node.oriented_center[k][child] = box.center[k];
+    node.oriented_half[k][child] = box.half[k];
+    for (std::size_t c = 0; c < 3; ++c) node.axes[k][c][child] = box.axes[k][c];
+  }
+}
 
 void WideTree::measure() {
   origin_ = soup_->box.lo / 2 + soup_->box.hi / 2;
@@ -59,8 +77,8 @@ void WideTree::measure() {
   scale_ = extent_m_ <= kLargest ? 1.0 : kLargest * std::exp2(-std::ceil(std::log2(extent_m_)));
 }
 
-static_assert(WideTree::kWidth == 8 && sizeof(WideTree::Node) % 32 == 0 && sizeof(WideTree::Leaf) % 32 == 0);
-static_assert(alignof(WideTree::Node) == 32 && alignof(WideTree::Leaf) == 32);
+static_assert(WideTree::kWidth == 8 && sizeof(WideTree::Node) % 64 == 0 && sizeof(WideTree::Leaf) % 64 == 0);
+static_assert(alignof(WideTree::Node) == 64 && alignof(WideTree::Leaf) == 64);
 
 WideTree::WideTree(const TriangleSoup& soup, std::shared_ptr<const void> owner, std::span<const Node> nodes,
                    std::span<const Leaf> leaves)
@@ -153,19 +171,10 @@ WideTree::Ref WideTree::make_node(const SplitRange& range) {
   }
   assert(count >= 2 && count <= kWidth);
   Node& node = nodes_.add(most_nodes(soup_->faces.size()));
-  for (std::size_t k = 0; k < 3; ++k) {
-    node.center[k].fill(0.0f);
-    node.half[k].fill(kNoBox);
-  }
-  OrientedBox none;
-  none.half.fill(kNoBox);
-  for (std::size_t i = 0; i < kWidth; ++i) {
-    if (i >= count) {
-      put(none, node, i);
-      continue;
-    }
+  node = childless_node();
+  for (std::size_t i = 0; i < count; ++i) {
     put_aligned(axis_aligned_box(parts[i].bounds), node, i);
-    put(fitted(parts[i]), node, i);
+    put_oriented(fitted(parts[i]), node, i);
     node.children[i] = pending(parts[i]);
   }
   return {Ref::kNode, nodes_.size() - 1};
@@ -187,6 +196,7 @@ WideTree::Ref WideTree::make_leaf(const SplitRange& range) {
 }
 
 void WideTree::fill_corners(Leaf& leaf) const {
+  // Two coordinates of a point share a vector register, in which the two operations that they need take one each.
   using Double2 = double __attribute__((vector_size(16)));
   struct Point {
     Double2 xy, z;
@@ -229,6 +239,13 @@ OrientedBox WideTree::box(ChildSlot slot) const {
     whole.half[k] = static_cast<float>(reach * scale_);
   }
   return whole;
+}
+
+WideTree::Node WideTree::lone(ChildSlot slot) const {
+  Node node = childless_node();
+  put_aligned(slot == kRoot ? box(kRoot) : aligned_box(nodes_[slot / kWidth], slot % kWidth), node, 0);
+  put_oriented(box(slot), node, 0);
+  return node;
 }
 
 // The bounds of a node or leaf whose own boxes are up to date.
@@ -283,7 +300,7 @@ void WideTree::refit() {
       measure_pending(node.children[i]);
       const Bounds4 around = bounds(node.children[i]);
       put_aligned(axis_aligned_box(around), node, i);
-      put(refitted(node.children[i], around, oriented_box(node, i)), node, i);
+      put_oriented(refitted(node.children[i], around, oriented_box(node, i)), node, i);
     }
   }
 }
@@ -296,7 +313,8 @@ void WideTree::build_all() {
     }
   }
   assert(std::ranges::all_of(nodes(), [](const Node& n) { return n.children[0].kind() <= Ref::kLeaf; }));
-  items_ = std::vector<SplitItem>();  // {} would keep the memory
+  // An assignment of {} would keep the memory.
+  items_ = std::vector<SplitItem>();
   points_ = std::vector<Float4>();
   ranges_ = std::vector<SplitRange>();
 }

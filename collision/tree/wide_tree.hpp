@@ -44,18 +44,21 @@ class WideTree {
   static constexpr float kNoBox = -std::numeric_limits<float>::infinity();
 
   // Children that are there stand before those that aren't.
-  struct alignas(32) Node {
+  struct alignas(64) Node {
     using Rows = std::array<std::array<float, kWidth>, 3>;  // by axis, then child [m]
     Rows center, half;
     std::array<Ref, kWidth> children;
     Rows oriented_center, oriented_half;  // the oriented boxes
     std::array<Rows, 3> axes;             // theirs: by axis, then component, then child
   };
-  struct alignas(32) Leaf {
-    std::array<std::array<std::array<float, kWidth>, 3>, 3> corners;  // from `center`; by corner, axis, triangle [m]
-    std::array<std::uint32_t, kWidth> faces;                          // indices of the soup's faces
-    std::array<float, 3> center, half;                                // the box of the whole leaf [m]
+  // All of a leaf but its corners is one line of the processor's cache: of most leaves, views need no more.
+  struct alignas(64) Leaf {
+    std::array<std::uint32_t, kWidth> faces;  // indices of the soup's faces
+    std::array<float, 3> center, half;        // the box of the whole leaf [m]
     std::uint32_t count = 0;
+    std::uint32_t zero = 0;  // this and the last make no byte of a file depend on what was in memory
+    std::array<std::array<std::array<float, kWidth>, 3>, 3> corners;  // from `center`; by corner, axis, triangle [m]
+    std::array<float, kWidth> zeros{};
   };
 
   // The soup has a face, and fewer than 2^30; it outlives the tree, at its place.
@@ -96,6 +99,8 @@ class WideTree {
   }
   // The oriented box of what is in a slot.
   [[nodiscard]] OrientedBox box(ChildSlot slot) const;
+  // A node whose only child has the boxes of what is in a slot, for kernels that take nodes.
+  [[nodiscard]] Node lone(ChildSlot slot) const;
   void build_all();
   // The soup's vertices have moved, its faces have not: new boxes for what is built, over the same triangles. O(soup).
   void refit();
@@ -121,7 +126,6 @@ class WideTree {
   [[nodiscard]] OrientedBox fitted(const SplitRange& range) const;
   [[nodiscard]] OrientedBox refitted(Ref ref, const Bounds4& bounds, const OrientedBox& before) const;
   [[nodiscard]] Bounds4 bounds(Ref ref) const;
-
   void measure();
 
   const TriangleSoup* soup_;
@@ -136,5 +140,10 @@ class WideTree {
   std::vector<Float4> points_;      // the soup's vertices in the tree's numbers; gone when all is built
   std::vector<SplitRange> ranges_;  // the ranges of pending children, by index
 };
+
+// A node without children, and the boxes of one of them.
+[[nodiscard]] WideTree::Node childless_node();
+void put_aligned(const OrientedBox& box, WideTree::Node& node, std::size_t child);
+void put_oriented(const OrientedBox& box, WideTree::Node& node, std::size_t child);
 
 }  // namespace peerd::collision

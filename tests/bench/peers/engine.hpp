@@ -39,6 +39,8 @@ struct EngineKind {
 [[nodiscard]] EngineKind fcl_kdop18_float_refit();
 [[nodiscard]] EngineKind ode();
 [[nodiscard]] EngineKind cgal_rigid();
-[[nodiscard]] EngineKind pqp();  // where it is installed: BENCH_PEERS_HAS_PQP
+[[nodiscard]] EngineKind pqp();       // where it is installed: BENCH_PEERS_HAS_PQP
+[[nodiscard]] EngineKind coal_obb();  // where it is installed: BENCH_PEERS_HAS_COAL
+[[nodiscard]] EngineKind coal_obbrss();
 
 }  // namespace peerd::bench::peers

@@ -141,12 +141,7 @@ WideTree::Node boxes_of(const TriangleSoup& soup) {
     BoxFit fit(bounds);
     fit.weigh(triangle);
     if (fit.turn()) fit.add(triangle);
-    const OrientedBox box = fit.box();
-    for (std::size_t k = 0; k < 3; ++k) {
-      node.oriented_center[k][i] = box.center[k];
-      node.oriented_half[k][i] = box.half[k];
-      for (std::size_t c = 0; c < 3; ++c) node.axes[k][c][i] = box.axes[k][c];
-    }
+    put_oriented(fit.box(), node, i);
   }
   return node;
 }

@@ -73,8 +73,8 @@ TEST(ScaledGeometries, ReadHierarchiesFromTheirFilesOrSayWhyNot) {
   SceneMeshes meshes(scene);
   std::string content;
   const HierarchyLoader load = [&](std::string_view) -> std::expected<std::optional<MappedFile>, std::string> {
-    struct alignas(32) Block {
-      std::byte bytes[32];
+    struct alignas(64) Block {
+      std::byte bytes[64];
     };
     const auto blocks = std::make_shared<Block[]>(content.size() / sizeof(Block) + 1);
     std::memcpy(blocks.get(), content.data(), content.size());

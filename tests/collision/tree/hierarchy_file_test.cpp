@@ -22,14 +22,14 @@ using Ref = WideTree::Ref;
 
 constexpr std::size_t kHeaderBytes = 64;
 
-// A file at an address that is a multiple of 32, as a mapped one is.
+// A file at an address that is a multiple of 64, as a mapped one is.
 struct Mapped {
   std::shared_ptr<std::byte[]> memory;
   std::span<const std::byte> bytes;
 };
 Mapped mapped(const std::string& file) {
-  struct alignas(32) Block {
-    std::byte bytes[32];
+  struct alignas(64) Block {
+    std::byte bytes[64];
   };
   const auto blocks = std::make_shared<Block[]>(file.size() / sizeof(Block) + 1);
   std::memcpy(blocks.get(), file.data(), file.size());
