@@ -180,7 +180,7 @@ void OperationKeeper::place_left_behind(HostTime now, SimTime t) {
 std::set<ObjectId> OperationKeeper::going_on(const LeftObjects& left) const {
   std::set<ObjectId> all;
   for (const auto& [object, each] : left) {
-    if (each.owner == p_.config.id && each.at > p_.replica.begun_at()) all.insert(object);
+    if (each.owner == p_.config.id && each.at > p_.entered_at) all.insert(object);
   }
   return all;
 }

@@ -61,7 +61,7 @@ class OperationKeeper {
 
   PeerParts& p_;
   SessionKeeper& keeper_;
-  // What the store does not get of a log yet, because the stamp of its first operation is far ahead.
+  // The part of a log that the store does not get yet, because the stamp of its first operation is far ahead.
   struct Withheld {
     std::uint64_t from = 0;
     SimTime stamp{};

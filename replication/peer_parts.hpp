@@ -52,6 +52,7 @@ struct PeerParts {
   Greeter greeter;
   OperationExchange exchange;  // of the logs
   // The world, as far as this peer knows it.
+  SimTime entered_at{};  // session time at which this peer, in this life, first entered a session
   Owners owners;
   std::map<ObjectId, PeerId> left_behind;  // by owners who are gone, and no operation says yet where they stand
   OwnObjects own;

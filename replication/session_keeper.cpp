@@ -83,6 +83,7 @@ void SessionKeeper::enter_session(HostTime host_now) {
   const SimTime now = p_.to_session(host_now);
   p_.greeter.on_session_entered(p_.own.size());
   p_.greeter.greet_anew(host_now);
+  p_.entered_at = now;
   begin_worlds(now);
   p_.ticks.set_last(p_.ticks.number_at(now));
   p_.scene.restart(now);
@@ -113,7 +114,10 @@ void SessionKeeper::move_to_session_time(SimTime before, SimTime now, bool same_
   begin_worlds(now);
   p_.ticks.set_last(p_.ticks.number_at(now));
   p_.decisions.restart(same_session);
-  if (!same_session) p_.scene.shift(now - before);
+  if (!same_session) {
+    p_.scene.shift(now - before);
+    p_.entered_at += now - before;
+  }
   p_.scene.restart_moved(now);
   p_.replica.forget_updates();
   p_.regions.restart_at(now);

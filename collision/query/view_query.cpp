@@ -17,7 +17,7 @@ using Ref = WideTree::Ref;
 // one at this offset.
 constexpr double kFar = 0x1p100;
 
-// What to do with a slot that descend() comes to.
+// An answer says what to do with a slot that descend() comes to.
 enum class ViewStep : std::uint8_t { kVisit, kSkip, kEnd };
 
 std::uint32_t all_of(const WideTree::Leaf& leaf) { return (1u << leaf.count) - 1; }

@@ -100,7 +100,7 @@ HWY_INLINE void move_boxes(const WideTree::Node& b, const WideMotion& m, MovedBo
   }
 }
 
-// What pairs of boxes have along the fifteen separating axes of Gottschalk, Lin and Manocha, "OBBTree", SIGGRAPH 1996:
+// Pairs of boxes have these along the fifteen separating axes of Gottschalk, Lin and Manocha, "OBBTree", SIGGRAPH 1996:
 // the three of A, the three of B, and the cross products of one of either, whose length is 1 at most.
 struct SeparatingAxes {
   V ha[3], hb[3];         // half the sides of either box

@@ -337,7 +337,7 @@ class ChaosRun {
     edit({fault.number, fault.at_s, fault.peer, EditKind::kAny, mixed_bits(plan_.seed + fault.number)});
   }
 
-  // Of several such faults at once, all links are as the last one says.
+  // All links are as the last one of several such faults says.
   void make_links_bad(std::size_t index, bool begins) {
     if (begins) {
       bad_links_.push_back(index);

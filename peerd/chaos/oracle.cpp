@@ -129,10 +129,19 @@ void Oracle::on_input(std::size_t host) {
   }
 }
 
+// A peer writes operations by itself, too: nobody has anything of a log before its author.
+void Oracle::on_growth(std::size_t host, const OperationRange& grown) {
+  if (trusts_datagrams_) author_life_.try_emplace(grown.author, *life_of_host_[host]);
+  const auto author = author_life_.find(grown.author);
+  if (author != author_life_.end() && author->second == *life_of_host_[host]) written_[grown.author] = grown.to;
+}
+
 void Oracle::on_output(double now_s, std::size_t host, const Output& output) {
   Life& life = life_of(host);
   if (const auto* edited = std::get_if<SceneEdited>(&output)) {
     on_edited(life, *edited);
+  } else if (const auto* grown = std::get_if<LogGrown>(&output)) {
+    on_growth(host, grown->range);
   } else if (const auto* held = std::get_if<OperationHeld>(&output)) {
     held_.emplace(held->operation, now_s);
     const bool is_held = std::ranges::any_of(lives_, [&](const Life& other) {

@@ -78,6 +78,7 @@ class Oracle final : public LogRows {
   [[nodiscard]] std::vector<const Life*> alive() const;
   [[nodiscard]] std::string name_of(const Life& life) const;
   void on_edited(Life& life, const replication::SceneEdited& edited);
+  void on_growth(std::size_t host, const replication::OperationRange& grown);
   void on_contact(Life& life, const replication::ContactSeen& seen);
   void check_held(double now_s);
   void check_logs(double now_s);

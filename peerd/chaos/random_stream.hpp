@@ -8,7 +8,7 @@ namespace peerd::chaos {
 
 using config::Random;
 
-// What a seed's numbers are drawn for. Each has streams of its own, and each item of a plan has one, so that leaving an
+// A purpose for which a seed's numbers are drawn. Each has streams of its own, and each item of a plan has one, so that leaving an
 // item out changes no draw of another.
 //
 // C++ leaves open in which order the arguments of a call and the operands of an operator are evaluated, so no such

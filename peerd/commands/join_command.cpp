@@ -125,7 +125,7 @@ Result<std::vector<snapshot::Giver>> givers_of(const World& world) {
   return std::unexpected(InputError{"error: no peer of \"" + world.name + "\" gives it to who joins", kEnvironment});
 }
 
-// Of a session by unicast, a newcomer greets those first who gave it the world.
+// In a session by unicast, a newcomer first greets the peers that gave it the world.
 Result<void> greet_first(const std::vector<snapshot::Giver>& givers, const std::string& settings, PeerOptions& peer) {
   const auto shared = config::parse_toml(settings, "the settings that were given");
   if (!shared) return std::unexpected(shared.error());

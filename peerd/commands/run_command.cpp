@@ -331,7 +331,7 @@ PeerNode::Options node_options_of(const PeerOptions& options, const config::RunS
   return node;
 }
 
-// What a peer is made of, besides its clock and its network.
+// The PeerParts are all that a peer is made of, besides its clock and its network.
 struct PeerParts {
   config::Scenario scenario;
   const config::PeerSettings* settings = nullptr;  // of the scenario
@@ -432,7 +432,7 @@ Welcome::Options welcome_options(const PeerOptions& options, const PeerParts& pa
           .world = parts.world_name(options),
           .settings = config::shared_settings(shared),
           .genesis = parts.shared->world.hash,
-          // What stands in an Inline that is read later is not in the archive.
+          // The archive lacks the content of Inlines that are read later.
           .archive = parts.scenario.reading.inlines_when_needed ? std::string_view() : parts.shared->world.archive};
 }
 

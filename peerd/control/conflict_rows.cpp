@@ -14,7 +14,7 @@ namespace {
 using namespace replication;
 using nlohmann::ordered_json;
 
-// What an operation changes, and to which value, for people.
+// The words say what an operation changes, and to which value, for people.
 struct Words {
   std::string what;
   std::optional<std::string> value{};

@@ -237,9 +237,9 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
     reply(client, std::move(answer));
   }
 
-  // As much of the reply as fits leaves at once, so that the reply to "leave" is out before the peer leaves; the rest
-  // has a time limit. The client's next request is read only after its reply is out, so that one reply waits for each
-  // client.
+  // The part of the reply that fits leaves at once, so that the reply to "leave" is out before the peer leaves; the
+  // rest has a time limit. The client's next request is read only after its reply is out, so that one reply waits for
+  // each client.
   void reply(const ClientPtr& client, std::string line) {
     assert(line.find('\n') == std::string::npos);
     client->out.push_back({std::move(line) + '\n', true});

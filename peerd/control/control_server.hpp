@@ -24,7 +24,7 @@ class ControlServer {
  public:
   static constexpr std::size_t kClientsMax = 16;
   static constexpr std::chrono::seconds kReplyWithin{2};  // the time for a client to read its reply
-  // What waits for a client at most, of events. Further ones are dropped, and a line says how many.
+  // So many events wait for a client at most. Further ones are dropped, and a line says how many.
   static constexpr std::size_t kEventsMax = 1024, kEventsMax_bytes = std::size_t{1} << 20;
 
   // Converts one request to one reply, both without line ends; an empty reply is not sent. It must not destroy the

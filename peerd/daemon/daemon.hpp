@@ -66,7 +66,7 @@ class Daemon {
   // afterwards.
   void on_received(std::function<void()> handler) { received_handler_ = std::move(handler); }
 
-  // What LogGrown says goes to the store from now on: this peer's own operations before anything of them leaves,
+  // The growth of logs that LogGrown says goes to the store from now on: this peer's own operations before anything of them leaves,
   // others' within kStoredWithin. Where that fails the peer goes on without, and tries again kStoreTriedAgainAfter, or
   // with what follows sooner.
   void keep(store::OperationStore& store) { store_ = &store; }

@@ -15,7 +15,7 @@
 
 namespace peerd {
 
-// What a peer gives to newcomers: it says that it is here to whoever asks in this LAN, and hands out its world.
+// The Welcome of a peer for newcomers: it answers questions in this LAN who is here, and hands out its world.
 class Welcome {
  public:
   struct Options {

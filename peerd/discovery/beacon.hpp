@@ -10,7 +10,7 @@
 
 namespace peerd::discovery {
 
-// What a peer says of itself to whoever asks, outside of any session: enough to find its world and to ask for more. It
+// A Beacon is the answer of a peer to a question, outside of any session: enough to find its world and ask for more. It
 // grants nothing, and has a format of its own, so that it can be read whatever version the peer speaks.
 struct Beacon {
   std::uint32_t protocol = 0;  // the version of its datagrams (replication::kProtocolVersion)

@@ -7,7 +7,7 @@
 namespace peerd {
 namespace {
 
-// Of zstd's levels the fastest ordinary one: VRML texts become a fifth, and a higher level gains a tenth of that.
+// The fastest of zstd's ordinary levels: VRML texts become a fifth, and a higher level gains a tenth of that.
 constexpr int kLevel = 1;
 
 }  // namespace

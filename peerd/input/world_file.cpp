@@ -76,7 +76,7 @@ FileLoader files_around(const std::filesystem::path& path, std::uint64_t text_by
   };
 }
 
-// What `load` gives, which is noted in `loads`.
+// The loader gives what `load` gives, and notes it in `loads`.
 FileLoader noting(FileLoader load, std::vector<WorldFile::Load>& loads) {
   return [load = std::move(load), &loads](std::string_view url, std::string_view base) {
     auto loaded = load(url, base);
@@ -138,7 +138,7 @@ WorldArchive archive_of(const WorldFile& world) {
   std::set<std::pair<std::uint32_t, std::string_view>> known;
   for (const WorldFile::Load& load : world.loads) {
     const auto in = numbers.find(load.base), file = numbers.find(load.name);
-    // What was found and could not be read is no part of the world.
+    // A file that was found and could not be read is no part of the world.
     if (in == numbers.end() || file == numbers.end() || !known.emplace(in->second, load.url).second) continue;
     archive.urls.push_back({in->second, load.url, file->second});
     std::string& name = archive.files[file->second].name;

@@ -23,7 +23,7 @@ struct EditReport {
 // Whether the edit changes who owns an object, and nothing else.
 [[nodiscard]] bool is_about_ownership(const config::SceneEdit& edit);
 [[nodiscard]] bool is_undo(const config::SceneEdit& edit);  // or a redo
-// As operation 7:12 (set).
+// It is written as operation 7:12 (set).
 [[nodiscard]] std::string name_of(const replication::UndoneEdit& undone);
 // A node by its DEF name, or the node of an instance; the error says that there is none.
 [[nodiscard]] std::expected<NodeId, std::string> find_node(const Scene& scene, const std::string& path);

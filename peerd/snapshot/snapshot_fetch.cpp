@@ -28,10 +28,10 @@ using replication::OperationRange;
 constexpr std::chrono::milliseconds kConnectedAgainAfter{500};
 // Another peer is waited for so long, to compare what it has; without one nothing is compared.
 constexpr Duration kComparedWithin = std::chrono::seconds(2);
-// What a newcomer accepts of a world [bytes], so that a forger does not fill its memory.
+// A newcomer accepts no more of a world [bytes], so that a forger does not fill its memory.
 constexpr std::uint64_t kSnapshotMax_bytes = std::uint64_t{1} << 30;
 
-// What has to be got: the archive and each log in parts, and which of them are there.
+// The Parts that have to be got, of the archive and of each log, and which of them are there.
 class Parts {
  public:
   void plan(const Offer& offer) {

@@ -30,7 +30,7 @@ struct PartRequest {
   friend bool operator==(const PartRequest&, const PartRequest&) = default;
 };
 
-// What are the digests of the beginnings of logs that are so long?
+// It asks for the digests of the beginnings of logs that are so long.
 struct DigestRequest {
   std::vector<replication::LogLength> logs;
 
@@ -44,7 +44,7 @@ struct Request {
   friend bool operator==(const Request&, const Request&) = default;
 };
 
-// What a peer has to give.
+// An Offer says what a peer has to give.
 struct Offer {
   std::uint32_t protocol = 0;  // replication::kProtocolVersion
   std::uint64_t session = 0;   // Beacon::session

@@ -16,7 +16,7 @@
 
 namespace peerd::snapshot {
 
-// What a server gives. All of it outlives the server.
+// A Source is all that a server gives. It outlives the server.
 struct Source {
   std::uint64_t session = 0;
   std::string world, settings;  // as in Offer

@@ -10,7 +10,7 @@
 namespace peerd::store {
 namespace {
 
-// Of an error of the operating system, SQLite's own words say neither which nor why.
+// SQLite's own words for an error of the operating system say neither which nor why.
 DatabaseError sqlite_error(sqlite3* database) {
   assert(database != nullptr);
   const int code = sqlite3_errcode(database) & 0xFF;

@@ -16,8 +16,8 @@
 
 #include "peerd/store/author_file.hpp"
 #include "peerd/store/store_error.hpp"
-#include "peerd/store/stored_world.hpp"
 #include "peerd/store/synchronise.hpp"
+#include "peerd/store/world_files.hpp"
 #include "replication/operations/operation_log.hpp"
 
 namespace peerd::store {

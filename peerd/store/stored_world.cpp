@@ -11,6 +11,7 @@
 #include "peerd/input/text_file.hpp"
 #include "peerd/store/durable_file.hpp"
 #include "peerd/store/store_folder.hpp"
+#include "peerd/store/world_files.hpp"
 
 namespace peerd::store {
 namespace {

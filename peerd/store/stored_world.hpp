@@ -1,5 +1,4 @@
 #pragma once
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -11,8 +10,8 @@
 
 namespace peerd::store {
 
-// What a store has of its world besides the operations: enough to begin again without the world's file, and without
-// anybody else.
+// A StoredWorld is the part of a store besides the operations: enough to begin again without the world's file, and
+// without anybody else.
 struct StoredWorld {
   std::string name;           // for people
   std::uint64_t genesis = 0;  // hash of the world's first files and of its name (config::LoadedWorld::hash)
@@ -34,8 +33,5 @@ struct StoredWorld {
 // The number by which the peer of this store is known in its world, the same in each of its lives: that of the file
 // `peer`, which is made where there is none, and anew for a copy of a store, with the number `fresh`.
 [[nodiscard]] Result<PeerId> identity_in(const std::filesystem::path& folder, PeerId fresh, bool is_copy = false);
-
-// The files that this puts into the folder of a store.
-inline constexpr std::array kWorldFiles{"world.archive", "world.json", "peer"};
 
 }  // namespace peerd::store

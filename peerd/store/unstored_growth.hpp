@@ -10,7 +10,7 @@
 
 namespace peerd::store {
 
-// What logs have grown by that is not in the store yet, in its order. While the store cannot be written this grows with
+// The growth of logs that is not in the store yet, in its order. While the store cannot be written this grows with
 // the number of authors, and by one entry per kGrowthMax_bytes or so, however many operations these are.
 class UnstoredGrowth {
  public:

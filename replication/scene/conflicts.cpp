@@ -67,7 +67,7 @@ void Conflicts::find(SimTime now) {
   }
 }
 
-// What is new may have its place before a removal that is known already.
+// A new operation may have its place before a removal that is known already.
 void Conflicts::find_removed_later(const New& operation, const std::optional<Register>& written) {
   for (auto later = removals_.upper_bound(operation.key); later != removals_.end(); ++later) {
     const OperationKey& removal = later->first;
@@ -115,7 +115,7 @@ void Conflicts::find_removed_writes(const OperationKey& removal, Register::Kind 
   }
 }
 
-// What others have changed or added there, unknown to who has removed it.
+// The changes and additions of others there that were unknown to the author of the removal.
 void Conflicts::find_removed(const OperationKey& removal, const RemovedIds& ids) {
   for (const NodeId node : ids.nodes) {
     find_removed_writes(removal, Register::Kind::kField, node.packed());

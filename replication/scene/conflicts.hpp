@@ -28,7 +28,7 @@ struct Conflict {
   friend bool operator==(const Conflict&, const Conflict&) = default;
 };
 
-// What a removal takes with it.
+// The ids that a removal takes with it.
 struct RemovedIds {
   std::vector<ObjectId> objects;  // ascending
   std::vector<NodeId> nodes;      // ascending
@@ -63,11 +63,11 @@ class Conflicts {
   [[nodiscard]] std::vector<Conflict> list(SimTime now) const;
   // The number of conflicts that were forgotten early, because there were more than kMax.
   [[nodiscard]] std::uint64_t forgotten() const { return forgotten_; }
-  // What the next operation of that author says of others' (KnownOperations::news_for()).
+  // The next operation of that author says so of others' (KnownOperations::news_for()).
   [[nodiscard]] std::vector<OperationId> news_for(AuthorId author) const { return known_.news_for(author); }
 
  private:
-  // What a write overwrites: a field or data of a node, or the place of an object.
+  // A write overwrites a register: a field or data of a node, or the place of an object.
   struct Register {
     enum class Kind : std::uint8_t { kField, kData, kPlace };
     Kind kind{};

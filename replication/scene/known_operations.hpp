@@ -7,15 +7,16 @@
 
 namespace peerd::replication {
 
-// What authors knew of each other when they made their operations, as these say it (Operation::knows). Of two that did
-// not know each other's operation, neither meant to overwrite what the other one has done.
+// The operations that authors knew of each other when they made theirs, as these say it (Operation::knows). Of two that
+// did not know each other's operation, neither meant to overwrite what the other one has done.
 class KnownOperations {
  public:
   // The operations of each author come in the order of its log.
   void add(const Operation& operation);
   // Whether the author of the one knew the other when it made it.
   [[nodiscard]] bool knew(OperationId operation, OperationId other) const;
-  // What the next operation of that author is to say, at most kKnowsMax entries, where this peer is its author.
+  // The knowledge that the next operation of that author is to say, at most kKnowsMax entries, where this peer is its
+  // author.
   [[nodiscard]] std::vector<OperationId> news_for(AuthorId author) const;
 
  private:

@@ -85,7 +85,7 @@ class LivingScene {
   };
   [[nodiscard]] std::expected<Undoing, std::string> next_undo(AuthorId author, bool redoes, SimTime until);
 
-  // What operations have lost by others that did not know them.
+  // The losses of operations by others that did not know them.
   [[nodiscard]] const Conflicts& conflicts() const { return conflicts_; }
   // Null: it is not known.
   [[nodiscard]] const OperationBody* find(const OperationKey& key) const;

@@ -114,7 +114,7 @@ struct RefuseRequest {
   friend bool operator==(const RefuseRequest&, const RefuseRequest&) = default;
 };
 
-// What the object's owner has left behind: from then on its Transform says where it stood. An owner that has gone on
+// The object's owner has left it behind: from then on its Transform says where it stood. An owner that has gone on
 // meanwhile, because it was only silent, stays where it is.
 struct PlaceObject {
   ObjectId object;
@@ -155,7 +155,7 @@ struct UndoOperation {
 using OperationBody = std::variant<AddNodes, RemoveObject, RemoveNode, MoveObject, SetField, ChangeRoute, GiveObject,
                                    RequestObject, RefuseRequest, SetData, SendMessage, UndoOperation, PlaceObject>;
 
-// What a peer has just undone or redone: by which operation, which one, and what that was (kind_of()).
+// An edit that a peer has just undone or redone: by which operation, which one, and what that was (kind_of()).
 struct UndoneEdit {
   OperationId operation, edit;
   std::string kind;
@@ -176,7 +176,7 @@ struct Operation {
   std::vector<OperationId> knows{};
 };
 
-// What an author knows beyond that many logs, its next operations say.
+// An operation says no more; the next ones of its author say the rest.
 inline constexpr std::size_t kKnowsMax = 512;
 
 // Bytes [from, from + bytes.size()) of an author's log.

@@ -65,7 +65,7 @@ class Joining : public testing::Test {
       return status.is_object() && status.at("session").at("joined").get<bool>();
     });
   }
-  // What a peer's world is, as VRML.
+  // The world of a peer, as VRML.
   [[nodiscard]] std::string world_of(const std::string& name) const {
     const json reply = ask(name, {{"do", "world"}});
     return reply.is_object() ? reply.value("world", std::string()) : std::string();
@@ -107,7 +107,7 @@ TEST_F(Joining, LsSaysWhoIsHere) {
   EXPECT_EQ(found->at("peers")[0].at("address"), "127.0.0.1");
 }
 
-// Of one file, at one port.
+// Both are of one file, at one port.
 TEST_F(Joining, WorldsOfTwoNamesDoNotMix) {
   Process a = run("a", world + "-1"), b = run("b", world + "-2");
   ASSERT_TRUE(is_in_session("a") && is_in_session("b"));

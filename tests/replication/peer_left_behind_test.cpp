@@ -1,4 +1,4 @@
-// What owners leave behind stands at one place at all peers, also at those who come later and at the owner itself.
+// Objects that owners leave behind stand at one place at all peers, also at those who come later and at the owner itself.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -86,7 +86,7 @@ TEST_F(LeftBehind, ItsOwnerFindsItThere) {
   EXPECT_LT((ghost(2).position - left).norm(), 1e-5);
 }
 
-// Who was only silent has gone on meanwhile, and goes on.
+// An owner that was only silent has gone on meanwhile, and goes on.
 TEST_F(LeftBehind, AnOwnerThatWasSilentGoesOn) {
   begin({.latency = 20ms});
   lan->node(2).motions.clear();  // from here on it stands at its owner's, until it is pushed

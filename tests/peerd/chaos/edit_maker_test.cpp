@@ -26,7 +26,7 @@ TEST_F(ChaosEdits, AreOfAllKindsAndNameWhatIsThere) {
     for (const config::SceneEdit& edit : edits(EditKind::kAny, seed, scene)) {
       kinds.insert(edit.kind);
       if (edit.path == "" || edit.field == "diffuseColor") continue;  // groups have no material
-      const auto operation = operation_of(edit, scene);
+      const auto operation = operation_of(edit, scene, PeerId{1});
       EXPECT_TRUE(operation) << "seed " << seed << ": " << operation.error();
     }
   }

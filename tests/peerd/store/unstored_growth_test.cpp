@@ -1,4 +1,4 @@
-// What waits for the store stays small in count, and whole.
+// Growth that waits for the store stays small in count, and whole.
 #include "peerd/store/unstored_growth.hpp"
 
 #include <gtest/gtest.h>
