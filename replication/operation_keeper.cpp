@@ -152,7 +152,7 @@ std::optional<Placement> OperationKeeper::placement_of_state(ObjectId object, co
 std::expected<OperationId, std::string> OperationKeeper::give(HostTime now, ObjectId object, PeerId to) {
   GiveObject give{object, to, owner_of(object)};
   if (to == kNobody && p_.replica.begun() && p_.own.contains(object)) give.placement = placement_at(stamp(now), object);
-  return edit(now, std::move(give));
+  return edit(now, give);
 }
 
 std::expected<Taking, std::string> OperationKeeper::own(HostTime now, ObjectId object) {
@@ -169,6 +169,7 @@ void OperationKeeper::place_left_behind(HostTime now, SimTime t) {
   const auto is_earlier = [&](const auto& other) { return other.second.synchronised && other.first < p_.config.id; };
   if (std::ranges::any_of(p_.members.all(), is_earlier)) return;
   for (const auto& [object, owner] : std::exchange(p_.left_behind, {})) {
+    if (!p_.model->pairs_of(object).empty()) continue;  // its ghost may be in what its owner would have met
     p_.replica.compute_ghost(object);
     const auto placement = placement_of_state(object, p_.replica.ghosts().relative_at(object, t));
     if (!placement) continue;  // it stands where the scene has it, or is of a node that has no place of its own

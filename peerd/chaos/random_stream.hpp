@@ -8,8 +8,8 @@ namespace peerd::chaos {
 
 using config::Random;
 
-// A purpose for which a seed's numbers are drawn. Each has streams of its own, and each item of a plan has one, so that leaving an
-// item out changes no draw of another.
+// A purpose for which a seed's numbers are drawn. Each has streams of its own, and each item of a plan has one, so that
+// leaving an item out changes no draw of another.
 //
 // C++ leaves open in which order the arguments of a call and the operands of an operator are evaluated, so no such
 // expression has two draws: they would be other ones with another compiler. Each draw becomes a named variable first.

@@ -244,7 +244,7 @@ int follow(const std::filesystem::path& socket, const CtlOptions& options) {
       if (!reply) refused = std::unexpected(reply.error());
       return reply.has_value();
     }
-    std::cout << line << std::endl;  // at once, for whoever reads it
+    std::cout << line << '\n' << std::flush;  // at once, for whoever reads it
     return std::cout.good() && lines != options.events + 1;
   });
   if (!done) return failed(done.error());

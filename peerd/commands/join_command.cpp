@@ -30,7 +30,7 @@ namespace {
 namespace asio = boost::asio;
 using discovery::Found;
 
-constexpr int kEnvironment = 3;
+constexpr int kNoSuchWorld = 3;
 constexpr std::int64_t kUsualPort = 47474;  // of config::TransportSettings
 constexpr Duration kAsked = std::chrono::seconds(1);
 
@@ -95,7 +95,7 @@ Result<const World*> choose(const std::vector<World>& worlds, const std::string&
     std::string all;
     for (const World* const world : named) all += "\n  " + line_of(*world);
     return std::unexpected(InputError{
-        "error: which of these worlds? Say its name, or --from HOST:PORT of one of its peers:" + all, kEnvironment});
+        "error: which of these worlds? Say its name, or --from HOST:PORT of one of its peers:" + all, kNoSuchWorld});
   }
   return named.empty() ? nullptr : named.front();
 }
@@ -122,7 +122,7 @@ Result<std::vector<snapshot::Giver>> givers_of(const World& world) {
     givers.push_back({peer.beacon.name, {peer.address, peer.beacon.snapshot_port}});
   }
   if (!givers.empty()) return givers;
-  return std::unexpected(InputError{"error: no peer of \"" + world.name + "\" gives it to who joins", kEnvironment});
+  return std::unexpected(InputError{"error: no peer of \"" + world.name + "\" gives it to who joins", kNoSuchWorld});
 }
 
 // In a session by unicast, a newcomer first greets the peers that gave it the world.
@@ -144,7 +144,7 @@ Result<GivenWorld> given_by_peers(const std::vector<snapshot::Giver>& givers, st
                                   PeerOptions& peer) {
   const auto began = std::chrono::steady_clock::now();
   auto snapshot = snapshot::fetch_snapshot(givers, session);
-  if (!snapshot) return std::unexpected(InputError{"error: " + snapshot.error(), kEnvironment});
+  if (!snapshot) return std::unexpected(InputError{"error: " + snapshot.error(), kNoSuchWorld});
   print_warnings(snapshot->notes);
   if (auto done = greet_first(givers, snapshot->offer.settings, peer); !done) return std::unexpected(done.error());
   const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
@@ -187,13 +187,13 @@ Result<GivenWorld> given_by_store(JoinOptions& options) {
   if (folders.size() > 1) {
     return std::unexpected(InputError{
         "error: no peer of " + what + " is here, and there is more than one store: say --store DIR with one of" + all,
-        kEnvironment});
+        kNoSuchWorld});
   }
   return std::unexpected(
       InputError{"error: no peer of " + what +
                      " answers in this network, and this user has no store of it; peerd ls shows who "
                      "is here, and --from HOST:PORT asks one peer",
-                 kEnvironment});
+                 kNoSuchWorld});
 }
 
 Result<GivenWorld> find_world(JoinOptions& options) {

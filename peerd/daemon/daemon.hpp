@@ -66,9 +66,9 @@ class Daemon {
   // afterwards.
   void on_received(std::function<void()> handler) { received_handler_ = std::move(handler); }
 
-  // The growth of logs that LogGrown says goes to the store from now on: this peer's own operations before anything of them leaves,
-  // others' within kStoredWithin. Where that fails the peer goes on without, and tries again kStoreTriedAgainAfter, or
-  // with what follows sooner.
+  // The growth of logs that LogGrown says goes to the store from now on: this peer's own operations before anything of
+  // them leaves, others' within kStoredWithin. Where that fails the peer goes on without, and tries again
+  // kStoreTriedAgainAfter, or with what follows sooner.
   void keep(store::OperationStore& store) { store_ = &store; }
   static constexpr Duration kStoredWithin = std::chrono::milliseconds(100);
   static constexpr Duration kStoreTriedAgainAfter = std::chrono::seconds(1);

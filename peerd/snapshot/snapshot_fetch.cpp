@@ -234,7 +234,7 @@ class Fetch {
     const auto other = std::ranges::find_if(
         connections_, [&](const ConnectionPtr& each) { return is_other(each) && each->is_ready && !each->awaits; });
     if (other == connections_.end() || asks_for_digests_) return;
-    const ConnectionPtr connection = *other;
+    const ConnectionPtr& connection = *other;
     asks_for_digests_ = connection->asks_for_digests = true;
     DigestRequest request;
     for (const LogLength& log : snapshot_.offer.logs) {

@@ -72,7 +72,7 @@ Result<FolderLock> lock_first_free(const fs::path& folder) {
 }
 
 Result<std::optional<fs::path>> put_aside(FolderLock lock) {
-  const fs::path folder = lock.folder();
+  const fs::path& folder = lock.folder();
   const auto cannot = [&](const std::string& why) {
     return std::unexpected(store_error(folder, "cannot be put aside: " + why, 3));
   };

@@ -60,12 +60,8 @@ std::optional<address_v6> add(const address_v6& base, std::uint32_t number) {
 }
 
 std::optional<asio::ip::address> nth_group(const asio::ip::address& base, std::uint32_t number) {
-  if (base.is_v4()) {
-    if (const auto sum = add(base.to_v4(), number)) return *sum;
-  } else {
-    if (const auto sum = add(base.to_v6(), number)) return *sum;
-  }
-  return std::nullopt;
+  if (base.is_v4()) return add(base.to_v4(), number);
+  return add(base.to_v6(), number);
 }
 
 // The finaliser of MurmurHash3 (A. Appleby, public domain): each bit of the region changes half of the result's bits.

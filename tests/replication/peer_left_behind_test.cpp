@@ -1,4 +1,5 @@
-// Objects that owners leave behind stand at one place at all peers, also at those who come later and at the owner itself.
+// Objects that owners leave behind stand at one place at all peers, also at those who come later and at the owner
+// itself.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
