@@ -50,8 +50,8 @@ std::array<std::string_view, 4> fields_of(std::string_view line) {
 
 template <class Number>
 bool read_number(std::string_view text, Number& number) {
-  const char* const end = text.data() + text.size();
-  const auto [read, wrong] = std::from_chars(text.data(), end, number);
+  const char *const begin = text.data(), *const end = begin + text.size();
+  const auto [read, wrong] = std::from_chars(begin, end, number);
   return wrong == std::errc() && read == end;
 }
 

@@ -27,7 +27,7 @@ fs::path first_of(const fs::path& path, Fits fits) {
 Result<std::string> foreign_in(const fs::path& folder) {
   std::error_code failed;
   for (fs::directory_iterator each(folder, failed), end; !failed && each != end; each.increment(failed)) {
-    const std::string name = each->path().filename().string();
+    std::string name = each->path().filename().string();
     if (!OperationStore::is_own_file(name)) return name;
   }
   if (failed) return std::unexpected(store_error(folder, "cannot be put aside: " + failed.message(), 3));
