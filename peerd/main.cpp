@@ -59,6 +59,9 @@ constexpr NumberRange kAskedSeconds{0.1, 60.0};
 constexpr NumberRange kChaosSeconds{kChaosSecondsMin, 3600.0};
 constexpr std::int64_t kPeerIdMax = std::numeric_limits<std::uint32_t>::max();
 
+const InputError kFreshWithoutStore{"error: --fresh begins a store anew, and this peer has none; say --store DIR",
+                                    kWrongUse};
+
 // The options of `peerd run` that stand for settings, in place of a configuration file or over it.
 struct RunFlags {
   std::string world, world_name, name, interface, group;
@@ -469,10 +472,7 @@ int run_with(PeerFlags& options) {
   if (peer.config.empty() && !peer.peer.empty()) {
     return failed({"error: --peer picks one of a configuration's peers; without one, say --name", kWrongUse});
   }
-  const bool has_store = peer.store.folder ? !peer.store.folder->empty() : peer.store.by_default;
-  if (peer.store.fresh && !has_store) {
-    return failed({"error: --fresh begins a store anew, and this peer has none; say --store DIR", kWrongUse});
-  }
+  if (peer.store.fresh && !peer.store.is_wanted()) return failed(kFreshWithoutStore);
   peer.sets = as_settings(flags, peer);
   return run_peer(peer);
 }
@@ -523,11 +523,14 @@ Command add_join(CLI::App& app) {
                       "HOST:PORT of a peer that gives the world, as its log says, in place of asking who is here");
   add_ask_options(*command, flags->ask);
   add_own_options(*command, flags->join.peer, flags->run, "");
-  command->add_option("--port", flags->run.port, "UDP port, of its own, where the others use unicast (default: theirs)")
+  command
+      ->add_option("--port", flags->run.port,
+                   "UDP port of its own, where the session uses unicast (default: the session's)")
       ->transform(whole_number_in(1, 65535));
   add_store_options(*command, flags->join.peer.store, "one in this user's own folder");
   return {command, [flags] {
             flags->join.peer.store.by_default = true;
+            if (flags->join.peer.store.fresh && !flags->join.peer.store.is_wanted()) return failed(kFreshWithoutStore);
             flags->join.transport = flags->ask.transport();
             flags->run.interface = flags->ask.interface;
             flags->join.peer.sets = as_settings(flags->run, flags->join.peer);

@@ -16,11 +16,11 @@ namespace {
 
 // An operation takes effect so long after it was made, at least; twice the longest latency of the session otherwise.
 constexpr Duration kLeadMin = std::chrono::milliseconds(100);
-// Stamps farther ahead are of a broken clock: they wait for their time, but no other stamp is later because of them.
-constexpr Duration kStampAheadMax = std::chrono::seconds(10);
 // An edit of longer ago does not change any more what has happened since, as a decision on that is made
 // no more (contact_decisions.cpp).
 constexpr Duration kLateMax = std::chrono::seconds(3);
+// The peer of the lowest id says where left objects stand; where it is gone, too, another one does within this time.
+constexpr Duration kPlacedWithin = std::chrono::seconds(10);
 // A hello's datagram leaves so much besides its lists at most.
 constexpr std::size_t kMargin_bytes = 16;
 
@@ -36,6 +36,10 @@ void OperationKeeper::note_growth(AuthorId author, std::uint64_t whole_before) {
   const std::uint64_t whole = p_.logs.whole(author);
   assert(whole >= whole_before);
   if (whole == whole_before || withheld_.contains(author)) return;
+  if (!p_.replica.begun() && author != p_.author) {  // this peer has no time yet to compare stamps with
+    withheld_.emplace(author, Withheld{.from = whole_before, .stamp = SimTime::min(), .operations = 0});
+    return;
+  }
   const std::uint64_t kept = author == p_.author ? whole : withhold_far_stamps(author, whole_before);
   const std::uint32_t later = kept == whole ? 0 : withheld_.at(author).operations;
   if (kept == whole_before) return;
@@ -47,7 +51,7 @@ void OperationKeeper::note_growth(AuthorId author, std::uint64_t whole_before) {
 // gets, of whole operations from `from` on.
 std::uint64_t OperationKeeper::withhold_far_stamps(AuthorId author, std::uint64_t from) {
   const std::uint64_t whole = p_.logs.whole(author);
-  if (!p_.replica.begun() || p_.logs.last_stamp(author) <= far_ahead_) return whole;
+  if (p_.logs.last_stamp(author) <= far_ahead_) return whole;
   std::uint64_t at = from, end = whole;
   Withheld withheld;
   while (at < whole) {
@@ -67,13 +71,15 @@ std::uint64_t OperationKeeper::withhold_far_stamps(AuthorId author, std::uint64_
 }
 
 void OperationKeeper::give_withheld() {
-  std::erase_if(withheld_, [&](const auto& each) {
-    const auto& [author, withheld] = each;
-    if (withheld.stamp > far_ahead_) return false;
-    assert(author != p_.author && withheld.from < p_.logs.whole(author));
-    p_.outbox.push(LogGrown{{author, withheld.from, p_.logs.whole(author)}, p_.logs.last(author)});
-    return true;
-  });
+  std::vector<std::pair<AuthorId, std::uint64_t>> due;
+  for (const auto& [author, withheld] : withheld_) {
+    if (withheld.stamp <= far_ahead_) due.emplace_back(author, withheld.from);
+  }
+  for (const auto& [author, from] : due) {
+    assert(author != p_.author && from < p_.logs.whole(author));
+    withheld_.erase(author);
+    note_growth(author, from);  // what is behind it may be farther ahead
+  }
 }
 
 SimTime OperationKeeper::stamp(HostTime now) const {
@@ -164,24 +170,25 @@ std::expected<Taking, std::string> OperationKeeper::own(HostTime now, ObjectId o
 }
 
 void OperationKeeper::place_left_behind(HostTime now, SimTime t) {
-  std::erase_if(p_.left_behind, [&](const auto& each) { return p_.owners.of(each.first) != kNobody; });
   if (p_.left_behind.empty()) return;
+  std::erase_if(p_.left_behind, [&](const auto& each) {
+    return p_.owners.of(each.first) != kNobody || t - each.second.at > kPlacedWithin;
+  });
   const auto is_earlier = [&](const auto& other) { return other.second.synchronised && other.first < p_.config.id; };
   if (std::ranges::any_of(p_.members.all(), is_earlier)) return;
-  for (const auto& [object, owner] : std::exchange(p_.left_behind, {})) {
-    if (!p_.model->pairs_of(object).empty()) continue;  // its ghost may be in what its owner would have met
+  for (const auto& [object, left] : std::exchange(p_.left_behind, {})) {
     p_.replica.compute_ghost(object);
     const auto placement = placement_of_state(object, p_.replica.ghosts().relative_at(object, t));
     if (!placement) continue;  // it stands where the scene has it, or is of a node that has no place of its own
-    if (!edit(now, PlaceObject{object, owner, t, *placement})) ++p_.counters.drops["place_object"];
+    if (!edit(now, PlaceObject{object, left.owner, t, *placement})) ++p_.counters.drops["place_object"];
   }
 }
 
-// The own objects among these that this peer has gone on with while others took it for gone.
+// The own objects among these that their owner has gone on with, while others took it for gone.
 std::set<ObjectId> OperationKeeper::going_on(const LeftObjects& left) const {
   std::set<ObjectId> all;
   for (const auto& [object, each] : left) {
-    if (each.owner == p_.config.id && each.at > p_.entered_at) all.insert(object);
+    if (p_.own.contains(object) && each.at > p_.entered_at) all.insert(object);
   }
   return all;
 }
@@ -226,7 +233,7 @@ void OperationKeeper::publish_data(const LivingScene::Change& change) {
     p_.outbox.push(DataChanged{each.node, each.key, each.value, change.at});
   }
   for (const Operation& each : change.messages) {
-    if (each.stamp < p_.replica.begun_at()) continue;
+    if (each.stamp < p_.entered_at) continue;
     const auto& message = std::get<SendMessage>(each.body);
     p_.outbox.push(MessageReceived{each.id, message.by, message.topic, message.text, each.stamp});
   }

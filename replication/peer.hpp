@@ -97,7 +97,7 @@ class Peer {
   [[nodiscard]] const Scene& scene() const;
   // The data of applications at nodes, as all operations until the last tick have made them.
   [[nodiscard]] const NodeData& data() const;
-  // What operations have lost by others that did not know them, and an operation; null: it is not known.
+  // The losses of operations by others that did not know them, and an operation; null: it is not known.
   [[nodiscard]] const Conflicts& conflicts() const;
   [[nodiscard]] const OperationBody* find(const OperationKey& operation) const;
   [[nodiscard]] const SessionClock& clock() const;

@@ -54,7 +54,7 @@ struct PeerParts {
   // The world, as far as this peer knows it.
   SimTime entered_at{};  // session time at which this peer, in this life, first entered a session
   Owners owners;
-  std::map<ObjectId, PeerId> left_behind;  // by owners who are gone, and no operation says yet where they stand
+  LeftObjects left_behind;  // by owners who are gone, since then; no operation says yet where these stand
   OwnObjects own;
   SceneObjects scene;
   Replica replica;

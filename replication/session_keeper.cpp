@@ -271,8 +271,11 @@ void SessionKeeper::give(std::span<const std::pair<ObjectId, PeerId>> given, Sim
 void SessionKeeper::give_as_operations_say() {
   if (!p_.replica.begun()) return;
   std::vector<std::pair<ObjectId, PeerId>> given(p_.living.owners().begin(), p_.living.owners().end());
-  // A contact may have lent what its owner has released.
-  std::erase_if(given, [&](const auto& each) { return each.second == kNobody && p_.scene.contains(each.first); });
+  // A contact may have lent what its owner has released, or what belongs to a peer that is not here.
+  std::erase_if(given, [&](const auto& each) {
+    const bool is_here = each.second == p_.config.id || p_.members.contains(each.second);
+    return !is_here && p_.scene.contains(each.first);
+  });
   give(given, std::max(p_.ticks.last_time(), p_.replica.begun_at()));
 }
 
@@ -333,7 +336,8 @@ void SessionKeeper::leave_behind(PeerId owner, ObjectId object, SimTime since, S
   const bool is_said = left != p_.living.left().end() && left->second.owner == owner && left->second.at >= since;
   const Pose pose = is_said ? p_.place_by_scene(object) : p_.replica.ghosts().relative_at(object, at).pose();
   p_.replica.set_ghost(object, at, at_rest(pose), false);
-  if (!is_said) p_.left_behind[object] = owner;
+  // The ghost of what could collide may be in what its owner would have met: no place for all.
+  if (!is_said && p_.model->pairs_of(object).empty()) p_.left_behind[object] = {owner, at};
 }
 
 void SessionKeeper::let_move(ObjectId carrier) {

@@ -31,7 +31,6 @@ namespace asio = boost::asio;
 using discovery::Found;
 
 constexpr int kNoSuchWorld = 3;
-constexpr std::int64_t kUsualPort = 47474;  // of config::TransportSettings
 constexpr Duration kAsked = std::chrono::seconds(1);
 
 // The peers of one world that meet each other.
@@ -100,7 +99,7 @@ Result<const World*> choose(const std::vector<World>& worlds, const std::string&
   return named.empty() ? nullptr : named.front();
 }
 
-Result<snapshot::Giver> giver_at(const std::string& address) {
+Result<snapshot::Provider> provider_at(const std::string& address) {
   const auto colon = address.rfind(':');
   const auto wrong = [&](const std::string& why) {
     return std::unexpected(InputError{"error: --from " + address + ": " + why, 2});
@@ -112,55 +111,56 @@ Result<snapshot::Giver> giver_at(const std::string& address) {
   boost::system::error_code failed;
   const auto found = asio::ip::tcp::resolver(io).resolve(host, address.substr(colon + 1), failed);
   if (failed || found.empty()) return wrong(failed.message());
-  return snapshot::Giver{address, found.begin()->endpoint()};
+  return snapshot::Provider{address, found.begin()->endpoint()};
 }
 
-Result<std::vector<snapshot::Giver>> givers_of(const World& world) {
-  std::vector<snapshot::Giver> givers;
+Result<std::vector<snapshot::Provider>> providers_of(const World& world) {
+  std::vector<snapshot::Provider> providers;
   for (const Found& peer : world.peers) {
     if (peer.beacon.snapshot_port == 0) continue;
-    givers.push_back({peer.beacon.name, {peer.address, peer.beacon.snapshot_port}});
+    providers.push_back({peer.beacon.name, {peer.address, peer.beacon.snapshot_port}});
   }
-  if (!givers.empty()) return givers;
+  if (!providers.empty()) return providers;
   return std::unexpected(InputError{"error: no peer of \"" + world.name + "\" gives it to who joins", kNoSuchWorld});
 }
 
-// In a session by unicast, a newcomer first greets the peers that gave it the world.
-Result<void> greet_first(const std::vector<snapshot::Giver>& givers, const std::string& settings, PeerOptions& peer) {
+// In a session by unicast, a joining peer first greets the peers that gave it the world.
+Result<void> greet_first(const std::vector<snapshot::Provider>& providers, const std::string& settings,
+                         PeerOptions& peer) {
   const auto shared = config::parse_toml(settings, "the settings that were given");
   if (!shared) return std::unexpected(shared.error());
   if (shared->at_path("transport.multicast").value_or(std::string()) != "never") return {};
-  const auto port = shared->at_path("transport.port").value_or(std::int64_t{kUsualPort});
+  const auto port = shared->at_path("transport.port").value_or(std::int64_t{config::kDefaultPort});
   std::vector<std::string> addresses;
-  for (const snapshot::Giver& giver : givers) {
-    const auto address = giver.at.address();
+  for (const snapshot::Provider& provider : providers) {
+    const auto address = provider.at.address();
     addresses.push_back(fmt::format(fmt::runtime(address.is_v6() ? "[{}]:{}" : "{}:{}"), address.to_string(), port));
   }
   peer.sets.push_back("transport.peers=" + json_line(addresses));
   return {};
 }
 
-Result<GivenWorld> given_by_peers(const std::vector<snapshot::Giver>& givers, std::uint64_t session,
-                                  PeerOptions& peer) {
+Result<JoinedWorld> joined_by_peers(const std::vector<snapshot::Provider>& providers, std::uint64_t session,
+                                    PeerOptions& peer) {
   const auto began = std::chrono::steady_clock::now();
-  auto snapshot = snapshot::fetch_snapshot(givers, session);
+  auto snapshot = snapshot::fetch_snapshot(providers, session);
   if (!snapshot) return std::unexpected(InputError{"error: " + snapshot.error(), kNoSuchWorld});
   print_warnings(snapshot->notes);
-  if (auto done = greet_first(givers, snapshot->offer.settings, peer); !done) return std::unexpected(done.error());
+  if (auto done = greet_first(providers, snapshot->offer.settings, peer); !done) return std::unexpected(done.error());
   const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   snapshot::Offer& offer = snapshot->offer;
   std::cerr << fmt::format("got \"{}\" from {} in {:.2f} s over {}: {} of its files, operations of {}; {}\n",
-                           offer.world, snapshot->given_by, took_s, counted(snapshot->connections, "connection"),
+                           offer.world, snapshot->provided_by, took_s, counted(snapshot->connections, "connection"),
                            counted(snapshot->archive.size(), "byte"), counted(snapshot->logs.size(), "author"),
                            snapshot->checked_with.empty() ? "nobody else is here to compare it with"
                                                           : snapshot->checked_with + " has the same");
-  return GivenWorld{{offer.world, offer.genesis, std::move(offer.settings), std::move(snapshot->archive)},
-                    offer.session,
-                    std::move(snapshot->logs)};
+  return JoinedWorld{{offer.world, offer.genesis, std::move(offer.settings), std::move(snapshot->archive)},
+                     offer.session,
+                     std::move(snapshot->logs)};
 }
 
 // Nobody is here: whoever comes back brings the world back.
-Result<GivenWorld> given_by_store(JoinOptions& options) {
+Result<JoinedWorld> joined_by_store(JoinOptions& options) {
   const auto& folder = options.peer.store.folder;
   std::vector<std::filesystem::path> folders;
   if (folder && !folder->empty()) {
@@ -182,7 +182,7 @@ Result<GivenWorld> given_by_store(JoinOptions& options) {
     if (!is_asked_for || folders.size() > 1) continue;
     options.peer.store.folder = each;
     std::cerr << fmt::format("no peer of \"{}\" is here: begins with the store {}\n", (*world)->name, each.string());
-    return GivenWorld{**std::move(world), 0, {}};
+    return JoinedWorld{**std::move(world), 0, {}};
   }
   if (folders.size() > 1) {
     return std::unexpected(InputError{
@@ -196,20 +196,20 @@ Result<GivenWorld> given_by_store(JoinOptions& options) {
                  kNoSuchWorld});
 }
 
-Result<GivenWorld> find_world(JoinOptions& options) {
+Result<JoinedWorld> find_world(JoinOptions& options) {
   if (!options.from.empty()) {
-    const auto giver = giver_at(options.from);
-    if (!giver) return std::unexpected(giver.error());
-    return given_by_peers({*giver}, 0, options.peer);
+    const auto provider = provider_at(options.from);
+    if (!provider) return std::unexpected(provider.error());
+    return joined_by_peers({*provider}, 0, options.peer);
   }
   const auto worlds = worlds_here(options.transport, kAsked);
   if (!worlds) return std::unexpected(worlds.error());
   const auto world = choose(*worlds, options.world);
   if (!world) return std::unexpected(world.error());
-  if (*world == nullptr) return given_by_store(options);
-  const auto givers = givers_of(**world);
-  if (!givers) return std::unexpected(givers.error());
-  return given_by_peers(*givers, (*world)->session, options.peer);
+  if (*world == nullptr) return joined_by_store(options);
+  const auto providers = providers_of(**world);
+  if (!providers) return std::unexpected(providers.error());
+  return joined_by_peers(*providers, (*world)->session, options.peer);
 }
 
 }  // namespace
@@ -233,7 +233,7 @@ int run_join(JoinOptions& options) {
   if (!given) return failed(given.error());
   // The path only names the world, in messages and in a capture.
   options.peer.sets.push_back("world=" + json_line(given->world.name));
-  options.peer.given = *std::move(given);
+  options.peer.joined = *std::move(given);
   return run_peer(options.peer);
 }
 

@@ -1,10 +1,10 @@
 #include "peerd/commands/run_command.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <chrono>
 #include <iostream>
 #include <iterator>
-#include <map>
 #include <random>
 #include <string>
 #include <utility>
@@ -21,7 +21,7 @@
 #include "peerd/control/control_server.hpp"
 #include "peerd/daemon/cache_warmer.hpp"
 #include "peerd/daemon/daemon.hpp"
-#include "peerd/daemon/welcome.hpp"
+#include "peerd/daemon/join_service.hpp"
 #include "peerd/input/json_line.hpp"
 #include "peerd/node/describe.hpp"
 #include "peerd/node/peer_node.hpp"
@@ -31,6 +31,7 @@
 #include "peerd/store/operation_store.hpp"
 #include "peerd/store/store_folder.hpp"
 #include "peerd/transport/transport_options.hpp"
+#include "replication/operations/operation_log.hpp"
 
 namespace peerd {
 namespace {
@@ -284,26 +285,28 @@ Result<OpenedStore> open_store(const StoreOptions& options, std::uint64_t genesi
   return opened;
 }
 
-// Adds what other peers have given of the logs to what the store has of them, and to the store.
-Result<void> add_given(std::vector<replication::OperationPart> given, OpenedStore& opened) {
-  std::map<replication::AuthorId, std::vector<std::byte>> held;
+// Adds the logs that other peers have provided to those of the store, and to the store. They are read first: a log that
+// is damaged, or that contradicts the store's, is refused.
+Result<void> add_joined(const std::vector<replication::OperationPart>& provided, OpenedStore& opened) {
+  replication::OperationLogs logs;
   for (const replication::OperationPart& part : opened.log) {
-    auto& bytes = held[part.author];
-    bytes.insert(bytes.end(), part.bytes.begin(), part.bytes.end());
+    [[maybe_unused]] const auto read = logs.restore(part);
+    assert(read);  // the store has read it
   }
   std::vector<replication::OperationPart> added;
-  for (replication::OperationPart& part : given) {
-    const auto& known = held[part.author];
-    const std::size_t common = std::min(known.size(), part.bytes.size());
-    if (!std::equal(known.begin(), known.begin() + static_cast<std::ptrdiff_t>(common), part.bytes.begin())) {
-      return std::unexpected(InputError{"error: the store " + opened.folder.string() +
-                                            " has other operations of author " + std::to_string(part.author.value) +
-                                            " than the peers here; --fresh puts it aside",
-                                        1});
+  for (const replication::OperationPart& part : provided) {
+    const std::uint64_t before = logs.length(part.author);
+    const std::uint64_t end = std::max<std::uint64_t>(before, part.bytes.size());
+    const auto read = logs.restore(part);
+    if (!read || logs.whole(part.author) != end) {
+      const std::string why = read ? "it is cut short or damaged" : read.error();
+      return std::unexpected(
+          InputError{fmt::format("error: the log of author {} that was provided can't be used: {}{}", part.author.value,
+                                 why, before > 0 ? "; --fresh puts the store aside, which has it, too" : ""),
+                     1});
     }
-    if (part.bytes.size() == common) continue;
-    part.bytes.erase(part.bytes.begin(), part.bytes.begin() + static_cast<std::ptrdiff_t>(common));
-    added.push_back({part.author, common, std::move(part.bytes)});
+    const auto tail = logs.bytes({part.author, before, end});
+    if (!tail.empty()) added.push_back({part.author, before, {tail.begin(), tail.end()}});
   }
   if (opened.store) {
     if (auto stored = opened.store->append(added); !stored) return stored;
@@ -318,7 +321,7 @@ PeerNode::Options node_options_of(const PeerOptions& options, const config::RunS
   // Two starts of one peer are never in the same nanosecond, and a later one has the higher number.
   node.incarnation = static_cast<std::uint64_t>(clock.now().time_since_epoch().count());
   // A configuration of one peer says nothing of the others: it begins with whoever is there.
-  const bool by_itself = run.peers.size() == 1 || options.given;
+  const bool by_itself = run.peers.size() == 1 || options.joined;
   for (const config::PeerSettings& p : run.peers) {
     if (!by_itself && config::starts_with(run.events, p.name)) node.wait_for.push_back({PeerId{p.id}, p.name});
   }
@@ -334,7 +337,7 @@ PeerNode::Options node_options_of(const PeerOptions& options, const config::RunS
 // The PeerParts are all that a peer is made of, besides its clock and its network.
 struct PeerParts {
   config::Scenario scenario;
-  const config::PeerSettings* settings = nullptr;  // of the scenario
+  config::PeerSettings* settings = nullptr;  // of the scenario
   std::unique_ptr<const SharedWorld> shared;
   OpenedStore opened;
   config::PeerObjects objects;
@@ -342,7 +345,7 @@ struct PeerParts {
 
   [[nodiscard]] const config::RunSettings& run() const { return scenario.runs.front(); }
   [[nodiscard]] std::string world_name(const PeerOptions& options) const {
-    if (options.given) return options.given->world.name;
+    if (options.joined) return options.joined->world.name;
     return scenario.reading.name.empty() ? scenario.world.stem().string() : scenario.reading.name;
   }
 };
@@ -354,39 +357,52 @@ Result<config::Scenario> read_configuration(const PeerOptions& options) {
   request.sets = options.sets;
   request.real = true;
   request.sweep = false;
-  if (options.given) request.text = options.given->world.settings;
+  if (options.joined) {
+    if (auto good = config::check_shared(options.joined->world.settings); !good) return std::unexpected(good.error());
+    request.text = options.joined->world.settings;
+  }
   return config::read_scenario(request);
 }
 
-// The world of the configuration, or the one that was given; with its archive, for who joins and for the store.
+// Reads the world of the configuration, or the one that was provided, and keeps its archive for joining peers and for
+// the store. The archive lacks the content of Inlines that are read later.
 Result<config::LoadedWorld> read_world_of(const PeerOptions& options, config::Scenario& scenario) {
-  scenario.reading.keeps_archive = true;
-  if (!options.given) return config::load_world(scenario.world, scenario.reading);
-  const store::StoredWorld& given = options.given->world;
-  auto world = config::load_world(given.archive, scenario.world, scenario.reading);
-  if (world && world->hash != given.genesis) {
-    return std::unexpected(InputError{"error: what was given of \"" + given.name + "\" makes another world here", 1});
-  }
+  scenario.reading.keeps_archive = !scenario.reading.inlines_when_needed &&
+                                   (options.store.is_wanted() || scenario.runs.front().transport.discoverable);
+  if (!options.joined) return config::load_world(scenario.world, scenario.reading);
+  const store::StoredWorld& provided = options.joined->world;
+  const auto wrong = [&](const std::string& what) {
+    return std::unexpected(InputError{"error: what was provided of \"" + provided.name + "\" " + what, 1});
+  };
+  if (!config::is_archive(provided.archive)) return wrong("is no archive");  // it would name files of this computer
+  auto world = config::load_world(provided.archive, scenario.world, scenario.reading);
+  if (world && world->hash != provided.genesis) return wrong("makes another world here");
   return world;
 }
 
-// Opens the store, adds what was given, and keeps the world itself and the peer's number there.
-Result<void> fill_store(const PeerOptions& options, PeerParts& parts, config::PeerSettings& settings) {
+// Opens the store, adds what was provided, and keeps the world itself and the peer's number there.
+Result<void> fill_store(const PeerOptions& options, PeerParts& parts) {
+  config::PeerSettings& settings = *parts.settings;
   const config::LoadedWorld& world = parts.shared->world;
   auto opened = open_store(options.store, world.hash, settings.name);
   if (!opened) return std::unexpected(opened.error());
   parts.opened = *std::move(opened);
-  if (options.given) {
-    if (auto added = add_given(options.given->logs, parts.opened); !added) return added;
+  const auto& store = parts.opened.store;
+  if (store && options.keeps_id) {
+    const auto id = store::identity_in(parts.opened.folder, PeerId{settings.id}, store->author());
+    if (!id) return std::unexpected(id.error());
+    settings.id = id->value;
   }
-  if (!parts.opened.store) return {};
+  if (options.joined) {
+    if (auto added = add_joined(options.joined->logs, parts.opened); !added) return added;
+  }
+  if (!store || world.archive.empty()) return {};
   const store::StoredWorld stored{parts.world_name(options), world.hash, config::shared_settings(parts.run()),
                                   world.archive};
-  if (auto written = store::write_world(parts.opened.folder, stored); !written) return written;
-  if (!options.keeps_id) return {};
-  const auto id = store::identity_in(parts.opened.folder, PeerId{settings.id}, parts.opened.store->is_copy());
-  if (!id) return std::unexpected(id.error());
-  settings.id = id->value;
+  // The operations are what counts: without its world, the store needs the world's file.
+  if (const auto written = store::write_world(parts.opened.folder, stored); !written) {
+    parts.opened.lines.push_back({LogLevel::kWarning, written.error().text});
+  }
   return {};
 }
 
@@ -399,28 +415,28 @@ Result<PeerParts> make_parts(const PeerOptions& options) {
   config::RunSettings& run = parts.scenario.runs.front();
   const auto chosen = choose_peer(run, options.peer);
   if (!chosen) return std::unexpected(chosen.error());
-  parts.settings = *chosen;
-  config::PeerSettings& settings = run.peers[static_cast<std::size_t>(*chosen - run.peers.data())];
+  const auto number = static_cast<std::size_t>(*chosen - run.peers.data());
+  parts.settings = &run.peers[number];
   auto world = read_world_of(options, parts.scenario);
   if (!world) return std::unexpected(world.error());
   parts.shared = share_world(*std::move(world), parts.scenario.runs);
   parts.session = run.replication.regions.session_hash(parts.shared->world.hash);
-  if (options.given && options.given->session != 0 && options.given->session != parts.session) {
-    return std::unexpected(InputError{"error: the settings of \"" + options.given->world.name +
+  if (options.joined && options.joined->session != 0 && options.joined->session != parts.session) {
+    return std::unexpected(InputError{"error: the settings of \"" + options.joined->world.name +
                                           "\" make another session here; is that peer of another version?",
                                       1});
   }
-  if (auto filled = fill_store(options, parts, settings); !filled) return std::unexpected(filled.error());
   const Scene& scene = parts.shared->world.scene;
   print_warnings(config::settings_without_effect(run, scene));
   auto objects = config::resolve(run, scene);
   if (!objects) return std::unexpected(objects.error());
-  parts.objects = std::move((*objects)[static_cast<std::size_t>(*chosen - run.peers.data())]);
+  parts.objects = std::move((*objects)[number]);
   return parts;
 }
 
-Welcome::Options welcome_options(const PeerOptions& options, const PeerParts& parts, const PeerNode::Options& node,
-                                 const net::TransportOptions& reach, const net::OpenedTransport& reached) {
+JoinService::Options join_service_options(const PeerOptions& options, const PeerParts& parts,
+                                          const PeerNode::Options& node, const net::TransportOptions& reach,
+                                          const net::OpenedTransport& reached) {
   const config::TransportSettings& settings = parts.run().transport;
   config::RunSettings shared = parts.run();
   if (reached.unicast()) shared.transport.multicast = config::kMulticastNever;
@@ -432,8 +448,7 @@ Welcome::Options welcome_options(const PeerOptions& options, const PeerParts& pa
           .world = parts.world_name(options),
           .settings = config::shared_settings(shared),
           .genesis = parts.shared->world.hash,
-          // The archive lacks the content of Inlines that are read later.
-          .archive = parts.scenario.reading.inlines_when_needed ? std::string_view() : parts.shared->world.archive};
+          .archive = parts.shared->world.archive};
 }
 
 }  // namespace
@@ -454,6 +469,8 @@ int run_peer(const PeerOptions& options) {
   if (!reached) return failed(input_error(reached.error()));
   const auto& transport = reached->transport;
 
+  // Only where all else is right a store is made.
+  if (auto filled = fill_store(options, *parts); !filled) return failed(filled.error());
   if (const auto& store = parts->opened.store) {
     node_options.author = store->author();
     node_options.stores = true;
@@ -487,9 +504,10 @@ int run_peer(const PeerOptions& options) {
   if (*control) daemon.publish_to(**control);
   const auto poses = open_pose_port(io, settings, daemon, log);
   if (!poses) return failed(poses.error());
-  std::optional<Welcome> welcome;
+  std::optional<JoinService> join_service;
   if (run.transport.discoverable) {
-    welcome.emplace(io, clock, *node, welcome_options(options, *parts, node_options, *reach, *reached), log_line);
+    join_service.emplace(io, clock, *node, join_service_options(options, *parts, node_options, *reach, *reached),
+                         log_line);
   }
   const int code = daemon.run();
   log_refused(control->get(), poses->get(), log);

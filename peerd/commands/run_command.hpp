@@ -15,10 +15,12 @@ struct StoreOptions {
   std::optional<std::filesystem::path> folder;  // of --store; empty: no store
   bool by_default = false;                      // without `folder`, a peer has one in its user's own folders
   bool fresh = false;                           // what is there is put aside
+
+  [[nodiscard]] bool is_wanted() const { return folder ? !folder->empty() : by_default; }
 };
 
 // A world that came from a peer, or from a store, in place of a file.
-struct GivenWorld {
+struct JoinedWorld {
   store::StoredWorld world;
   std::uint64_t session = 0;                     // that its peers are in; 0: nobody has said
   std::vector<replication::OperationPart> logs;  // each from its beginning
@@ -28,8 +30,8 @@ struct PeerOptions {
   std::filesystem::path config;                 // a scenario file; one of its peers is run
   std::vector<std::filesystem::path> overlays;  // merged over it, in order
   std::vector<std::string> sets;
-  std::string peer;                 // one of the configuration's peers; empty: the only one
-  std::optional<GivenWorld> given;  // its settings stand for `config`
+  std::string peer;                   // one of the configuration's peers; empty: the only one
+  std::optional<JoinedWorld> joined;  // its settings stand for `config`
   // Nobody has said which number the peer has: it keeps, with its store, the one that it was given first.
   bool keeps_id = false;
   std::filesystem::path record;   // file for the peer's log; empty: none

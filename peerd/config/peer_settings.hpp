@@ -90,12 +90,14 @@ struct PeerSettings {
 // Reads the table [regions]: how the scene is cut, and how eagerly regions are left.
 [[nodiscard]] replication::RegionSettings read_regions(TomlReader reader);
 
+inline constexpr std::uint32_t kDefaultPort = 47474;  // UDP
+
 // The table [transport]: how a real peer reaches the others.
 struct TransportSettings {
   std::string interface;               // empty: the only one that can multicast, else lo
   std::string group = "239.192.80.0";  // multicast group of region 0
   std::uint32_t group_pool = 0;        // groups that all regions share; 0: each has its own
-  std::optional<std::uint32_t> port;   // 47474, and for `peerd scenario` one of its own
+  std::optional<std::uint32_t> port;   // none: kDefaultPort, and for `peerd scenario` one of its own
   std::uint32_t ttl = 1;
   std::uint32_t dscp = 0;
   std::uint32_t receive_buffer_bytes = 1024 * 1024;

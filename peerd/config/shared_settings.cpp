@@ -1,10 +1,14 @@
 #include "peerd/config/shared_settings.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <sstream>
 
 #include <toml++/toml.h>
+
+#include "peerd/input/toml_input.hpp"
 
 namespace peerd::config {
 namespace {
@@ -12,6 +16,26 @@ namespace {
 // Tables and keys that are copied as they are.
 constexpr std::array kShared{"world_name", "expansion", "replication", "decisions", "relay", "regions"};
 constexpr std::array kMulticastWords{"auto", "always", "never"};  // by TransportSettings::multicast
+
+constexpr std::array kSharedTransport{"group", "group_pool", "ttl", "multicast", "port"};
+
+template <std::size_t kCount>
+std::optional<std::string> other_key(const toml::table& table, const std::array<const char*, kCount>& keys) {
+  for (const auto& [key, value] : table) {
+    if (std::ranges::find(keys, key.str()) == keys.end()) return std::string(key.str());
+  }
+  return std::nullopt;
+}
+
+// The first key that is none of a shared configuration, in a table that may be missing.
+template <std::size_t kCount>
+std::optional<std::string> other_key_in(const toml::node* node, const std::string& name,
+                                        const std::array<const char*, kCount>& keys) {
+  if (node == nullptr) return std::nullopt;
+  if (!node->is_table()) return name;
+  const auto other = other_key(*node->as_table(), keys);
+  return other ? std::optional(name + "." + *other) : std::nullopt;
+}
 
 }  // namespace
 
@@ -37,6 +61,25 @@ std::string shared_settings(const RunSettings& run) {
   std::ostringstream text;
   text << shared << '\n';
   return text.str();
+}
+
+Result<void> check_shared(const std::string& text) {
+  auto table = parse_toml(text, "the settings that were provided");
+  if (!table) return std::unexpected(table.error());
+  const toml::node* const peers = table->get("peer");
+  std::optional<std::string> other = other_key_in(table->get("transport"), "transport", kSharedTransport);
+  if (peers != nullptr && !peers->is_table()) other = "peer";
+  if (peers != nullptr && peers->is_table()) {
+    for (const auto& [name, peer] : *peers->as_table()) {
+      if (!other) other = other_key_in(&peer, "peer." + std::string(name.str()), std::array{"id"});
+    }
+  }
+  table->erase("transport");
+  table->erase("peer");
+  if (!other) other = other_key(*table, kShared);
+  if (!other) return {};
+  return std::unexpected(
+      InputError{"error: the settings that were provided have \"" + *other + "\", which peers do not share", 1});
 }
 
 }  // namespace peerd::config

@@ -5,10 +5,12 @@
 #include <concepts>
 #include <string_view>
 
+#include "peerd/input/printable.hpp"
+
 namespace peerd::discovery {
 namespace {
 
-// Both begin with a word and the version of their format.
+// The question and the beacon begin with a word and the version of their format.
 constexpr std::string_view kQuestionMagic = "peerd?\1";
 constexpr std::string_view kBeaconMagic = "peerd!\1";
 
@@ -29,15 +31,9 @@ void write(std::vector<std::byte>& out, Number number) {
   for (std::size_t i = 0; i < sizeof(Number); ++i) out.push_back(static_cast<std::byte>(number >> (8 * i)));
 }
 
-// Names are UTF-8: a cut within a character takes all of it away.
 void write(std::vector<std::byte>& out, std::string_view name) {
-  std::size_t size = std::min(name.size(), kNameMax_bytes);
-  const auto continues = [&](std::size_t at) { return (static_cast<unsigned char>(name[at]) & 0xc0) == 0x80; };
-  if (size < name.size()) {
-    while (size > 0 && continues(size)) --size;
-  }
-  write(out, static_cast<std::uint8_t>(size));
-  const auto bytes = bytes_of(name.substr(0, size));
+  const auto bytes = bytes_of(printable(name, kNameMax_bytes));
+  write(out, static_cast<std::uint8_t>(bytes.size()));
   out.insert(out.end(), bytes.begin(), bytes.end());
 }
 
@@ -55,12 +51,9 @@ class Reading {
   }
   [[nodiscard]] std::string name() {
     const auto bytes = take(number<std::uint8_t>());
-    std::string name(bytes.size(), '?');
-    std::ranges::transform(bytes, name.begin(), [](std::byte b) {
-      const auto c = std::to_integer<unsigned char>(b);
-      return c < 0x20 || c == 0x7f ? '?' : static_cast<char>(c);
-    });
-    return name;
+    std::string name(bytes.size(), ' ');
+    std::ranges::transform(bytes, name.begin(), [](std::byte b) { return static_cast<char>(b); });
+    return printable(name, kNameMax_bytes);
   }
   [[nodiscard]] bool is_whole() const { return !is_short_ && rest_.empty(); }
 
@@ -97,7 +90,6 @@ std::vector<std::byte> encode(const Beacon& beacon) {
   write(datagram, beacon.session);
   write(datagram, beacon.peer.value);
   write(datagram, beacon.incarnation);
-  write(datagram, beacon.peers);
   write(datagram, beacon.snapshot_port);
   write(datagram, beacon.world);
   write(datagram, beacon.name);
@@ -113,12 +105,10 @@ std::optional<Beacon> decode(std::span<const std::byte> datagram) {
   beacon.session = reading.number<std::uint64_t>();
   beacon.peer = PeerId{reading.number<std::uint32_t>()};
   beacon.incarnation = reading.number<std::uint64_t>();
-  beacon.peers = reading.number<std::uint32_t>();
   beacon.snapshot_port = reading.number<std::uint16_t>();
   beacon.world = reading.name();
   beacon.name = reading.name();
-  const bool fits = beacon.world.size() <= kNameMax_bytes && beacon.name.size() <= kNameMax_bytes;
-  if (!reading.is_whole() || !fits || beacon.peer == kNobody || beacon.peers == 0) return std::nullopt;
+  if (!reading.is_whole() || beacon.peer == kNobody) return std::nullopt;
   return beacon;
 }
 

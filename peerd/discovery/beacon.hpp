@@ -18,7 +18,6 @@ struct Beacon {
                                // do not meet
   PeerId peer{1};
   std::uint64_t incarnation = 0;
-  std::uint32_t peers = 1;          // in its session, itself included
   std::uint16_t snapshot_port = 0;  // TCP, at the address that the beacon came from; 0: it gives its world to nobody
   std::string world, name;          // of the world and of the peer, at most kNameMax_bytes each
 

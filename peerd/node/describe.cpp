@@ -1,7 +1,9 @@
 #include "peerd/node/describe.hpp"
 
 #include <spdlog/fmt/fmt.h>
+#include <nlohmann/json.hpp>
 
+#include "peerd/input/json_line.hpp"
 #include "peerd/node/edit_operation.hpp"
 #include "replication/wire/codec.hpp"
 
@@ -132,12 +134,13 @@ struct LineOf {
     return LogLine{LogLevel::kWarning, fmt::format("{} changes nothing: {}", operation, e.refused)};
   }
   Line operator()(const DataChanged& d) const {
-    return LogLine{LogLevel::kDebug, fmt::format("{} of {} is {}", d.key, path_or_id(scene, d.node),
-                                                 d.value ? fmt::format("{} bytes of data", d.value->size()) : "gone")};
+    return LogLine{LogLevel::kDebug,
+                   fmt::format("{} of node {}:{} is {}", json_line(d.key), d.node.origin, d.node.number,
+                               d.value ? fmt::format("{} bytes of data", d.value->size()) : "gone")};
   }
   Line operator()(const MessageReceived& m) const {
     return LogLine{LogLevel::kInfo,
-                   fmt::format("peer {} sends to all: {}, {} bytes", m.by.value, m.topic, m.text.size())};
+                   fmt::format("peer {} sends to all: {}, {} bytes", m.by.value, json_line(m.topic), m.text.size())};
   }
   Line operator()(const OperationHeld& h) const {
     return LogLine{LogLevel::kDebug, fmt::format("operation {}:{} is held by another peer", h.operation.author.value,

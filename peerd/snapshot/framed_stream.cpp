@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <boost/asio/buffer.hpp>
+#include <boost/asio/completion_condition.hpp>
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 
@@ -51,8 +52,8 @@ void FramedStream::read_content(OnFrame on_frame) {
   std::uint32_t size = 0;
   for (std::size_t i = 0; i < head_.size(); ++i) size |= std::uint32_t{head_[i]} << (8 * i);
   if (size > frame_max_bytes_) return fail("a frame is too long");
-  in_.assign(size, '\0');
-  asio::async_read(socket_, asio::buffer(in_),
+  in_.clear();  // it grows as bytes come, so that a size alone costs no memory
+  asio::async_read(socket_, asio::dynamic_buffer(in_, size), asio::transfer_exactly(size),
                    guarded([this, on_frame = std::move(on_frame)] { on_frame(std::exchange(in_, {})); }));
 }
 

@@ -28,7 +28,7 @@ using replication::OperationRange;
 constexpr std::chrono::milliseconds kConnectedAgainAfter{500};
 // Another peer is waited for so long, to compare what it has; without one nothing is compared.
 constexpr Duration kComparedWithin = std::chrono::seconds(2);
-// A newcomer accepts no more of a world [bytes], so that a forger does not fill its memory.
+// A joining peer accepts no more of a world [bytes], so that a forger does not fill its memory.
 constexpr std::uint64_t kSnapshotMax_bytes = std::uint64_t{1} << 30;
 
 // The Parts that have to be got, of the archive and of each log, and which of them are there.
@@ -38,8 +38,8 @@ class Parts {
     add(replication::kNoAuthor, offer.archive_bytes);
     for (const LogLength& log : offer.logs) add(log.author, log.bytes);
   }
-  // The next part that is to be asked of who holds logs so long: one that nobody has been asked for, else one that is
-  // overdue elsewhere, and not by `asker`, which asks for each once.
+  // The next part to ask a peer for that holds logs so long, over a connection that has `asked` for these already: a
+  // part that no connection awaits, else one that a single other connection does, which may be slow.
   std::optional<OperationRange> next(const std::map<AuthorId, std::uint64_t>& held, std::set<OperationRange>& asked) {
     const auto fits = [&](const OperationRange& part) {
       const auto log = held.find(part.author);
@@ -49,29 +49,30 @@ class Parts {
     if (found != unasked_.end()) {
       const OperationRange part = *found;
       unasked_.erase(found);
-      awaited_.push_back(part);
+      awaited_.push_back({part, 1});
       asked.insert(part);
       return part;
     }
-    const auto again = std::ranges::find_if(awaited_, fits);
+    const auto again =
+        std::ranges::find_if(awaited_, [&](const Awaited& each) { return each.connections == 1 && fits(each.part); });
     if (again == awaited_.end()) return std::nullopt;
-    asked.insert(*again);
-    return *again;
+    ++again->connections;
+    asked.insert(again->part);
+    return again->part;
   }
   // False: the bytes are not what was asked for.
   bool take(const OperationRange& part, std::string_view bytes) {
-    if (bytes.empty() || bytes.size() > part.to - part.from) return false;
-    const auto awaited = std::ranges::find(awaited_, part);
+    if (bytes.size() != part.to - part.from) return false;
+    const auto awaited = std::ranges::find(awaited_, part, &Awaited::part);
     if (awaited == awaited_.end()) return true;  // another peer was faster
     awaited_.erase(awaited);
     std::ranges::copy(bytes, content_[part.author].begin() + static_cast<std::ptrdiff_t>(part.from));
-    if (part.from + bytes.size() < part.to) unasked_.push_front({part.author, part.from + bytes.size(), part.to});
     return true;
   }
   // A connection has failed that was asked for the part.
   void give_back(const OperationRange& part) {
-    const auto awaited = std::ranges::find(awaited_, part);
-    if (awaited == awaited_.end()) return;
+    const auto awaited = std::ranges::find(awaited_, part, &Awaited::part);
+    if (awaited == awaited_.end() || --awaited->connections > 0) return;
     awaited_.erase(awaited);
     unasked_.push_front(part);
   }
@@ -87,22 +88,30 @@ class Parts {
   }
 
   std::deque<OperationRange> unasked_;
-  std::vector<OperationRange> awaited_;  // in the order of asking
+  struct Awaited {
+    OperationRange part;
+    std::size_t connections = 0;
+  };
+  std::vector<Awaited> awaited_;  // in the order of asking
   std::map<AuthorId, std::string> content_;
 };
 
 class Fetch {
  public:
-  Fetch(const std::vector<Giver>& givers, std::uint64_t session, const FetchOptions& options)
+  Fetch(const std::vector<Provider>& providers, std::uint64_t session, const FetchOptions& options)
       : session_(session), options_(options), patience_(io_) {
-    for (const Giver& giver : givers) {
-      if (peers_.size() < options.givers) peers_.push_back({giver, {}, {}});
+    for (const Provider& provider : providers) {
+      if (peers_.size() < options.providers) peers_.push_back(Peer{.provider = provider, .held = {}, .said = {}});
     }
   }
 
   std::expected<Snapshot, std::string> run() {
-    if (peers_.empty()) return std::unexpected("no peer gives its world to newcomers");
-    for (std::size_t peer = 0; peer < peers_.size(); ++peer) connect(peer);
+    if (peers_.empty()) return std::unexpected("no peer gives its world to joining peers");
+    // All connections begin at once, beside the offers: each takes a round trip, too.
+    const std::size_t share = std::max<std::size_t>(1, options_.connections / peers_.size());
+    for (std::size_t peer = 0; peer < peers_.size(); ++peer) {
+      for (std::size_t i = 0; i < share; ++i) connect(peer);
+    }
     be_patient();
     io_.run();
     if (!error_.empty()) return std::unexpected(error_);
@@ -111,22 +120,24 @@ class Fetch {
 
  private:
   struct Peer {
-    Giver giver;
+    Provider provider;
     std::map<AuthorId, std::uint64_t> held;  // lengths; empty: it has offered nothing yet
-    std::set<std::string> said;              // notes about it
+    bool is_asked_for_offer = false;
+    bool is_of_use = true;
+    std::set<std::string> said;  // notes about it
   };
   struct Connection {
     std::size_t peer;
     std::shared_ptr<FramedStream> stream;
-    bool is_ready = false;  // connected to a peer that has made an offer
-    bool has_given = false, asks_for_digests = false;
+    bool is_connected = false, asks_for_offer = false;
+    bool has_provided = false, asks_for_digests = false;
     std::optional<OperationRange> awaits;
     std::set<OperationRange> asked;
   };
   using ConnectionPtr = std::shared_ptr<Connection>;
 
   void connect(std::size_t peer) {
-    if (over_) return;
+    if (over_ || !peers_[peer].is_of_use) return;
     const auto connection =
         std::make_shared<Connection>(Connection{.peer = peer, .stream = nullptr, .awaits = {}, .asked = {}});
     connection->stream =
@@ -135,8 +146,9 @@ class Fetch {
                                          if (const auto failed = weak.lock()) on_failure(failed, why);
                                        });
     connections_.insert(connection);
-    connection->stream->connect(peers_[peer].giver.at, [this, connection] {
-      peers_[connection->peer].held.empty() ? ask_for_offer(connection) : ask_for_part(connection);
+    connection->stream->connect(peers_[peer].provider.at, [this, connection] {
+      connection->is_connected = true;
+      ask_next(connection);
     });
   }
 
@@ -146,14 +158,28 @@ class Fetch {
         if (over_) return;
         auto reply = decode_reply(frame);
         if (!reply) return on_failure(connection, reply.error());
-        if (const auto* refusal = std::get_if<Refusal>(&*reply)) return on_failure(connection, refusal->why);
+        if (const auto* refusal = std::get_if<Refusal>(&*reply)) return give_up(connection, refusal->why);
         on_reply(*std::move(reply));
       });
     });
   }
 
+  // Asks a connection that is asked for nothing at present for what is needed next.
+  void ask_next(const ConnectionPtr& connection) {
+    const bool is_asked = connection->awaits || connection->asks_for_offer || connection->asks_for_digests;
+    if (over_ || is_asked || !connection->is_connected) return;
+    Peer& peer = peers_[connection->peer];
+    if (!peer.held.empty()) {
+      ask_for_part(connection);
+    } else if (!peer.is_asked_for_offer) {
+      peer.is_asked_for_offer = connection->asks_for_offer = true;
+      ask_for_offer(connection);
+    }
+  }
+
   void ask_for_offer(const ConnectionPtr& connection) {
     ask(connection, {session_, OfferRequest{}}, [this, connection](Reply reply) {
+      connection->asks_for_offer = false;
       auto* offer = std::get_if<Offer>(&reply);
       if (offer == nullptr) return on_failure(connection, "it answers something else");
       take_offer(connection, std::move(*offer));
@@ -169,33 +195,26 @@ class Fetch {
     std::uint64_t bytes = offer.archive_bytes;
     for (const LogLength& log : offer.logs) bytes = std::min(kSnapshotMax_bytes + 1, bytes + log.bytes);
     if (bytes > kSnapshotMax_bytes) return give_up(connection, "its world is larger than 1 GiB");
-    const bool is_first = snapshot_.given_by.empty();
+    const bool is_first = snapshot_.provided_by.empty();
     if (!is_first && (offer.session != session_ || offer.genesis != snapshot_.offer.genesis ||
                       offer.archive_digest != snapshot_.offer.archive_digest)) {
       return give_up(connection, "it has packed the world's files in another way");
     }
     peer.held = {{replication::kNoAuthor, offer.archive_bytes}};
     for (const LogLength& log : offer.logs) peer.held[log.author] = log.bytes;
-    if (compares_) {
-      connection->is_ready = true;
-      return ask_another_for_digests();
-    }
+    if (compares_) return ask_another_for_digests();
     if (is_first) {
       session_ = offer.session;
-      snapshot_.given_by = peer.giver.name;
+      snapshot_.provided_by = peer.provider.name;
       snapshot_.offer = std::move(offer);
       first_ = connection->peer;
       parts_.plan(snapshot_.offer);
     }
     be_patient();
-    const std::size_t share = std::max<std::size_t>(1, options_.connections / peers_.size());
-    for (std::size_t more = 1; more < share; ++more) connect(connection->peer);
-    ask_for_part(connection);
+    ask_on_all();
   }
 
   void ask_for_part(const ConnectionPtr& connection) {
-    connection->is_ready = true;
-    if (over_ || connection->awaits) return;
     if (parts_.are_there()) return compare();
     connection->awaits = parts_.next(peers_[connection->peer].held, connection->asked);
     if (!connection->awaits) return;  // all that it has is under way
@@ -207,14 +226,14 @@ class Fetch {
         return give_up(connection, "it answers something else");
       }
       be_patient();
-      connection->has_given = true;
+      connection->has_provided = true;
       ask_on_all();
     });
   }
 
   void ask_on_all() {
     for (const ConnectionPtr& each : std::set(connections_)) {
-      if (each->is_ready) ask_for_part(each);
+      ask_next(each);
     }
   }
 
@@ -222,7 +241,7 @@ class Fetch {
   void compare() {
     if (std::exchange(compares_, true)) return ask_another_for_digests();
     if (digest(parts_.content(replication::kNoAuthor)) != snapshot_.offer.archive_digest) {
-      return end("what came is not the archive that " + snapshot_.given_by + " has offered");
+      return end("what came is not the archive that " + snapshot_.provided_by + " has offered");
     }
     be_patient();
     ask_another_for_digests();
@@ -231,9 +250,14 @@ class Fetch {
   void ask_another_for_digests() {
     const auto is_other = [&](const ConnectionPtr& each) { return each->peer != first_; };
     if (std::ranges::none_of(connections_, is_other)) return end("");
-    const auto other = std::ranges::find_if(
-        connections_, [&](const ConnectionPtr& each) { return is_other(each) && each->is_ready && !each->awaits; });
+    const auto other = std::ranges::find_if(connections_, [&](const ConnectionPtr& each) {
+      return is_other(each) && each->is_connected && !each->awaits && !peers_[each->peer].held.empty();
+    });
     if (other == connections_.end() || asks_for_digests_) return;
+    if (snapshot_.offer.logs.empty()) {  // it has offered the same archive
+      snapshot_.checked_with = peers_[(*other)->peer].provider.name;
+      return end("");
+    }
     const ConnectionPtr& connection = *other;
     asks_for_digests_ = connection->asks_for_digests = true;
     DigestRequest request;
@@ -248,11 +272,11 @@ class Fetch {
       if (digests == nullptr || digests->digests.size() != request.logs.size()) {
         return give_up(connection, "it answers something else");
       }
-      const std::string& name = peers_[connection->peer].giver.name;
+      const std::string& name = peers_[connection->peer].provider.name;
       for (std::size_t i = 0; i < request.logs.size(); ++i) {
         const auto bytes = std::string_view(parts_.content(request.logs[i].author)).substr(0, request.logs[i].bytes);
         if (digests->digests[i] != digest(bytes)) {
-          return end(snapshot_.given_by + " and " + name + " have different operations of author " +
+          return end(snapshot_.provided_by + " and " + name + " have different operations of author " +
                      std::to_string(request.logs[i].author.value) + " at one place: one of them is damaged, or lies");
         }
       }
@@ -272,21 +296,26 @@ class Fetch {
 
   // The peer is of no use: it is not asked again.
   void give_up(const ConnectionPtr& connection, const std::string& why) {
-    drop(connection);
+    peers_[connection->peer].is_of_use = false;
+    for (const ConnectionPtr& each : std::set(connections_)) {
+      if (each->peer == connection->peer) drop(each);
+    }
     note(connection->peer, why);
     if (compares_) return ask_another_for_digests();
-    if (connections_.empty()) end(last_failure_);
+    if (std::ranges::none_of(peers_, &Peer::is_of_use)) return end(last_failure_);
+    ask_on_all();
   }
 
   void drop(const ConnectionPtr& connection) {
     connection->stream->close();
     if (connection->asks_for_digests) asks_for_digests_ = false;
+    if (connection->asks_for_offer) peers_[connection->peer].is_asked_for_offer = false;
     if (connection->awaits) parts_.give_back(*std::exchange(connection->awaits, std::nullopt));
     connections_.erase(connection);
   }
 
   void note(std::size_t peer, const std::string& why) {
-    last_failure_ = peers_[peer].giver.name + ": " + why;
+    last_failure_ = peers_[peer].provider.name + ": " + why;
     if (peers_[peer].said.insert(why).second) snapshot_.notes.push_back(last_failure_);
   }
 
@@ -303,7 +332,7 @@ class Fetch {
   void end(std::string error) {
     if (std::exchange(over_, true)) return;
     error_ = std::move(error);
-    const auto gave = [](const ConnectionPtr& each) { return each->has_given; };
+    const auto gave = [](const ConnectionPtr& each) { return each->has_provided; };
     snapshot_.connections = static_cast<std::size_t>(std::ranges::count_if(connections_, gave));
     for (const ConnectionPtr& each : connections_) each->stream->close();
     connections_.clear();
@@ -332,9 +361,9 @@ class Fetch {
 
 }  // namespace
 
-std::expected<Snapshot, std::string> fetch_snapshot(const std::vector<Giver>& givers, std::uint64_t session,
+std::expected<Snapshot, std::string> fetch_snapshot(const std::vector<Provider>& providers, std::uint64_t session,
                                                     const FetchOptions& options) {
-  return Fetch(givers, session, options).run();
+  return Fetch(providers, session, options).run();
 }
 
 }  // namespace peerd::snapshot

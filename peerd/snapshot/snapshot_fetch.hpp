@@ -13,7 +13,7 @@
 namespace peerd::snapshot {
 
 // A peer that gives snapshots.
-struct Giver {
+struct Provider {
   std::string name;
   boost::asio::ip::tcp::endpoint at;
 };
@@ -22,7 +22,7 @@ struct Snapshot {
   Offer offer;  // whose logs are as long as those below
   std::string archive;
   std::vector<replication::OperationPart> logs;
-  std::string given_by;      // the peer that made the offer
+  std::string provided_by;   // the peer that made the offer
   std::string checked_with;  // another one that has the same, as far as it has as much; empty: there was none
   std::size_t connections = 0;
   std::vector<std::string> notes;  // for people: peers that failed, or have something else
@@ -30,14 +30,14 @@ struct Snapshot {
 
 struct FetchOptions {
   // Over so many connections in all, to so many peers at most: where packets get lost, one connection alone is slow.
-  std::size_t connections = 12, givers = 4;
+  std::size_t connections = 32, providers = 4;
   Duration patience = std::chrono::seconds(15);  // without any new part; then it fails
 };
 
 // Gets a snapshot from peers of one session (0: that of the first to answer): parts from all of them at once, and those
 // of a peer that fails from the others. A peer whose archive is another one than that of the first to answer gives
 // nothing. The error is for people. Blocks.
-[[nodiscard]] std::expected<Snapshot, std::string> fetch_snapshot(const std::vector<Giver>& givers,
+[[nodiscard]] std::expected<Snapshot, std::string> fetch_snapshot(const std::vector<Provider>& providers,
                                                                   std::uint64_t session,
                                                                   const FetchOptions& options = {});
 

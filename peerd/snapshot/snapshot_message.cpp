@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "peerd/input/compression.hpp"
+#include "peerd/input/printable.hpp"
 #include "proto/snapshot.pb.h"
 
 namespace peerd::snapshot {
@@ -11,6 +12,9 @@ namespace {
 
 using replication::AuthorId;
 using replication::LogLength;
+
+// The longest name or sentence that is taken from another peer.
+constexpr std::size_t kSentenceMax_bytes = 255;
 
 void put(const std::vector<LogLength>& logs, proto::SnapshotLogs& out) {
   for (const LogLength& log : logs) {
@@ -114,13 +118,14 @@ std::expected<Reply, std::string> decode_reply(std::string_view bytes) {
   }
   switch (in.what_case()) {
     case proto::SnapshotReply::kRefusal:
-      return Refusal{in.refusal()};
+      return Refusal{printable(in.refusal(), kSentenceMax_bytes)};
     case proto::SnapshotReply::kOffer: {
       const proto::SnapshotOffer& o = in.offer();
       auto logs = logs_of(o.logs());
       if (!logs) return std::unexpected(logs.error());
-      return Offer{o.protocol(), o.session(),       o.world(),          o.settings(),
-                   o.genesis(),  o.archive_bytes(), o.archive_digest(), *std::move(logs)};
+      return Offer{o.protocol(),       o.session(),     printable(o.world(), kSentenceMax_bytes),
+                   o.settings(),       o.genesis(),     o.archive_bytes(),
+                   o.archive_digest(), *std::move(logs)};
     }
     case proto::SnapshotReply::kChunk: {
       auto part = decompress(in.chunk(), kPartMax_bytes);

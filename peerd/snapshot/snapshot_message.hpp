@@ -11,13 +11,14 @@
 
 namespace peerd::snapshot {
 
-// A snapshot is what a newcomer needs before it meets the peers of a session: the archive of the world's first files
-// (config::WorldArchive), the settings that all peers share, and the logs of all operations. The archive and the logs
-// are the same bytes at all peers, so that parts of them can come from several, over several connections at once.
+// A snapshot is what a joining peer needs before it meets the peers of a session: the archive of the world's first
+// files (config::WorldArchive), the settings that all peers share, and the logs of all operations. The archive and the
+// logs are the same bytes at all peers, so that parts of them can come from several, over several connections at once.
 
-// A part has at most so many bytes before it is compressed; a request and a reply have at most so many.
-inline constexpr std::size_t kPartMax_bytes = 128 * 1024;
-inline constexpr std::size_t kRequestMax_bytes = 1024 * 1024, kReplyMax_bytes = 16 * 1024 * 1024;
+// A part has at most so many bytes before it is compressed: two or three round trips of a connection in slow start. A
+// request and a reply have at most so many.
+inline constexpr std::size_t kPartMax_bytes = 32 * 1024;
+inline constexpr std::size_t kRequestMax_bytes = 1024 * 1024, kReplyMax_bytes = 2 * 1024 * 1024;
 
 struct OfferRequest {
   friend bool operator==(const OfferRequest&, const OfferRequest&) = default;
@@ -58,7 +59,7 @@ struct Offer {
 };
 
 struct Part {
-  std::string bytes;  // unpacked; fewer than were asked for, at least one
+  std::string bytes;  // unpacked; those that were asked for
 
   friend bool operator==(const Part&, const Part&) = default;
 };

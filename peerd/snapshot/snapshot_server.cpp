@@ -18,7 +18,7 @@ using boost::system::error_code;
 using replication::LogLength;
 using replication::OperationRange;
 
-// A newcomer that asks for nothing for so long is gone.
+// A joining peer that asks for nothing for so long is gone.
 constexpr Duration kPatience = std::chrono::seconds(30);
 constexpr std::chrono::seconds kAcceptAgainAfter{1};  // pause after a failure, such as a lack of descriptors
 
@@ -26,22 +26,23 @@ std::string_view as_text(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-std::vector<LogLength> whole_logs(const replication::OperationLogs& logs) {
+std::vector<LogLength> whole_logs(const replication::OperationLogs& logs, SimTime latest) {
   std::vector<LogLength> whole;
   for (const LogLength& log : logs.lengths()) {
-    if (const std::uint64_t bytes = logs.whole(log.author); bytes > 0) whole.push_back({log.author, bytes});
+    if (const std::uint64_t bytes = logs.whole(log.author); bytes > 0 && logs.last_stamp(log.author) <= latest)
+      whole.push_back({log.author, bytes});
   }
   return whole;
 }
 
-Reply part_of(const OperationRange& range, const Source& source) {
+Reply part_of(const OperationRange& range, const SnapshotContent& content) {
   std::string_view bytes;
   if (range.author != replication::kNoAuthor) {
-    bytes = as_text(source.logs().bytes(range));
-  } else if (range.from < source.archive.size()) {
-    bytes = source.archive.substr(range.from, range.to - range.from);
+    bytes = as_text(content.logs().bytes(range));
+  } else if (range.from < content.archive.size()) {
+    bytes = content.archive.substr(range.from, range.to - range.from);
   }
-  if (bytes.empty()) return Refusal{"this peer does not hold that"};
+  if (bytes.size() != range.to - range.from) return Refusal{"this peer does not hold that"};
   return Part{std::string(bytes)};
 }
 
@@ -56,26 +57,26 @@ Digests digests_of(const DigestRequest& asked, const replication::OperationLogs&
 
 }  // namespace
 
-Reply reply_to(std::string_view bytes, const Source& source) {
+Reply reply_to(std::string_view bytes, const SnapshotContent& content) {
   const auto request = decode_request(bytes);
   if (!request) return Refusal{request.error()};
-  if (request->session != 0 && request->session != source.session) return Refusal{"this peer is in another world"};
-  if (const auto* part = std::get_if<PartRequest>(&request->what)) return part_of(part->range, source);
-  if (const auto* asked = std::get_if<DigestRequest>(&request->what)) return digests_of(*asked, source.logs());
+  if (request->session != 0 && request->session != content.session) return Refusal{"this peer is in another world"};
+  if (const auto* part = std::get_if<PartRequest>(&request->what)) return part_of(part->range, content);
+  if (const auto* asked = std::get_if<DigestRequest>(&request->what)) return digests_of(*asked, content.logs());
   return Offer{.protocol = replication::kProtocolVersion,
-               .session = source.session,
-               .world = source.world,
-               .settings = source.settings,
-               .genesis = source.genesis,
-               .archive_bytes = source.archive.size(),
-               .archive_digest = digest(source.archive),
-               .logs = whole_logs(source.logs())};
+               .session = content.session,
+               .world = content.world,
+               .settings = content.settings,
+               .genesis = content.genesis,
+               .archive_bytes = content.archive.size(),
+               .archive_digest = content.archive_digest,
+               .logs = whole_logs(content.logs(), content.latest_stamp())};
 }
 
 // The io_context may hold handlers that outlive the server; `over_` tells them.
 class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
  public:
-  Impl(asio::io_context& io, Source source) : acceptor_(io), again_(io), source_(std::move(source)) {}
+  Impl(asio::io_context& io, SnapshotContent content) : acceptor_(io), again_(io), content_(std::move(content)) {}
 
   std::expected<void, net::NetError> listen(const asio::ip::address& address, std::uint16_t port) {
     error_code failed;
@@ -86,8 +87,8 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
     if (!failed) acceptor_.listen(kConnectionsMax, failed);
     if (failed) {
       return std::unexpected(
-          net::NetError{net::NetError::Kind::kOther, "can't listen for newcomers at " + address.to_string() + " port " +
-                                                         std::to_string(port) + ": " + failed.message()});
+          net::NetError{net::NetError::Kind::kOther, "can't listen for joining peers at " + address.to_string() +
+                                                         " port " + std::to_string(port) + ": " + failed.message()});
     }
     accept();
     return {};
@@ -119,7 +120,7 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
     });
   }
   void take(asio::ip::tcp::socket socket) {
-    if (streams_.size() >= kConnectionsMax) return;  // which closes it: the newcomer asks elsewhere, or again
+    if (streams_.size() >= kConnectionsMax) return;  // which closes it: the joining peer asks elsewhere, or again
     error_code ignored;
     socket.set_option(asio::ip::tcp::no_delay(true), ignored);
     const auto number = ++taken_;
@@ -133,7 +134,7 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
   void serve(const StreamPtr& stream) {
     stream->read([self = shared_from_this(), stream](const std::string& request) {
       if (self->over_) return;
-      stream->write(encode(reply_to(request, self->source_)), [self, stream] {
+      stream->write(encode(reply_to(request, self->content_)), [self, stream] {
         if (!self->over_) self->serve(stream);
       });
     });
@@ -142,7 +143,7 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
 
   asio::ip::tcp::acceptor acceptor_;
   asio::steady_timer again_;
-  Source source_;
+  SnapshotContent content_;
   std::map<std::uint64_t, StreamPtr> streams_;  // by the order in which they were taken
   std::uint64_t taken_ = 0;
   bool over_ = false;
@@ -156,8 +157,9 @@ std::uint16_t SnapshotServer::port() const { return impl_->port(); }
 
 std::expected<std::unique_ptr<SnapshotServer>, net::NetError> SnapshotServer::open(asio::io_context& io,
                                                                                    const asio::ip::address& address,
-                                                                                   std::uint16_t port, Source source) {
-  auto impl = std::make_shared<Impl>(io, std::move(source));
+                                                                                   std::uint16_t port,
+                                                                                   SnapshotContent content) {
+  auto impl = std::make_shared<Impl>(io, std::move(content));
   if (auto listening = impl->listen(address, port); !listening) return std::unexpected(listening.error());
   return std::unique_ptr<SnapshotServer>(new SnapshotServer(std::move(impl)));
 }

@@ -92,9 +92,7 @@ Result<void> write_author(const fs::path& folder, const fs::path& store_file, Au
   if (!self || !store) return std::unexpected(unwritable(folder, std::strerror(errno)));
   const std::string line = fmt::format("{} {} {} {}\n", author.value, *self, *store, log_bytes);
   if (const auto written = write_text_file(unfinished, line); !written) return written;
-  failed = synchronise(unfinished);
-  if (!failed) fs::rename(unfinished, folder / kAuthorFile, failed);
-  if (!failed) failed = synchronise(folder);
+  failed = put_in_place(unfinished, folder / kAuthorFile);
   if (failed) return std::unexpected(unwritable(folder, failed.message()));
   return {};
 }

@@ -82,7 +82,7 @@ DatabaseResult<Database> Database::open(const std::filesystem::path& file, bool 
   if (opened == nullptr) return std::unexpected(DatabaseError{SQLITE_NOMEM, "there is no memory for it"});
   Database database(opened);
   if (code != SQLITE_OK) return std::unexpected(sqlite_error(opened));
-  // Where nothing is written ahead, closing changes nothing and removes the empty file that opening has made.
+  // Closing changes nothing where nothing is written ahead, and removes the empty file that opening has made.
   std::error_code failed;
   const bool is_ahead = std::filesystem::file_size(file.string() + "-wal", failed) > 0 && !failed;
   if (is_ahead && !may_create) {

@@ -23,7 +23,7 @@ fs::path first_of(const fs::path& path, Fits fits) {
   return each;
 }
 
-// What stands in the folder that no store puts there; empty: nothing.
+// A name in the folder that no store puts there; empty: there is none.
 Result<std::string> foreign_in(const fs::path& folder) {
   std::error_code failed;
   for (fs::directory_iterator each(folder, failed), end; !failed && each != end; each.increment(failed)) {

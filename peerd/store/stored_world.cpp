@@ -28,20 +28,8 @@ InputError damaged(const fs::path& file, const std::string& why) {
   return {"error: " + file.string() + " is damaged: " + why, 1};
 }
 
-}  // namespace
-
-// The description last: where it is, the archive is, too.
-Result<void> write_world(const fs::path& folder, const StoredWorld& world) {
-  if (const auto there = read_world_of_store(folder); there && *there && **there == world) return {};
-  const nlohmann::ordered_json description{{"format", kFormat},
-                                           {"name", world.name},
-                                           {"genesis", fmt::format("{:016x}", world.genesis)},
-                                           {"settings", world.settings}};
-  if (auto written = write_durably(folder / kArchive, world.archive); !written) return written;
-  return write_durably(folder / kDescription, json_line(description) + '\n');
-}
-
-Result<std::optional<StoredWorld>> read_world_of_store(const fs::path& folder) {
+// Reads the world without its archive.
+Result<std::optional<StoredWorld>> read_description(const fs::path& folder) {
   std::error_code failed;
   if (!fs::exists(folder / kDescription, failed)) return std::nullopt;
   const auto text = read_text_file(folder / kDescription, kDescriptionMax);
@@ -65,9 +53,34 @@ Result<std::optional<StoredWorld>> read_world_of_store(const fs::path& folder) {
   } catch (const nlohmann::json::exception& e) {
     return std::unexpected(damaged(folder / kDescription, e.what()));
   }
+  return world;
+}
+
+}  // namespace
+
+// The description last: where it is, the archive is, too.
+Result<void> write_world(const fs::path& folder, const StoredWorld& world) {
+  const auto there = read_description(folder);
+  if (!there) return std::unexpected(there.error());  // what is not understood is not overwritten
+  std::error_code failed;
+  const bool has_archive = *there && (*there)->genesis == world.genesis && fs::exists(folder / kArchive, failed);
+  if (has_archive && (*there)->name == world.name && (*there)->settings == world.settings) return {};
+  const nlohmann::ordered_json description{{"format", kFormat},
+                                           {"name", world.name},
+                                           {"genesis", fmt::format("{:016x}", world.genesis)},
+                                           {"settings", world.settings}};
+  if (!has_archive) {
+    if (auto written = write_durably(folder / kArchive, world.archive); !written) return written;
+  }
+  return write_durably(folder / kDescription, json_line(description) + '\n');
+}
+
+Result<std::optional<StoredWorld>> read_world_of_store(const fs::path& folder) {
+  auto world = read_description(folder);
+  if (!world || !*world) return world;
   auto archive = read_text_file(folder / kArchive, kArchiveMax);
   if (!archive) return std::unexpected(archive.error());
-  world.archive = *std::move(archive);
+  (*world)->archive = *std::move(archive);
   return world;
 }
 
@@ -79,8 +92,8 @@ std::vector<fs::path> stores_of_world(const std::string& name) {
   for (const auto& genesis : fs::directory_iterator(*state, failed)) {
     if (!genesis.is_directory(failed)) continue;
     for (const auto& folder : fs::directory_iterator(genesis.path(), failed)) {
-      if (!fs::exists(folder.path() / kDescription, failed)) continue;
-      const auto world = read_world_of_store(folder.path());
+      if (folder.path().filename().string().find(".before") != std::string::npos) continue;  // it was put aside
+      const auto world = read_description(folder.path());
       if (world && *world && (name.empty() || (*world)->name == name)) found.push_back(folder.path());
     }
   }
@@ -88,24 +101,25 @@ std::vector<fs::path> stores_of_world(const std::string& name) {
   return found;
 }
 
-Result<PeerId> identity_in(const fs::path& folder, PeerId fresh, bool is_copy) {
+Result<PeerId> identity_in(const fs::path& folder, PeerId fresh, replication::AuthorId author) {
   const fs::path file = folder / kPeer;
   std::error_code failed;
-  if (is_copy || !fs::exists(file, failed)) {
-    if (auto written = write_durably(file, std::to_string(fresh.value) + '\n'); !written) {
-      return std::unexpected(written.error());
+  if (fs::exists(file, failed)) {
+    const auto text = read_text_file(file, kPeerMax);
+    if (!text) return std::unexpected(text.error());
+    std::uint32_t peer = 0, of_author = 0;
+    const char *const begin = text->data(), *const end = begin + text->size();
+    const auto first = std::from_chars(begin, end, peer);
+    const bool has_more = first.ec == std::errc{} && first.ptr != end && *first.ptr == ' ';
+    const auto second = has_more ? std::from_chars(first.ptr + 1, end, of_author) : first;
+    if (!has_more || second.ec != std::errc{} || std::string_view(second.ptr, end) != "\n" || peer == 0) {
+      return std::unexpected(damaged(file, "it holds no number of a peer and of an author"));
     }
-    return fresh;
+    if (replication::AuthorId{of_author} == author) return PeerId{peer};
   }
-  const auto text = read_text_file(file, kPeerMax);
-  if (!text) return std::unexpected(text.error());
-  std::uint32_t number = 0;
-  const char* const end = text->data() + text->size();
-  const auto [rest, error] = std::from_chars(text->data(), end, number);
-  if (error != std::errc{} || number == 0 || std::string_view(rest, end) != "\n") {
-    return std::unexpected(damaged(file, "it holds no number of a peer"));
-  }
-  return PeerId{number};
+  auto written = write_durably(file, fmt::format("{} {}\n", fresh.value, author.value));
+  if (!written) return std::unexpected(written.error());
+  return fresh;
 }
 
 }  // namespace peerd::store

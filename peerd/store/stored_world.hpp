@@ -7,6 +7,7 @@
 
 #include "core/ids.hpp"
 #include "peerd/input/input_error.hpp"
+#include "replication/wire/operation.hpp"
 
 namespace peerd::store {
 
@@ -21,7 +22,8 @@ struct StoredWorld {
   friend bool operator==(const StoredWorld&, const StoredWorld&) = default;
 };
 
-// Puts the world into the folder of a store, unless it is there already.
+// Puts the world into the folder of a store, unless it is there already. A description that cannot be read stays as it
+// is, and is an error.
 [[nodiscard]] Result<void> write_world(const std::filesystem::path& folder, const StoredWorld& world);
 // None: the folder holds no world. The error says what is damaged.
 [[nodiscard]] Result<std::optional<StoredWorld>> read_world_of_store(const std::filesystem::path& folder);
@@ -31,7 +33,8 @@ struct StoredWorld {
 [[nodiscard]] std::vector<std::filesystem::path> stores_of_world(const std::string& name);
 
 // The number by which the peer of this store is known in its world, the same in each of its lives: that of the file
-// `peer`, which is made where there is none, and anew for a copy of a store, with the number `fresh`.
-[[nodiscard]] Result<PeerId> identity_in(const std::filesystem::path& folder, PeerId fresh, bool is_copy = false);
+// `peer`, if that is of the author whose log the store continues; else, as for a copy of a store, `fresh` from now on.
+[[nodiscard]] Result<PeerId> identity_in(const std::filesystem::path& folder, PeerId fresh,
+                                         replication::AuthorId author);
 
 }  // namespace peerd::store

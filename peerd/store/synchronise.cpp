@@ -18,6 +18,14 @@ std::error_code synchronise(const fs::path& path) {
   return failed;
 }
 
+std::error_code put_in_place(const fs::path& unfinished, const fs::path& file) {
+  if (const auto failed = synchronise(unfinished)) return failed;
+  std::error_code failed;
+  fs::rename(unfinished, file, failed);
+  if (failed) return failed;
+  return synchronise(file.has_parent_path() ? file.parent_path() : fs::path("."));
+}
+
 // A folder whose name is not on the disk is lost with all that is in it, however well that is written.
 std::error_code make_folders(const fs::path& folder) {
   std::error_code failed;

@@ -8,6 +8,10 @@ namespace peerd::store {
 // not.
 [[nodiscard]] std::error_code synchronise(const std::filesystem::path& path);
 
+// Gives a file that has been written under another name, in the same folder, its own: what has that name is whole then,
+// or as it was before, also after a power cut.
+[[nodiscard]] std::error_code put_in_place(const std::filesystem::path& unfinished, const std::filesystem::path& file);
+
 // Makes the folder and those that lead to it, each with its name on the disk.
 [[nodiscard]] std::error_code make_folders(const std::filesystem::path& folder);
 

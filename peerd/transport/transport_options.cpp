@@ -9,8 +9,6 @@
 namespace peerd {
 namespace {
 
-constexpr std::uint32_t kDefaultPort = 47474;
-
 net::MulticastUse use_of(std::size_t word) {
   switch (word) {
     case config::kMulticastAlways:
@@ -29,7 +27,7 @@ InputError input_error(const net::NetError& error) {
 }
 
 Result<net::TransportOptions> transport_options(const config::TransportSettings& settings, const net::SipKey& key) {
-  const auto port = static_cast<std::uint16_t>(settings.port.value_or(kDefaultPort));
+  const auto port = static_cast<std::uint16_t>(settings.port.value_or(config::kDefaultPort));
   const auto plan = net::parse_group_plan(settings.group, port, settings.group_pool);
   if (!plan) return std::unexpected(input_error(plan.error()));
   net::TransportOptions options;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <ranges>
 
 namespace peerd::replication {
 
@@ -31,16 +32,34 @@ void Conflicts::on_in_force(const OperationKey& key, const OperationBody& body, 
     added_[ObjectId(add->first_object, key.second.author.value)] = {key, objects};
   }
   if (!removed.objects.empty() || !removed.nodes.empty()) {
-    RemovedIds& known = removals_[key];
-    removed_ids_ -= known.objects.size() + known.nodes.size();
-    removed_ids_ += removed.objects.size() + removed.nodes.size();
-    known = std::move(removed);
-    while (removed_ids_ > kRemovedIdsMax && removals_.size() > 1) {
-      const RemovedIds& oldest = removals_.begin()->second;
-      removed_ids_ -= oldest.objects.size() + oldest.nodes.size();
-      removals_.erase(removals_.begin());
-    }
+    set_removal(key, std::move(removed));
+    while (removed_ids_ > kRemovedIdsMax && removals_.size() > 1) erase_removal(removals_.begin()->first);
   }
+}
+
+void Conflicts::set_removal(const OperationKey& removal, RemovedIds ids) {
+  if (removals_.contains(removal)) erase_removal(removal);
+  for (const ObjectId object : ids.objects) removals_of_object_[object].push_back(removal);
+  for (const NodeId node : ids.nodes) removals_of_node_[node].push_back(removal);
+  removed_ids_ += ids.objects.size() + ids.nodes.size();
+  removals_.emplace(removal, std::move(ids));
+}
+
+void Conflicts::erase_removal(const OperationKey& removal) {
+  const OperationKey key = removal;  // it may be part of what is erased
+  const auto erase_from = [&](auto& removals_of, const auto& ids) {
+    for (const auto id : ids) {
+      const auto at = removals_of.find(id);
+      assert(at != removals_of.end());
+      std::erase(at->second, key);
+      if (at->second.empty()) removals_of.erase(at);
+    }
+  };
+  const RemovedIds& ids = removals_.at(key);
+  erase_from(removals_of_object_, ids.objects);
+  erase_from(removals_of_node_, ids.nodes);
+  removed_ids_ -= ids.objects.size() + ids.nodes.size();
+  removals_.erase(key);
 }
 
 void Conflicts::on_refused(const OperationKey& key, const OperationBody& body) {
@@ -69,9 +88,8 @@ void Conflicts::find(SimTime now) {
 
 // A new operation may have its place before a removal that is known already.
 void Conflicts::find_removed_later(const New& operation, const std::optional<Register>& written) {
-  for (auto later = removals_.upper_bound(operation.key); later != removals_.end(); ++later) {
-    const OperationKey& removal = later->first;
-    if (!is_in_force_(removal) || knew(removal, operation.key) || !has_removed(removal, *operation.body)) continue;
+  for (const OperationKey& removal : removals_of(*operation.body)) {
+    if (!(operation.key < removal) || !is_in_force_(removal) || knew(removal, operation.key)) continue;
     if (written) {
       find_removed_writes(removal, written->kind, written->id);
     } else {
@@ -132,31 +150,44 @@ void Conflicts::find_removed(const OperationKey& removal, const RemovedIds& ids)
   }
 }
 
-bool Conflicts::has_removed(const OperationKey& removal, const OperationBody& body) const {
-  const RemovedIds& ids = removals_.at(removal);
+std::vector<OperationKey> Conflicts::removals_of(const OperationBody& body) const {
+  std::vector<OperationKey> all;
   const auto object = [&](const std::optional<ObjectId>& id) {
-    return id && std::ranges::binary_search(ids.objects, *id);
+    const auto at = id ? removals_of_object_.find(*id) : removals_of_object_.end();
+    if (at != removals_of_object_.end()) all.insert(all.end(), at->second.begin(), at->second.end());
   };
-  const auto node = [&](NodeId id) { return std::ranges::binary_search(ids.nodes, id); };
-  if (const auto* add = std::get_if<AddNodes>(&body)) return object(add->parent) || object(add->before);
-  if (const auto* remove = std::get_if<RemoveObject>(&body)) return object(remove->object);
-  if (const auto* remove = std::get_if<RemoveNode>(&body)) return node(remove->node);
-  if (const auto* move = std::get_if<MoveObject>(&body)) {
-    return object(move->object) || object(move->parent) || object(move->before);
+  const auto node = [&](NodeId id) {
+    const auto at = removals_of_node_.find(id);
+    if (at != removals_of_node_.end()) all.insert(all.end(), at->second.begin(), at->second.end());
+  };
+  if (const auto* add = std::get_if<AddNodes>(&body)) {
+    object(add->parent);
+    object(add->before);
+  } else if (const auto* remove_object = std::get_if<RemoveObject>(&body)) {
+    object(remove_object->object);
+  } else if (const auto* remove_node = std::get_if<RemoveNode>(&body)) {
+    node(remove_node->node);
+  } else if (const auto* move = std::get_if<MoveObject>(&body)) {
+    object(move->object);
+    object(move->parent);
+    object(move->before);
+  } else if (const auto* set = std::get_if<SetField>(&body)) {
+    node(set->node);
+  } else if (const auto* route = std::get_if<ChangeRoute>(&body)) {
+    node(route->from);
+    node(route->to);
+  } else if (const auto* data = std::get_if<SetData>(&body)) {
+    node(data->node);
   }
-  if (const auto* set = std::get_if<SetField>(&body)) return node(set->node);
-  if (const auto* route = std::get_if<ChangeRoute>(&body)) return node(route->from) || node(route->to);
-  if (const auto* data = std::get_if<SetData>(&body)) return node(data->node);
-  return false;
+  std::ranges::sort(all);
+  all.erase(std::ranges::unique(all).begin(), all.end());
+  return all;
 }
 
 // The last removal of what it needs; else, of a move, the last other one: that may have made its own place part of it.
 std::optional<OperationKey> Conflicts::cause_of(const OperationKey& refused, const OperationBody& body) const {
-  for (auto removal = removals_.lower_bound(refused); removal != removals_.begin();) {
-    --removal;
-    if (is_in_force_(removal->first) && !knew(refused, removal->first) && has_removed(removal->first, body)) {
-      return removal->first;
-    }
+  for (const OperationKey& removal : std::views::reverse(removals_of(body))) {
+    if (removal < refused && is_in_force_(removal) && !knew(refused, removal)) return removal;
   }
   if (!std::holds_alternative<MoveObject>(body)) return std::nullopt;
   std::optional<OperationKey> last;

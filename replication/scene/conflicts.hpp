@@ -59,7 +59,7 @@ class Conflicts {
   // Finds what is lost by the operations since the last call. `now`: session time.
   void find(SimTime now);
 
-  // By the operation that has lost.
+  // The conflicts by the operation that has lost.
   [[nodiscard]] std::vector<Conflict> list(SimTime now) const;
   // The number of conflicts that were forgotten early, because there were more than kMax.
   [[nodiscard]] std::uint64_t forgotten() const { return forgotten_; }
@@ -92,7 +92,10 @@ class Conflicts {
   void find_removed(const OperationKey& removal, const RemovedIds& ids);
   void find_removed_writes(const OperationKey& removal, Register::Kind kind, std::uint64_t id);
   [[nodiscard]] std::optional<OperationKey> cause_of(const OperationKey& refused, const OperationBody& body) const;
-  [[nodiscard]] bool has_removed(const OperationKey& removal, const OperationBody& body) const;
+  void set_removal(const OperationKey& removal, RemovedIds ids);
+  void erase_removal(const OperationKey& removal);
+  // The known removals of what the operation names; ascending.
+  [[nodiscard]] std::vector<OperationKey> removals_of(const OperationBody& body) const;
   void note(const OperationKey& loser, std::optional<OperationKey> winner);
 
   IsInForce is_in_force_;
@@ -101,6 +104,8 @@ class Conflicts {
   std::map<ObjectId, std::pair<OperationKey, std::uint32_t>> added_;  // by the first object; how many
   std::map<OperationKey, RemovedIds> removals_;
   std::size_t removed_ids_ = 0;
+  std::map<ObjectId, std::vector<OperationKey>> removals_of_object_;  // those of removals_, by what they have removed
+  std::map<NodeId, std::vector<OperationKey>> removals_of_node_;
   std::map<OperationKey, Conflict> found_;  // by the loser
   std::vector<New> new_;
   std::vector<std::pair<OperationKey, std::optional<OperationKey>>> refused_;

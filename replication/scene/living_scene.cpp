@@ -24,6 +24,11 @@ std::optional<ObjectId> meaning(const std::vector<Name>& names, std::string_view
   return name == names.end() ? std::nullopt : std::optional(name->second);
 }
 
+bool contains(const Scene& scene, NodeId node) {
+  const vrml::Document& document = *scene.document;
+  return document.ids.find(node, document.nodes.size()).has_value();
+}
+
 constexpr const char* kGone = "it is not in the scene any more";
 
 // A message that is longer changes no more than any other, but is delivered to nobody.
@@ -138,9 +143,7 @@ std::expected<void, std::string> LivingScene::place_in(Editing& editing, const P
 }
 
 bool LivingScene::Editing::contains(NodeId node) {
-  if (scene) return scene->contains(node);
-  const vrml::Document& document = *state.scene->document;
-  return document.ids.find(node, document.nodes.size()).has_value();
+  return scene ? scene->contains(node) : peerd::replication::contains(*state.scene, node);
 }
 
 std::expected<void, std::string> LivingScene::set_data(Editing& editing, const SetData& set) {
@@ -158,10 +161,8 @@ std::expected<LivingScene::State, std::string> LivingScene::finish(Editing editi
   const auto is_gone = [&](const auto& each) { return !editing.state.scene->contains(each.first); };
   std::erase_if(editing.state.owners, is_gone);
   std::erase_if(editing.state.left, is_gone);
-  if (!editing.state.data->empty()) {
-    const vrml::Document& document = *editing.state.scene->document;
-    editing.data().keep([&](NodeId node) { return document.ids.find(node, document.nodes.size()).has_value(); });
-  }
+  const auto is_kept = [&](NodeId node) { return contains(*editing.state.scene, node); };
+  if (!editing.state.data->are_all(is_kept)) editing.data().keep(is_kept);
   return std::move(editing.state);
 }
 
@@ -247,11 +248,15 @@ std::optional<LivingScene::Change> LivingScene::apply(SimTime until, SimTime kno
     if (before == now_.left.end() || before->second != left) change.left.emplace(object, left);
   }
   if (next.state.data != now_.data) change.data = next.state.data->changes_since(*now_.data);
+  for (Effect& effect : next.effects) {  // a node that is used elsewhere, too, is not gone
+    std::erase_if(effect.removed.nodes, [&](NodeId node) { return contains(*next.state.scene, node); });
+  }
   for (std::size_t i = 0; i < entries.size(); ++i) {
     note_effect(entries_.find(entries[i]->first), std::move(next.effects[i]), change);
   }
   conflicts_.find(until == SimTime::max() ? entries.back()->first.first : until);
   now_ = std::move(next.state);
+  if (last > with_all_until_) with_all_.reset();
   checkpoints_.push_back({entries.back()->first, now_, base.count + entries.size()});
   thin_checkpoints();
   assert(std::ranges::is_sorted(checkpoints_, {}, &Checkpoint::last));

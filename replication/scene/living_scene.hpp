@@ -76,9 +76,9 @@ class LivingScene {
   [[nodiscard]] std::expected<Draft, std::string> draft(OperationBody body, AuthorId author,
                                                         SimTime until = SimTime::max());
 
-  // What undoes or redoes, by the same author, the last edit that it has not undone, or the one that it has undone last
-  // and made no other edit since. Edits that others have overwritten are passed over, as undoing them would change
-  // nothing. The error says, for people, why there is none.
+  // The operation that undoes, by the same author, the last edit that it has not undone; or that redoes the one that it
+  // has undone last, if it has made no other edit since. Edits that others have overwritten are passed over, as undoing
+  // them would change nothing. The error says, for people, why there is none.
   struct Undoing {
     UndoOperation undo;
     OperationBody undone;
@@ -187,7 +187,8 @@ class LivingScene {
   [[nodiscard]] State all_until(SimTime until, const Key& first, const Undone& undone) const;
   [[nodiscard]] const State& with_all(SimTime until);
   [[nodiscard]] std::vector<Key> undo_candidates(AuthorId author, bool redoes) const;
-  [[nodiscard]] std::string why_not_undo(const Key& target, bool redoes, const State& before, const State& after) const;
+  [[nodiscard]] std::string why_not_undo(const Key& target, bool redoes, const State& before,
+                                         const std::optional<std::string>& text_before, const State& after) const;
   // The last checkpoint before a key; the file's scene where there is none.
   [[nodiscard]] Checkpoint checkpoint_before(const Key& key) const;
   void thin_checkpoints();

@@ -9,7 +9,7 @@ namespace peerd::replication {
 namespace {
 
 // Others' edits may have made all of so many meaningless; nobody means what lies behind.
-constexpr std::size_t kPassedOverMax = 64;
+constexpr std::size_t kPassedOverMax = 16;
 
 bool can_be_undone(const OperationBody& body) {
   return std::holds_alternative<AddNodes>(body) || std::holds_alternative<RemoveObject>(body) ||
@@ -18,10 +18,10 @@ bool can_be_undone(const OperationBody& body) {
          std::holds_alternative<SetData>(body);
 }
 
-// Whether the two look alike to people: what a file of them would say.
-bool are_alike(const Scene& a, const Scene& b) {
-  const auto text_a = write_world(a), text_b = write_world(b);
-  return text_a && text_b && text_a->text == text_b->text;
+// Whether the scene looks to people as one of that text does, which a file of it would have.
+bool is_alike(const Scene& scene, const std::optional<std::string>& text) {
+  const auto own = write_world(scene);
+  return own && text && own->text == *text;
 }
 
 }  // namespace
@@ -52,7 +52,7 @@ const OperationBody* LivingScene::find(const OperationKey& key) const {
   return at == entries_.end() ? nullptr : &at->second.body;
 }
 
-// The last first.
+// Returns the author's edits that can be undone or redone, the last one first.
 std::vector<LivingScene::Key> LivingScene::undo_candidates(AuthorId author, bool redoes) const {
   std::vector<Key> done, undone;
   for (const auto& [key, entry] : entries_) {
@@ -75,7 +75,8 @@ std::vector<LivingScene::Key> LivingScene::undo_candidates(AuthorId author, bool
 }
 
 // Returns why an undo or redo that leads from the one state to the other is none; empty: it is one.
-std::string LivingScene::why_not_undo(const Key& target, bool redoes, const State& before, const State& after) const {
+std::string LivingScene::why_not_undo(const Key& target, bool redoes, const State& before,
+                                      const std::optional<std::string>& text_before, const State& after) const {
   const OperationBody& body = entries_.at(target).body;
   assert(can_be_undone(body) && before.scene && after.scene);
   const bool removes = redoes ? std::holds_alternative<RemoveObject>(body) : std::holds_alternative<AddNodes>(body);
@@ -85,7 +86,7 @@ std::string LivingScene::why_not_undo(const Key& target, bool redoes, const Stat
     }
   }
   const bool same_data = after.data->changes_since(*before.data).empty();
-  return same_data && are_alike(*before.scene, *after.scene) ? "others have changed since what it had changed" : "";
+  return same_data && is_alike(*after.scene, text_before) ? "others have changed since what it had changed" : "";
 }
 
 std::expected<LivingScene::Undoing, std::string> LivingScene::next_undo(AuthorId author, bool redoes, SimTime until) {
@@ -94,12 +95,14 @@ std::expected<LivingScene::Undoing, std::string> LivingScene::next_undo(AuthorId
   const auto first_due = follow_undos(until, all_undone);
   std::string why = redoes ? "this peer has undone nothing since its last edit" : "this peer has no edit to undo";
   std::size_t tries = 0;
+  const auto written = write_world(*before.scene);
+  const std::optional<std::string> text_before = written ? std::optional(written->text) : std::nullopt;
   for (const Key& target : undo_candidates(author, redoes)) {
     if (++tries > kPassedOverMax) break;
     Undone undone = all_undone;
     redoes ? void(undone.erase(target)) : void(undone.insert(target));
     const State after = all_until(until, first_due ? std::min(*first_due, target) : target, undone);
-    const std::string refused = why_not_undo(target, redoes, before, after);
+    const std::string refused = why_not_undo(target, redoes, before, text_before, after);
     if (refused.empty()) return Undoing{{target.second.number, target.first, redoes}, entries_.at(target).body};
     if (tries == 1) why = refused;
   }

@@ -42,6 +42,10 @@ void NodeData::remove(NodeId node, const std::string& key) {
   if (at->second.empty()) values_.erase(at);
 }
 
+bool NodeData::are_all(const std::function<bool(NodeId)>& is_such) const {
+  return std::ranges::all_of(values_, [&](const auto& each) { return is_such(each.first); });
+}
+
 void NodeData::keep(const std::function<bool(NodeId)>& is_kept) {
   std::erase_if(values_, [&](const auto& of_node) {
     if (is_kept(of_node.first)) return false;

@@ -23,6 +23,8 @@ class NodeData {
   // Sets a value; the error says, for people, which limit it exceeds, and nothing is changed then.
   [[nodiscard]] std::expected<void, std::string> set(NodeId node, const std::string& key, std::string value);
   void remove(NodeId node, const std::string& key);
+  // Whether all nodes that have data are such.
+  [[nodiscard]] bool are_all(const std::function<bool(NodeId)>& is_such) const;
   // Keeps the data of such nodes only.
   void keep(const std::function<bool(NodeId)>& is_kept);
 

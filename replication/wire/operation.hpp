@@ -179,6 +179,10 @@ struct Operation {
 // An operation says no more; the next ones of its author say the rest.
 inline constexpr std::size_t kKnowsMax = 512;
 
+// Stamps farther ahead of session time are of a broken clock: they wait for their time, and no other stamp is later
+// because of them.
+inline constexpr Duration kStampAheadMax = std::chrono::seconds(10);
+
 // Bytes [from, from + bytes.size()) of an author's log.
 struct OperationPart {
   AuthorId author;

@@ -193,6 +193,7 @@ const char* take(const proto::GiveObject& in, GiveObject& g) {
 
 const char* take(const proto::PlaceObject& in, PlaceObject& p) {
   p.owner = PeerId{in.owner()};
+  if (!in_range(in.at_ns())) return "operation_stamp";
   p.at = SimTime{Duration{in.at_ns()}};
   if (!take_id(in.object(), p.object) || p.owner == kNobody) return kWrongId;
   return take(in, p.placement);

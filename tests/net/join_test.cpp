@@ -1,7 +1,8 @@
-// The real program: peers that are found, and newcomers that have no file.
+// The real program: peers that are found, and joining peers that have no file.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <thread>
 
 #include <nlohmann/json.hpp>
@@ -80,7 +81,7 @@ class Joining : public testing::Test {
   const std::string world = "world-" + std::to_string(getpid());
 };
 
-TEST_F(Joining, ANewcomerNeedsNoFile) {
+TEST_F(Joining, AJoiningPeerNeedsNoFile) {
   Process a = run("a", world), b = run("b", world);
   ASSERT_TRUE(is_in_session("a") && is_in_session("b")) << a.out() << b.out();
   ASSERT_TRUE(add("a", "BALL"));
@@ -139,6 +140,31 @@ TEST_F(Joining, NobodyIsHereAndAStoreIs) {
   Process b = join("b", world);
   ASSERT_TRUE(is_in_session("b")) << b.err();
   EXPECT_EQ(world_of("b"), before);
+}
+
+// Without --store a peer has one among this user's own.
+TEST_F(Joining, ThisUsersStoreOfThatPeerIsChosen) {
+  setenv("XDG_STATE_HOME", (folder / "state").c_str(), 1);
+  const auto start_with_default_store = [&](const std::string& name, Words words) {
+    const Words usual{"--name", name, "--interface", "lo", "--control", (folder / (name + ".sock")).string()};
+    words.insert(words.end(), usual.begin(), usual.end());
+    return Process(folder, name, PEERD_PROGRAM, words);
+  };
+  for (const std::string name : {"a", "b"}) {
+    Process peer = start_with_default_store(name, {"run", "--world", (folder / "w.wrl").string(), "--port",
+                                                   std::to_string(own_port(13)), "--world-name", world});
+    ASSERT_TRUE(is_in_session(name) && add(name, "OF_" + name)) << peer.out() << peer.err();
+    peer.signal(SIGTERM);
+    ASSERT_EQ(peer.exit_code(5), 0);
+  }
+  Process nobodys = start_with_default_store("c", {"join", world});
+  EXPECT_EQ(nobodys.exit_code(10), 3);
+  EXPECT_THAT(nobodys.err(), HasSubstr("there is more than one store"));
+  Process again = start_with_default_store("b", {"join", world});
+  ASSERT_TRUE(is_in_session("b")) << again.err();
+  EXPECT_THAT(world_of("b"), HasSubstr("OF_b"));
+  EXPECT_THAT(world_of("b"), testing::Not(HasSubstr("OF_a")));
+  unsetenv("XDG_STATE_HOME");
 }
 
 TEST_F(Joining, ThereIsNoSuchWorld) {

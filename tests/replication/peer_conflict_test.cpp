@@ -14,7 +14,7 @@ using testing::UnorderedElementsAre;
 class ListedConflicts : public EditingPeers {
  protected:
   using Winner = std::optional<OperationId>;
-  // By the loser and the winner.
+  // The conflicts by loser and winner.
   [[nodiscard]] std::vector<std::pair<OperationId, Winner>> conflicts(std::size_t i, Duration later = 0s) const {
     std::vector<std::pair<OperationId, Winner>> all;
     for (const Conflict& each : lan->peer(i).conflicts().list(lan->session_now(i) + later)) {
@@ -128,6 +128,27 @@ TEST_F(ListedConflicts, WhatIsUndoneHasWonNothing) {
   EXPECT_EQ(undo(0), "set");
   EXPECT_NE(text_at(1).find("1 0 0"), std::string::npos) << "it counts after all";
   for (std::size_t i = 0; i < 3; ++i) EXPECT_THAT(conflicts(i), IsEmpty());
+}
+
+// What is used at another place, too, is not removed with the one.
+TEST_F(ListedConflicts, NoneWhereANodeIsStillUsed) {
+  begin();
+  (void)edit(0, AddNodes{{},
+                         {},
+                         "#VRML V2.0 utf8\nDEF ONE Transform { children DEF INNER Transform { } }\n"
+                         "DEF TWO Transform { children USE INNER }\n",
+                         0,
+                         0,
+                         {}});
+  run_on(1s);
+  lan->part({2});
+  run_on(3s);
+  (void)edit(0, RemoveObject{object("ONE")});
+  (void)edit(2, SetField{node_apart("TWO/INNER"), "translation", "4 0 0", 0});
+  run_on(1s);
+  meet();
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_THAT(conflicts(i), IsEmpty());
+  EXPECT_NE(text_at(0).find("4 0 0"), std::string::npos);
 }
 
 }  // namespace peerd::replication::peer_conflict_test

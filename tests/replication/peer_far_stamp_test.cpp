@@ -86,6 +86,34 @@ TEST_F(FarStamp, GoesToNoStoreBefore) {
   EXPECT_EQ(last_stored, (OperationId{kBroken, 3}));
 }
 
+TEST_F(FarStamp, IsWithheldBehindOneThatIsDue) {
+  begin();
+  give_all(placing("CAR", 5), 14s);
+  const std::uint64_t first = lan->peer(0).logs().whole(kBroken);
+  give_all(placing("CAR", 6), 1h);
+  run_on(6s);
+  for (std::size_t i = 0; i < 2; ++i) {
+    std::uint64_t end = 0;
+    for (const LogGrown& each : lan->seen<LogGrown>(i)) {
+      if (each.range.author == kBroken) end = each.range.to;
+    }
+    EXPECT_EQ(end, first) << "at peer " << i + 1;
+  }
+}
+
+// An edit that is refused is checked against the scene of then; later ones against what others have done since.
+TEST_F(FarStamp, ARefusedEditLeavesNoOldSceneBehind) {
+  begin();
+  EXPECT_FALSE(lan->peer(0).edit(lan->host_now(0), RemoveObject{ObjectId{99'999}}));
+  run_on(11s);
+  (void)edit(1, adding("LATER"));
+  run_on(2s);
+  ASSERT_TRUE(scene(0).find("LATER"));
+  (void)edit(0, placing("LATER", 3));
+  run_on(1s);
+  EXPECT_NE(text_at(2).find("3 0 0"), std::string::npos);
+}
+
 TEST_F(FarStamp, AnOperationHasALimitedSize) {
   begin();
   const auto large = lan->peer(0).edit(

@@ -89,22 +89,6 @@ TEST_F(LeftBehind, ItsOwnerFindsItThere) {
 
 // An owner that was only silent has gone on meanwhile, and goes on.
 TEST_F(LeftBehind, AnOwnerThatWasSilentGoesOn) {
-  begin({.latency = 20ms});
-  lan->node(2).motions.clear();  // from here on it stands at its owner's, until it is pushed
-  lan->part({2});
-  lan->run_until(9s);
-  expect_it_stands_at_one_place({0, 1});
-  lan->part({});
-  lan->run_until(10s);
-  lan->node(2).motions = drive();
-  lan->run_until(14s);
-  EXPECT_EQ(lan->peer(0).owner(world["CAR"]), PeerId{3});
-  const Vec3 truth = lan->peer(2).truth(world["CAR"], lan->session_now(2) - 10ms).position;
-  for (const std::size_t i : {0u, 1u}) EXPECT_LT((ghost(i).position - truth).norm(), 0.3) << "at peer " << i + 1;
-}
-
-// An own object that nothing drives stays where it is while others take its owner for gone.
-TEST_F(LeftBehind, WhatStandsAtItsOwnerStaysThere) {
   lan = std::make_unique<Lan>(world, Link{.latency = 20ms}, 1);
   lan->add(config(1));
   lan->add(config(2, {{world["CAR"]}}));
@@ -118,6 +102,25 @@ TEST_F(LeftBehind, WhatStandsAtItsOwnerStaysThere) {
   const Vec3 truth = lan->peer(1).truth(world["CAR"], lan->session_now(1) - 10ms).position;
   EXPECT_NEAR(truth.x(), 9.0, 0.1) << "it has gone on all the time";
   EXPECT_LT((lan->peer(0).ghost(world["CAR"], lan->session_now(0) - 10ms).position - truth).norm(), 0.1);
+}
+
+// While one side takes the owner for gone, that gives the object to a third peer, which goes on with it.
+TEST_F(LeftBehind, AnObjectThatChangedHandsMeanwhileStaysWhereItIs) {
+  lan = std::make_unique<Lan>(world, Link{.latency = 20ms}, 1);
+  lan->add(config(1));
+  lan->add(config(2));
+  lan->add(config(3, {{world["CAR"]}}));
+  lan->run_until(3s);
+  lan->part({0});
+  EXPECT_TRUE(lan->peer(2).change_velocity(lan->host_now(2), world["CAR"], Vec3(1, 0, 0), true));
+  lan->run_until(4s);
+  EXPECT_TRUE(lan->peer(2).give(lan->host_now(2), world["CAR"], PeerId{2}));
+  lan->run_until(9s);
+  EXPECT_EQ(lan->peer(1).owner(world["CAR"]), PeerId{2});
+  lan->part({});
+  lan->run_until(13s);
+  EXPECT_NEAR(lan->peer(1).truth(world["CAR"], lan->session_now(1) - 10ms).position.x(), 10.0, 0.2);
+  EXPECT_NEAR(ghost(0).position.x(), 10.0, 0.3);
 }
 
 }  // namespace peerd::replication::peer_left_behind_test

@@ -279,6 +279,29 @@ TEST_F(Ownership, AnOwnerThatIsBackHasWhatItHad) {
   expect_one_ghost("CART");
 }
 
+// A contact lends an object whose owner is gone to the peer that has pushed it, whoever joins meanwhile.
+TEST_F(Ownership, AJoiningPeerTakesNothingThatIsLent) {
+  const World pushed{
+      box("BALL", "0.5 0.5 0.5", "0 0 0", kBounces) + box("CAR", "1 1 1", "0 5 0") + interest("BALL", "\"CAR\""),
+      {"CAR"}};
+  Lan peers(pushed, {.latency = 20ms}, 1);
+  peers.add(config(1));
+  peers.add(config(2, {{pushed["CAR"]}}));
+  peers.add(config(3));
+  peers.run_until(3s);
+  EXPECT_TRUE(peers.peer(2).own(peers.host_now(2), pushed["BALL"]));
+  peers.run_until(4s);
+  peers.kill(2);
+  peers.run_until(7s);
+  EXPECT_EQ(peers.peer(0).owner(pushed["BALL"]), kNobody);
+  EXPECT_TRUE(peers.peer(1).change_velocity(peers.host_now(1), pushed["CAR"], Vec3(0, -4, 0), true));
+  peers.run_until(9s);
+  for (const std::size_t i : {0u, 1u}) ASSERT_EQ(peers.peer(i).owner(pushed["BALL"]), PeerId{2}) << "at peer " << i + 1;
+  peers.add(config(4));
+  peers.run_until(9500ms);
+  for (const std::size_t i : {0u, 1u}) EXPECT_EQ(peers.peer(i).owner(pushed["BALL"]), PeerId{2}) << "at peer " << i + 1;
+}
+
 // Whatever gets lost, and whoever asks: at the end all have the same owner, and the same ghost.
 TEST_F(Ownership, ManyTakeAndGive) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {

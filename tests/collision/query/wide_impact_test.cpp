@@ -83,7 +83,7 @@ TEST(WideImpact, NodesThatApproachMayMeetAndNodesThatPartMayNot) {
   EXPECT_FALSE(any({0, 0, 0}, 100.0F));
 }
 
-// What moves and turns: velocities in the tree's own frame, and a slack that is for rounding alone.
+// A motion that moves and turns: velocities in the tree's own frame, and a slack that is for rounding alone.
 struct Moves {
   Vec3 linear, angular;
 
@@ -116,7 +116,7 @@ WideSpeeds speeds_of(const Moves& a, const Moves& b) {
 // The families of axes along which boxes can be apart.
 enum Family : std::size_t { kOfA, kOfB, kProduct, kFamilies };
 using Clear = std::array<double, kFamilies>;
-// By how much a gap along the best axis of each family outlasts the time, in binary64.
+// A gap along the best axis of each family outlasts the time by so much, in binary64.
 Clear outlasting(const Parallelepiped& a, const Parallelepiped& b, const Vec3& velocity, double spare,
                  double within_s) {
   Clear clear;

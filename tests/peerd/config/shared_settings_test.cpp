@@ -21,7 +21,7 @@ RunSettings run_of(const std::string& text, std::vector<std::string> sets = {}) 
   return scenario ? scenario->runs.front() : RunSettings{};
 }
 
-// A newcomer that adds its world and itself has the same session.
+// A joining peer that adds its world and itself has the same session.
 TEST(SharedSettings, MakeTheSameSessionElsewhere) {
   const RunSettings run = run_of(R"toml(world = "town.wrl"
 world_name = "Town of 'quotes' and \"more\""
@@ -48,16 +48,16 @@ owns = ["CAR"]
 id = 2
 )toml");
   const std::string shared = shared_settings(run);
-  const RunSettings newcomer = run_of(shared, {"world=w.wrl", "peer.me.id=77"});
-  EXPECT_EQ(newcomer.replication.tick_hz, 30u);
-  EXPECT_EQ(newcomer.replication.policy.error_threshold_m, 0.05);
-  EXPECT_EQ(newcomer.replication.decisions.policy, replication::DecisionPolicy::kServer);
-  EXPECT_EQ(newcomer.replication.decisions.server, PeerId{1});
-  EXPECT_EQ(newcomer.replication.regions.session_hash(5), run.replication.regions.session_hash(5));
-  EXPECT_EQ(newcomer.transport.group, "239.192.90.0");
-  EXPECT_EQ(newcomer.transport.group_pool, 16u);
-  EXPECT_EQ(newcomer.transport.port, 5000u);
-  EXPECT_EQ(newcomer.transport.interface, "") << "that is each peer's own";
+  const RunSettings joining_peer = run_of(shared, {"world=w.wrl", "peer.me.id=77"});
+  EXPECT_EQ(joining_peer.replication.tick_hz, 30u);
+  EXPECT_EQ(joining_peer.replication.policy.error_threshold_m, 0.05);
+  EXPECT_EQ(joining_peer.replication.decisions.policy, replication::DecisionPolicy::kServer);
+  EXPECT_EQ(joining_peer.replication.decisions.server, PeerId{1});
+  EXPECT_EQ(joining_peer.replication.regions.session_hash(5), run.replication.regions.session_hash(5));
+  EXPECT_EQ(joining_peer.transport.group, "239.192.90.0");
+  EXPECT_EQ(joining_peer.transport.group_pool, 16u);
+  EXPECT_EQ(joining_peer.transport.port, 5000u);
+  EXPECT_EQ(joining_peer.transport.interface, "") << "that is each peer's own";
   EXPECT_THAT(shared, Not(HasSubstr("other")));
   EXPECT_THAT(shared, Not(HasSubstr("CAR")));
   EXPECT_THAT(shared, HasSubstr("Town of"));
@@ -65,10 +65,21 @@ id = 2
 
 TEST(SharedSettings, OfAPeerWithoutAConfigurationAreTheDefaults) {
   const RunSettings run = run_of("", {"world=w.wrl", "peer.peer.id=5"});
-  const RunSettings newcomer = run_of(shared_settings(run), {"world=w.wrl", "peer.peer.id=6"});
-  EXPECT_EQ(newcomer.peers.size(), 1u);
-  EXPECT_FALSE(newcomer.transport.port);
-  EXPECT_EQ(newcomer.transport.group, run.transport.group);
+  const RunSettings joining_peer = run_of(shared_settings(run), {"world=w.wrl", "peer.peer.id=6"});
+  EXPECT_EQ(joining_peer.peers.size(), 1u);
+  EXPECT_FALSE(joining_peer.transport.port);
+  EXPECT_EQ(joining_peer.transport.group, run.transport.group);
+}
+
+TEST(SharedSettings, AreNothingMore) {
+  EXPECT_TRUE(check_shared(""));
+  EXPECT_TRUE(check_shared(shared_settings(run_of("", {"world=w.wrl", "peer.peer.id=5", "transport.port=5000"}))));
+  for (const char* const bad :
+       {"[event.x]\npeer = \"peer\"\nkind = \"add\"\nfile = \"/etc/passwd\"\n", "world = \"w.wrl\"\n",
+        "[peer.peer]\nid = 1\n[peer.peer.feed]\nudp = \"0.0.0.0:1\"\n", "[transport]\ninterface = \"eth0\"\n",
+        "[control]\nsocket = \"/x\"\n", "peer = 1\n", "transport = 1\n", "[motion.CAR]\nx = \"t\"\n", "no TOML"}) {
+    EXPECT_FALSE(check_shared(bad)) << bad;
+  }
 }
 
 }  // namespace peerd::config::shared_settings_test

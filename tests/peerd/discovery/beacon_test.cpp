@@ -12,7 +12,6 @@ Beacon some() {
           .session = 0x0123456789abcdef,
           .peer = PeerId{4'000'000'000},
           .incarnation = 77,
-          .peers = 3,
           .snapshot_port = 50'000,
           .world = "town",
           .name = "ann"};
@@ -45,10 +44,12 @@ TEST(Beacon, ANameIsCutBetweenCharacters) {
 
 TEST(Beacon, ATerminalIsNotSteeredByAName) {
   Beacon beacon = some();
-  beacon.name = "a\x1b[2J\n";
+  beacon.name =
+      "a\x1b[2J\n\xc2\x9b"
+      "5m";
   const auto read = decode(encode(beacon));
   ASSERT_TRUE(read);
-  EXPECT_EQ(read->name, "a?[2J?");
+  EXPECT_EQ(read->name, "a?[2J??5m");
 }
 
 TEST(Beacon, AnythingElseIsNone) {

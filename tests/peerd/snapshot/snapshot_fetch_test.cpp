@@ -1,4 +1,4 @@
-// Newcomers and those who give them a snapshot, over TCP on lo.
+// Joining peers and those who give them a snapshot, over TCP on lo.
 #include "peerd/snapshot/snapshot_fetch.hpp"
 
 #include <gmock/gmock.h>
@@ -54,25 +54,26 @@ OperationLogs some_logs(std::uint32_t operations, std::uint64_t seed = 1) {
 }
 
 // A peer that gives a snapshot, in a thread of its own.
-class GivingPeer {
+class ProvidingPeer {
  public:
-  explicit GivingPeer(OperationLogs held, std::string packed = random_bytes(1'000'000, 1),
-                      std::uint64_t session = kSession)
+  explicit ProvidingPeer(OperationLogs held, std::string packed = random_bytes(1'000'000, 1),
+                         std::uint64_t session = kSession)
       : archive(std::move(packed)), logs(std::move(held)) {
-    auto opened = SnapshotServer::open(
-        io, asio::ip::address_v4::loopback(), 0,
-        {session, "town", "expansion = 1\n", 9, archive, [this]() -> const OperationLogs& { return logs; }});
+    auto opened =
+        SnapshotServer::open(io, asio::ip::address_v4::loopback(), 0,
+                             {session, "town", "expansion = 1\n", 9, archive, digest(archive),
+                              [this]() -> const OperationLogs& { return logs; }, [] { return SimTime::max(); }});
     EXPECT_TRUE(opened);
     server = *std::move(opened);
     thread = std::thread([this] { io.run(); });
   }
-  GivingPeer(const GivingPeer&) = delete;
-  GivingPeer& operator=(const GivingPeer&) = delete;
-  ~GivingPeer() {
+  ProvidingPeer(const ProvidingPeer&) = delete;
+  ProvidingPeer& operator=(const ProvidingPeer&) = delete;
+  ~ProvidingPeer() {
     io.stop();
     thread.join();
   }
-  [[nodiscard]] Giver giver(const std::string& name) const {
+  [[nodiscard]] Provider provider(const std::string& name) const {
     return {name, {asio::ip::address_v4::loopback(), server->port()}};
   }
 
@@ -83,11 +84,11 @@ class GivingPeer {
   std::thread thread;
 };
 
-// A peer between a newcomer and one that gives, which passes on so many replies in all and then nothing more: it closes
-// what is open, and listens no more.
+// A peer between a joining peer and one that gives, which passes on so many replies in all and then nothing more: it
+// closes what is open, and listens no more.
 class FailingPeer {
  public:
-  FailingPeer(const Source& source, int replies) : source_(source), left_(replies) {
+  FailingPeer(const SnapshotContent& content, int replies) : content_(content), left_(replies) {
     acceptor_.listen();
     thread_ = std::thread([this] { serve(); });
   }
@@ -97,7 +98,7 @@ class FailingPeer {
     io_.stop();
     thread_.join();
   }
-  [[nodiscard]] Giver giver(const std::string& name) const { return {name, acceptor_.local_endpoint()}; }
+  [[nodiscard]] Provider provider(const std::string& name) const { return {name, acceptor_.local_endpoint()}; }
 
  private:
   void serve() {
@@ -121,11 +122,11 @@ class FailingPeer {
         for (const auto& each : streams_) each->close();
         return;
       }
-      stream->write(encode(reply_to(request, source_)), [this, stream] { answer(stream); });
+      stream->write(encode(reply_to(request, content_)), [this, stream] { answer(stream); });
     });
   }
 
-  const Source& source_;
+  const SnapshotContent& content_;
   int left_;
   asio::io_context io_{1};
   asio::ip::tcp::acceptor acceptor_{io_, {asio::ip::address_v4::loopback(), 0}, false};
@@ -133,7 +134,7 @@ class FailingPeer {
   std::thread thread_;
 };
 
-void expect_all_of(const Snapshot& snapshot, const GivingPeer& peer) {
+void expect_all_of(const Snapshot& snapshot, const ProvidingPeer& peer) {
   EXPECT_EQ(snapshot.archive, peer.archive);
   EXPECT_EQ(snapshot.offer.world, "town");
   EXPECT_EQ(snapshot.offer.settings, "expansion = 1\n");
@@ -145,46 +146,52 @@ void expect_all_of(const Snapshot& snapshot, const GivingPeer& peer) {
 }
 
 TEST(SnapshotFetch, GetsAllFromOnePeer) {
-  const GivingPeer a(some_logs(20));
-  const auto snapshot = fetch_snapshot({a.giver("a")}, kSession);
+  const ProvidingPeer a(some_logs(20));
+  const auto snapshot = fetch_snapshot({a.provider("a")}, kSession);
   ASSERT_TRUE(snapshot) << snapshot.error();
   expect_all_of(*snapshot, a);
-  EXPECT_EQ(snapshot->given_by, "a");
+  EXPECT_EQ(snapshot->provided_by, "a");
   EXPECT_EQ(snapshot->checked_with, "");
   EXPECT_GT(snapshot->connections, 1u);
 }
 
 TEST(SnapshotFetch, AWorldWithoutOperationsIsCompared) {
-  const GivingPeer a(OperationLogs{}), b(OperationLogs{});
-  const auto snapshot = fetch_snapshot({a.giver("a"), b.giver("b")}, 0);
+  const ProvidingPeer a(OperationLogs{}), b(OperationLogs{});
+  const auto snapshot = fetch_snapshot({a.provider("a"), b.provider("b")}, 0);
   ASSERT_TRUE(snapshot) << snapshot.error();
   expect_all_of(*snapshot, a);
-  EXPECT_EQ(snapshot->checked_with, snapshot->given_by == "a" ? "b" : "a");
+  EXPECT_EQ(snapshot->checked_with, snapshot->provided_by == "a" ? "b" : "a");
 }
 
-// Whoever answers first offers what it has; the other is asked about as much as both have.
+// The first peer to answer offers what it has; the other one is asked about as much as both have.
 TEST(SnapshotFetch, ComparesWithAPeerThatHasLess) {
-  const GivingPeer a(some_logs(20)), b(some_logs(10));
-  const auto snapshot = fetch_snapshot({a.giver("a"), b.giver("b")}, kSession);
+  const ProvidingPeer a(some_logs(20)), b(some_logs(10));
+  const auto snapshot = fetch_snapshot({a.provider("a"), b.provider("b")}, kSession);
   ASSERT_TRUE(snapshot) << snapshot.error();
-  expect_all_of(*snapshot, snapshot->given_by == "a" ? a : b);
+  expect_all_of(*snapshot, snapshot->provided_by == "a" ? a : b);
   EXPECT_NE(snapshot->checked_with, "");
 }
 
 TEST(SnapshotFetch, TellsThatTwoPeersDiffer) {
-  const GivingPeer a(some_logs(20, 1)), b(some_logs(20, 2));
-  const auto snapshot = fetch_snapshot({a.giver("a"), b.giver("b")}, kSession);
+  const ProvidingPeer a(some_logs(20, 1)), b(some_logs(20, 2));
+  const auto snapshot = fetch_snapshot({a.provider("a"), b.provider("b")}, kSession);
   ASSERT_FALSE(snapshot);
   EXPECT_THAT(snapshot.error(), HasSubstr("have different operations of author 5 at one place"));
 }
 
 TEST(SnapshotFetch, APeerThatFailsIsReplaced) {
-  const GivingPeer a(some_logs(20));
-  const Source source{kSession, "town",    "expansion = 1\n",
-                      9,        a.archive, [&a]() -> const OperationLogs& { return a.logs; }};
+  const ProvidingPeer a(some_logs(20));
+  const SnapshotContent content{kSession,
+                                "town",
+                                "expansion = 1\n",
+                                9,
+                                a.archive,
+                                digest(a.archive),
+                                [&a]() -> const OperationLogs& { return a.logs; },
+                                [] { return SimTime::max(); }};
   for (int replies = 0; replies < 12; ++replies) {
-    const FailingPeer failing(source, replies);
-    const auto snapshot = fetch_snapshot({failing.giver("failing"), a.giver("a")}, kSession);
+    const FailingPeer failing(content, replies);
+    const auto snapshot = fetch_snapshot({failing.provider("failing"), a.provider("a")}, kSession);
     ASSERT_TRUE(snapshot) << snapshot.error();
     expect_all_of(*snapshot, a);
     if (replies == 0) {  // a later one may fail when all is there
@@ -194,18 +201,18 @@ TEST(SnapshotFetch, APeerThatFailsIsReplaced) {
 }
 
 TEST(SnapshotFetch, SaysWhyNobodyGives) {
-  const GivingPeer elsewhere(OperationLogs{}, "archive", kSession + 1);
+  const ProvidingPeer elsewhere(OperationLogs{}, "archive", kSession + 1);
   FetchOptions options;
   options.patience = 1s;
-  const auto other = fetch_snapshot({elsewhere.giver("elsewhere")}, kSession, options);
+  const auto other = fetch_snapshot({elsewhere.provider("elsewhere")}, kSession, options);
   ASSERT_FALSE(other);
   EXPECT_THAT(other.error(), HasSubstr("elsewhere: this peer is in another world"));
   EXPECT_FALSE(fetch_snapshot({}, kSession));
   // A port at which nobody listens any more.
-  Giver gone{"gone", {}};
+  Provider gone{"gone", {}};
   {
-    const GivingPeer peer(OperationLogs{});
-    gone.at = peer.giver("").at;
+    const ProvidingPeer peer(OperationLogs{});
+    gone.at = peer.provider("").at;
   }
   const auto nobody = fetch_snapshot({gone}, kSession, options);
   ASSERT_FALSE(nobody);
@@ -213,24 +220,52 @@ TEST(SnapshotFetch, SaysWhyNobodyGives) {
 }
 
 TEST(SnapshotFetch, APeerWithAnotherArchiveGivesNothing) {
-  const GivingPeer a(OperationLogs{}, "one archive"), b(OperationLogs{}, "another archive");
-  const auto snapshot = fetch_snapshot({a.giver("a"), b.giver("b")}, kSession);
+  const ProvidingPeer a(OperationLogs{}, "one archive"), b(OperationLogs{}, "another archive");
+  const auto snapshot = fetch_snapshot({a.provider("a"), b.provider("b")}, kSession);
   ASSERT_TRUE(snapshot) << snapshot.error();
-  expect_all_of(*snapshot, snapshot->given_by == "a" ? a : b);
+  expect_all_of(*snapshot, snapshot->provided_by == "a" ? a : b);
   EXPECT_THAT(snapshot->notes, testing::Contains(HasSubstr("has packed the world's files in another way")));
 }
 
+TEST(SnapshotServer, OffersNoLogOfABrokenClock) {
+  const ProvidingPeer a(some_logs(3));
+  SnapshotContent content{kSession,
+                          "town",
+                          "",
+                          9,
+                          a.archive,
+                          digest(a.archive),
+                          [&a]() -> const OperationLogs& { return a.logs; },
+                          [] { return SimTime::max(); }};
+  const auto offered = [&] {
+    return std::get<Offer>(reply_to(encode(Request{kSession, OfferRequest{}}), content)).logs;
+  };
+  EXPECT_EQ(offered().size(), 2u);
+  const SimTime last = a.logs.last_stamp(AuthorId{5});
+  content.latest_stamp = [last] { return last - Duration{1}; };
+  EXPECT_TRUE(offered().empty());
+}
+
 TEST(SnapshotServer, SaysNothingToNonsense) {
-  const GivingPeer a(some_logs(3));
-  const Source source{kSession, "town", "", 9, a.archive, [&a]() -> const OperationLogs& { return a.logs; }};
-  EXPECT_TRUE(std::holds_alternative<Refusal>(reply_to("nonsense", source)));
+  const ProvidingPeer a(some_logs(3));
+  const SnapshotContent content{kSession,
+                                "town",
+                                "",
+                                9,
+                                a.archive,
+                                digest(a.archive),
+                                [&a]() -> const OperationLogs& { return a.logs; },
+                                [] { return SimTime::max(); }};
+  EXPECT_TRUE(std::holds_alternative<Refusal>(reply_to("nonsense", content)));
   const auto ask = [&](std::variant<OfferRequest, PartRequest, DigestRequest> what) {
-    return reply_to(encode(Request{kSession, std::move(what)}), source);
+    return reply_to(encode(Request{kSession, std::move(what)}), content);
   };
   EXPECT_TRUE(std::holds_alternative<Refusal>(ask(PartRequest{{AuthorId{999}, 0, 1}})));
   EXPECT_TRUE(std::holds_alternative<Refusal>(
       ask(PartRequest{{replication::kNoAuthor, a.archive.size(), a.archive.size() + 1}})));
-  const Reply end = ask(PartRequest{{replication::kNoAuthor, a.archive.size() - 1, a.archive.size() + 1}});
+  EXPECT_TRUE(std::holds_alternative<Refusal>(
+      ask(PartRequest{{replication::kNoAuthor, a.archive.size() - 1, a.archive.size() + 1}})));
+  const Reply end = ask(PartRequest{{replication::kNoAuthor, a.archive.size() - 1, a.archive.size()}});
   ASSERT_TRUE(std::holds_alternative<Part>(end));
   EXPECT_EQ(std::get<Part>(end).bytes, a.archive.substr(a.archive.size() - 1));
   const Reply digests = ask(DigestRequest{{{AuthorId{5}, std::uint64_t{1} << 40}}});
@@ -239,14 +274,21 @@ TEST(SnapshotServer, SaysNothingToNonsense) {
 }
 
 TEST(SnapshotServer, TakesFewConnectionsAndGoesOn) {
-  const GivingPeer a(OperationLogs{});
+  const ProvidingPeer a(OperationLogs{});
   asio::io_context io;
   std::vector<asio::ip::tcp::socket> idle;
   for (std::size_t i = 0; i < 2 * SnapshotServer::kConnectionsMax; ++i) {
-    idle.emplace_back(io).connect(a.giver("").at);
+    idle.emplace_back(io).connect(a.provider("").at);
   }
-  idle.clear();  // whoever goes makes room
-  const auto snapshot = fetch_snapshot({a.giver("a")}, kSession);
+  std::array<char, 1> byte{};
+  boost::system::error_code one_too_many, still_open;
+  idle.back().read_some(asio::buffer(byte), one_too_many);
+  EXPECT_TRUE(one_too_many) << "the server closes it";
+  idle.front().non_blocking(true);
+  idle.front().read_some(asio::buffer(byte), still_open);
+  EXPECT_EQ(still_open, asio::error::would_block);
+  idle.clear();  // which makes room
+  const auto snapshot = fetch_snapshot({a.provider("a")}, kSession);
   ASSERT_TRUE(snapshot) << snapshot.error();
   expect_all_of(*snapshot, a);
 }

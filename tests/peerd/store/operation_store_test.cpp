@@ -401,7 +401,7 @@ TEST_F(Copy, WhoseAuthorIsNoNumberIsDamaged) {
   EXPECT_THAT(error_of_opening(), AllOf(HasSubstr(at.string()), HasSubstr("`author` is not a number")));
 }
 
-// What a disk does not take is not taken for written.
+// A write that the disk does not take is not taken for done.
 class Disk : public Store {
  protected:
   // As on a full disk: files cannot grow.

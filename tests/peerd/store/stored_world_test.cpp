@@ -65,20 +65,28 @@ TEST(StoredWorld, IsFoundByItsName) {
   unsetenv("XDG_STATE_HOME");
 }
 
-TEST(Identity, IsTheFirstOne) {
+TEST(StoredWorld, WhatIsNotUnderstoodIsNotOverwritten) {
   const ScratchFolder folder;
-  EXPECT_EQ(identity_in(folder.path(), PeerId{7}), PeerId{7});
-  EXPECT_EQ(identity_in(folder.path(), PeerId{8}), PeerId{7});
-  EXPECT_EQ(identity_in(folder.path(), PeerId{9}, true), PeerId{9})
-      << "two peers of one number would be in each other's way";
-  EXPECT_EQ(identity_in(folder.path(), PeerId{8}), PeerId{9});
-  for (const char* const bad : {"", "0\n", "-1\n", "7", "7\nmore", "4294967296\n"}) {
+  folder.write("world.json", "somebody's own");
+  EXPECT_FALSE(write_world(folder.path(), some()));
+  EXPECT_EQ(testing_support::text_of(folder / "world.json"), "somebody's own");
+  EXPECT_FALSE(std::filesystem::exists(folder / "world.archive"));
+}
+
+TEST(Identity, IsOfTheStoresAuthor) {
+  using replication::AuthorId;
+  const ScratchFolder folder;
+  EXPECT_EQ(identity_in(folder.path(), PeerId{7}, AuthorId{1}), PeerId{7});
+  EXPECT_EQ(identity_in(folder.path(), PeerId{8}, AuthorId{1}), PeerId{7});
+  EXPECT_EQ(identity_in(folder.path(), PeerId{9}, AuthorId{2}), PeerId{9}) << "a copy of the store";
+  EXPECT_EQ(identity_in(folder.path(), PeerId{8}, AuthorId{2}), PeerId{9});
+  for (const char* const bad : {"", "0 2\n", "-1 2\n", "7\n", "7 2 more\n", "4294967296 2\n"}) {
     folder.write("peer", bad);
-    const auto id = identity_in(folder.path(), PeerId{8});
+    const auto id = identity_in(folder.path(), PeerId{8}, AuthorId{2});
     ASSERT_FALSE(id) << bad;
     EXPECT_THAT(id.error().text, HasSubstr("peer is damaged"));
   }
-  const auto nowhere = identity_in(folder / "nowhere", PeerId{8});
+  const auto nowhere = identity_in(folder / "nowhere", PeerId{8}, AuthorId{2});
   ASSERT_FALSE(nowhere);
   EXPECT_EQ(nowhere.error().exit_code, 3);
 }

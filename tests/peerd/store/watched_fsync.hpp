@@ -14,7 +14,7 @@ class WatchedFsync {
 
   // Calls for this file or folder fail with EIO from now on; none for an empty path.
   void fail(std::filesystem::path path);
-  // What has been synchronised since this object was made.
+  // The files that have been synchronised since this object was made.
   [[nodiscard]] std::set<std::filesystem::path> done() const;
 };
 

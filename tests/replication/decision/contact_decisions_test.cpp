@@ -261,7 +261,7 @@ TEST_F(Deferring, AnothersDecisionMovesBothWorldsAndEndsTheWaiting) {
   EXPECT_EQ(retracted[0].object, a);
 }
 
-// Of an object whose owner has left, decisions on contacts of before that are void.
+// Decisions on contacts of an object from before its owner left are void.
 TEST_F(Deferring, ALaterLifeIsNotBoundByAnEarlierOne) {
   decisions.end_life_of(b, sim(9s));
   EXPECT_STREQ(decisions.on_decision(other, 1, record(sim(8999ms)), sim(10s)), "decision_before_life");

@@ -306,7 +306,7 @@ class AnyOperations {
     }
     return add;
   }
-  // Of a node that has the field, more often than chance finds one.
+  // The node has the field, more often than chance finds one.
   SetField setting(std::uint32_t k) {
     const auto& [field, choices] = any(kValues);
     NodeId node = any(nodes_);

@@ -82,6 +82,7 @@ TEST(OperationCodec, NamesWhatIsWrong) {
   EXPECT_EQ(error_of(with(PlaceObject{good, ada, {}, {}})), "none");
   EXPECT_EQ(error_of(with(PlaceObject{bad, ada, {}, {}})), "operation_id");
   EXPECT_EQ(error_of(with(PlaceObject{good, kNobody, {}, {}})), "operation_id");
+  EXPECT_EQ(error_of(with(PlaceObject{good, ada, SimTime::max(), {}})), "operation_stamp");
   EXPECT_EQ(error_of(with(PlaceObject{good, ada, {}, {{kInfinite, 0, 0}, {}}})), "operation_placement");
   EXPECT_EQ(error_of(with(RequestObject{bad, ada, bob})), "operation_id");
   EXPECT_EQ(error_of(with(RequestObject{good, kNobody, bob})), "operation_id");

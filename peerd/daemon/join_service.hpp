@@ -15,12 +15,12 @@
 
 namespace peerd {
 
-// The Welcome of a peer for newcomers: it answers questions in this LAN who is here, and hands out its world.
-class Welcome {
+// The JoinService of a peer for joining peers: it answers questions in this LAN who is here, and hands out its world.
+class JoinService {
  public:
   struct Options {
     net::MulticastOptions multicast;   // of the session; group and port do not count
-    boost::asio::ip::address address;  // at which newcomers are served
+    boost::asio::ip::address address;  // at which joining peers are served
     std::uint16_t port = 0;            // TCP; 0: the system chooses one
     std::uint64_t session = 0, incarnation = 0;
     std::string world, settings;  // as in snapshot::Offer
@@ -29,8 +29,8 @@ class Welcome {
   };
 
   // All references outlive it. What cannot be opened is said in `log`, and the peer runs without.
-  Welcome(boost::asio::io_context& io, const net::HostClock& clock, const PeerNode& node, Options options,
-          const std::function<void(const LogLine&)>& log);
+  JoinService(boost::asio::io_context& io, const net::HostClock& clock, const PeerNode& node, Options options,
+              const std::function<void(const LogLine&)>& log);
 
  private:
   [[nodiscard]] discovery::Beacon beacon(const PeerNode& node) const;

@@ -1,4 +1,4 @@
-#include "peerd/daemon/welcome.hpp"
+#include "peerd/daemon/join_service.hpp"
 
 #include <utility>
 
@@ -8,14 +8,20 @@
 
 namespace peerd {
 
-Welcome::Welcome(boost::asio::io_context& io, const net::HostClock& clock, const PeerNode& node, Options options,
-                 const std::function<void(const LogLine&)>& log)
+JoinService::JoinService(boost::asio::io_context& io, const net::HostClock& clock, const PeerNode& node,
+                         Options options, const std::function<void(const LogLine&)>& log)
     : options_(std::move(options)) {
   if (!options_.archive.empty()) {
     auto server = snapshot::SnapshotServer::open(
         io, options_.address, options_.port,
         {options_.session, options_.world, options_.settings, options_.genesis, options_.archive,
-         [&node]() -> const replication::OperationLogs& { return node.peer().logs(); }});
+         snapshot::digest(options_.archive),
+         [&node]() -> const replication::OperationLogs& { return node.peer().logs(); },
+         [&node, &clock] {
+           const auto& session = node.peer().clock();
+           return session.synchronised() ? session.to_session(clock.now()) + replication::kStampAheadMax
+                                         : SimTime::max();
+         }});
     if (server) {
       server_ = *std::move(server);
       log({LogLevel::kInfo, fmt::format("gives \"{}\" to who joins, at {} port {} by TCP", options_.world,
@@ -32,12 +38,11 @@ Welcome::Welcome(boost::asio::io_context& io, const net::HostClock& clock, const
   }
 }
 
-discovery::Beacon Welcome::beacon(const PeerNode& node) const {
+discovery::Beacon JoinService::beacon(const PeerNode& node) const {
   return {.protocol = replication::kProtocolVersion,
           .session = options_.session,
           .peer = node.peer().id(),
           .incarnation = options_.incarnation,
-          .peers = static_cast<std::uint32_t>(node.peer().members().all().size() + 1),
           .snapshot_port = server_ ? server_->port() : std::uint16_t{0},
           .world = options_.world,
           .name = node.name()};

@@ -1,0 +1,12 @@
+#pragma once
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace peerd {
+
+// A text from the network, for a terminal: without control characters (C0, DEL, and C1 as UTF-8), each of which becomes
+// "?", and no longer than `most` bytes, cut between characters of UTF-8.
+[[nodiscard]] std::string printable(std::string_view text, std::size_t most);
+
+}  // namespace peerd
