@@ -359,6 +359,11 @@ void MotionWorld::forget_bursts(std::size_t object, SimTime t) {
   }
 }
 
+SimTime MotionWorld::reopened_from(const WatchedPair& pair, bool lived, SimTime t) const {
+  const SimTime known = std::max(objects_.known_since(pair.collider), objects_.known_since(pair.collidee));
+  return std::max({t, known, advanced_ - (lived ? Duration{0} : kHistory)});
+}
+
 // The pairs of the object know nothing of contacts since then any more. Pairs with an authoritative or driven object
 // are not searched again in the past because another object moved otherwise; its own change (a decision) makes them
 // searched there.
@@ -370,8 +375,7 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
     const bool of_collider =
         pair.is_plain ? pair.collider == object : objects_.is_in_side(object, pair.collider, pair.part_a);
     const bool lived = objects_.is_lived(of_collider ? pair.collidee : pair.collider);
-    const SimTime known = std::max(objects_.known_since(pair.collider), objects_.known_since(pair.collidee));
-    const SimTime from = std::max({t, known, advanced_ - (lived ? Duration{0} : kHistory)});
+    const SimTime from = reopened_from(pair, lived, t);
     if (pair.contact && *pair.contact >= from) {
       pair.contact.reset();
       pair.lifts = false;
@@ -596,11 +600,10 @@ void MotionWorld::change_velocity(std::size_t index, SimTime t, const Vec3& velo
 void MotionWorld::settle_velocities(WatchedPair& pair, SimTime t, Touching which) {
   const std::size_t a = pair.collider, b = pair.collidee;
   ContactIsland island = island_of(*model_, objects_, pairs_, a, b, t, which, Quantity::kVelocity);
-  for (const std::uint32_t i : solve(island)) {
-    WatchedPair& through = pairs_[i];
-    through.bears = false;
-    through.inside = true;
-    through.squeezed = kGivenUp;
+  const std::vector<std::uint32_t> through = solve(island);
+  for (const std::uint32_t i : through) {
+    pairs_[i].bears = false;
+    pairs_[i].squeezed = kGivenUp;
   }
   for (std::size_t i = 0; i < island.objects.size(); ++i) {
     const std::uint32_t index = island.objects[i];
@@ -611,6 +614,17 @@ void MotionWorld::settle_velocities(WatchedPair& pair, SimTime t, Touching which
     if (velocity.norm() <= kRounding * (came + flight)) velocity.setZero();  // nothing of it is left but rounding
     change_velocity(index, t, velocity, index == a ? b : a);
   }
+  for (const std::uint32_t i : through) let_through(i, t);
+}
+
+// The search of a pair may be ahead of t: in a world that goes through the past again it has met others at t, but
+// neither of the two has got another way from then on. Then the two are apart where the search is.
+void MotionWorld::let_through(std::uint32_t i, SimTime t) {
+  WatchedPair& pair = pairs_[i];
+  assert(pair.is_answered() && pair.touched <= t);
+  const bool lived = objects_.is_lived(pair.collider) || objects_.is_lived(pair.collidee);
+  const bool is_ahead = far_.contains(i) || (!pair.contact && pair.clear_until > reopened_from(pair, lived, t));
+  if (!is_ahead) pair.inside = true;
 }
 
 bool MotionWorld::is_squeezed(const WatchedPair& pair, SimTime t) const {
@@ -662,18 +676,23 @@ bool MotionWorld::stands_firm(const WatchedPair& pair, SimTime t) const {
 void MotionWorld::hold_against_wall(WatchedPair& wall, SimTime t) {
   const std::size_t held = gives_way(wall.collider, wall.collider_responds, t) ? wall.collider : wall.collidee;
   const bool stood = is_motionless(objects_.world_law(held, t).state);
+  std::vector<std::uint32_t> through;
   for (const std::uint32_t i : model_->part_pairs_of(held)) {
     WatchedPair& pair = pairs_[i];
+    if (!pair.is_answered()) continue;  // it presses nothing
     if (!met_lately(pair.touched, t, kShortestFlight) || stands_firm(pair, t)) continue;
-    pair.contact.reset();
     pair.bears = pair.lifts = false;
-    pair.inside = true;
     pair.squeezed = kGivenUp;
-    reschedule(i);
+    through.push_back(i);
   }
   wall.contact.reset();
   wall.inside = stood;  // it does not even move
   stop(wall, t);
+  for (const std::uint32_t i : through) {
+    let_through(i, t);
+    pairs_[i].contact.reset();
+    reschedule(i);
+  }
 }
 
 void MotionWorld::release_parting(std::size_t object, SimTime t) {

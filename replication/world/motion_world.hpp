@@ -204,6 +204,9 @@ class MotionWorld {
   // Gives all that rest on each other around the two the velocities and accelerations that their bearing leaves.
   void settle(std::size_t a, std::size_t b, SimTime t);
   void settle_velocities(WatchedPair& pair, SimTime t, Touching which);
+  // Called once all that the contacts at t change is changed: the two, which met within the burst, go through each
+  // other from t on, where there was no room for an answer.
+  void let_through(std::uint32_t pair, SimTime t);
   // Returns the part about the normal of a contact of a spin that is not about it [rad/s, of the body]; nothing where
   // the spin is about it, or the body a Sphere: neither presses corners into what it touches.
   [[nodiscard]] std::optional<Vec3> rolling_off(std::size_t object, const KinematicState& state,
@@ -233,6 +236,9 @@ class MotionWorld {
   void retract_answers(std::size_t object, std::optional<ObjectId> cause, SimTime t);
   // Forgets the counts of contacts since then.
   void forget_bursts(std::size_t object, SimTime t);
+  // The instant from which the pair is searched again if one of the two moves otherwise from t on; `lived`: this peer
+  // moves the other one, or both.
+  [[nodiscard]] SimTime reopened_from(const WatchedPair& pair, bool lived, SimTime t) const;
   // The object's pieces changed from t on. `elsewhere`: also where it is.
   void reopen_pairs(std::size_t object, SimTime t, bool elsewhere);
 

@@ -207,4 +207,89 @@ TEST(FarPairs, GiveTheSameContactsHoweverOftenTheWorldAdvances) {
   EXPECT_GT(met, 100U);
 }
 
+constexpr const char* kElastic = " collisionResponse CollisionResponse { responseType 2 restitution 1 } ";
+
+// A wall and a press that comes at 1 m/s from -52 m on: what an update puts between them, at -50 m and 1.0003 s, has
+// 0.1 mm of room on either side, and there is none left 0.2 ms later.
+std::string vice(const std::string& object) {
+  return box("WALL", "1 1 1", "-48.9999 500 0") + box("PRESS", "1 1 1", "-52.0004 500 0") +
+         interest(object, "\"WALL\" \"PRESS\"");
+}
+void advance_in_ticks(MotionWorld& world, SimTime from, SimTime to) {
+  for (SimTime t = from; t < to; t += 10ms) world.advance(t);
+  world.advance(to);
+}
+
+// A lift kicks B upwards at 1 s, and C runs into B 0.2 ms later, so that B flies away from both. An update, which comes
+// when B and LIFT are far, says that C was in a vice 0.1 ms after that. What has no room there touches, by way of B,
+// the lift, and that gives way to nothing either.
+struct Kicked {
+  explicit Kicked(Duration update_comes)
+      : w(box("B", "1 1 1", "0 0 0", kElastic) + box("C", "1 1 1", "-101.02 0 0", kElastic) +
+          box("LIFT", "10 1 10", "0 -11 0") + interest("B", "\"LIFT\" \"C\" \"END\"") + interest("C", "\"B\"") +
+          box("END", "1 999 999", "701 0 0") + vice("C")),
+        world(*w.model, sim(0s)) {
+    for (const char* path : {"B", "C", "LIFT", "PRESS"}) world.declare(w[path], Role::kPredicted);
+    world.set_base(w["LIFT"], sim(0s), moving({0, -11, 0}, {0, 10, 0}));
+    world.set_base(w["C"], sim(0s), moving({-101.02, 0, 0}, {100, 0, 0}));
+    world.set_base(w["PRESS"], sim(0s), moving({-52.0004, 500, 0}, {1, 0, 0}));
+    advance_in_ticks(world, sim(0s), sim(update_comes));
+    jammed_before = world.counters().jammed;
+    world.set_base(w["C"], sim(1'000'300us), moving({-50, 500, 0}));
+    advance_in_ticks(world, sim(update_comes), sim(9s));
+    while (auto event = world.poll_event()) {
+      if (const auto* c = std::get_if<ContactEvent>(&*event); c != nullptr && c->collider == w["B"]) met.push_back(*c);
+    }
+  }
+  World w;
+  MotionWorld world;
+  std::uint64_t jammed_before = 0;
+  std::vector<ContactEvent> met;  // by B
+};
+
+TEST(FarPairs, StayFarWhereThePastIsSqueezedThroughThem) {
+  const Kicked in_time(1'000'300us), late(4s);
+  for (const Kicked* k : {&in_time, &late}) {
+    EXPECT_EQ(k->jammed_before, 0U);
+    EXPECT_GE(k->world.counters().jammed, 1U);
+    ASSERT_EQ(k->met.size(), 3U);
+    EXPECT_EQ(k->met[0].collidee, k->w["LIFT"]);
+    EXPECT_EQ(k->met[1].collidee, k->w["C"]);
+    EXPECT_EQ(k->met[2].collidee, k->w["END"]);
+    EXPECT_NEAR(to_seconds(k->met[2].at - sim(0s)), 8.0, 1e-3);
+  }
+  EXPECT_TRUE(same_bits(in_time.world.at(in_time.w["B"], sim(9s)), late.world.at(late.w["B"], sim(9s))));
+}
+
+// B has met a lift, and a light barrier that goes ahead of it, when an update says that it was in a vice, far from
+// both. It stops at the wall, and what presses it goes through it; the two that are far do not.
+TEST(FarPairs, AreNoneThatPressWhatIsHeldAtAWall) {
+  const World w(box("B", "1 1 1", "0 0 0", kBounces) + box("LIFT", "10 1 10", "0 -11 0") +
+                box("LIGHT", "10 1 10", "0 -10.999 0") + interest("B", "\"LIFT\"") + interest("LIGHT", "\"B\"") +
+                vice("B"));
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* path : {"B", "LIFT", "LIGHT", "PRESS"}) world.declare(w[path], Role::kPredicted);
+  world.set_base(w["LIFT"], sim(0s), moving({0, -11, 0}, {0, 10, 0}));
+  world.set_base(w["LIGHT"], sim(0s), moving({0, -10.999, 0}, {0, 10, 0}));  // 0.1 ms earlier
+  world.set_base(w["PRESS"], sim(0s), moving({-52.0004, 500, 0}, {1, 0, 0}));
+  advance_in_ticks(world, sim(0s), sim(1'000'200us));
+  EXPECT_EQ(world.counters().contacts, 2U);
+  world.set_base(w["B"], sim(1'000'300us), moving({-50, 500, 0}));
+  advance_in_ticks(world, sim(1'000'300us), sim(1'100ms));
+  EXPECT_GE(world.counters().jammed, 1U);
+  EXPECT_NEAR(world.at(w["B"], sim(1'100ms)).position.x(), -49.9999, 1e-5) << "at the wall";
+  while (world.poll_event()) continue;
+  // A later update puts the two below B again, 1 s away.
+  world.set_base(w["LIFT"], sim(1'200ms), moving({-50, 489, 0}, {0, 10, 0}));
+  world.set_base(w["LIGHT"], sim(1'200ms), moving({-50, 489.001, 0}, {0, 10, 0}));
+  advance_in_ticks(world, sim(1'200ms), sim(2'300ms));
+  std::vector<ObjectId> met;
+  while (auto event = world.poll_event()) {
+    if (const auto* c = std::get_if<ContactEvent>(&*event))
+      met.push_back(c->collider == w["B"] ? c->collidee : c->collider);
+  }
+  EXPECT_EQ(std::ranges::count(met, w["LIFT"]), 1);
+  EXPECT_EQ(std::ranges::count(met, w["LIGHT"]), 1);
+}
+
 }  // namespace peerd::replication::far_pairs_test
