@@ -187,7 +187,7 @@ struct PoseFlags {
   std::vector<double> position_m, orientation_xyzw;
 };
 
-// The edit of `peerd ctl add`, `remove`, `move`, `set`, `own`, `grab`, `release`, `data` and `send`.
+// The edit of `peerd ctl add`, `remove`, `move`, `set`, `own`, `grab`, `steal`, `release`, `data` and `send`.
 struct EditFlags {
   std::string file, path, under, field;
   std::vector<std::string> value;
@@ -198,12 +198,12 @@ struct EditFlags {
 };
 
 struct CtlCommands {
-  CLI::App *status, *peers, *objects, *key, *pose, *add, *remove, *move, *set, *own, *grab, *release, *data, *send;
-  CLI::App *undo, *redo, *conflicts, *subscribe, *save, *leave;
+  CLI::App *status, *peers, *objects, *key, *pose, *add, *remove, *move, *set, *own, *grab, *steal, *release, *data;
+  CLI::App *send, *undo, *redo, *conflicts, *subscribe, *save, *leave;
 
   // The one of those whose only argument is a path; null: it is another one.
   [[nodiscard]] const CLI::App* with_path_alone() const {
-    for (const CLI::App* const command : {remove, own, grab, release}) {
+    for (const CLI::App* const command : {remove, own, grab, steal, release}) {
       if (*command) return command;
     }
     return nullptr;
@@ -232,6 +232,7 @@ void add_edit_commands(CLI::App& ctl, CtlCommands& commands, CtlOptions& options
   };
   commands.own = add_owning("own", "makes an object this peer's: it takes what nobody owns, and asks an owner");
   commands.grab = add_owning("grab", "the same, and then this peer gives it to nobody who asks");
+  commands.steal = add_owning("steal", "takes an object without asking its owner, where the world's settings allow it");
   commands.release = add_owning("release", "makes an object of this peer nobody's");
   commands.data = ctl.add_subcommand("data", "a value that applications keep at a node: prints it, or sets it for all");
   commands.data->add_option("path", edit.path, "the node's path, or its DEF name")->required();

@@ -161,9 +161,12 @@ std::expected<OperationId, std::string> OperationKeeper::give(HostTime now, Obje
   return edit(now, give);
 }
 
-std::expected<Taking, std::string> OperationKeeper::own(HostTime now, ObjectId object) {
+std::expected<Taking, std::string> OperationKeeper::own(HostTime now, ObjectId object, bool steals) {
+  if (steals && !p_.config.may_steal) {
+    return std::unexpected("this world's settings do not allow it (replication.steal)");
+  }
   const PeerId owner = owner_of(object);
-  const bool asks = owner != p_.config.id && p_.members.contains(owner);
+  const bool asks = !steals && owner != p_.config.id && p_.members.contains(owner);
   const auto operation = asks ? edit(now, RequestObject{object, owner, p_.config.id}) : give(now, object, p_.config.id);
   if (!operation) return std::unexpected(operation.error());
   return Taking{*operation, asks};

@@ -29,7 +29,7 @@ class OperationKeeper {
   // Gives the object to a peer, or to nobody.
   [[nodiscard]] std::expected<OperationId, std::string> give(HostTime now, ObjectId object, PeerId to);
   // Takes the object where it is nobody's or its owner is not here; else asks its owner for it.
-  [[nodiscard]] std::expected<Taking, std::string> own(HostTime now, ObjectId object);
+  [[nodiscard]] std::expected<Taking, std::string> own(HostTime now, ObjectId object, bool steals);
 
   // A datagram of a member has come.
   void on_message(HostTime now, PeerId sender, const Message& message);

@@ -201,8 +201,8 @@ std::expected<OperationId, std::string> Peer::edit(HostTime now, OperationBody b
   return impl_->operations.edit(now, std::move(body));
 }
 
-std::expected<Taking, std::string> Peer::own(HostTime now, ObjectId object) {
-  return impl_->operations.own(now, object);
+std::expected<Taking, std::string> Peer::own(HostTime now, ObjectId object, bool steals) {
+  return impl_->operations.own(now, object, steals);
 }
 
 std::expected<OperationId, std::string> Peer::give(HostTime now, ObjectId object, PeerId to) {

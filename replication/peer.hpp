@@ -72,9 +72,9 @@ class Peer {
   // error says, for people, why it cannot be. SceneEdited says what has become of it, OperationHeld that it outlives
   // this peer.
   std::expected<OperationId, std::string> edit(HostTime now, OperationBody body);
-  // This peer owns the object from the operation's stamp on, if nobody or nobody who is here does; else it asks the
-  // owner, who says so by ObjectRequested. ObjectGiven or RequestRefused says what has become of it.
-  std::expected<Taking, std::string> own(HostTime now, ObjectId object);
+  // This peer owns the object from the stamp on, if nobody who is here does, or if it `steals` (PeerConfig::may_steal);
+  // else it asks the owner, who sees ObjectRequested. ObjectGiven or RequestRefused says what has become of it.
+  std::expected<Taking, std::string> own(HostTime now, ObjectId object, bool steals = false);
   // Gives an object to another peer, or, kNobody, to nobody: then it stands where it is or, if it answers contacts,
   // goes on as it moves.
   std::expected<OperationId, std::string> give(HostTime now, ObjectId object, PeerId to);

@@ -13,6 +13,7 @@
 
 #include "peerd/chaos/damaged_network.hpp"
 #include "peerd/chaos/edit_maker.hpp"
+#include "peerd/chaos/host_store.hpp"
 #include "peerd/chaos/oracle.hpp"
 #include "peerd/chaos/random_stream.hpp"
 #include "peerd/chaos/skewed_clock.hpp"
@@ -40,6 +41,8 @@ struct Host {
   VirtualTime runs_from = kClockBegin;
   std::optional<std::size_t> dies_by;  // this fault ends it as soon as an operation of it is held
   bool states_os_clock = false;
+  std::unique_ptr<HostStore> store;             // null: nobody ever stores anything here
+  std::optional<std::size_t> dies_at_write_by;  // this fault ends it with a write of its disk
 };
 
 // The things that are due at an instant.
@@ -60,6 +63,9 @@ class ChaosRun {
     for (std::size_t i = 0; i < hosts_.size(); ++i) {
       hosts_[i].wall_offset_s = plan.peers[i].wall_offset_s;
       hosts_[i].states_os_clock = stream_of(plan.seed, Stream::kOsClock, i).chance(0.4);
+      if (plan.peers[i].has_store) {
+        hosts_[i].store = std::make_unique<HostStore>(stream_of(plan.seed, Stream::kDisk, i), name_of(i));
+      }
       schedule(plan.peers[i].joins_at_s, Due::Kind::kJoin, i);
     }
     for (std::size_t i = 0; i < plan.faults.size(); ++i) {
@@ -92,6 +98,9 @@ class ChaosRun {
     report.datagrams = network_.counters().sent;
     report.damaged = network_.counters().damaged;
     report.one_world_after_s = one_world_after_s_;
+    for (const Host& host : hosts_) {
+      if (host.store) oracle_.count(host.store->disk().counters());
+    }
     report.branches = oracle_.branches();
     return report;
   }
@@ -100,6 +109,7 @@ class ChaosRun {
   void schedule(double at_s, Due::Kind kind, std::size_t index) {
     due_.emplace(kClockBegin + from_seconds(at_s), Due{kind, index});
   }
+  [[nodiscard]] std::string name_of(std::size_t i) const { return fmt::format("p{}", plan_.peers[i].id); }
   [[nodiscard]] double now_s() const { return to_seconds(now_ - kClockBegin); }
 
   // The host that is due next; none where nobody runs.
@@ -107,7 +117,8 @@ class ChaosRun {
     std::optional<std::pair<VirtualTime, std::size_t>> next;
     for (std::size_t i = 0; i < hosts_.size(); ++i) {
       if (!hosts_[i].node) continue;
-      const HostTime deadline = hosts_[i].node->next_deadline();
+      HostTime deadline = hosts_[i].node->next_deadline();
+      if (const auto* keeper = keeper_of(i)) deadline = std::min(deadline, keeper->due());
       const VirtualTime wants = deadline == HostTime::min() ? now_ : hosts_[i].clock.when(deadline);
       const VirtualTime at = std::max({wants, hosts_[i].runs_from, now_});
       if (!next || at < next->first) next = {at, i};
@@ -130,9 +141,59 @@ class ChaosRun {
       arrive(network_.take_next());
     } else {
       now_ = tick_at;
-      hosts_[tick->second].node->on_tick(host_now(tick->second));
-      drain(tick->second);
+      tick_host(tick->second);
     }
+  }
+
+  void tick_host(std::size_t i) {
+    const auto* keeper = keeper_of(i);
+    if (keeper != nullptr && host_now(i) >= keeper->due() && !write_store(i)) return;
+    hosts_[i].node->on_tick(host_now(i));
+    drain(i);
+  }
+
+  [[nodiscard]] const store::StoreKeeper* keeper_of(std::size_t i) const {
+    return hosts_[i].store ? hosts_[i].store->keeper() : nullptr;
+  }
+
+  // False: the peer has ended.
+  bool write_store(std::size_t i) {
+    Host& host = hosts_[i];
+    const auto written = host.store->write(host_now(i));
+    if (host.store->disk().is_dead()) {
+      die_by_disk(i);
+      return false;
+    }
+    if (written.own) {
+      host.node->note_stored(*written.own);
+      oracle_.on_stored(i, *written.own);
+    }
+    if (written.error) {
+      host.node->note_store_failed();
+      oracle_.count("store could not be written");
+    }
+    if (written.is_good_again) oracle_.count("store good again");
+    if (!written.must_stop) return true;
+    oracle_.count("peer ended, because it could contradict itself");
+    const auto fault = disk_fault_of(i);
+    if (!fault) oracle_.violate(now_s(), fmt::format("the store of peer {} fails for no reason", i + 1));
+    stop(i, false);
+    if (fault) host.down_by.insert(*fault);
+    return false;
+  }
+
+  // The fault by which the disk fails now.
+  [[nodiscard]] std::optional<std::size_t> disk_fault_of(std::size_t i) const {
+    const auto of_host = [&](std::size_t fault) { return plan_.faults[fault].peer == i; };
+    const auto fault = std::ranges::find_if(disk_faults_, of_host);
+    return fault == disk_faults_.end() ? std::nullopt : std::optional(*fault);
+  }
+
+  void die_by_disk(std::size_t i) {
+    const std::size_t fault = std::exchange(hosts_[i].dies_at_write_by, std::nullopt).value();
+    oracle_.count("peer died in a write of its disk");
+    hosts_[i].down_by.insert(fault);
+    stop(i, false, plan_.faults[fault].disk.power_fails);
   }
 
   [[nodiscard]] HostTime host_now(std::size_t i) const { return hosts_[i].clock.at(now_); }
@@ -199,6 +260,7 @@ class ChaosRun {
     oracle_.on_input(i);
     while (auto out = node.poll_output()) {
       if (auto* send = std::get_if<replication::Send>(&*out)) {
+        if (const auto* keeper = keeper_of(i); keeper != nullptr && keeper->must_write() && !write_store(i)) return;
         trace(static_cast<std::uint64_t>(now_.time_since_epoch().count()) ^ i);
         trace(std::span<const std::byte>(send->datagram));
         network_.send(now_, i, send->region, std::move(send->datagram));
@@ -208,7 +270,10 @@ class ChaosRun {
       if (const auto* leave = std::get_if<replication::Leave>(&*out)) network_.leave(i, leave->region);
       dies = dies || (hosts_[i].dies_by && std::holds_alternative<replication::OperationHeld>(*out));
       oracle_.on_output(now_s(), i, *out);
+      const auto* grown = std::get_if<replication::LogGrown>(&*out);
+      if (grown != nullptr && keeper_of(i) != nullptr) hosts_[i].store->add({grown->range, grown->last}, host_now(i));
     }
+    if (const auto* keeper = keeper_of(i); keeper != nullptr && keeper->must_write() && !write_store(i)) return;
     while (node.poll_key_report()) {
     }
     while (node.poll_edit_report()) {
@@ -224,7 +289,7 @@ class ChaosRun {
     if (host.node || !host.joined || !host.down_by.empty()) return;
     config::PeerSettings settings;
     settings.id = plan_.peers[i].id;
-    settings.name = fmt::format("p{}", settings.id);
+    settings.name = name_of(i);
     config::ReplicationSettings replication;
     replication.tick_hz = plan_.tick_hz;
     replication.decisions.policy = plan_.policy;
@@ -238,26 +303,79 @@ class ChaosRun {
     options.start_lead = std::chrono::milliseconds(500);
     options.sample_hz = kGhostSamples_hz;
     options.rows = &oracle_;
+    options.rare = rare_branches_of(i);
+    if (host.store && !open_store(i, options)) return;
     // A host's clock begins with the wall clock.
     host.clock = SkewedClock(now_, HostTime{now_.time_since_epoch() + from_seconds(host.wall_offset_s)},
                              plan_.peers[i].skew_ppm);
     host.runs_from = now_;
-    host.node = PeerNode::make(settings, replication, *shared_, std::move(objects), std::move(options));
+    host.node = PeerNode::make(settings, replication, *shared_, std::move(objects), options);
+    if (options.stores) host.store->keep(host.node->peer().logs());
     oracle_.begin_life(i, *host.node);
     drain(i);
   }
 
-  void stop(std::size_t i, bool says_goodbye) {
+  // Those of one life, which are counted.
+  replication::RareBranches rare_branches_of(std::size_t i) {
+    const auto random =
+        std::make_shared<Random>(stream_of(plan_.seed, Stream::kRareBranches, i << 32U | hosts_[i].incarnation));
+    return replication::RareBranches([this, random](replication::RareBranch branch) {
+      const double probability = plan_.rare_branches[static_cast<std::size_t>(branch)];
+      if (probability == 0.0 || !random->chance(probability)) return false;
+      oracle_.count(fmt::format("taken on purpose: {}", to_string(branch)));
+      return true;
+    });
+  }
+
+  // False: the peer can't begin now.
+  bool open_store(std::size_t i, PeerNode::Options& options) {
     Host& host = hosts_[i];
-    if (!host.node) return;
+    Random random = stream_of(plan_.seed, Stream::kAuthor, i << 32U | host.incarnation);
+    const replication::AuthorId fresh{static_cast<std::uint32_t>(1 + random.below(replication::kAuthorMax))};
+    auto opened = host.store->open(plan_.seed, fresh);
+    if (host.store->disk().is_dead()) {
+      die_by_disk(i);
+      return false;
+    }
+    if (opened) {
+      if (opened->lost) {
+        oracle_.violate(now_s(), fmt::format("the store of {} has lost operations of {}", name_of(i), opened->lost->value));
+      }
+      oracle_.count(opened->log.empty() ? "store with nothing opened" : "store opened");
+      options.author = opened->author;
+      options.stores = true;
+      options.log = std::move(opened->log);
+      return true;
+    }
+    const auto fault = disk_fault_of(i);
+    if (!fault || opened.error().exit_code == 1) oracle_.violate(now_s(), opened.error().text);
+    if (!host.store->exists()) {
+      oracle_.count("peer without the store that could not be made");
+      return true;
+    }
+    oracle_.count("peer that could not open its store");
+    if (fault) host.down_by.insert(*fault);
+    return false;
+  }
+
+  void stop(std::size_t i, bool says_goodbye, bool power_is_cut = false) {
+    Host& host = hosts_[i];
+    if (!host.node) {
+      if (host.store && (power_is_cut || host.store->disk().is_dead())) host.store->crash(power_is_cut);
+      return;
+    }
     if (says_goodbye) {
       host.node->leave(host_now(i));
       drain(i);
+      if (host.node && keeper_of(i) != nullptr && !write_store(i)) return;
     }
     if (!host.node) return;
     oracle_.end_life(i);
+    if (host.store && !says_goodbye) host.store->crash(power_is_cut);
+    if (host.store && says_goodbye) host.store->close();
     host.node.reset();
     network_.leave_all(i);
+    if (host.store && host.store->disk().is_dead()) die_by_disk(i);  // in the last write
   }
 
   void happen(const Due& due) {
@@ -299,6 +417,7 @@ class ChaosRun {
     switch (fault.kind) {
       case FaultKind::kCrash:
       case FaultKind::kLeave:
+      case FaultKind::kPowerCut:
         return begins ? take_down(index) : bring_back(index);
       case FaultKind::kPartition:
       case FaultKind::kOneWay:
@@ -312,6 +431,11 @@ class ChaosRun {
       case FaultKind::kClockStep:
         if (begins) hosts_[fault.peer].wall_offset_s += fault.step_s;
         return;
+      case FaultKind::kDiskDeath:
+        return begins ? die_at_write(index) : bring_back(index);
+      case FaultKind::kDiskFull:
+      case FaultKind::kDiskErrors:
+        return make_disk_fail(index, begins);
       case FaultKind::kAuthorDies:
         return begins ? edit_and_die_when_held(index) : bring_back(index);
     }
@@ -320,14 +444,52 @@ class ChaosRun {
   void take_down(std::size_t index) {
     const Fault& fault = plan_.faults[index];
     hosts_[fault.peer].down_by.insert(index);
-    stop(fault.peer, fault.kind == FaultKind::kLeave);
+    stop(fault.peer, fault.kind == FaultKind::kLeave, fault.kind == FaultKind::kPowerCut);
+  }
+
+  void die_at_write(std::size_t index) {
+    Host& host = hosts_[plan_.faults[index].peer];
+    if (!host.store || host.dies_at_write_by) return;
+    host.dies_at_write_by = index;
+    host.store->disk().die_at_write(plan_.faults[index].disk.dies_at_write);
+  }
+
+  // Of several such faults the last one counts.
+  void make_disk_fail(std::size_t index, bool begins) {
+    const std::size_t peer = plan_.faults[index].peer;
+    if (!hosts_[peer].store) return;
+    if (begins) {
+      disk_faults_.push_back(index);
+    } else {
+      std::erase(disk_faults_, index);
+    }
+    SimulatedDisk& disk = hosts_[peer].store->disk();
+    disk.set_room(std::nullopt);
+    disk.set_error_rate(0.0);
+    for (const std::size_t each : disk_faults_) {
+      const Fault& fault = plan_.faults[each];
+      if (fault.peer != peer) continue;
+      if (fault.kind == FaultKind::kDiskFull) {
+        disk.set_room(fault.disk.room_bytes);
+      } else {
+        disk.set_error_rate(fault.disk.error_rate);
+      }
+    }
+    if (!begins) bring_back(index);
   }
 
   void bring_back(std::size_t index) {
     Host& host = hosts_[plan_.faults[index].peer];
     host.down_by.erase(index);
     if (host.dies_by == index) host.dies_by.reset();
+    if (host.dies_at_write_by == index) live_on(host);
     start(plan_.faults[index].peer);
+  }
+
+  // It does not die in a write.
+  static void live_on(Host& host) {
+    host.dies_at_write_by.reset();
+    if (host.store) host.store->disk().die_at_write(std::nullopt);
   }
 
   void edit_and_die_when_held(std::size_t index) {
@@ -361,12 +523,18 @@ class ChaosRun {
 
   void heal() {
     healed_ = true;
+    disk_faults_.clear();
     network_.mend_all();
     network_.set_links(plan_.healed);
     for (std::size_t i = 0; i < hosts_.size(); ++i) {
       assert(hosts_[i].joined);
       hosts_[i].down_by.clear();
       hosts_[i].dies_by.reset();
+      live_on(hosts_[i]);
+      if (hosts_[i].store) {
+        hosts_[i].store->disk().set_room(std::nullopt);
+        hosts_[i].store->disk().set_error_rate(0.0);
+      }
       start(i);
     }
   }
@@ -399,7 +567,7 @@ class ChaosRun {
   Oracle oracle_;
   std::vector<Host> hosts_;
   std::multimap<VirtualTime, Due> due_;  // those of one time in the order in which they were scheduled
-  std::vector<std::size_t> bad_links_;   // the faults that make links bad now, by their index
+  std::vector<std::size_t> bad_links_, disk_faults_;  // the faults that make links bad now, and disks, by their index
   VirtualTime now_ = kClockBegin;
   bool healed_ = false, stopped_ = false, was_late_ = false;
   std::uint64_t trace_ = 0, checks_ = 0;

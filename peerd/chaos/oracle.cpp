@@ -106,10 +106,30 @@ void Oracle::on_edit(std::size_t host, const EditReport& report) {
   if (!report.operation) return count("edits refused at once");
   ++operations_;
   const AuthorId author = report.operation->author;
-  const auto [at, is_new] = author_life_.try_emplace(author, *life_of_host_[host]);
-  assert(at->second == *life_of_host_[host] && "no two lives are one author");
-  written_[author] = life_of(host).node->peer().logs().length(author);
+  const auto [at, is_new] = author_host_.try_emplace(author, host);
+  assert(at->second == host && "no two hosts are one author");
+  note_written(author, life_of(host).node->peer().logs().length(author));
   on_input(host);
+}
+
+// A later life of an author has what its store has, which may be less than was written.
+void Oracle::note_written(AuthorId author, std::uint64_t bytes) {
+  std::uint64_t& most = written_[author];
+  most = std::max(most, bytes);
+}
+
+void Oracle::on_stored(std::size_t host, OperationId last) {
+  assert(!author_host_.contains(last.author) || author_host_.at(last.author) == host);
+  stored_[last.author] = last.number;
+}
+
+void Oracle::count(const SimulatedDisk::Counters& disk) {
+  count("disk written", disk.writes);
+  count("disk synchronised", disk.synchronised);
+  count("disk: a write done in part", disk.torn);
+  count("disk: a change lost with the power", disk.lost);
+  count("disk: a write refused, full", disk.refused_full);
+  count("disk: a change that failed", disk.refused_error);
 }
 
 void Oracle::on_input(std::size_t host) {
@@ -124,16 +144,16 @@ void Oracle::on_input(std::size_t host) {
     const std::uint32_t now = logs.last(log.author).number;
     if (now == last) continue;
     last = now;
-    const auto author = author_life_.find(log.author);
-    if (author != author_life_.end() && lives_[author->second].node == nullptr) count("repaired without the author");
+    const auto author = author_host_.find(log.author);
+    if (author != author_host_.end() && !life_of_host_[author->second]) count("repaired without the author");
   }
 }
 
 // A peer writes operations by itself, too: nobody has anything of a log before its author.
 void Oracle::on_growth(std::size_t host, const OperationRange& grown) {
-  if (trusts_datagrams_) author_life_.try_emplace(grown.author, *life_of_host_[host]);
-  const auto author = author_life_.find(grown.author);
-  if (author != author_life_.end() && author->second == *life_of_host_[host]) written_[grown.author] = grown.to;
+  if (trusts_datagrams_) author_host_.try_emplace(grown.author, host);
+  const auto author = author_host_.find(grown.author);
+  if (author != author_host_.end() && author->second == host) note_written(grown.author, grown.to);
 }
 
 void Oracle::on_output(double now_s, std::size_t host, const Output& output) {
@@ -260,6 +280,7 @@ void Oracle::finish(double now_s) {
   if (!trusts_datagrams_) return;
   check_logs(now_s);
   check_held(now_s);
+  check_stored(now_s);
   check_scenes(now_s);
   check_owners(now_s);
   check_outcomes(now_s);
@@ -307,6 +328,17 @@ void Oracle::check_held(double now_s) {
       if (life->node->peer().logs().last(operation.author).number >= operation.number) continue;
       violate(now_s, fmt::format("{} has lost operation {}, held since {:.3f} s, which {} has", name_of(*life),
                                  chaos::name_of(operation), since_s, name_of(**holder)));
+    }
+  }
+}
+
+// Everybody is here, with what each store has.
+void Oracle::check_stored(double now_s) {
+  for (const auto& [author, number] : stored_) {
+    for (const Life* life : alive()) {
+      if (life->node->peer().logs().last(author).number >= number) continue;
+      violate(now_s, fmt::format("{} has lost operation {}, which its author's store had", name_of(*life),
+                                 chaos::name_of({author, number})));
     }
   }
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/ids.hpp"
+#include "peerd/chaos/simulated_disk.hpp"
 #include "peerd/node/edit_operation.hpp"
 #include "peerd/node/peer_log.hpp"
 #include "replication/output/output.hpp"
@@ -32,6 +33,8 @@ class Oracle final : public LogRows {
   void on_output(double now_s, std::size_t host, const replication::Output& output);
   // An edit was asked of the peer.
   void on_edit(std::size_t host, const EditReport& report);
+  // The peer's store has its operations up to this one.
+  void on_stored(std::size_t host, replication::OperationId last);
   // The peer has taken something in.
   void on_input(std::size_t host);
   // Checks what must hold at every time.
@@ -48,6 +51,7 @@ class Oracle final : public LogRows {
   // How often each rare branch was taken, by its name.
   [[nodiscard]] const std::map<std::string, std::uint64_t>& branches() const { return branches_; }
   void count(const std::string& branch, std::uint64_t times = 1) { branches_[branch] += times; }
+  void count(const SimulatedDisk::Counters& disk);
   [[nodiscard]] std::size_t operations() const { return operations_; }
   [[nodiscard]] std::size_t held() const { return held_.size(); }
 
@@ -78,9 +82,11 @@ class Oracle final : public LogRows {
   [[nodiscard]] std::vector<const Life*> alive() const;
   [[nodiscard]] std::string name_of(const Life& life) const;
   void on_edited(Life& life, const replication::SceneEdited& edited);
+  void note_written(replication::AuthorId author, std::uint64_t bytes);
   void on_growth(std::size_t host, const replication::OperationRange& grown);
   void on_contact(Life& life, const replication::ContactSeen& seen);
   void check_held(double now_s);
+  void check_stored(double now_s);
   void check_logs(double now_s);
   void check_scenes(double now_s);
   void check_owners(double now_s);
@@ -92,8 +98,9 @@ class Oracle final : public LogRows {
   std::vector<std::optional<std::size_t>> life_of_host_;  // none: nobody runs there
   std::vector<Life> lives_;
   std::map<replication::AuthorId, std::uint64_t> written_;  // bytes of each log
-  std::map<replication::AuthorId, std::size_t> author_life_;
-  std::map<replication::OperationId, double> held_;  // since when
+  std::map<replication::AuthorId, std::size_t> author_host_;
+  std::map<replication::AuthorId, std::uint32_t> stored_;  // the number of the last one that its author's store has
+  std::map<replication::OperationId, double> held_;        // since when
   std::size_t operations_ = 0;
   std::optional<SimTime> calm_since_;
   std::vector<std::string> violations_;

@@ -21,6 +21,10 @@ constexpr double kFaultEvery_s = 2.0, kEditEvery_s = 0.7;
 constexpr std::int64_t kSkewMax_ppm = 500;
 constexpr double kWallStepMax_s = 10.0;
 constexpr double kRareChance = 0.25, kUncheckedChance = 0.06;
+constexpr double kRareBranchMax = 0.2;  // each time that the code could take it
+constexpr double kStoresChance = 0.7, kStoreChance = 0.85;  // of a seed, and of a peer in such a seed
+constexpr std::uint64_t kDiskWritesMax = 60, kRoomMax_bytes = 8192;
+constexpr double kDiskErrorsMax = 0.3;
 
 LinkFaults draw_links(Random& random, double loss_max) {
   LinkFaults links;
@@ -32,6 +36,15 @@ LinkFaults draw_links(Random& random, double loss_max) {
   if (random.chance(0.3)) links.link.loss_burst = random.uniform(2.0, 10.0);
   links.damage = random.uniform(0.0, 0.05);
   return links;
+}
+
+DiskFaults draw_disk(Random& random) {
+  DiskFaults disk;
+  disk.dies_at_write = 1 + random.below(kDiskWritesMax);
+  disk.power_fails = random.chance(0.5);
+  disk.room_bytes = random.below(kRoomMax_bytes);
+  disk.error_rate = random.uniform(0.01, kDiskErrorsMax);
+  return disk;
 }
 
 LinkFaults draw_healed_links(Random& random) {
@@ -56,6 +69,12 @@ class PlanDrawer {
       const Rare rare{static_cast<std::uint8_t>(i)};
       if (random_.chance(rare == Rare::kUnchecked ? kUncheckedChance : kRareChance)) plan_.rare.insert(rare);
     }
+    for (double& probability : plan_.rare_branches) {
+      const bool is_drawn = random_.chance(kRareChance);
+      const double drawn = random_.uniform(0.0, kRareBranchMax);
+      if (is_drawn) probability = drawn;
+    }
+    has_stores_ = random_.chance(kStoresChance);
     drawn_peers_ = kPeersMin + random_.below(kPeersMax - kPeersMin + 1);
     const std::size_t peers = std::min(drawn_peers_, plan_.limits.peers.value_or(drawn_peers_));
     constexpr std::array<std::uint32_t, 3> kRates{20, 30, 60};
@@ -81,6 +100,7 @@ class PlanDrawer {
     peer.joins_at_s = is_late ? random.uniform(kSettled_s, 0.9 * plan_.heal_s) : random.uniform(0.0, 0.4);
     peer.skew_ppm = static_cast<std::int64_t>(random.uniform(-1.0, 1.0) * kSkewMax_ppm);
     peer.wall_offset_s = random.uniform(-kWallStepMax_s, kWallStepMax_s);
+    peer.has_store = random.chance(kStoreChance) && has_stores_;
     return peer;
   }
 
@@ -94,7 +114,7 @@ class PlanDrawer {
     std::uint32_t number = count;
     Random random = stream_of(plan_.seed, Stream::kRareFault);
     const auto add_rare = [&](FaultKind kind, double at_s, double for_s, std::size_t peer) {
-      Fault fault{number++, kind, at_s, for_s, peer, {}, {}, 0.0};
+      Fault fault{number++, kind, at_s, for_s, peer, {}, {}, 0.0, {}};
       if (kind == FaultKind::kPartition) fault.side = draw_side(random);
       add(fault);
     };
@@ -120,19 +140,26 @@ class PlanDrawer {
         if (peer != survivor) add_rare(FaultKind::kCrash, at_s, random.uniform(0.5, 4.0), peer);
       }
     }
+    if (plan_.has(Rare::kBlackout)) {
+      const double at_s = a_time(random);
+      for (std::size_t peer = 0; peer < plan_.peers.size(); ++peer) {
+        add_rare(FaultKind::kPowerCut, at_s, random.uniform(0.5, 4.0), peer);
+      }
+    }
     std::ranges::stable_sort(plan_.faults, {}, &Fault::at_s);
   }
 
   Fault draw_fault(Random& random, std::uint32_t number) const {
     Fault fault;
     fault.number = number;
-    fault.kind = static_cast<FaultKind>(random.below(7));
+    fault.kind = static_cast<FaultKind>(random.below(static_cast<std::uint64_t>(FaultKind::kAuthorDies)));
     fault.at_s = a_time(random);
     fault.for_s = random.uniform(0.2, 5.0);
     fault.peer = a_peer(random);
     fault.side = draw_side(random);
     fault.links = draw_links(random, 0.5);
     fault.step_s = random.uniform(-kWallStepMax_s, kWallStepMax_s);
+    fault.disk = draw_disk(random);
     return fault;
   }
 
@@ -199,6 +226,7 @@ class PlanDrawer {
   ChaosPlan plan_;
   Random random_;
   std::size_t drawn_peers_ = 0;
+  bool has_stores_ = false;
 };
 
 // Writes numbers as f3,f5-9.
@@ -217,13 +245,20 @@ void append_ranges(char letter, const std::set<std::uint32_t>& numbers, std::str
 std::string_view to_string(Rare rare) {
   constexpr std::array<std::string_view, kRareCount> kNames{"large edits",   "burst of edits",  "one field",
                                                             "author dies",   "long partition",  "flapping peer",
-                                                            "lone survivor", "unchecked damage"};
+                                                            "lone survivor", "blackout",        "unchecked damage"};
   return kNames[static_cast<std::size_t>(rare)];
 }
 
+std::string_view to_string(replication::RareBranch branch) {
+  constexpr std::array<std::string_view, replication::kRareBranchCount> kNames{"an answer without a place", "a small part",
+                                                                               "the exchange waits", "no checkpoint"};
+  return kNames[static_cast<std::size_t>(branch)];
+}
+
 std::string_view to_string(FaultKind kind) {
-  constexpr std::array<std::string_view, 8> kNames{"crash",     "leave",   "partition",  "one-way partition",
-                                                   "bad links", "suspend", "clock step", "author dies"};
+  constexpr std::array<std::string_view, 12> kNames{
+      "crash",      "leave",     "partition",            "one-way partition", "bad links",   "suspend",
+      "clock step", "power cut", "death at a disk write", "disk full",         "disk errors", "author dies"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -9,6 +10,7 @@
 
 #include "peerd/chaos/world_text.hpp"
 #include "peerd/config/link_settings.hpp"
+#include "replication/policy/rare_branches.hpp"
 #include "replication/wire/decision_policy.hpp"
 
 namespace peerd::chaos {
@@ -22,16 +24,20 @@ enum class Rare : std::uint8_t {
   kLongPartition,  // so long that operations of the other side are later than peers go back
   kFlapping,       // a peer crashes and comes back again and again
   kLoneSurvivor,   // all peers but one crash
+  kBlackout,       // the power of all peers fails at one instant
   kUnchecked,      // damaged datagrams reach peers, as no checksum of UDP holds them back
 };
-inline constexpr std::size_t kRareCount = 8;
+inline constexpr std::size_t kRareCount = 9;
 [[nodiscard]] std::string_view to_string(Rare rare);
+
+[[nodiscard]] std::string_view to_string(replication::RareBranch branch);
 
 struct PlannedPeer {
   std::uint32_t id = 0;
   double joins_at_s = 0.0;
   std::int64_t skew_ppm = 0;
   double wall_offset_s = 0.0;  // of its wall clock, by which its host clock begins
+  bool has_store = false;
 };
 
 enum class FaultKind : std::uint8_t {
@@ -42,6 +48,10 @@ enum class FaultKind : std::uint8_t {
   kLinks,       // all links are as bad as `links` says
   kSuspend,     // `peer` does not run; its clock goes on, and what comes meanwhile waits
   kClockStep,   // the wall clock of `peer` is set by `step_s`
+  kPowerCut,    // the power of `peer` fails: its disk loses what was not synchronised; it comes back
+  kDiskDeath,   // `peer` crashes in the middle of a write of its disk, with or without the power; it comes back
+  kDiskFull,    // the disk of `peer` has hardly room
+  kDiskErrors,  // some writes of its disk fail
   kAuthorDies,  // `peer` edits, and crashes once another holds that; it comes back
 };
 [[nodiscard]] std::string_view to_string(FaultKind kind);
@@ -49,6 +59,13 @@ enum class FaultKind : std::uint8_t {
 struct LinkFaults {
   config::LinkSettings link;
   double damage = 0.0;  // probability that a datagram arrives with other bytes
+};
+
+struct DiskFaults {
+  std::uint64_t dies_at_write = 1;  // from then on
+  bool power_fails = false;         // with that
+  std::uint64_t room_bytes = 0;
+  double error_rate = 0.0;
 };
 
 struct Fault {
@@ -59,6 +76,7 @@ struct Fault {
   std::vector<bool> side;  // by peer
   LinkFaults links;
   double step_s = 0.0;
+  DiskFaults disk;
 };
 
 enum class EditKind : std::uint8_t { kAny, kLarge, kBurst, kOneField };
@@ -90,6 +108,8 @@ struct ChaosPlan {
   std::uint64_t seed = 0;
   ChaosLimits limits;
   std::set<Rare> rare;
+  // The probability that the code takes a rare branch where it could, by RareBranch.
+  std::array<double, replication::kRareBranchCount> rare_branches{};
   std::vector<PlannedPeer> peers;
   ChaosWorld world;
   std::uint32_t tick_hz = 60;

@@ -24,6 +24,9 @@ enum class Stream : std::uint64_t {
   kLink,
   kDamage,
   kOsClock,
+  kDisk,
+  kAuthor,
+  kRareBranches,
 };
 
 [[nodiscard]] inline Random stream_of(std::uint64_t seed, Stream stream, std::uint64_t item = 0) {

@@ -200,6 +200,7 @@ ReplicationSettings read_replication(TomlReader reader) {
   if (reader.has("convergence")) s.remote_convergence = s.convergence;
   reader.read("tick_hz", s.tick_hz, 1, 1000);
   reader.read("settled_hello_period_s", s.settled_hello_period_s, 0.25, 4.0);
+  reader.read("steal", s.steal);
   reader.finish();
   return s;
 }

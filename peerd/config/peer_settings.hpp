@@ -30,6 +30,7 @@ struct ReplicationSettings {
   replication::RegionSettings regions;  // the table [regions]
   std::uint32_t tick_hz = 60;
   double settled_hello_period_s = 1.0;
+  bool steal = false;  // a peer may take an object without asking its owner
 };
 [[nodiscard]] ReplicationSettings read_replication(TomlReader reader);
 

@@ -103,7 +103,7 @@ Request read_operation(feed::JsonMembers& members) {
 
 std::optional<config::SceneEdit::Kind> edit_kind(std::string_view word) {
   using enum config::SceneEdit::Kind;
-  for (const auto kind : {kAdd, kRemove, kMove, kSet, kOwn, kGrab, kRelease, kUndo, kRedo}) {
+  for (const auto kind : {kAdd, kRemove, kMove, kSet, kOwn, kGrab, kSteal, kRelease, kUndo, kRedo}) {
     if (word == config::to_string(kind)) return kind;
   }
   return std::nullopt;
@@ -148,7 +148,7 @@ std::expected<Request, std::string> parse_request(std::string_view line) {
   } else {
     members.fail("do",
                  "must be one of \"key\", \"status\", \"peers\", \"objects\", \"pose\", \"add\", \"remove\", \"move\", "
-                 "\"set\", \"own\", \"grab\", \"release\", \"data\", \"send\", \"undo\", \"redo\", \"conflicts\", "
+                 "\"set\", \"own\", \"grab\", \"steal\", \"release\", \"data\", \"send\", \"undo\", \"redo\", \"conflicts\", "
                  "\"subscribe\", \"operation\", "
                  "\"world\", \"leave\"");
   }

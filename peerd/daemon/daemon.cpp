@@ -210,7 +210,7 @@ void Daemon::wake() {
   }
   if (over_) return;
   const HostTime now = this->now();
-  if (now >= store_due_ && !store_growth()) return stop();
+  if (keeper_ && now >= keeper_->due() && !store_growth()) return stop();
   if (now >= system_due_) {
     read_os_clock_into_node(now);
     follow_interface();
@@ -260,9 +260,9 @@ void Daemon::leave() {
   if (capture_) capture_->on_leave(at);
   node_.leave(at);
   drain();
-  if (!store_growth() || !unstored_.empty()) {
-    log_({LogLevel::kError,
-          fmt::format("leaves with {} bytes of edits that its store does not have", unstored_.bytes())});
+  if (keeper_ && (!store_growth() || !keeper_->unstored().empty())) {
+    log_({LogLevel::kError, fmt::format("leaves with {} bytes of edits that its store does not have",
+                                        keeper_->unstored().bytes())});
     exit_code_ = kEnvironment;
   }
   stop();
@@ -276,15 +276,13 @@ void Daemon::stop() {
 void Daemon::drain() {
   if (question_) return;                    // nothing leaves before the peer has begun
   std::vector<replication::Output> change;  // logged after the datagrams have left, because the log may be slow
-  bool own_grown = false;
   while (auto out = node_.poll_output()) {
     if (const auto* grown = std::get_if<replication::LogGrown>(&*out)) {
-      if (store_ != nullptr) own_grown |= note_growth(*grown);
+      if (keeper_) keeper_->add({grown->range, grown->last}, clock_.now());
       continue;
     }
-    if (own_grown && std::holds_alternative<replication::Send>(*out)) {
-      if (!store_growth()) return stop();
-      own_grown = false;
+    if (keeper_ && keeper_->must_write() && std::holds_alternative<replication::Send>(*out) && !store_growth()) {
+      return stop();
     }
     if (!logs_updates_ && std::holds_alternative<replication::Published>(*out)) continue;
     if (auto* send = std::get_if<replication::Send>(&*out)) {
@@ -300,7 +298,7 @@ void Daemon::drain() {
     }
     change.push_back(*std::move(out));
   }
-  if (own_grown && !store_growth()) return stop();
+  if (keeper_ && keeper_->must_write() && !store_growth()) return stop();
   transport_.flush();
   for (const replication::Output& out : change) {
     const auto* in_use = std::get_if<replication::IdInUse>(&out);
@@ -325,42 +323,20 @@ void Daemon::publish(const replication::Output& event) {
   if (kind && control_->wanted().contains(*kind)) control_->publish(*kind, api::event_line(event, node_));
 }
 
-// Returns whether it is of this peer's own log.
-bool Daemon::note_growth(const replication::LogGrown& grown) {
-  assert(store_ != nullptr);
-  unstored_.add({grown.range, grown.last});
-  if (grown.range.author == store_->author()) return true;
-  store_due_ = std::min(store_due_, clock_.now() + kStoredWithin);
-  return false;
-}
-
 bool Daemon::store_growth() {
-  store_due_ = HostTime::max();
-  while (!unstored_.empty()) {
-    const auto batch = unstored_.next_batch();
-    std::vector<replication::OperationPart> parts;
-    for (const auto& grown : batch) {
-      const auto bytes = node_.peer().log_bytes(grown.range);
-      assert(bytes.size() == grown.range.to - grown.range.from);
-      parts.push_back({grown.range.author, grown.range.from, {bytes.begin(), bytes.end()}});
-    }
-    if (const auto stored = store_->append(parts); !stored) {
-      node_.note_store_failed();
-      if (store_->must_stop()) exit_code_ = kEnvironment;
-      if (!std::exchange(store_fails_, true) || store_->must_stop()) log_({LogLevel::kError, stored.error().text});
-      store_due_ = clock_.now() + kStoreTriedAgainAfter;
-      return !store_->must_stop();
-    }
-    for (const auto& grown : batch) {
-      if (grown.range.author == store_->author()) node_.note_stored(grown.last);
-    }
-    unstored_.drop(batch.size());
+  assert(keeper_.has_value());
+  const store::StoreKeeper::Written written = keeper_->write(clock_.now());
+  if (written.own) node_.note_stored(*written.own);
+  if (written.error) {
+    node_.note_store_failed();
+    if (written.begins_to_fail || written.must_stop) log_({LogLevel::kError, written.error->text});
   }
-  if (std::exchange(store_fails_, false)) {
+  if (written.is_good_again) {
     log_({LogLevel::kInfo, "the store can be written again, and has all"});
     if (!store_->author_error().empty()) log_({LogLevel::kWarning, store_->author_error()});
   }
-  return true;
+  if (written.must_stop) exit_code_ = kEnvironment;
+  return !written.must_stop;
 }
 
 // Runs after each input, so that a process that is killed leaves a capture of everything that it did. A peer whose

@@ -18,7 +18,7 @@
 #include "peerd/os/host_clock.hpp"
 #include "peerd/record/capture.hpp"
 #include "peerd/store/operation_store.hpp"
-#include "peerd/store/unstored_growth.hpp"
+#include "peerd/store/store_keeper.hpp"
 #include "peerd/transport/transport.hpp"
 #include "replication/output/output.hpp"
 #include "replication/session/identity.hpp"
@@ -66,12 +66,11 @@ class Daemon {
   // afterwards.
   void on_received(std::function<void()> handler) { received_handler_ = std::move(handler); }
 
-  // The growth of logs that LogGrown says goes to the store from now on: this peer's own operations before anything of
-  // them leaves, others' within kStoredWithin. Where that fails the peer goes on without, and tries again
-  // kStoreTriedAgainAfter, or with what follows sooner.
-  void keep(store::OperationStore& store) { store_ = &store; }
-  static constexpr Duration kStoredWithin = std::chrono::milliseconds(100);
-  static constexpr Duration kStoreTriedAgainAfter = std::chrono::seconds(1);
+  // The growth of logs that LogGrown says goes to the store from now on.
+  void keep(store::OperationStore& store) {
+    store_ = &store;
+    keeper_.emplace(store, node_.peer().logs());
+  }
 
   // Before it takes part in the session, the daemon asks for kIdentityIsAskedFor whether a peer of its identity is
   // alive already; where one answers, it ends with exit code 3.
@@ -100,8 +99,7 @@ class Daemon {
   void drain();
   void keep_capture();
   void publish(const replication::Output& event);
-  [[nodiscard]] bool note_growth(const replication::LogGrown& grown);
-  // Writes what has grown. False: this peer must not go on.
+  // Writes what has grown; there is a keeper. False: this peer must not go on.
   [[nodiscard]] bool store_growth();
   void check(const std::expected<void, net::NetError>& done);
 
@@ -114,10 +112,8 @@ class Daemon {
   Log log_;
   std::optional<Duration> leave_after_;
   std::optional<replication::IdentityQuestion> question_;  // is being asked: the peer has not begun
-  store::OperationStore* store_ = nullptr;                 // null: none
-  store::UnstoredGrowth unstored_;
-  HostTime store_due_ = HostTime::max();  // of what is unstored
-  bool store_fails_ = false;
+  store::OperationStore* store_ = nullptr;                 // null: none, and no keeper
+  std::optional<store::StoreKeeper> keeper_;
   api::ControlServer* control_ = nullptr;  // null: nobody can subscribe
   record::CaptureWriter* capture_;         // null: none, or it has failed
   std::function<void()> received_handler_;

@@ -39,7 +39,7 @@ std::expected<NodeId, std::string> find_node(const Scene& scene, const std::stri
 
 bool is_about_ownership(const SceneEdit& edit) {
   using enum SceneEdit::Kind;
-  return edit.kind == kOwn || edit.kind == kGrab || edit.kind == kRelease;
+  return edit.kind == kOwn || edit.kind == kGrab || edit.kind == kSteal || edit.kind == kRelease;
 }
 
 bool is_undo(const SceneEdit& edit) {
@@ -84,6 +84,7 @@ std::expected<OperationBody, std::string> operation_of(const SceneEdit& edit, co
       return SendMessage{self, edit.key, edit.data};
     case SceneEdit::Kind::kOwn:
     case SceneEdit::Kind::kGrab:
+    case SceneEdit::Kind::kSteal:
     case SceneEdit::Kind::kRelease:
     case SceneEdit::Kind::kUndo:
     case SceneEdit::Kind::kRedo:
@@ -100,6 +101,7 @@ std::string name_of(const SceneEdit& edit) {
     case SceneEdit::Kind::kRemove:
     case SceneEdit::Kind::kOwn:
     case SceneEdit::Kind::kGrab:
+    case SceneEdit::Kind::kSteal:
     case SceneEdit::Kind::kRelease:
       return fmt::format("{} {}", kind, edit.path);
     case SceneEdit::Kind::kMove:

@@ -100,6 +100,7 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
   config.name = settings.name;
   config.incarnation = options.incarnation;
   config.author = options.author;
+  config.rare = options.rare;
   config.log = std::move(options.log);
   config.world_hash = replication.regions.session_hash(shared.world.hash);
   config.policy = replication.policy;
@@ -111,6 +112,7 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
   config.interest_radius_m = settings.interest_radius_m;
   config.tick_hz = settings.tick_hz.value_or(replication.tick_hz);
   config.settled_hello_period = from_seconds(replication.settled_hello_period_s);
+  config.may_steal = replication.steal;
   config.wait_for_start = true;
   config.decisions = replication.decisions;
   if (settings.viewpoint) config.decisions.viewpoint = viewpoint_of(*settings.viewpoint, objects.viewpoint);
@@ -322,7 +324,9 @@ EditReport PeerNode::change_owner(HostTime now, const config::SceneEdit& edit) {
   const auto object = scene().find(edit.path);
   const auto done = [&]() -> std::expected<replication::Taking, std::string> {
     if (!object) return std::unexpected("the scene has no " + edit.path);
-    if (edit.kind != config::SceneEdit::Kind::kRelease) return peer_.own(now, *object);
+    if (edit.kind != config::SceneEdit::Kind::kRelease) {
+      return peer_.own(now, *object, edit.kind == config::SceneEdit::Kind::kSteal);
+    }
     if (peer_.owner(*object) != config_.id) return std::unexpected("this peer does not own it");
     const auto released = peer_.give(now, *object, kNobody);
     if (!released) return std::unexpected(released.error());

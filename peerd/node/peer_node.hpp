@@ -52,6 +52,7 @@ class PeerNode {
     std::uint32_t sample_hz = 60;  // rate of the ghosts' samples in the log, independent of the tick rate
     // The author that the store is for, and what it holds: PeerConfig. `stores`: somebody writes what LogGrown says.
     std::optional<replication::AuthorId> author{};
+    replication::RareBranches rare{};
     std::vector<replication::OperationPart> log{};
     bool stores = false;
     LogRows* rows = nullptr;  // what takes the log's samples, updates and datagrams; null: the log keeps them

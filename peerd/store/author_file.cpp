@@ -1,42 +1,27 @@
 #include "peerd/store/author_file.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-
 #include <array>
 #include <cassert>
-#include <cerrno>
 #include <charconv>
-#include <cstring>
 #include <string>
 #include <string_view>
 #include <system_error>
 
 #include <spdlog/fmt/fmt.h>
 
-#include "peerd/input/text_file.hpp"
 #include "peerd/store/store_error.hpp"
-#include "peerd/store/synchronise.hpp"
 
 namespace peerd::store {
 namespace {
 
-namespace fs = std::filesystem;
 using replication::AuthorId;
 
-constexpr SizeLimit kAuthorLimit{256, "this is not the author of a store", 3};
+// A longer file is no author.
+constexpr std::size_t kAuthorMax_bytes = 256;
 
-InputError unwritable(const fs::path& folder, const std::string& why) {
-  return store_error(folder, std::string("cannot be written: its file `") + kAuthorFile + "`: " + why, 3);
-}
-
-// The inode and the time of birth, which a user can set of no file. Where a file system knows no birth, the inode
-// alone.
-std::optional<std::string> identity_of(const fs::path& file) {
-  struct statx known {};
-  if (::statx(AT_FDCWD, file.c_str(), 0, STATX_INO | STATX_BTIME, &known) != 0) return std::nullopt;
-  if ((known.stx_mask & STATX_BTIME) == 0) return fmt::format("{}", known.stx_ino);
-  return fmt::format("{}@{}.{:09}", known.stx_ino, known.stx_btime.tv_sec, known.stx_btime.tv_nsec);
+InputError failure(const FileFolder& folder, const char* what, const std::error_code& why) {
+  return store_error(folder.path(), fmt::format("cannot be {}: its file `{}`: {}", what, kAuthorFile, why.message()),
+                     3);
 }
 
 std::array<std::string_view, 4> fields_of(std::string_view line) {
@@ -57,51 +42,55 @@ bool read_number(std::string_view text, Number& number) {
 
 }  // namespace
 
-Result<std::optional<StoredAuthor>> read_author(const fs::path& folder, const fs::path& store_file) {
-  const fs::path file = folder / kAuthorFile;
-  std::error_code failed;
-  const bool is_there = fs::exists(fs::symlink_status(file, failed));
-  if (!is_there && failed && failed != std::errc::no_such_file_or_directory) {
-    return std::unexpected(store_error(folder, "cannot be read: its file `author`: " + failed.message(), 3));
-  }
-  if (!is_there) return std::nullopt;
-  const auto text = read_text_file(file, kAuthorLimit);
-  if (!text) return std::unexpected(text.error());
+Result<std::optional<StoredAuthor>> read_author(const FileFolder& folder, std::string_view store_file) {
+  const auto size = folder.size(kAuthorFile);
+  if (!size) return std::unexpected(failure(folder, "read", size.error()));
+  if (!*size) return std::nullopt;
+  const auto text = folder.read(kAuthorFile, kAuthorMax_bytes + 1);
+  if (!text) return std::unexpected(failure(folder, "read", text.error()));
   const auto fields = fields_of(std::string_view(*text).substr(0, text->find('\n')));
   StoredAuthor stored;
-  if (!read_number(fields[0], stored.author.value) || stored.author == replication::kNoAuthor ||
-      stored.author.value > replication::kAuthorMax || !text->ends_with('\n')) {
+  if (text->size() > kAuthorMax_bytes || !read_number(fields[0], stored.author.value) ||
+      stored.author == replication::kNoAuthor || stored.author.value > replication::kAuthorMax ||
+      !text->ends_with('\n')) {
     return std::unexpected(store_error(
-        folder, "is damaged: its file `author` is not a number; without that file, the peer begins a log of its own",
-        1));
+        folder.path(),
+        "is damaged: its file `author` is not a number; without that file, the peer begins a log of its own", 1));
   }
-  stored.is_original = read_number(fields[3], stored.log_bytes) && identity_of(file) == fields[1] &&
-                       identity_of(store_file) == fields[2];
+  const auto self = folder.identity(kAuthorFile), store = folder.identity(store_file);
+  if (!self) return std::unexpected(failure(folder, "read", self.error()));
+  if (!store) return std::unexpected(failure(folder, "read", store.error()));
+  stored.is_original = read_number(fields[3], stored.log_bytes) && *self == fields[1] && *store == fields[2];
   return stored;
 }
 
-Result<void> write_author(const fs::path& folder, const fs::path& store_file, AuthorId author,
-                          std::uint64_t log_bytes) {
+Result<void> write_author(FileFolder& folder, std::string_view store_file, AuthorId author, std::uint64_t log_bytes) {
   assert(author != replication::kNoAuthor);
-  const fs::path unfinished = folder / (std::string(kAuthorFile) + ".new");
-  std::error_code failed;
-  fs::remove(unfinished, failed);  // the file must be a new one
-  if (failed) return std::unexpected(unwritable(folder, failed.message()));
-  if (const auto made = write_text_file(unfinished, ""); !made) return made;
-  const auto self = identity_of(unfinished), store = identity_of(store_file);
-  if (!self || !store) return std::unexpected(unwritable(folder, std::strerror(errno)));
+  const auto unwritten = [&](const std::error_code& why) {
+    return std::unexpected(failure(folder, "written", why));
+  };
+  const std::string unfinished = std::string(kAuthorFile) + ".new";
+  // The file must be a new one.
+  if (const auto failed = folder.remove(unfinished)) return unwritten(failed);
+  if (const auto failed = folder.write(unfinished, "")) return unwritten(failed);
+  const auto self = folder.identity(unfinished), store = folder.identity(store_file);
+  if (!self) return unwritten(self.error());
+  if (!store) return unwritten(store.error());
   const std::string line = fmt::format("{} {} {} {}\n", author.value, *self, *store, log_bytes);
-  if (const auto written = write_text_file(unfinished, line); !written) return written;
-  failed = put_in_place(unfinished, folder / kAuthorFile);
-  if (failed) return std::unexpected(unwritable(folder, failed.message()));
+  if (const auto failed = folder.write(unfinished, line)) return unwritten(failed);
+  if (const auto failed = folder.put_in_place(unfinished, kAuthorFile)) return unwritten(failed);
   return {};
 }
 
-Result<void> remove_author(const fs::path& folder) {
-  std::error_code failed;
-  fs::remove(folder / kAuthorFile, failed);
-  if (!failed) failed = synchronise(folder);
-  if (failed) return std::unexpected(unwritable(folder, "it cannot be removed: " + failed.message()));
+Result<void> remove_author(FileFolder& folder) {
+  std::error_code failed = folder.remove(kAuthorFile);
+  if (!failed) failed = folder.synchronise();
+  if (failed) {
+    return std::unexpected(store_error(
+        folder.path(), fmt::format("cannot be written: its file `{}`: it cannot be removed: {}", kAuthorFile,
+                                   failed.message()),
+        3));
+  }
   return {};
 }
 

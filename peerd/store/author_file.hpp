@@ -1,9 +1,10 @@
 #pragma once
 #include <cstdint>
-#include <filesystem>
 #include <optional>
+#include <string_view>
 
 #include "peerd/input/input_error.hpp"
+#include "peerd/store/file_folder.hpp"
 #include "replication/wire/operation.hpp"
 
 namespace peerd::store {
@@ -12,7 +13,7 @@ namespace peerd::store {
 //
 //   AUTHOR SELF STORE BYTES
 //
-// SELF and STORE identify this file itself and the store's file by inode and time of birth, which no copy shares. BYTES
+// SELF and STORE identify this file itself and the store's file (FileFolder::identity), which no copy shares. BYTES
 // is how much of the author's log the store had, at least, when the line was written.
 inline constexpr const char* kAuthorFile = "author";
 
@@ -24,13 +25,13 @@ struct StoredAuthor {
   bool is_original = false;
 };
 
-// None: there is no such file. The error says that it cannot be read, or is no author.
-[[nodiscard]] Result<std::optional<StoredAuthor>> read_author(const std::filesystem::path& folder,
-                                                              const std::filesystem::path& store_file);
+// None: there is no such file. The error says that it cannot be read, or is no author. `store_file`: the name of the
+// store's file in the folder.
+[[nodiscard]] Result<std::optional<StoredAuthor>> read_author(const FileFolder& folder, std::string_view store_file);
 // The file is a new one, and whole, or as it was before.
-[[nodiscard]] Result<void> write_author(const std::filesystem::path& folder, const std::filesystem::path& store_file,
-                                        replication::AuthorId author, std::uint64_t log_bytes);
+[[nodiscard]] Result<void> write_author(FileFolder& folder, std::string_view store_file, replication::AuthorId author,
+                                        std::uint64_t log_bytes);
 // There is no such file afterwards, not even after a power cut.
-[[nodiscard]] Result<void> remove_author(const std::filesystem::path& folder);
+[[nodiscard]] Result<void> remove_author(FileFolder& folder);
 
 }  // namespace peerd::store

@@ -2,7 +2,6 @@
 
 #include <cassert>
 #include <cstring>
-#include <system_error>
 
 #include <spdlog/fmt/fmt.h>
 #include <sqlite3.h>
@@ -75,17 +74,16 @@ std::span<const std::byte> Statement::bytes(int column) const {
 void Database::Close::operator()(sqlite3* database) const { sqlite3_close(database); }
 
 // In the exclusive mode there is no shared memory beside the file, and its lock goes with the process however it ends.
-DatabaseResult<Database> Database::open(const std::filesystem::path& file, bool may_create) {
+DatabaseResult<Database> Database::open(const FileFolder& folder, const std::string& name, bool may_create) {
   sqlite3* opened = nullptr;
   const int flags = SQLITE_OPEN_READWRITE | (may_create ? SQLITE_OPEN_CREATE : 0);
-  const int code = sqlite3_open_v2(file.c_str(), &opened, flags, nullptr);
+  const int code = sqlite3_open_v2((folder.path() / name).c_str(), &opened, flags, folder.file_system());
   if (opened == nullptr) return std::unexpected(DatabaseError{SQLITE_NOMEM, "there is no memory for it"});
   Database database(opened);
   if (code != SQLITE_OK) return std::unexpected(sqlite_error(opened));
   // Closing changes nothing where nothing is written ahead, and removes the empty file that opening has made.
-  std::error_code failed;
-  const bool is_ahead = std::filesystem::file_size(file.string() + "-wal", failed) > 0 && !failed;
-  if (is_ahead && !may_create) {
+  const auto ahead = folder.size(name + "-wal");
+  if (ahead && ahead->value_or(0) > 0 && !may_create) {
     if (const auto set = set_checkpoint_on_close(opened, false); !set) return std::unexpected(set.error());
   }
   for (const char* const sql : {"PRAGMA locking_mode = EXCLUSIVE", "BEGIN EXCLUSIVE", "COMMIT"}) {

@@ -2,12 +2,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <expected>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+
+#include "peerd/store/file_folder.hpp"
 
 struct sqlite3;
 struct sqlite3_stmt;
@@ -57,7 +58,7 @@ class Database {
  public:
   // Makes the file where `may_create`; else there must be one, which stays byte for byte as it is, and so does what is
   // written ahead of it, until accept(). Another process that has it is an error, at once.
-  [[nodiscard]] static DatabaseResult<Database> open(const std::filesystem::path& file, bool may_create);
+  [[nodiscard]] static DatabaseResult<Database> open(const FileFolder& folder, const std::string& name, bool may_create);
 
   // The file is one of ours: it may be written from now on, and when it is closed, all that is written ahead goes
   // there.

@@ -1,13 +1,8 @@
 #include "peerd/store/operation_store.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <cerrno>
-#include <cstring>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -15,8 +10,8 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "peerd/store/author_file.hpp"
+#include "peerd/store/disk_folder.hpp"
 #include "peerd/store/store_error.hpp"
-#include "peerd/store/synchronise.hpp"
 #include "peerd/store/world_files.hpp"
 #include "replication/operations/operation_log.hpp"
 
@@ -43,8 +38,8 @@ std::int64_t checksum(AuthorId author, std::uint64_t from, std::span<const std::
   return static_cast<std::int64_t>(hash);
 }
 
-DatabaseResult<void> make_file(const fs::path& file, std::uint64_t genesis) {
-  auto database = Database::open(file, true);
+DatabaseResult<void> make_file(const FileFolder& folder, const char* name, std::uint64_t genesis) {
+  auto database = Database::open(folder, name, true);
   if (!database) return std::unexpected(database.error());
   const std::string world = "INSERT INTO world VALUES (" + std::to_string(static_cast<std::int64_t>(genesis)) + ")";
   const std::string application = "PRAGMA application_id = " + std::to_string(kApplication);
@@ -88,44 +83,39 @@ InputError lock_error(const fs::path& folder, const LockError& why) {
 }
 
 // Makes the store's file. It gets its name once it is whole, so that whatever has this name is a store, or a damaged
-// one. The folder is locked.
-Result<void> make_store(const fs::path& folder, std::uint64_t genesis) {
+// one.
+Result<void> make_store(FileFolder& folder, std::uint64_t genesis) {
   const auto cannot = [&](const std::string& why) {
-    return std::unexpected(store_error(folder, "cannot be made: " + why, 3));
+    return std::unexpected(store_error(folder.path(), "cannot be made: " + why, 3));
   };
-  std::error_code failed;
   for (const char* const left : {"-wal", "-shm", "-journal"}) {
-    const bool is_left = fs::exists(folder / (std::string(kFile) + left), failed);
-    if (failed) return cannot(failed.message());
-    if (is_left) return cannot("there is " + std::string(kFile) + left + ", of a store whose file is gone");
+    const auto size = folder.size(std::string(kFile) + left);
+    if (!size) return cannot(size.error().message());
+    if (*size) return cannot("there is " + std::string(kFile) + left + ", of a store whose file is gone");
   }
   for (const char* const left : {"", "-wal", "-journal"}) {
-    fs::remove(folder / (kUnfinished + std::string(left)), failed);
-    if (failed) return cannot(failed.message());
+    if (const auto failed = folder.remove(kUnfinished + std::string(left))) return cannot(failed.message());
   }
-  if (const auto made = make_file(folder / kUnfinished, genesis); !made) return cannot(made.error().text);
-  fs::rename(folder / kUnfinished, folder / kFile, failed);
-  if (!failed) failed = synchronise(folder);
-  if (failed) return cannot(failed.message());
+  if (const auto made = make_file(folder, kUnfinished, genesis); !made) return cannot(made.error().text);
+  if (const auto failed = folder.put_in_place(kUnfinished, kFile)) return cannot(failed.message());
   return {};
 }
 
 }  // namespace
 
 InputError OperationStore::error(const std::string& sentence, int exit_code) const {
-  return store_error(folder_, sentence, exit_code);
+  return store_error(folder_->path(), sentence, exit_code);
 }
 
-InputError OperationStore::error(const DatabaseError& why) const { return database_error(folder_, why); }
+InputError OperationStore::error(const DatabaseError& why) const { return database_error(folder_->path(), why); }
 
-Result<std::unique_ptr<OperationStore>> OperationStore::open(FolderLock folder, std::uint64_t genesis, AuthorId fresh) {
+Result<std::unique_ptr<OperationStore>> OperationStore::open(std::unique_ptr<FileFolder> folder, std::uint64_t genesis,
+                                                             AuthorId fresh) {
   assert(fresh != replication::kNoAuthor && fresh.value <= replication::kAuthorMax);
-  const fs::path at = folder.folder();
-  std::error_code failed;
-  const bool is_there = fs::exists(at / kFile, failed);
-  if (failed) return std::unexpected(store_error(at, "cannot be used: " + failed.message(), 3));
-  if (!is_there) {
-    if (const auto made = make_store(at, genesis); !made) return std::unexpected(made.error());
+  const auto size = folder->size(kFile);
+  if (!size) return std::unexpected(store_error(folder->path(), "cannot be used: " + size.error().message(), 3));
+  if (!*size) {
+    if (const auto made = make_store(*folder, genesis); !made) return std::unexpected(made.error());
   }
   auto opened = open_existing(std::move(folder));
   if (!opened) return opened;
@@ -143,6 +133,10 @@ Result<std::unique_ptr<OperationStore>> OperationStore::open(FolderLock folder, 
   return opened;
 }
 
+Result<std::unique_ptr<OperationStore>> OperationStore::open(FolderLock folder, std::uint64_t genesis, AuthorId fresh) {
+  return open(std::make_unique<DiskFolder>(std::move(folder)), genesis, fresh);
+}
+
 Result<std::unique_ptr<OperationStore>> OperationStore::open(const fs::path& folder, std::uint64_t genesis,
                                                              AuthorId fresh) {
   auto lock = FolderLock::take(folder, FolderLock::Making::kFolders);
@@ -154,7 +148,7 @@ Result<std::unique_ptr<OperationStore>> OperationStore::open(const fs::path& fol
   auto lock = FolderLock::take(folder, FolderLock::Making::kNone);
   if (!lock) return std::unexpected(lock_error(folder, lock.error()));
   if (!exists(folder)) return std::unexpected(lock_error(folder, {LockError::Why::kMissing, {}}));
-  return open_existing(*std::move(lock));
+  return open_existing(std::make_unique<DiskFolder>(*std::move(lock)));
 }
 
 // If that cannot be told, there may be one.
@@ -163,26 +157,28 @@ bool OperationStore::exists(const fs::path& folder) {
   return fs::exists(folder / kFile, failed) || failed;
 }
 
+bool OperationStore::exists(const FileFolder& folder) {
+  const auto size = folder.size(kFile);
+  return !size || *size;
+}
+
 // Reads the header of the file (SQLite's file format, 1.3). SQLite would take an empty file for a new one, and change
 // another program's.
-Result<void> OperationStore::check_file(const fs::path& folder) {
-  const int file = ::open((folder / kFile).c_str(), O_RDONLY | O_CLOEXEC);
-  std::array<char, 100> header{};
-  const ssize_t size = file < 0 ? -1 : ::pread(file, header.data(), header.size(), 0);
-  const int why = errno;
-  if (file >= 0) ::close(file);
-  if (size < 0) {
-    return std::unexpected(
-        store_error(folder, fmt::format("cannot be read: its file {}: {}", kFile, std::strerror(why)), 3));
+Result<void> OperationStore::check_file(const FileFolder& folder) {
+  constexpr std::size_t kHeader_bytes = 100;
+  const auto header = folder.read(kFile, kHeader_bytes);
+  if (!header) {
+    return std::unexpected(store_error(
+        folder.path(), fmt::format("cannot be read: its file {}: {}", kFile, header.error().message()), 3));
   }
-  if (static_cast<std::size_t>(size) < header.size() ||
-      std::string_view(header.data(), 16) != std::string_view("SQLite format 3\0", 16)) {
-    return std::unexpected(damage(folder, fmt::format("its file {} is empty, or another program's", kFile)));
+  if (header->size() < kHeader_bytes || !header->starts_with(std::string_view("SQLite format 3\0", 16))) {
+    return std::unexpected(damage(folder.path(), fmt::format("its file {} is empty, or another program's", kFile)));
   }
   std::uint32_t application = 0;
-  for (std::size_t i = 68; i < 72; ++i) application = application << 8 | static_cast<unsigned char>(header[i]);
+  for (std::size_t i = 68; i < 72; ++i) application = application << 8 | static_cast<unsigned char>((*header)[i]);
   if (application != kApplication) {
-    return std::unexpected(store_error(folder, fmt::format("is none: its file {} is another program's", kFile), 2));
+    return std::unexpected(
+        store_error(folder.path(), fmt::format("is none: its file {} is another program's", kFile), 2));
   }
   return {};
 }
@@ -197,12 +193,11 @@ bool OperationStore::is_own_file(std::string_view name) {
   return name == kAuthorFile || std::ranges::find(kWorldFiles, name) != kWorldFiles.end();
 }
 
-Result<std::unique_ptr<OperationStore>> OperationStore::open_existing(FolderLock lock) {
-  const fs::path folder = lock.folder();
-  if (const auto good = check_file(folder); !good) return std::unexpected(good.error());
-  auto database = Database::open(folder / kFile, false);
-  if (!database) return std::unexpected(database_error(folder, database.error()));
-  std::unique_ptr<OperationStore> store(new OperationStore(std::move(lock), *std::move(database)));
+Result<std::unique_ptr<OperationStore>> OperationStore::open_existing(std::unique_ptr<FileFolder> folder) {
+  if (const auto good = check_file(*folder); !good) return std::unexpected(good.error());
+  auto database = Database::open(*folder, kFile, false);
+  if (!database) return std::unexpected(database_error(folder->path(), database.error()));
+  std::unique_ptr<OperationStore> store(new OperationStore(std::move(folder), *std::move(database)));
   if (const auto read = store->read(); !read) return std::unexpected(read.error());
   return store;
 }
@@ -218,7 +213,7 @@ Result<void> OperationStore::read() {
   const auto row = check->step();
   if (!row) return std::unexpected(error(row.error()));
   if (const std::string found = check->text(0); found != "ok") {
-    return std::unexpected(damage(folder_, found));
+    return std::unexpected(damage(folder_->path(), found));
   }
   const auto genesis = database_.number("SELECT genesis FROM world");
   if (!genesis) return std::unexpected(error(genesis.error()));
@@ -237,7 +232,7 @@ Result<void> OperationStore::read_parts() {
     if (!*row) break;
     const std::int64_t author = select->number(0), start = select->number(1);
     const auto damaged = [&](const std::string& why) {
-      return std::unexpected(damage(folder_, fmt::format("the log of author {}, at byte {}: {}", author, start, why)));
+      return std::unexpected(damage(folder_->path(), fmt::format("the log of author {}, at byte {}: {}", author, start, why)));
     };
     if (author < 1 || author > replication::kAuthorMax) return damaged("there is no such author");
     OperationPart part{AuthorId{static_cast<std::uint32_t>(author)}, static_cast<std::uint64_t>(start), {}};
@@ -262,7 +257,7 @@ std::uint64_t OperationStore::own_bytes() const {
 }
 
 Result<void> OperationStore::read_author() {
-  const auto stored = store::read_author(folder_, folder_ / kFile);
+  const auto stored = store::read_author(*folder_, kFile);
   if (!stored) return std::unexpected(stored.error());
   if (!*stored) return {};
   author_ = (*stored)->author;
@@ -272,7 +267,7 @@ Result<void> OperationStore::read_author() {
 }
 
 Result<void> OperationStore::write_author() {
-  const auto written = store::write_author(folder_, folder_ / kFile, author_, own_bytes());
+  const auto written = store::write_author(*folder_, kFile, author_, own_bytes());
   author_is_noted_ = written.has_value();
   author_error_ = written ? "" : written.error().text;
   return written;
@@ -303,7 +298,7 @@ Result<void> OperationStore::append(std::span<const OperationPart> parts) {
     return {};
   }
   (void)database_.run("ROLLBACK");  // an error that ended the transaction has done so
-  const auto removed = remove_author(folder_);
+  const auto removed = remove_author(*folder_);
   author_is_noted_ = false;
   must_stop_ = !removed;
   return std::unexpected(error("cannot be written: " + done.error().text + "; is the disk full?" +

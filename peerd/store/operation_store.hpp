@@ -12,6 +12,7 @@
 #include "core/time.hpp"
 #include "peerd/input/input_error.hpp"
 #include "peerd/store/database.hpp"
+#include "peerd/store/file_folder.hpp"
 #include "peerd/store/folder_lock.hpp"
 #include "replication/wire/operation.hpp"
 
@@ -37,6 +38,8 @@ class OperationStore {
   // Opens the store of a world in the folder, and makes it where there is none. `genesis`: the hash of the world's
   // file; `fresh`: the author of the log that a new store begins, or one that is a copy. All that it holds is read and
   // checked.
+  [[nodiscard]] static Result<std::unique_ptr<OperationStore>> open(std::unique_ptr<FileFolder> folder, std::uint64_t genesis,
+                                                                    replication::AuthorId fresh);
   [[nodiscard]] static Result<std::unique_ptr<OperationStore>> open(FolderLock folder, std::uint64_t genesis,
                                                                     replication::AuthorId fresh);
   // Makes the folder, too, and locks it.
@@ -47,9 +50,10 @@ class OperationStore {
 
   // Whether there is a store, be it damaged.
   [[nodiscard]] static bool exists(const std::filesystem::path& folder);
+  [[nodiscard]] static bool exists(const FileFolder& folder);
   // Whether its file begins as one. Exit codes of the error: 1 it is damaged; 2 it is another program's; 3 it cannot be
   // read.
-  [[nodiscard]] static Result<void> check_file(const std::filesystem::path& folder);
+  [[nodiscard]] static Result<void> check_file(const FileFolder& folder);
   // Whether a store has files of this name.
   [[nodiscard]] static bool is_own_file(std::string_view name);
 
@@ -76,9 +80,9 @@ class OperationStore {
   [[nodiscard]] const std::string& author_error() const { return author_error_; }
 
  private:
-  OperationStore(FolderLock lock, Database database)
-      : lock_(std::move(lock)), folder_(lock_.folder()), database_(std::move(database)) {}
-  [[nodiscard]] static Result<std::unique_ptr<OperationStore>> open_existing(FolderLock lock);
+  OperationStore(std::unique_ptr<FileFolder> folder, Database database)
+      : folder_(std::move(folder)), database_(std::move(database)) {}
+  [[nodiscard]] static Result<std::unique_ptr<OperationStore>> open_existing(std::unique_ptr<FileFolder> folder);
   [[nodiscard]] Result<void> read();
   [[nodiscard]] Result<void> read_parts();
   [[nodiscard]] Result<void> read_author();
@@ -88,8 +92,7 @@ class OperationStore {
   [[nodiscard]] InputError error(const std::string& sentence, int exit_code) const;
   [[nodiscard]] InputError error(const DatabaseError& why) const;
 
-  FolderLock lock_;  // outlives the database
-  std::filesystem::path folder_;
+  std::unique_ptr<FileFolder> folder_;  // outlives the database
   Database database_;
   std::uint64_t genesis_ = 0;
   replication::AuthorId author_ = replication::kNoAuthor;

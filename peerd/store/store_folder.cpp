@@ -6,6 +6,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "peerd/store/disk_folder.hpp"
 #include "peerd/store/operation_store.hpp"
 #include "peerd/store/store_error.hpp"
 #include "peerd/store/synchronise.hpp"
@@ -72,7 +73,8 @@ Result<FolderLock> lock_first_free(const fs::path& folder) {
 }
 
 Result<std::optional<fs::path>> put_aside(FolderLock lock) {
-  const fs::path& folder = lock.folder();
+  const DiskFolder locked(std::move(lock));
+  const fs::path& folder = locked.path();
   const auto cannot = [&](const std::string& why) {
     return std::unexpected(store_error(folder, "cannot be put aside: " + why, 3));
   };
@@ -86,7 +88,7 @@ Result<std::optional<fs::path>> put_aside(FolderLock lock) {
     return std::unexpected(InputError{
         "error: " + folder.string() + " is not put aside, because it has what is of no store: " + *foreign, 2});
   }
-  if (const auto good = OperationStore::check_file(folder); !good && good.error().exit_code == 2) {
+  if (const auto good = OperationStore::check_file(locked); !good && good.error().exit_code == 2) {
     return std::unexpected(good.error());
   }
   const fs::path named = folder.has_filename() ? folder : folder.parent_path();

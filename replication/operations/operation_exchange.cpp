@@ -10,13 +10,14 @@
 namespace peerd::replication {
 
 OperationExchange::OperationExchange(const OperationLogs& logs, PeerId self, AuthorId own, std::uint64_t seed,
-                                     Rate rate)
+                                     Rate rate, RareBranches rare)
     : logs_(logs),
       own_(own),
       rate_(rate),
+      rare_(std::move(rare)),
       timing_(seed),
       requests_(logs_, members_, timing_),
-      sender_(logs_, members_, timing_, self, own),
+      sender_(logs_, members_, timing_, self, own, rare_),
       tokens_(rate.burst_bytes),
       own_length_(logs.length(own)),
       has_news_(!logs.lengths().empty()) {
@@ -102,7 +103,7 @@ void OperationExchange::spend(const OperationMessage& message) {
 std::vector<OperationMessage> OperationExchange::on_tick(HostTime now) {
   refill(now);
   std::vector<OperationMessage> messages;
-  if (members_.empty()) return messages;
+  if (members_.empty() || rare_.take(RareBranch::kExchangeWaits)) return messages;
   while (tokens_ > 0.0) {  // questions first: they are small
     OperationMessage message{{}, requests_.due(now)};
     if (message.operation_requests.empty()) message.operations = sender_.due(now);

@@ -14,6 +14,7 @@
 #include "replication/operations/operation_log.hpp"
 #include "replication/operations/operation_requests.hpp"
 #include "replication/operations/operation_sender.hpp"
+#include "replication/policy/rare_branches.hpp"
 #include "replication/wire/operation.hpp"
 
 namespace peerd::replication {
@@ -39,7 +40,8 @@ class OperationExchange {
   static constexpr std::uint32_t kCopiesMax = 4;
 
   // The logs outlive this. `own`: the author of the operations of this peer. `seed`: of the random waiting times.
-  OperationExchange(const OperationLogs& logs, PeerId self, AuthorId own, std::uint64_t seed, Rate rate);
+  OperationExchange(const OperationLogs& logs, PeerId self, AuthorId own, std::uint64_t seed, Rate rate,
+                    RareBranches rare = {});
   OperationExchange(const OperationLogs& logs, PeerId self, AuthorId own, std::uint64_t seed)
       : OperationExchange(logs, self, own, seed, Rate{}) {}
 
@@ -89,6 +91,7 @@ class OperationExchange {
   const OperationLogs& logs_;
   AuthorId own_;
   Rate rate_;
+  RareBranches rare_;
   double loss_ = 0.0;
   ExchangeTiming timing_;
   MemberLogs members_;

@@ -11,6 +11,8 @@ namespace {
 
 // A part of fewer bytes goes to the next datagram, unless it is the rest of its range.
 constexpr std::uint64_t kPartMin_bytes = 64;
+// Enough for the header of any part, and such a part.
+constexpr std::size_t kSmallRoom_bytes = 128;
 
 bool meet(const OperationRange& a, const OperationRange& b) {
   return a.author == b.author && a.from < b.to && b.from < a.to;
@@ -20,7 +22,8 @@ bool meet(const OperationRange& a, const OperationRange& b) {
 
 void OperationSender::wait_for(const Waiting& waiting) {
   assert(waiting.range.from < waiting.range.to);
-  if (waiting_.size() < kWaitingMax) {
+  const bool has_place = waiting_.size() < kWaitingMax;
+  if (has_place && !(waiting.answers && rare_.take(RareBranch::kAnswerHasNoPlace))) {
     waiting_.push_back(waiting);
   } else {
     ++dropped_;
@@ -82,7 +85,7 @@ std::vector<OperationSender::Waiting>::iterator OperationSender::first_due(HostT
 std::vector<OperationPart> OperationSender::due(HostTime now) {
   sent_.forget_before(now - timing_.crossing());
   std::vector<OperationPart> parts;
-  std::size_t room = kOperationsMax_bytes;
+  std::size_t room = rare_.take(RareBranch::kSmallPart) ? kSmallRoom_bytes : kOperationsMax_bytes;
   while (parts.size() < kOperationPartsMax) {
     const auto next = first_due(now);
     if (next == waiting_.end()) break;

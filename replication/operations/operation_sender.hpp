@@ -10,6 +10,7 @@
 #include "replication/operations/member_logs.hpp"
 #include "replication/operations/operation_log.hpp"
 #include "replication/operations/range_history.hpp"
+#include "replication/policy/rare_branches.hpp"
 #include "replication/wire/operation.hpp"
 
 namespace peerd::replication {
@@ -27,8 +28,8 @@ class OperationSender {
 
   // They outlive this. `own`: the author that this peer is.
   OperationSender(const OperationLogs& logs, const MemberLogs& members, ExchangeTiming& timing, PeerId self,
-                  AuthorId own)
-      : logs_(logs), members_(members), timing_(timing), self_(self), own_(own) {}
+                  AuthorId own, const RareBranches& rare)
+      : logs_(logs), members_(members), timing_(timing), self_(self), own_(own), rare_(rare) {}
 
   // The own log has grown by that range. `copies` >= 1.
   void on_append(HostTime now, const OperationRange& range, std::uint32_t copies);
@@ -64,6 +65,7 @@ class OperationSender {
   ExchangeTiming& timing_;
   PeerId self_;
   AuthorId own_;
+  const RareBranches& rare_;
   std::vector<Waiting> waiting_;
   RangeHistory sent_;  // by anybody
   std::uint64_t cancelled_ = 0, dropped_ = 0;

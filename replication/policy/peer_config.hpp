@@ -11,6 +11,7 @@
 #include "replication/interest/interest.hpp"
 #include "replication/motion/convergence.hpp"
 #include "replication/policy/publish_policy.hpp"
+#include "replication/policy/rare_branches.hpp"
 #include "replication/wire/decision_policy.hpp"
 #include "replication/wire/operation.hpp"
 #include "replication/wire/wire.hpp"
@@ -107,6 +108,9 @@ struct PeerConfig {
   Duration settled_hello_period = std::chrono::milliseconds(1000);
   Duration lost_after = std::chrono::milliseconds(1750);    // seven hellos; within the 2 s that users are promised
   Duration listen_first = std::chrono::milliseconds(1000);  // before founding a session of one's own
+  // Whether this peer may take an object without asking its owner (Peer::steal()). The same at all peers of a session.
+  bool may_steal = false;
+  RareBranches rare;
   // Objects that nothing drives stand until start_motions(); otherwise their launches count from the beginning of the
   // session.
   bool wait_for_start = false;

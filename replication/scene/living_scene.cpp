@@ -51,14 +51,15 @@ constexpr std::uint32_t kOfRefusedValue = ReadLimits{}.nodes;
 
 }  // namespace
 
-LivingScene::LivingScene(const Scene& file)
+LivingScene::LivingScene(const Scene& file, RareBranches rare)
     : file_(std::shared_ptr<void>(), &file),
       begin_{file_, {}, std::make_shared<const NodeData>()},
       now_(begin_),
       conflicts_([this](const Key& key) {
         const auto at = entries_.find(key);
         return at != entries_.end() && at->second.applied && at->second.refused.empty() && !at->second.undone;
-      }) {}
+      }),
+      rare_(std::move(rare)) {}
 
 bool LivingScene::add(Operation operation) {
   assert(operation.id.author != kNoAuthor);
@@ -230,6 +231,7 @@ std::optional<LivingScene::Change> LivingScene::apply(SimTime until, SimTime kno
   Undone undone = undone_;
   const Key from = follow_undos(last, undone).value_or(first);
   std::erase_if(checkpoints_, [&](const Checkpoint& each) { return !(each.last < from); });
+  if (rare_.take(RareBranch::kNoCheckpoint)) checkpoints_.clear();
   const Checkpoint base = checkpoint_before(from);
   std::vector<Entries::const_iterator> entries;
   for (auto at = entries_.upper_bound(base.last); at != entries_.end(); ++at) {

@@ -15,6 +15,7 @@
 #include "core/edit/scene_editor.hpp"
 #include "core/scene/scene.hpp"
 #include "core/time.hpp"
+#include "replication/policy/rare_branches.hpp"
 #include "replication/scene/conflicts.hpp"
 #include "replication/scene/node_data.hpp"
 #include "replication/wire/operation.hpp"
@@ -43,7 +44,7 @@ using LeftObjects = std::map<ObjectId, LeftObject>;
 class LivingScene {
  public:
   // The scene of the world's file outlives this.
-  explicit LivingScene(const Scene& file);
+  explicit LivingScene(const Scene& file, RareBranches rare = {});
 
   // Adds an operation; it takes effect with a later apply(). False: it is known.
   bool add(Operation operation);
@@ -203,6 +204,7 @@ class LivingScene {
   std::optional<State> with_all_{};      // by all operations until with_all_until_; none: not known
   SimTime with_all_until_ = SimTime::min();
   Conflicts conflicts_;
+  RareBranches rare_;
 };
 
 }  // namespace peerd::replication

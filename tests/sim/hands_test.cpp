@@ -16,16 +16,16 @@ TEST(Hands, OneOwnerAtATimeAndTheSameForAll) {
   for (const char* seed : {"1", "2", "3"}) {
     const Ran ran = run_scenario(kHands, {"seed=" + std::string(seed)}).front();
     int checked = 0;
-    EXPECT_EQ(ran.summary["counters"]["objects_given"], 12);
+    EXPECT_EQ(ran.summary["counters"]["objects_given"], 15);
     // own, own and refusal by a; own, give and refusal by b and c: 1 b takes, 3 c asks and b gives, 5 a and c ask and
-    // are refused, 7 c releases, 8 a takes.
-    EXPECT_EQ(ran.summary["counters"]["operations"], 9);
+    // are refused, 7 c releases, 8 a takes, 10 b steals.
+    EXPECT_EQ(ran.summary["counters"]["operations"], 10);
     for (const PeerLog& log : ran.logs) {
       for (const auto& sample : log.object_samples) {
         if (sample.object != red) continue;
         const double t = to_seconds(sample.at - *log.start);
-        const PeerId owner = t < 3.0 ? PeerId{2} : t < 7.0 ? PeerId{3} : PeerId{1};
-        const bool is_settled = (t > 1.5 && t < 3.0) || (t > 4.0 && t < 7.0) || t > 8.5;
+        const PeerId owner = t < 3.0 ? PeerId{2} : t < 7.0 ? PeerId{3} : t < 10.0 ? PeerId{1} : PeerId{2};
+        const bool is_settled = (t > 1.5 && t < 3.0) || (t > 4.0 && t < 7.0) || (t > 8.5 && t < 10.0) || t > 10.5;
         if (!is_settled) continue;
         ++checked;
         EXPECT_EQ(sample.owner, owner) << t << " s";
@@ -33,6 +33,23 @@ TEST(Hands, OneOwnerAtATimeAndTheSameForAll) {
     }
     EXPECT_GT(checked, 1000);
   }
+}
+
+TEST(Hands, NobodyStealsWhereTheWorldDoesNotAllowIt) {
+  const auto world = must(config::load_world(PEERD_SOURCE_DIR "/configs/worlds/keys.wrl"));
+  const ObjectId red = world.scene.find("RED").value();
+  const Ran ran = run_scenario(kHands, {"replication.steal=false"}).front();
+  EXPECT_EQ(ran.summary["counters"]["objects_given"], 12);
+  EXPECT_EQ(ran.summary["counters"]["operations"], 9);
+  int late = 0;
+  for (const PeerLog& log : ran.logs) {
+    for (const auto& sample : log.object_samples) {
+      if (sample.object != red || to_seconds(sample.at - *log.start) < 11.0) continue;
+      ++late;
+      EXPECT_EQ(sample.owner, PeerId{1});
+    }
+  }
+  EXPECT_GT(late, 100);
 }
 
 }  // namespace peerd::sim::hands_test

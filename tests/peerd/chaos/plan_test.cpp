@@ -32,7 +32,7 @@ TEST(ChaosPlan, HasWhatAUserIsPromised) {
   }
   EXPECT_THAT(peers, testing::ElementsAre(5, 6, 7, 8, 9));
   EXPECT_EQ(rare.size(), kRareCount);
-  EXPECT_EQ(kinds.size(), 8u);
+  EXPECT_EQ(kinds.size(), 12u);
 }
 
 TEST(ChaosPlan, LeavingOneOutChangesNoOther) {
@@ -86,7 +86,7 @@ std::string text_of(const ChaosPlan& plan) {
   };
   for (const Rare rare : plan.rare) text += fmt::format("{}\n", to_string(rare));
   for (const PlannedPeer& p : plan.peers) {
-    text += fmt::format("{} {} {} {}\n", p.id, p.joins_at_s, p.skew_ppm, p.wall_offset_s);
+    text += fmt::format("{} {} {} {} {}\n", p.id, p.joins_at_s, p.skew_ppm, p.wall_offset_s, p.has_store);
   }
   add(plan.links);
   add(plan.healed);
@@ -94,7 +94,9 @@ std::string text_of(const ChaosPlan& plan) {
     text += fmt::format("{} {} {} {} {} {}\n", f.number, to_string(f.kind), f.at_s, f.for_s, f.peer, f.step_s);
     for (const bool side : f.side) text += side ? '1' : '0';
     add(f.links);
+    text += fmt::format("{} {} {} {}\n", f.disk.dies_at_write, f.disk.power_fails, f.disk.room_bytes, f.disk.error_rate);
   }
+  for (const double probability : plan.rare_branches) text += fmt::format("{}\n", probability);
   for (const PlannedEdit& e : plan.edits) {
     text += fmt::format("{} {} {} {} {}\n", e.number, e.at_s, e.peer, static_cast<int>(e.kind), e.seed);
   }
@@ -106,7 +108,7 @@ TEST(ChaosPlan, IsTheSameWithEveryCompiler) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     for (const char c : text_of(draw_plan(seed))) hash = mixed_bits(hash ^ static_cast<unsigned char>(c)) + 1;
   }
-  EXPECT_EQ(hash, 860113875241079096u);
+  EXPECT_EQ(hash, 6375831973337605052u);
 }
 
 TEST(ChaosPlan, OptionsSayWhatALimitIs) {
