@@ -682,7 +682,8 @@ Command add_store(CLI::App& app) {
   CLI::App* const written = command->add_subcommand("export", "the world as all edits have made it, as VRML");
   written->footer(exit_codes("it is damaged, or the world has errors"));
   written->add_option("folder", flags->written.folder, "the folder of peerd run --store")->required();
-  written->add_option("--world", flags->written.world, "the VRML97 world that it began with")->required();
+  written->add_option("--world", flags->written.world,
+                      "the VRML97 world that it began with (default: what the store keeps of it)");
   written->add_option("--out", flags->written.file, "the file to write (default: standard output)");
   return {command, [flags, check] {
             return *check ? run_store_check(flags->check, std::cout) : run_store_export(flags->written, std::cout);

@@ -157,7 +157,8 @@ std::vector<NodeRef>& DocumentEditor::list(std::uint32_t node, const FieldSpec& 
 
 void DocumentEditor::set(std::uint32_t node, const Field& value) {
   assert(!holds_nodes(value.spec->type));
-  set_[{node, value.spec}] = value;
+  Field& set = set_[{node, value.spec}] = value;
+  set.data = copied_value(values_, value);
 }
 
 void DocumentEditor::drop(std::span<const std::uint32_t> nodes) {

@@ -29,7 +29,7 @@ class DocumentEditor {
   // The nodes at the top level, and those in the node field of a node, to be changed.
   [[nodiscard]] std::vector<NodeRef>& top_level() { return top_level_; }
   [[nodiscard]] std::vector<NodeRef>& list(std::uint32_t node, const FieldSpec& field);
-  // Sets a field to a value of a text that was appended, or of the document.
+  // Sets a field to a copy of the value.
   void set(std::uint32_t node, const Field& value);
   [[nodiscard]] std::vector<Route>& routes() { return routes_; }
   // Takes nodes out of all lists that they stand in; in ascending order.
@@ -67,6 +67,7 @@ class DocumentEditor {
   std::uint32_t scopes_ = 0;
   std::map<std::pair<std::uint32_t, const FieldSpec*>, std::vector<NodeRef>> lists_;
   std::map<std::pair<std::uint32_t, const FieldSpec*>, Field> set_;
+  Arena values_;  // of what is set
 
   std::shared_ptr<Document> result_;
   std::vector<std::uint32_t> place_;

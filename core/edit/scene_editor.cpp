@@ -316,12 +316,12 @@ std::expected<std::uint32_t, std::string> SceneEditor::set(NodeId id, std::strin
   }
   const vrml::Field& set = wrapper.given()[0];
   may_fail_ |= !is_instance(document_.node(*node)) || vrml::holds_nodes(spec->type);
-  const std::uint32_t begin = document_.append(parsed, first);
-  instances_of_.resize(document_.node_count());
   if (!vrml::holds_nodes(spec->type)) {
     document_.set(*node, set);
     return 0;
   }
+  const std::uint32_t begin = document_.append(parsed, first);
+  instances_of_.resize(document_.node_count());
   for (std::uint32_t i = begin; i < document_.node_count(); ++i) added_nodes_.emplace(document_.id_of(i), i);
   std::vector<NodeRef>& list = document_.list(*node, *spec);
   if (!list.empty()) note_dropped();

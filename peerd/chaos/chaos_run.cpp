@@ -38,7 +38,7 @@ struct Host {
   std::uint64_t incarnation = 0;
   bool joined = false;
   std::set<std::size_t> down_by;  // the faults that keep it down, by their index
-  VirtualTime runs_from = kClockBegin;
+  VirtualTime runs_from = kClockBegin, due = kClockBegin;
   std::optional<std::size_t> dies_by;  // this fault ends it as soon as an operation of it is held
   bool states_os_clock = false;
   std::unique_ptr<HostStore> store;             // null: nobody ever stores anything here
@@ -117,10 +117,7 @@ class ChaosRun {
     std::optional<std::pair<VirtualTime, std::size_t>> next;
     for (std::size_t i = 0; i < hosts_.size(); ++i) {
       if (!hosts_[i].node) continue;
-      HostTime deadline = hosts_[i].node->next_deadline();
-      if (const auto* keeper = keeper_of(i)) deadline = std::min(deadline, keeper->due());
-      const VirtualTime wants = deadline == HostTime::min() ? now_ : hosts_[i].clock.when(deadline);
-      const VirtualTime at = std::max({wants, hosts_[i].runs_from, now_});
+      const VirtualTime at = std::max({hosts_[i].due, hosts_[i].runs_from, now_});
       if (!next || at < next->first) next = {at, i};
     }
     return next;
@@ -143,6 +140,14 @@ class ChaosRun {
       now_ = tick_at;
       tick_host(tick->second);
     }
+  }
+
+  // After each input: the deadline changes by that alone.
+  void note_deadline(std::size_t i) {
+    Host& host = hosts_[i];
+    HostTime deadline = host.node->next_deadline();
+    if (const auto* keeper = keeper_of(i)) deadline = std::min(deadline, keeper->due());
+    host.due = deadline == HostTime::min() ? now_ : host.clock.when(deadline);
   }
 
   void tick_host(std::size_t i) {
@@ -278,7 +283,7 @@ class ChaosRun {
     }
     while (node.poll_edit_report()) {
     }
-    if (!dies) return;
+    if (!dies) return note_deadline(i);
     oracle_.count("author died when its operation was held");
     hosts_[i].down_by.insert(*std::exchange(hosts_[i].dies_by, std::nullopt));
     stop(i, false);

@@ -12,6 +12,7 @@
 #include "peerd/commands/problems.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/store/operation_store.hpp"
+#include "peerd/store/stored_world.hpp"
 #include "replication/operations/operation_log.hpp"
 #include "replication/scene/living_scene.hpp"
 
@@ -56,6 +57,26 @@ std::shared_ptr<const Scene> living_scene(const OperationStore& store, const Sce
   return living.scene();
 }
 
+// The world that the store's operations begin with: the file that was named, or what the store keeps of it.
+Result<config::LoadedWorld> first_world(const StoreExportOptions& options, std::uint64_t genesis) {
+  if (!options.world.empty()) {
+    auto world = config::load_world(options.world, options.reading);
+    if (!world || world->hash == genesis) return world;
+    return std::unexpected(InputError{
+        fmt::format("error: the store {} is of another world: that of the hash {:016x}, and {} has {:016x}; without "
+                    "--world, it begins with the world that the store keeps",
+                    options.folder.string(), genesis, options.world.string(), world->hash),
+        2});
+  }
+  const auto kept = store::read_world_of_store(options.folder);
+  if (!kept) return std::unexpected(kept.error());
+  if (!*kept || (*kept)->genesis != genesis) {
+    return std::unexpected(InputError{
+        "error: the store " + options.folder.string() + " keeps no world: say --world FILE, with which it began", 2});
+  }
+  return config::load_world((*kept)->archive, options.folder, options.reading);
+}
+
 }  // namespace
 
 int run_store_check(const StoreCheckOptions& options, std::ostream& out) {
@@ -80,15 +101,10 @@ int run_store_check(const StoreCheckOptions& options, std::ostream& out) {
 }
 
 int run_store_export(const StoreExportOptions& options, std::ostream& out) {
-  const auto world = config::load_world(options.world, options.reading);
-  if (!world) return failed(world.error());
   const auto store = OperationStore::open(options.folder);
   if (!store) return failed(store.error());
-  if ((*store)->genesis() != world->hash) {
-    return failed({fmt::format("error: the store {} is of another world: that of the hash {:016x}, and {} has {:016x}",
-                               options.folder.string(), (*store)->genesis(), options.world.string(), world->hash),
-                   2});
-  }
+  const auto world = first_world(options, (*store)->genesis());
+  if (!world) return failed(world.error());
   const auto written = write_world(*living_scene(**store, world->scene));
   if (!written) return failed({"error: " + written.error(), 1});
   if (options.file.empty()) {

@@ -22,6 +22,7 @@ struct SimulatedPeer {
   std::unique_ptr<PeerNode> node;  // null: the peer is not there
   Duration clock_offset;
   VirtualTime came_at;
+  VirtualTime due{};  // deadline(), which changes with what the node takes in alone
   bool late = false;  // it came when the motions had begun
   std::uint64_t incarnations = 0;
   std::unique_ptr<record::CaptureWriter> capture = nullptr;  // null: none
@@ -247,13 +248,14 @@ class Simulation {
       for (const LogLine& line : describe(*key, node.scene())) act(line, key->done());
     }
     while (const auto edit = node.poll_edit_report()) act(describe(*edit), edit->done());
+    peers_[i].due = peers_[i].deadline();
   }
 
   // The peer whose tick is next; none where no peer is there.
   [[nodiscard]] std::optional<std::size_t> next_peer() const {
     std::optional<std::size_t> next;
     for (std::size_t i = 0; i < peers_.size(); ++i) {
-      if (peers_[i].node && (!next || peers_[i].deadline() < peers_[*next].deadline())) next = i;
+      if (peers_[i].node && (!next || peers_[i].due < peers_[*next].due)) next = i;
     }
     return next;
   }
@@ -279,7 +281,7 @@ class Simulation {
       const std::optional<std::size_t> next = next_peer();
       const std::optional<VirtualTime> event_at = events_.next();
       if (!next && !event_at) return std::nullopt;  // all peers have gone
-      const VirtualTime tick_at = next ? std::max(now_, peers_[*next].deadline()) : VirtualTime::max();
+      const VirtualTime tick_at = next ? std::max(now_, peers_[*next].due) : VirtualTime::max();
       const VirtualTime first_at = network_.idle() ? tick_at : std::min(tick_at, network_.next_delivery());
       if (event_at && *event_at <= first_at) {
         now_ = std::max(now_, *event_at);

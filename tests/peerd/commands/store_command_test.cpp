@@ -10,6 +10,7 @@
 
 #include "peerd/config/peer_settings.hpp"
 #include "peerd/store/operation_store.hpp"
+#include "peerd/store/stored_world.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 #include "tests/replication/operations.hpp"
 
@@ -44,7 +45,8 @@ class StoreCommand : public testing::Test {
     return said([&] { return run_store_check({folder / "store", json}, out); });
   }
   int write(const std::string& world) {
-    return said([&] { return run_store_export({folder / "store", folder / world, {}, {}}, out); });
+    const auto file = world.empty() ? std::filesystem::path() : folder / world;
+    return said([&] { return run_store_export({folder / "store", file, {}, {}}, out); });
   }
   template <class Command>
   int said(Command command) {
@@ -94,6 +96,19 @@ TEST_F(StoreCommand, CheckOfNoneIsWrongUse) {
 
 TEST_F(StoreCommand, ExportHasTheWorldAndItsOperations) {
   EXPECT_EQ(write("w.wrl"), 0) << err;
+  EXPECT_THAT(out.str(), AllOf(HasSubstr("DEF CAR "), HasSubstr("DEF BOX ")));
+}
+
+TEST_F(StoreCommand, ExportNeedsNoFileWhereTheStoreKeepsTheWorld) {
+  EXPECT_EQ(write(""), 2);
+  EXPECT_THAT(err, AllOf(HasSubstr("keeps no world"), HasSubstr("--world FILE")));
+  config::WorldReading reading;
+  reading.keeps_archive = true;
+  const auto world = config::load_world(folder / "w.wrl", reading);
+  ASSERT_TRUE(world);
+  const store::StoredWorld kept{"mine", world->hash, "", world->archive};
+  ASSERT_TRUE(store::write_world(folder / "store", kept));
+  EXPECT_EQ(write(""), 0) << err;
   EXPECT_THAT(out.str(), AllOf(HasSubstr("DEF CAR "), HasSubstr("DEF BOX ")));
 }
 
