@@ -57,6 +57,7 @@ class ChaosRun {
         network_(plan.seed, plan.peers.size(), plan.links),
         oracle_(plan.peers.size(), !plan.has(Rare::kUnchecked)),
         hosts_(plan.peers.size()) {
+    oracle_.set_file(shared_->world.scene);
     for (std::size_t i = 0; i < hosts_.size(); ++i) {
       hosts_[i].wall_offset_s = plan.peers[i].wall_offset_s;
       hosts_[i].states_os_clock = stream_of(plan.seed, Stream::kOsClock, i).chance(0.4);
@@ -350,7 +351,13 @@ class ChaosRun {
   void edit(const PlannedEdit& planned) {
     Host& host = hosts_[planned.peer];
     if (!host.node || host.runs_from > now_) return;
-    for (const config::SceneEdit& each : make_edits(planned, host.node->scene())) {
+    if (const auto key = make_key(planned)) {
+      oracle_.on_key(host.node->on_key(host_now(planned.peer), *key));
+      drain(planned.peer);
+      if (!host.node) return;
+    }
+    const replication::Peer& peer = host.node->peer();
+    for (const config::SceneEdit& each : make_edits(planned, {peer.scene(), peer.owners(), peer.id()})) {
       const EditReport report = host.node->edit(host_now(planned.peer), each);
       trace(report.operation ? report.operation->number : 0);
       oracle_.on_edit(planned.peer, report);
