@@ -56,7 +56,7 @@ class EditMaker {
       if (is_added_alone(each.def)) loose_.push_back(transforms_.back());
     }
     for (const vrml::Node& node : scene.document->nodes) {
-      if (node.def.ends_with(kInterestEnd)) interests_.push_back(node.def);
+      if (node.def.ends_with(kInterestEnd)) interests_.emplace_back(node.def);
     }
     // Two peers that make the same planned edit add two nodes of one name, as people would.
     name_ = fmt::format("N{}", planned.number);

@@ -49,8 +49,6 @@ std::string difference(const std::string& a, const std::string& b) {
   return fmt::format("\"{}\" and \"{}\"", from(a, at.in1), from(b, at.in2));
 }
 
-std::string name_of(OperationId id) { return fmt::format("{}:{}", id.author.value, id.number); }
-
 bool is_finite(const KinematicState& s) {
   return s.position.allFinite() && s.velocity.allFinite() && s.acceleration.allFinite() &&
          s.orientation.coeffs().allFinite() && s.angular_velocity_body.allFinite();

@@ -16,8 +16,6 @@ namespace {
 using namespace replication;
 using Losses = std::map<OperationId, std::optional<OperationId>>;  // by the operation that is lost, the winner
 
-std::string name_of(OperationId id) { return fmt::format("{}:{}", id.author.value, id.number); }
-
 SimTime session_now(const WatchedPeer& peer) {
   const Peer& p = peer.node->peer();
   return p.clock().to_session(p.next_deadline());
@@ -100,14 +98,14 @@ void DataWatch::check_same(double now_s, std::span<const WatchedPeer> all) {
   for (const WatchedPeer& peer : all) {
     const auto changes = peer.node->peer().data().changes_since(first.data());
     if (!changes.empty()) {
-      findings_.violate(now_s, fmt::format("{} has other data than {}: of node {}:{}, {}", chaos::name_of(peer),
-                                           chaos::name_of(all.front()), changes.front().node.origin,
+      findings_.violate(now_s, fmt::format("{} has other data than {}: of node {}:{}, {}", name_of(peer),
+                                           name_of(all.front()), changes.front().node.origin,
                                            changes.front().node.number, changes.front().key));
     }
     const std::string other = difference(losses, losses_of(peer.node->peer().conflicts(), session_now(peer)));
     if (other.empty()) continue;
-    findings_.violate(now_s, fmt::format("{} and {} list other conflicts: {}", chaos::name_of(all.front()),
-                                         chaos::name_of(peer), other));
+    findings_.violate(now_s, fmt::format("{} and {} list other conflicts: {}", name_of(all.front()),
+                                         name_of(peer), other));
   }
 }
 
@@ -127,7 +125,7 @@ void DataWatch::check_data(double now_s, const WatchedPeer& peer, SimTime until)
     if (!has_node(peer.node->scene(), where.first)) continue;
     const std::string* const value = peer.node->peer().data().find(where.first, where.second);
     if ((value == nullptr) == !set->value && (value == nullptr || *value == *set->value)) continue;
-    findings_.violate(now_s, fmt::format("{} has {} at {} {}, and the last operation says {}", chaos::name_of(peer),
+    findings_.violate(now_s, fmt::format("{} has {} at {} {}, and the last operation says {}", name_of(peer),
                                          value == nullptr ? "nothing" : *value,
                                          path_or_id(peer.node->scene(), where.first), where.second,
                                          set->value.value_or("nothing")));
@@ -156,22 +154,22 @@ void DataWatch::check_replay(double now_s, std::span<const WatchedPeer> all, con
   for (const WatchedPeer& peer : all) {
     if (text(peer.node->scene()) != expected) {
       findings_.violate(now_s, fmt::format("{} has another scene than one that never had what is undone",
-                                           chaos::name_of(peer)));
+                                           name_of(peer)));
     }
     if (!peer.node->peer().data().changes_since(replayed.data()).empty()) {
       findings_.violate(now_s, fmt::format("{} has other data than a scene that never had what is undone",
-                                           chaos::name_of(peer)));
+                                           name_of(peer)));
     }
     const std::string other = difference(losses, losses_of(peer.node->peer().conflicts(), session_now(peer)));
     if (!other.empty()) {
       findings_.violate(now_s, fmt::format("{} lists other conflicts than a peer that knows all at once: {}",
-                                           chaos::name_of(peer), other));
+                                           name_of(peer), other));
     }
     for (const auto& [id, why] : refused) {
       const auto there = refused_[peer.life].find(id);
       if (there != refused_[peer.life].end() && there->second.empty() == why.empty()) continue;
       findings_.violate(now_s, fmt::format("{} says of operation {}: \"{}\", and all operations make it: \"{}\"",
-                                           chaos::name_of(peer), name_of(id),
+                                           name_of(peer), name_of(id),
                                            there == refused_[peer.life].end() ? "not known" : there->second, why));
     }
   }

@@ -20,8 +20,6 @@ bool are_connected(const Peer& a, const Peer& b) {
   return knows(a, b) && knows(b, a);
 }
 
-std::string name_of(OperationId id) { return fmt::format("{}:{}", id.author.value, id.number); }
-
 }  // namespace
 
 void MessageWatch::on_sent(const WatchedPeer& sender, OperationId message, std::span<const WatchedPeer> all) {
@@ -37,20 +35,20 @@ void MessageWatch::on_received(double now_s, const WatchedPeer& peer, const Mess
   findings_.count("message received");
   Received& received = received_[peer.life];
   if (!received.all.insert(message.operation).second) {
-    findings_.violate(now_s, fmt::format("{} has received message {} twice", chaos::name_of(peer),
+    findings_.violate(now_s, fmt::format("{} has received message {} twice", name_of(peer),
                                          name_of(message.operation)));
   }
   std::uint32_t& last = received.last[message.operation.author];
   if (message.operation.number < last) {
     findings_.violate(now_s, fmt::format("{} has received message {} after {} of the same author",
-                                         chaos::name_of(peer), name_of(message.operation), last));
+                                         name_of(peer), name_of(message.operation), last));
   }
   last = std::max(last, message.operation.number);
   const Operation* const operation = book_.find(message.operation);
   const auto* const sent = operation == nullptr ? nullptr : std::get_if<SendMessage>(&operation->body);
   const bool is_as_sent = sent != nullptr && *sent == SendMessage{message.by, message.topic, message.text};
   if (is_as_sent) return;
-  findings_.violate(now_s, fmt::format("{} has received message {}, which nobody has sent so", chaos::name_of(peer),
+  findings_.violate(now_s, fmt::format("{} has received message {}, which nobody has sent so", name_of(peer),
                                        name_of(message.operation)));
 }
 
@@ -64,7 +62,7 @@ void MessageWatch::finish(double now_s, std::span<const WatchedPeer> all) {
       if (has_it && !was_there) findings_.count(is_received ? "message of a peer apart" : "message of before a life");
       if (!has_it || is_received || !was_there) continue;
       findings_.violate(now_s, fmt::format("{} was there when message {} was sent, and has not received it",
-                                           chaos::name_of(peer), name_of(message)));
+                                           name_of(peer), name_of(message)));
     }
   }
 }

@@ -2,7 +2,11 @@
 
 #include <variant>
 
+#include <spdlog/fmt/fmt.h>
+
 namespace peerd::chaos {
+
+std::string name_of(replication::OperationId id) { return fmt::format("{}:{}", id.author.value, id.number); }
 
 using namespace replication;
 

@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <string>
 
 #include "core/time.hpp"
 #include "replication/operations/operation_log.hpp"
@@ -34,5 +35,8 @@ class OperationBook {
 [[nodiscard]] inline replication::OperationKey key_of(const replication::Operation& operation) {
   return {operation.stamp, operation.id};
 }
+
+// An author and a number: 7:12.
+[[nodiscard]] std::string name_of(replication::OperationId id);
 
 }  // namespace peerd::chaos

@@ -15,8 +15,6 @@ using namespace replication;
 // A peer gives up at a tick: at the slowest rate of a run two of them are so far apart.
 constexpr Duration kTwoTicks = std::chrono::milliseconds(100);
 
-std::string name_of(OperationId id) { return fmt::format("{}:{}", id.author.value, id.number); }
-
 }  // namespace
 
 void OwnershipWatch::on_edit(const WatchedPeer& peer, const EditReport& report) {
@@ -37,7 +35,7 @@ void OwnershipWatch::on_edit(const WatchedPeer& peer, const EditReport& report) 
 void OwnershipWatch::end_outputs() {
   for (const auto& [peer, object, at_s] : doubted_) {
     findings_.violate(at_s, fmt::format("{} has published object {}:{}, which it says is another's",
-                                         chaos::name_of(peer), object.origin, object.number));
+                                         name_of(peer), object.origin, object.number));
   }
   doubted_.clear();
 }
@@ -98,7 +96,7 @@ void OwnershipWatch::on_edited(double now_s, const WatchedPeer& peer, const Scen
   findings_.count("ownership taken back by an earlier operation");
   if (is_known_why) return;
   findings_.violate(now_s, fmt::format("{} goes back from operation {}, which gave object {}:{} to peer {}: {}",
-                                       chaos::name_of(peer), name_of(edited.operation), give->object.origin,
+                                       name_of(peer), name_of(edited.operation), give->object.origin,
                                        give->object.number, give->owner.value, edited.refused));
 }
 
@@ -119,7 +117,7 @@ void OwnershipWatch::check_requests(double now_s, const WatchedPeer& peer) {
     const bool is_over = state.applied || !state.refused.empty();
     if (!is_over && *state.asks_until + kTwoTicks < host) {
       findings_.violate(now_s, fmt::format("{} has asked for {} by operation {}, and after {} it has no answer",
-                                           chaos::name_of(peer), state.edit.path, name_of(*at),
+                                           name_of(peer), state.edit.path, name_of(*at),
                                            "2 s it has not given up"));
     }
     if (is_over) {
@@ -158,8 +156,8 @@ void OwnershipWatch::check_epochs(double now_s, std::span<const WatchedPeer> all
       if (keys == first) continue;
       const auto text = [](const auto& some) { return some.empty() ? "none" : name_of(some.rbegin()->second); };
       findings_.violate(now_s, fmt::format("{} has operation {} as the epoch of object {}:{}, and {} {}",
-                                           chaos::name_of(peer), text(keys), object.origin, object.number,
-                                           chaos::name_of(all.front()), text(first)));
+                                           name_of(peer), text(keys), object.origin, object.number,
+                                           name_of(all.front()), text(first)));
     }
   }
 }
@@ -179,7 +177,7 @@ void OwnershipWatch::check_owners(double now_s, std::span<const WatchedPeer> all
     for (const WatchedPeer& peer : all) {
       const auto refused = refused_.find({peer.life, key.second});
       if (refused == refused_.end() || refused->second || !is_anothers) continue;
-      findings_.violate(now_s, fmt::format("{} lets operation {} give what another peer owns", chaos::name_of(peer),
+      findings_.violate(now_s, fmt::format("{} lets operation {} give what another peer owns", name_of(peer),
                                            name_of(key.second)));
     }
     if (!is_anothers && !refused_.at({all.front().life, key.second})) owners[give->object] = give->owner;
@@ -193,7 +191,7 @@ void OwnershipWatch::check_owners(double now_s, std::span<const WatchedPeer> all
       const PeerId there = peer.node->peer().owner(object);
       if (there == owner) continue;
       findings_.violate(now_s, fmt::format("{} is peer {}'s by operations, and for {} it is peer {}'s",
-                                           path_or_id(peer.node->scene(), object), owner.value, chaos::name_of(peer),
+                                           path_or_id(peer.node->scene(), object), owner.value, name_of(peer),
                                            there.value));
     }
     findings_.count("owner by operations judged");
