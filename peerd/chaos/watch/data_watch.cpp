@@ -49,6 +49,11 @@ bool has_node(const Scene& scene, NodeId node) {
   return scene.document->ids.find(node, scene.document->nodes.size()).has_value();
 }
 
+std::string text_of(const Scene& scene) {
+  const auto written = write_world(scene);
+  return written ? written->text : "not written: " + written.error();
+}
+
 }  // namespace
 
 void DataWatch::on_edit(const WatchedPeer& peer, const EditReport& report) {
@@ -76,14 +81,19 @@ void DataWatch::on_output(const WatchedPeer& peer, const Output& output) {
 
 void DataWatch::finish(double now_s, std::span<const WatchedPeer> all, const Scene* file) {
   if (all.empty()) return;
-  for (const auto& [id, operation] : book_.operations()) {
+  Known known;
+  for (const WatchedPeer& peer : all) known.until = std::min(known.until, session_now(peer));
+  const OperationLogs& logs = all.front().node->peer().logs();
+  for (const LogLength& log : logs.lengths()) known.book.follow(logs, log.author);
+  known.undone = known.book.undone(known.until);
+  for (const auto& [id, operation] : known.book.operations()) {
     findings_.count(fmt::format("operation: {}", kind_of(operation.body)));
   }
   check_same(now_s, all);
-  SimTime until = SimTime::max();
-  for (const WatchedPeer& peer : all) until = std::min(until, session_now(peer));
-  for (const WatchedPeer& peer : all) check_data(now_s, peer, until);
-  if (file != nullptr) check_replay(now_s, all, *file, until);
+  for (const WatchedPeer& peer : all) check_data(now_s, peer, known);
+  if (file == nullptr) return;
+  check_undone(now_s, all, *file, known);
+  check_conflicts(now_s, all, *file, known);
 }
 
 void DataWatch::check_same(double now_s, std::span<const WatchedPeer> all) {
@@ -110,14 +120,13 @@ void DataWatch::check_same(double now_s, std::span<const WatchedPeer> all) {
 }
 
 // A value is that of the last operation in force, where its node is there.
-void DataWatch::check_data(double now_s, const WatchedPeer& peer, SimTime until) {
-  const std::set<OperationId> undone = book_.undone(until);
+void DataWatch::check_data(double now_s, const WatchedPeer& peer, const Known& known) {
   std::map<OperationKey, const SetData*> writes;
-  for (const auto& [id, operation] : book_.operations()) {
+  for (const auto& [id, operation] : known.book.operations()) {
     const auto* const set = std::get_if<SetData>(&operation.body);
     const auto refused = refused_[peer.life].find(id);
-    const bool is_in_force = refused != refused_[peer.life].end() && refused->second.empty() && !undone.contains(id);
-    if (set != nullptr && is_in_force && operation.stamp <= until) writes.emplace(key_of(operation), set);
+    const bool is_done = refused != refused_[peer.life].end() && refused->second.empty() && !known.undone.contains(id);
+    if (set != nullptr && is_done && operation.stamp <= known.until) writes.emplace(key_of(operation), set);
   }
   std::map<std::pair<NodeId, std::string>, const SetData*> last;
   for (const auto& [key, set] : writes) last[{set->node, set->key}] = set;
@@ -133,37 +142,26 @@ void DataWatch::check_data(double now_s, const WatchedPeer& peer, SimTime until)
 }
 
 // All is as in a scene that never had what is undone, nor the undoing.
-void DataWatch::check_replay(double now_s, std::span<const WatchedPeer> all, const Scene& file, SimTime until) {
-  const std::set<OperationId> undone = book_.undone(until);
+void DataWatch::check_undone(double now_s, std::span<const WatchedPeer> all, const Scene& file, const Known& known) {
   LivingScene replayed(file);
-  for (const auto& [id, operation] : book_.operations()) {
+  for (const auto& [id, operation] : known.book.operations()) {
     const bool is_undo = std::holds_alternative<UndoOperation>(operation.body);
-    if (!is_undo && !undone.contains(id) && operation.stamp <= until) replayed.add(operation);
+    if (!is_undo && !known.undone.contains(id) && operation.stamp <= known.until) replayed.add(operation);
   }
+  findings_.count("operation left out of the replay", known.undone.size());
   std::map<OperationId, std::string> refused;
-  while (const auto change = replayed.apply(until, until)) {
+  while (const auto change = replayed.apply(known.until, known.until)) {
     for (const LivingScene::Outcome& outcome : change->outcomes) refused[outcome.id] = outcome.refused;
   }
-  const auto text = [](const Scene& scene) {
-    const auto written = write_world(scene);
-    return written ? written->text : "not written: " + written.error();
-  };
-  const std::string expected = text(*replayed.scene());
-  const Losses losses = losses_of(replayed.conflicts(), until);
-  findings_.count("operation left out of the replay", undone.size());
+  const std::string expected = text_of(*replayed.scene());
   for (const WatchedPeer& peer : all) {
-    if (text(peer.node->scene()) != expected) {
+    if (text_of(peer.node->scene()) != expected) {
       findings_.violate(now_s, fmt::format("{} has another scene than one that never had what is undone",
                                            name_of(peer)));
     }
     if (!peer.node->peer().data().changes_since(replayed.data()).empty()) {
       findings_.violate(now_s, fmt::format("{} has other data than a scene that never had what is undone",
                                            name_of(peer)));
-    }
-    const std::string other = difference(losses, losses_of(peer.node->peer().conflicts(), session_now(peer)));
-    if (!other.empty()) {
-      findings_.violate(now_s, fmt::format("{} lists other conflicts than a peer that knows all at once: {}",
-                                           name_of(peer), other));
     }
     for (const auto& [id, why] : refused) {
       const auto there = refused_[peer.life].find(id);
@@ -172,6 +170,22 @@ void DataWatch::check_replay(double now_s, std::span<const WatchedPeer> all, con
                                            name_of(peer), name_of(id),
                                            there == refused_[peer.life].end() ? "not known" : there->second, why));
     }
+  }
+}
+
+// The conflicts are those of somebody who has come to know all operations at once.
+void DataWatch::check_conflicts(double now_s, std::span<const WatchedPeer> all, const Scene& file,
+                                const Known& known) {
+  LivingScene at_once(file);
+  for (const auto& [id, operation] : known.book.operations()) at_once.add(operation);
+  while (at_once.apply(known.until, known.until)) {
+  }
+  const Losses losses = losses_of(at_once.conflicts(), known.until);
+  for (const WatchedPeer& peer : all) {
+    const std::string other = difference(losses, losses_of(peer.node->peer().conflicts(), session_now(peer)));
+    if (other.empty()) continue;
+    findings_.violate(now_s, fmt::format("{} lists other conflicts than a peer that knows all at once: {}",
+                                         name_of(peer), other));
   }
 }
 

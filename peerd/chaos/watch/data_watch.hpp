@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/scene/scene.hpp"
+#include "core/time.hpp"
 #include "peerd/chaos/watch/findings.hpp"
 #include "peerd/chaos/watch/operation_book.hpp"
 #include "peerd/node/edit_operation.hpp"
@@ -26,9 +27,18 @@ class DataWatch {
   void finish(double now_s, std::span<const WatchedPeer> all, const Scene* file);
 
  private:
+  // The operations that peers have in the end, others are gone with those that held them, and what of them is undone
+  // until the earliest of their clocks.
+  struct Known {
+    OperationBook book;
+    std::set<replication::OperationId> undone;
+    SimTime until = SimTime::max();
+  };
+
   void check_same(double now_s, std::span<const WatchedPeer> all);
-  void check_data(double now_s, const WatchedPeer& peer, SimTime until);
-  void check_replay(double now_s, std::span<const WatchedPeer> all, const Scene& file, SimTime until);
+  void check_data(double now_s, const WatchedPeer& peer, const Known& known);
+  void check_undone(double now_s, std::span<const WatchedPeer> all, const Scene& file, const Known& known);
+  void check_conflicts(double now_s, std::span<const WatchedPeer> all, const Scene& file, const Known& known);
 
   const OperationBook& book_;
   Findings& findings_;
