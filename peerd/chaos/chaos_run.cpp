@@ -351,18 +351,20 @@ class ChaosRun {
   void edit(const PlannedEdit& planned) {
     Host& host = hosts_[planned.peer];
     if (!host.node || host.runs_from > now_) return;
-    if (const auto key = make_key(planned)) {
+    const replication::Peer& peer = host.node->peer();
+    const EditView view{peer.scene(), peer.owners(), peer.id()};
+    const auto key = make_key(planned, view);
+    const std::vector<config::SceneEdit> edits = make_edits(planned, view);
+    if (key) {
       oracle_.on_key(host.node->on_key(host_now(planned.peer), *key));
       drain(planned.peer);
-      if (!host.node) return;
     }
-    const replication::Peer& peer = host.node->peer();
-    for (const config::SceneEdit& each : make_edits(planned, {peer.scene(), peer.owners(), peer.id()})) {
+    for (const config::SceneEdit& each : edits) {
+      if (!host.node) return;  // an author that dies
       const EditReport report = host.node->edit(host_now(planned.peer), each);
       trace(report.operation ? report.operation->number : 0);
       oracle_.on_edit(planned.peer, report);
       drain(planned.peer);
-      if (!host.node) return;  // an author that dies
     }
   }
 

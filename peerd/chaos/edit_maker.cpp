@@ -1,5 +1,6 @@
 #include "peerd/chaos/edit_maker.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include "core/scene/scene.hpp"
 #include "core/vrml/document.hpp"
 #include "peerd/chaos/random_stream.hpp"
+#include "peerd/chaos/world_text.hpp"
 #include "replication/replica/owners.hpp"
 
 namespace peerd::chaos {
@@ -20,10 +22,8 @@ using config::SceneEdit;
 constexpr std::size_t kLargeText_bytes = 60'000;
 constexpr std::size_t kBurst = 300;
 constexpr double kGround_m = 10.0;
-constexpr KeyEvent kKey{32, 0};  // moves the things that answer to it
-// Few keys, and few things that many peers want, so that they meet.
-constexpr std::uint64_t kDataKeys = 3;
-constexpr double kContestedChance = 0.5;
+// Few keys, so that peers set the same ones.
+constexpr std::uint64_t kDataKeys = 2;
 // The stream of an edit's key, apart from that of what the edit is.
 constexpr std::uint64_t kKeyItem = 1;
 
@@ -31,8 +31,7 @@ constexpr std::uint64_t kKeyItem = 1;
 bool is_wall(std::string_view name) { return name == "WEST" || name == "EAST" || name == "NORTH" || name == "SOUTH"; }
 
 constexpr std::string_view kInterestEnd = "_CI";
-// An edit has added it, and no part of anything in the first world is named so.
-bool is_added_alone(std::string_view name) { return name.starts_with('N') && name != "NORTH"; }
+bool is_free(std::string_view name) { return name.starts_with(kFreeBegin); }
 
 SceneEdit setting(std::string path, std::string field, std::string value) {
   SceneEdit edit;
@@ -53,7 +52,7 @@ class EditMaker {
       const ObjectId object = scene.id_of(i);
       transforms_.push_back(scene.path_of(object));
       if (view.owners.of(object) == view.self) own_.push_back(transforms_.back());
-      if (is_added_alone(each.def)) loose_.push_back(transforms_.back());
+      if (is_free(each.def)) free_.push_back(transforms_.back());
     }
     for (const vrml::Node& node : scene.document->nodes) {
       if (node.def.ends_with(kInterestEnd)) interests_.emplace_back(node.def);
@@ -71,7 +70,7 @@ class EditMaker {
         return {adding(moved_block())};
       case 3:
       case 4:
-        return {adding(loose_block())};
+        return {adding(free_block())};
       case 5:
         return {removing()};
       case 6:
@@ -119,6 +118,28 @@ class EditMaker {
     return about(holds ? SceneEdit::Kind::kGrab : SceneEdit::Kind::kOwn, contested());
   }
   SceneEdit one_datum() { return datum(contested()); }
+  // One of them, or more, remove what the others change.
+  SceneEdit one_removal() {
+    const std::string path = "S2";
+    switch (random_.below(5)) {
+      case 0:
+        return about(SceneEdit::Kind::kRemove, path);
+      case 1:
+        return datum(path);
+      case 2: {
+        SceneEdit edit = about(SceneEdit::Kind::kMove, path);
+        edit.under = some_transform();
+        return edit;
+      }
+      case 3: {
+        SceneEdit edit = adding(block());
+        edit.under = path;
+        return edit;
+      }
+      default:
+        return position(path);
+    }
+  }
   SceneEdit position(const std::string& path) { return setting(path, "translation", vector(kGround_m)); }
   [[nodiscard]] std::string some_transform() {
     return transforms_.empty() ? "WEST" : transforms_[random_.below(transforms_.size())];
@@ -156,11 +177,12 @@ class EditMaker {
                        name_, cycle_s, from, to);
   }
   // Nothing meets it, and a key moves it: where its owner leaves it behind an operation says.
-  std::string loose_block() {
-    const std::string loose = block(), velocity = vector(1.0);
-    return loose + fmt::format(
+  std::string free_block() {
+    name_.front() = kFreeBegin;
+    const std::string moved = block(), velocity = vector(1.0);
+    return moved + fmt::format(
                        "KeySensor {{ recipient \"{}\" keyValue {} consume FALSE absoluteValue TRUE value {} }}\n",
-                       name_, kKey.value, velocity);
+                       name_, kMovingKey, velocity);
   }
   static SceneEdit about(SceneEdit::Kind kind, std::string path) {
     SceneEdit edit;
@@ -171,7 +193,9 @@ class EditMaker {
   // Many want the same few things.
   [[nodiscard]] static std::string contested() { return "S1"; }
   std::string some_object() {
-    if (random_.chance(kContestedChance)) return loose_.empty() ? contested() : loose_[random_.below(loose_.size())];
+    const std::uint64_t which = random_.below(4);
+    if (which == 0) return contested();
+    if (which == 1 && !free_.empty()) return free_[random_.below(free_.size())];
     return some_transform();
   }
   SceneEdit datum(std::string path) {
@@ -226,7 +250,7 @@ class EditMaker {
   }
 
   Random random_;
-  std::vector<std::string> transforms_, own_, loose_, interests_;
+  std::vector<std::string> transforms_, own_, free_, interests_;
   std::string name_;
 };
 
@@ -254,14 +278,22 @@ std::vector<SceneEdit> make_edits(const PlannedEdit& planned, const EditView& vi
     case EditKind::kOneDatum:
       edits.push_back(make.one_datum());
       break;
+    case EditKind::kOneRemoval:
+      edits.push_back(make.one_removal());
+      break;
   }
   assert(!edits.empty());
   return edits;
 }
 
-std::optional<KeyEvent> make_key(const PlannedEdit& planned) {
+std::optional<KeyEvent> make_key(const PlannedEdit& planned, const EditView& view) {
+  if (planned.kind != EditKind::kAny) return std::nullopt;
+  const bool owns_free = std::ranges::any_of(view.owners, [&](const auto& owned) {
+    return owned.second == view.self && view.scene.contains(owned.first) &&
+           is_free(view.scene.at(owned.first).def);
+  });
   Random random(planned.seed, kKeyItem);
-  return planned.kind == EditKind::kAny && random.chance(0.2) ? std::optional(kKey) : std::nullopt;
+  return random.chance(owns_free ? 0.7 : 0.05) ? std::optional(KeyEvent{kMovingKey, 0}) : std::nullopt;
 }
 
 }  // namespace peerd::chaos

@@ -27,6 +27,6 @@ struct EditView {
 // The edits that a planned one means for what its peer sees: a function of the two.
 [[nodiscard]] std::vector<config::SceneEdit> make_edits(const PlannedEdit& planned, const EditView& view);
 // The key that is pressed with it; none with most.
-[[nodiscard]] std::optional<KeyEvent> make_key(const PlannedEdit& planned);
+[[nodiscard]] std::optional<KeyEvent> make_key(const PlannedEdit& planned, const EditView& view);
 
 }  // namespace peerd::chaos

@@ -68,6 +68,7 @@ enum class EditKind : std::uint8_t {
   kOneField,
   kOneOwner,  // as kOneField: several peers take one object
   kOneDatum,  // several peers set one value of an application
+  kOneRemoval,  // some of several peers remove what the others change
 };
 
 struct PlannedEdit {
