@@ -60,6 +60,7 @@ class ChaosRun {
         network_(plan.seed, plan.peers.size(), plan.links),
         oracle_(plan.peers.size(), !plan.has(Rare::kUnchecked)),
         hosts_(plan.peers.size()) {
+    oracle_.set_file(shared_->world.scene);
     for (std::size_t i = 0; i < hosts_.size(); ++i) {
       hosts_[i].wall_offset_s = plan.peers[i].wall_offset_s;
       hosts_[i].states_os_clock = stream_of(plan.seed, Stream::kOsClock, i).chance(0.4);
@@ -517,12 +518,20 @@ class ChaosRun {
   void edit(const PlannedEdit& planned) {
     Host& host = hosts_[planned.peer];
     if (!host.node || host.runs_from > now_) return;
-    for (const config::SceneEdit& each : make_edits(planned, host.node->scene())) {
+    const replication::Peer& peer = host.node->peer();
+    const EditView view{peer.scene(), peer.owners(), peer.id()};
+    const auto key = make_key(planned, view);
+    const std::vector<config::SceneEdit> edits = make_edits(planned, view);
+    if (key) {
+      oracle_.on_key(host.node->on_key(host_now(planned.peer), *key));
+      drain(planned.peer);
+    }
+    for (const config::SceneEdit& each : edits) {
+      if (!host.node) return;  // an author that dies
       const EditReport report = host.node->edit(host_now(planned.peer), each);
       trace(report.operation ? report.operation->number : 0);
       oracle_.on_edit(planned.peer, report);
       drain(planned.peer);
-      if (!host.node) return;  // an author that dies
     }
   }
 

@@ -1,5 +1,6 @@
 #include "peerd/chaos/edit_maker.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <string>
 #include <string_view>
@@ -8,7 +9,10 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "core/scene/scene.hpp"
+#include "core/vrml/document.hpp"
 #include "peerd/chaos/random_stream.hpp"
+#include "peerd/chaos/world_text.hpp"
+#include "replication/replica/owners.hpp"
 
 namespace peerd::chaos {
 namespace {
@@ -18,9 +22,16 @@ using config::SceneEdit;
 constexpr std::size_t kLargeText_bytes = 60'000;
 constexpr std::size_t kBurst = 300;
 constexpr double kGround_m = 10.0;
+// Few keys, so that peers set the same ones.
+constexpr std::uint64_t kDataKeys = 2;
+// The stream of an edit's key, apart from that of what the edit is.
+constexpr std::uint64_t kKeyItem = 1;
 
 // The walls stay, so that there is something to meet.
 bool is_wall(std::string_view name) { return name == "WEST" || name == "EAST" || name == "NORTH" || name == "SOUTH"; }
+
+constexpr std::string_view kInterestEnd = "_CI";
+bool is_free(std::string_view name) { return name.starts_with(kFreeBegin); }
 
 SceneEdit setting(std::string path, std::string field, std::string value) {
   SceneEdit edit;
@@ -33,38 +44,65 @@ SceneEdit setting(std::string path, std::string field, std::string value) {
 
 class EditMaker {
  public:
-  EditMaker(const PlannedEdit& planned, const Scene& scene) : random_(planned.seed, 0) {
+  EditMaker(const PlannedEdit& planned, const EditView& view) : random_(planned.seed, 0) {
+    const Scene& scene = view.scene;
     for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
       const Instance& each = scene.instances[i];
       if (each.kind != NodeKind::kTransform || each.def.empty() || is_wall(each.def)) continue;
-      transforms_.push_back(scene.path_of(scene.id_of(i)));
+      const ObjectId object = scene.id_of(i);
+      transforms_.push_back(scene.path_of(object));
+      if (view.owners.of(object) == view.self) own_.push_back(transforms_.back());
+      if (is_free(each.def)) free_.push_back(transforms_.back());
+    }
+    for (const vrml::Node& node : scene.document->nodes) {
+      if (node.def.ends_with(kInterestEnd)) interests_.emplace_back(node.def);
     }
     // Two peers that make the same planned edit add two nodes of one name, as people would.
     name_ = fmt::format("N{}", planned.number);
   }
 
-  SceneEdit any() {
-    switch (random_.below(10)) {
+  std::vector<SceneEdit> any() {
+    switch (random_.below(22)) {
       case 0:
       case 1:
-        return adding(block() + interest());
+        return {adding(block() + interest())};
       case 2:
-        return adding(moved_block());
+        return {adding(moved_block())};
       case 3:
-        return removing();
       case 4:
+        return {adding(free_block())};
       case 5:
-        return moving();
-      case 6: {
+        return {removing()};
+      case 6:
+      case 7:
+        return {moving()};
+      case 8: {
         const std::string path = some_transform();
-        return setting(path, "velocityVector", vector(2.0));
+        return {setting(path, "velocityVector", vector(2.0))};
       }
-      case 7: {
+      case 9: {
         const std::string path = some_transform() + "_M";
-        return setting(path, "diffuseColor", fmt::format("0.5 {:.2f} 0.5", random_.uniform()));
+        return {setting(path, "diffuseColor", fmt::format("0.5 {:.2f} 0.5", random_.uniform()))};
       }
+      case 10:
+      case 11:
+        return {position(some_transform())};
+      case 12:
+        return {interest_change()};
+      case 13:
+      case 14:
+        return {about(SceneEdit::Kind::kOwn, some_object())};
+      case 15:
+        return {about(SceneEdit::Kind::kGrab, some_object())};
+      case 16:
+        return {about(SceneEdit::Kind::kRelease, own_.empty() ? some_object() : own_[random_.below(own_.size())])};
+      case 17:
+      case 18:
+        return {datum(some_object())};
+      case 19:
+        return {message()};
       default:
-        return position(some_transform());
+        return undoing();
     }
   }
   SceneEdit large() {
@@ -75,6 +113,33 @@ class EditMaker {
     return adding(std::move(text));
   }
   SceneEdit one_field() { return position("S1"); }
+  SceneEdit one_owner() {
+    const bool holds = random_.chance(0.3);
+    return about(holds ? SceneEdit::Kind::kGrab : SceneEdit::Kind::kOwn, contested());
+  }
+  SceneEdit one_datum() { return datum(contested()); }
+  // One of them, or more, remove what the others change.
+  SceneEdit one_removal() {
+    const std::string path = "S2";
+    switch (random_.below(5)) {
+      case 0:
+        return about(SceneEdit::Kind::kRemove, path);
+      case 1:
+        return datum(path);
+      case 2: {
+        SceneEdit edit = about(SceneEdit::Kind::kMove, path);
+        edit.under = some_transform();
+        return edit;
+      }
+      case 3: {
+        SceneEdit edit = adding(block());
+        edit.under = path;
+        return edit;
+      }
+      default:
+        return position(path);
+    }
+  }
   SceneEdit position(const std::string& path) { return setting(path, "translation", vector(kGround_m)); }
   [[nodiscard]] std::string some_transform() {
     return transforms_.empty() ? "WEST" : transforms_[random_.below(transforms_.size())];
@@ -93,8 +158,11 @@ class EditMaker {
         "{{ }} }} geometry Box {{ size {2:.2f} 0.8 {3:.2f} }} }} }}\n",
         name_, place, width_m, depth_m);
   }
-  std::string interest() {
-    return fmt::format("CollisionInterest {{ objectPath \"M1A\" collisionType 1 interests [ \"{}\" ] }}\n", name_);
+  std::string interest() { return interest_in("M1A", name_); }
+  std::string interest_in(const std::string& object, const std::string& other) {
+    return fmt::format(
+        "DEF {}{} CollisionInterest {{ objectPath \"{}\" collisionType 1 interests [ \"{}\" ] }}\n", name_,
+        kInterestEnd, object, other);
   }
   // The world itself moves it.
   std::string moved_block() {
@@ -107,6 +175,59 @@ class EditMaker {
                        "ROUTE {0}_T.fraction_changed TO {0}_I.set_fraction\n"
                        "ROUTE {0}_I.value_changed TO {0}.set_translation\n",
                        name_, cycle_s, from, to);
+  }
+  // Nothing meets it, and a key moves it: where its owner leaves it behind an operation says.
+  std::string free_block() {
+    name_.front() = kFreeBegin;
+    const std::string moved = block(), velocity = vector(1.0);
+    return moved + fmt::format(
+                       "KeySensor {{ recipient \"{}\" keyValue {} consume FALSE absoluteValue TRUE value {} }}\n",
+                       name_, kMovingKey, velocity);
+  }
+  static SceneEdit about(SceneEdit::Kind kind, std::string path) {
+    SceneEdit edit;
+    edit.kind = kind;
+    edit.path = std::move(path);
+    return edit;
+  }
+  // Many want the same few things.
+  [[nodiscard]] static std::string contested() { return "S1"; }
+  std::string some_object() {
+    const std::uint64_t which = random_.below(4);
+    if (which == 0) return contested();
+    if (which == 1 && !free_.empty()) return free_[random_.below(free_.size())];
+    return some_transform();
+  }
+  SceneEdit datum(std::string path) {
+    SceneEdit edit = about(SceneEdit::Kind::kData, std::move(path));
+    edit.key = fmt::format("k{}", random_.below(kDataKeys));
+    edit.removes = random_.chance(0.25);
+    if (!edit.removes) edit.data = fmt::format("{} {:x}", name_, random_.bits());
+    return edit;
+  }
+  SceneEdit message() {
+    SceneEdit edit;
+    edit.kind = SceneEdit::Kind::kSend;
+    edit.key = "chaos";
+    edit.data = fmt::format("{} {:x}", name_, random_.bits());
+    return edit;
+  }
+  // An interest gets another partner, is of another type, or goes.
+  SceneEdit interest_change() {
+    if (interests_.empty()) return adding(interest_in("M1A", "S1"));
+    const std::string path = interests_[random_.below(interests_.size())];
+    const std::uint64_t what = random_.below(3);
+    if (what == 0) return about(SceneEdit::Kind::kRemove, path);
+    if (what == 1) return setting(path, "collisionType", fmt::format("{}", random_.below(3)));
+    return setting(path, "interests", fmt::format("[ \"{}\" ]", some_transform()));
+  }
+  // One or more steps back, and some of them on again.
+  std::vector<SceneEdit> undoing() {
+    std::vector<SceneEdit> edits;
+    const std::uint64_t back = 1 + random_.below(3), forward = random_.below(3);
+    for (std::uint64_t i = 0; i < back; ++i) edits.push_back(about(SceneEdit::Kind::kUndo, ""));
+    for (std::uint64_t i = 0; i < forward; ++i) edits.push_back(about(SceneEdit::Kind::kRedo, ""));
+    return edits;
   }
   static SceneEdit adding(std::string text) {
     SceneEdit edit;
@@ -129,18 +250,18 @@ class EditMaker {
   }
 
   Random random_;
-  std::vector<std::string> transforms_;
+  std::vector<std::string> transforms_, own_, free_, interests_;
   std::string name_;
 };
 
 }  // namespace
 
-std::vector<SceneEdit> make_edits(const PlannedEdit& planned, const Scene& scene) {
-  EditMaker make(planned, scene);
+std::vector<SceneEdit> make_edits(const PlannedEdit& planned, const EditView& view) {
+  EditMaker make(planned, view);
   std::vector<SceneEdit> edits;
   switch (planned.kind) {
     case EditKind::kAny:
-      edits.push_back(make.any());
+      edits = make.any();
       break;
     case EditKind::kLarge:
       edits.push_back(make.large());
@@ -151,9 +272,28 @@ std::vector<SceneEdit> make_edits(const PlannedEdit& planned, const Scene& scene
     case EditKind::kOneField:
       edits.push_back(make.one_field());
       break;
+    case EditKind::kOneOwner:
+      edits.push_back(make.one_owner());
+      break;
+    case EditKind::kOneDatum:
+      edits.push_back(make.one_datum());
+      break;
+    case EditKind::kOneRemoval:
+      edits.push_back(make.one_removal());
+      break;
   }
   assert(!edits.empty());
   return edits;
+}
+
+std::optional<KeyEvent> make_key(const PlannedEdit& planned, const EditView& view) {
+  if (planned.kind != EditKind::kAny) return std::nullopt;
+  const bool owns_free = std::ranges::any_of(view.owners, [&](const auto& owned) {
+    return owned.second == view.self && view.scene.contains(owned.first) &&
+           is_free(view.scene.at(owned.first).def);
+  });
+  Random random(planned.seed, kKeyItem);
+  return random.chance(owns_free ? 0.7 : 0.05) ? std::optional(KeyEvent{kMovingKey, 0}) : std::nullopt;
 }
 
 }  // namespace peerd::chaos

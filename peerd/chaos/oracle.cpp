@@ -15,7 +15,6 @@ namespace {
 
 using namespace replication;
 
-constexpr std::size_t kViolationsMax = 20;
 // Outcomes of the last seconds may be on their way still.
 constexpr Duration kOutcomesOpen = std::chrono::seconds(5);
 constexpr Duration kCalmAfter = std::chrono::seconds(2);
@@ -50,8 +49,6 @@ std::string difference(const std::string& a, const std::string& b) {
   return fmt::format("\"{}\" and \"{}\"", from(a, at.in1), from(b, at.in2));
 }
 
-std::string name_of(OperationId id) { return fmt::format("{}:{}", id.author.value, id.number); }
-
 bool is_finite(const KinematicState& s) {
   return s.position.allFinite() && s.velocity.allFinite() && s.acceleration.allFinite() &&
          s.orientation.coeffs().allFinite() && s.angular_velocity_body.allFinite();
@@ -65,10 +62,6 @@ bool same_bits(const KinematicState& a, const KinematicState& b) {
 }  // namespace
 
 Oracle::Oracle(std::size_t hosts, bool trusts_datagrams) : trusts_datagrams_(trusts_datagrams), life_of_host_(hosts) {}
-
-void Oracle::violate(double now_s, const std::string& what) {
-  if (violations_.size() < kViolationsMax) violations_.push_back(fmt::format("at {:.3f} s: {}", now_s, what));
-}
 
 Oracle::Life& Oracle::life_of(std::size_t host) {
   assert(life_of_host_[host].has_value());
@@ -97,12 +90,44 @@ void Oracle::end_life(std::size_t host) {
   Life& life = life_of(host);
   on_input(host);
   count_all(*life.node);
+  ownership_.end_life(watched(life));
   life.node = nullptr;
   life.outcomes.clear();
   life_of_host_[host].reset();
 }
 
+WatchedPeer Oracle::watched(const Life& life) const {
+  return {static_cast<std::size_t>(&life - lives_.data()), life.host, life.node};
+}
+
+std::vector<WatchedPeer> Oracle::all_watched() const {
+  std::vector<WatchedPeer> all;
+  for (const Life* life : alive()) all.push_back(watched(*life));
+  return all;
+}
+
+// What peers do with datagrams that damage has changed means nothing.
+void Oracle::watch_edit(const WatchedPeer& peer, const EditReport& report) {
+  if (!trusts_datagrams_) return;
+  if (report.operation) book_.follow(peer.node->peer().logs(), report.operation->author);
+  ownership_.on_edit(peer, report);
+  data_.on_edit(peer, report);
+  const bool is_message = report.edit.kind == config::SceneEdit::Kind::kSend && report.operation;
+  if (is_message) messages_.on_sent(peer, *report.operation, all_watched());
+}
+
+void Oracle::watch_output(double now_s, const WatchedPeer& peer, const Output& output) {
+  if (!trusts_datagrams_) return;
+  const OperationLogs& logs = peer.node->peer().logs();
+  if (const auto* grown = std::get_if<LogGrown>(&output)) book_.follow(logs, grown->range.author);
+  if (const auto* edited = std::get_if<SceneEdited>(&output)) book_.follow(logs, edited->operation.author);
+  ownership_.on_output(now_s, peer, output);
+  data_.on_output(peer, output);
+  if (const auto* message = std::get_if<MessageReceived>(&output)) messages_.on_received(now_s, peer, *message);
+}
+
 void Oracle::on_edit(std::size_t host, const EditReport& report) {
+  watch_edit(watched(life_of(host)), report);
   if (!report.operation) return count("edits refused at once");
   ++operations_;
   const AuthorId author = report.operation->author;
@@ -132,7 +157,14 @@ void Oracle::count(const SimulatedDisk::Counters& disk) {
   count("disk: a change that failed", disk.refused_error);
 }
 
+void Oracle::on_key(const KeyReport& report) {
+  for (const KeyReport::Change& change : report.changes) {
+    count(change.refused.empty() ? "key moves an object" : "key refused");
+  }
+}
+
 void Oracle::on_input(std::size_t host) {
+  ownership_.end_outputs();
   Life& life = life_of(host);
   const PeerCounters& counters = life.node->peer().counters();
   const std::uint64_t taken = counters.operations + counters.operations_in;
@@ -158,6 +190,7 @@ void Oracle::on_growth(std::size_t host, const OperationRange& grown) {
 
 void Oracle::on_output(double now_s, std::size_t host, const Output& output) {
   Life& life = life_of(host);
+  watch_output(now_s, watched(life), output);
   if (const auto* edited = std::get_if<SceneEdited>(&output)) {
     on_edited(life, *edited);
   } else if (const auto* grown = std::get_if<LogGrown>(&output)) {
@@ -235,6 +268,7 @@ void Oracle::add(const PeerLog& log, const PeerLog::ObjectSample& sample) {
 
 void Oracle::check(double now_s) {
   for (const Life* life : alive()) {
+    if (trusts_datagrams_) ownership_.check(now_s, watched(*life));
     const OperationLogs& logs = life->node->peer().logs();
     if (logs.ahead_bytes() > OperationLogs::kAheadMax_bytes) {
       violate(now_s, fmt::format("{} keeps {} bytes behind gaps", name_of(*life), logs.ahead_bytes()));
@@ -284,6 +318,10 @@ void Oracle::finish(double now_s) {
   check_scenes(now_s);
   check_owners(now_s);
   check_outcomes(now_s);
+  const auto all = all_watched();
+  ownership_.finish(now_s, all);
+  data_.finish(now_s, all, file_);
+  messages_.finish(now_s, all);
   measure_ghosts();
 }
 

@@ -10,13 +10,20 @@
 
 #include "core/ids.hpp"
 #include "peerd/chaos/simulated_disk.hpp"
+#include "peerd/chaos/watch/data_watch.hpp"
+#include "peerd/chaos/watch/findings.hpp"
+#include "peerd/chaos/watch/message_watch.hpp"
+#include "peerd/chaos/watch/operation_book.hpp"
+#include "peerd/chaos/watch/ownership_watch.hpp"
 #include "peerd/node/edit_operation.hpp"
+#include "peerd/node/key_report.hpp"
 #include "peerd/node/peer_log.hpp"
 #include "replication/output/output.hpp"
 #include "replication/wire/operation.hpp"
 
 namespace peerd {
 class PeerNode;
+struct Scene;
 }
 
 namespace peerd::chaos {
@@ -26,6 +33,8 @@ class Oracle final : public LogRows {
  public:
   // `trusts_datagrams`: nothing damaged reaches a peer, so that all must come to one scene.
   Oracle(std::size_t hosts, bool trusts_datagrams);
+  // The scene that all peers begin with, which outlives this: what their operations make of it is checked, too.
+  void set_file(const Scene& file) { file_ = &file; }
 
   void begin_life(std::size_t host, const PeerNode& node);
   void end_life(std::size_t host);  // before the peer is gone
@@ -35,6 +44,8 @@ class Oracle final : public LogRows {
   void on_edit(std::size_t host, const EditReport& report);
   // The peer's store has its operations up to this one.
   void on_stored(std::size_t host, replication::OperationId last);
+  // A key was pressed at a peer.
+  void on_key(const KeyReport& report);
   // The peer has taken something in.
   void on_input(std::size_t host);
   // Checks what must hold at every time.
@@ -46,11 +57,11 @@ class Oracle final : public LogRows {
   // Checks what must hold at the end, when everything has come to rest.
   void finish(double now_s);
 
-  [[nodiscard]] const std::vector<std::string>& violations() const { return violations_; }
-  void violate(double now_s, const std::string& what);
+  [[nodiscard]] const std::vector<std::string>& violations() const { return findings_.violations(); }
+  void violate(double now_s, const std::string& what) { findings_.violate(now_s, what); }
   // How often each rare branch was taken, by its name.
-  [[nodiscard]] const std::map<std::string, std::uint64_t>& branches() const { return branches_; }
-  void count(const std::string& branch, std::uint64_t times = 1) { branches_[branch] += times; }
+  [[nodiscard]] const std::map<std::string, std::uint64_t>& branches() const { return findings_.branches(); }
+  void count(const std::string& branch, std::uint64_t times = 1) { findings_.count(branch, times); }
   void count(const SimulatedDisk::Counters& disk);
   [[nodiscard]] std::size_t operations() const { return operations_; }
   [[nodiscard]] std::size_t held() const { return held_.size(); }
@@ -81,6 +92,10 @@ class Oracle final : public LogRows {
   [[nodiscard]] Life& life_of(std::size_t host);
   [[nodiscard]] std::vector<const Life*> alive() const;
   [[nodiscard]] std::string name_of(const Life& life) const;
+  [[nodiscard]] WatchedPeer watched(const Life& life) const;
+  [[nodiscard]] std::vector<WatchedPeer> all_watched() const;
+  void watch_edit(const WatchedPeer& peer, const EditReport& report);
+  void watch_output(double now_s, const WatchedPeer& peer, const replication::Output& output);
   void on_edited(Life& life, const replication::SceneEdited& edited);
   void note_written(replication::AuthorId author, std::uint64_t bytes);
   void on_growth(std::size_t host, const replication::OperationRange& grown);
@@ -103,8 +118,12 @@ class Oracle final : public LogRows {
   std::map<replication::OperationId, double> held_;        // since when
   std::size_t operations_ = 0;
   std::optional<SimTime> calm_since_;
-  std::vector<std::string> violations_;
-  std::map<std::string, std::uint64_t> branches_;
+  Findings findings_;
+  const Scene* file_ = nullptr;
+  OperationBook book_;
+  OwnershipWatch ownership_{book_, findings_};
+  DataWatch data_{book_, findings_};
+  MessageWatch messages_{book_, findings_};
 };
 
 }  // namespace peerd::chaos

@@ -20,6 +20,8 @@ constexpr double kHealedMax_s = 15.0;  // at the end of a run, or half of it whe
 constexpr double kFaultEvery_s = 2.0, kEditEvery_s = 0.7;
 constexpr std::int64_t kSkewMax_ppm = 500;
 constexpr double kWallStepMax_s = 10.0;
+constexpr std::array kOfOneThing{EditKind::kOneField, EditKind::kOneOwner, EditKind::kOneDatum,
+                                 EditKind::kOneRemoval};
 constexpr double kRareChance = 0.25, kUncheckedChance = 0.06;
 constexpr double kRareBranchMax = 0.2;  // each time that the code could take it
 constexpr double kStoresChance = 0.7, kStoreChance = 0.85;  // of a seed, and of a peer in such a seed
@@ -205,8 +207,9 @@ class PlanDrawer {
       for (int i = 0; i < 5; ++i) {
         const double at_s = a_time(random);
         const std::uint64_t seed = random.bits();
+        const EditKind kind = kOfOneThing[static_cast<std::size_t>(i) % kOfOneThing.size()];
         for (std::size_t peer = 0; peer < kPeersMin; ++peer) {
-          add(PlannedEdit{number++, at_s, peer, EditKind::kOneField, seed + peer});
+          add(PlannedEdit{number++, at_s, peer, kind, seed + peer});
         }
       }
     }

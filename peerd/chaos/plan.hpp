@@ -19,7 +19,7 @@ namespace peerd::chaos {
 enum class Rare : std::uint8_t {
   kLargeEdits,     // texts that fill many datagrams
   kBurst,          // hundreds of edits of one peer in one go
-  kOneField,       // several peers set one field at one instant
+  kOneField,       // several peers set one field or value, or take one object, at one instant
   kAuthorDies,     // an author crashes as soon as another peer holds what it wrote
   kLongPartition,  // so long that operations of the other side are later than peers go back
   kFlapping,       // a peer crashes and comes back again and again
@@ -79,7 +79,15 @@ struct Fault {
   DiskFaults disk;
 };
 
-enum class EditKind : std::uint8_t { kAny, kLarge, kBurst, kOneField };
+enum class EditKind : std::uint8_t {
+  kAny,
+  kLarge,
+  kBurst,
+  kOneField,
+  kOneOwner,  // as kOneField: several peers take one object
+  kOneDatum,  // several peers set one value of an application
+  kOneRemoval,  // some of several peers remove what the others change
+};
 
 struct PlannedEdit {
   std::uint32_t number = 0;  // in the plan as it was drawn

@@ -15,6 +15,7 @@ namespace peerd::chaos {
 namespace {
 
 constexpr std::size_t kObjects = 50;
+constexpr std::size_t kFree = 3;
 constexpr std::size_t kColumns = 7;
 constexpr double kApart_m = 2.6;    // of the places of a grid, on each of which one object stands at first
 constexpr double kHalf_m = 12.0;    // half of the ground's side
@@ -51,6 +52,7 @@ class WorldWriter {
     }
     const std::size_t nobodys = 4 + random_.below(6);
     for (std::size_t i = 0; i < nobodys; ++i) loose_.push_back(loose(fmt::format("L{}", i + 1)));
+    for (std::size_t i = 1; i <= kFree; ++i) free_one(fmt::format("F{}", i));
     for (std::size_t i = 1; used_ < kObjects; ++i) standing_.push_back(standing(fmt::format("S{}", i)));
     interests();
     world_.text = std::move(text_);
@@ -90,6 +92,14 @@ class WorldWriter {
                              place(), mass, friction),
                  size());
     return name;
+  }
+  // Nothing meets it, and a key moves it. Where its owner leaves it behind an operation says.
+  void free_one(const std::string& name) {
+    text_ += box(name, place(), size());
+    const double vx = random_.uniform(-1.0, 1.0), vz = random_.uniform(-1.0, 1.0);
+    text_ += fmt::format(
+        "KeySensor {{ recipient \"{}\" keyValue {} consume FALSE absoluteValue TRUE value {:.3f} 0 {:.3f} }}\n", name,
+        kMovingKey, vx, vz);
   }
   // Some have a part that stands beside them, so that there is a tree.
   std::string standing(const std::string& name) {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,7 +20,8 @@ namespace peerd::replication {
 using OperationKey = std::pair<SimTime, OperationId>;
 
 // An operation whose effect is lost by another one, and neither author knew of the other's: the later value of a field,
-// of data or of a place has overwritten it, or what it changes, or has added, is removed.
+// of data or of a place has overwritten it, or what it changes, or has added, is removed. It is no loss where somebody
+// has gone on from the operation without knowing of what has overwritten it.
 struct Conflict {
   OperationKey loser;
   std::optional<OperationKey> winner;  // none: not known
@@ -32,10 +34,12 @@ struct Conflict {
 struct RemovedIds {
   std::vector<ObjectId> objects;  // ascending
   std::vector<NodeId> nodes;      // ascending
+
+  friend bool operator==(const RemovedIds&, const RemovedIds&) = default;
 };
 
-// The conflicts that this peer has found lately. They are not part of what peers agree on: who hears of two operations
-// one after the other finds the same ones.
+// The conflicts among the operations that this peer knows: a function of these, whichever came first, but for when each
+// was found, and for what kMax and kRemovedIdsMax leave out. So peers that know the same list the same.
 class Conflicts {
  public:
   static constexpr Duration kKept = std::chrono::hours(24);  // since found, in session time
@@ -49,14 +53,15 @@ class Conflicts {
 
   // The operation is known; operations of one author in the order of its log.
   void add(const Operation& operation);
+  // The bodies of these three outlive this.
   // The operation is in force from now on, or still is. `objects`: the number that it has added. `removed`: what has
   // gone by it.
   void on_in_force(const OperationKey& key, const OperationBody& body, std::uint32_t objects, RemovedIds removed,
                    bool is_new);
   // It changes nothing, as another one that its author did not know makes it impossible.
   void on_refused(const OperationKey& key, const OperationBody& body);
-  void on_undone(const OperationKey& key);
-  // Finds what is lost by the operations since the last call. `now`: session time.
+  void on_undone(const OperationKey& key, const OperationBody& body);
+  // Finds what is lost by the operations since the last call, and what is lost no more. `now`: session time.
   void find(SimTime now);
 
   // The conflicts by the operation that has lost.
@@ -75,40 +80,52 @@ class Conflicts {
     std::string name{};
     friend auto operator<=>(const Register&, const Register&) = default;
   };
-  using Writes = std::vector<OperationKey>;  // ascending
-
-  struct New {  // in force since the last find()
-    OperationKey key;
-    const OperationBody* body = nullptr;
-  };
+  using Keys = std::vector<OperationKey>;
+  using Winner = std::optional<OperationKey>;
 
   [[nodiscard]] static std::optional<Register> register_of(const OperationBody& body);
   [[nodiscard]] bool knew(const OperationKey& a, const OperationKey& b) const {
     return known_.knew(a.second, b.second);
   }
-  void find_overwritten(const Writes& writes, const OperationKey& key);
-  void find_lost(const Writes& writes, std::size_t at);
-  void find_removed_later(const New& operation, const std::optional<Register>& written);
-  void find_removed(const OperationKey& removal, const RemovedIds& ids);
-  void find_removed_writes(const OperationKey& removal, Register::Kind kind, std::uint64_t id);
-  [[nodiscard]] std::optional<OperationKey> cause_of(const OperationKey& refused, const OperationBody& body) const;
+  // Marks what may be lost, or lost no more, since that operation is in force, or is not.
+  void spread(const OperationKey& changed);
+  void spread_write(const Register& written, const OperationKey& changed);
+  void spread_removal(const OperationKey& removal);
+  void mark_writes_before(const OperationKey& removal, Register::Kind kind, std::uint64_t id);
+  // None: the operation is not lost.
+  struct Loss {
+    Winner winner;
+  };
+  [[nodiscard]] std::optional<Loss> loss_of(const OperationKey& key) const;
+  [[nodiscard]] std::optional<Loss> loss_by_next(const Keys& writes, Keys::const_iterator next,
+                                                 const OperationKey& key) const;
+  [[nodiscard]] std::optional<Loss> loss_by_removal(const OperationKey& key, const Keys& removals) const;
+  [[nodiscard]] Winner cause_of(const OperationKey& refused, const OperationBody& body) const;
+  void index(const OperationKey& key, const OperationBody& body, std::uint32_t objects);
   void set_removal(const OperationKey& removal, RemovedIds ids);
   void erase_removal(const OperationKey& removal);
-  // The known removals of what the operation names; ascending.
-  [[nodiscard]] std::vector<OperationKey> removals_of(const OperationBody& body) const;
-  void note(const OperationKey& loser, std::optional<OperationKey> winner);
+  // The known removals of what an operation in force has changed or added; those of what a refused one names, ascending.
+  [[nodiscard]] Keys removals_of_effect(const OperationKey& key, const OperationBody& body) const;
+  [[nodiscard]] Keys removals_of(const OperationBody& body) const;
+  void note(const OperationKey& loser, Winner winner);
+  void forget(const OperationKey& loser);
 
   IsInForce is_in_force_;
   KnownOperations known_;
-  std::map<Register, Writes> writes_;
+  std::map<OperationKey, const OperationBody*> bodies_;  // of all that have been in force or refused
+  std::map<Register, Keys> writes_;                      // ascending
   std::map<ObjectId, std::pair<OperationKey, std::uint32_t>> added_;  // by the first object; how many
+  std::map<ObjectId, std::set<OperationKey>> added_below_;            // what has no object, by its parent
+  std::map<NodeId, std::set<OperationKey>> routes_of_;
   std::map<OperationKey, RemovedIds> removals_;
   std::size_t removed_ids_ = 0;
-  std::map<ObjectId, std::vector<OperationKey>> removals_of_object_;  // those of removals_, by what they have removed
-  std::map<NodeId, std::vector<OperationKey>> removals_of_node_;
-  std::map<OperationKey, Conflict> found_;  // by the loser
-  std::vector<New> new_;
-  std::vector<std::pair<OperationKey, std::optional<OperationKey>>> refused_;
+  std::map<ObjectId, Keys> removals_of_object_;  // those of removals_, by what they have removed
+  std::map<NodeId, Keys> removals_of_node_;
+  std::set<OperationKey> refused_;           // now
+  std::map<OperationKey, Conflict> found_;   // by the loser
+  std::map<Register, std::set<OperationKey>> lost_writes_;  // those of found_
+  std::set<OperationKey> changed_;           // since the last find()
+  std::set<OperationKey> marked_;            // to be found lost, or not
   SimTime now_ = SimTime::min();
   std::uint64_t forgotten_ = 0;
 };

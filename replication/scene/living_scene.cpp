@@ -29,6 +29,7 @@ bool contains(const Scene& scene, NodeId node) {
   return document.ids.find(node, document.nodes.size()).has_value();
 }
 
+constexpr const char* kUndone = "its author has undone it";
 constexpr const char* kGone = "it is not in the scene any more";
 
 // A message that is longer changes no more than any other, but is delivered to nobody.
@@ -190,6 +191,8 @@ LivingScene::Effect LivingScene::apply_one(Editing& editing, Entries::const_iter
     removed.nodes.push_back(node->node);
   }
   const auto used = apply_to(editing, entry.body, key.second.author, add != nullptr ? Find(find) : Find());
+  // A node that is used elsewhere, too, is not gone.
+  std::erase_if(removed.nodes, [&](NodeId each) { return editing.contains(each); });
   return used ? Effect{{}, *used, std::move(removed)} : Effect{used.error(), {}};
 }
 
@@ -250,9 +253,6 @@ std::optional<LivingScene::Change> LivingScene::apply(SimTime until, SimTime kno
     if (before == now_.left.end() || before->second != left) change.left.emplace(object, left);
   }
   if (next.state.data != now_.data) change.data = next.state.data->changes_since(*now_.data);
-  for (Effect& effect : next.effects) {  // a node that is used elsewhere, too, is not gone
-    std::erase_if(effect.removed.nodes, [&](NodeId node) { return contains(*next.state.scene, node); });
-  }
   for (std::size_t i = 0; i < entries.size(); ++i) {
     note_effect(entries_.find(entries[i]->first), std::move(next.effects[i]), change);
   }
@@ -273,8 +273,9 @@ void LivingScene::note_effect(Entries::iterator at, Effect effect, Change& chang
   due_.erase(key);
   const bool was_undone = std::exchange(entry.undone, effect.undone);
   if (effect.undone) {
-    if (!was_undone) conflicts_.on_undone(key);
-    if (is_new) change.outcomes.push_back({key.second, "its author has undone it"});
+    if (!was_undone) conflicts_.on_undone(key, entry.body);
+    if (is_new) entry.refused = kUndone;
+    if (is_new) change.outcomes.push_back({key.second, entry.refused});
     return;
   }
   const bool is_message = std::holds_alternative<SendMessage>(entry.body);

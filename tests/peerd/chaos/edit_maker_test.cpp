@@ -8,13 +8,15 @@
 #include "peerd/chaos/world_text.hpp"
 #include "peerd/node/edit_operation.hpp"
 #include "peerd/node/peer_node.hpp"
+#include "replication/replica/owners.hpp"
 
 namespace peerd::chaos::edit_maker_test {
 
 class ChaosEdits : public testing::Test {
  protected:
   static std::vector<config::SceneEdit> edits(EditKind kind, std::uint64_t seed, const Scene& scene) {
-    return make_edits({static_cast<std::uint32_t>(seed), 0.0, 0, kind, seed}, scene);
+    const replication::Owners owners;
+    return make_edits({static_cast<std::uint32_t>(seed), 0.0, 0, kind, seed}, {scene, owners, PeerId{1}});
   }
   std::unique_ptr<const SharedWorld> shared = share(draw_world(1, 5));
   const Scene& scene = shared->world.scene;
@@ -22,15 +24,19 @@ class ChaosEdits : public testing::Test {
 
 TEST_F(ChaosEdits, AreOfAllKindsAndNameWhatIsThere) {
   std::set<config::SceneEdit::Kind> kinds;
-  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
     for (const config::SceneEdit& edit : edits(EditKind::kAny, seed, scene)) {
       kinds.insert(edit.kind);
       if (edit.path == "" || edit.field == "diffuseColor") continue;  // groups have no material
+      if (is_about_ownership(edit)) {
+        EXPECT_TRUE(scene.find(edit.path)) << edit.path;
+        continue;
+      }
       const auto operation = operation_of(edit, scene, PeerId{1});
       EXPECT_TRUE(operation) << "seed " << seed << ": " << operation.error();
     }
   }
-  EXPECT_EQ(kinds.size(), 4u);
+  EXPECT_EQ(kinds.size(), 11u);
 }
 
 TEST_F(ChaosEdits, AreAFunctionOfTheirSeedAndTheScene) {
@@ -48,9 +54,9 @@ TEST_F(ChaosEdits, AreTheSameWithEveryCompiler) {
     for (const char c : text) hash = mixed_bits(hash ^ static_cast<unsigned char>(c)) + 1;
   };
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
-    for (const EditKind kind : {EditKind::kAny, EditKind::kLarge, EditKind::kOneField}) {
+    for (const EditKind kind : {EditKind::kAny, EditKind::kLarge, EditKind::kOneField, EditKind::kOneOwner, EditKind::kOneDatum}) {
       const auto edit = edits(kind, seed, scene).at(0);
-      for (const std::string& text : {name_of(edit), edit.text, edit.value}) add(text);
+      for (const std::string& text : {name_of(edit), edit.text, edit.value, edit.data}) add(text);
     }
   }
   EXPECT_EQ(hash, 8439946313023313238u);
@@ -59,7 +65,9 @@ TEST_F(ChaosEdits, AreTheSameWithEveryCompiler) {
 TEST_F(ChaosEdits, RareOnesAreWhatTheyAreFor) {
   EXPECT_GT(edits(EditKind::kLarge, 1, scene).at(0).text.size(), 60'000u);
   EXPECT_EQ(edits(EditKind::kBurst, 1, scene).size(), 300u);
-  EXPECT_EQ(edits(EditKind::kOneField, 1, scene).at(0).path, edits(EditKind::kOneField, 2, scene).at(0).path);
+  for (const EditKind kind : {EditKind::kOneField, EditKind::kOneOwner, EditKind::kOneDatum}) {
+    EXPECT_EQ(edits(kind, 1, scene).at(0).path, edits(kind, 2, scene).at(0).path);
+  }
 }
 
 }  // namespace peerd::chaos::edit_maker_test

@@ -73,8 +73,13 @@ TEST_F(BoundedConflicts, OnlyWhatIsInForceCounts) {
   ASSERT_THAT(all, SizeIs(1)) << "Ada has gone on from her own";
   EXPECT_EQ(all[0].loser, key(kBob, 1));
   EXPECT_EQ(all[0].winner, key(kAda, 2));
-  conflicts.on_undone(key(kAda, 2));
-  EXPECT_THAT(conflicts.list(at_h(1)), IsEmpty());
+  withdrawn.insert(key(kAda, 2));
+  conflicts.on_undone(key(kAda, 2), bodies.back());
+  conflicts.find(at_h(1));
+  const auto without = conflicts.list(at_h(1));
+  ASSERT_THAT(without, SizeIs(1)) << "she has not gone on from it";
+  EXPECT_EQ(without[0].loser, key(kAda, 1));
+  EXPECT_EQ(without[0].winner, key(kBob, 1));
 }
 
 }  // namespace peerd::replication::conflicts_test

@@ -1,0 +1,42 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "core/time.hpp"
+#include "replication/operations/operation_log.hpp"
+#include "replication/scene/conflicts.hpp"
+#include "replication/wire/operation.hpp"
+
+namespace peerd::chaos {
+
+// All operations of a run, from whichever peer has them first. All peers have the same bytes of each log, which the
+// oracle checks.
+class OperationBook {
+ public:
+  // Reads what these logs have more of that author than was read before.
+  void follow(const replication::OperationLogs& logs, replication::AuthorId author);
+
+  // Null: no peer has had it.
+  [[nodiscard]] const replication::Operation* find(replication::OperationId id) const;
+  [[nodiscard]] const std::map<replication::OperationId, replication::Operation>& operations() const {
+    return operations_;
+  }
+  // The operations with stamps until then that their authors have undone until then, and not redone.
+  [[nodiscard]] std::set<replication::OperationId> undone(SimTime until) const;
+
+ private:
+  std::map<replication::AuthorId, std::uint64_t> read_bytes_;
+  std::map<replication::OperationId, replication::Operation> operations_;
+};
+
+[[nodiscard]] inline replication::OperationKey key_of(const replication::Operation& operation) {
+  return {operation.stamp, operation.id};
+}
+
+// An author and a number: 7:12.
+[[nodiscard]] std::string name_of(replication::OperationId id);
+
+}  // namespace peerd::chaos
