@@ -560,7 +560,7 @@ Command add_ls(CLI::App& app) {
 Command add_record(CLI::App& app) {
   const auto flags = std::make_shared<PeerFlags>();
   CLI::App* const command =
-      app.add_subcommand("record", "a peer, as run, that keeps all that it hears, is told and sends");
+      app.add_subcommand("record", "a peer, as run, that keeps all that it hears in its session, is told and sends");
   command->footer(exit_codes("the world has errors"));
   add_run_options(*command, flags->peer, flags->run);
   command->add_option("--out", flags->peer.capture, "the file, pcapng: Wireshark opens it, too")->required();

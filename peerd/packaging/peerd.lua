@@ -1,4 +1,4 @@
--- Wireshark and tshark (4.0 on) show peerd's datagrams with this file: copy it to ~/.local/lib/wireshark/plugins, or
+-- Wireshark and tshark (4.0 on) show peerd's datagrams, its discovery and its joins with this file: copy it to ~/.local/lib/wireshark/plugins, or
 -- say `-X lua_script:peerd.lua`. docs/protocol.md specifies the bytes; peerd/packaging/README.md describes the preferences.
 --
 -- This file reads Protobuf itself, because Wireshark's own dissector knows messages but not the packed contents of their
@@ -6,6 +6,7 @@
 -- them, and so are values beyond the limits of the protocol.
 
 local peerd = Proto("peerd", "peerd: a shared world")
+local joins = Proto("peerd_join", "peerd: a world for a joining peer")
 local inputs = Proto("peerd_input", "peerd: what a recorded peer was told")
 
 peerd.prefs.group = Pref.string("Group of region 0", "239.192.80.0",
@@ -16,6 +17,7 @@ peerd.prefs.regions = Pref.string("Group of region 1", "",
 local VERSION = 9
 local MOST_BYTES = 1200
 local REGION_MARK, GREETING_MARK = 0x52, 0x47
+local DISCOVERY_PORT = 47473
 
 -- ---- fields -------------------------------------------------------------------------------------------------------
 
@@ -135,6 +137,67 @@ local F = {
     from = field("uint64", "operations.asked.from", "From byte"),
     bytes = field("uint64", "operations.asked.bytes", "Bytes"),
   },
+  operation = {
+    whole = field("none", "operation", "Operation"),
+    kind = field("string", "operation.kind", "Kind"),
+    author = field("uint32", "operation.author", "Author"),
+    number = field("uint32", "operation.number", "Number in its author's log"),
+    stamp = field("int64", "operation.stamp_ns", "Holds from [ns]"),
+    from = field("uint64", "operation.from", "From byte of the log"),
+    bytes = field("uint32", "operation.bytes", "Bytes in the log"),
+    repeated = field("bool", "operation.repeated", "An earlier packet had it"),
+    knows = {
+      author = field("uint32", "operation.knows.author", "Knew the log of author"),
+      number = field("uint32", "operation.knows.number", "Up to number"),
+    },
+    object = field("uint64", "operation.object", "Object"),
+    node = field("uint64", "operation.node", "Node"),
+    parent = field("uint64", "operation.parent", "Parent"),
+    before = field("uint64", "operation.before", "Before the child"),
+    text = field("string", "operation.text", "VRML text"),
+    first_object = field("uint32", "operation.first_object", "Its objects count on from"),
+    first_node = field("uint32", "operation.first_node", "Its nodes count on from"),
+    path = field("string", "operation.name.path", "A path in the text"),
+    named = field("uint64", "operation.name.object", "Means object"),
+    field = field("string", "operation.field", "Field"),
+    value = field("string", "operation.value", "Value"),
+    from_node = field("uint64", "operation.route.from", "From node"),
+    to_node = field("uint64", "operation.route.to", "To node"),
+    event_out = field("string", "operation.route.event_out", "Event out"),
+    event_in = field("string", "operation.route.event_in", "Event in"),
+    removes = field("bool", "operation.route.removes", "Removes the ROUTE"),
+    owner = field("uint32", "operation.owner", "Owner"),
+    owner_before = field("uint32", "operation.owner_before", "Owner before"),
+    translation = vector("operation.translation", "Translation", "m"),
+    axis = vector("operation.rotation", "Axis of rotation"),
+    angle = field("double", "operation.rotation.angle", "Angle [rad]"),
+    by = field("uint32", "operation.by", "By peer"),
+    request_author = field("uint32", "operation.request.author", "Author of the request"),
+    request_number = field("uint32", "operation.request.number", "Number of the request"),
+    reason = field("string", "operation.reason", "Reason"),
+    at = field("int64", "operation.at_ns", "It stood there at [ns]"),
+    key = field("bytes", "operation.key", "Key"),
+    data = field("bytes", "operation.data", "Data"),
+    topic = field("bytes", "operation.topic", "Topic"),
+    message = field("bytes", "operation.message", "Message"),
+    undone_number = field("uint32", "operation.undone.number", "Number of the undone operation"),
+    undone_stamp = field("int64", "operation.undone.stamp_ns", "Its stamp [ns]"),
+    redoes = field("bool", "operation.redoes", "Redoes it"),
+  },
+  identity = {
+    asker = field("uint64", "identity.asker", "Incarnation of the program that asks", base.HEX),
+    world = field("uint64", "identity.world_hash", "World's hash", base.HEX),
+    answers = field("bool", "identity.answers", "Answers"),
+  },
+  beacon = {
+    protocol = field("uint32", "beacon.protocol", "Protocol version"),
+    session = field("uint64", "beacon.session", "Session", base.HEX),
+    peer = field("uint32", "beacon.peer", "Peer"),
+    incarnation = field("uint64", "beacon.incarnation", "Incarnation", base.HEX),
+    port = field("uint16", "beacon.snapshot_port", "TCP port for joining peers"),
+    world = field("string", "beacon.world", "World"),
+    name = field("string", "beacon.name", "Name"),
+  },
   base_low = field("uint64", "records.base_low", "Base time, lowest 5 bytes [ns]"),
   base = field("int64", "records.base_ns", "Base time nearest to the capture's [ns]"),
   record = {
@@ -170,20 +233,39 @@ local F = {
 peerd.fields = all_fields
 
 local malformed = ProtoExpert.new("peerd.malformed", "Malformed", expert.group.MALFORMED, expert.severity.ERROR)
-peerd.experts = { malformed }
+local unreadable =
+  ProtoExpert.new("peerd.operation.malformed", "A log that nobody reads on", expert.group.MALFORMED, expert.severity.ERROR)
+local forked = ProtoExpert.new("peerd.operations.forked", "Not what an earlier packet had of this log",
+  expert.group.SEQUENCE, expert.severity.WARN)
+peerd.experts = { malformed, unreadable, forked }
+
+-- What is known of earlier packets: each capture begins without it. Packets add to it when they are first dissected, and
+-- what they show later is kept by their numbers.
+local logs = {}            -- of operations, by their groups and authors
+local shown = {}           -- the operations of each part of a log, by packet and part
+local join_streams = {}    -- TCP streams, by their numbers
+local join_requests = {}   -- the request that each reply answers, by the reply's place
+local snapshot_ports = {}  -- TCP ports that beacons name
+function peerd.init() logs, shown, join_streams, join_requests, snapshot_ports = {}, {}, {}, {}, {} end
 
 -- ---- refusing -----------------------------------------------------------------------------------------------------
 
 -- A refusal of the bytes is thrown as a table, so that an error of this file itself is not taken for one.
 local function refuse(why) error({ refused = why }, 0) end
 
--- Runs `dissect` and marks a refusal in `tree`. Returns whether there was none.
-local function guarded(tree, dissect)
-  local good, problem = pcall(dissect)
-  if good then return true end
-  if type(problem) ~= "table" or not problem.refused then error(problem, 0) end
-  tree:add_proto_expert_info(malformed, "Malformed: " .. problem.refused)
-  return false
+-- Runs `f`. Returns whether it refused nothing, and its result or else the reason.
+local function attempt(f)
+  local good, result = pcall(f)
+  if good then return true, result end
+  if type(result) ~= "table" or not result.refused then error(result, 0) end
+  return false, result.refused
+end
+
+-- Runs `dissect` and marks a refusal in `tree`, by the expert information `mark`. Returns whether there was none.
+local function guarded(tree, mark, dissect)
+  local good, why = attempt(dissect)
+  if not good then tree:add_proto_expert_info(mark, "Malformed: " .. why) end
+  return good
 end
 
 -- ---- numbers ------------------------------------------------------------------------------------------------------
@@ -236,6 +318,13 @@ end
 
 local function add_vector(tree, fields, range, v)
   for i, f in ipairs(fields) do tree:add(f, range, v[i]) end
+end
+
+-- Adds text of others. Control characters, which a terminal might obey, become "?".
+local function add_text(tree, f, range)
+  local raw = range:raw()
+  if not raw:find("[%z\1-\8\11-\31\127]") then return tree:add_packet_field(f, range, ENC_UTF_8) end
+  return tree:add(f, range, (raw:gsub("[^\t\n -~]", "?")))
 end
 
 -- ---- Protobuf -----------------------------------------------------------------------------------------------------
@@ -323,6 +412,23 @@ end
 local function message(tree, title, dissect)
   return { repeated = true, bytes = function(tvb, range) dissect(tvb, tree:add(range, title), range) end }
 end
+-- Reads a repeated number, packed or not.
+local function numbers(into)
+  local function keep(value, range) into[#into + 1] = { value, range } end
+  return {
+    repeated = true,
+    varint = keep,
+    bytes = function(tvb)
+      local at = 0
+      while tvb and at < tvb:len() do
+        local begin, value = at, nil
+        value, at = varint(tvb, at)
+        keep(value, tvb(begin, at - begin))
+      end
+    end,
+  }
+end
+
 -- Absent bytes are an empty message.
 local function each_field_of(tvb, tree, handlers)
   if tvb then each_field(tvb, tree, handlers) end
@@ -801,15 +907,464 @@ local function dissect_logs(tvb, tree)
   end)
 end
 
-local function dissect_operations(tvb, tree)
-  return limited(tvb, 64, function(bits)
+-- ---- operations ---------------------------------------------------------------------------------------------------
+
+-- A Tape takes what is to be added to a tree, so that nothing is shown of what turns out to be refused.
+local Tape = {}
+Tape.__index = Tape
+function Tape.new() return setmetatable({}, Tape) end
+for _, method in ipairs({ "add", "add_le", "add_packet_field", "append_text" }) do
+  Tape[method] = function(self, ...)
+    local child = Tape.new()
+    self[#self + 1] = { method, child, table.pack(...) }
+    return child
+  end
+end
+function Tape:play(tree)
+  for _, entry in ipairs(self) do
+    local method, child, arguments = table.unpack(entry)
+    child:play(tree[method](tree, table.unpack(arguments, 1, arguments.n)))
+  end
+end
+
+-- A Tvb of bytes that no packet has in one piece.
+local function tvb_of(bytes, title) return ByteArray.new(bytes, true):tvb(title) end
+
+-- The handlers of the fields of a message of which the last one that is there counts, as in a oneof of Protobuf. What
+-- there is of that one is put into `into`; the pieces of a message are one message.
+local function one_of(into, handlers, members)
+  for number, wire in pairs(members) do
+    handlers[number] = { repeated = true, [wire] = function(value, range)
+      if into.number ~= number then into.number, into.values = number, {} end
+      into.values[#into.values + 1] = value
+      into.range = range
+    end }
+  end
+  return handlers
+end
+local function message_of(values)
+  if #values == 1 then return values[1] end
+  local bytes = ""
+  for _, value in ipairs(values) do bytes = bytes .. (value and value:range():raw() or "") end
+  return #bytes > 0 and tvb_of(bytes, "A message in pieces") or false
+end
+
+-- The fields of operations. Each is also put into `got`, by a name where one is given, for checks of what is absent.
+local function id_of_author(tree, f)
+  return { varint = function(value, range)
+    if value:higher() > AUTHOR_MOST then refuse("operation_id") end
+    tree:add(f, range, value)
+  end }
+end
+local function flag(tree, f, keep)
+  return { varint = function(value, range)
+    local is = value ~= UInt64.new(0)
+    tree:add(f, range, is)
+    if keep then keep(is) end
+  end }
+end
+local function peer_or(tree, f, got, name)
+  return uint32(tree, f, function(value) got[name] = value end)
+end
+local function vrml(tree, f, got, name)
+  return { bytes = function(text)
+    if not text or text:range():raw():find("\0", 1, true) then refuse("operation_text") end
+    add_text(tree, f, text:range())
+    if got then got[name] = true end
+  end }
+end
+local function any_bytes(tree, f)
+  return { bytes = function(bytes, range)
+    if not bytes then return tree:add(f, range(0, 0)) end
+    local raw = bytes:range():raw()
+    local item = tree:add(f, bytes:range())
+    if not raw:find("[%c\127]") then item:append_text(' ("' .. raw .. '")') end
+  end }
+end
+local function stamp(tree, f, got, name)
+  return { fixed64 = function(_, range)
+    local t = range:le_int64()
+    if t > TIME_MOST or t < -TIME_MOST then refuse("operation_stamp") end
+    tree:add(f, range, t)
+    if got then got[name] = t end
+  end }
+end
+local function floats(into)
+  local function keep(range) into[#into + 1] = { range:le_float(), range } end
+  return { repeated = true, fixed32 = function(_, range) keep(range) end, bytes = function(tvb)
+    if not tvb then return end
+    if tvb:len() % 4 ~= 0 then refuse("not_an_operation") end
+    for at = 0, tvb:len() - 4, 4 do keep(tvb(at, 4)) end
+  end }
+end
+local function need(condition, why)
+  if not condition then refuse(why) end
+end
+local function add_placement(tree, translation, rotation)
+  need(#translation == 3 and #rotation == 4, "operation_placement")
+  local O = F.operation
+  local fields = { O.axis[1], O.axis[2], O.axis[3], O.angle }
+  for i, each in ipairs(translation) do
+    need(is_finite(each[1]), "operation_placement")
+    tree:add(O.translation[i], each[2], each[1])
+  end
+  for i, each in ipairs(rotation) do
+    need(is_finite(each[1]), "operation_placement")
+    tree:add(fields[i], each[2], each[1])
+  end
+end
+
+-- What operations do, by the numbers of their fields: a name, and a function that adds the fields of their message.
+local BODIES = {
+  [8] = { "add_nodes", function(tvb, tree, O)
+    local got = {}
+    each_field_of(tvb, tree, {
+      id_of_author(tree, O.parent), id_of_author(tree, O.before), vrml(tree, O.text, got, "text"),
+      uint32(tree, O.first_object), uint32(tree, O.first_node),
+      { repeated = true, bytes = function(name, range)
+        local has, sub = {}, tree:add(range, "Name")
+        each_field_of(name, sub, { vrml(sub, O.path, has, "path"), id_of_author(sub, O.named) })
+        need(has.path, "operation_text")
+      end },
+    })
+    need(got.text, "operation_text")
+  end },
+  [9] = { "remove_object", function(tvb, tree, O) each_field_of(tvb, tree, { id_of_author(tree, O.object) }) end },
+  [10] = { "remove_node", function(tvb, tree, O) each_field_of(tvb, tree, { id_of_author(tree, O.node) }) end },
+  [11] = { "move_object", function(tvb, tree, O)
+    each_field_of(tvb, tree,
+      { id_of_author(tree, O.object), id_of_author(tree, O.parent), id_of_author(tree, O.before) })
+  end },
+  [12] = { "set_field", function(tvb, tree, O)
+    local got = {}
+    each_field_of(tvb, tree, {
+      id_of_author(tree, O.node), vrml(tree, O.field, got, "field"), vrml(tree, O.value, got, "value"),
+      uint32(tree, O.first_node),
+    })
+    need(got.field and got.value, "operation_text")
+  end },
+  [13] = { "change_route", function(tvb, tree, O)
+    local got = {}
+    each_field_of(tvb, tree, {
+      id_of_author(tree, O.from_node), id_of_author(tree, O.to_node), vrml(tree, O.event_out, got, "out"),
+      vrml(tree, O.event_in, got, "into"), flag(tree, O.removes),
+    })
+    need(got.out and got.into, "operation_text")
+  end },
+  [14] = { "give_object", function(tvb, tree, O)
+    local translation, rotation = {}, {}
+    each_field_of(tvb, tree, {
+      id_of_author(tree, O.object), uint32(tree, O.owner), uint32(tree, O.owner_before), floats(translation),
+      floats(rotation),
+    })
+    if #translation + #rotation > 0 then add_placement(tree, translation, rotation) end
+  end },
+  [15] = { "request_object", function(tvb, tree, O)
+    local got = { owner = 0, by = 0 }
+    each_field_of(tvb, tree, {
+      id_of_author(tree, O.object), peer_or(tree, O.owner, got, "owner"), peer_or(tree, O.by, got, "by"),
+    })
+    need(got.owner ~= 0 and got.by ~= 0, "operation_id")
+  end },
+  [16] = { "refuse_request", function(tvb, tree, O)
+    local got = { author = 0, number = 0 }
+    each_field_of(tvb, tree, {
+      peer_or(tree, O.request_author, got, "author"), peer_or(tree, O.request_number, got, "number"),
+      vrml(tree, O.reason, got, "reason"),
+    })
+    need(got.author ~= 0 and got.author <= AUTHOR_MOST and got.number ~= 0, "operation_id")
+    need(got.reason, "operation_text")
+  end },
+  [17] = { "set_data", function(tvb, tree, O)
+    each_field_of(tvb, tree, { id_of_author(tree, O.node), any_bytes(tree, O.key), any_bytes(tree, O.data) })
+  end },
+  [18] = { "send_message", function(tvb, tree, O)
+    local got = { by = 0 }
+    each_field_of(tvb, tree,
+      { peer_or(tree, O.by, got, "by"), any_bytes(tree, O.topic), any_bytes(tree, O.message) })
+    need(got.by ~= 0, "operation_id")
+  end },
+  [19] = { "undo_operation", function(tvb, tree, O)
+    local got = { number = 0 }
+    each_field_of(tvb, tree, {
+      peer_or(tree, O.undone_number, got, "number"), stamp(tree, O.undone_stamp), flag(tree, O.redoes),
+    })
+    need(got.number ~= 0, "operation_id")
+  end },
+  [20] = { "place_object", function(tvb, tree, O)
+    local got, translation, rotation = { owner = 0 }, {}, {}
+    each_field_of(tvb, tree, {
+      id_of_author(tree, O.object), peer_or(tree, O.owner, got, "owner"), stamp(tree, O.at), floats(translation),
+      floats(rotation),
+    })
+    need(got.owner ~= 0, "operation_id")
+    add_placement(tree, translation, rotation)
+  end },
+}
+
+local KNOWS_MOST = 512
+
+local function add_knows(tree, authors, numbers_of)
+  need(#authors == #numbers_of and #authors <= KNOWS_MOST, "operation_id")
+  local last, K = 0, F.operation.knows
+  for i, each in ipairs(authors) do
+    local more, number = each[1]:lower(), numbers_of[i][1]:lower()
+    need(more ~= 0 and more <= AUTHOR_MOST - last and number ~= 0, "operation_id")
+    last = last + more
+    tree:add(K.author, each[2], last)
+    tree:add(K.number, numbers_of[i][2], number)
+  end
+end
+
+-- Adds the fields of a message `Operation` to a tape. Returns the operation's number, stamp and kind.
+local function read_operation(tvb, tape)
+  local O, got, authors, numbers_of, body, bodies = F.operation, { number = 0, stamp = Int64.new(0) }, {}, {}, {}, {}
+  for number, _ in pairs(BODIES) do bodies[number] = "bytes" end
+  each_field_of(tvb, tape, one_of(body, {
+    peer_or(tape, O.number, got, "number"), stamp(tape, O.stamp, got, "stamp"),
+    [5] = numbers(authors), [6] = numbers(numbers_of),
+  }, bodies))
+  need(got.number ~= 0, "operation_number")
+  need(body.number, "operation_kind")
+  local kind, dissect = table.unpack(BODIES[body.number])
+  tape:add(O.kind, body.range, kind)
+  dissect(message_of(body.values), tape, O)
+  add_knows(tape, authors, numbers_of)
+  return got.number, got.stamp, kind
+end
+
+-- Decodes the size of the operation that these bytes begin with. Returns it, and how many bytes state it; nothing where
+-- they end within it.
+local OPERATION_MOST = 2 ^ 20
+local function size_of_operation(bytes)
+  local size = 0
+  for i = 1, 3 do
+    local byte = bytes:byte(i)
+    if not byte then return nil end
+    size = size + byte % 128 * 2 ^ (7 * (i - 1))
+    if byte < 128 then
+      need(i == 1 or byte ~= 0, "operation_size")
+      need(size <= OPERATION_MOST, "operation_too_large")
+      return size, i
+    end
+  end
+  refuse("operation_too_large")
+end
+
+-- ---- logs of operations, put together -----------------------------------------------------------------------------
+
+-- Parts of a log come in any order, again, and cut anywhere. Of each log there are the `pieces` that have come, which do
+-- not overlap; the `runs` that they make, with the place up to which each is `read`; and the `operations` that are whole.
+-- All three ascend.
+
+-- The index of the first element of an ascending list whose `key` is above a value.
+local function first_above(list, key, value)
+  local low, high = 1, #list + 1
+  while low < high do
+    local middle = math.floor((low + high) / 2)
+    if list[middle][key] > value then high = middle else low = middle + 1 end
+  end
+  return low
+end
+
+-- Logs of different sessions may have the same author. A unicast datagram does not say of which one it is.
+local function log_of(pinfo, author)
+  local group = tostring(pinfo.dst)
+  local is_group = group:find("^[fF][fF]") or (tonumber(group:match("^(%d+)%.")) or 0) >= 224
+  local key = (is_group and group .. " " .. pinfo.dst_port or "") .. " " .. author
+  if not logs[key] then logs[key] = { pieces = {}, runs = {}, operations = {} } end
+  return logs[key]
+end
+
+local function bytes_of(log, from, to)
+  local bytes, i = {}, first_above(log.pieces, "to", from)
+  while from < to do
+    local piece = log.pieces[i]
+    bytes[#bytes + 1] = piece.bytes:sub(from - piece.from + 1, to - piece.from)
+    from, i = piece.to, i + 1
+  end
+  return table.concat(bytes)
+end
+
+-- Calls held(piece, from, to) and missing(from, to) for what a log has of a range, and has not.
+local function each_extent(log, from, to, held, missing)
+  while from < to do
+    local piece = log.pieces[first_above(log.pieces, "to", from)]
+    local is_held = piece and piece.from <= from
+    local stop = math.min(to, is_held and piece.to or piece and piece.from or to)
+    if is_held then held(piece, from, stop) else missing(from, stop) end
+    from = stop
+  end
+end
+
+local function differs(log, from, bytes)
+  local found = false
+  each_extent(log, from, from + #bytes, function(piece, a, b)
+    found = found or piece.bytes:sub(a - piece.from + 1, b - piece.from) ~= bytes:sub(a - from + 1, b - from)
+  end, function() end)
+  return found
+end
+
+-- Recognises the beginning of an operation: its size, its number, its stamp. A capture may begin later than a log.
+local function begins_operation(bytes)
+  local good, size = attempt(function() return (size_of_operation(bytes)) end)
+  if not good or not size or size < 12 then return false end
+  local at = size >= 2 ^ 14 and 4 or size >= 128 and 3 or 2
+  if bytes:byte(at) ~= 0x08 then return false end
+  repeat at = at + 1 until (bytes:byte(at) or 0) < 128
+  return bytes:byte(at + 1) == 0x11 and #bytes > at + 9
+end
+
+-- Keeps a part. Returns the run that it is in.
+local function keep_part(log, from, bytes)
+  local run = { from = from, to = from + #bytes }
+  each_extent(log, run.from, run.to, function() end, function(a, b)
+    local piece = { from = a, to = b, bytes = bytes:sub(a - from + 1, b - from) }
+    table.insert(log.pieces, first_above(log.pieces, "to", a), piece)
+  end)
+  local i = first_above(log.runs, "to", from - 1)
+  while log.runs[i] and log.runs[i].from <= run.to do
+    local other = table.remove(log.runs, i)
+    run.from, run.to = math.min(run.from, other.from), math.max(run.to, other.to)
+    if not run.read then run.read, run.last, run.is_assumed = other.read, other.last, other.is_assumed end
+  end
+  table.insert(log.runs, i, run)
+  if run.from == 0 and (not run.read or run.is_assumed) then
+    run.read, run.last, run.is_assumed = 0, { number = 0 }, false
+  elseif not run.read and begins_operation(bytes) then
+    run.read, run.last, run.is_assumed = from, nil, true
+  end
+  return run
+end
+
+-- Returns where the operation at the place up to which a run is read ends, and where its message begins; nothing where it
+-- is not whole.
+local function next_operation(log, run)
+  local size, head = size_of_operation(bytes_of(log, run.read, math.min(run.read + 3, run.to)))
+  if not size or run.read + head + size > run.to then return nil end
+  return run.read + head + size, run.read + head
+end
+
+-- The bytes of an operation from where its message begins, in the packet's own bytes where these have them all.
+local function message_at(log, part, operation)
+  if operation.begin == operation.to then return false end
+  if operation.begin >= part.from and operation.to <= part.to then
+    return part.tvb(operation.begin - part.from, operation.to - operation.begin):tvb()
+  end
+  return tvb_of(bytes_of(log, operation.begin, operation.to), "Operation in several parts")
+end
+
+local function show_operation(tree, part, operation, tape)
+  local O = F.operation
+  local first, last = math.max(operation.from, part.from), math.min(operation.to, part.to)
+  local range = first < last and part.tvb(first - part.from, last - first) or part.tvb()
+  local sub = tree:add(O.whole, range)
+  sub:append_text(string.format(" %d of author %d: %s", operation.number, part.author, operation.kind))
+  sub:add(O.author, range, part.author)
+  sub:add(O.from, range, UInt64(operation.from))
+  sub:add(O.bytes, range, operation.to - operation.from)
+  if operation.is_repeated then sub:add(O.repeated, range, true) end
+  tape:play(sub)
+end
+
+-- Reads on in a run, and shows what has become whole. Returns the operations; the last one of them may be unreadable.
+local function read_on(tree, log, part, run)
+  local found = {}
+  while run.read and run.read < run.to do
+    local operation = { from = run.read }
+    local tape = Tape.new()
+    local good, why = attempt(function()
+      operation.to, operation.begin = next_operation(log, run)
+      if not operation.to then return end
+      operation.number, operation.stamp, operation.kind = read_operation(message_at(log, part, operation), tape)
+      local last = run.last
+      need(not last or operation.number == last.number + 1, "operation_number")
+      need(not last or last.number == 0 or operation.stamp > last.stamp, "operation_stamp")
+    end)
+    if good and not operation.to then break end
+    if not good then
+      if run.is_assumed then run.read = nil else log.is_broken = true end
+      found[#found + 1] = { why = why }
+      tree:add_proto_expert_info(unreadable, "Malformed: " .. why)
+      break
+    end
+    run.read, run.last = operation.to, operation
+    local i = first_above(log.operations, "to", operation.to)
+    local before = log.operations[i - 1]
+    if not before or before.to < operation.to then
+      table.insert(log.operations, i, operation)
+      show_operation(tree, part, operation, tape)
+      found[#found + 1] = operation
+    end
+  end
+  return found
+end
+
+local function show_again(tree, log, part, operation)
+  local tape = Tape.new()
+  read_operation(message_at(log, part, operation), tape)
+  show_operation(tree, part, operation, tape)
+end
+
+-- Shows the operations whose last byte a part brings, again or for the first time. Returns them. A part that differs from
+-- what has come before it is not taken.
+local function dissect_part(tree, part, pinfo)
+  local key = pinfo.number .. " " .. part.index
+  local log = log_of(pinfo, part.author)
+  if pinfo.visited and shown[key] then
+    for _, operation in ipairs(shown[key]) do
+      if operation.why then
+        tree:add_proto_expert_info(operation.mark, "Malformed: " .. operation.why)
+      else
+        show_again(tree, log, part, operation)
+      end
+    end
+    return shown[key]
+  end
+  local bytes, found = part.tvb:range():raw(), {}
+  shown[key] = found
+  if not log.is_broken and differs(log, part.from, bytes) then
+    found[1] = { why = "forked_log", mark = forked }
+    tree:add_proto_expert_info(forked, "Malformed: forked_log")
+    return found
+  end
+  local i = first_above(log.operations, "to", part.from)
+  while log.operations[i] and log.operations[i].to <= part.to do
+    local known = log.operations[i]
+    local again = { is_repeated = true }
+    for name, value in pairs(known) do again[name] = again[name] or value end
+    show_again(tree, log, part, again)
+    found[#found + 1] = again
+    i = i + 1
+  end
+  local whole = log.is_broken and {} or read_on(tree, log, part, keep_part(log, part.from, bytes))
+  for _, operation in ipairs(whole) do
+    if operation.why then operation.mark = unreadable end
+    found[#found + 1] = operation
+  end
+  return found
+end
+
+-- Returns how many parts there are, and the kinds of their operations.
+local function dissect_operations(tvb, tree, pinfo)
+  local kinds, index = {}, 0
+  local count = limited(tvb, 64, function(bits)
     local author = take_author(bits)
     local from, size = take_extent(bits)
-    local left = tvb:len() - bits.bit / 8
-    if size > UInt64.new(left) then refuse("a part is cut short") end
+    local at = bits.bit / 8
+    if size > UInt64.new(tvb:len() - at) then refuse("a part is cut short") end
     bits.bit = bits.bit + 8 * size:lower()
-    add_extent(tree:add(bits:range(), "Part of the log of author " .. author), F.operations, bits:range(), author, from, size)
+    local sub = tree:add(bits:range(), "Part of the log of author " .. author)
+    add_extent(sub, F.operations, bits:range(), author, from, size)
+    index = index + 1
+    local first = from:tonumber()
+    local part = { author = author, from = first, to = first + size:lower(), index = index, tvb = tvb(at, size:lower()):tvb() }
+    for _, operation in ipairs(dissect_part(sub, part, pinfo)) do
+      kinds[#kinds + 1] = operation.kind
+      sub:append_text(operation.kind and ", " .. operation.kind or "")
+    end
   end)
+  return count, kinds
 end
 
 local function dissect_requests(tvb, tree)
@@ -941,23 +1496,6 @@ local function dissect_decisions(tvb, tree, pinfo)
   return count
 end
 
--- Reads a repeated number, packed or not.
-local function numbers(into)
-  local function keep(value, range) into[#into + 1] = { value, range } end
-  return {
-    repeated = true,
-    varint = keep,
-    bytes = function(tvb)
-      local at = 0
-      while tvb and at < tvb:len() do
-        local begin, value = at, nil
-        value, at = varint(tvb, at)
-        keep(value, tvb(begin, at - begin))
-      end
-    end,
-  }
-end
-
 local function dissect_entered(list, latest, tree)
   if #list % 2 ~= 0 or #list > 1024 then refuse("regions entered that are no pairs") end
   for i = 1, #list, 2 do
@@ -979,10 +1517,13 @@ local function dissect_gone(list, tree)
   end
 end
 
--- Its members have no fields of their own: it concerns nobody but two programs that are one peer.
 local function dissect_identity(tvb, tree)
-  local function nothing() end
-  each_field_of(tvb, tree, { { fixed64 = nothing }, { fixed64 = nothing }, { varint = nothing } })
+  local I = F.identity
+  each_field_of(tvb, tree, {
+    { fixed64 = function(_, range) tree:add_le(I.asker, range) end },
+    { fixed64 = function(_, range) tree:add_le(I.world, range) end },
+    { varint = function(v, range) tree:add(I.answers, range, v ~= UInt64.new(0)) end },
+  })
 end
 
 -- ---- a datagram ---------------------------------------------------------------------------------------------------
@@ -993,7 +1534,7 @@ local function dissect_datagram(tvb, tree, pinfo, whole)
   if tvb:len() > MOST_BYTES then refuse("more than " .. MOST_BYTES .. " bytes") end
   local version, sender, number, boot_low, introduced = 0, 0, 0, nil, false
   local decisions, updates, hello, leaving, latest = 0, 0, false, false, Int64.new(0)
-  local entered, gone, kinds, states, parts, asked = {}, {}, {}, 0, 0, 0
+  local entered, gone, kinds, states, parts, asked, log_parts = {}, {}, {}, 0, 0, 0, nil
   local function is(kind, range)
     kinds[#kinds + 1] = kind
     tree:add(F.kind, range, kind)
@@ -1020,9 +1561,12 @@ local function dissect_datagram(tvb, tree, pinfo, whole)
     numbers(entered),
     time64(tree, F.entered.latest, function(t) latest = t end),
     numbers(gone),
-    message(tree, "Question of identity", dissect_identity),
+    message(tree, "Question of identity", function(inner, sub, range)
+      dissect_identity(inner, sub)
+      is("question of identity", range)
+    end),
     { bytes = function(inner, range) states = dissect_scene(inner, tree:add(range, "Scene objects")) end },
-    { bytes = function(inner, range) parts = dissect_operations(inner, tree:add(range, "Operations")) end },
+    { bytes = function(inner, range) log_parts = { inner, tree:add(range, "Operations") } end },
     { bytes = function(inner, range) asked = dissect_requests(inner, tree:add(range, "Operations asked for")) end },
   })
   if version ~= VERSION then refuse("version " .. version .. ", and this dissector knows " .. VERSION) end
@@ -1030,10 +1574,14 @@ local function dissect_datagram(tvb, tree, pinfo, whole)
   if boot_low and not introduced then tree:add(F.boot_low, boot_low[2], boot_low[1]) end
   if #entered > 0 then dissect_entered(entered, latest, tree) end
   if #gone > 0 then dissect_gone(gone, tree) end
+  local operations = {}
+  if log_parts then parts, operations = dissect_operations(log_parts[1], log_parts[2], pinfo) end
   if updates > 0 then is(count_of(updates, "update"), whole) end
   if decisions > 0 then is(count_of(decisions, "decision"), whole) end
   if states > 0 then is(count_of(states, "scene object"), whole) end
-  if parts > 0 then is(count_of(parts, "part") .. " of logs", whole) end
+  if parts > 0 then
+    is(count_of(parts, "part") .. " of logs" .. (#operations > 0 and ": " .. table.concat(operations, ", ") or ""), whole)
+  end
   if asked > 0 then is(count_of(asked, "range") .. " asked for", whole) end
   if #entered > 0 then is(count_of(#entered / 2, "region") .. " entered", whole) end
   if #gone > 0 then is(count_of(#gone / 3, "object") .. " gone", whole) end
@@ -1072,6 +1620,56 @@ local function dissect_greeting(tvb, tree, pinfo)
     tree:add(G.peer, range, host .. ":" .. range(0, 2):uint())
   end
   pinfo.cols.info = "greeting" .. (flags >= 2 and ", leaving" or "")
+end
+
+-- ---- who is here --------------------------------------------------------------------------------------------------
+
+local QUESTION, BEACON, QUESTION_BYTES = "peerd?\1", "peerd!\1", 192
+
+-- Each number has the least significant byte first; a name has its length before it.
+local function dissect_beacon(tvb, tree)
+  local B, at = F.beacon, #BEACON
+  local function take(size)
+    if at + size > tvb:len() then refuse("a beacon is cut short") end
+    at = at + size
+    return tvb(at - size, size)
+  end
+  tree:add_le(B.protocol, take(4))
+  tree:add_le(B.session, take(8))
+  local peer = take(4)
+  if peer:le_uint() == 0 then refuse("peer 0") end
+  tree:add_le(B.peer, peer)
+  tree:add_le(B.incarnation, take(8))
+  local port = take(2)
+  tree:add_le(B.port, port)
+  if port:le_uint() ~= 0 then snapshot_ports[port:le_uint()] = true end
+  local names = {}
+  for i, f in ipairs({ B.world, B.name }) do
+    local size = take(1):uint()
+    if size > 0 then
+      add_text(tree, f, take(size))
+      names[i] = tvb(at - size, size):string(ENC_UTF_8)
+    else
+      tree:add(f, tvb(at - 1, 1), "")
+      names[i] = ""
+    end
+  end
+  if at ~= tvb:len() then refuse("something follows a beacon") end
+  return string.format("peer %d, %s, of %s is here", peer:le_uint(), names[2], names[1])
+end
+
+local function dissect_discovery(tvb, tree, pinfo)
+  local magic = tvb:len() >= #BEACON and tvb(0, #BEACON):raw()
+  if magic == QUESTION then
+    if tvb:len() < QUESTION_BYTES then refuse("a question that is shorter than its answer") end
+    tree:add(F.kind, tvb(), "question")
+    pinfo.cols.info = "who is here?"
+  elseif magic == BEACON then
+    tree:add(F.kind, tvb(), "beacon")
+    pinfo.cols.info = dissect_beacon(tvb, tree)
+  else
+    refuse("no question and no beacon")
+  end
 end
 
 -- Converts an address to a list of numbers below 2^16; nil for other text.
@@ -1120,7 +1718,8 @@ function peerd.dissector(tvb, pinfo, root)
   pinfo.cols.protocol = "peerd"
   local tree = root:add(peerd, tvb())
   local first = tvb:len() > 0 and tvb(0, 1):uint()
-  local good = guarded(tree, function()
+  local good = guarded(tree, malformed, function()
+    if pinfo.dst_port == DISCOVERY_PORT then return dissect_discovery(tvb, tree, pinfo) end
     if first == GREETING_MARK then return dissect_greeting(tvb, tree, pinfo) end
     local region, datagram = region_of(pinfo.dst), tvb
     if first == REGION_MARK then
@@ -1144,9 +1743,242 @@ local function looks_like_one(tvb)
 end
 
 DissectorTable.get("udp.port"):add(47474, peerd)
+DissectorTable.get("udp.port"):add(DISCOVERY_PORT, peerd)
 peerd:register_heuristic("udp", function(tvb, pinfo, root)
   if not looks_like_one(tvb) then return false end
   peerd.dissector(tvb, pinfo, root)
+  return true
+end)
+
+-- ---- joins: the world by TCP --------------------------------------------------------------------------------------
+
+local join_fields = {}
+local function join_field(kind, name, title, ...)
+  local f = ProtoField[kind]("peerd_join." .. name, title, ...)
+  join_fields[#join_fields + 1] = f
+  return f
+end
+local J = {
+  kind = join_field("string", "kind", "Kind"),
+  bytes = join_field("uint32", "bytes", "Bytes of the message"),
+  session = join_field("uint64", "session", "Session", base.HEX),
+  author = join_field("uint32", "range.author", "Author, 0: the archive"),
+  from = join_field("uint64", "range.from", "From byte"),
+  to = join_field("uint64", "range.to", "To byte"),
+  log_author = join_field("uint32", "log.author", "Author"),
+  log_bytes = join_field("uint64", "log.bytes", "Bytes of its log"),
+  protocol = join_field("uint32", "protocol", "Protocol version"),
+  world = join_field("string", "world", "World"),
+  settings = join_field("string", "settings", "Settings"),
+  genesis = join_field("uint64", "genesis", "World's hash", base.HEX),
+  archive_bytes = join_field("uint64", "archive.bytes", "Bytes of the archive"),
+  archive_digest = join_field("uint64", "archive.digest", "Digest of the archive", base.HEX),
+  chunk = join_field("uint32", "chunk.bytes", "Bytes, compressed"),
+  unpacked = join_field("uint64", "chunk.unpacked_bytes", "Bytes, unpacked"),
+  digest = join_field("uint64", "digest", "Digest", base.HEX),
+  refusal = join_field("string", "refusal", "Refusal"),
+  request = join_field("framenum", "request_in", "Answers the request in", base.NONE, frametype.REQUEST),
+}
+joins.fields = join_fields
+local bad_join = ProtoExpert.new("peerd_join.malformed", "Malformed", expert.group.MALFORMED, expert.severity.ERROR)
+joins.experts = { bad_join }
+
+local REQUEST_MOST, REPLY_MOST, PART_MOST = 2 ^ 20, 2 ^ 21, 2 ^ 15
+
+local function join_logs(tvb, tree)
+  local authors, lengths, last = {}, {}, 0
+  each_field_of(tvb, tree, { numbers(authors), numbers(lengths) })
+  need(#authors == #lengths, "logs without lengths")
+  for i, each in ipairs(authors) do
+    local author = each[1]:lower()
+    need(author > last and author <= AUTHOR_MOST and lengths[i][1] ~= UInt64.new(0), "logs that are not of ascending authors")
+    last = author
+    tree:add(J.log_author, each[2], author)
+    tree:add(J.log_bytes, lengths[i][2], lengths[i][1])
+  end
+end
+
+local function join_range(tvb, tree)
+  local author, from, to = 0, UInt64.new(0), UInt64.new(0)
+  each_field_of(tvb, tree, {
+    uint32(tree, J.author, function(value) author = value end),
+    { varint = function(value, range)
+      from = value
+      tree:add(J.from, range, value)
+    end },
+    { varint = function(value, range)
+      to = value
+      tree:add(J.to, range, value)
+    end },
+  })
+  need(author <= AUTHOR_MOST and from < to and to - from <= UInt64.new(PART_MOST), "no part of a log")
+  return author == 0 and string.format("bytes %s to %s of the archive", from, to)
+    or string.format("bytes %s to %s of the log of author %d", from, to, author)
+end
+
+-- Adds the fields of a request. Returns what it asks for.
+local function dissect_join_request(tvb, tree)
+  local what = {}
+  each_field_of(tvb, tree, one_of(what, { { fixed64 = function(_, range) tree:add_le(J.session, range) end } },
+    { [2] = "varint", [3] = "bytes", [4] = "bytes" }))
+  need(what.number, "a request for nothing")
+  if what.number == 2 then
+    tree:add(J.kind, what.range, "offer request")
+    return "offer"
+  end
+  tree:add(J.kind, what.range, what.number == 3 and "range request" or "digests request")
+  local inner = message_of(what.values)
+  if what.number == 3 then return join_range(inner, tree) end
+  join_logs(inner, tree)
+  return "digests"
+end
+
+-- Reads the headers of a frame of zstd (RFC 8878, 3.1.1). Returns how many bytes it holds.
+local function unpacked_size(tvb)
+  need(tvb and tvb:len() >= 6 and tvb(0, 4):le_uint() == 0xFD2FB528, "no frame of zstd")
+  local flags = tvb(4, 1):uint()
+  local is_single, size_flag = math.floor(flags / 32) % 2 == 1, math.floor(flags / 64)
+  local size_bytes = size_flag == 0 and (is_single and 1 or 0) or 2 ^ size_flag
+  local at = 5 + (is_single and 0 or 1) + ({ 0, 1, 2, 4 })[flags % 4 + 1]
+  need(size_bytes > 0, "a frame of zstd that does not say its size")
+  need(at + size_bytes <= tvb:len(), "a frame of zstd is cut short")
+  local size = tvb(at, size_bytes):le_uint64()
+  if size_bytes == 2 then size = size + UInt64.new(256) end
+  need(size <= UInt64.new(PART_MOST), "a part that is too large")
+  at = at + size_bytes
+  local is_last = false
+  while not is_last do
+    need(at + 3 <= tvb:len(), "a frame of zstd is cut short")
+    local header = tvb(at, 3):le_uint()
+    local kind = math.floor(header / 2) % 4
+    is_last = header % 2 == 1
+    need(kind ~= 3, "a block of zstd of no kind")
+    at = at + 3 + (kind == 1 and 1 or math.floor(header / 8))
+  end
+  at = at + (math.floor(flags / 4) % 2 == 1 and 4 or 0)
+  need(at == tvb:len(), "a frame of zstd is cut short, or something follows it")
+  return size
+end
+
+local function dissect_offer(tvb, tree)
+  local logs_of = {}
+  local function words(f)
+    return { bytes = function(text) if text then add_text(tree, f, text:range()) end end }
+  end
+  local function hash(f)
+    return { fixed64 = function(_, range) tree:add_le(f, range) end }
+  end
+  each_field_of(tvb, tree, {
+    uint32(tree, J.protocol), words(J.world), words(J.settings), hash(J.genesis), uint64(tree, J.archive_bytes),
+    hash(J.archive_digest),
+    { repeated = true, bytes = function(inner) logs_of[#logs_of + 1] = inner end },
+    hash(J.session),
+  })
+  if #logs_of > 0 then join_logs(message_of(logs_of), tree) end
+end
+
+local function dissect_digests(tvb, tree)
+  local function add(range) tree:add_le(J.digest, range) end
+  each_field_of(tvb, tree, { { repeated = true, fixed64 = function(_, range) add(range) end, bytes = function(list)
+    if not list then return end
+    need(list:len() % 8 == 0, "digests that are cut short")
+    for at = 0, list:len() - 8, 8 do add(list(at, 8)) end
+  end } })
+end
+
+-- Adds the fields of a reply. Returns what it is.
+local function dissect_join_reply(tvb, tree)
+  local what = {}
+  each_field_of(tvb, tree, one_of(what, {}, { "bytes", "bytes", "bytes", "bytes" }))
+  need(what.number, "a reply that says nothing")
+  local kind = ({ "refusal", "offer", "chunk", "digests" })[what.number]
+  tree:add(J.kind, what.range, kind)
+  local last = what.values[#what.values]
+  if kind == "refusal" then
+    if last then add_text(tree, J.refusal, last:range()) end
+  elseif kind == "chunk" then
+    local size = unpacked_size(last)
+    tree:add(J.chunk, last:range(), last:len())
+    tree:add(J.unpacked, last:range(), size)
+    return string.format("chunk of %d bytes, of %s unpacked", last:len(), size)
+  else
+    (kind == "offer" and dissect_offer or dissect_digests)(message_of(what.values), tree)
+  end
+  return kind
+end
+
+-- Recognises a request by its first bytes, as the first of a stream.
+local function looks_like_request(tvb)
+  if tvb:len() < 6 then return false end
+  local size, at = tvb(0, 4):le_uint(), 4
+  if size == 0 or size > REQUEST_MOST then return false end
+  if tvb(4, 1):uint() == 0x09 then at = 13 end
+  if tvb:len() < at + 2 then return false end
+  local tag, value = tvb(at, 1):uint(), tvb(at + 1, 1):uint()
+  if tag == 0x10 then return value == 1 and 4 + size == at + 2 end
+  if tag == 0x1A then return value <= 26 and 4 + size == at + 2 + value end
+  return tag == 0x22 and tvb:len() > at + 4 and at > 4
+end
+
+local tcp_stream = Field.new("tcp.stream")
+local function endpoint(address, port) return tostring(address) .. " " .. port end
+local function is_from_client(pinfo)
+  return endpoint(pinfo.src, pinfo.src_port) == join_streams[tcp_stream().value].client
+end
+
+-- Shows one message, with its size before it.
+local function dissect_frame(tvb, pinfo, root)
+  local stream = join_streams[tcp_stream().value]
+  local tree = root:add(joins, tvb())
+  local is_request = is_from_client(pinfo)
+  local place = pinfo.number .. " " .. tvb:offset() .. " " .. tvb:len()
+  pinfo.cols.protocol = "peerd join"
+  local what = "malformed"
+  local good = guarded(tree, bad_join, function()
+    need(tvb:len() >= 4, "a frame is cut short")
+    local size, message = tvb(0, 4):le_uint(), tvb:len() > 4 and tvb(4):tvb() or false
+    need(size <= (is_request and REQUEST_MOST or REPLY_MOST), "a frame that is too long")
+    tree:add(J.bytes, tvb(0, 4), size)
+    local tape = Tape.new()
+    what = (is_request and dissect_join_request or dissect_join_reply)(message, tape)
+    tape:play(tree)
+  end)
+  if is_request then
+    if not pinfo.visited then table.insert(stream.waiting, { frame = pinfo.number, what = good and what or "?" }) end
+    pinfo.cols.info = good and "asks for " .. what or what
+    return tvb:len()
+  end
+  if not pinfo.visited then join_requests[place] = table.remove(stream.waiting, 1) end
+  local request = join_requests[place]
+  if request then tree:add(J.request, tvb(0, 0), request.frame):set_generated() end
+  pinfo.cols.info = what .. (what:find("^chunk") and request and ": " .. request.what or "")
+  return tvb:len()
+end
+
+-- A frame that is too long has no end: the rest of the segment stands for it.
+local function frame_size(tvb, pinfo, at)
+  local size = tvb(at, 4):le_uint()
+  return size <= (is_from_client(pinfo) and REQUEST_MOST or REPLY_MOST) and 4 + size or tvb:len() - at
+end
+
+function joins.dissector(tvb, pinfo, root)
+  if tvb:len() == 0 then return 0 end
+  local number = tcp_stream().value
+  if not join_streams[number] then
+    local from, to = endpoint(pinfo.src, pinfo.src_port), endpoint(pinfo.dst, pinfo.dst_port)
+    local is_reply = snapshot_ports[pinfo.src_port] or not (snapshot_ports[pinfo.dst_port] or looks_like_request(tvb))
+    join_streams[number] = { client = is_reply and to or from, waiting = {} }
+  end
+  dissect_tcp_pdus(tvb, root, 4, frame_size, dissect_frame)
+  return tvb:len()
+end
+
+DissectorTable.get("tcp.port"):add_for_decode_as(joins)
+joins:register_heuristic("tcp", function(tvb, pinfo, root)
+  local is_named = snapshot_ports[pinfo.src_port] or snapshot_ports[pinfo.dst_port]
+  if not is_named and not join_streams[tcp_stream().value] and not looks_like_request(tvb) then return false end
+  pinfo.conversation = joins
+  joins.dissector(tvb, pinfo, root)
   return true
 end)
 
