@@ -9,6 +9,7 @@
 #include "core/vrml/document.hpp"
 #include "core/writer/writer.hpp"
 #include "peerd/node/peer_node.hpp"
+#include "replication/scene/living_scene.hpp"
 
 namespace peerd::chaos {
 namespace {
@@ -84,6 +85,31 @@ void Oracle::begin_life(std::size_t host, const PeerNode& node) {
   Life& life = lives_.emplace_back();
   life.host = host;
   life.node = &node;
+  if (trusts_datagrams_ && !node.peer().logs().lengths().empty()) watch_stored(watched(life));
+}
+
+// What the peer's store has made of the scene before the peer began, it does not say: the watches hear what the file
+// and these operations make.
+void Oracle::watch_stored(const WatchedPeer& peer) {
+  assert(file_ != nullptr);
+  const OperationLogs& logs = peer.node->peer().logs();
+  OperationBook stored;
+  for (const LogLength& log : logs.lengths()) {
+    // An author's later life writes anew what was never stored, and so never sent.
+    const auto author = author_host_.find(log.author);
+    if (author != author_host_.end() && author->second == peer.host) book_.cut(logs, log.author);
+    book_.follow(logs, log.author);
+    stored.follow(logs, log.author);
+  }
+  LivingScene living(*file_);
+  for (const auto& [id, operation] : stored.operations()) living.add(operation);
+  const auto change = living.apply(SimTime::max(), SimTime::max());
+  assert(change);
+  for (const LivingScene::Outcome& outcome : change->outcomes) {
+    const Output edited = SceneEdited{outcome.id, stored.find(outcome.id)->stamp, outcome.refused};
+    ownership_.on_output(0.0, peer, edited);
+    data_.on_output(peer, edited);
+  }
 }
 
 void Oracle::end_life(std::size_t host) {

@@ -94,6 +94,7 @@ class Oracle final : public LogRows {
   [[nodiscard]] std::string name_of(const Life& life) const;
   [[nodiscard]] WatchedPeer watched(const Life& life) const;
   [[nodiscard]] std::vector<WatchedPeer> all_watched() const;
+  void watch_stored(const WatchedPeer& peer);
   void watch_edit(const WatchedPeer& peer, const EditReport& report);
   void watch_output(double now_s, const WatchedPeer& peer, const replication::Output& output);
   void on_edited(Life& life, const replication::SceneEdited& edited);

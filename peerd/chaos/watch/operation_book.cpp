@@ -1,5 +1,6 @@
 #include "peerd/chaos/watch/operation_book.hpp"
 
+#include <algorithm>
 #include <variant>
 
 #include <spdlog/fmt/fmt.h>
@@ -19,6 +20,13 @@ void OperationBook::follow(const OperationLogs& logs, AuthorId author) {
     operations_.insert_or_assign((*next)->operation.id, (*next)->operation);
     read += (*next)->size_bytes;
   }
+}
+
+void OperationBook::cut(const OperationLogs& logs, AuthorId author) {
+  const std::uint32_t last = logs.last(author).number;
+  std::erase_if(operations_, [&](const auto& each) { return each.first.author == author && each.first.number > last; });
+  std::uint64_t& read = read_bytes_[author];
+  read = std::min(read, logs.whole(author));
 }
 
 const Operation* OperationBook::find(OperationId id) const {

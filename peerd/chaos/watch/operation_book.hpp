@@ -18,6 +18,8 @@ class OperationBook {
  public:
   // Reads what these logs have more of that author than was read before.
   void follow(const replication::OperationLogs& logs, replication::AuthorId author);
+  // Forgets what that author has beyond these logs.
+  void cut(const replication::OperationLogs& logs, replication::AuthorId author);
 
   // Null: no peer has had it.
   [[nodiscard]] const replication::Operation* find(replication::OperationId id) const;
