@@ -345,7 +345,8 @@ class ChaosRun {
     }
     if (opened) {
       if (opened->lost) {
-        oracle_.violate(now_s(), fmt::format("the store of {} has lost operations of {}", name_of(i), opened->lost->value));
+        oracle_.violate(now_s(),
+                        fmt::format("the store of {} has lost operations of {}", name_of(i), opened->lost->value));
       }
       oracle_.count(opened->log.empty() ? "store with nothing opened" : "store opened");
       options.author = opened->author;
@@ -580,7 +581,7 @@ class ChaosRun {
   DamagedNetwork network_;
   Oracle oracle_;
   std::vector<Host> hosts_;
-  std::multimap<VirtualTime, Due> due_;  // those of one time in the order in which they were scheduled
+  std::multimap<VirtualTime, Due> due_;               // those of one time in the order in which they were scheduled
   std::vector<std::size_t> bad_links_, disk_faults_;  // the faults that make links bad now, and disks, by their index
   VirtualTime now_ = kClockBegin;
   bool healed_ = false, stopped_ = false, was_late_ = false;

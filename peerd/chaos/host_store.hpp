@@ -48,7 +48,8 @@ class HostStore {
   std::filesystem::path path_;
   std::unique_ptr<store::OperationStore> store_;
   std::optional<store::StoreKeeper> keeper_;
-  std::map<replication::AuthorId, std::uint64_t> added_, promised_;  // bytes that the store is to have, and says to have
+  std::map<replication::AuthorId, std::uint64_t> added_,
+      promised_;  // bytes that the store is to have, and says to have
 };
 
 }  // namespace peerd::chaos

@@ -24,7 +24,7 @@
 namespace peerd {
 class PeerNode;
 struct Scene;
-}
+}  // namespace peerd
 
 namespace peerd::chaos {
 

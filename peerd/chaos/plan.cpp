@@ -20,10 +20,9 @@ constexpr double kHealedMax_s = 15.0;  // at the end of a run, or half of it whe
 constexpr double kFaultEvery_s = 2.0, kEditEvery_s = 0.7;
 constexpr std::int64_t kSkewMax_ppm = 500;
 constexpr double kWallStepMax_s = 10.0;
-constexpr std::array kOfOneThing{EditKind::kOneField, EditKind::kOneOwner, EditKind::kOneDatum,
-                                 EditKind::kOneRemoval};
+constexpr std::array kOfOneThing{EditKind::kOneField, EditKind::kOneOwner, EditKind::kOneDatum, EditKind::kOneRemoval};
 constexpr double kRareChance = 0.25, kUncheckedChance = 0.06;
-constexpr double kRareBranchMax = 0.2;  // each time that the code could take it
+constexpr double kRareBranchMax = 0.2;                      // each time that the code could take it
 constexpr double kStoresChance = 0.7, kStoreChance = 0.85;  // of a seed, and of a peer in such a seed
 constexpr std::uint64_t kDiskWritesMax = 60, kRoomMax_bytes = 8192;
 constexpr double kDiskErrorsMax = 0.3;
@@ -246,22 +245,23 @@ void append_ranges(char letter, const std::set<std::uint32_t>& numbers, std::str
 }  // namespace
 
 std::string_view to_string(Rare rare) {
-  constexpr std::array<std::string_view, kRareCount> kNames{"large edits",   "burst of edits",  "one field",
-                                                            "author dies",   "long partition",  "flapping peer",
-                                                            "lone survivor", "blackout",        "unchecked damage"};
+  constexpr std::array<std::string_view, kRareCount> kNames{"large edits",   "burst of edits", "one field",
+                                                            "author dies",   "long partition", "flapping peer",
+                                                            "lone survivor", "blackout",       "unchecked damage"};
   return kNames[static_cast<std::size_t>(rare)];
 }
 
 std::string_view to_string(replication::RareBranch branch) {
-  constexpr std::array<std::string_view, replication::kRareBranchCount> kNames{"an answer without a place", "a small part",
-                                                                               "the exchange waits", "no checkpoint"};
+  constexpr std::array<std::string_view, replication::kRareBranchCount> kNames{
+      "an answer without a place", "a small part", "the exchange waits", "no checkpoint"};
   return kNames[static_cast<std::size_t>(branch)];
 }
 
 std::string_view to_string(FaultKind kind) {
   constexpr std::array<std::string_view, 12> kNames{
-      "crash",      "leave",     "partition",            "one-way partition", "bad links",   "suspend",
-      "clock step", "power cut", "death at a disk write", "disk full",         "disk errors", "author dies"};
+      "crash",       "leave",      "partition", "one-way partition",     "bad links",
+      "suspend",     "clock step", "power cut", "death at a disk write", "disk full",
+      "disk errors", "author dies"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 

@@ -18,9 +18,9 @@ struct StoreCheckOptions {
 };
 [[nodiscard]] int run_store_check(const StoreCheckOptions& options, std::ostream& out);
 
-// `peerd store export DIR [--world FILE]` writes what a store's operations have made of its world, as VRML, to a file or
-// to `out`. Returns the exit code: as above, and 1 where the world has errors or can't be written as one text, 2 where
-// it is not that of the store, or the store keeps none and no file is named.
+// `peerd store export DIR [--world FILE]` writes what a store's operations have made of its world, as VRML, to a file
+// or to `out`. Returns the exit code: as above, and 1 where the world has errors or can't be written as one text, 2
+// where it is not that of the store, or the store keeps none and no file is named.
 struct StoreExportOptions {
   std::filesystem::path folder;
   std::filesystem::path world;  // the file that the world began with; empty: what the store keeps of it

@@ -8,7 +8,20 @@ namespace peerd::config {
 // A change of the scene, of data at its nodes, or of who owns what in it, or a message to all, as people and scripts
 // ask for it: paths are as in a world file (Scene::find).
 struct SceneEdit {
-  enum class Kind : std::uint8_t { kAdd, kRemove, kMove, kSet, kOwn, kGrab, kSteal, kRelease, kData, kSend, kUndo, kRedo };
+  enum class Kind : std::uint8_t {
+    kAdd,
+    kRemove,
+    kMove,
+    kSet,
+    kOwn,
+    kGrab,
+    kSteal,
+    kRelease,
+    kData,
+    kSend,
+    kUndo,
+    kRedo
+  };
   Kind kind{};
   // The thing to remove, move, set, own or release, or that has the data: an instance, or, to be removed or set, or for
   // data, a node by its DEF name.

@@ -146,11 +146,12 @@ std::expected<Request, std::string> parse_request(std::string_view line) {
   } else if (what == "leave") {
     request = LeaveRequest{};
   } else {
-    members.fail("do",
-                 "must be one of \"key\", \"status\", \"peers\", \"objects\", \"pose\", \"add\", \"remove\", \"move\", "
-                 "\"set\", \"own\", \"grab\", \"steal\", \"release\", \"data\", \"send\", \"undo\", \"redo\", \"conflicts\", "
-                 "\"subscribe\", \"operation\", "
-                 "\"world\", \"leave\"");
+    members.fail(
+        "do",
+        "must be one of \"key\", \"status\", \"peers\", \"objects\", \"pose\", \"add\", \"remove\", \"move\", "
+        "\"set\", \"own\", \"grab\", \"steal\", \"release\", \"data\", \"send\", \"undo\", \"redo\", \"conflicts\", "
+        "\"subscribe\", \"operation\", "
+        "\"world\", \"leave\"");
   }
   if (std::string error = members.finish(); !error.empty()) return std::unexpected(std::move(error));
   return *request;

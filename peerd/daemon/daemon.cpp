@@ -261,8 +261,8 @@ void Daemon::leave() {
   node_.leave(at);
   drain();
   if (keeper_ && (!store_growth() || !keeper_->unstored().empty())) {
-    log_({LogLevel::kError, fmt::format("leaves with {} bytes of edits that its store does not have",
-                                        keeper_->unstored().bytes())});
+    log_({LogLevel::kError,
+          fmt::format("leaves with {} bytes of edits that its store does not have", keeper_->unstored().bytes())});
     exit_code_ = kEnvironment;
   }
   stop();

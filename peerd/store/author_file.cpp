@@ -66,9 +66,7 @@ Result<std::optional<StoredAuthor>> read_author(const FileFolder& folder, std::s
 
 Result<void> write_author(FileFolder& folder, std::string_view store_file, AuthorId author, std::uint64_t log_bytes) {
   assert(author != replication::kNoAuthor);
-  const auto unwritten = [&](const std::error_code& why) {
-    return std::unexpected(failure(folder, "written", why));
-  };
+  const auto unwritten = [&](const std::error_code& why) { return std::unexpected(failure(folder, "written", why)); };
   const std::string unfinished = std::string(kAuthorFile) + ".new";
   // The file must be a new one.
   if (const auto failed = folder.remove(unfinished)) return unwritten(failed);
@@ -87,9 +85,8 @@ Result<void> remove_author(FileFolder& folder) {
   if (!failed) failed = folder.synchronise();
   if (failed) {
     return std::unexpected(store_error(
-        folder.path(), fmt::format("cannot be written: its file `{}`: it cannot be removed: {}", kAuthorFile,
-                                   failed.message()),
-        3));
+        folder.path(),
+        fmt::format("cannot be written: its file `{}`: it cannot be removed: {}", kAuthorFile, failed.message()), 3));
   }
   return {};
 }

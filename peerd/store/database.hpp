@@ -58,7 +58,8 @@ class Database {
  public:
   // Makes the file where `may_create`; else there must be one, which stays byte for byte as it is, and so does what is
   // written ahead of it, until accept(). Another process that has it is an error, at once.
-  [[nodiscard]] static DatabaseResult<Database> open(const FileFolder& folder, const std::string& name, bool may_create);
+  [[nodiscard]] static DatabaseResult<Database> open(const FileFolder& folder, const std::string& name,
+                                                     bool may_create);
 
   // The file is one of ours: it may be written from now on, and when it is closed, all that is written ahead goes
   // there.

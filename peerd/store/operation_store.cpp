@@ -168,8 +168,8 @@ Result<void> OperationStore::check_file(const FileFolder& folder) {
   constexpr std::size_t kHeader_bytes = 100;
   const auto header = folder.read(kFile, kHeader_bytes);
   if (!header) {
-    return std::unexpected(store_error(
-        folder.path(), fmt::format("cannot be read: its file {}: {}", kFile, header.error().message()), 3));
+    return std::unexpected(
+        store_error(folder.path(), fmt::format("cannot be read: its file {}: {}", kFile, header.error().message()), 3));
   }
   if (header->size() < kHeader_bytes || !header->starts_with(std::string_view("SQLite format 3\0", 16))) {
     return std::unexpected(damage(folder.path(), fmt::format("its file {} is empty, or another program's", kFile)));
@@ -232,7 +232,8 @@ Result<void> OperationStore::read_parts() {
     if (!*row) break;
     const std::int64_t author = select->number(0), start = select->number(1);
     const auto damaged = [&](const std::string& why) {
-      return std::unexpected(damage(folder_->path(), fmt::format("the log of author {}, at byte {}: {}", author, start, why)));
+      return std::unexpected(
+          damage(folder_->path(), fmt::format("the log of author {}, at byte {}: {}", author, start, why)));
     };
     if (author < 1 || author > replication::kAuthorMax) return damaged("there is no such author");
     OperationPart part{AuthorId{static_cast<std::uint32_t>(author)}, static_cast<std::uint64_t>(start), {}};

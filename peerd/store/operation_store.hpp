@@ -38,8 +38,8 @@ class OperationStore {
   // Opens the store of a world in the folder, and makes it where there is none. `genesis`: the hash of the world's
   // file; `fresh`: the author of the log that a new store begins, or one that is a copy. All that it holds is read and
   // checked.
-  [[nodiscard]] static Result<std::unique_ptr<OperationStore>> open(std::unique_ptr<FileFolder> folder, std::uint64_t genesis,
-                                                                    replication::AuthorId fresh);
+  [[nodiscard]] static Result<std::unique_ptr<OperationStore>> open(std::unique_ptr<FileFolder> folder,
+                                                                    std::uint64_t genesis, replication::AuthorId fresh);
   [[nodiscard]] static Result<std::unique_ptr<OperationStore>> open(FolderLock folder, std::uint64_t genesis,
                                                                     replication::AuthorId fresh);
   // Makes the folder, too, and locks it.

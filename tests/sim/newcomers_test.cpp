@@ -1,5 +1,5 @@
-// A peer that joins late has, from its first second on, the ghosts that the others have, to the last bit, where nothing is
-// on its way.
+// A peer that joins late has, from its first second on, the ghosts that the others have, to the last bit, where nothing
+// is on its way.
 #include <gtest/gtest.h>
 
 #include <algorithm>

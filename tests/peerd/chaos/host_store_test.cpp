@@ -44,7 +44,8 @@ class Writer {
     Operation operation;
     operation.id = {author, number};
     operation.stamp = SimTime{std::chrono::milliseconds(number)};
-    operation.body = SendMessage{PeerId{1}, "topic", "text " + std::to_string(number) + std::string(number * 37U % 900U, '.')};
+    operation.body =
+        SendMessage{PeerId{1}, "topic", "text " + std::to_string(number) + std::string(number * 37U % 900U, '.')};
     return operation;
   }
 

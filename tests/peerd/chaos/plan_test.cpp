@@ -94,7 +94,8 @@ std::string text_of(const ChaosPlan& plan) {
     text += fmt::format("{} {} {} {} {} {}\n", f.number, to_string(f.kind), f.at_s, f.for_s, f.peer, f.step_s);
     for (const bool side : f.side) text += side ? '1' : '0';
     add(f.links);
-    text += fmt::format("{} {} {} {}\n", f.disk.dies_at_write, f.disk.power_fails, f.disk.room_bytes, f.disk.error_rate);
+    text +=
+        fmt::format("{} {} {} {}\n", f.disk.dies_at_write, f.disk.power_fails, f.disk.room_bytes, f.disk.error_rate);
   }
   for (const double probability : plan.rare_branches) text += fmt::format("{}\n", probability);
   for (const PlannedEdit& e : plan.edits) {
