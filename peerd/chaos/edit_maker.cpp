@@ -51,7 +51,8 @@ class EditMaker {
       if (each.kind != NodeKind::kTransform || each.def.empty() || is_wall(each.def)) continue;
       const ObjectId object = scene.id_of(i);
       transforms_.push_back(scene.path_of(object));
-      if (view.owners.of(object) == view.self) own_.push_back(transforms_.back());
+      const PeerId owner = view.owners.of(object);
+      if (owner != kNobody) (owner == view.self ? own_ : others_).push_back(transforms_.back());
       if (is_free(each.def)) free_.push_back(transforms_.back());
     }
     for (const vrml::Node& node : scene.document->nodes) {
@@ -91,9 +92,9 @@ class EditMaker {
         return {interest_change()};
       case 13:
       case 14:
-        return {about(SceneEdit::Kind::kOwn, some_object())};
+        return {about(SceneEdit::Kind::kOwn, some_object_to_own())};
       case 15:
-        return {about(SceneEdit::Kind::kGrab, some_object())};
+        return {about(SceneEdit::Kind::kGrab, some_object_to_own())};
       case 16:
         return {about(SceneEdit::Kind::kRelease, own_.empty() ? some_object() : own_[random_.below(own_.size())])};
       case 17:
@@ -197,6 +198,11 @@ class EditMaker {
     if (which == 1 && !free_.empty()) return free_[random_.below(free_.size())];
     return some_transform();
   }
+  // Where others own something, half of the time that, so that it is asked for.
+  std::string some_object_to_own() {
+    const bool asks = random_.chance(0.5);
+    return asks && !others_.empty() ? others_[random_.below(others_.size())] : some_object();
+  }
   SceneEdit datum(std::string path) {
     SceneEdit edit = about(SceneEdit::Kind::kData, std::move(path));
     edit.key = fmt::format("k{}", random_.below(kDataKeys));
@@ -249,7 +255,7 @@ class EditMaker {
   }
 
   Random random_;
-  std::vector<std::string> transforms_, own_, free_, interests_;
+  std::vector<std::string> transforms_, own_, others_, free_, interests_;
   std::string name_;
 };
 
