@@ -49,7 +49,7 @@ bool has_node(const Scene& scene, NodeId node) {
   return scene.document->ids.find(node, scene.document->nodes.size()).has_value();
 }
 
-std::string text_of(const Scene& scene) {
+std::string vrml_of(const Scene& scene) {
   const auto written = write_world(scene);
   return written ? written->text : "not written: " + written.error();
 }
@@ -154,9 +154,9 @@ void DataWatch::check_undone(double now_s, std::span<const WatchedPeer> all, con
   while (const auto change = replayed.apply(known.until, known.until)) {
     for (const LivingScene::Outcome& outcome : change->outcomes) refused[outcome.id] = outcome.refused;
   }
-  const std::string expected = text_of(*replayed.scene());
+  const std::string expected = vrml_of(*replayed.scene());
   for (const WatchedPeer& peer : all) {
-    if (text_of(peer.node->scene()) != expected) {
+    if (vrml_of(peer.node->scene()) != expected) {
       findings_.violate(now_s,
                         fmt::format("{} has another scene than one that never had what is undone", name_of(peer)));
     }
