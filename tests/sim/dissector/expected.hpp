@@ -98,21 +98,23 @@ class SeenOperations {
   // A part shows the operations whose last byte it brings, and those that its bytes make whole.
   Said take(const replication::OperationPart& part);
   // Bytes of a log that have come to be known by another way, and that no part has shown.
-  void learn(const replication::OperationPart& part) { (void)receive(part); }
+  void learn(const replication::OperationPart& part) { receive(part); }
 
  private:
-  // Returns the drop reason; empty: there is none.
-  std::string receive(const replication::OperationPart& part);
+  void receive(const replication::OperationPart& part);
 
   replication::OperationLogs logs_;
   std::map<replication::AuthorId, std::vector<Shown>> whole_;  // of each log, ascending
+  // The bytes of parts by their places. Where parts differ, those of the first one count; a peer drops both if there is
+  // a gap before them.
+  std::map<replication::AuthorId, std::map<std::uint64_t, std::byte>> first_;
 };
 
 // What our own readers say of the packets of one capture, in their order.
 class Readers {
  public:
   // Operations that no packet of the capture has brought.
-  void learn(const replication::OperationPart& part) { operations_.learn(part); }
+  void learn(const replication::OperationPart& part) { operations_[RegionId{0}].learn(part); }
   // Of a datagram without the header of its region. It is malformed where our decoder refuses it. The times in it are
   // those nearest to `near`.
   [[nodiscard]] Fields datagram(std::span<const std::byte> datagram, RegionId region, SimTime near);
@@ -129,7 +131,7 @@ class Readers {
   };
   void frame(Expected& out, Connection& connection, bool from_client, const std::string& frame, std::size_t number);
 
-  SeenOperations operations_;
+  std::map<RegionId, SeenOperations> operations_;  // a group of its own may be of another session
   std::map<std::string, Connection> connections_;
 };
 
