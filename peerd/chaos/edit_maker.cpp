@@ -161,9 +161,8 @@ class EditMaker {
   }
   std::string interest() { return interest_in("M1A", name_); }
   std::string interest_in(const std::string& object, const std::string& other) {
-    return fmt::format(
-        "DEF {}{} CollisionInterest {{ objectPath \"{}\" collisionType 1 interests [ \"{}\" ] }}\n", name_,
-        kInterestEnd, object, other);
+    return fmt::format("DEF {}{} CollisionInterest {{ objectPath \"{}\" collisionType 1 interests [ \"{}\" ] }}\n",
+                       name_, kInterestEnd, object, other);
   }
   // The world itself moves it.
   std::string moved_block() {
@@ -181,8 +180,8 @@ class EditMaker {
   std::string free_block() {
     name_.front() = kFreeBegin;
     const std::string moved = block(), velocity = vector(1.0);
-    return moved + fmt::format(
-                       "KeySensor {{ recipient \"{}\" keyValue {} consume FALSE absoluteValue TRUE value {} }}\n",
+    return moved +
+           fmt::format("KeySensor {{ recipient \"{}\" keyValue {} consume FALSE absoluteValue TRUE value {} }}\n",
                        name_, kMovingKey, velocity);
   }
   static SceneEdit about(SceneEdit::Kind kind, std::string path) {
@@ -295,8 +294,7 @@ std::vector<SceneEdit> make_edits(const PlannedEdit& planned, const EditView& vi
 std::optional<KeyEvent> make_key(const PlannedEdit& planned, const EditView& view) {
   if (planned.kind != EditKind::kAny) return std::nullopt;
   const bool owns_free = std::ranges::any_of(view.owners, [&](const auto& owned) {
-    return owned.second == view.self && view.scene.contains(owned.first) &&
-           is_free(view.scene.at(owned.first).def);
+    return owned.second == view.self && view.scene.contains(owned.first) && is_free(view.scene.at(owned.first).def);
   });
   Random random(planned.seed, kKeyItem);
   return random.chance(owns_free ? 0.7 : 0.05) ? std::optional(KeyEvent{kMovingKey, 0}) : std::nullopt;

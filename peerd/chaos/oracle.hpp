@@ -23,7 +23,7 @@
 namespace peerd {
 class PeerNode;
 struct Scene;
-}
+}  // namespace peerd
 
 namespace peerd::chaos {
 

@@ -20,8 +20,7 @@ constexpr double kHealedMax_s = 15.0;  // at the end of a run, or half of it whe
 constexpr double kFaultEvery_s = 2.0, kEditEvery_s = 0.7;
 constexpr std::int64_t kSkewMax_ppm = 500;
 constexpr double kWallStepMax_s = 10.0;
-constexpr std::array kOfOneThing{EditKind::kOneField, EditKind::kOneOwner, EditKind::kOneDatum,
-                                 EditKind::kOneRemoval};
+constexpr std::array kOfOneThing{EditKind::kOneField, EditKind::kOneOwner, EditKind::kOneDatum, EditKind::kOneRemoval};
 constexpr double kRareChance = 0.25, kUncheckedChance = 0.06;
 
 LinkFaults draw_links(Random& random, double loss_max) {

@@ -66,8 +66,8 @@ enum class EditKind : std::uint8_t {
   kLarge,
   kBurst,
   kOneField,
-  kOneOwner,  // as kOneField: several peers take one object
-  kOneDatum,  // several peers set one value of an application
+  kOneOwner,    // as kOneField: several peers take one object
+  kOneDatum,    // several peers set one value of an application
   kOneRemoval,  // some of several peers remove what the others change
 };
 

@@ -42,8 +42,8 @@ void Conflicts::on_in_force(const OperationKey& key, const OperationBody& body, 
     index(key, body, objects);
   }
   const auto known = removals_.find(key);
-  const bool is_same = known == removals_.end() ? removed.objects.empty() && removed.nodes.empty()
-                                                : known->second == removed;
+  const bool is_same =
+      known == removals_.end() ? removed.objects.empty() && removed.nodes.empty() : known->second == removed;
   if (is_same) return;
   if (known != removals_.end()) spread_removal(key);  // also of what it does not remove any more
   changed_.insert(key);

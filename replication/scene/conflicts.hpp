@@ -104,7 +104,8 @@ class Conflicts {
   void index(const OperationKey& key, const OperationBody& body, std::uint32_t objects);
   void set_removal(const OperationKey& removal, RemovedIds ids);
   void erase_removal(const OperationKey& removal);
-  // The known removals of what an operation in force has changed or added; those of what a refused one names, ascending.
+  // The known removals of what an operation in force has changed or added; those of what a refused one names,
+  // ascending.
   [[nodiscard]] Keys removals_of_effect(const OperationKey& key, const OperationBody& body) const;
   [[nodiscard]] Keys removals_of(const OperationBody& body) const;
   void note(const OperationKey& loser, Winner winner);
@@ -112,8 +113,8 @@ class Conflicts {
 
   IsInForce is_in_force_;
   KnownOperations known_;
-  std::map<OperationKey, const OperationBody*> bodies_;  // of all that have been in force or refused
-  std::map<Register, Keys> writes_;                      // ascending
+  std::map<OperationKey, const OperationBody*> bodies_;               // of all that have been in force or refused
+  std::map<Register, Keys> writes_;                                   // ascending
   std::map<ObjectId, std::pair<OperationKey, std::uint32_t>> added_;  // by the first object; how many
   std::map<ObjectId, std::set<OperationKey>> added_below_;            // what has no object, by its parent
   std::map<NodeId, std::set<OperationKey>> routes_of_;
@@ -121,11 +122,11 @@ class Conflicts {
   std::size_t removed_ids_ = 0;
   std::map<ObjectId, Keys> removals_of_object_;  // those of removals_, by what they have removed
   std::map<NodeId, Keys> removals_of_node_;
-  std::set<OperationKey> refused_;           // now
-  std::map<OperationKey, Conflict> found_;   // by the loser
+  std::set<OperationKey> refused_;                          // now
+  std::map<OperationKey, Conflict> found_;                  // by the loser
   std::map<Register, std::set<OperationKey>> lost_writes_;  // those of found_
-  std::set<OperationKey> changed_;           // since the last find()
-  std::set<OperationKey> marked_;            // to be found lost, or not
+  std::set<OperationKey> changed_;                          // since the last find()
+  std::set<OperationKey> marked_;                           // to be found lost, or not
   SimTime now_ = SimTime::min();
   std::uint64_t forgotten_ = 0;
 };

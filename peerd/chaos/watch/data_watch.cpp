@@ -58,15 +58,16 @@ std::string text_of(const Scene& scene) {
 
 void DataWatch::on_edit(const WatchedPeer& peer, const EditReport& report) {
   if (!report.operation) {
-    if (is_undo(report.edit)) findings_.count(fmt::format("{} refused: {}", to_string(report.edit.kind), report.refused));
+    if (is_undo(report.edit))
+      findings_.count(fmt::format("{} refused: {}", to_string(report.edit.kind), report.refused));
     return;
   }
   const Operation* const operation = book_.find(*report.operation);
   if (operation == nullptr) return;
   if (const auto* undo = std::get_if<UndoOperation>(&operation->body)) {
     const Operation* const undone = book_.find({operation->id.author, undo->number});
-    findings_.count(fmt::format("{} of {}", undo->redoes ? "redo" : "undo",
-                                undone == nullptr ? "nothing" : kind_of(undone->body)));
+    findings_.count(
+        fmt::format("{} of {}", undo->redoes ? "redo" : "undo", undone == nullptr ? "nothing" : kind_of(undone->body)));
   } else if (const auto* set = std::get_if<SetData>(&operation->body)) {
     const bool is_there = peer.node->peer().data().find(set->node, set->key) != nullptr;
     findings_.count(!set->value ? "data removed" : is_there ? "data replaced" : "data set");
@@ -108,14 +109,14 @@ void DataWatch::check_same(double now_s, std::span<const WatchedPeer> all) {
   for (const WatchedPeer& peer : all) {
     const auto changes = peer.node->peer().data().changes_since(first.data());
     if (!changes.empty()) {
-      findings_.violate(now_s, fmt::format("{} has other data than {}: of node {}:{}, {}", name_of(peer),
-                                           name_of(all.front()), changes.front().node.origin,
-                                           changes.front().node.number, changes.front().key));
+      findings_.violate(now_s,
+                        fmt::format("{} has other data than {}: of node {}:{}, {}", name_of(peer), name_of(all.front()),
+                                    changes.front().node.origin, changes.front().node.number, changes.front().key));
     }
     const std::string other = difference(losses, losses_of(peer.node->peer().conflicts(), session_now(peer)));
     if (other.empty()) continue;
-    findings_.violate(now_s, fmt::format("{} and {} list other conflicts: {}", name_of(all.front()),
-                                         name_of(peer), other));
+    findings_.violate(now_s,
+                      fmt::format("{} and {} list other conflicts: {}", name_of(all.front()), name_of(peer), other));
   }
 }
 
@@ -134,10 +135,10 @@ void DataWatch::check_data(double now_s, const WatchedPeer& peer, const Known& k
     if (!has_node(peer.node->scene(), where.first)) continue;
     const std::string* const value = peer.node->peer().data().find(where.first, where.second);
     if ((value == nullptr) == !set->value && (value == nullptr || *value == *set->value)) continue;
-    findings_.violate(now_s, fmt::format("{} has {} at {} {}, and the last operation says {}", name_of(peer),
-                                         value == nullptr ? "nothing" : *value,
-                                         path_or_id(peer.node->scene(), where.first), where.second,
-                                         set->value.value_or("nothing")));
+    findings_.violate(now_s,
+                      fmt::format("{} has {} at {} {}, and the last operation says {}", name_of(peer),
+                                  value == nullptr ? "nothing" : *value, path_or_id(peer.node->scene(), where.first),
+                                  where.second, set->value.value_or("nothing")));
   }
 }
 
@@ -156,26 +157,25 @@ void DataWatch::check_undone(double now_s, std::span<const WatchedPeer> all, con
   const std::string expected = text_of(*replayed.scene());
   for (const WatchedPeer& peer : all) {
     if (text_of(peer.node->scene()) != expected) {
-      findings_.violate(now_s, fmt::format("{} has another scene than one that never had what is undone",
-                                           name_of(peer)));
+      findings_.violate(now_s,
+                        fmt::format("{} has another scene than one that never had what is undone", name_of(peer)));
     }
     if (!peer.node->peer().data().changes_since(replayed.data()).empty()) {
-      findings_.violate(now_s, fmt::format("{} has other data than a scene that never had what is undone",
-                                           name_of(peer)));
+      findings_.violate(now_s,
+                        fmt::format("{} has other data than a scene that never had what is undone", name_of(peer)));
     }
     for (const auto& [id, why] : refused) {
       const auto there = refused_[peer.life].find(id);
       if (there != refused_[peer.life].end() && there->second.empty() == why.empty()) continue;
-      findings_.violate(now_s, fmt::format("{} says of operation {}: \"{}\", and all operations make it: \"{}\"",
-                                           name_of(peer), name_of(id),
-                                           there == refused_[peer.life].end() ? "not known" : there->second, why));
+      findings_.violate(
+          now_s, fmt::format("{} says of operation {}: \"{}\", and all operations make it: \"{}\"", name_of(peer),
+                             name_of(id), there == refused_[peer.life].end() ? "not known" : there->second, why));
     }
   }
 }
 
 // The conflicts are those of somebody who has come to know all operations at once.
-void DataWatch::check_conflicts(double now_s, std::span<const WatchedPeer> all, const Scene& file,
-                                const Known& known) {
+void DataWatch::check_conflicts(double now_s, std::span<const WatchedPeer> all, const Scene& file, const Known& known) {
   LivingScene at_once(file);
   for (const auto& [id, operation] : known.book.operations()) at_once.add(operation);
   while (at_once.apply(known.until, known.until)) {
@@ -184,8 +184,8 @@ void DataWatch::check_conflicts(double now_s, std::span<const WatchedPeer> all, 
   for (const WatchedPeer& peer : all) {
     const std::string other = difference(losses, losses_of(peer.node->peer().conflicts(), session_now(peer)));
     if (other.empty()) continue;
-    findings_.violate(now_s, fmt::format("{} lists other conflicts than a peer that knows all at once: {}",
-                                         name_of(peer), other));
+    findings_.violate(
+        now_s, fmt::format("{} lists other conflicts than a peer that knows all at once: {}", name_of(peer), other));
   }
 }
 

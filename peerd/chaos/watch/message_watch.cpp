@@ -40,13 +40,13 @@ void MessageWatch::on_received(double now_s, const WatchedPeer& peer, const Mess
   findings_.count("message received");
   Received& received = received_[peer.life];
   if (!received.all.insert(message.operation).second) {
-    findings_.violate(now_s, fmt::format("{} has received message {} twice", name_of(peer),
-                                         name_of(message.operation)));
+    findings_.violate(now_s,
+                      fmt::format("{} has received message {} twice", name_of(peer), name_of(message.operation)));
   }
   std::uint32_t& last = received.last[message.operation.author];
   if (message.operation.number < last) {
-    findings_.violate(now_s, fmt::format("{} has received message {} after {} of the same author",
-                                         name_of(peer), name_of(message.operation), last));
+    findings_.violate(now_s, fmt::format("{} has received message {} after {} of the same author", name_of(peer),
+                                         name_of(message.operation), last));
   }
   last = std::max(last, message.operation.number);
   const Operation* const operation = book_.find(message.operation);

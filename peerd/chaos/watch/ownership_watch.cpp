@@ -34,8 +34,8 @@ void OwnershipWatch::on_edit(const WatchedPeer& peer, const EditReport& report) 
 
 void OwnershipWatch::end_outputs() {
   for (const auto& [peer, object, at_s] : doubted_) {
-    findings_.violate(at_s, fmt::format("{} has published object {}:{}, which it says is another's",
-                                         name_of(peer), object.origin, object.number));
+    findings_.violate(at_s, fmt::format("{} has published object {}:{}, which it says is another's", name_of(peer),
+                                        object.origin, object.number));
   }
   doubted_.clear();
 }
@@ -100,9 +100,7 @@ void OwnershipWatch::on_edited(double now_s, const WatchedPeer& peer, const Scen
                                        give->object.number, give->owner.value, edited.refused));
 }
 
-void OwnershipWatch::check(double now_s, const WatchedPeer& peer) {
-  check_requests(now_s, peer);
-}
+void OwnershipWatch::check(double now_s, const WatchedPeer& peer) { check_requests(now_s, peer); }
 
 void OwnershipWatch::check_requests(double now_s, const WatchedPeer& peer) {
   const HostTime host = peer.node->next_deadline();  // its last tick was before that
@@ -117,8 +115,7 @@ void OwnershipWatch::check_requests(double now_s, const WatchedPeer& peer) {
     const bool is_over = state.applied || !state.refused.empty();
     if (!is_over && *state.asks_until + kTwoTicks < host) {
       findings_.violate(now_s, fmt::format("{} has asked for {} by operation {}, and after {} it has no answer",
-                                           name_of(peer), state.edit.path, name_of(*at),
-                                           "2 s it has not given up"));
+                                           name_of(peer), state.edit.path, name_of(*at), "2 s it has not given up"));
     }
     if (is_over) {
       const bool timed_out = state.refused == "its owner has not answered";
@@ -155,9 +152,9 @@ void OwnershipWatch::check_epochs(double now_s, std::span<const WatchedPeer> all
       const auto& keys = epochs_[peer.life][object];
       if (keys == first) continue;
       const auto text = [](const auto& some) { return some.empty() ? "none" : name_of(some.rbegin()->second); };
-      findings_.violate(now_s, fmt::format("{} has operation {} as the epoch of object {}:{}, and {} {}",
-                                           name_of(peer), text(keys), object.origin, object.number,
-                                           name_of(all.front()), text(first)));
+      findings_.violate(
+          now_s, fmt::format("{} has operation {} as the epoch of object {}:{}, and {} {}", name_of(peer), text(keys),
+                             object.origin, object.number, name_of(all.front()), text(first)));
     }
   }
 }
@@ -177,8 +174,8 @@ void OwnershipWatch::check_owners(double now_s, std::span<const WatchedPeer> all
     for (const WatchedPeer& peer : all) {
       const auto refused = refused_.find({peer.life, key.second});
       if (refused == refused_.end() || refused->second || !is_anothers) continue;
-      findings_.violate(now_s, fmt::format("{} lets operation {} give what another peer owns", name_of(peer),
-                                           name_of(key.second)));
+      findings_.violate(
+          now_s, fmt::format("{} lets operation {} give what another peer owns", name_of(peer), name_of(key.second)));
     }
     if (!is_anothers && !refused_.at({all.front().life, key.second})) owners[give->object] = give->owner;
   }
@@ -190,9 +187,9 @@ void OwnershipWatch::check_owners(double now_s, std::span<const WatchedPeer> all
       if (!is_here(owner) || !peer.node->scene().contains(object)) continue;
       const PeerId there = peer.node->peer().owner(object);
       if (there == owner) continue;
-      findings_.violate(now_s, fmt::format("{} is peer {}'s by operations, and for {} it is peer {}'s",
-                                           path_or_id(peer.node->scene(), object), owner.value, name_of(peer),
-                                           there.value));
+      findings_.violate(now_s,
+                        fmt::format("{} is peer {}'s by operations, and for {} it is peer {}'s",
+                                    path_or_id(peer.node->scene(), object), owner.value, name_of(peer), there.value));
     }
     findings_.count("owner by operations judged");
   }

@@ -54,7 +54,8 @@ TEST_F(ChaosEdits, AreTheSameWithEveryCompiler) {
     for (const char c : text) hash = mixed_bits(hash ^ static_cast<unsigned char>(c)) + 1;
   };
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
-    for (const EditKind kind : {EditKind::kAny, EditKind::kLarge, EditKind::kOneField, EditKind::kOneOwner, EditKind::kOneDatum}) {
+    for (const EditKind kind :
+         {EditKind::kAny, EditKind::kLarge, EditKind::kOneField, EditKind::kOneOwner, EditKind::kOneDatum}) {
       const auto edit = edits(kind, seed, scene).at(0);
       for (const std::string& text : {name_of(edit), edit.text, edit.value, edit.data}) add(text);
     }
