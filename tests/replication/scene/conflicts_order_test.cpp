@@ -78,19 +78,20 @@ class Authors {
   }
   OperationBody some_edit(std::size_t i) {
     const Scene& scene = *scenes_[i].scene();
-    const auto object = [&] {
-      for (;;) {
-        const auto at = static_cast<std::uint32_t>(draw(scene.instances.size()));
-        if (scene.instances[at].kind == NodeKind::kTransform) return scene.id_of(at);
-      }
-    };
+    std::vector<ObjectId> transforms;
+    for (std::uint32_t at = 0; at < scene.instances.size(); ++at) {
+      if (scene.instances[at].kind == NodeKind::kTransform) transforms.push_back(scene.id_of(at));
+    }
+    const std::string box = kHead + "DEF NEW Transform { " + kBox + " }";
+    if (transforms.empty()) return AddNodes{{}, {}, box, next_[i], next_[i], {}};
+    const auto object = [&] { return transforms[draw(transforms.size())]; };
     const auto node_of = [&](ObjectId id) { return scene.document->ids.id_of(scene.at(id).node); };
     const ObjectId chosen = object();
     switch (draw(7)) {
       case 0: {
         const bool is_below = draw(2) == 0;
-        const std::string text = draw(4) == 0 ? "Viewpoint { }" : "DEF NEW Transform { " + kBox + " }";
-        return AddNodes{is_below ? std::optional(chosen) : std::nullopt, {}, kHead + text, next_[i], next_[i], {}};
+        const std::string text = draw(4) == 0 ? kHead + "Viewpoint { }" : box;
+        return AddNodes{is_below ? std::optional(chosen) : std::nullopt, {}, text, next_[i], next_[i], {}};
       }
       case 1:
         return scene.instances.size() > 4 ? OperationBody(RemoveObject{chosen})
