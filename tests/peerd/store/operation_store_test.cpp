@@ -14,6 +14,7 @@
 
 #include "replication/operations/operation_log.hpp"
 #include "tests/peerd/scratch_folder.hpp"
+#include "tests/peerd/store/open_database.hpp"
 #include "tests/peerd/store/watched_fsync.hpp"
 #include "tests/replication/operations.hpp"
 
@@ -117,7 +118,7 @@ TEST_F(Store, ASecondUserIsRefused) {
 TEST_F(Store, AnotherFormatIsRefused) {
   ASSERT_TRUE(open());
   {
-    auto database = Database::open(at / "operations.sqlite", false);
+    auto database = testing_support::open_database(at / "operations.sqlite", false);
     ASSERT_TRUE(database) << database.error().text;
     ASSERT_TRUE(database->run("PRAGMA user_version = 2"));
   }
@@ -137,7 +138,7 @@ TEST_F(Store, AnotherProgramsDatabaseIsNoStore) {
   std::filesystem::create_directories(at);
   const auto file = at / "operations.sqlite";
   {
-    auto database = Database::open(file, true);
+    auto database = testing_support::open_database(file, true);
     ASSERT_TRUE(database) << database.error().text;
     ASSERT_TRUE(database->run("CREATE TABLE theirs (x)"));
   }
@@ -192,7 +193,7 @@ TEST_F(Store, WhatIsRefusedOrCheckedStaysAsItIs) {
   }
   EXPECT_EQ(all(), before);
   {  // a newer format, which is written ahead
-    auto database = Database::open(killed / "operations.sqlite", false);
+    auto database = testing_support::open_database(killed / "operations.sqlite", false);
     ASSERT_TRUE(database) << database.error().text;
     ASSERT_TRUE(database->run("PRAGMA user_version = 2"));
   }

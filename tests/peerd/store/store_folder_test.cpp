@@ -12,6 +12,7 @@
 
 #include "peerd/store/operation_store.hpp"
 #include "tests/peerd/scratch_folder.hpp"
+#include "tests/peerd/store/open_database.hpp"
 
 namespace peerd::store::store_folder_test {
 
@@ -128,7 +129,7 @@ TEST_F(StoreFolder, WhatIsNoStoreStaysWhereItIs) {
 TEST_F(StoreFolder, AnotherProgramsDatabaseStaysWhereItIs) {
   std::filesystem::create_directories(folder / "theirs");
   {
-    auto database = Database::open(folder / "theirs" / "operations.sqlite", true);
+    auto database = testing_support::open_database(folder / "theirs" / "operations.sqlite", true);
     ASSERT_TRUE(database) << database.error().text;
     ASSERT_TRUE(database->run("CREATE TABLE theirs (x)"));
   }
