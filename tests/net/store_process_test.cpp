@@ -392,7 +392,7 @@ TEST_F(FullDisk, IsSaidOnceAndLosesNothingThatWasStored) {
     ASSERT_LT(stored.size(), 390U);
     EXPECT_FALSE(is_stored(adding("LOST")));
     ASSERT_TRUE(peer.says("cannot be written", 20)) << peer.out();
-    EXPECT_EQ(count_of("cannot be written", peer.out()), 1 + count_of("can be written again", peer.out()));
+    EXPECT_EQ(count_of("is the disk full?", peer.out()), 1 + count_of("can be written again", peer.out()));
     EXPECT_GE(counters().value("store_failures", 0), 4);
     EXPECT_FALSE(std::filesystem::exists(store_of("a") / "author"));
     peer.signal(SIGKILL);
