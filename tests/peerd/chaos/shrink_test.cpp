@@ -69,7 +69,7 @@ TEST(Shrink, FindsTheFaultOfARealRun) {
   const ChaosPlan plan = draw_plan(seed, shrunk.limits);
   ASSERT_EQ(plan.faults.size(), 1u) << options_of(seed, shrunk.limits);
   EXPECT_EQ(plan.faults[0].kind, FaultKind::kAuthorDies);
-  EXPECT_EQ(plan.edits.size(), 0u) << "the fault makes an edit of its own";
+  EXPECT_LE(plan.edits.size(), 1u) << "the fault makes an edit of its own, which may be to undo one";
   EXPECT_TRUE(fails(seed)(shrunk.limits));
 }
 
