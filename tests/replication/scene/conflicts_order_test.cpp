@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <deque>
 #include <map>
 #include <optional>
 #include <random>
@@ -107,7 +108,7 @@ class Authors {
   }
 
   std::mt19937_64 random_;
-  std::vector<LivingScene> scenes_;
+  std::deque<LivingScene> scenes_;  // which do not move
   std::array<std::vector<Operation>, kAuthors> logs_;
   std::array<std::array<std::size_t, kAuthors>, kAuthors> heard_{};
   std::array<std::uint32_t, kAuthors> next_{};  // ids
