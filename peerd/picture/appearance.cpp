@@ -62,17 +62,17 @@ std::expected<std::uint32_t, std::string> Images::find(std::span<const std::stri
     auto known = known_.find(url);
     if (known == known_.end()) known = known_.emplace(std::string(url), read(url)).first;
     if (known->second) return known->second;
-    why = "\"" + std::string(url.substr(0, 100)) + "\" " + known->second.error();
+    why = "\"" + std::string(url.substr(0, 100)) + "\": " + known->second.error();
   }
   return std::unexpected(why);
 }
 
 std::expected<std::uint32_t, std::string> Images::read(std::string_view url) {
-  if (!load_) return std::unexpected("is not looked for");
+  if (!load_) return std::unexpected("it is not looked for");
   auto bytes = load_(url);
   if (!bytes) return std::unexpected(bytes.error());
-  if (bytes->size() > kImage_bytes) return std::unexpected("is larger than 16 MiB");
-  if (bytes->size() > kAll_bytes - bytes_) return std::unexpected("would make all images larger than 64 MiB");
+  if (bytes->size() > kImage_bytes) return std::unexpected("it is larger than 16 MiB");
+  if (bytes->size() > kAll_bytes - bytes_) return std::unexpected("with it all images are larger than 64 MiB");
   auto image = image_of(*std::move(bytes));
   if (!image) return std::unexpected(image.error());
   bytes_ += image->bytes.size();

@@ -16,7 +16,6 @@ namespace peerd::picture {
 // The images of a picture, each once.
 class Images {
  public:
-  static constexpr std::size_t kImage_bytes = std::size_t{16} << 20;
   static constexpr std::size_t kAll_bytes = std::size_t{64} << 20;
 
   explicit Images(const ImageLoader& load) : load_(load) {}

@@ -26,7 +26,8 @@ bool has_chunk(std::string_view bytes, std::string_view name) {
 
 // IHDR comes first: width, height, depth, and then the type of colour at byte 25.
 std::expected<DrawnImage, std::string> png(std::string bytes) {
-  if (bytes.size() < 33 || std::string_view(bytes).substr(12, 4) != "IHDR") return std::unexpected("is a damaged PNG");
+  if (bytes.size() < 33 || std::string_view(bytes).substr(12, 4) != "IHDR")
+    return std::unexpected("it is a damaged PNG");
   const std::uint32_t type = byte(bytes, 25);
   const bool has_alpha = (type & 4U) != 0 || has_chunk(bytes, "tRNS");
   return DrawnImage{DrawnImage::Format::kPng, std::move(bytes), (type & 2U) != 0, has_alpha};
@@ -48,7 +49,7 @@ std::expected<DrawnImage, std::string> jpeg(std::string bytes) {
     }
     at += 2 + std::size_t{two_bytes(bytes, at + 2)};
   }
-  return std::unexpected("is a damaged JPEG");
+  return std::unexpected("it is a damaged JPEG");
 }
 
 }  // namespace
@@ -57,8 +58,8 @@ std::expected<DrawnImage, std::string> image_of(std::string bytes) {
   const std::string_view begin = bytes;
   if (begin.starts_with(kPngBegin)) return png(std::move(bytes));
   if (begin.starts_with("\xFF\xD8\xFF")) return jpeg(std::move(bytes));
-  if (begin.starts_with("GIF8")) return std::unexpected("is a GIF, which glTF does not take");
-  return std::unexpected("is neither PNG nor JPEG");
+  if (begin.starts_with("GIF8")) return std::unexpected("it is a GIF, which glTF does not take");
+  return std::unexpected("it is neither PNG nor JPEG");
 }
 
 }  // namespace peerd::picture
