@@ -104,7 +104,7 @@ TEST(GltfWriter, AnEmptyWorldIsAGoodFile) {
   EXPECT_TRUE(glb.binary.empty());
 }
 
-// What moves has a node of its own at its pose, with its Shapes in its frame, however it is scaled from above.
+// A mover has a node of its own at its pose, with its Shapes in its frame, however it is scaled from above.
 TEST(GltfWriter, WhatMovesHasANodeOfItsOwnAtItsRigidPose) {
   const Glb glb = glb_of_text(R"(
 DEF OUTER Transform { translation 0 1 0 scale 2 2 2 children [

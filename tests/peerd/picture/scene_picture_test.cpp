@@ -21,7 +21,7 @@ std::vector<std::string> left_out(const ScenePicture& drawn) {
   return out;
 }
 
-// What is not drawn, or otherwise than the standard says, is named with its place.
+// All that is not drawn, or otherwise than the standard says, is named with its place.
 TEST(ScenePicture, NamesWhatItLeavesOut) {
   struct Case {
     const char *name, *text, *line;
@@ -189,7 +189,7 @@ Shape { appearance Appearance { texture ImageTexture { url "there.png" } } geome
   const DrawnGeometry& g = drawn.geometries[drawn.meshes[drawn.shapes[0].mesh].geometry];
   const auto corner = std::ranges::find(g.positions, Eigen::Vector3f(2, 1, 0));
   ASSERT_NE(corner, g.positions.end());
-  // By default s runs along the longer side, from 0 to 1, and t to 1/2; then moved, then scaled.
+  // The default of s runs along the longer side, from 0 to 1, and t to 1/2; then moved, then scaled.
   EXPECT_TRUE(g.texture_coordinates[static_cast<std::size_t>(corner - g.positions.begin())].isApprox(
       Eigen::Vector2f(2 * (1 + 1), 4 * 0.5F)));
 }
