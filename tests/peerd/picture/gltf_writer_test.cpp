@@ -125,16 +125,6 @@ DEF OUTER Transform { translation 0 1 0 scale 2 2 2 children [
   EXPECT_EQ(glb.triangles(1).size(), 12u);
 }
 
-TEST(GltfWriter, AMeshServesAllShapesThatHaveIt) {
-  std::string text = "DEF S Shape { appearance Appearance { material Material { } } geometry Sphere { } }\n";
-  for (int i = 1; i < 50; ++i) text += "Transform { translation " + std::to_string(i) + " 0 0 children USE S }\n";
-  text += "PROTO P [ ] { Shape { geometry Cone { } } }\nP { }\nP { }\n";
-  const Glb glb = glb_of_text(text);
-  EXPECT_THAT(glb.problems, ElementsAre());
-  EXPECT_EQ(glb.meshes.size(), 2u);
-  EXPECT_EQ(glb.nodes.size(), 1u + 50 + 2);
-}
-
 // Scales of any kind, in any nesting, lead where the collisions have them; no node of glTF can shear.
 TEST(GltfWriter, DrawnTrianglesAreWhereThoseAreThatCollide) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
