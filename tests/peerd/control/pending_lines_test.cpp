@@ -42,7 +42,8 @@ TEST(PendingLines, BytesCount) {
   EXPECT_FALSE(lines.add_event("x"));
   EXPECT_EQ(lines.take_front().text, half);
   EXPECT_EQ(lines.take_front().text, half);
-  EXPECT_EQ(all_of(lines), (std::vector<std::string>{R"({"v":1,"event":"dropped","count":1})"})) << "said at the end at last";
+  EXPECT_EQ(all_of(lines), (std::vector<std::string>{R"({"v":1,"event":"dropped","count":1})"}))
+      << "said at the end at last";
   EXPECT_TRUE(lines.add_event("x"));
 }
 

@@ -21,9 +21,10 @@ INSTANTIATE_TEST_SUITE_P(
                     HostCase{"127.0.0.1", false}, HostCase{"127.0.0.1:8081", false}, HostCase{"127.0.0.1:08080", false},
                     HostCase{"127.0.0.1:8080 ", false}, HostCase{"attacker.example:8080", false},
                     HostCase{"localhost.attacker.example:8080", false}, HostCase{"127.0.0.1.nip.io:8080", false},
-                    HostCase{"localhost.:8080", false}, HostCase{"::1:8080", false}, HostCase{"[127.0.0.1]:8080", false},
-                    HostCase{"[::1]", false}, HostCase{"user@127.0.0.1:8080", false}, HostCase{"0x7f.1:8080", false},
-                    HostCase{"", false}, HostCase{":8080", false}, HostCase{"[]:8080", false}, HostCase{":", false}));
+                    HostCase{"localhost.:8080", false}, HostCase{"::1:8080", false},
+                    HostCase{"[127.0.0.1]:8080", false}, HostCase{"[::1]", false},
+                    HostCase{"user@127.0.0.1:8080", false}, HostCase{"0x7f.1:8080", false}, HostCase{"", false},
+                    HostCase{":8080", false}, HostCase{"[]:8080", false}, HostCase{":", false}));
 
 TEST(OwnHost, LeavesOutThePortOfHttp) {
   EXPECT_TRUE(is_own_host("127.0.0.1", 80));

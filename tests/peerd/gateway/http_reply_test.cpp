@@ -28,8 +28,8 @@ std::string gzipped(const std::string& bytes) {
 struct Viewer {
   std::string page = "<p>page</p>", script = std::string(200'000, 'x') + "end";
   std::string packed_page = gzipped(page), packed_script = gzipped(script);
-  std::array<ViewerAsset, 2> assets{{{"index.html", "text/html", "a1", packed_page},
-                                     {"assets/app-1.js", "text/javascript", "b2", packed_script}}};
+  std::array<ViewerAsset, 2> assets{
+      {{"index.html", "text/html", "a1", packed_page}, {"assets/app-1.js", "text/javascript", "b2", packed_script}}};
 };
 
 TEST(AssetReply, IsPackedForWhoUnpacksIt) {
@@ -54,8 +54,8 @@ TEST(AssetReply, IsNotSentAgain) {
 
 TEST(AssetReply, NamesAreThoseOfTheTableAlone) {
   const Viewer viewer;
-  for (const char* other : {"", "assets", "assets/", "assets/app-1.js/", "assets/../index.html", "/index.html", "INDEX.HTML",
-                            "assets/../../etc/passwd", "assets/%2e%2e/index.html"}) {
+  for (const char* other : {"", "assets", "assets/", "assets/app-1.js/", "assets/../index.html", "/index.html",
+                            "INDEX.HTML", "assets/../../etc/passwd", "assets/%2e%2e/index.html"}) {
     EXPECT_EQ(asset_reply(viewer.assets, other, "", true).status, 404U) << other;
   }
 }

@@ -27,7 +27,8 @@ std::string error(const char* message) {
 
 TEST(LiveRequest, OtherRequestsAreTheControlProtocols) {
   EXPECT_EQ(json::parse(read<PlainRequest>(R"({"do":"status","seq":3})").line), (json{{"do", "status"}}));
-  EXPECT_EQ(json::parse(read<PlainRequest>(R"({"do":"nonsense","x":[1]})").line), (json{{"do", "nonsense"}, {"x", {1}}}));
+  EXPECT_EQ(json::parse(read<PlainRequest>(R"({"do":"nonsense","x":[1]})").line),
+            (json{{"do", "nonsense"}, {"x", {1}}}));
   EXPECT_EQ(read<PlainRequest>("{\"do\":\"key\",\n\"key\":\"a\"}").line.find('\n'), std::string::npos);
 }
 
@@ -58,8 +59,9 @@ TEST(LiveRequest, PicksAndInspections) {
   EXPECT_EQ(pick.origin, Vec3(0, 1, 2));
   EXPECT_EQ(pick.direction, Vec3(0, 0, -1));
   EXPECT_EQ(read<InspectRequest>(R"({"do":"inspect","node":7})").node, 7U);
-  for (const char* wrong : {R"({"do":"pick","origin_m":[0,1,2]})", R"({"do":"inspect"})", R"({"do":"inspect","node":-1})",
-                            R"({"do":"inspect","node":4294967296})", R"({"do":"unwatch","x":1})"}) {
+  for (const char* wrong :
+       {R"({"do":"pick","origin_m":[0,1,2]})", R"({"do":"inspect"})", R"({"do":"inspect","node":-1})",
+        R"({"do":"inspect","node":4294967296})", R"({"do":"unwatch","x":1})"}) {
     EXPECT_NE(error(wrong), "") << wrong;
   }
 }
@@ -69,8 +71,8 @@ TEST(LiveRequest, RepliesRepeatTheNumber) {
   ASSERT_TRUE(request);
   EXPECT_EQ(with_sequence(R"({"v":1,"ok":true})", request->sequence), R"({"seq":9007199254740991,"v":1,"ok":true})");
   EXPECT_EQ(with_sequence(R"({"v":1})", std::nullopt), R"({"v":1})");
-  for (const char* wrong : {R"({"do":"unwatch","seq":-1})", R"({"do":"unwatch","seq":1.5})", R"({"do":"unwatch","seq":"1"})",
-                            R"({"do":"unwatch","seq":9007199254740992})"}) {
+  for (const char* wrong : {R"({"do":"unwatch","seq":-1})", R"({"do":"unwatch","seq":1.5})",
+                            R"({"do":"unwatch","seq":"1"})", R"({"do":"unwatch","seq":9007199254740992})"}) {
     EXPECT_THAT(error(wrong), HasSubstr("\"seq\"")) << wrong;
   }
 }

@@ -66,7 +66,8 @@ TEST(Metrics, HaveAllCountersOfStatus) {
   const std::string text = metrics_text(replies.status, replies.peers);
   expect_well_formed(text);
   for (const auto& [name, count] : replies.status["counters"].items()) {
-    if (name.starts_with("updates_out_") || name.starts_with("dropped_") || name.starts_with("gateway.refused_")) continue;
+    if (name.starts_with("updates_out_") || name.starts_with("dropped_") || name.starts_with("gateway.refused_"))
+      continue;
     std::string metric = "peerd_" + name + "_total";
     std::ranges::replace(metric, '.', '_');
     EXPECT_THAT(text, HasSubstr('\n' + metric + ' ' + count.dump() + '\n'));
@@ -85,11 +86,22 @@ TEST(Metrics, EveryCounterOfTheGatewayHasAMeaning) {
 
 TEST(Metrics, PeersAreLabelsAndUnitsAreSeconds) {
   Replies replies;
-  json row{{"id", 2},           {"name", "b \"c\" \\ d\ne"}, {"joined", true}, {"leads", false},
-           {"heard_ms_ago", 250.0}, {"round_trip_ms", 1.5},      {"delay_ms", nullptr},
-           {"clock_ahead_ms", -2.0}, {"clock_error_ms", 1.0},     {"datagrams_in", 7},
-           {"bytes_in", 700},    {"loss_in", 0.25},          {"loss_out", nullptr},
-           {"duplicates", 0},    {"overtaken", 3},           {"drops", {{"stale", 4}}}};
+  json row{{"id", 2},
+           {"name", "b \"c\" \\ d\ne"},
+           {"joined", true},
+           {"leads", false},
+           {"heard_ms_ago", 250.0},
+           {"round_trip_ms", 1.5},
+           {"delay_ms", nullptr},
+           {"clock_ahead_ms", -2.0},
+           {"clock_error_ms", 1.0},
+           {"datagrams_in", 7},
+           {"bytes_in", 700},
+           {"loss_in", 0.25},
+           {"loss_out", nullptr},
+           {"duplicates", 0},
+           {"overtaken", 3},
+           {"drops", {{"stale", 4}}}};
   replies.peers["peers"] = json::array({row});
   const std::string text = metrics_text(replies.status, replies.peers);
   expect_well_formed(text);

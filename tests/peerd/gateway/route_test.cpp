@@ -52,9 +52,9 @@ TEST(Route, OtherPlacesAreNotFound) {
 }
 
 TEST(Route, AMethodBelongsToItsPlace) {
-  for (const auto& [method, target] :
-       {std::pair("POST", "/"), std::pair("HEAD", "/"), std::pair("PUT", "/metrics"), std::pair("GET", "/api/v1/request"),
-        std::pair("OPTIONS", "/api/v1/request"), std::pair("POST", "/api/v1/status"), std::pair("get", "/")}) {
+  for (const auto& [method, target] : {std::pair("POST", "/"), std::pair("HEAD", "/"), std::pair("PUT", "/metrics"),
+                                       std::pair("GET", "/api/v1/request"), std::pair("OPTIONS", "/api/v1/request"),
+                                       std::pair("POST", "/api/v1/status"), std::pair("get", "/")}) {
     const auto route = find_route(method, target);
     ASSERT_FALSE(route) << method << target;
     EXPECT_EQ(route.error(), RefusalKind::kMethod) << method << target;
