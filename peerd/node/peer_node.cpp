@@ -411,6 +411,15 @@ void PeerNode::drive_fed(HostTime now) {
   }
 }
 
+std::expected<void, std::string> PeerNode::let_go(HostTime now, const std::string& path) {
+  const auto object = scene().find(path);
+  if (!object) return std::unexpected("the scene has no " + path);
+  on_tick(now);  // a due tick is of an earlier instant
+  if (!fed_while_held_.contains(*object)) return std::unexpected("no poses move it that this peer has grabbed");
+  let_go(now, *object);
+  return {};
+}
+
 // The object goes on as its last poses moved it.
 void PeerNode::let_go(HostTime now, ObjectId object) {
   if (fed_while_held_.erase(object) == 0) return;

@@ -84,6 +84,9 @@ class PeerNode {
   // threshold leaves at once. Unix time + `host_minus_wall` is the time of this host.
   // So is what this peer has grabbed, from the first pose that is taken until it is released.
   feed::Outcome on_poses(HostTime now, Duration host_minus_wall, std::span<const feed::FedPose> poses);
+  // Poses move that object no more, which this peer has grabbed and goes on to own: it moves as its last poses moved
+  // it, until the next one. The error says why not.
+  std::expected<void, std::string> let_go(HostTime now, const std::string& path);
   // Counts a datagram of the pose port that is no message of poses.
   void refuse_poses(const std::string& why) { feeds_.refuse_message(why); }
   void leave(HostTime now);

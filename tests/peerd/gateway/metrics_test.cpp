@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -12,6 +13,7 @@
 #include "peerd/control/answer.hpp"
 #include "peerd/gateway/gateway_counters.hpp"
 #include "peerd/node/counter_meanings.hpp"
+#include "peerd/os/traffic_counters.hpp"
 #include "tests/peerd/node/lone_peer.hpp"
 
 namespace peerd::gateway::metrics_test {
@@ -112,6 +114,46 @@ TEST(Metrics, PeersAreLabelsAndUnitsAreSeconds) {
   EXPECT_THAT(text, HasSubstr("peerd_peer_joined" + labels + " 1\n"));
   EXPECT_THAT(text, HasSubstr(R"(peerd_peer_drops_total{peer="2",name="b \"c\" \\ d\ne",reason="stale"} 4)"));
   EXPECT_THAT(text, Not(HasSubstr("peerd_peer_delay_seconds"))) << "it is not known yet";
+}
+
+// Each metric that the dashboard asks for is there: a counter as the program names it, a row's column or the session's.
+TEST(Metrics, TheDashboardAsksForWhatThereIs) {
+  Replies replies;
+  json row{{"id", 2},
+           {"name", "b"},
+           {"joined", true},
+           {"leads", false},
+           {"heard_ms_ago", 1.0},
+           {"round_trip_ms", 1.0},
+           {"delay_ms", 1.0},
+           {"clock_ahead_ms", 1.0},
+           {"clock_error_ms", 1.0},
+           {"datagrams_in", 1},
+           {"bytes_in", 1},
+           {"loss_in", 0.5},
+           {"loss_out", 0.5},
+           {"duplicates", 0},
+           {"overtaken", 0},
+           {"drops", json::object()}};
+  replies.peers["peers"] = json::array({row});
+  replies.peers["clock"]["os_clock_error_ms"] = 1.0;
+  for (const auto& [name, count] : net::TrafficCounters().named()) replies.status["counters"][name] = count;
+  replies.status["counters"]["dropped_stale"] = 1;
+  const std::string text = metrics_text(replies.status, replies.peers);
+  std::ifstream file(PEERD_SOURCE_DIR "/peerd/packaging/grafana/peerd.json");
+  const json dashboard = json::parse(file);
+  std::size_t asked = 0;
+  const std::regex metric("peerd_[a-z_]+");
+  for (const json& panel : dashboard["panels"]) {
+    for (const json& target : panel.value("targets", json::array())) {
+      const std::string expression = target["expr"];
+      std::smatch name;
+      ASSERT_TRUE(std::regex_search(expression, name, metric)) << expression;
+      EXPECT_THAT(text, HasSubstr("# TYPE " + name.str() + ' ')) << panel["title"];
+      ++asked;
+    }
+  }
+  EXPECT_GT(asked, 30U);
 }
 
 }  // namespace peerd::gateway::metrics_test
