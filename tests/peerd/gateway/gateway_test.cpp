@@ -183,7 +183,7 @@ INSTANTIATE_TEST_SUITE_P(
                 {{"Content-Length", "70000"}},
                 413,
                 "gateway.refused_body_too_long"}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& refused) { return std::string(refused.param.name); });
 
 // A page of this server has its own origin, and a page of another port has not.
 TEST_F(GatewayTest, ItsOwnPageMayAsk) {

@@ -10,7 +10,7 @@
 #include "tests/peerd/gateway/served_peer.hpp"
 #include "tests/peerd/gateway/web_client.hpp"
 
-namespace peerd::gateway::gateway_live_test {
+namespace peerd::gateway::live_connection_test {
 
 using nlohmann::json;
 using testing::HasSubstr;
@@ -184,4 +184,4 @@ TEST_F(GatewayLive, AHandMovesWhatItHasGrabbedAndThrowsIt) {
   EXPECT_EQ(client.ask({{"do", "release"}, {"path", "CAR"}})["done"], true);
 }
 
-}  // namespace peerd::gateway::gateway_live_test
+}  // namespace peerd::gateway::live_connection_test
