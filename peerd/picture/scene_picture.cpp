@@ -232,7 +232,7 @@ void PictureMaker::add_viewpoint(const vrml::Node& node, std::uint32_t parent) {
   const Eigen::Affine3d at = node_from(parent);
   view.node_from_camera.position = at * vector_of(node, "position").cast<double>();
   const Quat turned = vrml::to_quat(values<float>(node, "orientation").first<4>());
-  // What is rigid of the frame: the product of the rotations of its path.
+  // The rigid part of the frame: the product of the rotations of its path.
   Quat above = parent == kTop ? Quat::Identity() : scene_.rigid_pose(scene_.id_of(parent)).orientation;
   if (view.node != standing()) {
     above = scene_.rigid_pose(input_.movers[view.node].id).orientation.conjugate() * above;
