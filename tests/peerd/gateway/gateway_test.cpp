@@ -111,6 +111,7 @@ TEST_F(GatewayTest, WhatChangesSomethingNeedsTheToken) {
   EXPECT_EQ(peer.counter("operations"), 0U);
   EXPECT_EQ(peer.counter("keys"), 0U);
   EXPECT_EQ(peer.counter("gateway.refused_token"), 5 * requests.size());
+  peer.await_start();
   EXPECT_EQ(json::parse(client.post(requests[3], token).body())["done"], true);
   EXPECT_EQ(peer.counter("operations"), 1U);
   EXPECT_EQ(client.get("/api/v1/status").result_int(), 200U) << "it has not left";

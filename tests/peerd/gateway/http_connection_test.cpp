@@ -219,6 +219,7 @@ TEST_F(GatewayAbuse, ASlowReaderGetsTheNewestStateLater) {
   constexpr int kObjects = 500;
   ServedPeer peer(crowd(kObjects), names(kObjects));
   LiveClient slow(peer), other(peer);
+  peer.await_start();
   EXPECT_EQ(slow.ask({{"do", "watch"}, {"hz", 120}})["ok"], true);
   EXPECT_TRUE(ServedPeer::soon([&] { return peer.counter("gateway.frames_late") > 0; })) << "its frames wait by now";
   const std::uint64_t ticks = peer.counter("ticks"), missed = peer.counter("ticks_missed");
