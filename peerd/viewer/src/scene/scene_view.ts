@@ -1,0 +1,172 @@
+import { Box3, Frustum, Matrix4, NeutralToneMapping, Raycaster, Scene, Sphere, Vector2, Vector3, WebGLRenderer } from 'three';
+
+import { PoseTable } from '../live/pose_table';
+import { Backdrop } from './backdrop';
+import { boundsOf, CameraRig } from './camera_rig';
+import { Dress } from './dress';
+import { MovingScene } from './moving_scene';
+import { OwnerColours, type Colouring } from './owner_colours';
+import { RigidFrames } from './rigid_frames';
+import type { SceneFile, SceneNode } from './scene_file';
+
+// The picture of one scene file, with poses for what moves. A new scene file replaces all but the camera.
+export interface Overlay {
+  update(view: SceneView, time_s: number): void;
+}
+
+interface Shown {
+  readonly file: SceneFile;
+  readonly moving: MovingScene;
+  readonly ghosts: MovingScene;
+  readonly frames: RigidFrames;
+  readonly ghostFrames: RigidFrames;
+  readonly colours: OwnerColours;
+  readonly ghostColours: Float32Array;
+}
+
+export class SceneView {
+  readonly scene = new Scene();
+  readonly rig: CameraRig;
+  readonly overlays: Overlay[] = [];
+  showsGhosts = false;
+  selected: number | null = null;
+  instancesDrawn = 0;
+  private readonly renderer: WebGLRenderer;
+  private readonly backdrop: Backdrop;
+  private readonly dress = new Dress();
+  private readonly frustum = new Frustum();
+  private readonly viewProjection = new Matrix4();
+  private shown: Shown | null = null;
+  private colouring_: Colouring = 'world';
+  private pageColour = '#ffffff';
+
+  constructor(private readonly surface: HTMLCanvasElement) {
+    this.renderer = new WebGLRenderer({ canvas: surface, antialias: true, powerPreference: 'high-performance' });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.toneMapping = NeutralToneMapping;
+    this.scene.matrixAutoUpdate = false;
+    this.rig = new CameraRig(surface);
+    this.backdrop = new Backdrop(this.scene, this.rig.camera);
+  }
+
+  get file(): SceneFile | null {
+    return this.shown?.file ?? null;
+  }
+  get frames(): RigidFrames | null {
+    return this.shown?.frames ?? null;
+  }
+  get ghostFrames(): RigidFrames | null {
+    return this.shown?.ghostFrames ?? null;
+  }
+  get drawCalls(): number {
+    return this.renderer.info.render.calls;
+  }
+
+  set colouring(colouring: Colouring) {
+    this.colouring_ = colouring;
+    this.shown?.moving.dress((own) => this.dress.materialFor(own, colouring));
+  }
+
+  show(file: SceneFile): void {
+    const first = this.shown === null;
+    if (this.shown !== null) this.clear(this.shown);
+    const moving = new MovingScene(file.shapes, (own) => this.dress.materialFor(own, this.colouring_));
+    const ghosts = new MovingScene(file.shapes, (own) => this.dress.ghostMaterialFor(own));
+    this.scene.add(file.standing, moving.group, ghosts.group);
+    this.shown = {
+      file,
+      moving,
+      ghosts,
+      frames: new RigidFrames(file.nodeCount),
+      ghostFrames: new RigidFrames(file.nodeCount),
+      colours: new OwnerColours(file.nodeCount),
+      ghostColours: new Float32Array(file.nodeCount * 3).fill(1),
+    };
+    this.backdrop.show(file.extras, this.pageColour);
+    if (first) this.firstLook(file);
+    else this.rig.measure(this.bounds());
+  }
+
+  setPageColour(colour: string): void {
+    this.pageColour = colour;
+    this.backdrop.setPageColour(colour);
+  }
+
+  resize(width: number, height: number): void {
+    this.renderer.setSize(width, height, false);
+    this.rig.resize(width, height);
+  }
+
+  // One picture of the poses at time_s.
+  draw(poses: PoseTable, ghosts: PoseTable, time_s: number, elapsed_s: number): void {
+    this.place(poses, ghosts, time_s, elapsed_s);
+    this.renderer.render(this.scene, this.rig.camera);
+  }
+
+  // Our own share of a picture: cameras, poses, culling, overlays.
+  place(poses: PoseTable, ghosts: PoseTable, time_s: number, elapsed_s: number): void {
+    this.rig.update(elapsed_s);
+    this.backdrop.follow();
+    if (this.shown === null) return;
+    const { file, moving, frames, colours } = this.shown;
+    const camera = this.rig.camera;
+    this.frustum.setFromProjectionMatrix(this.viewProjection.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse));
+    frames.update(file.nodes, poses, time_s);
+    colours.update(file.nodes, poses, this.colouring_, this.selected);
+    this.instancesDrawn = moving.update(frames, this.frustum, colours.rgb);
+    this.placeGhosts(this.shown, ghosts, time_s);
+    for (const overlay of this.overlays) overlay.update(this, time_s);
+  }
+
+  bounds(): Box3 {
+    if (this.shown === null) return new Box3();
+    const box = boundsOf([this.shown.file.standing]);
+    const point = new Vector3();
+    for (const node of this.shown.file.nodes) {
+      const radius_m = this.radiusOf(node);
+      point.set(node.pose[0], node.pose[1], node.pose[2]);
+      box.expandByPoint(point.clone().addScalar(radius_m)).expandByPoint(point.addScalar(-radius_m));
+    }
+    return box;
+  }
+
+  radiusOf(node: SceneNode): number {
+    const sphere = new Sphere();
+    let radius_m = 0.1;
+    for (const shape of this.shown?.file.shapes ?? []) {
+      if (shape.node !== node.index || shape.geometry.boundingSphere === null) continue;
+      sphere.copy(shape.geometry.boundingSphere).applyMatrix4(shape.nodeFromShape);
+      radius_m = Math.max(radius_m, sphere.center.length() + sphere.radius);
+    }
+    return radius_m;
+  }
+
+  // The ray of a place on the surface, in its pixels.
+  ray(x: number, y: number): { origin: Vector3; direction: Vector3 } {
+    const box = this.surface.getBoundingClientRect();
+    const caster = new Raycaster();
+    caster.setFromCamera(new Vector2(((x - box.left) / box.width) * 2 - 1, 1 - ((y - box.top) / box.height) * 2), this.rig.camera);
+    return { origin: caster.ray.origin, direction: caster.ray.direction };
+  }
+
+  private placeGhosts(shown: Shown, poses: PoseTable, time_s: number): void {
+    shown.ghosts.group.visible = this.showsGhosts;
+    shown.ghostFrames.update(shown.file.nodes, poses, time_s);
+    if (this.showsGhosts) shown.ghosts.update(shown.ghostFrames, this.frustum, shown.ghostColours);
+  }
+
+  private firstLook(file: SceneFile): void {
+    const box = this.bounds();
+    const viewpoint = file.extras.viewpoints?.[0];
+    this.rig.measure(box);
+    if (viewpoint !== undefined) this.rig.visit(viewpoint);
+    else this.rig.fit(box);
+  }
+
+  private clear(shown: Shown): void {
+    shown.file.standing.removeFromParent();
+    shown.moving.dispose();
+    shown.ghosts.dispose();
+    for (const shape of shown.file.shapes) shape.geometry.dispose();
+  }
+}
