@@ -1,3 +1,5 @@
+import { Matrix4, type Quaternion } from 'three';
+
 import type { PoseTable } from '../live/pose_table';
 import type { SceneNode } from './scene_file';
 
@@ -9,6 +11,7 @@ export class RigidFrames {
   readonly rows: Float64Array;
   readonly known: Uint8Array;
   private readonly pose = new Float64Array(7);
+  private readonly matrix = new Matrix4();
 
   constructor(nodeCount: number) {
     this.rows = new Float64Array(nodeCount * kFrameNumbers);
@@ -30,6 +33,13 @@ export class RigidFrames {
     out.y = this.rows[at + 7];
     out.z = this.rows[at + 11];
     return this.known[node] === 1;
+  }
+
+  orientation(node: number, out: Quaternion): void {
+    const r = this.rows;
+    const at = node * kFrameNumbers;
+    this.matrix.set(r[at], r[at + 1], r[at + 2], 0, r[at + 4], r[at + 5], r[at + 6], 0, r[at + 8], r[at + 9], r[at + 10], 0, 0, 0, 0, 1);
+    out.setFromRotationMatrix(this.matrix);
   }
 
   private write(at: number): void {

@@ -1,6 +1,6 @@
 import { Box3, Frustum, Matrix4, NeutralToneMapping, Raycaster, Scene, Sphere, Vector2, Vector3, WebGLRenderer } from 'three';
 
-import { PoseTable } from '../live/pose_table';
+import type { PoseTable } from '../live/pose_table';
 import { Backdrop } from './backdrop';
 import { boundsOf, CameraRig } from './camera_rig';
 import { Dress } from './dress';
@@ -97,13 +97,11 @@ export class SceneView {
     this.rig.resize(width, height);
   }
 
-  // One picture of the poses at time_s.
-  draw(poses: PoseTable, ghosts: PoseTable, time_s: number, elapsed_s: number): void {
-    this.place(poses, ghosts, time_s, elapsed_s);
+  render(): void {
     this.renderer.render(this.scene, this.rig.camera);
   }
 
-  // Our own share of a picture: cameras, poses, culling, overlays.
+  // Our own share of a picture of the poses at time_s: camera, poses, culling, overlays.
   place(poses: PoseTable, ghosts: PoseTable, time_s: number, elapsed_s: number): void {
     this.rig.update(elapsed_s);
     this.backdrop.follow();
@@ -141,12 +139,37 @@ export class SceneView {
     return radius_m;
   }
 
-  // The ray of a place on the surface, in its pixels.
+  // The ray through a place of the window [px].
   ray(x: number, y: number): { origin: Vector3; direction: Vector3 } {
+    const { origin, direction } = this.casterAt(x, y).ray;
+    return { origin, direction };
+  }
+
+  // The moving node that is drawn at a place of the window; null where there is none.
+  nodeUnder(x: number, y: number): number | null {
+    const caster = this.casterAt(x, y);
+    let nearest = { distance: Infinity, node: -1 };
+    for (const batch of this.shown?.moving.batches ?? []) {
+      batch.mesh.boundingSphere = null; // its instances have moved since it was computed
+      for (const hit of caster.intersectObject(batch.mesh, false)) {
+        if (hit.distance < nearest.distance) nearest = { distance: hit.distance, node: batch.nodeAt(hit.instanceId ?? 0) };
+      }
+    }
+    return nearest.node < 0 ? null : nearest.node;
+  }
+
+  // Where a point of the world is on the window [px]; null behind the camera.
+  onWindow(point: Vector3): { x: number; y: number } | null {
+    const box = this.surface.getBoundingClientRect();
+    const p = point.clone().project(this.rig.camera);
+    return p.z > 1 ? null : { x: box.left + ((p.x + 1) / 2) * box.width, y: box.top + ((1 - p.y) / 2) * box.height };
+  }
+
+  private casterAt(x: number, y: number): Raycaster {
     const box = this.surface.getBoundingClientRect();
     const caster = new Raycaster();
     caster.setFromCamera(new Vector2(((x - box.left) / box.width) * 2 - 1, 1 - ((y - box.top) / box.height) * 2), this.rig.camera);
-    return { origin: caster.ray.origin, direction: caster.ray.direction };
+    return caster;
   }
 
   private placeGhosts(shown: Shown, poses: PoseTable, time_s: number): void {

@@ -1,0 +1,110 @@
+import { Vector3 } from 'three';
+
+import type { PeerLink } from '../live/peer_link';
+import type { Hit } from '../live/replies';
+import { refusalIn } from '../live/edits';
+import type { SceneView } from '../scene/scene_view';
+import { DragPlane } from './drag_plane';
+import { HandMotion } from './hand_motion';
+
+// A hand that takes an object, moves it in a plane parallel to the picture, and lets it go with the hand's velocity.
+//
+//   pointer down -> grab .. (applied) -> a pose for each picture -> pointer up: the last pose and release
+export interface HandListener {
+  onHolds(path: string | null): void;
+  onRefused(sentence: string): void;
+}
+
+interface Held {
+  readonly path: string;
+  readonly plane: DragPlane;
+  readonly motion: HandMotion;
+  state: 'asking' | 'holding' | 'released';
+  place: Vector3;
+  sent: number;
+  refused: boolean;
+}
+
+export class Hand {
+  private held: Held | null = null;
+  private pointer = { x: 0, y: 0 };
+
+  constructor(private readonly view: SceneView, private readonly link: PeerLink, private readonly listener: HandListener) {}
+
+  get path(): string | null {
+    return this.held?.path ?? null;
+  }
+
+  // Takes what the daemon's pick has met; `place` is where the object's frame is drawn.
+  async take(hit: Hit, place: Vector3, x: number, y: number): Promise<void> {
+    this.pointer = { x, y };
+    const ahead = this.view.rig.camera.getWorldDirection(new Vector3());
+    const plane = new DragPlane(new Vector3(...hit.position_m), place, ahead);
+    const held: Held = { path: hit.path, plane, motion: new HandMotion(), state: 'asking', place: place.clone(), sent: 0, refused: false };
+    this.held = held;
+    this.listener.onHolds(hit.path);
+    const outcome = await this.link.edit({ do: 'grab', path: hit.path });
+    if (!outcome.done) {
+      this.listener.onRefused(outcome.sentence);
+      this.drop(held);
+    } else if (held.state === 'released') {
+      void this.finish(held); // the pointer went up before the object was given
+    } else {
+      held.state = 'holding';
+    }
+  }
+
+  moveTo(x: number, y: number): void {
+    this.pointer = { x, y };
+  }
+
+  push(distance_m: number): void {
+    this.held?.plane.push(this.view.rig.camera.getWorldDirection(new Vector3()), distance_m);
+  }
+
+  // Once a picture: one pose, unless earlier ones still wait to be sent.
+  update(now_s: number): void {
+    const held = this.held;
+    if (held === null || held.state === 'released') return;
+    const ray = this.view.ray(this.pointer.x, this.pointer.y);
+    const place = held.plane.placeOn(ray.origin, ray.direction);
+    if (place === null) return;
+    held.place = place;
+    held.motion.add(now_s, [place.x, place.y, place.z]);
+    if (held.state === 'holding' && !this.link.connection.congested) this.send(held, now_s);
+  }
+
+  release(now_s: number): void {
+    const held = this.held;
+    if (held === null || held.state === 'released') return;
+    const holding = held.state === 'holding';
+    held.state = 'released';
+    if (!holding) return;
+    this.send(held, now_s);
+    void this.finish(held);
+  }
+
+  private send(held: Held, now_s: number): void {
+    held.sent += 1;
+    const pose = { object: held.path, position_m: held.place.toArray(), velocity_m_s: held.motion.velocityAt(now_s) };
+    void this.link.ask({ do: 'pose', ...pose }).then((reply) => {
+      const rows = reply['refused'] as { why: string }[] | undefined;
+      const why = Array.isArray(rows) ? rows[0]?.why : (refusalIn(reply) ?? undefined);
+      if (why === undefined || held.refused) return;
+      held.refused = true; // one sentence for one hold
+      this.listener.onRefused(`pose ${held.path}: ${why}`);
+    });
+  }
+
+  private async finish(held: Held): Promise<void> {
+    const outcome = await this.link.edit({ do: 'release', path: held.path });
+    if (!outcome.done) this.listener.onRefused(outcome.sentence);
+    this.drop(held);
+  }
+
+  private drop(held: Held): void {
+    if (this.held !== held) return;
+    this.held = null;
+    this.listener.onHolds(null);
+  }
+}
