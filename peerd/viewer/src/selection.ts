@@ -35,7 +35,7 @@ export class Selection {
   // A new scene file counts its nodes otherwise; what is not in it any more is not selected.
   follow(file: SceneFile): void {
     if (this.path_ === null) return;
-    const node = file.nodes.find((candidate) => candidate.path === this.path_);
+    const node = file.byPath.get(this.path_);
     if (node === undefined) this.clear();
     else this.node_ = node.index;
     void this.refresh();

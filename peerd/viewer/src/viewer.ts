@@ -129,7 +129,7 @@ export class Viewer {
   }
 
   select(path: string): boolean {
-    const node = this.view.file?.nodes.find((candidate) => candidate.path === path);
+    const node = this.view.file?.byPath.get(path);
     if (node !== undefined) this.selection.choose(node.index, node.path);
     return node !== undefined;
   }

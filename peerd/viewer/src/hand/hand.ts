@@ -21,13 +21,11 @@ interface Held {
   readonly motion: HandMotion;
   state: 'asking' | 'holding' | 'released';
   place: Vector3;
-  sent: number;
   refused: boolean;
 }
 
 export class Hand {
   private held: Held | null = null;
-  private pointer = { x: 0, y: 0 };
 
   constructor(private readonly view: SceneView, private readonly link: PeerLink, private readonly listener: HandListener) {}
 
@@ -36,11 +34,10 @@ export class Hand {
   }
 
   // Takes what the daemon's pick has met; `place` is where the object's frame is drawn.
-  async take(hit: Hit, place: Vector3, x: number, y: number): Promise<void> {
-    this.pointer = { x, y };
+  async take(hit: Hit, place: Vector3): Promise<void> {
     const ahead = this.view.rig.camera.getWorldDirection(new Vector3());
     const plane = new DragPlane(new Vector3(...hit.position_m), place, ahead);
-    const held: Held = { path: hit.path, plane, motion: new HandMotion(), state: 'asking', place: place.clone(), sent: 0, refused: false };
+    const held: Held = { path: hit.path, plane, motion: new HandMotion(), state: 'asking', place: place.clone(), refused: false };
     this.held = held;
     this.listener.onHolds(hit.path);
     const outcome = await this.link.edit({ do: 'grab', path: hit.path });
@@ -54,8 +51,13 @@ export class Hand {
     }
   }
 
-  moveTo(x: number, y: number): void {
-    this.pointer = { x, y };
+  // The pointer was at that place of the window at_s, which may be some time ago.
+  moveTo(x: number, y: number, at_s: number): void {
+    const ray = this.view.ray(x, y);
+    const place = this.held?.plane.placeOn(ray.origin, ray.direction) ?? null;
+    if (this.held === null || place === null) return;
+    this.held.place = place;
+    this.held.motion.add(at_s, [place.x, place.y, place.z]);
   }
 
   push(distance_m: number): void {
@@ -64,14 +66,7 @@ export class Hand {
 
   // Once a picture: one pose, unless earlier ones still wait to be sent.
   update(now_s: number): void {
-    const held = this.held;
-    if (held === null || held.state === 'released') return;
-    const ray = this.view.ray(this.pointer.x, this.pointer.y);
-    const place = held.plane.placeOn(ray.origin, ray.direction);
-    if (place === null) return;
-    held.place = place;
-    held.motion.add(now_s, [place.x, place.y, place.z]);
-    if (held.state === 'holding' && !this.link.connection.congested) this.send(held, now_s);
+    if (this.held?.state === 'holding' && !this.link.connection.congested) this.send(this.held, now_s);
   }
 
   release(now_s: number): void {
@@ -85,7 +80,6 @@ export class Hand {
   }
 
   private send(held: Held, now_s: number): void {
-    held.sent += 1;
     const pose = { object: held.path, position_m: held.place.toArray(), velocity_m_s: held.motion.velocityAt(now_s) };
     void this.link.ask({ do: 'pose', ...pose }).then((reply) => {
       const rows = reply['refused'] as { why: string }[] | undefined;

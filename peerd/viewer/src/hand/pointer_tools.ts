@@ -58,13 +58,15 @@ export class PointerTools {
       return;
     }
     this.listener.onPicked(hit);
-    const taken = this.hand.take(hit, place, x, y);
+    const taken = this.hand.take(hit, place);
     if (this.down === null) this.hand.release(this.listener.now_s());
     await taken;
   }
 
   private onMove(event: PointerEvent): void {
-    if (this.hand.path !== null) this.hand.moveTo(event.clientX, event.clientY);
+    if (this.hand.path === null) return;
+    const all = event.getCoalescedEvents(); // browsers give one event a picture; the hand's way is in these
+    for (const part of all.length > 0 ? all : [event]) this.hand.moveTo(part.clientX, part.clientY, part.timeStamp / 1000);
   }
 
   private async onUp(event: PointerEvent): Promise<void> {

@@ -24,7 +24,7 @@ export class ChartsPanel implements Panel {
   private readonly charts = [
     new Chart('Ghost error of own objects', [this.mean, this.most, this.selected], metresText),
     new Chart('Bytes a second', [this.bytesIn, this.bytesOut], (value) => `${bytesText(value)}`),
-    new Chart('Updates a second', [this.updatesIn, this.updatesOut], (value) => value.toFixed(value < 10 ? 1 : 0)),
+    new Chart('Updates a second', [this.updatesIn, this.updatesOut], (value) => String(Number(value.toPrecision(3)))),
   ];
 
   constructor() {

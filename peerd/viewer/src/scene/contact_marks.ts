@@ -84,7 +84,7 @@ export class ContactMarks implements Overlay {
 
   // The event says where the two objects were; the place of the contact is the collider's outermost towards the collidee.
   private placeOf(view: SceneView, event: ContactEvent): Vector3 | null {
-    const node = view.file?.nodes.find((candidate) => candidate.path === event.collider);
+    const node = view.file?.byPath.get(event.collider);
     if (view.file === null || view.frames === null || node === undefined) return null;
     view.frames.orientation(node.index, this.turn);
     const towards = new Vector3(...event.normal).negate();

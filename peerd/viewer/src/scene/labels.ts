@@ -30,6 +30,7 @@ export class Labels implements Overlay {
     const { shown } = this.bookOf();
     for (const node of view.file?.nodes ?? []) {
       if (view.frames?.position(node.index, this.point) !== true) continue;
+      this.point.y += 0.75 * view.radiusOf(node);
       const p = this.point.project(view.rig.camera);
       if (p.z > 1 || Math.abs(p.x) > 1 || Math.abs(p.y) > 1) continue;
       const whose = (shown.flags[node.index] & PoseFlag.own) !== 0 ? 'own' : shown.owner[node.index] === 0 ? 'nobodys' : 'remote';
@@ -44,6 +45,6 @@ export class Labels implements Overlay {
     element.hidden = false;
     setText(element, label.name);
     element.dataset['whose'] = label.whose;
-    element.style.transform = `translate(${label.x.toFixed(1)}px, ${label.y.toFixed(1)}px) translate(-50%, -150%)`;
+    element.style.transform = `translate(${label.x.toFixed(1)}px, ${label.y.toFixed(1)}px) translate(-50%, -100%)`;
   }
 }

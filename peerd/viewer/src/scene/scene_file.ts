@@ -41,6 +41,7 @@ export interface SceneFile {
   readonly extras: SceneExtras;
   readonly nodeCount: number;
   readonly nodes: readonly SceneNode[];
+  readonly byPath: ReadonlyMap<string, SceneNode>;
   readonly shapes: readonly MovingShape[];
   readonly standing: Object3D;
 }
@@ -91,7 +92,8 @@ function taken(gltf: GLTF): SceneFile {
     object.matrixAutoUpdate = false;
   });
   const json = gltf.parser.json as { nodes?: unknown[] };
-  return { revision: extras.revision ?? 0, extras, nodeCount: json.nodes?.length ?? 0, nodes, shapes, standing: root };
+  const byPath = new Map(nodes.map((node) => [node.path, node]));
+  return { revision: extras.revision ?? 0, extras, nodeCount: json.nodes?.length ?? 0, nodes, byPath, shapes, standing: root };
 }
 
 function nodeOf(object: Object3D, index: number, data: NodeExtras): SceneNode {

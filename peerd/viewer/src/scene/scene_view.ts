@@ -1,10 +1,11 @@
-import { Box3, Frustum, Matrix4, NeutralToneMapping, Raycaster, Scene, Sphere, Vector2, Vector3, WebGLRenderer } from 'three';
+import { Box3, Frustum, Matrix4, NeutralToneMapping, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from 'three';
 
 import type { PoseTable } from '../live/pose_table';
 import { Backdrop } from './backdrop';
 import { boundsOf, CameraRig } from './camera_rig';
 import { Dress } from './dress';
 import { MovingScene } from './moving_scene';
+import { nodeRadii } from './node_radii';
 import { OwnerColours, type Colouring } from './owner_colours';
 import { RigidFrames } from './rigid_frames';
 import type { SceneFile, SceneNode } from './scene_file';
@@ -22,6 +23,7 @@ interface Shown {
   readonly ghostFrames: RigidFrames;
   readonly colours: OwnerColours;
   readonly ghostColours: Float32Array;
+  readonly radii_m: Float64Array;
 }
 
 export class SceneView {
@@ -81,6 +83,7 @@ export class SceneView {
       ghostFrames: new RigidFrames(file.nodeCount),
       colours: new OwnerColours(file.nodeCount),
       ghostColours: new Float32Array(file.nodeCount * 3).fill(1),
+      radii_m: nodeRadii(file),
     };
     this.backdrop.show(file.extras, this.pageColour);
     if (first) this.firstLook(file);
@@ -129,14 +132,7 @@ export class SceneView {
   }
 
   radiusOf(node: SceneNode): number {
-    const sphere = new Sphere();
-    let radius_m = 0.1;
-    for (const shape of this.shown?.file.shapes ?? []) {
-      if (shape.node !== node.index || shape.geometry.boundingSphere === null) continue;
-      sphere.copy(shape.geometry.boundingSphere).applyMatrix4(shape.nodeFromShape);
-      radius_m = Math.max(radius_m, sphere.center.length() + sphere.radius);
-    }
-    return radius_m;
+    return this.shown?.radii_m[node.index] ?? 0;
   }
 
   // The ray through a place of the window [px].

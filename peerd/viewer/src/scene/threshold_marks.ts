@@ -10,7 +10,7 @@ export class ThresholdMarks implements Overlay {
   visible = false;
   private mesh: InstancedMesh | null = null;
   private readonly geometry = new SphereGeometry(1, 20, 12);
-  private readonly material = new MeshBasicMaterial({ color: 0xf59e0b, wireframe: true, transparent: true, opacity: 0.22, depthWrite: false, fog: false });
+  private readonly material = new MeshBasicMaterial({ color: 0xf59e0b, wireframe: true, transparent: true, opacity: 0.28, depthTest: false, depthWrite: false, fog: false });
 
   constructor(private readonly bookOf: () => PoseBook) {}
 

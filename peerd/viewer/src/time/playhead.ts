@@ -103,8 +103,9 @@ export class Playhead {
   // What has not moved since the page was opened stands where the file has it, if that scene had it.
   private placeAll(revision: number): void {
     const then = this.ids.nodeOf(revision);
+    const present = then === undefined ? null : new Set(then);
     for (const node of this.file?.nodes ?? []) {
-      if (then === undefined || then.includes(node.index)) this.book.shown.place(node.index, node.pose, node.owner);
+      if (present === null || present.has(node.index)) this.book.shown.place(node.index, node.pose, node.owner);
     }
   }
 }
