@@ -94,7 +94,7 @@ export class Viewer {
     this.objects = new ObjectsPanel((peer) => this.link.nameOf(peer), (node) => this.selection.choose(node.index, node.path));
     this.inspector = new InspectorPanel({ edit: (r) => this.edit(r), lookAt: () => this.lookAtSelected(), nameOf: (peer) => this.link.nameOf(peer) });
     this.world = new WorldPanel({ edit: (request) => this.edit(request) });
-    this.toolbar = new Toolbar(this.options, { visit: (viewpoint) => this.view.rig.visit(viewpoint), fit: () => this.view.rig.fit(this.view.bounds()) });
+    this.toolbar = new Toolbar(this.options, { visit: (viewpoint) => this.view.visit(viewpoint), fit: () => this.view.fit() });
     this.timeline = new Timeline(this.head, () => this.now_s());
     this.layout = new Layout(this.header.element, this.timeline.element, [this.objects, this.peersPanel, this.log], [this.inspector, this.world, this.charts]);
     this.contactMarks = new ContactMarks((until_s, since_s) => this.contacts.between(since_s, until_s));
@@ -309,13 +309,13 @@ export class Viewer {
   private picture(): void {
     requestAnimationFrame(() => this.picture());
     const now_s = this.now_s();
-    const elapsed_s = Math.min(0.25, now_s - this.last_s);
+    const elapsed_s = now_s - this.last_s;
     this.last_s = now_s;
     this.hand.update(now_s);
     this.head.advance(elapsed_s);
     if (this.head.state === 'playing') this.drawSoon();
     if (now_s > this.drawUntil_s) return;
-    this.view.place(this.head.book.shown, this.head.book.ghost, this.head.shownAt(now_s), elapsed_s);
+    this.view.place(this.head.book.shown, this.head.book.ghost, this.head.shownAt(now_s), Math.min(0.25, elapsed_s));
     this.pictureWork_ms = performance.now() - 1000 * now_s;
     this.view.render();
     this.pictures += 1;

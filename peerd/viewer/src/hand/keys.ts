@@ -25,7 +25,7 @@ export class Keys {
       if (this.rig.key(event, true)) event.preventDefault();
       return;
     }
-    event.preventDefault();
+    if (!event.ctrlKey && !event.metaKey && !/^F\d+$/.test(event.key)) event.preventDefault(); // those stay the browser's, too
     if (!this.listener.mayEdit()) this.listener.onKey('this page is read-only: it has no token, so keys do not reach the world', false);
     else void this.send(event);
   }

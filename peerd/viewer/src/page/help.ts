@@ -7,7 +7,7 @@ const kRows: readonly (readonly [string, string])[] = [
   ['Drag', 'Orbit: turn around the world. Fly: look around. Hand: take the object, and throw it by letting go'],
   ['Wheel', 'nearer and farther; with a held object: push and pull it'],
   ['Right drag', 'Orbit: move sideways'],
-  ['Keys', 'go to the world’s KeySensors, with Shift, Control, Alt and Meta, while the picture has the focus (click it). Each repeat of a held key is another press'],
+  ['Keys', 'go to the world’s KeySensors, with Shift, Control and Meta, while the picture has the focus (click it). Each repeat of a held key is another press'],
   ['Alt + W A S D Q E, Alt + arrows', 'move the camera. With Show, “Keys move the camera” they do so without Alt, and no key goes to the world'],
   ['Tab', 'goes through all controls; it never goes to the world'],
   ['Space on the time line’s button', 'pause and play on; the slider goes back up to a minute'],

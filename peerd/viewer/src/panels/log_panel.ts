@@ -21,7 +21,7 @@ export class LogPanel implements Panel {
   }
 
   add(kind: LogKind, sentence: string, at: Date = new Date()): void {
-    const line = make('li', { class: 'log-line', 'data-kind': kind === 'fault' ? 'refused' : kind }, make('time', {}, at.toLocaleTimeString()), make('span', {}, sentence));
+    const line = make('li', { class: 'log-line', 'data-kind': kind === 'fault' ? 'refused' : kind }, make('time', {}, at.toLocaleTimeString('en-GB')), make('span', {}, sentence));
     this.list.prepend(line);
     while (this.list.childElementCount > kMostLines) this.list.lastElementChild?.remove();
   }

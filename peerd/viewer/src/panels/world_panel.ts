@@ -65,7 +65,7 @@ export class WorldPanel implements Panel {
     fill(
       this.undrawn,
       rows.length === 0 ? make('p', { class: 'muted' }, 'Everything in the world is drawn.') : make('p', { class: 'muted' }, `Not drawn: ${rows.length}`),
-      rows.length > 0 && make('ul', { class: 'undrawn' }, ...rows.slice(0, 100).map((row) => make('li', {}, make('code', {}, row.path), ` ${row.what}: ${row.why}`))),
+      rows.length > 0 && make('ul', { class: 'undrawn' }, ...rows.slice(0, 100).map((row) => make('li', {}, make('code', {}, row.path), ` ${row.what}${row.count === undefined ? '' : `, ${row.count} times`}: ${row.why}`))),
     );
   }
 

@@ -1,4 +1,4 @@
-import { Box3, PerspectiveCamera, Quaternion, Vector3, type Object3D } from 'three';
+import { Box3, type Matrix4, PerspectiveCamera, Quaternion, Vector3, type Object3D } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 
 import type { Viewpoint } from './scene_file';
@@ -68,6 +68,18 @@ export class CameraRig {
     this.camera.updateProjectionMatrix();
     const ahead = new Vector3(0, 0, -1).applyQuaternion(turn);
     this.goTo(eye, turn, eye.clone().addScaledVector(ahead, Math.max(2, Math.min(eye.length(), this.worldRadius_m))));
+  }
+
+  // Moves the camera and what it turns around by a rigid motion of the world.
+  carry(motion: Matrix4): void {
+    const turn = new Quaternion().setFromRotationMatrix(motion);
+    this.camera.position.applyMatrix4(motion);
+    this.camera.quaternion.premultiply(turn);
+    this.orbit.target.applyMatrix4(motion);
+    if (this.travel === null) return;
+    this.travel.to.applyMatrix4(motion);
+    this.travel.toQ.premultiply(turn);
+    this.travel.centre.applyMatrix4(motion);
   }
 
   lookAt(point: Vector3, radius_m: number): void {

@@ -11,11 +11,20 @@ export class RigidFrames {
   readonly rows: Float64Array;
   readonly known: Uint8Array;
   private readonly pose = new Float64Array(7);
-  private readonly matrix = new Matrix4();
+  private readonly scratch = new Matrix4();
 
   constructor(nodeCount: number) {
     this.rows = new Float64Array(nodeCount * kFrameNumbers);
     this.known = new Uint8Array(nodeCount);
+  }
+
+  // Where the scene file has them, before any pose has come.
+  placeAsFiled(nodes: readonly SceneNode[]): void {
+    for (const { index, pose } of nodes) {
+      this.pose.set(pose);
+      this.known[index] = 1;
+      this.write(index * kFrameNumbers);
+    }
   }
 
   update(nodes: readonly SceneNode[], table: PoseTable, time_s: number): void {
@@ -35,11 +44,14 @@ export class RigidFrames {
     return this.known[node] === 1;
   }
 
-  orientation(node: number, out: Quaternion): void {
+  matrix(node: number, out: Matrix4): Matrix4 {
     const r = this.rows;
-    const at = node * kFrameNumbers;
-    this.matrix.set(r[at], r[at + 1], r[at + 2], 0, r[at + 4], r[at + 5], r[at + 6], 0, r[at + 8], r[at + 9], r[at + 10], 0, 0, 0, 0, 1);
-    out.setFromRotationMatrix(this.matrix);
+    const a = node * kFrameNumbers;
+    return out.set(r[a], r[a + 1], r[a + 2], r[a + 3], r[a + 4], r[a + 5], r[a + 6], r[a + 7], r[a + 8], r[a + 9], r[a + 10], r[a + 11], 0, 0, 0, 1);
+  }
+
+  orientation(node: number, out: Quaternion): void {
+    out.setFromRotationMatrix(this.matrix(node, this.scratch));
   }
 
   private write(at: number): void {

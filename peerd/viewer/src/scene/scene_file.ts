@@ -1,4 +1,4 @@
-import { Matrix4, Mesh, TextureLoader, type BufferGeometry, type Material, type Object3D } from 'three';
+import { Light, Matrix4, Mesh, TextureLoader, type BufferGeometry, type Material, type Object3D } from 'three';
 import { GLTFLoader, type GLTF, type GLTFParser } from 'three/addons/loaders/GLTFLoader.js';
 
 // scene.glb as the page needs it: what stands, and for each node that can move its shapes in the node's own frame.
@@ -18,9 +18,15 @@ export interface MovingShape {
   readonly nodeFromShape: Matrix4;
 }
 
+// The lights of a moving node, below an object whose matrix is the node's frame.
+export interface CarriedLights {
+  readonly node: number;
+  readonly object: Object3D;
+}
+
 export interface Viewpoint {
   readonly description: string;
-  readonly position_m: readonly [number, number, number];
+  readonly position_m: readonly [number, number, number]; // in the frame of `node`, or of the world without one
   readonly orientation_xyzw: readonly [number, number, number, number];
   readonly field_of_view_rad: number;
   readonly node?: number;
@@ -33,7 +39,7 @@ export interface SceneExtras {
   readonly background?: Record<string, unknown>;
   readonly fog?: Record<string, unknown>;
   readonly navigation?: { readonly type?: string | readonly string[]; readonly speed?: number; readonly headlight?: boolean };
-  readonly undrawn?: readonly { readonly path: string; readonly what: string; readonly why: string }[];
+  readonly undrawn?: readonly { readonly path: string; readonly what: string; readonly why: string; readonly count?: number }[];
 }
 
 export interface SceneFile {
@@ -43,6 +49,7 @@ export interface SceneFile {
   readonly nodes: readonly SceneNode[];
   readonly byPath: ReadonlyMap<string, SceneNode>;
   readonly shapes: readonly MovingShape[];
+  readonly carried: readonly CarriedLights[];
   readonly standing: Object3D;
 }
 
@@ -80,6 +87,7 @@ function taken(gltf: GLTF): SceneFile {
   const extras = ((gltf.asset as { extras?: SceneExtras }).extras ?? {}) as SceneExtras;
   const nodes: SceneNode[] = [];
   const shapes: MovingShape[] = [];
+  const carried: CarriedLights[] = [];
   for (const object of [...root.children]) {
     const data = object.userData as NodeExtras;
     const index = gltf.parser.associations.get(object)?.nodes;
@@ -87,13 +95,14 @@ function taken(gltf: GLTF): SceneFile {
     nodes.push(nodeOf(object, index, data));
     collectShapes(object, index, shapes);
     root.remove(object);
+    if (keepsLightsAlone(object)) carried.push({ node: index, object });
   }
   root.traverse((object) => {
     object.matrixAutoUpdate = false;
   });
   const json = gltf.parser.json as { nodes?: unknown[] };
   const byPath = new Map(nodes.map((node) => [node.path, node]));
-  return { revision: extras.revision ?? 0, extras, nodeCount: json.nodes?.length ?? 0, nodes, byPath, shapes, standing: root };
+  return { revision: extras.revision ?? 0, extras, nodeCount: json.nodes?.length ?? 0, nodes, byPath, shapes, carried, standing: root };
 }
 
 function nodeOf(object: Object3D, index: number, data: NodeExtras): SceneNode {
@@ -116,4 +125,17 @@ function collectShapes(object: Object3D, node: number, shapes: MovingShape[]): v
     const nodeFromShape = new Matrix4().multiplyMatrices(nodeFromWorld, mesh.matrixWorld);
     shapes.push({ node, geometry: mesh.geometry, material: mesh.material, nodeFromShape });
   });
+}
+
+// Takes all meshes out of a node, and says whether it has lights.
+function keepsLightsAlone(object: Object3D): boolean {
+  const meshes: Object3D[] = [];
+  let lights = 0;
+  object.traverse((part) => {
+    if (part instanceof Mesh) meshes.push(part);
+    if (part instanceof Light) ++lights;
+  });
+  for (const mesh of meshes) mesh.removeFromParent();
+  object.matrixAutoUpdate = false;
+  return lights > 0;
 }

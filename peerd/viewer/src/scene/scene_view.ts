@@ -1,4 +1,4 @@
-import { Box3, Frustum, Matrix4, NeutralToneMapping, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from 'three';
+import { Box3, Frustum, Matrix4, NeutralToneMapping, Quaternion, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from 'three';
 
 import type { PoseTable } from '../live/pose_table';
 import { Backdrop } from './backdrop';
@@ -7,8 +7,9 @@ import { Dress } from './dress';
 import { MovingScene } from './moving_scene';
 import { nodeRadii } from './node_radii';
 import { OwnerColours, type Colouring } from './owner_colours';
+import { Ride } from './ride';
 import { RigidFrames } from './rigid_frames';
-import type { SceneFile, SceneNode } from './scene_file';
+import type { SceneFile, SceneNode, Viewpoint } from './scene_file';
 
 // The picture of one scene file, with poses for what moves. A new scene file replaces all but the camera.
 export interface Overlay {
@@ -36,6 +37,7 @@ export class SceneView {
   private readonly renderer: WebGLRenderer;
   private readonly backdrop: Backdrop;
   private readonly dress = new Dress();
+  private readonly ride = new Ride();
   private readonly frustum = new Frustum();
   private readonly viewProjection = new Matrix4();
   private shown: Shown | null = null;
@@ -74,7 +76,8 @@ export class SceneView {
     if (this.shown !== null) this.clear(this.shown);
     const moving = new MovingScene(file.shapes, (own) => this.dress.materialFor(own, this.colouring_));
     const ghosts = new MovingScene(file.shapes, (own) => this.dress.ghostMaterialFor(own));
-    this.scene.add(file.standing, moving.group, ghosts.group);
+    this.scene.add(file.standing, moving.group, ghosts.group, ...file.carried.map(({ object }) => object));
+    this.ride.end();
     this.shown = {
       file,
       moving,
@@ -85,9 +88,31 @@ export class SceneView {
       ghostColours: new Float32Array(file.nodeCount * 3).fill(1),
       radii_m: nodeRadii(file),
     };
+    this.shown.frames.placeAsFiled(file.nodes);
     this.backdrop.show(file.extras, this.pageColour);
     if (first) this.firstLook(file);
     else this.rig.measure(this.bounds());
+  }
+
+  // The viewpoint of a moving node is where the node is now, and goes with it.
+  visit(viewpoint: Viewpoint): void {
+    const { node } = viewpoint;
+    this.ride.end();
+    const frames = this.shown?.frames;
+    if (node === undefined || frames === undefined || frames.known[node] === 0) {
+      this.rig.visit(viewpoint);
+      return;
+    }
+    const motion = frames.matrix(node, new Matrix4());
+    const turn = new Quaternion(...viewpoint.orientation_xyzw).premultiply(new Quaternion().setFromRotationMatrix(motion));
+    const place = new Vector3(...viewpoint.position_m).applyMatrix4(motion);
+    this.rig.visit({ ...viewpoint, position_m: place.toArray(), orientation_xyzw: [turn.x, turn.y, turn.z, turn.w] });
+    this.ride.begin(node, frames);
+  }
+
+  fit(): void {
+    this.ride.end();
+    this.rig.fit(this.bounds());
   }
 
   setPageColour(colour: string): void {
@@ -116,6 +141,11 @@ export class SceneView {
     colours.update(file.nodes, poses, this.colouring_, this.selected);
     this.instancesDrawn = moving.update(frames, this.frustum, colours.rgb);
     this.placeGhosts(this.shown, ghosts, time_s);
+    for (const { node, object } of file.carried) {
+      frames.matrix(node, object.matrix);
+      object.matrixWorldNeedsUpdate = true;
+    }
+    this.ride.update(frames, this.rig);
     for (const overlay of this.overlays) overlay.update(this, time_s);
   }
 
@@ -175,15 +205,15 @@ export class SceneView {
   }
 
   private firstLook(file: SceneFile): void {
-    const box = this.bounds();
     const viewpoint = file.extras.viewpoints?.[0];
-    this.rig.measure(box);
-    if (viewpoint !== undefined) this.rig.visit(viewpoint);
-    else this.rig.fit(box);
+    this.rig.measure(this.bounds());
+    if (viewpoint !== undefined) this.visit(viewpoint);
+    else this.fit();
   }
 
   private clear(shown: Shown): void {
     shown.file.standing.removeFromParent();
+    for (const { object } of shown.file.carried) object.removeFromParent();
     shown.moving.dispose();
     shown.ghosts.dispose();
     for (const shape of shown.file.shapes) shape.geometry.dispose();

@@ -1,6 +1,5 @@
 import { Box3, Box3Helper, Color, Matrix4, Vector3 } from 'three';
 
-import { kFrameNumbers } from './rigid_frames';
 import type { SceneFile } from './scene_file';
 import type { Overlay, SceneView } from './scene_view';
 
@@ -26,7 +25,7 @@ export class SelectionBox implements Overlay {
     this.helper.visible = node !== null && file !== null && frames !== null && frames.known[node] === 1;
     if (!this.helper.visible || node === null || file === null || frames === null) return;
     this.measure(file, node);
-    this.frame.copy(frameOf(frames.rows, node * kFrameNumbers, this.frame));
+    frames.matrix(node, this.frame);
     this.helper.matrixWorld.copy(this.frame);
     this.helper.matrixWorld.scale(this.size).setPosition(this.centre.clone().applyMatrix4(this.frame));
   }
@@ -44,8 +43,4 @@ export class SelectionBox implements Overlay {
     box.getSize(this.size).multiplyScalar(0.5);
     box.getCenter(this.centre);
   }
-}
-
-function frameOf(r: Float64Array, at: number, out: Matrix4): Matrix4 {
-  return out.set(r[at], r[at + 1], r[at + 2], r[at + 3], r[at + 4], r[at + 5], r[at + 6], r[at + 7], r[at + 8], r[at + 9], r[at + 10], r[at + 11], 0, 0, 0, 1);
 }
