@@ -141,6 +141,12 @@ void add_own_options(CLI::App& command, PeerOptions& peer, RunFlags& flags, cons
   command.add_option("--control", peer.control,
                      "where peerd ctl reaches this peer: the path of a socket, or \"\" for none (default: the "
                      "configuration's, else one in this user's own folder)");
+  command
+      .add_option("--view", peer.view,
+                  "serve the viewer at this ADDRESS:PORT (default: the configuration's, else none; without a value "
+                  "127.0.0.1:0, a port that the system chooses)")
+      ->expected(0, 1)
+      ->default_str("127.0.0.1:0");
   command.add_option("--record", peer.record, "write what this peer did and believed to a file when it leaves");
   command.add_flag("--take-over", peer.take_over,
                    "begin at once, without asking for a second whether this peer is running already: that one ends");

@@ -236,6 +236,7 @@ HostTime Peer::next_deadline() const {
 
 PeerId Peer::id() const { return impl_->parts.config.id; }
 const Scene& Peer::scene() const { return *impl_->parts.model->scene; }
+const WorldModel& Peer::model() const { return *impl_->parts.model; }
 const NodeData& Peer::data() const { return impl_->parts.living.data(); }
 const Conflicts& Peer::conflicts() const { return impl_->parts.living.conflicts(); }
 const OperationBody* Peer::find(const OperationKey& operation) const { return impl_->parts.living.find(operation); }
@@ -245,6 +246,10 @@ std::optional<PeerId> Peer::follows() const { return impl_->parts.time.follows()
 const Membership& Peer::members() const { return impl_->parts.members; }
 const Owners& Peer::owners() const { return impl_->parts.owners; }
 bool Peer::owns_any() const { return impl_->parts.own.size() > 0; }
+std::optional<double> Peer::threshold_m(ObjectId object) const {
+  const OwnObject* const own = std::as_const(impl_->parts.own).find(object);
+  return own == nullptr ? std::nullopt : own->threshold_m;
+}
 std::optional<SimTime> Peer::world_zero() const { return impl_->parts.world_time.zero(); }
 std::optional<double> Peer::time_sensors_limited_at() const { return impl_->parts.scripted.limited_at(); }
 

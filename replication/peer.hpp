@@ -95,6 +95,8 @@ class Peer {
   [[nodiscard]] PeerId id() const;
   // The scene as all operations until the last tick have made it.
   [[nodiscard]] const Scene& scene() const;
+  // What collides and what carries in that scene.
+  [[nodiscard]] const WorldModel& model() const;
   // The data of applications at nodes, as all operations until the last tick have made them.
   [[nodiscard]] const NodeData& data() const;
   // The losses of operations by others that did not know them, and an operation; null: it is not known.
@@ -108,6 +110,9 @@ class Peer {
   [[nodiscard]] PeerId owner(ObjectId object) const { return owners().of(object); }
   [[nodiscard]] const Owners& owners() const;
   [[nodiscard]] bool owns_any() const;  // this peer
+  // The error threshold of an own object's updates [m], as it was when the object was checked last; none: it is none,
+  // or has not been checked.
+  [[nodiscard]] std::optional<double> threshold_m(ObjectId object) const;
   // Session time at which the world's TimeSensors began, the same on all peers; none until one of them has said.
   [[nodiscard]] std::optional<SimTime> world_zero() const;
   // World time [s] since which the world's TimeSensors stand still (PredefinedMotion::transition_limit_reached_at).

@@ -66,7 +66,7 @@ void add_objects(ordered_json& reply, const PeerNode& node, HostTime now, const 
   }
 }
 
-ordered_json status(PeerNode& node, HostTime now, const net::TrafficCounters* network) {
+ordered_json status(PeerNode& node, HostTime now, const MoreCounters& more) {
   const replication::Peer& peer = node.peer();
   const auto& clock = peer.clock();
   const auto since = [&](std::optional<SimTime> begin) -> ordered_json {
@@ -93,7 +93,7 @@ ordered_json status(PeerNode& node, HostTime now, const net::TrafficCounters* ne
   }
   add_objects(reply, node, now, {}, /*own=*/true);
   reply["counters"] = node.log().counters;
-  if (network != nullptr) reply["counters"].update(ordered_json(network->named()));
+  if (more) reply["counters"].update(ordered_json(more()));
   return reply;
 }
 
@@ -278,12 +278,13 @@ ordered_json world_reply(const PeerNode& node) {
 
 }  // namespace
 
+std::string done_reply() { return line_of(good()); }
+
 std::string refusal(const std::string& sentence) {
   return line_of({{"v", feed::kMessageVersion}, {"ok", false}, {"error", sentence}});
 }
 
-Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host_minus_wall,
-              const net::TrafficCounters* network) {
+Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host_minus_wall, const MoreCounters& more) {
   const auto request = parse_request(line);
   if (!request) return {refusal(request.error())};
   if (const auto* key = std::get_if<KeyRequest>(&*request)) {
@@ -312,7 +313,7 @@ Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host
   }
   if (std::holds_alternative<WorldRequest>(*request)) return {line_of(world_reply(node))};
   if (std::holds_alternative<LeaveRequest>(*request)) return {line_of(good()), /*leave=*/true};
-  return {line_of(status(node, now, network))};
+  return {line_of(status(node, now, more))};
 }
 
 }  // namespace peerd::api

@@ -111,6 +111,11 @@ std::optional<config::SceneEdit::Kind> edit_kind(std::string_view word) {
 
 }  // namespace
 
+bool changes_something(const Request& request) {
+  return std::holds_alternative<KeyRequest>(request) || std::holds_alternative<PoseRequest>(request) ||
+         std::holds_alternative<EditRequest>(request) || std::holds_alternative<LeaveRequest>(request);
+}
+
 std::expected<Request, std::string> parse_request(std::string_view line) {
   const auto object = feed::parse_json_object(line);
   if (!object) return std::unexpected(object.error());

@@ -62,6 +62,9 @@ using Request =
     std::variant<KeyRequest, StatusRequest, PeersRequest, ObjectsRequest, LeaveRequest, PoseRequest, EditRequest,
                  OperationRequest, DataRequest, ConflictsRequest, SubscribeRequest, WorldRequest>;
 
+// Whether the request changes something, if only at this peer: a key, poses, an edit, leaving.
+[[nodiscard]] bool changes_something(const Request& request);
+
 // Parses one line of hostile input. The error is one sentence for its sender.
 [[nodiscard]] std::expected<Request, std::string> parse_request(std::string_view line);
 

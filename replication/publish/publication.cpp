@@ -165,6 +165,7 @@ void Publication::publish(SimTime t) {
     const bool undecided = !own.driven && decisions_.awaits_decision_on(object);
     const GhostError error = undecided ? GhostError{} : ghost_error(truth, ghost, own.bounding_radius_m);
     const double threshold_m = thresholds_.at(object, t);
+    own.threshold_m = threshold_m;
     if (const auto reason = why_due(object, own, t, threshold_m, truth, ghost, error)) {
       if (config_.policy.bytes_per_s) {
         due_updates_.push_back({{object, &own, error, threshold_m}, *reason});

@@ -1,0 +1,12 @@
+#pragma once
+#include <string>
+
+#include "peerd/picture/scene_picture.hpp"
+
+namespace peerd::picture {
+
+// Returns the picture as glTF 2.0 binary. docs/reference/gateway.md says which node is what, and what extras there are.
+// Colours become linear, as glTF has them; those in extras stay as the file has them.
+[[nodiscard]] std::string write_glb(const ScenePicture& picture);
+
+}  // namespace peerd::picture
