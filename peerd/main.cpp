@@ -26,6 +26,7 @@
 #include "peerd/commands/collide_command.hpp"
 #include "peerd/commands/ctl_command.hpp"
 #include "peerd/commands/doctor_command.hpp"
+#include "peerd/commands/export_command.hpp"
 #include "peerd/commands/join_command.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/replay_command.hpp"
@@ -450,6 +451,16 @@ Command add_bake(CLI::App& app) {
   return {command, [flags] { return run_bake(flags->world, flags->options, std::cout, std::cerr); }};
 }
 
+Command add_export(CLI::App& app) {
+  const auto flags = std::make_shared<WorldFlags<ExportOptions>>();
+  CLI::App* const command =
+      add_world_command(app, "export", "write a world as other programs draw it, and say what is left out", *flags);
+  command->add_option("--gltf", flags->options.gltf, "the file to write: glTF 2.0, binary (.glb)")->required();
+  command->add_option("--at", flags->options.at_s, "when: the time of its TimeSensors [s] (default: 0)")
+      ->transform(number_in(kWorldTimes_s));
+  return {command, [flags] { return run_export(flags->world, flags->options, std::cout, std::cerr); }};
+}
+
 // Both tables of options of a command that runs a peer.
 struct PeerFlags {
   PeerOptions peer;
@@ -755,9 +766,10 @@ int run(int argc, char** argv) {
   const std::span words(argv, static_cast<std::size_t>(argc));
   print_errors_as_json(std::ranges::find(words, std::string_view("--json")) != words.end());
   // The commands are in the order of the help.
-  const std::array commands{add_run(app),    add_join(app),     add_ls(app),    add_record(app),  add_replay(app),
-                            add_sim(app),    add_scenario(app), add_check(app), add_collide(app), add_bake(app),
-                            add_doctor(app), add_ctl(app),      add_store(app), add_help(app),    add_version(app)};
+  const std::array commands{add_run(app),     add_join(app),  add_ls(app),       add_record(app),
+                            add_replay(app),  add_sim(app),   add_scenario(app), add_check(app),
+                            add_collide(app), add_bake(app),  add_export(app),   add_doctor(app),
+                            add_ctl(app),     add_store(app), add_help(app),     add_version(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "collision/scene/scene_query.hpp"
 #include "core/scene/scene.hpp"
 #include "peerd/picture/picture_input.hpp"
 

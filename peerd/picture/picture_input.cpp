@@ -7,6 +7,15 @@
 
 namespace peerd::picture {
 
+ImageLoader images_of(FileLoader files, std::string world_file) {
+  return [files = std::move(files),
+          world_file = std::move(world_file)](std::string_view url) -> std::expected<std::string, std::string> {
+    auto file = files(url, world_file);
+    if (!file) return std::unexpected(file.error());
+    return std::move(file->bytes);
+  };
+}
+
 Scene scene_at(const Scene& scene, double t_s) {
   Scene out = scene;
   if (t_s < 0.0) return out;

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <expected>
 #include <functional>
@@ -9,11 +10,17 @@
 #include "core/ids.hpp"
 #include "core/math.hpp"
 #include "core/scene/scene.hpp"
+#include "core/vrml/file_loader.hpp"
 
 namespace peerd::picture {
 
 // An ImageLoader reads the file behind the URL of an ImageTexture, or says in a few words why it cannot.
 using ImageLoader = std::function<std::expected<std::string, std::string>(std::string_view url)>;
+
+// The longest image that a picture takes [bytes].
+inline constexpr std::size_t kImage_bytes = std::size_t{16} << 20;
+// Reads images as `files` reads them for a world whose file has that name.
+[[nodiscard]] ImageLoader images_of(FileLoader files, std::string world_file);
 
 // All that a picture is made of, at one instant. It refers to nothing that changes later, so that the picture may be
 // made on another thread.

@@ -73,13 +73,15 @@ class PoseTable {
   [[nodiscard]] const Times& times() const { return times_; }
 
  private:
-  void add_row(PoseKind kind, std::uint32_t i, const Pose& pose, const PeerNode& node);
+  void add_row(PoseKind kind, PoseRow row, const Pose& pose);
 
   std::uint32_t revision_ = 0;
   std::shared_ptr<const Scene> scene_;
   std::optional<PredefinedMotion> motion_;  // of what no peer knows; none: there is nothing
   Movers movers_;
-  std::vector<Pose> ghosts_, shown_;  // by mover; the ghosts are unsmoothed
+  std::optional<SimTime> at_;         // the instant; none: before a session
+  std::vector<Pose> ghosts_, shown_;  // by mover; the ghosts only of those that carry others
+  std::vector<bool> carries_;
   std::vector<PoseRow> rows_[kPoseKinds];
   Times times_;
 };
