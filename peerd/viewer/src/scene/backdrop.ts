@@ -38,6 +38,8 @@ const kSkyRings = 64; // 2.8 degrees a ring: bands of a gradient are not seen
 export class Backdrop {
   private readonly headlight = new DirectionalLight(0xffffff, 1.6);
   private readonly sky: Mesh<SphereGeometry, MeshBasicMaterial>;
+  private readonly fromAbove = new HemisphereLight(0xffffff, 0x8890a0, 1);
+  private readonly everywhere = new AmbientLight(0xffffff, 0.25);
   private ownBackground = false;
 
   constructor(private readonly scene: Scene, private readonly camera: Camera) {
@@ -51,10 +53,13 @@ export class Backdrop {
     // The headlight shines where the camera looks; the dim light from above keeps what it does not reach readable.
     camera.add(this.headlight, this.headlight.target);
     this.headlight.target.position.set(0, 0, -1);
-    scene.add(camera, this.sky, new HemisphereLight(0xffffff, 0x8890a0, 0.9), new AmbientLight(0xffffff, 0.25));
+    scene.add(camera, this.sky, this.fromAbove, this.everywhere);
   }
 
-  show(extras: SceneExtras, pageColour: string): void {
+  // A world with lights of its own is lit by them; the light from above is only so much that shadows are not black.
+  show(extras: SceneExtras, hasLights: boolean, pageColour: string): void {
+    this.fromAbove.intensity = hasLights ? 0.45 : 0.9;
+    this.headlight.intensity = hasLights ? 0.8 : 1.6;
     const background = extras.background as BackgroundFields | undefined;
     this.ownBackground = (background?.sky_color?.length ?? 0) > 0;
     this.sky.visible = this.ownBackground;

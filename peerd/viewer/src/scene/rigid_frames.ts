@@ -27,10 +27,12 @@ export class RigidFrames {
     }
   }
 
-  update(nodes: readonly SceneNode[], table: PoseTable, time_s: number): void {
+  // `flagged`, where given: the nodes of `table` alone whose flags there have `flag`.
+  update(nodes: readonly SceneNode[], table: PoseTable, time_s: number, flagged?: PoseTable, flag = 0): void {
     for (let i = 0; i < nodes.length; ++i) {
       const node = nodes[i].index;
-      const known = table.sample(node, time_s, this.pose);
+      const wanted = flagged === undefined || (flagged.flags[node] & flag) !== 0;
+      const known = wanted && table.sample(node, time_s, this.pose);
       this.known[node] = known ? 1 : 0;
       if (known) this.write(node * kFrameNumbers);
     }

@@ -1,5 +1,7 @@
-import { Light, Matrix4, Mesh, TextureLoader, type BufferGeometry, type Material, type Object3D } from 'three';
+import { Matrix4, Mesh, TextureLoader, type BufferGeometry, type Material, type Object3D } from 'three';
 import { GLTFLoader, type GLTF, type GLTFParser } from 'three/addons/loaders/GLTFLoader.js';
+
+import { setLights } from './lights';
 
 // scene.glb as the page needs it: what stands, and for each node that can move its shapes in the node's own frame.
 export interface SceneNode {
@@ -50,6 +52,7 @@ export interface SceneFile {
   readonly byPath: ReadonlyMap<string, SceneNode>;
   readonly shapes: readonly MovingShape[];
   readonly carried: readonly CarriedLights[];
+  readonly hasLights: boolean; // of its own, beside the headlight
   readonly standing: Object3D;
 }
 
@@ -97,12 +100,13 @@ function taken(gltf: GLTF): SceneFile {
     root.remove(object);
     if (keepsLightsAlone(object)) carried.push({ node: index, object });
   }
+  const lightCount = carried.length + setLights(root);
   root.traverse((object) => {
     object.matrixAutoUpdate = false;
   });
   const json = gltf.parser.json as { nodes?: unknown[] };
   const byPath = new Map(nodes.map((node) => [node.path, node]));
-  return { revision: extras.revision ?? 0, extras, nodeCount: json.nodes?.length ?? 0, nodes, byPath, shapes, carried, standing: root };
+  return { revision: extras.revision ?? 0, extras, nodeCount: json.nodes?.length ?? 0, nodes, byPath, shapes, carried, hasLights: lightCount > 0, standing: root };
 }
 
 function nodeOf(object: Object3D, index: number, data: NodeExtras): SceneNode {
@@ -130,12 +134,10 @@ function collectShapes(object: Object3D, node: number, shapes: MovingShape[]): v
 // Takes all meshes out of a node, and says whether it has lights.
 function keepsLightsAlone(object: Object3D): boolean {
   const meshes: Object3D[] = [];
-  let lights = 0;
   object.traverse((part) => {
     if (part instanceof Mesh) meshes.push(part);
-    if (part instanceof Light) ++lights;
   });
   for (const mesh of meshes) mesh.removeFromParent();
   object.matrixAutoUpdate = false;
-  return lights > 0;
+  return setLights(object) > 0;
 }

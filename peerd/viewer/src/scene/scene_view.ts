@@ -1,5 +1,6 @@
 import { Box3, Frustum, Matrix4, NeutralToneMapping, Quaternion, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from 'three';
 
+import { PoseFlag } from '../live/pose_frame';
 import type { PoseTable } from '../live/pose_table';
 import { Backdrop } from './backdrop';
 import { boundsOf, CameraRig } from './camera_rig';
@@ -89,7 +90,7 @@ export class SceneView {
       radii_m: nodeRadii(file),
     };
     this.shown.frames.placeAsFiled(file.nodes);
-    this.backdrop.show(file.extras, this.pageColour);
+    this.backdrop.show(file.extras, file.hasLights, this.pageColour);
     if (first) this.firstLook(file);
     else this.rig.measure(this.bounds());
   }
@@ -140,7 +141,7 @@ export class SceneView {
     frames.update(file.nodes, poses, time_s);
     colours.update(file.nodes, poses, this.colouring_, this.selected);
     this.instancesDrawn = moving.update(frames, this.frustum, colours.rgb);
-    this.placeGhosts(this.shown, ghosts, time_s);
+    this.placeGhosts(this.shown, poses, ghosts, time_s);
     for (const { node, object } of file.carried) {
       frames.matrix(node, object.matrix);
       object.matrixWorldNeedsUpdate = true;
@@ -198,10 +199,12 @@ export class SceneView {
     return caster;
   }
 
-  private placeGhosts(shown: Shown, poses: PoseTable, time_s: number): void {
+  // Beside own objects only: what is shown of other peers' objects is their ghost.
+  private placeGhosts(shown: Shown, poses: PoseTable, ghosts: PoseTable, time_s: number): void {
     shown.ghosts.group.visible = this.showsGhosts;
-    shown.ghostFrames.update(shown.file.nodes, poses, time_s);
-    if (this.showsGhosts) shown.ghosts.update(shown.ghostFrames, this.frustum, shown.ghostColours);
+    if (!this.showsGhosts) return;
+    shown.ghostFrames.update(shown.file.nodes, ghosts, time_s, poses, PoseFlag.own);
+    shown.ghosts.update(shown.ghostFrames, this.frustum, shown.ghostColours);
   }
 
   private firstLook(file: SceneFile): void {
