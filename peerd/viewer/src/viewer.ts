@@ -55,9 +55,11 @@ export class Viewer {
   readonly view: SceneView;
   readonly contacts: ContactBook;
   readonly selection: Selection;
+  // What a script on the page may listen to: "select", "scene" and "event" (one of the daemon's).
+  readonly happenings = new EventTarget();
   pictures = 0;
   pictureWork_ms = 0; // of our own code in the last picture
-  private readonly canvas = make('canvas', { class: 'picture', tabindex: 0, 'aria-label': 'Picture of the world. Keys go to its sensors.' });
+  private readonly canvas = make('canvas', { class: 'picture', tabindex: 0, role: 'application', 'aria-label': 'Picture of the world. Keys go to its sensors.' });
   private readonly theme = new ThemeChoice();
   private readonly help = new Help();
   private readonly header = new Header(this.theme, () => this.help.open());
@@ -176,6 +178,7 @@ export class Viewer {
     this.selection.follow(file);
     this.view.selected = this.selection.node;
     this.layout.badge('objects', file.nodes.length);
+    this.happened('scene', file.revision);
     this.drawSoon();
   }
 
@@ -190,6 +193,7 @@ export class Viewer {
       return;
     }
     this.contacts.take(event);
+    this.happened('event', event);
     this.log.add(event.event === 'contact' ? 'contact' : 'event', eventText(event, (peer) => this.link.nameOf(peer)));
     if (event.event === 'owner' && event['object'] === this.selection.path) void this.selection.refresh();
     this.drawSoon();
@@ -210,6 +214,7 @@ export class Viewer {
   private onSelected(node: number | null): void {
     this.view.selected = node;
     this.before.node = -1;
+    this.happened('select', this.selection.path);
     if (node !== null) this.layout.show('object');
     this.drawSoon();
   }
@@ -300,6 +305,10 @@ export class Viewer {
     this.toolbar.element.addEventListener('change', () => this.drawSoon());
     this.timeline.element.addEventListener('input', () => this.drawSoon());
     this.timeline.element.addEventListener('click', () => this.drawSoon());
+  }
+
+  private happened(name: string, detail: unknown): void {
+    this.happenings.dispatchEvent(new CustomEvent(name, { detail }));
   }
 
   private drawSoon(): void {

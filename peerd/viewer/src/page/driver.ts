@@ -38,6 +38,11 @@ export class Driver {
     return { instances: view.instancesDrawn, calls: view.drawCalls, work_ms: pictureWork_ms };
   }
 
+  // Calls the listener with each path that is selected (null: nothing), each revision of the scene, each event of the daemon.
+  on(name: 'select' | 'scene' | 'event', listener: (detail: unknown) => void): void {
+    this.viewer.happenings.addEventListener(name, (happening) => listener((happening as CustomEvent<unknown>).detail));
+  }
+
   set_time(time_s: number): void {
     this.viewer.head.pauseAt(time_s);
   }
