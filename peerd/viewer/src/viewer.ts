@@ -24,10 +24,12 @@ import { InspectorPanel } from './panels/inspector_panel';
 import { LogPanel, type LogKind } from './panels/log_panel';
 import { ObjectsPanel } from './panels/objects_panel';
 import { PeersPanel } from './panels/peers_panel';
+import { Speedometer } from './panels/speedometer';
 import { WorldPanel } from './panels/world_panel';
 import { ContactMarks } from './scene/contact_marks';
 import { Labels } from './scene/labels';
-import { loadSceneFile, type SceneFile } from './scene/scene_file';
+import type { SceneFile } from './scene/scene_file';
+import { SceneLoader } from './scene/scene_loader';
 import { SceneView } from './scene/scene_view';
 import { SelectionBox } from './scene/selection_box';
 import { ThresholdMarks } from './scene/threshold_marks';
@@ -78,12 +80,11 @@ export class Viewer {
   private readonly thresholds = new ThresholdMarks(() => this.head.book);
   private readonly contactMarks: ContactMarks;
   private readonly offline = make('div', { class: 'offline', role: 'alert', hidden: true }, 'No connection to the peer. Trying again…');
-  private loading: Promise<void> | null = null;
-  private loadAgain = false;
+  private readonly scene = new SceneLoader('api/v1/scene.glb', (file) => this.showScene(file), (sentence) => this.say('fault', sentence));
+  private readonly speedometer = new Speedometer();
   private drawUntil_s = Infinity;
   private last_s = 0;
   private readonly latest = new Float64Array(7);
-  private readonly before = { time_s: NaN, place: new Vector3(), speed_m_s: NaN, node: -1 };
 
   constructor(root: HTMLElement) {
     this.link = new PeerLink(tokenOf(location.hash), {
@@ -137,35 +138,12 @@ export class Viewer {
   }
 
   private onOpen(): Promise<void> {
-    return this.loadScene().then(async () => {
+    return this.scene.load().then(async () => {
       for (const request of [{ do: 'subscribe' }, { do: 'watch', hz: kHz, kinds: ['shown', 'truth', 'ghost'] }]) {
         const reply = await this.link.ask(request);
         if (!reply.ok) this.say('fault', `${request.do}: ${reply.error ?? ''}`);
       }
     });
-  }
-
-  // One fetch at a time; what is edited meanwhile is fetched after it.
-  private loadScene(): Promise<void> {
-    if (this.loading !== null) {
-      this.loadAgain = true;
-      return this.loading;
-    }
-    this.loading = this.fetchScene().finally(() => {
-      this.loading = null;
-      if (!this.loadAgain) return;
-      this.loadAgain = false;
-      void this.loadScene();
-    });
-    return this.loading;
-  }
-
-  private async fetchScene(): Promise<void> {
-    try {
-      this.showScene(await loadSceneFile('api/v1/scene.glb'));
-    } catch (fault) {
-      this.say('fault', `the scene cannot be shown: ${fault instanceof Error ? fault.message : String(fault)}`);
-    }
   }
 
   private showScene(file: SceneFile): void {
@@ -189,7 +167,7 @@ export class Viewer {
 
   private onEvent(event: DaemonEvent): void {
     if (event.event === 'scene') {
-      void this.loadScene();
+      void this.scene.load();
       return;
     }
     this.contacts.take(event);
@@ -213,7 +191,6 @@ export class Viewer {
 
   private onSelected(node: number | null): void {
     this.view.selected = node;
-    this.before.node = -1;
     this.happened('select', this.selection.path);
     if (node !== null) this.layout.show('object');
     this.drawSoon();
@@ -349,21 +326,12 @@ export class Viewer {
     const { shown } = this.head.book;
     const place = shown.latest(node, this.latest) ? this.latest : null;
     const own = (shown.flags[node] & PoseFlag.own) !== 0;
-    this.inspector.update({ place, speed_m_s: this.speedOf(node, place), error_m: own ? this.head.book.errorOf(node) : NaN, threshold_m: shown.threshold_m[node] ?? NaN });
-  }
-
-  // From two readings of the place, a quarter of a second apart.
-  private speedOf(node: number, place: Float64Array | null): number {
-    const { before } = this;
     const time_s = this.head.state === 'live' ? this.now_s() : this.head.shownAt(0);
-    if (place === null) return NaN;
-    const here = new Vector3(place[0], place[1], place[2]);
-    const since_s = time_s - before.time_s;
-    if (before.node !== node || since_s < 0) before.speed_m_s = NaN;
-    else if (since_s > 0) before.speed_m_s = here.distanceTo(before.place) / since_s;
-    before.place.copy(here);
-    before.time_s = time_s;
-    before.node = node;
-    return before.speed_m_s;
+    this.inspector.update({
+      place,
+      speed_m_s: this.speedometer.read(node, time_s, place),
+      error_m: own ? this.head.book.errorOf(node) : NaN,
+      threshold_m: shown.threshold_m[node] ?? NaN,
+    });
   }
 }
