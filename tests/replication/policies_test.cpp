@@ -35,7 +35,8 @@ std::set<PeerId> deciders(Lan& lan, std::size_t i) {
   std::set<PeerId> named;
   for (const auto& [at, out] : lan.node(i).outputs) {
     const auto* c = std::get_if<ContactSeen>(&out);
-    if (c != nullptr && (c->kind == ContactKind::kDecided || c->kind == ContactKind::kApplied)) named.insert(c->decider);
+    if (c != nullptr && (c->kind == ContactKind::kDecided || c->kind == ContactKind::kApplied))
+      named.insert(c->decider);
   }
   return named;
 }
