@@ -192,6 +192,39 @@ bool Peer::change_velocity(HostTime now, ObjectId object, const Vec3& velocity, 
   return true;
 }
 
+bool Peer::begin_driving(HostTime now, ObjectId object) {
+  PeerParts& p = impl_->parts;
+  OwnObject* const own = p.own.find(object);
+  if (!p.replica.begun() || own == nullptr) return false;
+  if (own->driven) return true;
+  const SimTime t = std::max(p.to_session(now), p.ticks.last_time());
+  MotionWorld& truth = p.replica.truth();
+  p.replica.advance_truth(t);
+  // Let go in the air, it falls as before, also where it rested on something meanwhile.
+  truth.set_free_acceleration(object, truth.unborne_acceleration(object, t));
+  const MotionModel law(at_rest(truth.relative_at(object, t).pose()));
+  p.launches.forget(object);
+  own->driven = true;
+  own->models.reset();
+  own->poses = {};
+  truth.declare(object, Role::kDriven);
+  truth.set_base(object, t, law);
+  p.own.check(object);
+  return true;
+}
+
+void Peer::end_driving(HostTime now, ObjectId object, const KinematicState& state) {
+  PeerParts& p = impl_->parts;
+  OwnObject* const own = p.own.find(object);
+  if (!p.replica.begun() || own == nullptr || !own->driven) return;
+  const SimTime t = std::max(p.to_session(now), p.ticks.last_time());
+  p.replica.advance_truth(t);
+  own->driven = false;
+  own->models.reset();
+  p.replica.truth().declare(object, Role::kAuthoritative);
+  p.launches.let_go(t, object, state);
+}
+
 void Peer::announce_start(SimTime start) {
   impl_->parts.world_time.announce_start(start);
   impl_->keeper.reintroduce();

@@ -61,6 +61,12 @@ class Peer {
   // replaces it, or adds to it. False, and nothing done, for any other object and before a session. publish_now() or
   // the next tick publishes it.
   bool change_velocity(HostTime now, ObjectId object, const Vec3& velocity, bool absolute);
+  // From now on samples move an object that this peer owns, as of those that PeerConfig says are driven. False, and
+  // nothing done, for any other object and before a session.
+  bool begin_driving(HostTime now, ObjectId object);
+  // What drove the object lets go of it: from now on it moves as physics has it, from that state in the world.
+  // publish_now() or the next tick publishes it.
+  void end_driving(HostTime now, ObjectId object, const KinematicState& state);
   // This peer's hellos say from now on when motions by formula begin. Peers that run such motions together follow the
   // peer with the lowest id. The time is also time 0 of the world's TimeSensors where the session has none yet.
   void announce_start(SimTime start);

@@ -27,10 +27,12 @@
 #include "peerd/gateway/gateway.hpp"
 #include "peerd/gateway/listen_address.hpp"
 #include "peerd/input/json_line.hpp"
+#include "peerd/input/world_file.hpp"
 #include "peerd/node/describe.hpp"
 #include "peerd/node/peer_node.hpp"
 #include "peerd/os/host_clock.hpp"
 #include "peerd/os/udp_port.hpp"
+#include "peerd/picture/picture_input.hpp"
 #include "peerd/record/capture.hpp"
 #include "peerd/store/operation_store.hpp"
 #include "peerd/store/store_folder.hpp"
@@ -137,6 +139,12 @@ Result<std::unique_ptr<api::ControlServer>> open_control(asio::io_context& io, c
   }
   log(spdlog::level::info, fmt::format("listens for peerd ctl at {}", place.socket.string()));
   return opened;
+}
+
+// The images of a world that came from elsewhere have not come with it.
+picture::ImageLoader images_for(const PeerOptions& options, const config::Scenario& scenario) {
+  if (options.joined) return {};
+  return picture::images_of(config::local_files(picture::kImage_bytes), scenario.world.string());
 }
 
 // The result is null where nobody has asked for a viewer.
@@ -530,7 +538,7 @@ int run_peer(const PeerOptions& options) {
   auto control = open_control(io, control_place(options, run.control, settings, log), daemon, log);
   if (!control) return failed(control.error());
   if (*control) daemon.publish_to(**control);
-  ViewedPeer viewed(daemon, *node);
+  ViewedPeer viewed(io, daemon, *node, parts->world_name(options), images_for(options, parts->scenario));
   auto gateway = open_gateway(io, options, run.gateway, viewed, log);
   if (!gateway) return failed(gateway.error());
   if (*gateway) {

@@ -198,6 +198,13 @@ ordered_json pose_reply(const feed::Outcome& outcome) {
   return reply;
 }
 
+ordered_json let_go_reply(const std::expected<void, std::string>& done) {
+  ordered_json reply = good();
+  reply["done"] = done.has_value();
+  if (!done) reply["refused"] = done.error();
+  return reply;
+}
+
 ordered_json edit_reply(const EditReport& report) {
   ordered_json reply = good();
   reply["edit"] = name_of(report.edit);
@@ -299,6 +306,9 @@ Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host
   if (const auto* poses = std::get_if<PoseRequest>(&*request)) {
     const feed::Outcome outcome = node.on_poses(now, host_minus_wall, poses->poses);
     return {poses->reply ? line_of(pose_reply(outcome)) : ""};
+  }
+  if (const auto* hand = std::get_if<LetGoRequest>(&*request)) {
+    return {line_of(let_go_reply(node.let_go(now, hand->path)))};
   }
   if (const auto* edit = std::get_if<EditRequest>(&*request)) return {line_of(edit_reply(node.edit(now, edit->edit)))};
   if (const auto* operation = std::get_if<OperationRequest>(&*request)) {

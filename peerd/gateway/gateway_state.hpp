@@ -9,6 +9,7 @@
 #include <boost/asio/io_context.hpp>
 
 #include "peerd/control/event_kind.hpp"
+#include "peerd/gateway/access.hpp"
 #include "peerd/gateway/gateway_counters.hpp"
 #include "peerd/gateway/gateway_source.hpp"
 #include "peerd/gateway/turns.hpp"
@@ -65,6 +66,7 @@ class GatewayState {
   GatewaySource& source;
   const ViewerAssets assets;
   const std::string token;
+  const std::string start_number = make_token();  // revisions of another start are other scenes
   std::uint16_t port = 0;
   std::shared_ptr<Turns> turns;
   std::set<std::shared_ptr<Connection>> connections;

@@ -29,6 +29,7 @@ using boost::system::error_code;
 using Response = http::response<http::span_body<const char>>;
 
 constexpr int kHttp11 = 11;
+constexpr unsigned kNotModified = 304, kCannotBe = 500;
 constexpr const char* kPolicy =
     "default-src 'self'; style-src 'self' 'unsafe-inline'; connect-src 'self'; img-src 'self' data: blob:; "
     "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'self'";
@@ -164,6 +165,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     deadline_.cancel();
     state_->turns->add([self = shared_from_this(), asked = std::move(route)] {
       if (self->is_over()) return;
+      if (std::holds_alternative<SceneRoute>(asked)) return self->answer_with_scene();
       self->respond(self->reply_to(asked), self->parser_->get().keep_alive());
     });
   }
@@ -181,8 +183,32 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     if (std::holds_alternative<MetricsRoute>(route)) {
       return HttpReply::of(state_->source.metrics(), "text/plain; version=0.0.4; charset=utf-8");
     }
-    if (std::holds_alternative<SceneRoute>(route)) return refused(RefusalKind::kNotFound);
     return reply_to_request(request.body());
+  }
+
+  void answer_with_scene() {
+    state_->source.make_scene([self = shared_from_this()](const SceneFile& scene) {
+      if (self->is_over()) return;
+      self->respond(self->scene_reply(scene), self->parser_->get().keep_alive());
+    });
+  }
+
+  HttpReply scene_reply(const SceneFile& scene) {
+    if (scene.glb == nullptr) {
+      HttpReply reply = HttpReply::of(api::refusal(scene.why_not));
+      reply.status = kCannotBe;
+      return reply;
+    }
+    HttpReply reply;
+    reply.content_type = "model/gltf-binary";
+    reply.etag = '"' + state_->start_number + '-' + std::to_string(scene.revision) + '"';
+    if (view(parser_->get()[http::field::if_none_match]) == reply.etag) {
+      reply.status = kNotModified;
+      return reply;
+    }
+    reply.owner = scene.glb;
+    reply.body = *scene.glb;
+    return reply;
   }
 
   HttpReply reply_to_request(const std::string& body) {

@@ -1,5 +1,8 @@
 #include "peerd/gateway/live_connection.hpp"
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -149,6 +152,61 @@ class LiveConnection : public Connection, public std::enable_shared_from_this<Li
     return std::move(answer.line);
   }
 
+  std::string answer(const WatchRequest& asked) {
+    poses_.watch(asked.watch);
+    frame_period_ = std::chrono::nanoseconds(std::llround(1e9 / asked.hz));
+    watches_ = true;
+    next_frame_at_ = std::chrono::steady_clock::now();
+    await_frame();
+    return api::done_reply();
+  }
+  std::string answer(const UnwatchRequest& /*asked*/) {
+    watches_ = frame_due_ = false;
+    frame_timer_.cancel();
+    return api::done_reply();
+  }
+  std::string answer(const PickRequest& asked) { return state_->source.pick(asked.origin, asked.direction); }
+  std::string answer(const InspectRequest& asked) { return state_->source.inspect(asked.node); }
+
+  // Frames that could not be sent in time are left out.
+  void await_frame() {
+    frame_timer_.expires_at(next_frame_at_);
+    frame_timer_.async_wait([self = shared_from_this()](const error_code& cancelled) {
+      if (cancelled || self->is_over()) return;
+      self->next_frame_at_ = std::max(self->next_frame_at_ + self->frame_period_, std::chrono::steady_clock::now());
+      self->await_frame();
+      self->ask_for_frame();
+    });
+  }
+
+  void ask_for_frame() {
+    if (std::exchange(frame_waits_, true)) return;
+    state_->turns->add([self = shared_from_this()] {
+      self->frame_waits_ = false;
+      if (!self->is_over() && self->watches_) self->make_frame();
+    });
+  }
+
+  // While another one, or a line, is on its way, there is none: the next one is newer.
+  void make_frame() {
+    if (writes_) {
+      if (!std::exchange(frame_due_, true)) ++state_->counters.frames_late;
+      return;
+    }
+    frame_due_ = false;
+    note_revision(state_->source.revision());
+    if (writes_) {
+      frame_due_ = true;
+      return;
+    }
+    const auto frame = state_->source.next_frame(poses_);
+    ++state_->counters.frames;
+    state_->counters.frame_bytes += frame.size();
+    stream_.binary(true);
+    writes_frame_ = true;
+    send(asio::buffer(frame.data(), frame.size()));
+  }
+
   std::string refused(RefusalKind kind, const std::string& sentence) {
     state_->note(kind);
     return api::refusal(sentence);
@@ -164,8 +222,7 @@ class LiveConnection : public Connection, public std::enable_shared_from_this<Li
 
   // One thing is on its way at a time: a line, or a frame of poses.
   void write() {
-    if (writes_ || is_over()) return;
-    if (out_.empty()) return;
+    if (writes_ || is_over() || out_.empty()) return;
     writing_ = out_.take_front();
     stream_.text(true);
     send(asio::buffer(writing_.text));
@@ -188,9 +245,13 @@ class LiveConnection : public Connection, public std::enable_shared_from_this<Li
     });
   }
 
+  // Lines and frames take turns where both wait.
   void wrote() {
+    const bool was_frame = std::exchange(writes_frame_, false);
     const bool was_reply = std::exchange(writing_, {}).is_reply;
+    if (frame_due_ && !was_frame) make_frame();
     write();
+    if (frame_due_ && !writes_) make_frame();
     if (was_reply && !is_over()) read();
   }
 
@@ -204,8 +265,15 @@ class LiveConnection : public Connection, public std::enable_shared_from_this<Li
   api::PendingLines::Line writing_;
   api::EventKinds wanted_{};
   std::uint32_t revision_ = 0;  // that the client knows of
-  bool accepted_ = false;       // it is a WebSocket now
-  bool may_change_ = false;     // the client has shown the token
+  picture::PoseStream poses_;
+  std::chrono::nanoseconds frame_period_{0};
+  std::chrono::steady_clock::time_point next_frame_at_;
+  bool watches_ = false;
+  bool frame_waits_ = false;   // for its turn
+  bool frame_due_ = false;     // as soon as nothing else is on its way
+  bool writes_frame_ = false;  // what is on its way is a frame
+  bool accepted_ = false;      // it is a WebSocket now
+  bool may_change_ = false;    // the client has shown the token
   bool writes_ = false;
   bool over_ = false;
 };

@@ -1,7 +1,10 @@
 #include "peerd/gateway/live_request.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cassert>
 #include <limits>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -12,6 +15,44 @@ namespace peerd::gateway {
 namespace {
 
 constexpr std::int64_t kSequenceMax = (std::int64_t{1} << 53) - 1;  // the largest that every reader of JSON keeps
+
+constexpr double kHzMin = 1.0, kHzMax = 120.0;
+constexpr std::int64_t kNodeMax = std::numeric_limits<std::uint32_t>::max();
+constexpr std::array<std::pair<std::string_view, picture::PoseKind>, picture::kPoseKinds> kKinds{
+    {{"shown", picture::PoseKind::kShown}, {"truth", picture::PoseKind::kTruth}, {"ghost", picture::PoseKind::kGhost}}};
+
+picture::PoseKinds read_kinds(feed::JsonMembers& members) {
+  const auto names = members.texts("kinds");
+  if (!names) return picture::set_of(picture::PoseKind::kShown);
+  picture::PoseKinds kinds = 0;
+  for (const std::string& name : *names) {
+    const auto known = std::ranges::find(kKinds, name, [](const auto& kind) { return kind.first; });
+    if (known == kKinds.end()) {
+      members.fail("kinds", "has \"" + name + "\", which is none of \"shown\", \"truth\" and \"ghost\"");
+    } else {
+      kinds = static_cast<picture::PoseKinds>(kinds | picture::set_of(known->second));
+    }
+  }
+  return kinds;
+}
+
+WatchRequest read_watch(feed::JsonMembers& members) {
+  WatchRequest request;
+  if (const auto hz = members.number("hz")) request.hz = *hz;
+  if (!(request.hz >= kHzMin && request.hz <= kHzMax)) members.fail("hz", "has to be from 1 to 120");
+  request.watch.kinds = read_kinds(members);
+  if (!members.has("near")) return request;
+  if (const nlohmann::json* const inside = members.object("near")) {
+    feed::JsonMembers near(*inside);
+    picture::PoseStream::Near sphere;
+    sphere.center_m = near.required(near.numbers<3>("center_m"), "center_m");
+    sphere.radius_m = near.required(near.number("radius_m"), "radius_m");
+    if (!(sphere.radius_m > 0.0)) near.fail("radius_m", "has to be above 0");
+    if (const std::string error = near.finish(); !error.empty()) members.fail("near", error);
+    request.watch.near = sphere;
+  }
+  return request;
+}
 
 }  // namespace
 
@@ -31,6 +72,16 @@ std::expected<LiveRequest, std::string> parse_live_request(std::string_view mess
   const std::string what = members.text("do").value_or("");
   if (what == "token") {
     request.what = TokenRequest{members.required(members.text("token"), "token")};
+  } else if (what == "watch") {
+    request.what = read_watch(members);
+  } else if (what == "unwatch") {
+    request.what = UnwatchRequest{};
+  } else if (what == "pick") {
+    const Vec3 origin = members.required(members.numbers<3>("origin_m"), "origin_m");
+    request.what = PickRequest{origin, members.required(members.numbers<3>("direction"), "direction")};
+  } else if (what == "inspect") {
+    if (!members.has("node")) members.fail("node", "is missing");
+    request.what = InspectRequest{static_cast<std::uint32_t>(members.whole("node", 0, 0, kNodeMax))};
   } else {
     request.what = PlainRequest{json_line(*object)};
     return request;

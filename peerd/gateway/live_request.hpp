@@ -6,6 +6,9 @@
 #include <string_view>
 #include <variant>
 
+#include "core/math.hpp"
+#include "peerd/picture/pose_frame.hpp"
+
 namespace peerd::gateway {
 
 // The messages of a WebSocket's client: requests of the control protocol, and some of the gateway's own.
@@ -17,9 +20,20 @@ struct TokenRequest {
 struct PlainRequest {
   std::string line;
 };
+struct WatchRequest {
+  double hz = 20.0;
+  picture::PoseStream::Watch watch;
+};
+struct UnwatchRequest {};
+struct PickRequest {
+  Vec3 origin, direction;
+};
+struct InspectRequest {
+  std::uint32_t node = 0;
+};
 struct LiveRequest {
   std::optional<std::int64_t> sequence;  // which the reply repeats
-  std::variant<PlainRequest, TokenRequest> what;
+  std::variant<PlainRequest, TokenRequest, WatchRequest, UnwatchRequest, PickRequest, InspectRequest> what;
 };
 
 // Parses one message of hostile input. The error is one sentence for its sender.

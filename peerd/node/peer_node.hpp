@@ -3,6 +3,7 @@
 #include <expected>
 #include <map>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -81,7 +82,11 @@ class PeerNode {
   [[nodiscard]] bool stores() const { return options_.stores; }
   // An external program sends poses of the objects that it moves. An update of each object whose ghost is beyond its
   // threshold leaves at once. Unix time + `host_minus_wall` is the time of this host.
+  // So is what this peer has grabbed, from the first pose that is taken until it is released.
   feed::Outcome on_poses(HostTime now, Duration host_minus_wall, std::span<const feed::FedPose> poses);
+  // Poses move that object no more, which this peer has grabbed and goes on to own: it moves as its last poses moved
+  // it, until the next one. The error says why not.
+  std::expected<void, std::string> let_go(HostTime now, const std::string& path);
   // Counts a datagram of the pose port that is no message of poses.
   void refuse_poses(const std::string& why) { feeds_.refuse_message(why); }
   void leave(HostTime now);
@@ -128,6 +133,10 @@ class PeerNode {
   void make_edits(HostTime now);
   EditReport undo(HostTime now, const config::SceneEdit& edit);
   EditReport change_owner(HostTime now, const config::SceneEdit& edit);
+  void feed_grabbed(HostTime now, const std::string& path);
+  void drive_fed(HostTime now);
+  void let_go(HostTime now, ObjectId object);
+  void let_go_of_lost(HostTime now);
   void on_request(HostTime now, const replication::ObjectRequested& asked);
   void follow_scene();
   // The session time of the next edit of the settings; max(): none is left, or the start is not known.
@@ -144,6 +153,7 @@ class PeerNode {
   const SharedWorld& shared_;
   config::Motions motions_;
   feed::PoseFeeds feeds_;
+  std::set<ObjectId> fed_while_held_;  // those of `feeds_` that no configuration names
   Options options_;
   replication::PeerConfig config_;
   replication::Peer peer_;
