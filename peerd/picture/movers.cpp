@@ -31,7 +31,20 @@ Movers with_what_moves(const Scene& scene, std::vector<ObjectId> known) {
 
 }  // namespace
 
-Movers movers_of(const Scene& scene) { return with_what_moves(scene, founder_objects(scene)); }
+Movers movers_of(const Scene& scene) {
+  std::vector<ObjectId> known = founder_objects(scene);
+  const auto add = [&](ObjectId id) {
+    if (scene.at(id).kind == NodeKind::kTransform) known.push_back(id);
+  };
+  for (const CollisionInterest& interest : scene.interests) {
+    add(interest.collider);
+    for (const ObjectId id : interest.collidees) add(id);
+  }
+  for (const KeySensor& sensor : scene.key_sensors) {
+    if (sensor.recipient) add(*sensor.recipient);
+  }
+  return with_what_moves(scene, std::move(known));
+}
 
 Movers movers_of(const replication::Peer& peer, const Movers& before) {
   const Scene& scene = peer.scene();

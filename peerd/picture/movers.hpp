@@ -20,8 +20,8 @@ struct Movers {
   std::vector<bool> of_peer;
 };
 
-// The movers of a world that no peer runs: what the world moves itself, and what its file gives to the founder of a
-// session.
+// The movers of a world that no peer runs: what the world moves itself, and what peers may: what its file gives to the
+// founder of a session, and the Transforms that interests and KeySensors name.
 [[nodiscard]] Movers movers_of(const Scene& scene);
 // The movers of a peer's world as it is now: the carriers of its model, what somebody owns or has owned (`before`: what
 // they were until now), and what the file moves besides.
