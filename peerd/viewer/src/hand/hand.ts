@@ -9,7 +9,7 @@ import { HandMotion } from './hand_motion';
 
 // A hand that takes an object, moves it in a plane parallel to the picture, and lets it go with the hand's velocity.
 //
-//   pointer down -> grab .. (applied) -> a pose for each picture -> pointer up: the last pose and release
+//   pointer down -> grab .. (applied) -> a pose for each picture -> pointer up: the last pose, then let_go
 export interface HandListener {
   onHolds(path: string | null): void;
   onRefused(sentence: string): void;
@@ -21,8 +21,12 @@ interface Held {
   readonly motion: HandMotion;
   state: 'asking' | 'holding' | 'released';
   place: Vector3;
-  refused: boolean;
+  since_s: number; // when it began to be held
+  taken: number; // poses that the daemon has taken
+  refused: boolean; // and the page has said so
 }
+
+const kPatience_s = 0.5; // right after a grab the first poses may be refused
 
 export class Hand {
   private held: Held | null = null;
@@ -37,7 +41,7 @@ export class Hand {
   async take(hit: Hit, place: Vector3): Promise<void> {
     const ahead = this.view.rig.camera.getWorldDirection(new Vector3());
     const plane = new DragPlane(new Vector3(...hit.position_m), place, ahead);
-    const held: Held = { path: hit.path, plane, motion: new HandMotion(), state: 'asking', place: place.clone(), refused: false };
+    const held: Held = { path: hit.path, plane, motion: new HandMotion(), state: 'asking', place: place.clone(), since_s: Infinity, taken: 0, refused: false };
     this.held = held;
     this.listener.onHolds(hit.path);
     const outcome = await this.link.edit({ do: 'grab', path: hit.path });
@@ -66,7 +70,10 @@ export class Hand {
 
   // Once a picture: one pose, unless earlier ones still wait to be sent.
   update(now_s: number): void {
-    if (this.held?.state === 'holding' && !this.link.connection.congested) this.send(this.held, now_s);
+    const held = this.held;
+    if (held?.state !== 'holding' || this.link.connection.congested) return;
+    held.since_s = Math.min(held.since_s, now_s);
+    void this.send(held, now_s);
   }
 
   release(now_s: number): void {
@@ -74,25 +81,26 @@ export class Hand {
     if (held === null || held.state === 'released') return;
     const holding = held.state === 'holding';
     held.state = 'released';
-    if (!holding) return;
-    this.send(held, now_s);
-    void this.finish(held);
+    if (holding) void this.send(held, now_s).then(() => this.finish(held));
   }
 
-  private send(held: Held, now_s: number): void {
+  private async send(held: Held, now_s: number): Promise<void> {
     const pose = { object: held.path, position_m: held.place.toArray(), velocity_m_s: held.motion.velocityAt(now_s) };
-    void this.link.ask({ do: 'pose', ...pose }).then((reply) => {
-      const rows = reply['refused'] as { why: string }[] | undefined;
-      const why = Array.isArray(rows) ? rows[0]?.why : (refusalIn(reply) ?? undefined);
-      if (why === undefined || held.refused) return;
-      held.refused = true; // one sentence for one hold
-      this.listener.onRefused(`pose ${held.path}: ${why}`);
-    });
+    const reply = await this.link.ask({ do: 'pose', ...pose });
+    held.taken += Number(reply['taken'] ?? 0);
+    const rows = reply['refused'] as { why: string }[] | undefined;
+    const why = Array.isArray(rows) ? rows[0]?.why : (refusalIn(reply) ?? undefined);
+    if (why === undefined || held.refused || now_s < held.since_s + kPatience_s) return;
+    held.refused = true; // one sentence for one hold
+    this.listener.onRefused(`pose ${held.path}: ${why}`);
   }
 
+  // The object flies on. What no pose has moved needs no letting go.
   private async finish(held: Held): Promise<void> {
-    const outcome = await this.link.edit({ do: 'release', path: held.path });
-    if (!outcome.done) this.listener.onRefused(outcome.sentence);
+    if (held.taken > 0) {
+      const outcome = await this.link.edit({ do: 'let_go', path: held.path });
+      if (!outcome.done) this.listener.onRefused(outcome.sentence);
+    }
     this.drop(held);
   }
 
