@@ -164,7 +164,7 @@ async function pickAndReadOwner(page) {
 
 // The hand takes the puck of another peer, draws it towards the stone and lets it go on the way.
 async function grabAndThrow(page, pages) {
-  await page.tab.locator('[data-tool=hand]').first().click();
+  await page.tab.locator('.segment[data-tool=hand]').click();
   const from = (await page.object('PUCK')).window_px;
   const to = (await page.object('STONE')).window_px;
   await page.tab.mouse.move(from.x, from.y);
@@ -207,13 +207,14 @@ async function addAndRemove(page, pages) {
 }`);
   const began = performance.now();
   await page.tab.getByRole('button', { name: 'Add', exact: true }).click();
-  for (const each of pages) await each.until('the box is there', () => window.peerd.objects().some((object) => object.path === 'BOX'));
+  for (const each of pages) await each.until('the box is there', () => window.peerd.has('BOX'));
   console.log(`a box is on all three pages after ${Math.round(performance.now() - began)} ms`);
-  await page.tab.evaluate(() => window.peerd.select('BOX'));
+  const { x, y } = await page.tab.evaluate(() => window.peerd.on_window([0, 1, 4.5]));
+  await page.tab.mouse.click(x, y);
   await page.tab.locator('.inspector h2', { hasText: 'BOX' }).waitFor();
   await page.shot('box-1280');
   await page.tab.getByRole('button', { name: 'Remove' }).click();
-  for (const each of pages) await each.until('the box is gone', () => !window.peerd.objects().some((object) => object.path === 'BOX'));
+  for (const each of pages) await each.until('the box is gone', () => !window.peerd.has('BOX'));
 }
 
 async function scrubBack(page) {

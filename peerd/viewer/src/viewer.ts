@@ -94,7 +94,7 @@ export class Viewer {
       onOpen: () => this.onOpen(),
     });
     this.contacts = new ContactBook((peer) => this.link.nameOf(peer));
-    this.objects = new ObjectsPanel((peer) => this.link.nameOf(peer), (node) => this.selection.choose(node.index, node.path));
+    this.objects = new ObjectsPanel((peer) => this.link.nameOf(peer), (node) => this.selection.choose(node.index, node.path, true));
     this.inspector = new InspectorPanel({ edit: (r) => this.edit(r), lookAt: () => this.lookAtSelected(), nameOf: (peer) => this.link.nameOf(peer) });
     this.world = new WorldPanel({ edit: (request) => this.edit(request) });
     this.toolbar = new Toolbar(this.options, { visit: (viewpoint) => this.view.visit(viewpoint), fit: () => this.view.fit() });
@@ -133,7 +133,7 @@ export class Viewer {
 
   select(path: string): boolean {
     const node = this.view.file?.byPath.get(path);
-    if (node !== undefined) this.selection.choose(node.index, node.path);
+    if (node !== undefined) this.selection.choose(node.index, node.path, true);
     return node !== undefined;
   }
 
@@ -203,7 +203,7 @@ export class Viewer {
 
   private onPicked(hit: Hit | null): void {
     if (hit === null) this.selection.clear();
-    else this.selection.choose(hit.node, hit.path);
+    else this.selection.choose(hit.node, hit.path, this.view.file?.byPath.has(hit.path) ?? false);
   }
 
   private pointerTools(): PointerTools {
@@ -212,7 +212,7 @@ export class Viewer {
       onPickedThen: (index) => {
         const node = this.view.file?.nodes.find((candidate) => candidate.index === index);
         if (node === undefined) this.selection.clear();
-        else this.selection.choose(node.index, node.path);
+        else this.selection.choose(node.index, node.path, true);
       },
       onRefused: (sentence) => this.say('refused', sentence),
       mayTake: () => this.link.mayEdit.value,

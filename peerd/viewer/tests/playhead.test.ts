@@ -9,7 +9,7 @@ import { frame } from './frames';
 function sceneOf(revision: number, ids: Record<number, string>): SceneFile {
   const nodes: SceneNode[] = Object.entries(ids).map(([index, id]) => ({ index: Number(index), id, path: id, def: id, owner: 0, pose: new Float64Array([100, 0, 0, 0, 0, 0, 1]) }));
   const byPath = new Map(nodes.map((node) => [node.path, node]));
-  return { revision, extras: {}, nodeCount: 10, nodes, byPath, shapes: [], carried: [], hasLights: false, standing: new Object3D() };
+  return { revision, extras: {}, nodeCount: 10, nodes, byPath, standingPaths: [], shapes: [], carried: [], hasLights: false, standing: new Object3D() };
 }
 
 function xOf(head: Playhead, node: number, now_s: number): number {

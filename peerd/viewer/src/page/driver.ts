@@ -2,6 +2,7 @@ import { Vector3 } from 'three';
 
 import { PoseFlag } from '../live/pose_frame';
 import type { ContactEvent } from '../live/replies';
+import { hasNode } from '../scene/scene_file';
 import type { PlayState } from '../time/playhead';
 import type { Viewer } from '../viewer';
 
@@ -60,6 +61,15 @@ export class Driver {
   }
   get selected(): string | null {
     return this.viewer.selection.path;
+  }
+
+  // Whether the scene has that node: one that can move, or one that stands.
+  has(path: string): boolean {
+    return this.viewer.view.file !== null && hasNode(this.viewer.view.file, path);
+  }
+  // Where a place of the world is on the window [px]; null behind the camera.
+  on_window(place_m: readonly [number, number, number]): { x: number; y: number } | null {
+    return this.viewer.view.onWindow(new Vector3(...place_m));
   }
 
   objects(): ShownObject[] {

@@ -26,7 +26,7 @@ export function eventText(event: DaemonEvent, nameOf: (peer: number | null | und
     case 'edit': {
       const operation = event['operation'] as { author: number; number: number } | undefined;
       const refused = event['refused'] === undefined ? '' : `: ${text('refused')}`;
-      return `edit ${operation?.number ?? '?'} of ${nameOf(operation?.author)}${refused}`;
+      return `edit ${operation?.author ?? '?'}:${operation?.number ?? '?'} takes effect${refused}`;
     }
     case 'dropped':
       return `${text('count')} events were dropped, because this page read too slowly`;

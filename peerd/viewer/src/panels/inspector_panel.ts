@@ -56,6 +56,11 @@ export class InspectorPanel implements Panel {
     fill(this.element, make('h2', {}, path), make('p', { class: 'note warn' }, sentence));
   }
 
+  // Of what stands the page knows the path alone; it can be owned all the same, and then moves.
+  showStanding(path: string): void {
+    this.show({ id: '', path, def: null, type: 'stands', owner: null, own: false, driven: false, threshold_m: null, fields: {}, data: {} });
+  }
+
   show(inspected: Inspected): void {
     const text = JSON.stringify([inspected, this.mayEdit]);
     const typing = this.element.contains(document.activeElement) && document.activeElement?.matches('input, textarea') === true;
@@ -111,7 +116,7 @@ export class InspectorPanel implements Panel {
   private fieldOf(path: string, name: string, value: string): Node {
     const set = (text: string): void => void (text !== value && this.actions.edit({ do: 'set', path, field: name, value: text }));
     if (value.length > kLongField || value.includes('\n')) return make('details', { class: 'long-field' }, make('summary', {}, name, make('span', { class: 'muted' }, ` ${value.length} characters`)), make('pre', {}, value));
-    return this.input(name, value, set);
+    return this.input(name, value, set, value.includes('{')); // nodes are changed by adding and removing them
   }
 
   private dataOf(inspected: Inspected): Node[] {
@@ -129,13 +134,13 @@ export class InspectorPanel implements Panel {
     return [make('h3', {}, 'Data'), make('div', { class: 'fields' }, ...rows), form];
   }
 
-  private input(name: string, value: string, set: (text: string) => void): Node {
-    const input = make('input', { value, 'aria-label': name, spellcheck: 'false', readonly: !this.mayEdit, 'data-field': name });
+  private input(name: string, value: string, set: (text: string) => void, fixed = false): Node {
+    const input = make('input', { value, 'aria-label': name, spellcheck: 'false', readonly: fixed || !this.mayEdit, 'data-field': name });
     input.addEventListener('keydown', (event) => {
       if (event.key === 'Enter') input.blur();
       if (event.key === 'Escape') input.value = value;
     });
     input.addEventListener('change', () => set(input.value));
-    return make('label', { class: 'field' }, make('span', {}, name), input);
+    return make('label', { class: 'field', title: name }, make('span', {}, name), input);
   }
 }

@@ -59,7 +59,7 @@ export class Backdrop {
   // A world with lights of its own is lit by them; the light from above is only so much that shadows are not black.
   show(extras: SceneExtras, hasLights: boolean, pageColour: string): void {
     this.fromAbove.intensity = hasLights ? 0.45 : 0.9;
-    this.headlight.intensity = hasLights ? 0.8 : 1.6;
+    this.headlight.intensity = hasLights ? 1 : 2;
     const background = extras.background as BackgroundFields | undefined;
     this.ownBackground = (background?.sky_color?.length ?? 0) > 0;
     this.sky.visible = this.ownBackground;

@@ -66,8 +66,8 @@ export class CameraRig {
     const turn = new Quaternion(...viewpoint.orientation_xyzw);
     this.camera.fov = Math.min(120, Math.max(10, (viewpoint.field_of_view_rad * 180) / Math.PI));
     this.camera.updateProjectionMatrix();
-    const ahead = new Vector3(0, 0, -1).applyQuaternion(turn);
-    this.goTo(eye, turn, eye.clone().addScaledVector(ahead, Math.max(2, Math.min(eye.length(), this.worldRadius_m))));
+    const distance = Math.max(2, Math.min(eye.length(), this.worldRadius_m));
+    this.goTo(eye, turn, turningPoint(eye, turn, distance));
   }
 
   // Moves the camera and what it turns around by a rigid motion of the world.
@@ -155,6 +155,21 @@ export class CameraRig {
     this.camera.position.add(this.step);
     this.orbit.target.add(this.step);
   }
+}
+
+// The point that a camera turns around. One that looks straight down or up would lose which way its picture's upper edge
+// lies, because it turns around the vertical: the point is moved so little that the edge stays where it is.
+const kTilt = 1e-3;
+
+export function turningPoint(eye: Vector3, turn: Quaternion, distance: number): Vector3 {
+  const ahead = new Vector3(0, 0, -1).applyQuaternion(turn);
+  const point = eye.clone().addScaledVector(ahead, distance);
+  if (Math.hypot(ahead.x, ahead.z) > kTilt) return point;
+  const edge = new Vector3(0, 1, 0).applyQuaternion(turn).setY(0).normalize();
+  point.y = eye.y + Math.sign(ahead.y) * distance;
+  point.x = eye.x;
+  point.z = eye.z;
+  return point.addScaledVector(edge, -Math.sign(ahead.y) * kTilt * distance);
 }
 
 function lookRotation(eye: Vector3, at: Vector3): Quaternion {

@@ -50,6 +50,7 @@ export interface SceneFile {
   readonly nodeCount: number;
   readonly nodes: readonly SceneNode[];
   readonly byPath: ReadonlyMap<string, SceneNode>;
+  readonly standingPaths: readonly string[]; // of the Shapes that stand
   readonly shapes: readonly MovingShape[];
   readonly carried: readonly CarriedLights[];
   readonly hasLights: boolean; // of its own, beside the headlight
@@ -106,7 +107,7 @@ function taken(gltf: GLTF): SceneFile {
   });
   const json = gltf.parser.json as { nodes?: unknown[] };
   const byPath = new Map(nodes.map((node) => [node.path, node]));
-  return { revision: extras.revision ?? 0, extras, nodeCount: json.nodes?.length ?? 0, nodes, byPath, shapes, carried, hasLights: lightCount > 0, standing: root };
+  return { revision: extras.revision ?? 0, extras, nodeCount: json.nodes?.length ?? 0, nodes, byPath, standingPaths: pathsBelow(root), shapes, carried, hasLights: lightCount > 0, standing: root };
 }
 
 function nodeOf(object: Object3D, index: number, data: NodeExtras): SceneNode {
@@ -140,4 +141,18 @@ function keepsLightsAlone(object: Object3D): boolean {
   for (const mesh of meshes) mesh.removeFromParent();
   object.matrixAutoUpdate = false;
   return setLights(object) > 0;
+}
+
+function pathsBelow(root: Object3D): string[] {
+  const paths: string[] = [];
+  root.traverse((part) => {
+    const { path } = part.userData as NodeExtras;
+    if (path !== undefined) paths.push(path);
+  });
+  return paths;
+}
+
+// Whether a path names a node that can move, or one that stands and has Shapes.
+export function hasNode(file: Pick<SceneFile, 'byPath' | 'standingPaths'>, path: string): boolean {
+  return file.byPath.has(path) || file.standingPaths.some((standing) => standing === path || standing.startsWith(`${path}/`));
 }
