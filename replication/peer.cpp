@@ -199,6 +199,7 @@ bool Peer::begin_driving(HostTime now, ObjectId object) {
   if (own->driven) return true;
   const SimTime t = std::max(p.to_session(now), p.ticks.last_time());
   MotionWorld& truth = p.replica.truth();
+  assert(truth.has(object));
   p.replica.advance_truth(t);
   // Let go in the air, it falls as before, also where it rested on something meanwhile.
   truth.set_free_acceleration(object, truth.unborne_acceleration(object, t));
@@ -218,6 +219,7 @@ void Peer::end_driving(HostTime now, ObjectId object, const KinematicState& stat
   OwnObject* const own = p.own.find(object);
   if (!p.replica.begun() || own == nullptr || !own->driven) return;
   const SimTime t = std::max(p.to_session(now), p.ticks.last_time());
+  assert(p.replica.truth().has(object) && p.owners.of(object) == p.config.id);
   p.replica.advance_truth(t);
   own->driven = false;
   own->models.reset();

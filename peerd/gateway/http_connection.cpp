@@ -71,7 +71,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
   void wait() {
     parser_.emplace();
     parser_->header_limit(kHeaderMax_bytes);
-    parser_->body_limit(kStrangersBodyMax_bytes);
+    parser_->body_limit(kBodyMax_bytes);
     if (in_.size() > 0) return read_header();
     end_within(kIdle, [this] { drop(); });
     socket_.async_wait(asio::ip::tcp::socket::wait_read, [self = shared_from_this()](const error_code& failed) {
@@ -138,9 +138,10 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
       if (!parser_->is_done()) return refuse(RefusalKind::kMalformed);  // a body that nobody wants
       return answer(*std::move(route));
     }
-    if (is_token(bearer_token(view(request[http::field::authorization])), state_->token)) {
-      may_change_ = true;
-      parser_->body_limit(kBodyMax_bytes);
+    may_change_ = is_token(bearer_token(view(request[http::field::authorization])), state_->token);
+    if (!may_change_) {
+      if (parser_->content_length().value_or(0) > kStrangersBodyMax_bytes) return refuse(RefusalKind::kBodyTooLong);
+      parser_->body_limit(kStrangersBodyMax_bytes);  // of a body in chunks
     }
     read_body();
   }

@@ -262,14 +262,14 @@ SimTime PeerNode::sample_time(std::int64_t number) const {
   return *log_.start + std::chrono::seconds(number / hz) + Duration{number % hz * 1'000'000'000 / hz};
 }
 
-std::optional<SimTime> PeerNode::advance_view(HostTime now) {
+std::optional<SimTime> PeerNode::advance_view(HostTime now, std::optional<SimTime> last) {
   if (!peer_.clock().synchronised()) return std::nullopt;
   SimTime t = peer_.clock().to_session(now);
   if (const auto due = peer_.due_tick(now)) t = std::min(t, *due);
   if (options_.keep_log && log_.start) t = std::min(t, sample_time(next_sample_));
-  viewed_at_ = std::max(viewed_at_, t);
-  peer_.advance_ghosts(viewed_at_);
-  return viewed_at_;
+  if (last) t = std::max(t, *last);
+  peer_.advance_ghosts(t);
+  return t;
 }
 
 HostTime PeerNode::next_deadline() const {

@@ -101,10 +101,10 @@ class PeerNode {
   [[nodiscard]] std::optional<feed::Notice> poll_feed_notice() { return feeds_.poll_notice(); }
   [[nodiscard]] HostTime next_deadline() const;
 
-  // Brings what this peer shows to a viewer to `now`, and returns the session time of that picture, which never goes
-  // back; none before a session. It is no later than what is due next, so that the log's own pictures come in their
-  // order. Nothing that other peers could notice depends on it.
-  [[nodiscard]] std::optional<SimTime> advance_view(HostTime now);
+  // Brings what this peer shows to a viewer to `now`, and returns the session time of that picture; none before a
+  // session. It is not before that of the `last` picture, and no later than what is due next, so that the log's own
+  // pictures come in their order. Nothing that other peers could notice depends on it.
+  [[nodiscard]] std::optional<SimTime> advance_view(HostTime now, std::optional<SimTime> last);
   // The pose that a viewer draws, at the time of the last advance_view() (Peer::shown).
   [[nodiscard]] Pose shown(ObjectId object, SimTime t) { return peer_.shown(object, t); }
 
@@ -161,7 +161,6 @@ class PeerNode {
   std::vector<replication::OwnSample> samples_;  // input of the peer's next tick
   std::uint32_t groups_ = 0;                     // regions that are joined now
   SimTime logged_at_{};                          // the last tick
-  SimTime viewed_at_ = SimTime::min();           // the last picture
   std::optional<SimTime> started_for_;           // the start that the peer was given last
   std::optional<HostTime> complete_since_;       // all that are waited for are members
   bool announces_start_ = false;

@@ -32,7 +32,7 @@ TextureMap map_of(const vrml::Node& transform) {
   return map;
 }
 
-// Where there is a texture, its colours take the place of the diffuse colour, and its transparency that of the
+// A texture's colours take the place of the diffuse colour, and its transparency that of the
 // Material.
 void add_texture(const vrml::Document& document, const vrml::Node& appearance, Images& images, Paint& paint) {
   const vrml::Node* const texture = node_in(document, appearance, "texture");

@@ -9,7 +9,8 @@
 
 #include "core/vrml/document.hpp"
 #include "peerd/picture/drawn_geometry.hpp"
-#include "peerd/picture/scene_picture.hpp"
+#include "peerd/picture/drawn_scene.hpp"
+#include "peerd/picture/picture_input.hpp"
 
 namespace peerd::picture {
 

@@ -6,7 +6,7 @@
 
 #include "core/geometry/geometry.hpp"
 #include "core/vrml/document.hpp"
-#include "peerd/picture/scene_picture.hpp"
+#include "peerd/picture/drawn_scene.hpp"
 
 namespace peerd::picture {
 

@@ -25,14 +25,14 @@ static_assert(std::endian::native == std::endian::little, "numbers go out as the
 constexpr int kFloat = 5126, kShort = 5123, kInt = 5125;
 constexpr int kVertices = 34962, kIndices = 34963;
 
-// What full light makes of a white surface is white: a viewer divides by pi (Lambert).
+// Full light makes a white surface white: a viewer divides by pi (Lambert).
 constexpr double kFullLight = std::numbers::pi;
 
 double linear(float srgb) {
   const double c = std::clamp(double{srgb}, 0.0, 1.0);
   return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
 }
-// As binary32, so that the text is short.
+// The result is binary32, so that the text is short.
 std::array<float, 3> linear(const Color& color) {
   return {static_cast<float>(linear(color[0])), static_cast<float>(linear(color[1])),
           static_cast<float>(linear(color[2]))};

@@ -2,7 +2,7 @@
 #include <expected>
 #include <string>
 
-#include "peerd/picture/scene_picture.hpp"
+#include "peerd/picture/drawn_scene.hpp"
 
 namespace peerd::picture {
 

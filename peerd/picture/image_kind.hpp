@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "peerd/picture/scene_picture.hpp"
+#include "peerd/picture/drawn_scene.hpp"
 
 namespace peerd::picture {
 

@@ -15,8 +15,8 @@
 
 namespace peerd::picture {
 
-// What viewers of one peer see. One is enough for all of them. Sans-IO; on the peer's own thread, but for the picture
-// itself, which write_glb(picture_of(input())) makes of a copy on any thread.
+// A LivePicture is what viewers of one peer see; one is enough for all of them. It is sans-IO, and on the peer's own
+// thread, but for the picture itself, which write_glb(picture_of(input())) makes of a copy on any thread.
 class LivePicture {
  public:
   LivePicture(std::string world, ImageLoader load_image);

@@ -8,7 +8,7 @@
 #include "core/scene/scene.hpp"
 #include "core/vrml/document.hpp"
 #include "peerd/picture/appearance.hpp"
-#include "peerd/picture/scene_picture.hpp"
+#include "peerd/picture/drawn_scene.hpp"
 #include "peerd/picture/undrawn_list.hpp"
 
 namespace peerd::picture {
@@ -27,7 +27,7 @@ class MeshMaker {
   void finish(ScenePicture& picture);
 
  private:
-  // What a geometry is made of: where its values are, so that copies are one, and which form it has in the scene.
+  // A geometry is known by where its values are, so that copies are one, and by its form in the scene.
   using Content = std::vector<const void*>;
   struct GeometryKey {
     Content content;
@@ -45,7 +45,7 @@ class MeshMaker {
   const vrml::Document& document_;
   UndrawnList& undrawn_;
   Images images_;
-  // By node of the Shape and form of its geometry.
+  // The meshes by node of the Shape and form of its geometry.
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::optional<std::uint32_t>> of_node_;
   std::map<GeometryKey, std::optional<std::uint32_t>> known_geometries_;
   std::map<DrawnMaterial, std::uint32_t> known_materials_;

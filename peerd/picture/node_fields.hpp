@@ -8,7 +8,7 @@
 
 namespace peerd::picture {
 
-// What fields of nodes have, given or by default. A node that an EXTERNPROTO stands for has none of them.
+// These functions read fields of nodes, given or by default. A node that an EXTERNPROTO stands for has none of them.
 
 template <class T>
 [[nodiscard]] std::span<const T> values(const vrml::Node& node, std::string_view field) {

@@ -2,6 +2,7 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace peerd::picture {
@@ -39,13 +40,14 @@ Eigen::Affine3d NodePlace::map() const {
 }
 
 NodePlace place_of(const Eigen::Affine3d& map) {
+  assert(map.matrix().allFinite());
   NodePlace place;
   const Mat3 linear = map.linear();
   if (linear != Mat3::Identity()) {
     if (const auto plain = unsheared(linear)) {
       place = *plain;
     } else {
-      const Eigen::JacobiSVD<Mat3> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
+      const Eigen::JacobiSVD<Eigen::MatrixXd> svd(linear, Eigen::ComputeFullU | Eigen::ComputeFullV);
       Mat3 u = svd.matrixU(), v = svd.matrixV();
       place.scale = svd.singularValues();
       for (Mat3* const each : {&u, &v}) {  // a reflection goes into the scale

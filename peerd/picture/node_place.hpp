@@ -16,7 +16,7 @@ struct NodePlace {
   [[nodiscard]] Eigen::Affine3d map() const;
 };
 
-// The place is the map but for rounding.
+// The place is the map, which is finite, but for rounding.
 [[nodiscard]] NodePlace place_of(const Eigen::Affine3d& map);
 
 }  // namespace peerd::picture

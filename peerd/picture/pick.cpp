@@ -83,8 +83,10 @@ ScenePicker::ScenePicker(const PictureInput& input) : parts_(std::make_unique<Pa
     p.transform_of.push_back(p.flat.instances[static_cast<std::uint32_t>(root)].transform);
     for (const std::uint32_t i : shapes[node]) {
       const ObjectId id = scene.id_of(i);
-      const NodePlace at =
-          place_of(node < standing ? scene.object_from_shape(input.movers[node].id, id) : scene.world_from_local(id));
+      const Eigen::Affine3d map =
+          node < standing ? scene.object_from_shape(input.movers[node].id, id) : scene.world_from_local(id);
+      if (!map.matrix().allFinite()) continue;  // it is not drawn either
+      const NodePlace at = place_of(map);
       TransformFields fields = rigid({at.translation, at.rotation});
       fields.scale = at.scale;
       std::int32_t parent = root;

@@ -59,11 +59,11 @@ void PoseTable::reset(std::uint32_t revision, std::shared_ptr<const Scene> scene
   for (auto& rows : rows_) rows.clear();
 }
 
-// What nobody owns stands in the frame of the mover above as the ghosts have it, and is drawn there: where the one
+// A mover that nobody owns stands in the frame of the one above as the ghosts have it, and is drawn there: if the one
 // above is drawn elsewhere than its ghost, what it carries goes with it.
 void PoseTable::place(PeerNode& node, HostTime now) {
   const replication::Peer& peer = node.peer();
-  at_ = node.advance_view(now);
+  at_ = node.advance_view(now, at_);
   times_ = {};
   if (!at_) return;
   const SimTime t = *at_;

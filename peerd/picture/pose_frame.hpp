@@ -55,7 +55,7 @@ class PoseTable {
 
   // The poses alone: shown() has them then.
   void place(PeerNode& node, HostTime now);
-  // Where a viewer draws each mover; before a session, where the file has it.
+  // The poses in which a viewer draws the movers; before a session, those of the file.
   [[nodiscard]] std::span<const Pose> shown() const { return shown_; }
 
   [[nodiscard]] std::uint32_t revision() const { return revision_; }

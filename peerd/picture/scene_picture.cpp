@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <numbers>
 #include <span>
 #include <string_view>
@@ -166,7 +167,9 @@ void PictureMaker::add_shape(std::uint32_t index) {
   const ObjectId id = scene_.id_of(index);
   const auto mesh = meshes_.mesh_of(id);
   if (!mesh) return;
-  out_.shapes.push_back({id, node_of(index), *mesh, node_from(index)});
+  const Eigen::Affine3d at = node_from(index);
+  if (!at.matrix().allFinite()) return leave_out(index, "Shape", "its place is beyond what numbers can say");
+  out_.shapes.push_back({id, node_of(index), *mesh, at});
   out_.shape_paths.push_back(scene_.path_of(id));
   if (carriers_.distorted(id) || std::ranges::binary_search(flexible_, scene_.instances[index].geometry)) {
     leave_out(index, "Shape", "it changes its shape as the world moves, and keeps that of the picture");
@@ -209,7 +212,9 @@ void PictureMaker::add_light(const vrml::Node& node, DrawnLight::Kind kind, std:
     light.beam_width_rad = value<float>(node, "beamWidth");
     light.cut_off_angle_rad = value<float>(node, "cutOffAngle");
   }
-  if (!(direction.norm() > 0.0)) return leave_out(parent, node.type->name, "its direction has no length");
+  const bool is_finite = light.node_from_light.position.allFinite() && std::isfinite(direction.norm());
+  if (!is_finite || !(direction.norm() > 0.0))
+    return leave_out(parent, node.type->name, "it has no direction or place");
   light.node_from_light.orientation = Quat::FromTwoVectors(-Vec3::UnitZ(), direction);
   light.color = unclamped_color(node, "color");
   light.intensity = value<float>(node, "intensity");
@@ -227,7 +232,7 @@ void PictureMaker::add_viewpoint(const vrml::Node& node, std::uint32_t parent) {
   const Eigen::Affine3d at = node_from(parent);
   view.node_from_camera.position = at * vector_of(node, "position").cast<double>();
   const Quat turned = vrml::to_quat(values<float>(node, "orientation").first<4>());
-  // What is rigid of the frame: the product of the rotations of its path.
+  // The rigid part of the frame: the product of the rotations of its path.
   Quat above = parent == kTop ? Quat::Identity() : scene_.rigid_pose(scene_.id_of(parent)).orientation;
   if (view.node != standing()) {
     above = scene_.rigid_pose(input_.movers[view.node].id).orientation.conjugate() * above;
@@ -235,6 +240,7 @@ void PictureMaker::add_viewpoint(const vrml::Node& node, std::uint32_t parent) {
   view.node_from_camera.orientation = (above * turned).normalized();
   const double angle = value<float>(node, "fieldOfView");
   if (angle > 0.0 && angle < std::numbers::pi) view.field_of_view_rad = angle;
+  if (!view.node_from_camera.position.allFinite()) return leave_out(parent, "Viewpoint", "it has no place");
   out_.viewpoints.push_back(std::move(view));
 }
 

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "peerd/picture/scene_picture.hpp"
+#include "peerd/picture/drawn_scene.hpp"
 
 namespace peerd::picture {
 

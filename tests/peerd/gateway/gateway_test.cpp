@@ -111,6 +111,7 @@ TEST_F(GatewayTest, WhatChangesSomethingNeedsTheToken) {
   EXPECT_EQ(peer.counter("operations"), 0U);
   EXPECT_EQ(peer.counter("keys"), 0U);
   EXPECT_EQ(peer.counter("gateway.refused_token"), 5 * requests.size());
+  peer.await_start();
   EXPECT_EQ(json::parse(client.post(requests[3], token).body())["done"], true);
   EXPECT_EQ(peer.counter("operations"), 1U);
   EXPECT_EQ(client.get("/api/v1/status").result_int(), 200U) << "it has not left";
@@ -183,7 +184,7 @@ INSTANTIATE_TEST_SUITE_P(
                 {{"Content-Length", "70000"}},
                 413,
                 "gateway.refused_body_too_long"}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& refused) { return std::string(refused.param.name); });
 
 // A page of this server has its own origin, and a page of another port has not.
 TEST_F(GatewayTest, ItsOwnPageMayAsk) {

@@ -5,7 +5,6 @@
 #include <zlib.h>
 
 #include <array>
-#include <nlohmann/json.hpp>
 
 namespace peerd::gateway::http_reply_test {
 
@@ -65,17 +64,6 @@ TEST(AssetReply, WithoutAViewerThePageSaysSo) {
   EXPECT_EQ(page.status, 200U);
   EXPECT_THAT(std::string(page.body), HasSubstr("has no viewer"));
   EXPECT_EQ(asset_reply({}, "assets/app-1.js", "", true).status, 404U);
-}
-
-TEST(RefusalReply, SaysWhyInTheControlProtocolsWords) {
-  for (std::size_t i = 0; i < kRefusalKinds; ++i) {
-    const auto kind = static_cast<RefusalKind>(i);
-    const HttpReply reply = refusal_reply(kind);
-    EXPECT_GE(reply.status, 400U);
-    const auto said = nlohmann::json::parse(reply.body);
-    EXPECT_EQ(said["ok"], false);
-    EXPECT_EQ(said["error"], text_of(kind).sentence);
-  }
 }
 
 }  // namespace peerd::gateway::http_reply_test

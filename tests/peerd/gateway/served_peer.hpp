@@ -75,6 +75,12 @@ class ServedPeer {
     return exit_code_;
   }
 
+  // Waits until the motions have begun.
+  void await_start() {
+    const auto begun = [this] { return node_->start() && session_now() > *node_->start(); };
+    EXPECT_TRUE(soon([&] { return in_its_thread(begun); }));
+  }
+
   // Evaluates in the peer's thread.
   template <class Function>
   auto in_its_thread(Function function) {

@@ -104,7 +104,7 @@ TEST(GltfWriter, AnEmptyWorldIsAGoodFile) {
   EXPECT_TRUE(glb.binary.empty());
 }
 
-// What moves has a node of its own at its pose, with its Shapes in its frame, however it is scaled from above.
+// A mover has a node of its own at its pose, with its Shapes in its frame, however it is scaled from above.
 TEST(GltfWriter, WhatMovesHasANodeOfItsOwnAtItsRigidPose) {
   const Glb glb = glb_of_text(R"(
 DEF OUTER Transform { translation 0 1 0 scale 2 2 2 children [
@@ -123,16 +123,6 @@ DEF OUTER Transform { translation 0 1 0 scale 2 2 2 children [
   EXPECT_EQ(glb.nodes[static_cast<std::size_t>(glb.find("OUTER/WALL"))].parent, 1);
   EXPECT_EQ(glb.triangles(0).size(), 12u);
   EXPECT_EQ(glb.triangles(1).size(), 12u);
-}
-
-TEST(GltfWriter, AMeshServesAllShapesThatHaveIt) {
-  std::string text = "DEF S Shape { appearance Appearance { material Material { } } geometry Sphere { } }\n";
-  for (int i = 1; i < 50; ++i) text += "Transform { translation " + std::to_string(i) + " 0 0 children USE S }\n";
-  text += "PROTO P [ ] { Shape { geometry Cone { } } }\nP { }\nP { }\n";
-  const Glb glb = glb_of_text(text);
-  EXPECT_THAT(glb.problems, ElementsAre());
-  EXPECT_EQ(glb.meshes.size(), 2u);
-  EXPECT_EQ(glb.nodes.size(), 1u + 50 + 2);
 }
 
 // Scales of any kind, in any nesting, lead where the collisions have them; no node of glTF can shear.

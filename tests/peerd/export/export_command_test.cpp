@@ -1,4 +1,4 @@
-#include "peerd/commands/export_command.hpp"
+#include "peerd/export/export_command.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
