@@ -37,6 +37,7 @@ describe('the playhead', () => {
   it('goes back, stands, plays on, and is live again at the end', () => {
     const head = running(10);
     head.pauseAt(503.25);
+    expect(xOf(head, 0, 10)).toBeCloseTo(3.25, 6);
     head.advance(0.1);
     expect(xOf(head, 0, 10)).toBeCloseTo(3.25, 6);
     head.onFrame(frame(510.1, 1, [{ node: 0, position: [10.1, 0, 0] }]), 10.1);

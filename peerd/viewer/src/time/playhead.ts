@@ -53,6 +53,7 @@ export class Playhead {
   pauseAt(time_s: number): void {
     this.state_ = 'paused';
     this.at_s = Math.min(Math.max(time_s, this.history.begin_s), this.history.end_s);
+    this.advance(0);
   }
 
   play(): void {
