@@ -10,10 +10,13 @@ export class ContactBook {
 
   constructor(private readonly nameOf: (peer: number | null | undefined) => string) {}
 
-  take(event: DaemonEvent): void {
-    if (event.event === 'contact') this.add(event as unknown as ContactEvent);
-    if (event.event === 'contact_overruled') this.overrule(event);
-    if (event.event === 'contacts_retracted') this.retract(event);
+  // Says how many contacts the event concerns.
+  take(event: DaemonEvent): number {
+    if (event.event === 'contact_overruled') return this.overrule(event);
+    if (event.event === 'contacts_retracted') return this.retract(event);
+    if (event.event !== 'contact') return 0;
+    this.add(event as unknown as ContactEvent);
+    return 1;
   }
 
   between(since_s: number, until_s: number): readonly KnownContact[] {
@@ -31,20 +34,22 @@ export class ContactBook {
     if (this.contacts.length > kMost) this.contacts.splice(0, this.contacts.length - kMost);
   }
 
-  private overrule(event: DaemonEvent): void {
-    for (const contact of this.contacts) {
-      const { at_s, collider, collidee } = contact.event;
-      if (at_s === event['at_s'] && collider === event['collider'] && collidee === event['collidee']) contact.retracted = true;
-    }
+  private overrule(event: DaemonEvent): number {
+    return this.retractThose(({ at_s, collider, collidee }) => at_s === event['at_s'] && collider === event['collider'] && collidee === event['collidee']);
   }
 
-  private retract(event: DaemonEvent): void {
+  private retract(event: DaemonEvent): number {
     const { object, partner } = event as { object?: unknown; partner?: unknown };
-    for (const contact of this.contacts) {
-      const { at_s, collider, collidee, kind } = contact.event;
-      if (at_s <= Number(event['after_s']) || (event['predicted_only'] === true && kind !== 'predicted')) continue;
+    return this.retractThose(({ at_s, collider, collidee, kind }) => {
+      if (at_s <= Number(event['after_s']) || (event['predicted_only'] === true && kind !== 'predicted')) return false;
       const concerned = collider === object || collidee === object;
-      if (concerned && (partner === undefined || collider === partner || collidee === partner)) contact.retracted = true;
-    }
+      return concerned && (partner === undefined || collider === partner || collidee === partner);
+    });
+  }
+
+  private retractThose(is: (event: ContactEvent) => boolean): number {
+    const those = this.contacts.filter((contact) => !contact.retracted && is(contact.event));
+    for (const contact of those) contact.retracted = true;
+    return those.length;
   }
 }

@@ -1,4 +1,4 @@
-import { Vector3 } from 'three';
+import { Box3, Vector3 } from 'three';
 
 import { ContactBook } from './contact_book';
 import { Hand } from './hand/hand';
@@ -84,7 +84,7 @@ export class Viewer {
   private readonly speedometer = new Speedometer();
   private drawUntil_s = Infinity;
   private last_s = 0;
-  private readonly latest = new Float64Array(7);
+  private readonly pose = new Float64Array(7);
 
   constructor(root: HTMLElement) {
     this.link = new PeerLink(tokenOf(location.hash), {
@@ -170,9 +170,9 @@ export class Viewer {
       void this.scene.load();
       return;
     }
-    this.contacts.take(event);
+    const concerns = this.contacts.take(event);
     this.happened('event', event);
-    this.log.add(event.event === 'contact' ? 'contact' : 'event', eventText(event, (peer) => this.link.nameOf(peer)));
+    if (event.event !== 'contacts_retracted' || concerns > 0) this.log.add(event.event === 'contact' ? 'contact' : 'event', eventText(event, (peer) => this.link.nameOf(peer)));
     if (event.event === 'owner' && event['object'] === this.selection.path) void this.selection.refresh();
     this.drawSoon();
   }
@@ -228,9 +228,12 @@ export class Viewer {
   }
 
   private lookAtSelected(): void {
-    const node = this.view.file?.nodes.find((candidate) => candidate.index === this.selection.node);
+    const { path } = this.selection;
+    const node = path === null ? undefined : this.view.file?.byPath.get(path);
     const place = new Vector3();
     if (node !== undefined && this.view.frames?.position(node.index, place) === true) this.view.rig.lookAt(place, this.view.radiusOf(node));
+    const box = path === null || node !== undefined ? new Box3() : this.view.standingBox(path);
+    if (!box.isEmpty()) this.view.rig.lookAt(box.getCenter(place), box.getSize(new Vector3()).length() / 2);
     this.drawSoon();
   }
 
@@ -324,9 +327,9 @@ export class Viewer {
     const { node } = this.selection;
     if (node === null) return;
     const { shown } = this.head.book;
-    const place = shown.latest(node, this.latest) ? this.latest : null;
+    const time_s = this.head.shownAt(this.now_s());
+    const place = shown.sample(node, time_s, this.pose) ? this.pose : null;
     const own = (shown.flags[node] & PoseFlag.own) !== 0;
-    const time_s = this.head.state === 'live' ? this.now_s() : this.head.shownAt(0);
     this.inspector.update({
       place,
       speed_m_s: this.speedometer.read(node, time_s, place),

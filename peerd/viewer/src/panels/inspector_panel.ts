@@ -82,7 +82,7 @@ export class InspectorPanel implements Panel {
 
   private numbers(): HTMLElement {
     const row = (term: string, value: HTMLElement): Node[] => [make('dt', {}, term), value];
-    return make('dl', { class: 'facts' }, ...row('Position [m]', this.place), ...row('Speed', this.speed), ...row('Ghost error', this.error), ...row('Threshold', this.threshold));
+    return make('dl', { class: 'facts place' }, ...row('Position [m]', this.place), ...row('Speed', this.speed), ...row('Ghost error', this.error), ...row('Threshold', this.threshold));
   }
 
   private headOf(inspected: Inspected): Node[] {

@@ -25,6 +25,8 @@ export class Dress {
       material.transparent = true;
       material.opacity = 0.4;
       material.depthWrite = false;
+      material.polygonOffset = true; // a ghost that is right lies behind the truth, and does not flicker through it
+      material.polygonOffsetFactor = material.polygonOffsetUnits = 1;
     }
     this.made.set(key, material);
     return material;

@@ -1,4 +1,4 @@
-import { Box3, Frustum, Matrix4, NeutralToneMapping, Quaternion, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from 'three';
+import { Box3, Frustum, Matrix4, Quaternion, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from 'three';
 
 import { PoseFlag } from '../live/pose_frame';
 import type { PoseTable } from '../live/pose_table';
@@ -48,7 +48,6 @@ export class SceneView {
   constructor(private readonly surface: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas: surface, antialias: true, powerPreference: 'high-performance' });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-    this.renderer.toneMapping = NeutralToneMapping;
     this.scene.matrixAutoUpdate = false;
     this.rig = new CameraRig(surface);
     this.backdrop = new Backdrop(this.scene, this.rig.camera);
@@ -159,6 +158,16 @@ export class SceneView {
       point.set(node.pose[0], node.pose[1], node.pose[2]);
       box.expandByPoint(point.clone().addScalar(radius_m)).expandByPoint(point.addScalar(-radius_m));
     }
+    return box;
+  }
+
+  // Around the shapes that stand at or below a path.
+  standingBox(path: string): Box3 {
+    const box = new Box3();
+    this.shown?.file.standing.traverse((part) => {
+      const at = (part.userData as { path?: string }).path;
+      if (at === path || at?.startsWith(`${path}/`) === true) box.expandByObject(part);
+    });
     return box;
   }
 
