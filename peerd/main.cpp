@@ -144,10 +144,12 @@ void add_own_options(CLI::App& command, PeerOptions& peer, RunFlags& flags, cons
                      "where peerd ctl reaches this peer: the path of a socket, or \"\" for none (default: the "
                      "configuration's, else one in this user's own folder)");
   command
-      .add_option("--view", peer.view,
-                  "serve the viewer at this ADDRESS:PORT (default: the configuration's, else none; without a value "
-                  "127.0.0.1:0, a port that the system chooses)")
+      .add_option(
+          "--view", peer.view,
+          "serve the viewer there (default: the configuration's, else none; without a value 127.0.0.1:0, a port "
+          "that the system chooses)")
       ->expected(0, 1)
+      ->option_text("[ADDRESS:PORT]")
       ->default_str("127.0.0.1:0");
   command.add_option("--record", peer.record, "write what this peer did and believed to a file when it leaves");
   command.add_flag("--take-over", peer.take_over,
@@ -782,11 +784,10 @@ int run(int argc, char** argv) {
   const std::span words(argv, static_cast<std::size_t>(argc));
   print_errors_as_json(std::ranges::find(words, std::string_view("--json")) != words.end());
   // The commands are in the order of the help.
-  const std::array commands{add_run(app),     add_join(app),  add_ls(app),       add_record(app),
-                            add_replay(app),  add_sim(app),   add_scenario(app), add_check(app),
-                            add_collide(app), add_bake(app),  add_export(app),   add_doctor(app),
-                            add_ctl(app),     add_top(app),   add_store(app),    add_help(app),
-                            add_version(app)};
+  const std::array commands{add_run(app),    add_join(app),     add_ls(app),    add_record(app),  add_replay(app),
+                            add_sim(app),    add_scenario(app), add_check(app), add_collide(app), add_bake(app),
+                            add_export(app), add_doctor(app),   add_ctl(app),   add_top(app),     add_store(app),
+                            add_help(app),   add_version(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {

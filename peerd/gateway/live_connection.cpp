@@ -89,12 +89,12 @@ class LiveConnection : public Connection, public std::enable_shared_from_this<Li
   }
 
   void on_failure(const error_code& failed) {
-    if (failed == websocket::error::message_too_big)
+    if (failed == websocket::error::message_too_big) {
       state_->note(RefusalKind::kBodyTooLong);
-    else if (failed == beast::error::timeout)
+    } else if (failed == beast::error::timeout) {
       state_->note(RefusalKind::kTooSlow);
-    else if (failed != websocket::error::closed &&
-             failed.category() == make_error_code(websocket::error::bad_opcode).category()) {
+    } else if (failed != websocket::error::closed &&
+               failed.category() == make_error_code(websocket::error::bad_opcode).category()) {
       state_->note(RefusalKind::kMalformed);
     }
     drop();
@@ -183,7 +183,9 @@ class LiveConnection : public Connection, public std::enable_shared_from_this<Li
     if (std::exchange(frame_waits_, true)) return;
     state_->turns->add([self = shared_from_this()] {
       self->frame_waits_ = false;
-      if (!self->is_over() && self->watches_) self->make_frame();
+      if (self->is_over()) return;
+      if (self->watches_) self->make_frame();
+      self->write();
     });
   }
 
@@ -249,9 +251,12 @@ class LiveConnection : public Connection, public std::enable_shared_from_this<Li
   void wrote() {
     const bool was_frame = std::exchange(writes_frame_, false);
     const bool was_reply = std::exchange(writing_, {}).is_reply;
-    if (frame_due_ && !was_frame) make_frame();
-    write();
-    if (frame_due_ && !writes_) make_frame();
+    if (frame_due_ && !was_frame) {
+      ask_for_frame();
+    } else {
+      write();
+      if (frame_due_ && !writes_) ask_for_frame();
+    }
     if (was_reply && !is_over()) read();
   }
 
