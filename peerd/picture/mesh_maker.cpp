@@ -1,5 +1,6 @@
 #include "peerd/picture/mesh_maker.hpp"
 
+#include <bit>
 #include <string>
 #include <variant>
 
@@ -23,11 +24,11 @@ void place(const std::map<Value, std::uint32_t>& known, std::vector<Value>& out)
 }  // namespace
 
 void MeshMaker::add_content(const vrml::Node& node, Content& content) const {
-  content.push_back(node.type);
+  content.push_back(std::bit_cast<std::uint64_t>(node.type));
   for (const vrml::Field& field : node.given()) {
-    content.push_back(field.spec);
+    content.push_back(std::bit_cast<std::uint64_t>(field.spec));
     if (!vrml::holds_nodes(field.spec->type)) {
-      content.push_back(field.data);
+      content.push_back(std::bit_cast<std::uint64_t>(field.data));
       continue;
     }
     for (const vrml::NodeRef ref : field.as<vrml::NodeRef>()) {
@@ -36,10 +37,31 @@ void MeshMaker::add_content(const vrml::Node& node, Content& content) const {
   }
 }
 
+MeshMaker::GeometryKey MeshMaker::key_of(ObjectId shape, const vrml::Node& node) const {
+  const std::uint32_t form = scene_.at(shape).geometry;
+  const Geometry& geometry = scene_.geometries[form];
+  GeometryKey key{{geometry.index()}, Instance::kNone};
+  const auto add = [&](auto... numbers) {
+    (key.content.push_back(std::bit_cast<std::uint64_t>(static_cast<double>(numbers))), ...);
+  };
+  if (const auto* const box = std::get_if<BoxGeometry>(&geometry)) {
+    add(box->size[0], box->size[1], box->size[2]);
+  } else if (const auto* const sphere = std::get_if<SphereGeometry>(&geometry)) {
+    add(sphere->radius);
+  } else if (const auto* const cone = std::get_if<ConeGeometry>(&geometry)) {
+    add(cone->bottom_radius, cone->height, cone->side, cone->bottom);
+  } else if (const auto* const cylinder = std::get_if<CylinderGeometry>(&geometry)) {
+    add(cylinder->radius, cylinder->height, cylinder->side, cylinder->top, cylinder->bottom);
+  } else {
+    key.form = form;
+    add_content(node, key.content);
+  }
+  return key;
+}
+
 std::optional<std::uint32_t> MeshMaker::geometry_of(ObjectId shape, const vrml::Node& node,
                                                     const std::optional<TextureMap>& texture) {
-  GeometryKey key{{}, scene_.at(shape).geometry};
-  add_content(node, key.content);
+  GeometryKey key = key_of(shape, node);
   if (texture) {
     key.texture = {texture->linear(0, 0), texture->linear(0, 1), texture->linear(1, 0),
                    texture->linear(1, 1), texture->offset[0],    texture->offset[1]};

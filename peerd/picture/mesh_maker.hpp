@@ -27,8 +27,9 @@ class MeshMaker {
   void finish(ScenePicture& picture);
 
  private:
-  // A geometry is known by where its values are, so that copies are one, and by its form in the scene.
-  using Content = std::vector<const void*>;
+  // A solid is known by its numbers. Any other geometry is known by where its values are, so that copies are one, and
+  // by its form in the scene.
+  using Content = std::vector<std::uint64_t>;
   struct GeometryKey {
     Content content;
     std::uint32_t form = 0;
@@ -40,6 +41,7 @@ class MeshMaker {
   [[nodiscard]] std::optional<std::uint32_t> geometry_of(ObjectId shape, const vrml::Node& node,
                                                          const std::optional<TextureMap>& texture);
   void add_content(const vrml::Node& node, Content& content) const;
+  [[nodiscard]] GeometryKey key_of(ObjectId shape, const vrml::Node& node) const;
 
   const Scene& scene_;
   const vrml::Document& document_;

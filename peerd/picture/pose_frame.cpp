@@ -1,5 +1,6 @@
 #include "peerd/picture/pose_frame.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cstring>
@@ -45,6 +46,7 @@ void PoseTable::reset(std::uint32_t revision, std::shared_ptr<const Scene> scene
   assert(scene && movers.above.size() == movers.ids.size() && movers.of_peer.size() == movers.ids.size());
   revision_ = revision;
   motion_.reset();
+  file_ways_.clear();
   scene_ = std::move(scene);
   movers_ = std::move(movers);
   const std::size_t count = movers_.ids.size();
@@ -54,9 +56,37 @@ void PoseTable::reset(std::uint32_t revision, std::shared_ptr<const Scene> scene
   carries_.assign(count, false);
   for (std::size_t i = 0; i < count; ++i) {
     if (movers_.above[i] != Movers::kNone) carries_[movers_.above[i]] = true;
-    if (!movers_.of_peer[i] && !motion_) motion_.emplace(*scene_);
+    if (movers_.of_peer[i]) continue;
+    if (!motion_) motion_.emplace(*scene_);
+    add_file_way(static_cast<std::uint32_t>(i));
   }
   for (auto& rows : rows_) rows.clear();
+}
+
+void PoseTable::add_file_way(std::uint32_t mover) {
+  FileWay& way = file_ways_.emplace_back();
+  way.mover = mover;
+  const std::uint32_t above = movers_.above[mover];
+  const auto end = above == Movers::kNone ? std::nullopt : std::optional(movers_.ids[above]);
+  std::vector<ObjectId> path;
+  for (std::optional<ObjectId> id = movers_.ids[mover]; id && id != end; id = scene_->parent_of(*id)) {
+    if (scene_->at(*id).kind == NodeKind::kTransform) path.push_back(*id);
+  }
+  for (auto id = path.rbegin(); id != path.rend(); ++id) {
+    if (motion_->moves_in_parent(*id)) way.driven.emplace_back(static_cast<std::uint32_t>(way.fields.size()), *id);
+    way.fields.push_back(scene_->transform(*id));
+  }
+  std::vector<TransformFields> to_above;
+  for (std::optional<ObjectId> id = end; id; id = scene_->parent_of(*id)) {
+    if (scene_->at(*id).kind == NodeKind::kTransform) to_above.push_back(scene_->transform(*id));
+  }
+  std::ranges::reverse(to_above);
+  way.stretch = stretched_pose(to_above).stretch;
+}
+
+Pose PoseTable::relative_pose(FileWay& way, double world_s) {
+  for (const auto& [at, id] : way.driven) way.fields[at] = motion_->transform(id, world_s);
+  return rigid_pose(way.stretch, way.fields);
 }
 
 // A mover that nobody owns stands in the frame of the one above as the ghosts have it, and is drawn there: if the one
@@ -72,18 +102,15 @@ void PoseTable::place(PeerNode& node, HostTime now) {
   if (zero) times_.world_s = to_seconds(t - *zero);
   if (const auto start = node.start()) times_.since_start_s = to_seconds(t - *start);
   const double world_s = zero ? times_.world_s : -1.0;
+  auto way = file_ways_.begin();
   for (std::size_t i = 0; i < movers_.ids.size(); ++i) {
     const ObjectId id = movers_.ids[i];
     const std::uint32_t above = movers_.above[i];
     if (!movers_.of_peer[i]) {
-      const Pose in_file = motion_->rigid_pose(id, world_s);
-      if (above == Movers::kNone) {
-        shown_[i] = ghosts_[i] = in_file;
-        continue;
-      }
-      const Pose relative = relative_to(motion_->rigid_pose(movers_.ids[above], world_s), in_file);
-      shown_[i] = composed(shown_[above], relative);
-      ghosts_[i] = composed(ghosts_[above], relative);
+      assert(way->mover == i);
+      const Pose relative = relative_pose(*way++, world_s);
+      shown_[i] = above == Movers::kNone ? relative : composed(shown_[above], relative);
+      ghosts_[i] = above == Movers::kNone ? relative : composed(ghosts_[above], relative);
       continue;
     }
     const bool goes_along =

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/ids.hpp"
@@ -12,6 +13,7 @@
 #include "core/motion/predefined_motion.hpp"
 #include "core/scene/scene.hpp"
 #include "core/time.hpp"
+#include "core/transform.hpp"
 #include "peerd/node/peer_node.hpp"
 #include "peerd/picture/movers.hpp"
 
@@ -75,9 +77,20 @@ class PoseTable {
  private:
   void add_row(PoseKind kind, PoseRow row, const Pose& pose);
 
+  // The way from the mover above to one that no peer knows: the Transforms, and which of them the file drives.
+  struct FileWay {
+    std::uint32_t mover = 0;
+    Mat3 stretch = Mat3::Identity();  // of the mover above (StretchedPose)
+    std::vector<TransformFields> fields;
+    std::vector<std::pair<std::uint32_t, ObjectId>> driven;  // into `fields`
+  };
+  void add_file_way(std::uint32_t mover);
+  [[nodiscard]] Pose relative_pose(FileWay& way, double world_s);
+
   std::uint32_t revision_ = 0;
   std::shared_ptr<const Scene> scene_;
   std::optional<PredefinedMotion> motion_;  // of what no peer knows; none: there is nothing
+  std::vector<FileWay> file_ways_;          // by mover
   Movers movers_;
   std::optional<SimTime> at_;         // the instant; none: before a session
   std::vector<Pose> ghosts_, shown_;  // by mover; the ghosts only of those that carry others

@@ -11,7 +11,7 @@ std::string png(char color_type, const std::string& chunk = "IDAT") {
          std::string("\0\0\0\0", 4) + chunk + std::string(4, '\0');
 }
 std::string jpeg(char components) {
-  return std::string("\xFF\xD8\xFF\xE0\0\4ab\xFF\xC0\0\21\10\0\1\0\1", 19) + components + std::string(16, '\1');
+  return std::string("\xFF\xD8\xFF\xE0\0\4ab\xFF\xC0\0\21\10\0\1\0\1", 17) + components + std::string(16, '\1');
 }
 
 TEST(ImageKind, SaysWhatAnImageIs) {

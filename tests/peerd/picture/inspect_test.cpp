@@ -13,7 +13,7 @@ using peerd::testing_support::LonePeer;
 TEST(Inspect, SaysWhatANodeIsWithItsFieldsAndData) {
   LonePeer lone(R"(#VRML V2.0 utf8
 DEF DRIVEN Transform { distanceThreshold 0.25 children [
-  DEF S Shape { geometry IndexedFaceSet { coord Coordinate { point [0 0 0, 1 0 0, 0 1 0] } coordIndex [0 1 2] } } NULL ] }
+  DEF S Shape { geometry IndexedFaceSet { coord Coordinate { point [0 0 0, 1 0 0, 0 1 0] } coordIndex [0 1 2] } } Group { } ] }
 DEF OTHER Transform { }
 )",
                 {"DRIVEN"});
@@ -36,7 +36,7 @@ DEF OTHER Transform { }
   EXPECT_EQ(own.at("driven"), true);
   EXPECT_EQ(own.at("threshold_m"), 0.25);
   EXPECT_EQ(own.at("fields").at("distanceThreshold"), "0.25");
-  EXPECT_EQ(own.at("fields").at("children"), "[ DEF S Shape { .. }, NULL ]");
+  EXPECT_EQ(own.at("fields").at("children"), "[ DEF S Shape { .. }, Group { .. } ]");
   EXPECT_EQ(own.at("data").at("colour"), "red");
   const auto other = inspect(node, *node.scene().find("OTHER"));
   EXPECT_TRUE(other.at("owner").is_null());
@@ -47,7 +47,7 @@ DEF OTHER Transform { }
 TEST(Inspect, LongValuesAreCut) {
   std::string hull = "DEF X Shape { convexHull [";
   for (int i = 0; i < 3000; ++i) hull += std::to_string(i) + " 0 0, ";
-  LonePeer lone(("#VRML V2.0 utf8\n" + hull + "] geometry Box { } }\n").c_str(), {});
+  LonePeer lone(("#VRML V2.0 utf8\n" + hull + "] geometry Box { } }\nDEF DRIVEN Transform { }\n").c_str(), {"DRIVEN"});
   PeerNode& node = lone.make();
   const std::string text = inspect(node, *node.scene().find("X")).at("fields").at("convexHull");
   EXPECT_LT(text.size(), 2100u);

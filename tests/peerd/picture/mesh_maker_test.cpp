@@ -24,6 +24,17 @@ TEST(MeshMaker, AMeshServesAllShapesThatHaveIt) {
   EXPECT_EQ(glb.nodes.size(), 1u + 50 + 2);
 }
 
+TEST(MeshMaker, EqualSolidsAreOne) {
+  const auto drawn = picture_of_text(R"(
+Shape { geometry Box { } }
+Shape { geometry Box { size 2 2 2 } }
+Shape { geometry Box { size 2 2 3 } }
+Shape { geometry Cylinder { } }
+Shape { geometry Cylinder { top FALSE } })");
+  EXPECT_EQ(drawn.geometries.size(), 4u);
+  EXPECT_EQ(drawn.shapes[0].mesh, drawn.shapes[1].mesh);
+}
+
 TEST(MeshMaker, EqualMaterialsAreOneAndOthersAreNot) {
   const auto drawn = picture_of_text(R"(
 DEF G Shape { appearance Appearance { material Material { diffuseColor 1 0 0 } } geometry DEF B Box { } }

@@ -253,7 +253,7 @@ TEST(PoseFrame, NobodyElseNoticesAViewer) {
     const auto without = run(false, keeps_log), with = run(true, keeps_log);
     EXPECT_GT(without->sent.size(), 100u);
     EXPECT_TRUE(without->sent == with->sent);
-    EXPECT_TRUE(without->seen == with->seen);
+    EXPECT_EQ(without->seen, with->seen);
     EXPECT_GT(without->contacts, 0);
   }
 }
