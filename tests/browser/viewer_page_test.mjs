@@ -46,7 +46,10 @@ class Peer {
     this.log = '';
     const words = ['run', '-c', join(kHere, 'viewer.toml'), '--peer', name, '--interface', 'lo', '--port', String(port), '--control', '', '--take-over', '--view', '127.0.0.1:0'];
     this.process = spawn(program, words, { stdio: ['ignore', 'pipe', 'pipe'] });
-    this.ended = new Promise((done) => this.process.on('exit', (code, signal) => done(code ?? signal)));
+    this.ended = new Promise((done) => {
+      this.process.on('exit', (code, signal) => done(code ?? signal));
+      this.process.on('error', (error) => done(error.message));
+    });
     this.address = new Promise((found, failed) => {
       const read = (text) => {
         this.log += text;

@@ -22,8 +22,9 @@ function looking(x: number, z: number): Frustum {
   return new Frustum().setFromProjectionMatrix(new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse));
 }
 
-function median(values: number[]): number {
-  return [...values].sort((a, b) => a - b)[values.length >> 1];
+// A quarter of the values is below it. On a busy computer the upper half measures who else wants the processor.
+function lowerQuartile(values: number[]): number {
+  return [...values].sort((a, b) => a - b)[values.length >> 2];
 }
 
 it('ten thousand objects', () => {
@@ -56,5 +57,5 @@ it('ten thousand objects', () => {
   expect(aside).toBeGreaterThan(0);
   expect(aside).toBeLessThan(0.8 * kCount);
   expect(picture(2, looking(50, 400))).toBe(0);
-  console.log(`10,000 objects, medians: ${median(taking_ms).toFixed(2)} ms for a frame that comes, ${median(placing_ms).toFixed(2)} ms for a picture; ${aside} drawn where the camera looks aside`);
+  console.log(`10,000 objects, lower quartiles: ${lowerQuartile(taking_ms).toFixed(2)} ms for a frame that comes, ${lowerQuartile(placing_ms).toFixed(2)} ms for a picture; ${aside} drawn where the camera looks aside`);
 });
