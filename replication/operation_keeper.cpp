@@ -265,6 +265,7 @@ void OperationKeeper::apply_until(SimTime t) {
     for (const auto& [object, left] : change->left) p_.left_behind.erase(object);
     keeper_.follow_scene();
     keeper_.give(change->given, at);  // what is new in it
+    keeper_.give_back_removed(at);
   }
   applied_until_ = t;
 }
