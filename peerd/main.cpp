@@ -16,6 +16,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/motion/key_codes.hpp"
+#include "peerd/client/ctl_command.hpp"
+#include "peerd/client/top_command.hpp"
 #include "peerd/command_line/number_checks.hpp"
 #include "peerd/command_line/standard_streams.hpp"
 #include "peerd/command_line/stop_signals.hpp"
@@ -24,7 +26,6 @@
 #include "peerd/commands/chaos_command.hpp"
 #include "peerd/commands/check_command.hpp"
 #include "peerd/commands/collide_command.hpp"
-#include "peerd/commands/ctl_command.hpp"
 #include "peerd/commands/doctor_command.hpp"
 #include "peerd/commands/join_command.hpp"
 #include "peerd/commands/print.hpp"
@@ -733,6 +734,21 @@ Command add_ctl(CLI::App& app) {
           }};
 }
 
+Command add_top(CLI::App& app) {
+  const auto top = std::make_shared<TopOptions>();
+  CLI::App* const command = app.add_subcommand("top", "shows a peer that runs on this computer, again and again");
+  command->footer("Ends by q, a signal, or with the peer. Exit codes: 0 good, 2 wrong use, 3 no peer answers");
+  auto* control =
+      command->add_option("--control", top->socket, "the peer's control socket (default: that of the peer of --name)");
+  command->add_option("--name", top->name, "the peer's name (default: the only one that this user runs)")
+      ->excludes(control);
+  command->add_option("--every", top->every_s, "seconds from one screen to the next (default: 1)")
+      ->transform(number_in({0.1, 3600.0}));
+  command->add_option("--count", top->count, "ends after so many screens (default: goes on)")
+      ->transform(whole_number_in(1, std::numeric_limits<std::int64_t>::max()));
+  return {command, [top] { return run_top(*top); }};
+}
+
 // Says why a command line is refused. Without a command there is nothing to explain but the commands themselves.
 int refuse(const CLI::App& app, const CLI::ParseError& error) {
   if (!lacks_command(app)) return failed(wrong_use(app, error));
@@ -749,9 +765,10 @@ int run(int argc, char** argv) {
   const std::span words(argv, static_cast<std::size_t>(argc));
   print_errors_as_json(std::ranges::find(words, std::string_view("--json")) != words.end());
   // The commands are in the order of the help.
-  const std::array commands{add_run(app),    add_join(app),     add_ls(app),    add_record(app),  add_replay(app),
-                            add_sim(app),    add_scenario(app), add_check(app), add_collide(app), add_bake(app),
-                            add_doctor(app), add_ctl(app),      add_store(app), add_help(app),    add_version(app)};
+  const std::array commands{add_run(app),     add_join(app),  add_ls(app),       add_record(app),
+                            add_replay(app),  add_sim(app),   add_scenario(app), add_check(app),
+                            add_collide(app), add_bake(app),  add_doctor(app),   add_ctl(app),
+                            add_top(app),     add_store(app), add_help(app),     add_version(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {

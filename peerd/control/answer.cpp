@@ -45,6 +45,7 @@ ordered_json object_row(const PeerNode& node, SimTime t, ObjectId object, PeerId
       {"orientation_xyzw", {s.orientation.x(), s.orientation.y(), s.orientation.z(), s.orientation.w()}},
       {"velocity_m_s", numbers(s.velocity)},
       {"angular_velocity_rad_s", numbers(s.angular_velocity_body)}};
+  if (own) row["ghost_error_m"] = (s.position - peer.ghost(object, t).position).norm();
   if (!peer.receives(object)) row["heard"] = false;
   return row;
 }
