@@ -178,12 +178,9 @@ void PeerParts::change_scene(std::shared_ptr<const Scene> edited_scene, SimTime 
   ++counters.scene_changes;
 }
 
-// A peer knows what its own configuration gives to it, and of others' what they claim: of an object that operations
-// have given to somebody it does not matter.
 bool PeerParts::is_scene_object(const WorldModel& of, ObjectId object) const {
-  if (!answers_contacts(of, object)) return false;
-  if (living.owners().contains(object)) return true;
-  return !std::ranges::binary_search(configured, object) && !of.scene->object(object).enslaved;
+  return answers_contacts(of, object) && !std::ranges::binary_search(configured, object) &&
+         !of.scene->object(object).enslaved;
 }
 
 std::vector<ObjectId> PeerParts::follow_scene_objects(SimTime since) {

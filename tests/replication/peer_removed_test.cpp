@@ -105,7 +105,8 @@ TEST_F(Removed, WhatADecisionHasLentIsLentStill) {
     lan->run_until(8s);
     ASSERT_THAT(owners_of("BALL"), Each(2u));
     remove_for_a_second("BALL", apart);
-    EXPECT_THAT(owners_of("BALL"), Each(2u)) << apart.size() << " apart";
+    // Where its owner has seen it gone it lies where the scene has it, so that the owner lets it go.
+    EXPECT_THAT(owners_of("BALL"), Each(apart.contains(1) ? 2u : 0u)) << apart.size() << " apart";
     expect_one_ghost("BALL");
   }
 }
@@ -137,26 +138,6 @@ TEST_F(Removed, WhatIsReleasedIsTheSameToAll) {
   lan->run_until(lan->now() + 3s);
   EXPECT_THAT(owners_of("CAR"), Each(0u));
   expect_one_ghost("CAR");
-}
-
-// A peer of its own program knows no other configuration than its own. The car meets the wall, and goes back.
-TEST_F(Removed, WhatIsReleasedAnswersContactsWhateverAConfigurationSays) {
-  const std::string text =
-      box("CAR", "1 1 1", "0 9 0", kBounces) + box("WALL", "1 3 3", "4 9 0") + interest("CAR", "\"WALL\"");
-  const World own(text, {"CAR"}), others(text);
-  lan = std::make_unique<Lan>(others, Link{.latency = 20ms}, 1);
-  lan->add(config(1));
-  lan->add(config(2), 5s);
-  lan->add(config(3, {{own["CAR"]}}), -2s, {}, &own);
-  lan->run_until(3s);
-  EXPECT_TRUE(lan->peer(2).change_velocity(lan->host_now(2), own["CAR"], Vec3(1, 0, 0), true));
-  lan->run_until(4s);
-  ASSERT_TRUE(lan->peer(2).give(lan->host_now(2), own["CAR"], kNobody));
-  lan->run_until(9s);
-  for (std::size_t i = 0; i < lan->size(); ++i) {
-    EXPECT_EQ(lan->peer(i).owner(own["CAR"]), kNobody);
-    EXPECT_EQ(lan->peer(i).ghost(own["CAR"], lan->session_now(i)).velocity.x(), -1.0) << "at peer " << i + 1;
-  }
 }
 
 }  // namespace peerd::replication::peer_removed_test
