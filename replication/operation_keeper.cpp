@@ -142,7 +142,7 @@ PeerId OperationKeeper::owner_of(ObjectId object) const {
 std::optional<Placement> OperationKeeper::placement_at(SimTime t, ObjectId object) const {
   const KinematicState state = p_.replica.truth().relative_at(object, t);
   const bool moves = state.velocity != Vec3::Zero() || state.angular_velocity_body != Vec3::Zero();
-  if (moves && answers_contacts(*p_.model, object)) return std::nullopt;
+  if (moves && p_.is_scene_object(*p_.model, object)) return std::nullopt;
   return placement_of_state(object, state);
 }
 
@@ -265,6 +265,7 @@ void OperationKeeper::apply_until(SimTime t) {
     for (const auto& [object, left] : change->left) p_.left_behind.erase(object);
     keeper_.follow_scene();
     keeper_.give(change->given, at);  // what is new in it
+    keeper_.give_back_removed(at);
   }
   applied_until_ = t;
 }

@@ -66,6 +66,7 @@ std::vector<OwnedObject> existing(const std::vector<OwnedObject>& objects, const
 
 PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
     : config(without_log(peer_config)),
+      configured(world_model.owned),
       model(world_model),
       author(config.author.value_or(author_of(config.id, config.incarnation))),
       living(*world_model.scene, config.rare),
@@ -92,11 +93,18 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
       decisions(config, model, members, owners, scene, own, replica, ticks, outbox, counters,
                 [this](ObjectId object, PeerId by, SimTime contact) { give_scene_object(object, by, contact); }),
       publication(config, model, members, owners, own, launches, replica, regions, decisions, ticks, outbox, counters) {
+  assert(std::ranges::is_sorted(configured));
   counters.scene_changes += model.revision();
   time.begin_behind(last_stamp_of(logs));
   for (const auto& [object, each] : std::as_const(own)) {
     owners.set(object, config.id);
     scene.remove(object);
+  }
+  for (const auto& [object, each] : std::map(scene.all())) {
+    if (!is_scene_object(*model, object)) scene.remove(object);
+  }
+  for (const OwnedObject& each : config.owned) {
+    if (!own.contains(each.object)) removed[each.object] = {.owner = config.id};  // by an operation of the store
   }
   assert(own.size() <= owners.size());
 }
@@ -141,7 +149,7 @@ void PeerParts::change_scene(std::shared_ptr<const Scene> edited_scene, SimTime 
   forget_what_is_gone(*next->scene);
   const auto is_owned = [&](ObjectId object) { return owners.of(object) != kNobody; };
   const auto role_in_ghosts = [&](ObjectId object) {
-    return is_owned(object) || answers_contacts(*next, object) ? Role::kPredicted : Role::kScene;
+    return is_owned(object) || is_scene_object(*next, object) ? Role::kPredicted : Role::kScene;
   };
   const auto role_in_truth = [&](ObjectId object) {
     const OwnObject* const each = std::as_const(own).find(object);
@@ -161,7 +169,7 @@ void PeerParts::change_scene(std::shared_ptr<const Scene> edited_scene, SimTime 
   for (const auto& [object, law] : placed) {
     if (scene.contains(object)) scene.place(object, at, law, model->carrier_of(object));
   }
-  for (const ObjectId object : scene.follow_model(at, owners)) {
+  for (const ObjectId object : follow_scene_objects(at)) {
     if (replica.begun()) replica.declare_remote(object, Role::kPredicted);
   }
   scripted.follow_scene(at, world_time.zero());
@@ -170,12 +178,30 @@ void PeerParts::change_scene(std::shared_ptr<const Scene> edited_scene, SimTime 
   ++counters.scene_changes;
 }
 
+bool PeerParts::is_scene_object(const WorldModel& of, ObjectId object) const {
+  return answers_contacts(of, object) && !std::ranges::binary_search(configured, object) &&
+         !of.scene->object(object).enslaved;
+}
+
+std::vector<ObjectId> PeerParts::follow_scene_objects(SimTime since) {
+  std::vector<ObjectId> added = scene.follow_model(since, owners);
+  std::erase_if(added, [&](ObjectId object) {
+    if (is_scene_object(*model, object)) return false;
+    scene.remove(object);
+    return true;
+  });
+  return added;
+}
+
 void PeerParts::forget_what_is_gone(const Scene& next) {
   std::vector<ObjectId> gone;
   for (std::uint32_t i = 0; i < model->scene->instances.size(); ++i) {
     if (const ObjectId id = model->scene->id_of(i); !next.contains(id)) gone.push_back(id);
   }
   for (const ObjectId object : gone) {
+    if (const PeerId owner = owners.of(object); owner != kNobody) {
+      removed[object] = {owner, owners.as_founder(object), scene.decided(object)};
+    }
     owners.set(object, kNobody);
     scene.remove(object);
     launches.forget(object);
