@@ -16,6 +16,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/motion/key_codes.hpp"
+#include "peerd/client/ctl_command.hpp"
+#include "peerd/client/top_command.hpp"
 #include "peerd/command_line/number_checks.hpp"
 #include "peerd/command_line/standard_streams.hpp"
 #include "peerd/command_line/stop_signals.hpp"
@@ -24,7 +26,6 @@
 #include "peerd/commands/chaos_command.hpp"
 #include "peerd/commands/check_command.hpp"
 #include "peerd/commands/collide_command.hpp"
-#include "peerd/commands/ctl_command.hpp"
 #include "peerd/commands/doctor_command.hpp"
 #include "peerd/commands/join_command.hpp"
 #include "peerd/commands/print.hpp"
@@ -35,6 +36,7 @@
 #include "peerd/commands/sim_command.hpp"
 #include "peerd/commands/store_command.hpp"
 #include "peerd/config/scenario.hpp"
+#include "peerd/export/export_command.hpp"
 #include "peerd/feed/pose_feed.hpp"
 #include "peerd/input/json_line.hpp"
 #include "peerd/input/text_file.hpp"
@@ -141,6 +143,14 @@ void add_own_options(CLI::App& command, PeerOptions& peer, RunFlags& flags, cons
   command.add_option("--control", peer.control,
                      "where peerd ctl reaches this peer: the path of a socket, or \"\" for none (default: the "
                      "configuration's, else one in this user's own folder)");
+  command
+      .add_option(
+          "--view", peer.view,
+          "serve the viewer there (default: the configuration's, else none; without a value 127.0.0.1:0, a port "
+          "that the system chooses)")
+      ->expected(0, 1)
+      ->option_text("[ADDRESS:PORT]")
+      ->default_str("127.0.0.1:0");
   command.add_option("--record", peer.record, "write what this peer did and believed to a file when it leaves");
   command.add_flag("--take-over", peer.take_over,
                    "begin at once, without asking for a second whether this peer is running already: that one ends");
@@ -444,6 +454,16 @@ Command add_bake(CLI::App& app) {
   return {command, [flags] { return run_bake(flags->world, flags->options, std::cout, std::cerr); }};
 }
 
+Command add_export(CLI::App& app) {
+  const auto flags = std::make_shared<WorldFlags<ExportOptions>>();
+  CLI::App* const command =
+      add_world_command(app, "export", "write a world as other programs draw it, and say what is left out", *flags);
+  command->add_option("--gltf", flags->options.gltf, "the file to write: glTF 2.0, binary (.glb)")->required();
+  command->add_option("--at", flags->options.at_s, "when: the time of its TimeSensors [s] (default: 0)")
+      ->transform(number_in(kWorldTimes_s));
+  return {command, [flags] { return run_export(flags->world, flags->options, std::cout, std::cerr); }};
+}
+
 // Both tables of options of a command that runs a peer.
 struct PeerFlags {
   PeerOptions peer;
@@ -733,6 +753,21 @@ Command add_ctl(CLI::App& app) {
           }};
 }
 
+Command add_top(CLI::App& app) {
+  const auto top = std::make_shared<TopOptions>();
+  CLI::App* const command = app.add_subcommand("top", "shows a peer that runs on this computer, again and again");
+  command->footer("Ends by q, a signal, or with the peer. Exit codes: 0 good, 2 wrong use, 3 no peer answers");
+  auto* control =
+      command->add_option("--control", top->socket, "the peer's control socket (default: that of the peer of --name)");
+  command->add_option("--name", top->name, "the peer's name (default: the only one that this user runs)")
+      ->excludes(control);
+  command->add_option("--every", top->every_s, "seconds from one screen to the next (default: 1)")
+      ->transform(number_in({0.1, 3600.0}));
+  command->add_option("--count", top->count, "ends after so many screens (default: goes on)")
+      ->transform(whole_number_in(1, std::numeric_limits<std::int64_t>::max()));
+  return {command, [top] { return run_top(*top); }};
+}
+
 // Says why a command line is refused. Without a command there is nothing to explain but the commands themselves.
 int refuse(const CLI::App& app, const CLI::ParseError& error) {
   if (!lacks_command(app)) return failed(wrong_use(app, error));
@@ -751,7 +786,8 @@ int run(int argc, char** argv) {
   // The commands are in the order of the help.
   const std::array commands{add_run(app),    add_join(app),     add_ls(app),    add_record(app),  add_replay(app),
                             add_sim(app),    add_scenario(app), add_check(app), add_collide(app), add_bake(app),
-                            add_doctor(app), add_ctl(app),      add_store(app), add_help(app),    add_version(app)};
+                            add_export(app), add_doctor(app),   add_ctl(app),   add_top(app),     add_store(app),
+                            add_help(app),   add_version(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {

@@ -72,7 +72,7 @@ void report_truth(PeerParts& p, SimTime t) {
     if (contact == nullptr) continue;
     const bool mine = is_ours(contact->collider) || is_ours(contact->collidee);
     if (is_gone(*p.model, *contact)) {
-      if (mine) p.outbox.push(ContactSeen{ContactKind::kOwner, *contact, t});
+      if (mine) p.outbox.push(ContactSeen{ContactKind::kOwner, *contact, t, p.config.id});
       continue;
     }
     const bool both = is_ours(contact->collider) && is_ours(contact->collidee);
@@ -93,7 +93,7 @@ void report_truth(PeerParts& p, SimTime t) {
     p.replica.colliding().on_contact(*contact);
     ContactEvent named = *contact;
     p.replica.name_polygons(named, true);
-    p.outbox.push(ContactSeen{ContactKind::kOwner, std::move(named), t});
+    p.outbox.push(ContactSeen{ContactKind::kOwner, std::move(named), t, p.config.id});
   }
   for (const ContactEvent& contact : decided) p.decisions.decide(contact, t);
   p.decisions.resolve_overdue(t);

@@ -192,6 +192,41 @@ bool Peer::change_velocity(HostTime now, ObjectId object, const Vec3& velocity, 
   return true;
 }
 
+bool Peer::begin_driving(HostTime now, ObjectId object) {
+  PeerParts& p = impl_->parts;
+  OwnObject* const own = p.own.find(object);
+  if (!p.replica.begun() || own == nullptr) return false;
+  if (own->driven) return true;
+  const SimTime t = std::max(p.to_session(now), p.ticks.last_time());
+  MotionWorld& truth = p.replica.truth();
+  assert(truth.has(object));
+  p.replica.advance_truth(t);
+  // Let go in the air, it falls as before, also where it rested on something meanwhile.
+  truth.set_free_acceleration(object, truth.unborne_acceleration(object, t));
+  const MotionModel law(at_rest(truth.relative_at(object, t).pose()));
+  p.launches.forget(object);
+  own->driven = true;
+  own->models.reset();
+  own->poses = {};
+  truth.declare(object, Role::kDriven);
+  truth.set_base(object, t, law);
+  p.own.check(object);
+  return true;
+}
+
+void Peer::end_driving(HostTime now, ObjectId object, const KinematicState& state) {
+  PeerParts& p = impl_->parts;
+  OwnObject* const own = p.own.find(object);
+  if (!p.replica.begun() || own == nullptr || !own->driven) return;
+  const SimTime t = std::max(p.to_session(now), p.ticks.last_time());
+  assert(p.replica.truth().has(object) && p.owners.of(object) == p.config.id);
+  p.replica.advance_truth(t);
+  own->driven = false;
+  own->models.reset();
+  p.replica.truth().declare(object, Role::kAuthoritative);
+  p.launches.let_go(t, object, state);
+}
+
 void Peer::announce_start(SimTime start) {
   impl_->parts.world_time.announce_start(start);
   impl_->keeper.reintroduce();
@@ -236,6 +271,7 @@ HostTime Peer::next_deadline() const {
 
 PeerId Peer::id() const { return impl_->parts.config.id; }
 const Scene& Peer::scene() const { return *impl_->parts.model->scene; }
+const WorldModel& Peer::model() const { return *impl_->parts.model; }
 const NodeData& Peer::data() const { return impl_->parts.living.data(); }
 const Conflicts& Peer::conflicts() const { return impl_->parts.living.conflicts(); }
 std::optional<OperationBody> Peer::find(const OperationKey& operation) const {
@@ -247,6 +283,10 @@ std::optional<PeerId> Peer::follows() const { return impl_->parts.time.follows()
 const Membership& Peer::members() const { return impl_->parts.members; }
 const Owners& Peer::owners() const { return impl_->parts.owners; }
 bool Peer::owns_any() const { return impl_->parts.own.size() > 0; }
+std::optional<double> Peer::threshold_m(ObjectId object) const {
+  const OwnObject* const own = std::as_const(impl_->parts.own).find(object);
+  return own == nullptr ? std::nullopt : own->threshold_m;
+}
 std::optional<SimTime> Peer::world_zero() const { return impl_->parts.world_time.zero(); }
 std::optional<double> Peer::time_sensors_limited_at() const { return impl_->parts.scripted.limited_at(); }
 

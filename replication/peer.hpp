@@ -52,8 +52,7 @@ class Peer {
   // and not with the next tick, once at most until then; so is what change_velocity() has changed. Does nothing where a
   // tick is due, which publishes them. Samples are of `now`, with derivatives.
   void publish_now(HostTime now, std::span<const OwnSample> samples);
-  // The operating system's statement on this host's clock at `now`; none: it does not know how right it is. Needed for
-  // the preference of good OS clocks alone.
+  // The operating system's statement on this host's clock at `now`, for the preference of good ones; none: it has none.
   void on_os_clock(HostTime now, std::optional<OsClock> clock);
   // The launches of own objects count from `start`, or from now if that has passed.
   void start_motions(HostTime now, SimTime start);
@@ -61,6 +60,12 @@ class Peer {
   // replaces it, or adds to it. False, and nothing done, for any other object and before a session. publish_now() or
   // the next tick publishes it.
   bool change_velocity(HostTime now, ObjectId object, const Vec3& velocity, bool absolute);
+  // From now on samples move an object that this peer owns, as of those that PeerConfig says are driven. False, and
+  // nothing done, for any other object and before a session.
+  bool begin_driving(HostTime now, ObjectId object);
+  // What drove the object lets go of it: from now on it moves as physics has it, from that state in the world.
+  // publish_now() or the next tick publishes it.
+  void end_driving(HostTime now, ObjectId object, const KinematicState& state);
   // This peer's hellos say from now on when motions by formula begin. Peers that run such motions together follow the
   // peer with the lowest id. The time is also time 0 of the world's TimeSensors where the session has none yet.
   void announce_start(SimTime start);
@@ -94,6 +99,7 @@ class Peer {
   [[nodiscard]] PeerId id() const;
   // The scene as all operations until the last tick have made it.
   [[nodiscard]] const Scene& scene() const;
+  [[nodiscard]] const WorldModel& model() const;  // of that scene
   // The data of applications at nodes, as all operations until the last tick have made them.
   [[nodiscard]] const NodeData& data() const;
   // The losses of operations by others that did not know them, and an operation; none: it is not known.
@@ -107,12 +113,13 @@ class Peer {
   [[nodiscard]] PeerId owner(ObjectId object) const { return owners().of(object); }
   [[nodiscard]] const Owners& owners() const;
   [[nodiscard]] bool owns_any() const;  // this peer
+  // The error threshold [m] with which an own object was checked last; none: it is none, or has not been checked.
+  [[nodiscard]] std::optional<double> threshold_m(ObjectId object) const;
   // Session time at which the world's TimeSensors began, the same on all peers; none until one of them has said.
   [[nodiscard]] std::optional<SimTime> world_zero() const;
   // World time [s] since which the world's TimeSensors stand still (PredefinedMotion::transition_limit_reached_at).
   [[nodiscard]] std::optional<double> time_sensors_limited_at() const;
-  // A vector in the frame of the object's parent, as the file has velocities, in the world's frame, as the parent
-  // stands then.
+  // A vector in the frame of the object's parent, as files have velocities, in the world's, as the parent stands then.
   [[nodiscard]] Vec3 to_world(SimTime at, ObjectId object, const Vec3& in_parent);
 
   // The state of an object as this peer knows it, and as all peers predict it. Both need a session. Of the past 4 s;
@@ -127,8 +134,7 @@ class Peer {
   [[nodiscard]] const UpdateRecord* last_update_of(ObjectId object) const;
   [[nodiscard]] const Interest& interest() const;
 
-  // Brings the ghosts to t, which may lie between two ticks: for a viewer with a frame rate of its own. Changes nothing
-  // that the other peers could notice.
+  // Brings the ghosts to t, which may lie between two ticks, for a viewer's frame. Other peers can't notice it.
   void advance_ghosts(SimTime t);
   // From now on this peer sees so (SightSettings): the views of a viewer, before the advance_ghosts() of its frame.
   void look(std::vector<View> views);

@@ -22,11 +22,17 @@
 #include "peerd/daemon/cache_warmer.hpp"
 #include "peerd/daemon/daemon.hpp"
 #include "peerd/daemon/join_service.hpp"
+#include "peerd/daemon/viewed_peer.hpp"
+#include "peerd/gateway/access.hpp"
+#include "peerd/gateway/gateway.hpp"
+#include "peerd/gateway/listen_address.hpp"
 #include "peerd/input/json_line.hpp"
+#include "peerd/input/world_file.hpp"
 #include "peerd/node/describe.hpp"
 #include "peerd/node/peer_node.hpp"
 #include "peerd/os/host_clock.hpp"
 #include "peerd/os/udp_port.hpp"
+#include "peerd/picture/picture_input.hpp"
 #include "peerd/record/capture.hpp"
 #include "peerd/store/operation_store.hpp"
 #include "peerd/store/store_folder.hpp"
@@ -132,6 +138,36 @@ Result<std::unique_ptr<api::ControlServer>> open_control(asio::io_context& io, c
     return nullptr;
   }
   log(spdlog::level::info, fmt::format("listens for peerd ctl at {}", place.socket.string()));
+  return opened;
+}
+
+// The images of a world that came from elsewhere have not come with it.
+picture::ImageLoader images_for(const PeerOptions& options, const config::Scenario& scenario) {
+  if (options.joined) return {};
+  return picture::images_of(config::local_files(picture::kImage_bytes), scenario.world.string());
+}
+
+// The result is null where nobody has asked for a viewer.
+Result<std::unique_ptr<gateway::Gateway>> open_gateway(asio::io_context& io, const PeerOptions& options,
+                                                       const config::GatewaySettings& settings,
+                                                       gateway::GatewaySource& source, Log& log) {
+  const std::string& listen = options.view ? *options.view : settings.listen;
+  if (listen.empty()) return nullptr;
+  const auto at = gateway::listen_address(listen, settings.beyond_loopback);
+  if (!at) return std::unexpected(at.error());
+  auto opened = gateway::Gateway::open(io, source,
+                                       {.at = *at,
+                                        .assets = gateway::built_viewer(),
+                                        .token = gateway::make_token(),
+                                        .log = [&log](const LogLine& line) { log(line); }});
+  if (!opened) return opened;
+  log(spdlog::level::info, "the viewer is at " + (*opened)->url());
+  if (gateway::built_viewer().empty()) log(spdlog::level::warn, "this program was built without the viewer's page");
+  if (!at->address().is_loopback()) {
+    log(spdlog::level::warn,
+        "other computers can reach it, and nothing is encrypted: whoever listens in gets the token and may then change "
+        "everything that this peer may");
+  }
   return opened;
 }
 
@@ -506,6 +542,13 @@ int run_peer(const PeerOptions& options) {
   auto control = open_control(io, control_place(options, run.control, settings, log), daemon, log);
   if (!control) return failed(control.error());
   if (*control) daemon.publish_to(**control);
+  ViewedPeer viewed(io, daemon, *node, parts->world_name(options), images_for(options, parts->scenario));
+  auto gateway = open_gateway(io, options, run.gateway, viewed, log);
+  if (!gateway) return failed(gateway.error());
+  if (*gateway) {
+    daemon.publish_to(**gateway);
+    daemon.count_in_status([&gateway = **gateway] { return gateway.counters().named(); });
+  }
   const auto poses = open_pose_port(io, settings, daemon, log);
   if (!poses) return failed(poses.error());
   std::optional<JoinService> join_service;
@@ -516,6 +559,7 @@ int run_peer(const PeerOptions& options) {
   const int code = daemon.run();
   log_refused(control->get(), poses->get(), log);
   control->reset();
+  gateway->reset();
   const PeerLog& record = node->log();
   log_totals(*node, record, *transport, daemon, log);
   if (!options.record.empty()) {

@@ -38,6 +38,7 @@ struct PeerOptions {
   std::filesystem::path capture;  // file for the peer's capture (record/capture.hpp); empty: none
   StoreOptions store;
   std::optional<std::string> control;  // path of the control socket, of --control; empty: none
+  std::optional<std::string> view;     // ADDRESS:PORT of --view; none: the configuration's, if it has one
   bool take_over = false;              // do not ask whether this peer is running already
   bool once = false;                   // leave when the scenario's duration is over
   bool json = false;                   // log lines as JSON

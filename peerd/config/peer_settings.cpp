@@ -323,6 +323,14 @@ ControlSettings read_control(TomlReader reader) {
   return s;
 }
 
+GatewaySettings read_gateway(TomlReader reader) {
+  GatewaySettings s;
+  reader.read("listen", s.listen);
+  reader.read("beyond_loopback", s.beyond_loopback);
+  reader.finish();
+  return s;
+}
+
 namespace {
 
 Result<LoadedWorld> loaded(const WorldFile& file, const std::filesystem::path& path, const WorldReading& reading) {

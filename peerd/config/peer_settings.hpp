@@ -118,6 +118,12 @@ struct ControlSettings {
 };
 [[nodiscard]] ControlSettings read_control(TomlReader reader);
 
+struct GatewaySettings {
+  std::string listen;            // ADDRESS:PORT; empty: there is none
+  bool beyond_loopback = false;  // other computers may reach it, though nothing is encrypted
+};
+[[nodiscard]] GatewaySettings read_gateway(TomlReader reader);
+
 // The world with its scene and its hash, as every command that makes a peer needs it.
 struct LoadedWorld {
   std::filesystem::path path;

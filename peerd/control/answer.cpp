@@ -45,6 +45,7 @@ ordered_json object_row(const PeerNode& node, SimTime t, ObjectId object, PeerId
       {"orientation_xyzw", {s.orientation.x(), s.orientation.y(), s.orientation.z(), s.orientation.w()}},
       {"velocity_m_s", numbers(s.velocity)},
       {"angular_velocity_rad_s", numbers(s.angular_velocity_body)}};
+  if (own) row["ghost_error_m"] = (s.position - peer.ghost(object, t).position).norm();
   if (!peer.receives(object)) row["heard"] = false;
   return row;
 }
@@ -66,7 +67,7 @@ void add_objects(ordered_json& reply, const PeerNode& node, HostTime now, const 
   }
 }
 
-ordered_json status(PeerNode& node, HostTime now, const net::TrafficCounters* network) {
+ordered_json status(PeerNode& node, HostTime now, const MoreCounters& more) {
   const replication::Peer& peer = node.peer();
   const auto& clock = peer.clock();
   const auto since = [&](std::optional<SimTime> begin) -> ordered_json {
@@ -93,7 +94,7 @@ ordered_json status(PeerNode& node, HostTime now, const net::TrafficCounters* ne
   }
   add_objects(reply, node, now, {}, /*own=*/true);
   reply["counters"] = node.log().counters;
-  if (network != nullptr) reply["counters"].update(ordered_json(network->named()));
+  if (more) reply["counters"].update(ordered_json(more()));
   return reply;
 }
 
@@ -198,6 +199,13 @@ ordered_json pose_reply(const feed::Outcome& outcome) {
   return reply;
 }
 
+ordered_json let_go_reply(const std::expected<void, std::string>& done) {
+  ordered_json reply = good();
+  reply["done"] = done.has_value();
+  if (!done) reply["refused"] = done.error();
+  return reply;
+}
+
 ordered_json edit_reply(const EditReport& report) {
   ordered_json reply = good();
   reply["edit"] = name_of(report.edit);
@@ -274,12 +282,13 @@ ordered_json world_reply(const PeerNode& node) {
 
 }  // namespace
 
+std::string done_reply() { return line_of(good()); }
+
 std::string refusal(const std::string& sentence) {
   return line_of({{"v", feed::kMessageVersion}, {"ok", false}, {"error", sentence}});
 }
 
-Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host_minus_wall,
-              const net::TrafficCounters* network) {
+Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host_minus_wall, const MoreCounters& more) {
   const auto request = parse_request(line);
   if (!request) return {refusal(request.error())};
   if (const auto* key = std::get_if<KeyRequest>(&*request)) {
@@ -295,6 +304,9 @@ Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host
     const feed::Outcome outcome = node.on_poses(now, host_minus_wall, poses->poses);
     return {poses->reply ? line_of(pose_reply(outcome)) : ""};
   }
+  if (const auto* hand = std::get_if<LetGoRequest>(&*request)) {
+    return {line_of(let_go_reply(node.let_go(now, hand->path)))};
+  }
   if (const auto* edit = std::get_if<EditRequest>(&*request)) return {line_of(edit_reply(node.edit(now, edit->edit)))};
   if (const auto* operation = std::get_if<OperationRequest>(&*request)) {
     return {line_of(operation_reply(node, operation->operation))};
@@ -308,7 +320,7 @@ Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host
   }
   if (std::holds_alternative<WorldRequest>(*request)) return {line_of(world_reply(node))};
   if (std::holds_alternative<LeaveRequest>(*request)) return {line_of(good()), /*leave=*/true};
-  return {line_of(status(node, now, network))};
+  return {line_of(status(node, now, more))};
 }
 
 }  // namespace peerd::api

@@ -1,11 +1,13 @@
 #pragma once
+#include <cstdint>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "peerd/control/event_kind.hpp"
 #include "peerd/node/peer_node.hpp"
-#include "peerd/os/traffic_counters.hpp"
 
 namespace peerd::api {
 
@@ -15,12 +17,16 @@ struct Answer {
   std::optional<EventKinds> subscribe{};  // the client wants these from now on, and no others
 };
 
-// Executes one line of the control protocol at the peer. The caller drains the node's outputs afterwards. Unix time +
-// `host_minus_wall` is the time of this host, for poses that name their time. `network` is merged into the counters of
-// "status"; null: there is no network.
-[[nodiscard]] Answer answer(PeerNode& node, HostTime now, std::string_view request,
-                            Duration host_minus_wall = Duration{0}, const net::TrafficCounters* network = nullptr);
+using MoreCounters = std::function<std::map<std::string, std::uint64_t>()>;
 
+// Executes one line of the control protocol at the peer. The caller drains the node's outputs afterwards. Unix time +
+// `host_minus_wall` is the time of this host, for poses that name their time. The counters of "status" have those of
+// `more`, too, by name; null: there are none.
+[[nodiscard]] Answer answer(PeerNode& node, HostTime now, std::string_view request,
+                            Duration host_minus_wall = Duration{0}, const MoreCounters& more = nullptr);
+
+// A reply that says that a request was executed.
+[[nodiscard]] std::string done_reply();
 // A reply that says why a request was not executed.
 [[nodiscard]] std::string refusal(const std::string& sentence);
 

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <deque>
 #include <set>
 #include <thread>
 #include <utility>
@@ -22,7 +21,7 @@
 
 #include "peerd/control/answer.hpp"
 #include "peerd/control/control_client.hpp"
-#include "peerd/control/event_line.hpp"
+#include "peerd/control/pending_lines.hpp"
 #include "peerd/control/request.hpp"
 
 namespace peerd::api {
@@ -100,7 +99,7 @@ Result<void> clear(const fs::path& path) {
 // The io_context may hold clients and handlers that outlive the server; `over_` tells them.
 class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
  public:
-  Impl(asio::io_context& io, fs::path path, Answer answer)
+  Impl(asio::io_context& io, fs::path path, Answerer answer)
       : io_(io), path_(std::move(path)), answer_(std::move(answer)), acceptor_(io), again_(io) {}
 
   Result<void> listen() {
@@ -138,11 +137,6 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
 
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
-  void subscribe(EventKinds kinds) {
-    assert(answering_ != nullptr);
-    answering_->wanted = kinds;
-    find_wanted();
-  }
   [[nodiscard]] EventKinds wanted() const { return wanted_; }
 
   void publish(EventKind kind, const std::string& line) {
@@ -164,15 +158,9 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
     Protocol::socket socket;
     asio::steady_timer deadline;
     std::string in;
-    struct Line {
-      std::string text;
-      bool is_reply = false;  // else it is an event
-    };
-    std::deque<Line> out;
-    std::size_t events_bytes = 0;  // of those in `out`
-    std::size_t events = 0;
-    std::uint64_t dropped = 0;  // events since the line that said so last
-    bool writes = false;        // the rest of the first line
+    PendingLines out;
+    std::string writing;  // the first line of `out`, with its end, while its rest is being written
+    bool writes = false;
     EventKinds wanted{};
     bool last = false;  // the connection closes after this reply
   };
@@ -229,12 +217,14 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
     ++counters_.requests;
     const std::string line = client->in.substr(0, size_bytes - 1);
     client->in.erase(0, size_bytes);
-    answering_ = client.get();
-    std::string answer = answer_(line);
-    answering_ = nullptr;
+    Answer answer = answer_(line);
     if (!clients_.contains(client)) return;
-    if (answer.empty()) return read(client);
-    reply(client, std::move(answer));
+    if (answer.subscribe) {
+      client->wanted = *answer.subscribe;
+      find_wanted();
+    }
+    if (answer.line.empty()) return read(client);
+    reply(client, std::move(answer.line));
   }
 
   // The part of the reply that fits leaves at once, so that the reply to "leave" is out before the peer leaves; the
@@ -242,11 +232,9 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
   // each client.
   void reply(const ClientPtr& client, std::string line) {
     assert(line.find('\n') == std::string::npos);
-    client->out.push_back({std::move(line) + '\n', true});
+    client->out.add_reply(std::move(line));
     write(client);
-    const bool is_out = !clients_.contains(client) ||
-                        std::ranges::none_of(client->out, [](const Client::Line& each) { return each.is_reply; });
-    if (is_out) return;
+    if (!clients_.contains(client) || !client->out.has_reply()) return;
     client->deadline.expires_after(kReplyWithin);
     client->deadline.async_wait([self = shared_from_this(), client](const error_code& cancelled) {
       if (cancelled || !self->clients_.contains(client)) return;
@@ -255,38 +243,27 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
     });
   }
 
-  // An event that has no room is dropped. What was dropped is said before the next one that has.
   void give(const ClientPtr& client, const std::string& line) {
-    const bool fits = client->events < kEventsMax && client->events_bytes + line.size() <= kEventsMax_bytes;
-    if (!fits) {
-      ++client->dropped;
+    if (client->out.add_event(line)) {
+      write(client);
+    } else {
       ++counters_.events_dropped;
-      return;
     }
-    if (client->dropped > 0) push_event(*client, dropped_line(std::exchange(client->dropped, 0)));
-    push_event(*client, line);
-    write(client);
-  }
-
-  static void push_event(Client& client, const std::string& line) {
-    client.out.push_back({line + '\n', false});
-    client.events_bytes += line.size() + 1;
-    ++client.events;
   }
 
   // Writes what the socket takes, and the rest when it takes more.
   void write(const ClientPtr& client) {
     while (clients_.contains(client) && !client->writes && !client->out.empty()) {
-      const std::string& line = client->out.front().text;
+      client->writing = client->out.front().text + '\n';
       error_code error;
-      const std::size_t written = client->socket.write_some(asio::buffer(line), error);
+      const std::size_t written = client->socket.write_some(asio::buffer(client->writing), error);
       if (error && error != asio::error::would_block && error != asio::error::try_again) return drop(client);
-      if (written == line.size()) {
+      if (written == client->writing.size()) {
         wrote(client);
         continue;
       }
       client->writes = true;
-      asio::async_write(client->socket, asio::buffer(line) + written,
+      asio::async_write(client->socket, asio::buffer(client->writing) + written,
                         [self = shared_from_this(), client](const error_code& failed, std::size_t) {
                           if (!self->clients_.contains(client)) return;
                           client->writes = false;
@@ -298,16 +275,7 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
   }
 
   void wrote(const ClientPtr& client) {
-    const Client::Line line = std::move(client->out.front());
-    client->out.pop_front();
-    if (!line.is_reply) {
-      client->events_bytes -= line.text.size();
-      --client->events;
-    }
-    if (client->events == 0 && client->dropped > 0) {
-      push_event(*client, dropped_line(std::exchange(client->dropped, 0)));
-    }
-    if (!line.is_reply) return;
+    if (!client->out.take_front().is_reply) return;
     client->deadline.cancel();
     replied(client);
   }
@@ -330,11 +298,10 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
 
   asio::io_context& io_;
   fs::path path_;
-  Answer answer_;
+  Answerer answer_;
   Protocol::acceptor acceptor_;
   asio::steady_timer again_;
   std::set<ClientPtr> clients_;
-  Client* answering_ = nullptr;     // whose request is being answered; null: none is
   EventKinds wanted_;               // by some client
   std::pair<dev_t, ino_t> file_{};  // identifies our socket: close() leaves another one at the same path alone
   bool over_ = false;
@@ -345,15 +312,14 @@ ControlServer::ControlServer(std::shared_ptr<Impl> impl) : impl_(std::move(impl)
 
 ControlServer::~ControlServer() { impl_->close(); }
 
-void ControlServer::subscribe(EventKinds kinds) { impl_->subscribe(kinds); }
-
 EventKinds ControlServer::wanted() const { return impl_->wanted(); }
 
 void ControlServer::publish(EventKind kind, const std::string& line) { impl_->publish(kind, line); }
 
 const ControlServer::Counters& ControlServer::counters() const { return impl_->counters(); }
 
-Result<std::unique_ptr<ControlServer>> ControlServer::open(asio::io_context& io, const fs::path& path, Answer answer) {
+Result<std::unique_ptr<ControlServer>> ControlServer::open(asio::io_context& io, const fs::path& path,
+                                                           Answerer answer) {
   constexpr std::size_t kPathMax_bytes = sizeof(sockaddr_un::sun_path) - 1;
   if (path.string().size() > kPathMax_bytes) {
     return cannot_listen(path, "a socket's path may have " + std::to_string(kPathMax_bytes) + " bytes", 2);

@@ -62,6 +62,7 @@ struct EventOf {
   [[nodiscard]] static ordered_json id(OperationId operation) {
     return {{"author", operation.author.value}, {"number", operation.number}};
   }
+  [[nodiscard]] static ordered_json numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
   [[nodiscard]] static ordered_json owner(PeerId owner) {
     return owner == kNobody ? ordered_json(nullptr) : ordered_json(owner.value);
   }
@@ -81,14 +82,16 @@ struct EventOf {
     return e;
   }
   ordered_json operator()(const ContactSeen& c) const {
-    const Vec3& n = c.contact.normal;
     ordered_json e = event("contact");
     e.update({{"at_s", seconds(c.contact.at)},
               {"known_at_s", seconds(c.known_at)},
               {"kind", name_of(c.kind)},
+              {"decider", owner(c.decider)},
               {"collider", path(c.contact.collider)},
               {"collidee", path(c.contact.collidee)},
-              {"normal", {n.x(), n.y(), n.z()}}});
+              {"collider_position_m", numbers(c.contact.collider_before.position)},
+              {"collidee_position_m", numbers(c.contact.collidee_before.position)},
+              {"normal", numbers(c.contact.normal)}});
     return e;
   }
   ordered_json operator()(const Overruled& o) const {

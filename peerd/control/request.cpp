@@ -111,6 +111,12 @@ std::optional<config::SceneEdit::Kind> edit_kind(std::string_view word) {
 
 }  // namespace
 
+bool changes_something(const Request& request) {
+  return std::holds_alternative<KeyRequest>(request) || std::holds_alternative<PoseRequest>(request) ||
+         std::holds_alternative<LetGoRequest>(request) || std::holds_alternative<EditRequest>(request) ||
+         std::holds_alternative<LeaveRequest>(request);
+}
+
 std::expected<Request, std::string> parse_request(std::string_view line) {
   const auto object = feed::parse_json_object(line);
   if (!object) return std::unexpected(object.error());
@@ -129,6 +135,8 @@ std::expected<Request, std::string> parse_request(std::string_view line) {
                              static_cast<std::uint32_t>(members.whole("count", kObjectsMax, 1, kObjectsMax))};
   } else if (what == "pose") {
     request = feed::read_pose_message(members);
+  } else if (what == "let_go") {
+    request = LetGoRequest{members.required(members.text("path"), "path")};
   } else if (const auto kind = edit_kind(what)) {
     request = read_edit(members, *kind);
   } else if (what == "data") {
@@ -148,7 +156,8 @@ std::expected<Request, std::string> parse_request(std::string_view line) {
   } else {
     members.fail(
         "do",
-        "must be one of \"key\", \"status\", \"peers\", \"objects\", \"pose\", \"add\", \"remove\", \"move\", "
+        "must be one of \"key\", \"status\", \"peers\", \"objects\", \"pose\", \"let_go\", \"add\", \"remove\", "
+        "\"move\", "
         "\"set\", \"own\", \"grab\", \"steal\", \"release\", \"data\", \"send\", \"undo\", \"redo\", \"conflicts\", "
         "\"subscribe\", \"operation\", "
         "\"world\", \"leave\"");

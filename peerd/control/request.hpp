@@ -38,6 +38,10 @@ struct PeersRequest {
 };
 struct LeaveRequest {};
 using PoseRequest = feed::PoseMessage;
+// A LetGoRequest ends that poses move an object which this peer has grabbed.
+struct LetGoRequest {
+  std::string path;
+};
 struct EditRequest {
   config::SceneEdit edit;
 };
@@ -59,8 +63,11 @@ struct SubscribeRequest {
 };
 struct WorldRequest {};  // the scene as it is, as VRML
 using Request =
-    std::variant<KeyRequest, StatusRequest, PeersRequest, ObjectsRequest, LeaveRequest, PoseRequest, EditRequest,
-                 OperationRequest, DataRequest, ConflictsRequest, SubscribeRequest, WorldRequest>;
+    std::variant<KeyRequest, StatusRequest, PeersRequest, ObjectsRequest, LeaveRequest, PoseRequest, LetGoRequest,
+                 EditRequest, OperationRequest, DataRequest, ConflictsRequest, SubscribeRequest, WorldRequest>;
+
+// Whether the request changes something, if only at this peer: a key, poses, an edit, leaving.
+[[nodiscard]] bool changes_something(const Request& request);
 
 // Parses one line of hostile input. The error is one sentence for its sender.
 [[nodiscard]] std::expected<Request, std::string> parse_request(std::string_view line);

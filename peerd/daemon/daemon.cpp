@@ -54,7 +54,7 @@ const char* name_of(int signal) {
 }
 
 // Whether the peer must have begun for the request.
-bool changes_something(std::string_view line) {
+bool needs_begun_peer(std::string_view line) {
   const auto request = api::parse_request(line);
   return request &&
          (std::holds_alternative<api::KeyRequest>(*request) || std::holds_alternative<api::PoseRequest>(*request));
@@ -84,17 +84,16 @@ Daemon::Daemon(boost::asio::io_context& io, PeerNode& node, net::Transport& tran
   }
 }
 
-std::string Daemon::on_control(std::string_view line) {
-  if (over_) return api::refusal("this peer is leaving");
-  if (question_ && changes_something(line)) {
-    return api::refusal("this peer has not begun: it asks first, for a second, whether it is running already");
+api::Answer Daemon::on_control(std::string_view line) {
+  if (over_) return {api::refusal("this peer is leaving")};
+  if (question_ && needs_begun_peer(line)) {
+    return {api::refusal("this peer has not begun: it asks first, for a second, whether it is running already")};
   }
   const HostTime at = now();
   const Duration host_minus_wall = clock_.minus_wall();
   if (capture_) capture_->on_control(at, host_minus_wall, line);
-  api::Answer answer = api::answer(node_, at, line, host_minus_wall, &transport_.counters());
+  api::Answer answer = api::answer(node_, at, line, host_minus_wall, [this] { return counters_of_status(); });
   drain();
-  if (answer.subscribe && control_ != nullptr) control_->subscribe(*answer.subscribe);
   if (answer.leave) {
     boost::asio::post(io_, [this] {
       if (over_) return;
@@ -102,7 +101,13 @@ std::string Daemon::on_control(std::string_view line) {
       leave();
     });
   }
-  return std::move(answer.line);
+  return answer;
+}
+
+std::map<std::string, std::uint64_t> Daemon::counters_of_status() const {
+  auto all = transport_.counters().named();
+  for (const api::MoreCounters& more : more_counters_) all.merge(more());
+  return all;
 }
 
 void Daemon::on_poses(std::string_view datagram) {
@@ -306,7 +311,7 @@ void Daemon::drain() {
       exit_code_ = kEnvironment;
       stop();
     }
-    if (control_ != nullptr && !control_->wanted().empty()) publish(out);
+    publish(out);
     if (const auto line = describe(out, node_.scene())) log_(*line);
   }
   while (const auto key = node_.poll_key_report()) {
@@ -318,9 +323,14 @@ void Daemon::drain() {
 }
 
 void Daemon::publish(const replication::Output& event) {
-  assert(control_ != nullptr);
   const auto kind = api::kind_of(event);
-  if (kind && control_->wanted().contains(*kind)) control_->publish(*kind, api::event_line(event, node_));
+  if (!kind) return;
+  const auto wants = [kind](const api::EventSink* sink) { return sink->wanted().contains(*kind); };
+  if (std::ranges::none_of(event_sinks_, wants)) return;
+  const std::string line = api::event_line(event, node_);
+  for (api::EventSink* const sink : event_sinks_) {
+    if (wants(sink)) sink->publish(*kind, line);
+  }
 }
 
 bool Daemon::store_growth() {

@@ -1,5 +1,7 @@
 #pragma once
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,7 +12,8 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 
-#include "peerd/control/control_server.hpp"
+#include "peerd/control/answer.hpp"
+#include "peerd/control/event_sink.hpp"
 #include "peerd/daemon/tick_lateness.hpp"
 #include "peerd/node/describe.hpp"
 #include "peerd/node/peer_node.hpp"
@@ -45,9 +48,11 @@ class Daemon {
          std::optional<Duration> leave_after, record::CaptureWriter* capture = nullptr);
 
   // Answers one line of the control protocol; the reply to "leave" is out before the peer leaves.
-  std::string on_control(std::string_view line);
-  // Events go to clients of this server that have subscribed. It outlives the run.
-  void publish_to(api::ControlServer& control) { control_ = &control; }
+  api::Answer on_control(std::string_view line);
+  // Events go to the clients of this server, too, that have subscribed. It outlives the run.
+  void publish_to(api::EventSink& clients) { event_sinks_.push_back(&clients); }
+  // The "status" of the control protocol has these counters, too. The function outlives the run.
+  void count_in_status(api::MoreCounters more) { more_counters_.push_back(std::move(more)); }
   // Takes one datagram of an external program.
   void on_poses(std::string_view datagram);
   // Takes poses of a program in this process; there must be no capture, which could not record them.
@@ -80,12 +85,16 @@ class Daemon {
   // Runs until a signal, a request to leave or the end of the scenario. Returns the exit code.
   int run();
 
+  // The time of an input that the peer gets now.
+  [[nodiscard]] HostTime now() { return forward_(clock_.now()); }
+  // The counters of "status" beside those of the peer.
+  [[nodiscard]] std::map<std::string, std::uint64_t> counters_of_status() const;
+
   // Counts the datagrams that arrived before an input that the peer had got already.
   [[nodiscard]] const net::ForwardTime& forward() const { return forward_; }
   [[nodiscard]] const TickLateness& lateness() const { return lateness_; }
 
  private:
-  HostTime now() { return forward_(clock_.now()); }
   void take_part();
   void ask(HostTime until);
   void on_datagram(const net::Arrival& arrival);
@@ -114,8 +123,9 @@ class Daemon {
   std::optional<replication::IdentityQuestion> question_;  // is being asked: the peer has not begun
   store::OperationStore* store_ = nullptr;                 // null: none, and no keeper
   std::optional<store::StoreKeeper> keeper_;
-  api::ControlServer* control_ = nullptr;  // null: nobody can subscribe
-  record::CaptureWriter* capture_;         // null: none, or it has failed
+  std::vector<api::EventSink*> event_sinks_;
+  std::vector<api::MoreCounters> more_counters_;
+  record::CaptureWriter* capture_;  // null: none, or it has failed
   std::function<void()> received_handler_;
   net::ForwardTime forward_;
   TickLateness lateness_;

@@ -93,6 +93,12 @@ std::optional<std::vector<std::string>> JsonMembers::texts(const char* name) {
   return value->get<std::vector<std::string>>();
 }
 
+const json* JsonMembers::object(const char* name) {
+  const json* value = find(name);
+  if (value == nullptr || value->is_object()) return value;
+  return fail(name, "must be an object"), nullptr;
+}
+
 std::vector<const json*> JsonMembers::objects(const char* name) {
   const json* value = find(name);
   std::vector<const json*> items;

@@ -36,6 +36,8 @@ class JsonMembers {
   // A list of exactly `Size` numbers; 3 and 4 are instantiated.
   template <int Size>
   std::optional<Eigen::Matrix<double, Size, 1>> numbers(const char* name);
+  // An object; null where the member is missing or wrong.
+  const nlohmann::json* object(const char* name);
   // A list of objects; empty where the member is missing.
   std::vector<const nlohmann::json*> objects(const char* name);
   // The value; an error where there is none.

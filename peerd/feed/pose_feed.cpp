@@ -61,7 +61,8 @@ const char* to_string(Refusal refusal) {
 const char* sentence(Refusal refusal) {
   switch (refusal) {
     case Refusal::kObject:
-      return "no object of that name is moved by a program here (motion.OBJECT.outside = true)";
+      return "no object of that name is moved by a program here (motion.OBJECT.outside = true), nor grabbed by this "
+             "peer";
     case Refusal::kTime:
       return "\"time_s\" must be Unix time, from 0 to 9e9 s";
     case Refusal::kTooOld:

@@ -21,24 +21,49 @@ std::string printable(std::string_view text) {
 
 }  // namespace
 
-PoseFeeds::PoseFeeds(Settings settings, const Scene& scene) {
+PoseFeeds::PoseFeeds(Settings settings, const Scene& scene) : stale_(settings.stale) {
   std::vector<std::pair<ObjectId, std::string>> paths;
   for (const auto& [path, object] : settings.objects) paths.emplace_back(object, path);
   std::ranges::sort(paths);
   for (auto& [object, path] : paths) {
     assert(objects_.empty() || objects_.back() != object);
-    by_path_.emplace(path, objects_.size());
     objects_.push_back(object);
-    feeds_.push_back({std::move(path), PoseFeed(scene.rigid_pose(object), settings.stale)});
+    feeds_.push_back({std::move(path), PoseFeed(scene.rigid_pose(object), stale_)});
   }
+  build_index();
+}
+
+void PoseFeeds::add(const std::string& path, ObjectId object, const Pose& place) {
+  assert(!feeds(object) && !find(path));
+  const auto at = std::ranges::lower_bound(objects_, object);
+  feeds_.insert(feeds_.begin() + (at - objects_.begin()), Fed{path, PoseFeed(place, stale_)});
+  objects_.insert(at, object);
+  build_index();
+}
+
+void PoseFeeds::remove(ObjectId object) {
+  assert(feeds(object));
+  const auto at = std::ranges::lower_bound(objects_, object);
+  const auto fed = feeds_.begin() + (at - objects_.begin());
+  silences_of_removed_ += fed->silences;
+  feeds_.erase(fed);
+  objects_.erase(at);
+  build_index();
+}
+
+void PoseFeeds::build_index() {
+  by_path_.clear();
+  for (std::size_t i = 0; i < feeds_.size(); ++i) by_path_.emplace(feeds_[i].path, i);
 }
 
 bool PoseFeeds::feeds(ObjectId object) const { return std::ranges::binary_search(objects_, object); }
 
-PoseFeeds::Fed& PoseFeeds::fed(ObjectId object) {
+bool PoseFeeds::begun(ObjectId object) const { return feeds_[index_of(object)].feed.begun(); }
+
+std::size_t PoseFeeds::index_of(ObjectId object) const {
   const auto at = std::ranges::lower_bound(objects_, object);
   assert(at != objects_.end() && *at == object);
-  return feeds_[static_cast<std::size_t>(at - objects_.begin())];
+  return static_cast<std::size_t>(at - objects_.begin());
 }
 
 Outcome PoseFeeds::push(HostTime now, Duration host_minus_wall, std::span<const FedPose> poses) {
@@ -78,7 +103,7 @@ std::optional<ObjectId> PoseFeeds::find(std::string_view path) const {
 }
 
 KinematicState PoseFeeds::sample(ObjectId object, HostTime t) {
-  Fed& fed = this->fed(object);
+  Fed& fed = feeds_[index_of(object)];
   if (fed.feed.begun() && !fed.begun) {
     fed.begun = true;
     notice(Notice::Kind::kBegan, fed.path);
@@ -103,14 +128,14 @@ void PoseFeeds::notice(Notice::Kind kind, std::string what, bool again) {
 }
 
 void PoseFeeds::count(std::map<std::string, std::uint64_t>& counters) const {
-  if (feeds_.empty()) return;
+  if (feeds_.empty() && taken_ == 0) return;
   counters["poses_taken"] = taken_;
   counters["poses_refused"] = std::accumulate(refused_.begin(), refused_.end(), std::uint64_t{0});
   for (std::size_t i = 0; i < refused_.size(); ++i) {
     if (refused_[i] > 0) counters[std::string("poses_refused_") + to_string(static_cast<Refusal>(i))] = refused_[i];
   }
   counters["pose_messages_refused"] = messages_refused_;
-  counters["feeds_silent"] = std::accumulate(feeds_.begin(), feeds_.end(), std::uint64_t{0},
+  counters["feeds_silent"] = std::accumulate(feeds_.begin(), feeds_.end(), silences_of_removed_,
                                              [](std::uint64_t n, const Fed& f) { return n + f.silences; });
 }
 

@@ -51,7 +51,15 @@ class PoseFeeds {
   // Counts a datagram that is no message of poses, for the reason `why`.
   void refuse_message(const std::string& why);
 
+  // Poses move this object, too, from now on, under that path; until the first one it stands at `place`. No poses move
+  // it yet.
+  void add(const std::string& path, ObjectId object, const Pose& place);
+  // No poses move the object any more. What is counted of it stays.
+  void remove(ObjectId object);
+
   [[nodiscard]] bool feeds(ObjectId object) const;
+  // Whether a pose of the object has been taken. Poses move it.
+  [[nodiscard]] bool begun(ObjectId object) const;
   [[nodiscard]] std::span<const ObjectId> objects() const { return objects_; }  // sorted
   [[nodiscard]] std::optional<ObjectId> find(std::string_view path) const;
   // The object's state at a tick or between two; the times that are asked of one object must not decrease.
@@ -72,13 +80,17 @@ class PoseFeeds {
   struct HashOfPath : std::hash<std::string_view> {
     using is_transparent = void;
   };
-  [[nodiscard]] Fed& fed(ObjectId object);
+  [[nodiscard]] std::size_t index_of(ObjectId object) const;
 
+  void build_index();
+
+  Duration stale_;
   std::vector<ObjectId> objects_;  // sorted
   std::vector<Fed> feeds_;         // parallel to objects_
   // Index into both, by path.
   std::unordered_map<std::string, std::size_t, HashOfPath, std::equal_to<>> by_path_;
   std::uint64_t taken_ = 0, messages_refused_ = 0;
+  std::uint64_t silences_of_removed_ = 0;
   std::array<std::uint64_t, kRefusals> refused_{};
   std::deque<Notice> notices_;
 };

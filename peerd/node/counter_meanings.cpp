@@ -39,6 +39,14 @@ constexpr std::array kTexts{
     CounterText{"decisions_overruled", "decisions that another one replaced"},
     CounterText{"decisions_repeated", "further copies of decisions sent"},
     CounterText{"feeds_silent", "external programs that sent nothing for too long"},
+    CounterText{"gateway.connections", "connections to the viewer's port"},
+    CounterText{"gateway.events_dropped", "events that viewers did not read in time"},
+    CounterText{"gateway.frame_bytes", "bytes of poses sent to viewers"},
+    CounterText{"gateway.frames", "frames of poses sent to viewers"},
+    CounterText{"gateway.frames_late", "of those, the ones that waited for a slow viewer"},
+    CounterText{"gateway.live", "viewers that opened a WebSocket"},
+    CounterText{"gateway.messages", "messages from viewers"},
+    CounterText{"gateway.requests", "requests by HTTP"},
     CounterText{"handovers", "updates of an object in another region than its last one"},
     CounterText{"jammed", "contacts answered for all that touched, as no two could part"},
     CounterText{"key_changes", "velocities that keys changed"},
@@ -107,6 +115,7 @@ static_assert(std::ranges::is_sorted(kTexts, {}, &CounterText::name));
 // Counters whose names end with what they count.
 constexpr std::array kFamilies{
     CounterText{"dropped_", "not used, for the reason in the name (docs/protocol.md, Drop reasons)"},
+    CounterText{"gateway.refused_", "refused by the gateway, for the reason in the name (docs/reference/gateway.md)"},
     CounterText{"poses_refused_", "of poses_refused, those for the reason in the name"},
     CounterText{"updates_out_", "of updates_out, those of that size"},
 };

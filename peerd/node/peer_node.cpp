@@ -247,6 +247,7 @@ void PeerNode::on_tick(HostTime now) {
   peer_.on_tick(now, samples_);
   const bool ticked = due && peer_.counters().ticks > ticks;  // no tick where the session time has just changed
   if (ticked) logged_at_ = *due;
+  let_go_of_lost(now);
   press_keys(now);
   make_edits(now);
   edits_.give_up(now);
@@ -259,6 +260,16 @@ void PeerNode::on_tick(HostTime now) {
 SimTime PeerNode::sample_time(std::int64_t number) const {
   const std::int64_t hz = options_.sample_hz;
   return *log_.start + std::chrono::seconds(number / hz) + Duration{number % hz * 1'000'000'000 / hz};
+}
+
+std::optional<SimTime> PeerNode::advance_view(HostTime now, std::optional<SimTime> last) {
+  if (!peer_.clock().synchronised()) return std::nullopt;
+  SimTime t = peer_.clock().to_session(now);
+  if (const auto due = peer_.due_tick(now)) t = std::min(t, *due);
+  if (options_.keep_log && log_.start) t = std::min(t, sample_time(next_sample_));
+  if (last) t = std::max(t, *last);
+  peer_.advance_ghosts(t);
+  return t;
 }
 
 HostTime PeerNode::next_deadline() const {
@@ -327,7 +338,9 @@ EditReport PeerNode::change_owner(HostTime now, const config::SceneEdit& edit) {
     if (edit.kind != config::SceneEdit::Kind::kRelease) {
       return peer_.own(now, *object, edit.kind == config::SceneEdit::Kind::kSteal);
     }
+    if (fed_while_held_.contains(*object)) on_tick(now);  // a due tick is of an earlier instant
     if (peer_.owner(*object) != config_.id) return std::unexpected("this peer does not own it");
+    let_go(now, *object);
     const auto released = peer_.give(now, *object, kNobody);
     if (!released) return std::unexpected(released.error());
     return replication::Taking{*released};
@@ -361,7 +374,9 @@ void PeerNode::note_path(ObjectId object) {
 }
 
 feed::Outcome PeerNode::on_poses(HostTime now, Duration host_minus_wall, std::span<const feed::FedPose> poses) {
+  for (const feed::FedPose& fed : poses) feed_grabbed(now, fed.object);
   feed::Outcome outcome = feeds_.push(now, host_minus_wall, poses);
+  drive_fed(now);
   if (outcome.taken == 0) return outcome;
   if (peer_.due_tick(now)) on_tick(now);  // a due tick is of an earlier instant and must not see a jump of now
   samples_.clear();
@@ -370,6 +385,56 @@ feed::Outcome PeerNode::on_poses(HostTime now, Duration host_minus_wall, std::sp
   }
   peer_.publish_now(now, samples_);
   return outcome;
+}
+
+// What a client of this peer has grabbed, its poses may move.
+void PeerNode::feed_grabbed(HostTime now, const std::string& path) {
+  if (feeds_.find(path)) return;
+  const auto object = scene().find(path);
+  const auto is_grabbed = [&] {
+    return object && scene().contains(*object) && edits_.holds(*object) && peer_.owner(*object) == config_.id &&
+           !drives(*object) && peer_.clock().synchronised();
+  };
+  if (!is_grabbed()) return;
+  if (peer_.due_tick(now)) on_tick(now);  // which is of an earlier instant
+  if (!is_grabbed()) return;
+  feeds_.add(path, *object, peer_.truth(*object, peer_.clock().to_session(now)).pose());
+  fed_while_held_.insert(*object);
+}
+
+// The hand has what its first good pose has reached.
+void PeerNode::drive_fed(HostTime now) {
+  for (const ObjectId object : std::vector(fed_while_held_.begin(), fed_while_held_.end())) {
+    if (feeds_.begun(object) && peer_.begin_driving(now, object)) continue;
+    feeds_.remove(object);
+    fed_while_held_.erase(object);
+  }
+}
+
+std::expected<void, std::string> PeerNode::let_go(HostTime now, const std::string& path) {
+  const auto object = scene().find(path);
+  if (!object) return std::unexpected("the scene has no " + path);
+  on_tick(now);  // a due tick is of an earlier instant
+  if (!fed_while_held_.contains(*object)) return std::unexpected("no poses move it that this peer has grabbed");
+  let_go(now, *object);
+  return {};
+}
+
+// The object goes on as its last poses moved it.
+void PeerNode::let_go(HostTime now, ObjectId object) {
+  if (fed_while_held_.erase(object) == 0) return;
+  if (scene().contains(object)) {
+    peer_.end_driving(now, object, feeds_.sample(object, now));
+    peer_.publish_now(now, {});
+  }
+  feeds_.remove(object);
+}
+
+void PeerNode::let_go_of_lost(HostTime now) {
+  for (const ObjectId object : std::vector(fed_while_held_.begin(), fed_while_held_.end())) {
+    const bool is_held = scene().contains(object) && peer_.owner(object) == config_.id && edits_.holds(object);
+    if (!is_held) let_go(now, object);
+  }
 }
 
 KeyReport PeerNode::on_key(HostTime now, const KeyEvent& key) {

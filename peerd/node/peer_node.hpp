@@ -3,6 +3,7 @@
 #include <expected>
 #include <map>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -81,7 +82,11 @@ class PeerNode {
   [[nodiscard]] bool stores() const { return options_.stores; }
   // An external program sends poses of the objects that it moves. An update of each object whose ghost is beyond its
   // threshold leaves at once. Unix time + `host_minus_wall` is the time of this host.
+  // So is what this peer has grabbed, from the first pose that is taken until it is released.
   feed::Outcome on_poses(HostTime now, Duration host_minus_wall, std::span<const feed::FedPose> poses);
+  // Poses move that object no more, which this peer has grabbed and goes on to own: it moves as its last poses moved
+  // it, until the next one. The error says why not.
+  std::expected<void, std::string> let_go(HostTime now, const std::string& path);
   // Counts a datagram of the pose port that is no message of poses.
   void refuse_poses(const std::string& why) { feeds_.refuse_message(why); }
   void leave(HostTime now);
@@ -95,6 +100,13 @@ class PeerNode {
   // The next event of the feeds that is worth a log line.
   [[nodiscard]] std::optional<feed::Notice> poll_feed_notice() { return feeds_.poll_notice(); }
   [[nodiscard]] HostTime next_deadline() const;
+
+  // Brings what this peer shows to a viewer to `now`, and returns the session time of that picture; none before a
+  // session. It is not before that of the `last` picture, and no later than what is due next, so that the log's own
+  // pictures come in their order. Nothing that other peers could notice depends on it.
+  [[nodiscard]] std::optional<SimTime> advance_view(HostTime now, std::optional<SimTime> last);
+  // The pose that a viewer draws, at the time of the last advance_view() (Peer::shown).
+  [[nodiscard]] Pose shown(ObjectId object, SimTime t) { return peer_.shown(object, t); }
 
   [[nodiscard]] const replication::Peer& peer() const { return peer_; }
   [[nodiscard]] const Scene& scene() const { return peer_.scene(); }
@@ -121,6 +133,10 @@ class PeerNode {
   void make_edits(HostTime now);
   EditReport undo(HostTime now, const config::SceneEdit& edit);
   EditReport change_owner(HostTime now, const config::SceneEdit& edit);
+  void feed_grabbed(HostTime now, const std::string& path);
+  void drive_fed(HostTime now);
+  void let_go(HostTime now, ObjectId object);
+  void let_go_of_lost(HostTime now);
   void on_request(HostTime now, const replication::ObjectRequested& asked);
   void follow_scene();
   // The session time of the next edit of the settings; max(): none is left, or the start is not known.
@@ -137,6 +153,7 @@ class PeerNode {
   const SharedWorld& shared_;
   config::Motions motions_;
   feed::PoseFeeds feeds_;
+  std::set<ObjectId> fed_while_held_;  // those of `feeds_` that no configuration names
   Options options_;
   replication::PeerConfig config_;
   replication::Peer peer_;

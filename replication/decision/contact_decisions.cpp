@@ -247,7 +247,7 @@ void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
   }
   replica_.colliding().on_contact(c);
   replica_.name_polygons(c, true);
-  outbox_.push(ContactSeen{ContactKind::kDecided, c, known_at});
+  outbox_.push(ContactSeen{ContactKind::kDecided, c, known_at, config_.id});
   const bool alone = changes.size() == 1 && changes.front().author == config_.id;
   if (!alone) apply(changes, known_at);
 }
@@ -478,7 +478,7 @@ void ContactDecisions::apply(const DecisionRecord& d, PeerId author, SimTime kno
   replica_.name_polygons(contact, own_.contains(d.collider) || own_.contains(d.collidee));
   replica_.colliding().on_contact(contact);
   const ContactKind kind = author == config_.id ? ContactKind::kDecided : ContactKind::kApplied;
-  outbox_.push(ContactSeen{kind, std::move(contact), known_at});
+  outbox_.push(ContactSeen{kind, std::move(contact), known_at, author});
 }
 
 void ContactDecisions::note_found(const ContactEvent& c) {

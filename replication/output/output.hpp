@@ -160,6 +160,7 @@ struct ContactSeen {
   ContactKind kind;
   ContactEvent contact;
   SimTime known_at;
+  PeerId decider = kNobody;  // whose finding or decision it is; nobody's: kPredicted and kScene
 };
 using Output =
     std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined, PeerLost,

@@ -63,8 +63,7 @@ void Publication::take(SimTime t, std::span<const OwnSample> samples) {
     const OwnSample& sample = samples[i];
     if (i + kOwnAhead < samples.size()) truth.prefetch(samples[i + kOwnAhead].object);
     if (own == own_.end() || own->first != sample.object) own = own_.map().find(sample.object);
-    if (own == own_.end()) continue;  // lost to another peer
-    assert(own->second.driven);
+    if (own == own_.end() || !own->second.driven) continue;  // lost to another peer, if only for a moment
     MotionModel law(sample.has_derivatives ? sample.state : own->second.poses.derive(t, sample.state.pose()));
     if (!acceptable(law.state)) {
       law.state = at_rest_within_limits(law.state);
@@ -165,6 +164,7 @@ void Publication::publish(SimTime t) {
     const bool undecided = !own.driven && decisions_.awaits_decision_on(object);
     const GhostError error = undecided ? GhostError{} : ghost_error(truth, ghost, own.bounding_radius_m);
     const double threshold_m = thresholds_.at(object, t);
+    own.threshold_m = threshold_m;
     if (const auto reason = why_due(object, own, t, threshold_m, truth, ghost, error)) {
       if (config_.policy.bytes_per_s) {
         due_updates_.push_back({{object, &own, error, threshold_m}, *reason});
@@ -258,9 +258,9 @@ void Publication::publish_changed(SimTime t) {
 
 bool Publication::is_urgent(const OwnSample& sample, SimTime t) const {
   const OwnObject* own = std::as_const(own_).find(sample.object);
-  if (own == nullptr || over_byte_budget_ || published_since_tick(*own)) return false;
+  if (own == nullptr || !own->driven || over_byte_budget_ || published_since_tick(*own)) return false;
   if (!acceptable(sample.state)) return false;  // the tick publishes a state within the limits in its place
-  assert(own->driven && sample.has_derivatives);
+  assert(sample.has_derivatives);
   const KinematicState relative = replica_.truth().in_carrier(sample.object, t, sample.state);
   const GhostError error =
       ghost_error(relative, replica_.ghosts().relative_at(sample.object, t), own->bounding_radius_m);

@@ -1,5 +1,7 @@
 #include "replication/replica/display.hpp"
 
+#include <functional>
+
 #include "replication/replica/drawn_way.hpp"
 
 namespace peerd::replication {
@@ -32,14 +34,14 @@ Pose Display::shown(ObjectId object, SimTime t) {
       shown_.try_emplace(object, marked ? config_.remote_convergence : config_.convergence).first->second;
   const std::uint64_t blocked = convergence.blocked(), detours = convergence.detours();
   const SimTime since = convergence.last_shown().value_or(t);
-  const Pose pose = convergence.shown(
-      t, state, ghosts.revision(object),
-      [&](const Vec3& from, const Vec3& to) {
-        return is_free(DrawnWay{object, since, t, from, to}, *model_, own_, replica_);
-      },
-      [&](SimTime at) {
-        return ghosts.has_history_at(object, at) ? std::optional(ghosts.at(object, at).pose()) : std::nullopt;
-      });
+  const auto may_pass = [&](const Vec3& from, const Vec3& to) {
+    return is_free(DrawnWay{object, since, t, from, to}, *model_, own_, replica_);
+  };
+  const auto was = [&](SimTime at) {
+    return ghosts.has_history_at(object, at) ? std::optional(ghosts.at(object, at).pose()) : std::nullopt;
+  };
+  // References suffice: a std::function of that size would take memory for each object of each frame.
+  const Pose pose = convergence.shown(t, state, ghosts.revision(object), std::cref(may_pass), std::cref(was));
   counters_.convergence_blocked += convergence.blocked() - blocked;
   counters_.convergence_detours += convergence.detours() - detours;
   return pose;

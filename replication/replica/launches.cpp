@@ -54,6 +54,18 @@ void Launches::change_velocity(SimTime t, ObjectId object, const Vec3& velocity,
   unpublished_[object] = t;
 }
 
+void Launches::let_go(SimTime t, ObjectId object, const KinematicState& world) {
+  assert(own_.contains(object) && !own_.at(object).driven);
+  MotionWorld& truth = replica_.truth();
+  KinematicState state = truth.in_carrier(object, t, world);
+  assert(state.position.allFinite() && state.velocity.allFinite());
+  const Vec3 free = truth.free_acceleration(object).value_or(Vec3::Zero());
+  state.acceleration = truth.vector_in_carrier(object, t, free);
+  truth.set_base(object, t, law_after(model_->response_of(object), MotionModel{}, state));
+  scheduled_.erase(object);
+  unpublished_[object] = t;
+}
+
 void Launches::forget(ObjectId object) {
   scheduled_.erase(object);
   unpublished_.erase(object);

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "core/ids.hpp"
+#include "core/kinematics.hpp"
 #include "core/math.hpp"
 #include "core/time.hpp"
 #include "replication/replica/own_objects.hpp"
@@ -32,6 +33,10 @@ class Launches {
   // Gives the object, which this peer owns and nothing drives, the velocity [m/s, world frame] from t on, or adds it to
   // the present one. The truth has been advanced to t.
   void change_velocity(SimTime t, ObjectId object, const Vec3& velocity, bool absolute);
+
+  // What has driven the object, which this peer owns, lets go of it at t in that state in the world. The truth has been
+  // advanced to t.
+  void let_go(SimTime t, ObjectId object, const KinematicState& world);
 
   // Changes that have not been published, with the instants since which they hold.
   [[nodiscard]] const std::map<ObjectId, SimTime>& unpublished() const { return unpublished_; }

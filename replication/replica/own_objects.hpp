@@ -47,6 +47,8 @@ struct OwnObject {
   bool driven = false;   // samples move it; else physics does
   bool adopted = false;  // a scene object that a decision has given to this peer until it rests
   Launch launch;
+  // The error threshold [m] at the last check; none: there has been no check yet.
+  std::optional<double> threshold_m;
   double bounding_radius_m = 0.0;  // of its farthest vertex from its origin, where errors count by its surface; else 0
   std::optional<SimTime> last_sent;
   std::uint32_t sequence = 0;  // of its last update

@@ -30,6 +30,17 @@ Outcomes outcomes(Lan& lan, std::size_t i) {
   return held;
 }
 
+// The peers that the decisions of a peer's contacts name, each once.
+std::set<PeerId> deciders(Lan& lan, std::size_t i) {
+  std::set<PeerId> named;
+  for (const auto& [at, out] : lan.node(i).outputs) {
+    const auto* c = std::get_if<ContactSeen>(&out);
+    if (c != nullptr && (c->kind == ContactKind::kDecided || c->kind == ContactKind::kApplied))
+      named.insert(c->decider);
+  }
+  return named;
+}
+
 struct Way {
   DecisionPolicy policy;
   Duration latency;
@@ -134,6 +145,7 @@ TEST_P(HeadOn, ThePolicysChoiceDecides) {
   settle();
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_THAT(lan->contacts(i, ContactKind::kDecided), SizeIs(i == policys_choice() ? 1 : 0)) << i;
+    EXPECT_THAT(deciders(*lan, i), testing::ElementsAre(lan->peer(policys_choice()).id())) << i;
   }
   EXPECT_EQ(sum(&Peer::Counters::decisions), 1u);
   EXPECT_EQ(sum(&Peer::Counters::decisions_fallback), 0u);

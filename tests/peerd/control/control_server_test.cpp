@@ -34,20 +34,20 @@ class ControlServerTest : public testing::Test {
  protected:
   ControlServerTest() : path(folder / "c.sock") {}
   std::unique_ptr<ControlServer> open() {
-    auto server = ControlServer::open(io, path, [this](std::string_view line) {
-      if (line == "quiet") return std::string();
+    auto server = ControlServer::open(io, path, [](std::string_view line) {
+      if (line == "quiet") return Answer{};
+      Answer answer{line == "much" ? std::string(kMuch_bytes, 'x') : "got " + std::string(line)};
       if (line.starts_with("events ")) {
         EventKinds kinds;
         kinds.add(find_event_kind(line.substr(7)).value());
-        serving->subscribe(kinds);
+        answer.subscribe = kinds;
       }
-      return line == "much" ? std::string(kMuch_bytes, 'x') : "got " + std::string(line);
+      return answer;
     });
     if (!server) {
       ADD_FAILURE() << server.error().text;
       return nullptr;
     }
-    serving = server->get();
     return std::move(*server);
   }
   Protocol::socket connect() {

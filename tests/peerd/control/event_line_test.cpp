@@ -52,14 +52,19 @@ TEST_F(EventLine, SaysWhatHasHappened) {
                                                                  {"owner", 2},
                                                                  {"before", nullptr}}));
   EXPECT_EQ(line(ObjectOrphaned{b, PeerId{2}})["event"], "orphaned");
-  ContactSeen seen{ContactKind::kDecided, {}, kAt};
+  ContactSeen seen{ContactKind::kDecided, {}, kAt, PeerId{2}};
   seen.contact.collider = a;
   seen.contact.collidee = b;
   seen.contact.normal = Vec3(0, 1, 0);
+  seen.contact.collider_before.position = Vec3(1, 2, 3);
   const json contact = line(seen);
   EXPECT_EQ(contact["kind"], "decided");
   EXPECT_EQ(contact["collider"], "A");
+  EXPECT_EQ(contact["decider"], 2);
+  EXPECT_EQ(contact["collider_position_m"], (json{1.0, 2.0, 3.0}));
   EXPECT_EQ(contact["normal"], (json{0.0, 1.0, 0.0}));
+  seen.decider = kNobody;
+  EXPECT_TRUE(line(seen)["decider"].is_null());
   EXPECT_EQ(line(Overruled{a, b, kAt})["collidee"], "B");
   EXPECT_EQ(line(ContactsRetracted{a, kAt, b, true})["partner"], "B");
   EXPECT_FALSE(line(ContactsRetracted{a, kAt}).contains("partner"));

@@ -79,7 +79,7 @@ class Waiting : public testing::Test {
       outsider.send(0, "this is no datagram of a peer");
       const bool done = daemon.lateness().count() >= kTicks && dropped() >= kStrange;
       if (done || std::chrono::steady_clock::now() > give_up) {
-        status = nlohmann::json::parse(daemon.on_control(R"({"do": "status"})"));
+        status = nlohmann::json::parse(daemon.on_control(R"({"do": "status"})").line);
         (void)daemon.on_control(R"({"do": "leave"})");
         return;
       }

@@ -114,4 +114,22 @@ TEST_F(PoseFeedsTest, WithoutObjectsThereAreNoCounters) {
   EXPECT_TRUE(all.empty());
 }
 
+TEST_F(PoseFeedsTest, ObjectsComeAndGo) {
+  feeds.add("HAND/C", c, {Vec3(7, 8, 9), Quat::Identity()});
+  EXPECT_THAT(feeds.objects(), ElementsAre(a, b, c));
+  EXPECT_FALSE(feeds.begun(c));
+  EXPECT_EQ(feeds.sample(c, kNow).position, Vec3(7, 8, 9));
+  EXPECT_EQ(push({{"HAND/C", {}, {.position = {1, 1, 1}}}, {"B", {}, {.position = {2, 2, 2}}}}).taken, 2u);
+  EXPECT_TRUE(feeds.begun(c));
+  feeds.remove(a);
+  EXPECT_THAT(feeds.objects(), ElementsAre(b, c));
+  EXPECT_EQ(feeds.find("A"), std::nullopt);
+  EXPECT_EQ(feeds.sample(c, kNow).position, Vec3(1, 1, 1)) << "the others stay as they are";
+  EXPECT_EQ(feeds.sample(b, kNow).position, Vec3(2, 2, 2));
+  EXPECT_EQ(push({{"A", {}, {}}}).refused.at(0).why, Refusal::kObject);
+  feeds.remove(b);
+  feeds.remove(c);
+  EXPECT_EQ(counters()["poses_taken"], 2u) << "what has been counted stays";
+}
+
 }  // namespace peerd::feed::pose_feeds_test

@@ -197,7 +197,8 @@ TEST_F(PeerNodeFeed, UntrustedTextIsSanitisedForTheLog) {
   run(10ms);
   EXPECT_EQ(said, "a pose of " + std::string(159, 'x') +
                       "? is not used: no object of that name is moved by a program here (motion.OBJECT.outside = "
-                      "true); more such are only counted\na datagram that is no message of poses: \"object\" is "
+                      "true), nor grabbed by this peer; more such are only counted\na datagram that is no message of "
+                      "poses: \"object\" is "
                       "missing; more such are only counted\n");
   begin({"CAR", "ARM"});
   said.clear();
@@ -214,6 +215,112 @@ TEST_F(PeerNodeFeed, AKeyDoesNotMoveWhatAProgramMoves) {
   EXPECT_EQ(objects[0]["outside"], true);
   EXPECT_EQ(objects[0]["driven"], true);
   EXPECT_EQ(objects[2]["outside"], false);
+}
+
+// A hand takes what its peer has grabbed, at 30 Hz, without any configuration.
+class PeerNodeHand : public PeerNodeFeed {
+ protected:
+  PeerNodeHand() {
+    begin({});
+    run(3s);
+    EXPECT_TRUE(node->start());
+  }
+  json pose(double x, const char* object = "FREE") {
+    return ask({{"do", "pose"}, {"object", object}, {"position_m", {x, 50, 0}}, {"time_s", unix_s()}});
+  }
+  // Moves FREE along x for half a second with that speed [m/s]; where it is at the end.
+  double drag(double speed, double from) {
+    const HostTime begun = now;
+    const auto x = [&] { return from + speed * to_seconds(now - begun); };
+    int i = 0;
+    run(500ms, [&] {
+      if (i++ % 33 == 0) EXPECT_EQ(pose(x())["taken"], 1);
+    });
+    EXPECT_EQ(pose(x())["taken"], 1);
+    return x();
+  }
+  json row_of_free() { return ask({{"do", "objects"}})["objects"][2]; }
+};
+
+TEST_F(PeerNodeHand, WhatIsNotGrabbedItDoesNotMove) {
+  EXPECT_EQ(pose(1)["taken"], 0);
+  EXPECT_THAT(pose(1)["refused"][0]["why"].get<std::string>(), HasSubstr("nor grabbed by this peer"));
+  EXPECT_EQ(ask({{"do", "own"}, {"path", "FREE"}})["done"], true);
+  run(300ms);
+  EXPECT_EQ(pose(1)["taken"], 0) << "owned, but not grabbed";
+  EXPECT_EQ(truth("FREE").position, Vec3(0, 50, 0));
+}
+
+TEST_F(PeerNodeHand, MovesWhatIsGrabbedAndThrowsIt) {
+  EXPECT_EQ(ask({{"do", "grab"}, {"path", "FREE"}})["done"], true);
+  run(300ms);
+  EXPECT_EQ(row_of_free()["outside"], false) << "until the first pose";
+  const double end = drag(2.0, 0.0);
+  EXPECT_NEAR(truth("FREE").position.x(), end, 0.01);
+  EXPECT_EQ(row_of_free()["outside"], true);
+  EXPECT_EQ(ask({{"do", "let_go"}, {"path", "FREE"}})["done"], true);
+  EXPECT_EQ(row_of_free()["outside"], false);
+  EXPECT_EQ(row_of_free()["own"], true);
+  EXPECT_NEAR(truth("FREE").velocity.x(), 2.0, 0.01) << "the throw's velocity is the hand's";
+  run(1s);
+  EXPECT_NEAR(truth("FREE").position.x(), end + 2.0, 0.02);
+  EXPECT_NEAR(node->peer().ghost(*shared->world.scene.find("FREE"), node->peer().clock().to_session(now)).position.x(),
+              end + 2.0, 0.02)
+      << "all others predict it so";
+  EXPECT_EQ(ask({{"do", "let_go"}, {"path", "FREE"}})["done"], false);
+  const double caught = drag(0.0, 7.0);
+  EXPECT_EQ(ask({{"do", "let_go"}, {"path", "FREE"}})["done"], true);
+  run(500ms);
+  EXPECT_NEAR(truth("FREE").position.x(), caught, 1e-6) << "it takes hold of it again, and lets go at rest";
+}
+
+TEST_F(PeerNodeHand, AStillHandLetsGoAtRest) {
+  EXPECT_EQ(ask({{"do", "grab"}, {"path", "FREE"}})["done"], true);
+  run(300ms);
+  (void)drag(2.0, 0.0);
+  run(1s);  // silence: it stands
+  const Vec3 before = truth("FREE").position;
+  EXPECT_EQ(truth("FREE").velocity, Vec3::Zero());
+  EXPECT_EQ(ask({{"do", "let_go"}, {"path", "FREE"}})["done"], true);
+  run(500ms);
+  EXPECT_EQ(truth("FREE").position, before);
+}
+
+TEST_F(PeerNodeHand, AReleaseLetsGoAndMakesItNobodys) {
+  EXPECT_EQ(ask({{"do", "grab"}, {"path", "FREE"}})["done"], true);
+  run(300ms);
+  (void)drag(2.0, 0.0);
+  EXPECT_EQ(ask({{"do", "release"}, {"path", "FREE"}})["done"], true);
+  EXPECT_NEAR(truth("FREE").velocity.x(), 2.0, 0.01);
+  run(500ms);
+  EXPECT_EQ(node->peer().owner(*shared->world.scene.find("FREE")), kNobody);
+  EXPECT_EQ(pose(1)["taken"], 0);
+}
+
+// A wrong pose takes hold of nothing: what moves goes on.
+TEST_F(PeerNodeHand, TakesHoldWithAGoodPoseOnly) {
+  EXPECT_EQ(ask({{"do", "grab"}, {"path", "FREE"}})["done"], true);
+  run(300ms);
+  (void)drag(2.0, 0.0);
+  EXPECT_EQ(ask({{"do", "let_go"}, {"path", "FREE"}})["done"], true);
+  EXPECT_EQ(pose(1e12)["taken"], 0);
+  EXPECT_EQ(row_of_free()["outside"], false);
+  run(100ms);
+  EXPECT_NEAR(truth("FREE").velocity.x(), 2.0, 0.01);
+}
+
+TEST_F(PeerNodeHand, WhatIsRemovedItDoesNotMove) {
+  EXPECT_EQ(ask({{"do", "grab"}, {"path", "FREE"}})["done"], true);
+  run(300ms);
+  (void)drag(1.0, 0.0);
+  EXPECT_EQ(ask({{"do", "remove"}, {"path", "FREE"}})["done"], true);
+  run(500ms);
+  EXPECT_EQ(pose(1)["taken"], 0);
+  EXPECT_EQ(ask({{"do", "let_go"}, {"path", "FREE"}})["done"], false);
+  EXPECT_EQ(ask({{"do", "undo"}})["done"], true);
+  run(500ms);
+  EXPECT_EQ(node->peer().owner(*shared->world.scene.find("FREE")), PeerId{1});
+  EXPECT_EQ(pose(1)["taken"], 1) << "it is back, and its peer has it, as before";
 }
 
 TEST_F(PeerNodeFeed, APeerWithoutSuchObjectsSaysSo) {

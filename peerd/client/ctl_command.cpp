@@ -1,4 +1,4 @@
-#include "peerd/commands/ctl_command.hpp"
+#include "peerd/client/ctl_command.hpp"
 
 #include <chrono>
 #include <iostream>
@@ -7,6 +7,8 @@
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
+#include "peerd/client/peer_replies.hpp"
+#include "peerd/client/peer_tables.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/problems.hpp"
 #include "peerd/control/control_client.hpp"
@@ -23,55 +25,14 @@ std::string vector(const Json& v) {
   return fmt::format("({:.3f}, {:.3f}, {:.3f})", v.at(0).get<double>(), v.at(1).get<double>(), v.at(2).get<double>());
 }
 
-std::string motion_of(const Json& object) {
-  if (object.value("outside", false)) return " by a program outside";
-  return object.at("driven").get<bool>() ? " by a formula" : "";
-}
-
 void print_objects(const Json& reply) {
-  for (const Json& o : reply.at("objects")) {
-    std::cout << fmt::format("{}, run by peer {}{}: at {} m, velocity {} m/s\n", o.at("path").get<std::string>(),
-                             o.at("owner").get<std::uint64_t>(), motion_of(o), vector(o.at("position_m")),
-                             vector(o.at("velocity_m_s")));
-  }
+  std::cout << table_of(object_columns(reply.at("objects")));
   if (!reply.at("next").is_null()) std::cout << "and more: see peerd ctl objects\n";
-}
-
-// Reads a reply and refuses one that reports an error.
-Result<Json> read_reply(const std::filesystem::path& socket, const std::string& line) {
-  Json reply = Json::parse(line, nullptr, /*allow_exceptions=*/false);
-  const bool understood =
-      reply.is_object() && reply.contains("ok") && reply.at("ok").is_boolean() && reply.value("v", 0) == 1;
-  if (!understood) {
-    return std::unexpected(InputError{
-        "error: what listens at " + socket.string() + " is no peer of this version: " + line.substr(0, 200), 3});
-  }
-  if (!reply.at("ok").get<bool>()) {
-    return std::unexpected(InputError{"error: " + reply.value("error", std::string("no reason given")), 2});
-  }
-  return reply;
-}
-
-// A reply lists a limited number of objects or peers; further ones are requested until none is left.
-Result<void> fetch_rest(const std::filesystem::path& socket, const char* what, Json& reply) {
-  while (!reply.at("next").is_null()) {
-    const auto line = api::ask(socket, Json{{"do", what}, {"from", reply.at("next")}}.dump());
-    if (!line) return std::unexpected(line.error());
-    auto more = read_reply(socket, *line);
-    if (!more) return std::unexpected(more.error());
-    for (Json& row : more->at(what)) reply.at(what).push_back(std::move(row));
-    reply.at("next") = more->at("next");
-  }
-  return {};
 }
 
 // A time such as "12.345 ms", or `unknown` where the peer does not know it.
 std::string milliseconds(const Json& t, const char* unknown = "unknown") {
   return t.is_null() ? unknown : fmt::format("{:.3f} ms", t.get<double>());
-}
-
-std::string percent(const Json& part) {
-  return part.is_null() ? "unknown" : fmt::format("{:.1f} %", 100.0 * part.get<double>());
 }
 
 void print_clock(const Json& clock) {
@@ -84,18 +45,7 @@ void print_clock(const Json& clock) {
 
 void print_peers(const Json& reply) {
   print_clock(reply.at("clock"));
-  for (const Json& p : reply.at("peers")) {
-    std::cout << fmt::format(
-        "peer {} (id {}){}: round trip {}, clock ahead by {} ({} to {}), error {}; {}, {}; lost here {}, there {}; {}, "
-        "{} overtaken\n",
-        p.at("name").get<std::string>(), p.at("id").get<std::uint64_t>(),
-        reply.at("clock").at("follows") == p.at("id") ? ", followed" : "", milliseconds(p.at("round_trip_ms")),
-        milliseconds(p.at("clock_ahead_ms")), milliseconds(p.at("clock_ahead_least_ms")),
-        milliseconds(p.at("clock_ahead_most_ms")), milliseconds(p.at("clock_error_ms")),
-        counted(p.at("datagrams_in").get<std::uint64_t>(), "datagram"),
-        counted(p.at("bytes_in").get<std::uint64_t>(), "byte"), percent(p.at("loss_in")), percent(p.at("loss_out")),
-        counted(p.at("duplicates").get<std::uint64_t>(), "duplicate"), p.at("overtaken").get<std::uint64_t>());
-  }
+  std::cout << table_of(peer_columns(reply));
   for (const Json& r : reply.at("regions")) {
     std::cout << fmt::format("region {}: {}, {} in; {}, {} out", r.at("region").get<std::uint64_t>(),
                              counted(r.at("datagrams_in").get<std::uint64_t>(), "datagram"),
@@ -175,9 +125,7 @@ Result<Json> await_operation(const std::filesystem::path& socket, const Json& ed
   request.update(edit.at("operation"));
   const auto give_up = std::chrono::steady_clock::now() + kHeldWithin;
   for (;;) {
-    const auto line = api::ask(socket, request.dump());
-    if (!line) return std::unexpected(line.error());
-    auto state = read_reply(socket, *line);
+    auto state = ask_peer(socket, request.dump());
     if (!state) return state;
     const bool nowhere_else = state->at("alone").get<bool>() && !state->value("stores", false);
     const bool safe = state->at("held").get<bool>() || state->value("stored", false) || nowhere_else;
@@ -257,20 +205,9 @@ int run_ctl(const CtlOptions& options) {
   const auto socket = options.socket.empty() ? api::find_socket(options.name) : options.socket;
   if (!socket) return failed(socket.error());
   if (options.follows) return follow(*socket, options);
-  const auto line = api::ask(*socket, options.request);
-  if (!line) return failed(line.error());
-  auto read = read_reply(*socket, *line);
+  auto read = ask_peer(*socket, options.request);
   if (!read) return failed(read.error());
   Json& reply = *read;
-  if (reply.contains("objects") && !reply.contains("peer")) {
-    if (const auto all = fetch_rest(*socket, "objects", reply); !all) return failed(all.error());
-  }
-  if (reply.contains("peers")) {
-    if (const auto all = fetch_rest(*socket, "peers", reply); !all) return failed(all.error());
-  }
-  if (reply.contains("conflicts")) {
-    if (const auto all = fetch_rest(*socket, "conflicts", reply); !all) return failed(all.error());
-  }
   if (reply.contains("edit") && reply.contains("operation")) {
     const auto state = await_operation(*socket, reply);
     if (!state) return failed(state.error());

@@ -1,0 +1,83 @@
+#include "peerd/export/export_command.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <ostream>
+
+#include <nlohmann/json.hpp>
+
+#include "peerd/commands/problems.hpp"
+#include "peerd/input/text_file.hpp"
+#include "peerd/picture/gltf_writer.hpp"
+#include "peerd/picture/scene_picture.hpp"
+
+namespace peerd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::uint64_t triangles_of(const picture::ScenePicture& drawn) {
+  std::uint64_t count = 0;
+  for (const picture::DrawnShape& shape : drawn.shapes) {
+    const picture::DrawnGeometry& geometry = drawn.geometries[drawn.meshes[shape.mesh].geometry];
+    if (geometry.mode == picture::DrawnGeometry::Mode::kTriangles) count += geometry.corners.size() / 3;
+  }
+  return count;
+}
+
+Json to_json(const picture::Undrawn& undrawn) {
+  return {{"path", undrawn.path}, {"what", undrawn.what}, {"why", undrawn.why}, {"count", undrawn.count}};
+}
+
+void print_text(const picture::ScenePicture& drawn, const ExportOptions& options, std::size_t bytes,
+                std::ostream& out) {
+  out << options.gltf << ": " << counted(bytes, "byte") << "; " << counted(drawn.shapes.size(), "Shape") << " of "
+      << counted(drawn.meshes.size(), "mesh", "meshes") << ", " << counted(triangles_of(drawn), "triangle") << "; "
+      << counted(drawn.nodes.size() - 1, "node moves", "nodes move") << " by themselves\n";
+  for (std::size_t i = 0; i < drawn.undrawn.size(); ++i) {
+    if (i == kShownProblems) {
+      out << "  .. and " << drawn.undrawn.size() - i << " more; --json names them\n";
+      break;
+    }
+    const picture::Undrawn& u = drawn.undrawn[i];
+    out << "  " << (u.path.empty() ? u.what : u.path + " (" + u.what + ")") << ": " << u.why;
+    if (u.count > 1) out << ", and " << u.count - 1 << " more";
+    out << '\n';
+  }
+}
+
+}  // namespace
+
+int run_export(const std::string& path, const ExportOptions& options, std::ostream& out, std::ostream& err) {
+  std::ostream* const json = options.json ? &out : nullptr;
+  const auto file = open_world(path, options.reading, err, json);
+  if (!file) return file.error();
+  const auto drawn = picture::picture_of(
+      picture::input_at(*(*file)->result.scene, options.at_s, std::filesystem::path(path).filename().string(),
+                        picture::images_of(config::local_files(picture::kImage_bytes), path)));
+  const auto written = picture::write_glb(drawn);
+  if (!written) return print_error({path + ": error: " + written.error(), 1}, err, json);
+  if (const auto kept = write_text_file(options.gltf, *written); !kept) return print_error(kept.error(), err, json);
+  if (!options.json) {
+    print_text(drawn, options, written->size(), out);
+    return 0;
+  }
+  Json undrawn = Json::array();
+  for (const picture::Undrawn& each : drawn.undrawn) undrawn.push_back(to_json(each));
+  const Json all = {{"world", path},
+                    {"time_s", options.at_s},
+                    {"file", options.gltf},
+                    {"bytes", written->size()},
+                    {"nodes", drawn.nodes.size()},
+                    {"shapes", drawn.shapes.size()},
+                    {"meshes", drawn.meshes.size()},
+                    {"triangles", triangles_of(drawn)},
+                    {"images", drawn.images.size()},
+                    {"lights", drawn.lights.size()},
+                    {"viewpoints", drawn.viewpoints.size()},
+                    {"undrawn", std::move(undrawn)}};
+  out << all.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+  return 0;
+}
+
+}  // namespace peerd

@@ -1,0 +1,103 @@
+#include "peerd/gateway/live_request.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <limits>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "peerd/feed/json_members.hpp"
+#include "peerd/input/json_line.hpp"
+
+namespace peerd::gateway {
+namespace {
+
+constexpr std::int64_t kSequenceMax = (std::int64_t{1} << 53) - 1;  // the largest that every reader of JSON keeps
+
+constexpr double kHzMin = 1.0, kHzMax = 120.0;
+constexpr std::int64_t kNodeMax = std::numeric_limits<std::uint32_t>::max();
+constexpr std::array<std::pair<std::string_view, picture::PoseKind>, picture::kPoseKinds> kKinds{
+    {{"shown", picture::PoseKind::kShown}, {"truth", picture::PoseKind::kTruth}, {"ghost", picture::PoseKind::kGhost}}};
+
+picture::PoseKinds read_kinds(feed::JsonMembers& members) {
+  const auto names = members.texts("kinds");
+  if (!names) return picture::set_of(picture::PoseKind::kShown);
+  picture::PoseKinds kinds = 0;
+  for (const std::string& name : *names) {
+    const auto known = std::ranges::find(kKinds, name, [](const auto& kind) { return kind.first; });
+    if (known == kKinds.end()) {
+      members.fail("kinds", "has \"" + name + "\", which is none of \"shown\", \"truth\" and \"ghost\"");
+    } else {
+      kinds = static_cast<picture::PoseKinds>(kinds | picture::set_of(known->second));
+    }
+  }
+  return kinds;
+}
+
+WatchRequest read_watch(feed::JsonMembers& members) {
+  WatchRequest request;
+  if (const auto hz = members.number("hz")) request.hz = *hz;
+  if (!(request.hz >= kHzMin && request.hz <= kHzMax)) members.fail("hz", "has to be from 1 to 120");
+  request.watch.kinds = read_kinds(members);
+  if (!members.has("near")) return request;
+  if (const nlohmann::json* const inside = members.object("near")) {
+    feed::JsonMembers near(*inside);
+    picture::PoseStream::Near sphere;
+    sphere.center_m = near.required(near.numbers<3>("center_m"), "center_m");
+    sphere.radius_m = near.required(near.number("radius_m"), "radius_m");
+    if (!(sphere.radius_m > 0.0)) near.fail("radius_m", "has to be above 0");
+    if (const std::string error = near.finish(); !error.empty()) members.fail("near", error);
+    request.watch.near = sphere;
+  }
+  return request;
+}
+
+}  // namespace
+
+std::expected<LiveRequest, std::string> parse_live_request(std::string_view message) {
+  auto object = feed::parse_json_object(message);
+  if (!object) return std::unexpected(object.error());
+  LiveRequest request;
+  if (object->contains("seq")) {
+    const nlohmann::json sequence = object->at("seq");
+    const bool is_whole = sequence.is_number_integer() && sequence >= 0 && sequence <= kSequenceMax;
+    if (!is_whole) return std::unexpected("\"seq\" must be a whole number from 0 to 2^53 - 1");
+    request.sequence = sequence.get<std::int64_t>();
+    object->erase("seq");
+  }
+  feed::JsonMembers members(*object);
+  if (const auto ours = members.check_version(); !ours) return std::unexpected(ours.error());
+  const std::string what = members.text("do").value_or("");
+  if (what == "token") {
+    request.what = TokenRequest{members.required(members.text("token"), "token")};
+  } else if (what == "watch") {
+    request.what = read_watch(members);
+  } else if (what == "unwatch") {
+    request.what = UnwatchRequest{};
+  } else if (what == "pick") {
+    const Vec3 origin = members.required(members.numbers<3>("origin_m"), "origin_m");
+    request.what = PickRequest{origin, members.required(members.numbers<3>("direction"), "direction")};
+  } else if (what == "inspect") {
+    if (!members.has("node")) members.fail("node", "is missing");
+    request.what = InspectRequest{static_cast<std::uint32_t>(members.whole("node", 0, 0, kNodeMax))};
+  } else {
+    request.what = PlainRequest{json_line(*object)};
+    return request;
+  }
+  if (std::string error = members.finish(); !error.empty()) return std::unexpected(std::move(error));
+  return request;
+}
+
+std::string with_sequence(std::string reply, std::optional<std::int64_t> sequence) {
+  assert(reply.starts_with("{\""));
+  if (!sequence) return reply;
+  return "{\"seq\":" + std::to_string(*sequence) + ',' + reply.substr(1);
+}
+
+std::string scene_event(std::uint32_t revision) {
+  return nlohmann::ordered_json{{"v", feed::kMessageVersion}, {"event", "scene"}, {"revision", revision}}.dump();
+}
+
+}  // namespace peerd::gateway

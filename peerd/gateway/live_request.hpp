@@ -1,0 +1,47 @@
+#pragma once
+#include <cstdint>
+#include <expected>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "core/math.hpp"
+#include "peerd/picture/pose_frame.hpp"
+
+namespace peerd::gateway {
+
+// The messages of a WebSocket's client: requests of the control protocol, and some of the gateway's own.
+
+struct TokenRequest {
+  std::string token;
+};
+// A request of the control protocol, as a line.
+struct PlainRequest {
+  std::string line;
+};
+struct WatchRequest {
+  double hz = 20.0;
+  picture::PoseStream::Watch watch;
+};
+struct UnwatchRequest {};
+struct PickRequest {
+  Vec3 origin, direction;
+};
+struct InspectRequest {
+  std::uint32_t node = 0;
+};
+struct LiveRequest {
+  std::optional<std::int64_t> sequence;  // which the reply repeats
+  std::variant<PlainRequest, TokenRequest, WatchRequest, UnwatchRequest, PickRequest, InspectRequest> what;
+};
+
+// Parses one message of hostile input. The error is one sentence for its sender.
+[[nodiscard]] std::expected<LiveRequest, std::string> parse_live_request(std::string_view message);
+
+// A reply, with "seq" where its request had that.
+[[nodiscard]] std::string with_sequence(std::string reply, std::optional<std::int64_t> sequence);
+// The event that the scene has another revision.
+[[nodiscard]] std::string scene_event(std::uint32_t revision);
+
+}  // namespace peerd::gateway

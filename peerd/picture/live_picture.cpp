@@ -1,0 +1,84 @@
+#include "peerd/picture/live_picture.hpp"
+
+#include <cassert>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "peerd/picture/inspect.hpp"
+
+namespace peerd::picture {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json vector_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+}  // namespace
+
+LivePicture::LivePicture(std::string world, ImageLoader load_image)
+    : world_(std::move(world)), load_image_(std::move(load_image)) {}
+LivePicture::~LivePicture() = default;
+
+bool LivePicture::follow(const PeerNode& node) {
+  const replication::Peer& peer = node.peer();
+  const replication::PeerCounters& counters = peer.counters();
+  const bool is_edited = counters.scene_changes != scene_changes_;
+  const bool may_move_more = counters.models_changed != models_changed_ || peer.owners().revision() != owners_revision_;
+  if (revision_ > 0 && !is_edited && !may_move_more) return false;
+  Movers movers = movers_of(peer, movers_);
+  scene_changes_ = counters.scene_changes;
+  models_changed_ = counters.models_changed;
+  owners_revision_ = peer.owners().revision();
+  if (revision_ > 0 && !is_edited && movers.ids == movers_.ids && movers.of_peer == movers_.of_peer) return false;
+  ++revision_;
+  movers_ = std::move(movers);
+  if (scene_ == nullptr || is_edited) scene_ = std::make_shared<const Scene>(node.scene());
+  poses_.reset(revision_, scene_, movers_);
+  picker_.reset();
+  return true;
+}
+
+PictureInput LivePicture::input(PeerNode& node, HostTime now) {
+  assert(revision_ > 0);
+  poses_.place(node, now);
+  const double world_s = poses_.times().world_s;
+  PictureInput input{world_, revision_, scene_at(*scene_, std::isfinite(world_s) ? world_s : -1.0), {}, load_image_};
+  for (std::size_t i = 0; i < movers_.ids.size(); ++i) {
+    const PeerId owner = movers_.of_peer[i] ? node.peer().owner(movers_.ids[i]) : kNobody;
+    input.movers.push_back({movers_.ids[i], poses_.shown()[i], owner});
+  }
+  return input;
+}
+
+ordered_json LivePicture::pick(PeerNode& node, HostTime now, const Vec3& origin, const Vec3& direction) {
+  assert(revision_ > 0);
+  if (picker_ == nullptr) picker_ = std::make_unique<ScenePicker>(input(node, now));
+  poses_.place(node, now);
+  for (std::uint32_t i = 0; i < poses_.shown().size(); ++i) picker_->place(i, poses_.shown()[i]);
+  const auto found = picker_->pick(origin, direction);
+  if (!found) return {{"ok", false}, {"error", found.error()}};
+  ordered_json reply = {{"ok", true}, {"hit", nullptr}};
+  if (!*found) return reply;
+  const PickHit& hit = **found;
+  const Scene& scene = node.scene();
+  const PeerId owner = node.peer().owner(hit.object);
+  reply["hit"] = {
+      {"node", hit.node},
+      {"id", std::to_string(hit.object.packed())},
+      {"path", scene.path_of(hit.object)},
+      {"owner", owner == kNobody ? ordered_json(nullptr) : ordered_json(owner.value)},
+      {"shape",
+       {{"id", std::to_string(hit.shape.packed())}, {"path", scene.path_of(hit.shape)}, {"polygon", hit.polygon}}},
+      {"distance_m", hit.distance_m},
+      {"position_m", vector_json(hit.position)},
+      {"normal", vector_json(hit.normal)}};
+  return reply;
+}
+
+ordered_json LivePicture::inspect(const PeerNode& node, std::uint32_t index) const {
+  if (index >= movers_.ids.size()) return {{"ok", false}, {"error", "no such node: it is one of those that stand"}};
+  return picture::inspect(node, movers_.ids[index]);
+}
+
+}  // namespace peerd::picture

@@ -1,0 +1,53 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "peerd/node/peer_node.hpp"
+#include "peerd/picture/movers.hpp"
+#include "peerd/picture/pick.hpp"
+#include "peerd/picture/picture_input.hpp"
+#include "peerd/picture/pose_frame.hpp"
+
+namespace peerd::picture {
+
+// A LivePicture is what viewers of one peer see; one is enough for all of them. It is sans-IO, and on the peer's own
+// thread, but for the picture itself, which write_glb(picture_of(input())) makes of a copy on any thread.
+class LivePicture {
+ public:
+  LivePicture(std::string world, ImageLoader load_image);
+  ~LivePicture();
+  LivePicture(const LivePicture&) = delete;
+  LivePicture& operator=(const LivePicture&) = delete;
+
+  // Begins another revision where the scene has been edited or more of it can move; true where it does, and at first.
+  // Cheap where nothing has changed. All calls below come after it.
+  bool follow(const PeerNode& node);
+  [[nodiscard]] std::uint32_t revision() const { return revision_; }
+  // All that the picture of this revision is made of, with everything where the peer has it now. It copies the scene.
+  [[nodiscard]] PictureInput input(PeerNode& node, HostTime now);
+
+  // Brings the rows of these kinds to now; PoseStream::next(poses()) makes each client's frame of them.
+  void refresh(PeerNode& node, HostTime now, PoseKinds kinds) { poses_.refresh(node, now, kinds); }
+  [[nodiscard]] const PoseTable& poses() const { return poses_; }
+
+  // The replies to "pick" and "inspect" (docs/reference/gateway.md), without "seq".
+  [[nodiscard]] nlohmann::ordered_json pick(PeerNode& node, HostTime now, const Vec3& origin, const Vec3& direction);
+  [[nodiscard]] nlohmann::ordered_json inspect(const PeerNode& node, std::uint32_t index) const;
+
+ private:
+  std::string world_;
+  ImageLoader load_image_;
+  std::uint32_t revision_ = 0;
+  std::shared_ptr<const Scene> scene_;
+  Movers movers_;
+  std::uint64_t scene_changes_ = 0, models_changed_ = 0, owners_revision_ = 0;  // of which movers_ are
+  PoseTable poses_;
+  std::unique_ptr<ScenePicker> picker_;  // null until somebody picks in this revision
+};
+
+}  // namespace peerd::picture

@@ -1,0 +1,58 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/scene/scene.hpp"
+#include "core/vrml/document.hpp"
+#include "peerd/picture/appearance.hpp"
+#include "peerd/picture/drawn_scene.hpp"
+#include "peerd/picture/undrawn_list.hpp"
+
+namespace peerd::picture {
+
+// The meshes of a picture: geometries, materials and images, each once however many Shapes have it, also where copies
+// of a PROTO's body do.
+class MeshMaker {
+ public:
+  // All outlive it.
+  MeshMaker(const Scene& scene, const ImageLoader& load_image, UndrawnList& undrawn)
+      : scene_(scene), document_(*scene.document), undrawn_(undrawn), images_(load_image) {}
+
+  // The mesh of an instance that is a Shape, by index; none: there is nothing to draw.
+  [[nodiscard]] std::optional<std::uint32_t> mesh_of(ObjectId shape);
+  // Moves all that has been made into the picture.
+  void finish(ScenePicture& picture);
+
+ private:
+  // A solid is known by its numbers. Any other geometry is known by where its values are, so that copies are one, and
+  // by its form in the scene.
+  using Content = std::vector<std::uint64_t>;
+  struct GeometryKey {
+    Content content;
+    std::uint32_t form = 0;
+    std::vector<float> texture{};  // the map; empty: none
+    friend auto operator<=>(const GeometryKey&, const GeometryKey&) = default;
+  };
+
+  [[nodiscard]] std::optional<std::uint32_t> make(ObjectId shape);
+  [[nodiscard]] std::optional<std::uint32_t> geometry_of(ObjectId shape, const vrml::Node& node,
+                                                         const std::optional<TextureMap>& texture);
+  void add_content(const vrml::Node& node, Content& content) const;
+  [[nodiscard]] GeometryKey key_of(ObjectId shape, const vrml::Node& node) const;
+
+  const Scene& scene_;
+  const vrml::Document& document_;
+  UndrawnList& undrawn_;
+  Images images_;
+  // The meshes by node of the Shape and form of its geometry.
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::optional<std::uint32_t>> of_node_;
+  std::map<GeometryKey, std::optional<std::uint32_t>> known_geometries_;
+  std::map<DrawnMaterial, std::uint32_t> known_materials_;
+  std::map<DrawnMesh, std::uint32_t> known_meshes_;
+  std::vector<DrawnGeometry> geometries_;
+};
+
+}  // namespace peerd::picture

@@ -1,0 +1,112 @@
+import { Vector3 } from 'three';
+
+import type { PeerLink } from '../live/peer_link';
+import type { Hit } from '../live/replies';
+import { refusalIn } from '../live/edits';
+import type { SceneView } from '../scene/scene_view';
+import { DragPlane } from './drag_plane';
+import { HandMotion } from './hand_motion';
+
+// A hand that takes an object, moves it in a plane parallel to the picture, and lets it go with the hand's velocity.
+//
+//   pointer down -> grab .. (applied) -> a pose for each picture -> pointer up: the last pose, then let_go
+export interface HandListener {
+  onHolds(path: string | null): void;
+  onRefused(sentence: string): void;
+}
+
+interface Held {
+  readonly path: string;
+  readonly plane: DragPlane;
+  readonly motion: HandMotion;
+  state: 'asking' | 'holding' | 'released';
+  place: Vector3;
+  since_s: number; // when it began to be held
+  taken: number; // poses that the daemon has taken
+  refused: boolean; // and the page has said so
+}
+
+const kPatience_s = 0.5; // right after a grab the first poses may be refused
+
+export class Hand {
+  private held: Held | null = null;
+
+  constructor(private readonly view: SceneView, private readonly link: PeerLink, private readonly listener: HandListener) {}
+
+  get path(): string | null {
+    return this.held?.path ?? null;
+  }
+
+  // Takes what the daemon's pick has met; `place` is where the object's frame is drawn.
+  async take(hit: Hit, place: Vector3): Promise<void> {
+    const ahead = this.view.rig.camera.getWorldDirection(new Vector3());
+    const plane = new DragPlane(new Vector3(...hit.position_m), place, ahead);
+    const held: Held = { path: hit.path, plane, motion: new HandMotion(), state: 'asking', place: place.clone(), since_s: Infinity, taken: 0, refused: false };
+    this.held = held;
+    this.listener.onHolds(hit.path);
+    const outcome = await this.link.edit({ do: 'grab', path: hit.path });
+    if (!outcome.done) {
+      this.listener.onRefused(outcome.sentence);
+      this.drop(held);
+    } else if (held.state === 'released') {
+      void this.finish(held); // the pointer went up before the object was given
+    } else {
+      held.state = 'holding';
+    }
+  }
+
+  // The pointer was at that place of the window at_s, which may be some time ago.
+  moveTo(x: number, y: number, at_s: number): void {
+    const ray = this.view.ray(x, y);
+    const place = this.held?.plane.placeOn(ray.origin, ray.direction) ?? null;
+    if (this.held === null || place === null) return;
+    this.held.place = place;
+    this.held.motion.add(at_s, [place.x, place.y, place.z]);
+  }
+
+  push(distance_m: number): void {
+    this.held?.plane.push(this.view.rig.camera.getWorldDirection(new Vector3()), distance_m);
+  }
+
+  // Once a picture: one pose, unless earlier ones still wait to be sent.
+  update(now_s: number): void {
+    const held = this.held;
+    if (held?.state !== 'holding' || this.link.connection.congested) return;
+    held.since_s = Math.min(held.since_s, now_s);
+    void this.send(held, now_s);
+  }
+
+  release(now_s: number): void {
+    const held = this.held;
+    if (held === null || held.state === 'released') return;
+    const holding = held.state === 'holding';
+    held.state = 'released';
+    if (holding) void this.send(held, now_s).then(() => this.finish(held));
+  }
+
+  private async send(held: Held, now_s: number): Promise<void> {
+    const pose = { object: held.path, position_m: held.place.toArray(), velocity_m_s: held.motion.velocityAt(now_s) };
+    const reply = await this.link.ask({ do: 'pose', ...pose });
+    held.taken += Number(reply['taken'] ?? 0);
+    const rows = reply['refused'] as { why: string }[] | undefined;
+    const why = Array.isArray(rows) ? rows[0]?.why : (refusalIn(reply) ?? undefined);
+    if (why === undefined || held.refused || now_s < held.since_s + kPatience_s) return;
+    held.refused = true; // one sentence for one hold
+    this.listener.onRefused(`pose ${held.path}: ${why}`);
+  }
+
+  // The object flies on. What no pose has moved needs no letting go.
+  private async finish(held: Held): Promise<void> {
+    if (held.taken > 0) {
+      const outcome = await this.link.edit({ do: 'let_go', path: held.path });
+      if (!outcome.done) this.listener.onRefused(outcome.sentence);
+    }
+    this.drop(held);
+  }
+
+  private drop(held: Held): void {
+    if (this.held !== held) return;
+    this.held = null;
+    this.listener.onHolds(null);
+  }
+}

@@ -1,0 +1,94 @@
+import { Setting } from '../page/setting';
+import { edit, type Outcome } from './edits';
+import { LiveConnection, type DaemonEvent, type LinkState, type Reply } from './live_connection';
+import type { PoseFrame } from './pose_frame';
+import type { PeersReply, Status } from './replies';
+
+// The page's peer: the connection to it, whether the page may change its world, and what it says of itself every second.
+const kPoll_ms = 1000;
+
+export interface PeerListener {
+  onFrame(frame: PoseFrame): void;
+  onEvent(event: DaemonEvent): void;
+  onFault(sentence: string): void;
+  onOpen(): Promise<void>; // asks for what it needs; called at each new connection
+}
+
+export class PeerLink {
+  readonly state = new Setting<LinkState>('connecting');
+  readonly mayEdit = new Setting<boolean>(false);
+  readonly status = new Setting<Status | null>(null);
+  readonly peers = new Setting<PeersReply | null>(null);
+  readonly connection: LiveConnection;
+
+  constructor(private readonly token: string | null, private readonly listener: PeerListener) {
+    this.connection = new LiveConnection(liveAddress(), {
+      onState: (state) => this.onState(state),
+      onFrame: (frame) => listener.onFrame(frame),
+      onEvent: (event) => listener.onEvent(event),
+      onFault: (sentence) => listener.onFault(sentence),
+    });
+  }
+
+  open(): void {
+    this.connection.open();
+    setInterval(() => void this.poll(), kPoll_ms);
+  }
+
+  ask(request: Record<string, unknown>): Promise<Reply> {
+    return this.connection.ask(request);
+  }
+
+  edit(request: Record<string, unknown>): Promise<Outcome> {
+    return edit((r) => this.ask(r), request);
+  }
+
+  get ownId(): number {
+    return this.status.value?.peer.id ?? 0;
+  }
+
+  nameOf(peer: number | null | undefined): string {
+    if (peer === null || peer === undefined || peer === 0) return 'nobody';
+    const status = this.status.value;
+    if (status?.peer.id === peer) return status.peer.name;
+    return status?.members.find((member) => member.id === peer)?.name ?? this.peers.value?.peers.find((row) => row.id === peer)?.name ?? `peer ${peer}`;
+  }
+
+  private onState(state: LinkState): void {
+    this.state.value = state;
+    if (state === 'open') void this.begin();
+  }
+
+  private async begin(): Promise<void> {
+    this.mayEdit.value = this.token !== null && (await this.isAccepted(this.token));
+    await this.poll();
+    await this.listener.onOpen();
+  }
+
+  private async isAccepted(token: string): Promise<boolean> {
+    const reply = await this.ask({ do: 'token', token });
+    if (!reply.ok) this.listener.onFault(`the token is not accepted: ${reply.error ?? ''}`);
+    return reply.ok;
+  }
+
+  private async poll(): Promise<void> {
+    if (this.state.value !== 'open' || document.hidden) return;
+    const status = await this.ask({ do: 'status' });
+    if (status.ok) this.status.value = status as unknown as Status;
+    else if (this.state.value === 'open') this.listener.onFault(`status: ${status.error ?? ''}`);
+    const peers = await this.ask({ do: 'peers' });
+    if (peers.ok) this.peers.value = peers as unknown as PeersReply;
+  }
+}
+
+function liveAddress(): string {
+  const address = new URL('api/v1/live', location.href);
+  address.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
+  address.hash = '';
+  return address.href;
+}
+
+// The token is in the address's fragment, which a browser sends to nobody.
+export function tokenOf(fragment: string): string | null {
+  return new URLSearchParams(fragment.replace(/^#/, '')).get('token');
+}

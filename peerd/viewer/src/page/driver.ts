@@ -1,0 +1,91 @@
+import { Vector3 } from 'three';
+
+import { PoseFlag } from '../live/pose_frame';
+import type { ContactEvent } from '../live/replies';
+import { hasNode } from '../scene/scene_file';
+import type { PlayState } from '../time/playhead';
+import type { Viewer } from '../viewer';
+
+// What a script on the page, or a page that embeds this one from its own origin, can do with it: window.peerd.
+export interface ShownObject {
+  readonly path: string;
+  readonly owner: number;
+  readonly own: boolean;
+  readonly position_m: readonly number[]; // as the page has it at the instant that it shows
+  readonly window_px: { readonly x: number; readonly y: number } | null; // null: behind the camera
+}
+
+export class Driver {
+  constructor(private readonly viewer: Viewer) {}
+
+  get state(): PlayState {
+    return this.viewer.head.state;
+  }
+  get time_s(): number {
+    return this.viewer.head.shownAt(this.viewer.now_s());
+  }
+  get range_s(): readonly [number, number] {
+    const { history } = this.viewer.head;
+    return [history.begin_s, history.end_s];
+  }
+  get revision(): number {
+    return this.viewer.view.file?.revision ?? -1;
+  }
+  get pictures(): number {
+    return this.viewer.pictures;
+  }
+  get drawn(): { readonly instances: number; readonly calls: number; readonly work_ms: number } {
+    const { view, pictureWork_ms } = this.viewer;
+    return { instances: view.instancesDrawn, calls: view.drawCalls, work_ms: pictureWork_ms };
+  }
+
+  // Calls the listener with each path that is selected (null: nothing), each revision of the scene, each event of the daemon.
+  on(name: 'select' | 'scene' | 'event', listener: (detail: unknown) => void): void {
+    this.viewer.happenings.addEventListener(name, (happening) => listener((happening as CustomEvent<unknown>).detail));
+  }
+
+  set_time(time_s: number): void {
+    this.viewer.head.pauseAt(time_s);
+  }
+  pause(): void {
+    this.viewer.head.pauseAt(this.time_s);
+  }
+  play(): void {
+    this.viewer.head.play();
+  }
+  live(): void {
+    this.viewer.head.goLive();
+  }
+  select(path: string): boolean {
+    return this.viewer.select(path);
+  }
+  get selected(): string | null {
+    return this.viewer.selection.path;
+  }
+
+  // Whether the scene has that node: one that can move, or one that stands.
+  has(path: string): boolean {
+    return this.viewer.view.file !== null && hasNode(this.viewer.view.file, path);
+  }
+  // Where a place of the world is on the window [px]; null behind the camera.
+  on_window(place_m: readonly [number, number, number]): { x: number; y: number } | null {
+    return this.viewer.view.onWindow(new Vector3(...place_m));
+  }
+
+  objects(): ShownObject[] {
+    const { view, head } = this.viewer;
+    const pose = new Float64Array(7);
+    const shown = [];
+    for (const { index, path } of view.file?.nodes ?? []) {
+      if (!head.book.shown.sample(index, this.time_s, pose)) continue;
+      const place = new Vector3(pose[0], pose[1], pose[2]);
+      const own = (head.book.shown.flags[index] & PoseFlag.own) !== 0;
+      shown.push({ path, owner: head.book.shown.owner[index], own, position_m: place.toArray(), window_px: view.onWindow(place) });
+    }
+    return shown;
+  }
+
+  contacts(): (ContactEvent & { retracted: boolean; decider_name: string })[] {
+    return this.viewer.contacts.all().map(({ event, retracted, decider }) => ({ ...event, retracted, decider_name: decider }));
+  }
+}

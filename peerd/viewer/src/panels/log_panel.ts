@@ -1,0 +1,28 @@
+import { make } from '../page/make';
+import type { Panel } from '../page/tabs';
+
+// What has happened, newest first: events of the daemon, what it refused, and what the page did.
+const kMostLines = 400;
+export type LogKind = 'event' | 'contact' | 'refused' | 'done' | 'fault';
+
+export class LogPanel implements Panel {
+  readonly name = 'log';
+  readonly title = 'Log';
+  readonly element = make('div', { class: 'panel list-panel' });
+  private readonly list = make('ol', { class: 'log', reversed: true });
+  private readonly filter = make('select', { 'aria-label': 'What the log shows' });
+
+  constructor() {
+    for (const [value, title] of [['', 'All'], ['contact', 'Contacts'], ['refused', 'Refused and faults'], ['event', 'Other events'], ['done', 'Edits of this page']]) {
+      this.filter.append(make('option', { value }, title));
+    }
+    this.filter.addEventListener('change', () => (this.list.dataset['only'] = this.filter.value));
+    this.element.append(make('div', { class: 'search' }, this.filter), this.list);
+  }
+
+  add(kind: LogKind, sentence: string, at: Date = new Date()): void {
+    const line = make('li', { class: 'log-line', 'data-kind': kind === 'fault' ? 'refused' : kind }, make('time', {}, at.toLocaleTimeString('en-GB')), make('span', {}, sentence));
+    this.list.prepend(line);
+    while (this.list.childElementCount > kMostLines) this.list.lastElementChild?.remove();
+  }
+}

@@ -1,0 +1,61 @@
+import type { PeerLink } from './live/peer_link';
+import type { Inspected } from './live/replies';
+import type { InspectorPanel } from './panels/inspector_panel';
+import { hasNode, type SceneFile } from './scene/scene_file';
+
+// What is selected, by its path, which outlasts edits of the scene; the inspector asks the daemon for it again and again.
+export class Selection {
+  private path_: string | null = null;
+  private node_: number | null = null;
+  private moves = false;
+  private asking = false;
+  onChange: ((node: number | null) => void) | null = null;
+
+  constructor(private readonly link: PeerLink, private readonly inspector: InspectorPanel) {}
+
+  get node(): number | null {
+    return this.node_;
+  }
+  get path(): string | null {
+    return this.path_;
+  }
+
+  // `moves`: it is one of the nodes that can move, of which the daemon has more to say.
+  choose(node: number, path: string, moves: boolean): void {
+    this.moves = moves;
+    this.node_ = node;
+    this.path_ = path;
+    this.onChange?.(node);
+    void this.refresh();
+  }
+
+  clear(): void {
+    this.node_ = this.path_ = null;
+    this.inspector.clear();
+    this.onChange?.(null);
+  }
+
+  // A new scene file counts its nodes otherwise; what is not in it any more is not selected.
+  follow(file: SceneFile): void {
+    if (this.path_ === null) return;
+    this.moves = file.byPath.has(this.path_);
+    if (this.moves) this.node_ = file.byPath.get(this.path_)?.index ?? null;
+    else if (!hasNode(file, this.path_)) this.clear();
+    void this.refresh();
+  }
+
+  async refresh(): Promise<void> {
+    if (this.node_ === null || this.path_ === null || this.asking) return;
+    if (!this.moves) {
+      this.inspector.showStanding(this.path_);
+      return;
+    }
+    this.asking = true;
+    const path = this.path_;
+    const reply = await this.link.ask({ do: 'inspect', node: this.node_ });
+    this.asking = false;
+    if (path !== this.path_) void this.refresh();
+    else if (reply.ok) this.inspector.show(reply as unknown as Inspected);
+    else this.inspector.fault(path, reply.error ?? 'the daemon does not say what it is');
+  }
+}

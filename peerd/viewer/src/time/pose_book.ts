@@ -1,0 +1,44 @@
+import { PoseKind, PoseRow, type PoseFrame } from '../live/pose_frame';
+import { PoseTable } from '../live/pose_table';
+
+// The poses of all kinds, by the scene file's nodes.
+export class PoseBook {
+  readonly shown: PoseTable;
+  readonly truth: PoseTable;
+  readonly ghost: PoseTable;
+  private readonly a = new Float64Array(7);
+  private readonly b = new Float64Array(7);
+
+  constructor(nodeCount: number) {
+    this.shown = new PoseTable(nodeCount);
+    this.truth = new PoseTable(nodeCount);
+    this.ghost = new PoseTable(nodeCount);
+  }
+
+  // `nodeOf` says which node a row's node is now; -1: none. Without it they are the same.
+  take(frame: PoseFrame, time_s: number, drawn_s: number, nodeOf?: Int32Array): void {
+    const row = new PoseRow(frame);
+    for (let i = 0; i < frame.rowCount; ++i) {
+      row.moveTo(i);
+      const node = nodeOf === undefined ? row.node : (nodeOf[row.node] ?? -1);
+      if (node >= 0) this.tableOf(row.kind)?.take(node, row, time_s, drawn_s);
+    }
+  }
+
+  forgetAll(): void {
+    for (const table of [this.shown, this.truth, this.ghost]) table.forgetAll();
+  }
+
+  // How wrong the ghost of an own object is now [m]; NaN where truth and ghost are not both known.
+  errorOf(node: number): number {
+    const { a, b } = this;
+    if (!this.truth.latest(node, a) || !this.ghost.latest(node, b)) return NaN;
+    return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+  }
+
+  private tableOf(kind: number): PoseTable | null {
+    if (kind === PoseKind.shown) return this.shown;
+    if (kind === PoseKind.truth) return this.truth;
+    return kind === PoseKind.ghost ? this.ghost : null;
+  }
+}

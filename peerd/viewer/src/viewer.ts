@@ -1,0 +1,340 @@
+import { Box3, Vector3 } from 'three';
+
+import { ContactBook } from './contact_book';
+import { Hand } from './hand/hand';
+import { Keys } from './hand/keys';
+import { PointerTools, type Tool } from './hand/pointer_tools';
+import type { Outcome } from './live/edits';
+import type { DaemonEvent } from './live/live_connection';
+import { PeerLink, tokenOf } from './live/peer_link';
+import { PoseFlag, type PoseFrame } from './live/pose_frame';
+import type { Hit } from './live/replies';
+import { Header } from './page/header';
+import { Help } from './page/help';
+import { Layout } from './page/layout';
+import { make } from './page/make';
+import { Notices } from './page/notices';
+import { Setting } from './page/setting';
+import { cssColour, ThemeChoice } from './page/theme';
+import { Timeline } from './page/timeline';
+import { cameraModeOf, Toolbar, type Options } from './page/toolbar';
+import { ChartsPanel } from './panels/charts_panel';
+import { eventText } from './panels/event_text';
+import { InspectorPanel } from './panels/inspector_panel';
+import { LogPanel, type LogKind } from './panels/log_panel';
+import { ObjectsPanel } from './panels/objects_panel';
+import { PeersPanel } from './panels/peers_panel';
+import { Speedometer } from './panels/speedometer';
+import { WorldPanel } from './panels/world_panel';
+import { ContactMarks } from './scene/contact_marks';
+import { Labels } from './scene/labels';
+import type { SceneFile } from './scene/scene_file';
+import { SceneLoader } from './scene/scene_loader';
+import { SceneView } from './scene/scene_view';
+import { SelectionBox } from './scene/selection_box';
+import { ThresholdMarks } from './scene/threshold_marks';
+import { Selection } from './selection';
+import { Playhead } from './time/playhead';
+
+// The page: it joins the connection, the picture, the panels and the time line. Each of them knows none of the others.
+const kHz = 30;
+const kPanels_ms = 250;
+const kErrors_ms = 100;
+const kStillFor_s = 0.7; // how long the picture is drawn on after the last thing that may have changed it
+
+export class Viewer {
+  readonly options: Options = {
+    ownerColours: new Setting(false),
+    ghosts: new Setting(false),
+    thresholds: new Setting(false),
+    contacts: new Setting(true),
+    labels: new Setting(false),
+    cameraKeys: new Setting(false),
+    tool: new Setting<Tool>('orbit'),
+  };
+  readonly head = new Playhead(kHz);
+  readonly link: PeerLink;
+  readonly view: SceneView;
+  readonly contacts: ContactBook;
+  readonly selection: Selection;
+  // What a script on the page may listen to: "select", "scene" and "event" (one of the daemon's).
+  readonly happenings = new EventTarget();
+  pictures = 0;
+  pictureWork_ms = 0; // of our own code in the last picture
+  private readonly canvas = make('canvas', { class: 'picture', tabindex: 0, role: 'application', 'aria-label': 'Picture of the world. Keys go to its sensors.' });
+  private readonly theme = new ThemeChoice();
+  private readonly help = new Help();
+  private readonly header = new Header(this.theme, () => this.help.open());
+  private readonly notices = new Notices();
+  private readonly log = new LogPanel();
+  private readonly peersPanel = new PeersPanel();
+  private readonly charts = new ChartsPanel();
+  private readonly objects: ObjectsPanel;
+  private readonly inspector: InspectorPanel;
+  private readonly world: WorldPanel;
+  private readonly toolbar: Toolbar;
+  private readonly timeline: Timeline;
+  private readonly layout: Layout;
+  private readonly hand: Hand;
+  private readonly labels = new Labels(() => this.head.book);
+  private readonly thresholds = new ThresholdMarks(() => this.head.book);
+  private readonly contactMarks: ContactMarks;
+  private readonly offline = make('div', { class: 'offline', role: 'alert', hidden: true }, 'No connection to the peer. Trying again…');
+  private readonly scene = new SceneLoader('api/v1/scene.glb', (file) => this.showScene(file), (sentence) => this.say('fault', sentence));
+  private readonly speedometer = new Speedometer();
+  private drawUntil_s = Infinity;
+  private last_s = 0;
+  private readonly pose = new Float64Array(7);
+
+  constructor(root: HTMLElement) {
+    this.link = new PeerLink(tokenOf(location.hash), {
+      onFrame: (frame) => this.onFrame(frame),
+      onEvent: (event) => this.onEvent(event),
+      onFault: (sentence) => this.say('fault', sentence),
+      onOpen: () => this.onOpen(),
+    });
+    this.contacts = new ContactBook((peer) => this.link.nameOf(peer));
+    this.objects = new ObjectsPanel((peer) => this.link.nameOf(peer), (node) => this.selection.choose(node.index, node.path, true));
+    this.inspector = new InspectorPanel({ edit: (r) => this.edit(r), lookAt: () => this.lookAtSelected(), nameOf: (peer) => this.link.nameOf(peer) });
+    this.world = new WorldPanel({ edit: (request) => this.edit(request) });
+    this.toolbar = new Toolbar(this.options, { visit: (viewpoint) => this.view.visit(viewpoint), fit: () => this.view.fit() });
+    this.timeline = new Timeline(this.head, () => this.now_s());
+    this.layout = new Layout(this.header.element, this.timeline.element, [this.objects, this.peersPanel, this.log], [this.inspector, this.world, this.charts]);
+    this.contactMarks = new ContactMarks((until_s, since_s) => this.contacts.between(since_s, until_s));
+    this.layout.stage.append(this.canvas, this.labels.element, this.contactMarks.element, this.toolbar.element, this.offline, this.notices.element);
+    root.append(this.layout.element, this.help.element);
+    this.view = new SceneView(this.canvas);
+    this.view.overlays.push(new SelectionBox(this.view), this.thresholds, this.contactMarks, this.labels);
+    this.selection = new Selection(this.link, this.inspector);
+    this.selection.onChange = (node) => this.onSelected(node);
+    this.hand = new Hand(this.view, this.link, { onHolds: (path) => this.onHolds(path), onRefused: (sentence) => this.say('refused', sentence) });
+    const pointer = this.pointerTools();
+    this.options.tool.follow((tool) => this.useTool(pointer, tool));
+    new Keys(this.canvas, this.view.rig, (request) => this.link.ask(request), {
+      cameraKeys: () => this.options.cameraKeys.value,
+      mayEdit: () => this.link.mayEdit.value,
+      onKey: (sentence, done) => this.say(done ? 'done' : 'refused', sentence),
+    });
+    this.followSettings();
+    this.followLink();
+    this.watchSurface();
+  }
+
+  start(): void {
+    this.link.open();
+    setInterval(() => this.updatePanels(), kPanels_ms);
+    setInterval(() => this.sampleErrors(), kErrors_ms);
+    requestAnimationFrame(() => this.picture());
+  }
+
+  now_s(): number {
+    return performance.now() / 1000;
+  }
+
+  select(path: string): boolean {
+    const node = this.view.file?.byPath.get(path);
+    if (node !== undefined) this.selection.choose(node.index, node.path, true);
+    return node !== undefined;
+  }
+
+  private onOpen(): Promise<void> {
+    return this.scene.load().then(async () => {
+      for (const request of [{ do: 'subscribe' }, { do: 'watch', hz: kHz, kinds: ['shown', 'truth', 'ghost'] }]) {
+        const reply = await this.link.ask(request);
+        if (!reply.ok) this.say('fault', `${request.do}: ${reply.error ?? ''}`);
+      }
+    });
+  }
+
+  private showScene(file: SceneFile): void {
+    this.view.show(file);
+    this.head.show(file);
+    this.header.setWorld(file.extras.world ?? '');
+    this.toolbar.showViewpoints(file.extras.viewpoints ?? []);
+    this.objects.show(file);
+    this.world.show(file);
+    this.selection.follow(file);
+    this.view.selected = this.selection.node;
+    this.layout.badge('objects', file.nodes.length);
+    this.happened('scene', file.revision);
+    this.drawSoon();
+  }
+
+  private onFrame(frame: PoseFrame): void {
+    this.head.onFrame(frame, this.now_s());
+    if (frame.rowCount > 0 && this.head.state === 'live') this.drawSoon();
+  }
+
+  private onEvent(event: DaemonEvent): void {
+    if (event.event === 'scene') {
+      void this.scene.load();
+      return;
+    }
+    const concerns = this.contacts.take(event);
+    this.happened('event', event);
+    if (event.event !== 'contacts_retracted' || concerns > 0) this.log.add(event.event === 'contact' ? 'contact' : 'event', eventText(event, (peer) => this.link.nameOf(peer)));
+    if (event.event === 'owner' && event['object'] === this.selection.path) void this.selection.refresh();
+    this.drawSoon();
+  }
+
+  private async edit(request: Record<string, unknown>): Promise<Outcome> {
+    const outcome = await this.link.edit(request);
+    this.say(outcome.done ? 'done' : 'refused', outcome.sentence);
+    void this.selection.refresh();
+    return outcome;
+  }
+
+  private say(kind: LogKind, sentence: string): void {
+    this.log.add(kind, sentence);
+    if (kind === 'refused' || kind === 'fault') this.notices.show(sentence, true);
+  }
+
+  private onSelected(node: number | null): void {
+    this.view.selected = node;
+    this.happened('select', this.selection.path);
+    if (node !== null) this.layout.show('object');
+    this.drawSoon();
+  }
+
+  private onHolds(path: string | null): void {
+    this.canvas.classList.toggle('holding', path !== null);
+    if (path === null) this.view.rig.frozen = false;
+  }
+
+  private onPicked(hit: Hit | null): void {
+    if (hit === null) this.selection.clear();
+    else this.selection.choose(hit.node, hit.path, this.view.file?.byPath.has(hit.path) ?? false);
+  }
+
+  private pointerTools(): PointerTools {
+    return new PointerTools(this.canvas, this.view, this.link, this.hand, {
+      onPicked: (hit) => this.onPicked(hit),
+      onPickedThen: (index) => {
+        const node = this.view.file?.nodes.find((candidate) => candidate.index === index);
+        if (node === undefined) this.selection.clear();
+        else this.selection.choose(node.index, node.path, true);
+      },
+      onRefused: (sentence) => this.say('refused', sentence),
+      mayTake: () => this.link.mayEdit.value,
+      isLive: () => this.head.state === 'live',
+      now_s: () => this.now_s(),
+    });
+  }
+
+  private useTool(pointer: PointerTools, tool: Tool): void {
+    pointer.tool = tool;
+    this.view.rig.mode = cameraModeOf(tool);
+    this.canvas.dataset['tool'] = tool;
+  }
+
+  private lookAtSelected(): void {
+    const { path } = this.selection;
+    const node = path === null ? undefined : this.view.file?.byPath.get(path);
+    const place = new Vector3();
+    if (node !== undefined && this.view.frames?.position(node.index, place) === true) this.view.rig.lookAt(place, this.view.radiusOf(node));
+    const box = path === null || node !== undefined ? new Box3() : this.view.standingBox(path);
+    if (!box.isEmpty()) this.view.rig.lookAt(box.getCenter(place), box.getSize(new Vector3()).length() / 2);
+    this.drawSoon();
+  }
+
+  private followSettings(): void {
+    const { options } = this;
+    options.ownerColours.follow((on) => (this.view.colouring = on ? 'owner' : 'world'));
+    options.ghosts.follow((on) => (this.view.showsGhosts = on));
+    options.thresholds.follow((on) => (this.thresholds.visible = on));
+    options.contacts.follow((on) => (this.contactMarks.visible = on));
+    options.labels.follow((on) => (this.labels.visible = on));
+    for (const setting of [options.ownerColours, options.ghosts, options.thresholds, options.contacts, options.labels]) setting.follow(() => this.drawSoon());
+    this.theme.theme.follow(() => {
+      this.view.setPageColour(cssColour('--void'));
+      this.drawSoon();
+    });
+  }
+
+  private followLink(): void {
+    const { link } = this;
+    link.state.follow((state) => {
+      this.header.setState(state);
+      this.offline.hidden = state !== 'closed';
+      this.header.setMayEdit(link.mayEdit.value, state);
+    });
+    link.mayEdit.follow((mayEdit) => {
+      this.header.setMayEdit(mayEdit, link.state.value);
+      this.inspector.setMayEdit(mayEdit);
+      this.world.setMayEdit(mayEdit);
+    });
+    link.status.follow((status) => {
+      if (status === null) return;
+      this.header.setStatus(status);
+      this.charts.sampleCounters(this.now_s(), status);
+      this.layout.badge('peers', status.members.length);
+      this.header.setMayEdit(link.mayEdit.value, link.state.value);
+      void this.selection.refresh();
+    });
+    link.peers.follow((peers) => this.peersPanel.update(link.status.value, peers));
+  }
+
+  private watchSurface(): void {
+    new ResizeObserver(() => {
+      this.view.resize(this.layout.stage.clientWidth, this.layout.stage.clientHeight);
+      this.drawSoon();
+    }).observe(this.layout.stage);
+    for (const kind of ['pointerdown', 'pointermove', 'wheel', 'keydown'] as const) this.canvas.addEventListener(kind, () => this.drawSoon(), { passive: true });
+    this.canvas.addEventListener('pointerdown', () => this.canvas.focus({ preventScroll: true }));
+    this.toolbar.element.addEventListener('click', () => this.drawSoon());
+    this.toolbar.element.addEventListener('change', () => this.drawSoon());
+    this.timeline.element.addEventListener('input', () => this.drawSoon());
+    this.timeline.element.addEventListener('click', () => this.drawSoon());
+  }
+
+  private happened(name: string, detail: unknown): void {
+    this.happenings.dispatchEvent(new CustomEvent(name, { detail }));
+  }
+
+  private drawSoon(): void {
+    this.drawUntil_s = Math.max(this.now_s() + kStillFor_s, this.drawUntil_s === Infinity ? 0 : this.drawUntil_s);
+  }
+
+  private picture(): void {
+    requestAnimationFrame(() => this.picture());
+    const now_s = this.now_s();
+    const elapsed_s = now_s - this.last_s;
+    this.last_s = now_s;
+    this.hand.update(now_s);
+    this.head.advance(elapsed_s);
+    if (this.head.state === 'playing') this.drawSoon();
+    if (now_s > this.drawUntil_s) return;
+    this.view.place(this.head.book.shown, this.head.book.ghost, this.head.shownAt(now_s), Math.min(0.25, elapsed_s));
+    this.pictureWork_ms = performance.now() - 1000 * now_s;
+    this.view.render();
+    this.pictures += 1;
+  }
+
+  private sampleErrors(): void {
+    if (this.head.state !== 'live' || this.link.state.value !== 'open') return;
+    this.charts.sampleErrors(this.now_s(), this.head.book, this.view.file?.nodes ?? [], this.selection.node);
+  }
+
+  private updatePanels(): void {
+    this.timeline.update();
+    this.timeline.showMarks(this.contacts.all().filter((contact) => !contact.retracted).map((contact) => contact.event.at_s));
+    if (this.layout.isShown('objects')) this.objects.update(this.head.book.shown, this.selection.node);
+    if (this.layout.isShown('charts')) this.charts.draw(this.now_s());
+    if (this.layout.isShown('object')) this.updateInspector();
+  }
+
+  private updateInspector(): void {
+    const { node } = this.selection;
+    if (node === null) return;
+    const { shown } = this.head.book;
+    const time_s = this.head.shownAt(this.now_s());
+    const place = shown.sample(node, time_s, this.pose) ? this.pose : null;
+    const own = (shown.flags[node] & PoseFlag.own) !== 0;
+    this.inspector.update({
+      place,
+      speed_m_s: this.speedometer.read(node, time_s, place),
+      error_m: own ? this.head.book.errorOf(node) : NaN,
+      threshold_m: shown.threshold_m[node] ?? NaN,
+    });
+  }
+}

@@ -1,0 +1,324 @@
+// node viewer_page_test.mjs PEERD PACKAGES OUT: the viewer on three real peers, in a headless Chromium.
+//
+// PEERD is the program, PACKAGES the folder whose node_modules has playwright-core, OUT where screenshots go. Each step waits
+// until what it asks for is so, and says what it waited for where that does not happen within kPatience_ms. Exit codes: 0
+// good, 1 something is wrong, 77 skipped.
+import { spawn } from 'node:child_process';
+import { createSocket } from 'node:dgram';
+import { existsSync, mkdirSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { delimiter, dirname, join, resolve } from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+const kPatience_ms = 120000; // a busy machine takes its time
+const kFlags = ['--no-sandbox', '--disable-gpu-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic',
+  '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync', '--disable-dev-shm-usage'];
+const kPeers = ['a', 'b', 'c'];
+const kHere = dirname(fileURLToPath(import.meta.url));
+const [program, packages, out] = process.argv.slice(2).map((path) => resolve(path));
+
+function check(holds, sentence) {
+  if (!holds) throw new Error(sentence);
+}
+
+function skip(sentence) {
+  console.log(`skipped: ${sentence}`);
+  process.exit(77);
+}
+
+function findBrowser() {
+  const folders = (process.env.PATH ?? '').split(delimiter);
+  return folders.map((folder) => join(folder, 'chromium')).find(existsSync) ?? skip('no program chromium; scripts/test --full installs it');
+}
+
+async function freePort() {
+  const socket = createSocket('udp4');
+  await new Promise((done) => socket.bind(0, done));
+  const { port } = socket.address();
+  await new Promise((done) => socket.close(done));
+  return port;
+}
+
+// A real peer with its gateway; `address` is where its page is.
+class Peer {
+  constructor(name, port) {
+    this.name = name;
+    this.log = '';
+    const words = ['run', '-c', join(kHere, 'viewer.toml'), '--peer', name, '--interface', 'lo', '--port', String(port), '--control', '', '--take-over', '--view', '127.0.0.1:0'];
+    this.process = spawn(program, words, { stdio: ['ignore', 'pipe', 'pipe'] });
+    this.ended = new Promise((done) => {
+      this.process.on('exit', (code, signal) => done(code ?? signal));
+      this.process.on('error', (error) => done(error.message));
+    });
+    this.address = new Promise((found, failed) => {
+      const read = (text) => {
+        this.log += text;
+        const line = this.log.match(/http:\/\/[\d.]+:\d+\/#token=[\w-]+/);
+        if (line) found(line[0]);
+      };
+      this.process.stdout.on('data', read);
+      this.process.stderr.on('data', read);
+      void this.ended.then((code) => failed(new Error(`peer ${name} has ended with ${code}:\n${this.log}`)));
+    });
+    this.address.catch(() => undefined); // whoever waits for it says so
+  }
+  async leave() {
+    this.process.kill('SIGTERM');
+    check((await this.ended) === 0, `peer ${this.name} has not left cleanly:\n${this.log}`);
+  }
+}
+
+// A page on a peer, and all that went wrong on it.
+class Page {
+  static async open(browser, name, address, faults, options = {}) {
+    const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme: 'light', reducedMotion: 'reduce', ...options });
+    context.setDefaultTimeout(kPatience_ms);
+    const tab = await context.newPage();
+    tab.on('console', (message) => ['error', 'warning'].includes(message.type()) && faults.push(`${name}: ${message.type()}: ${message.text()}`));
+    tab.on('pageerror', (error) => faults.push(`${name}: ${error.message}`));
+    await tab.goto(address);
+    return new Page(name, tab, context);
+  }
+  constructor(name, tab, context) {
+    Object.assign(this, { name, tab, context });
+  }
+  async until(what, condition, argument) {
+    try {
+      await this.tab.waitForFunction(condition, argument, { timeout: kPatience_ms, polling: 50 });
+    } catch (error) {
+      const objects = await this.tab.evaluate(() => JSON.stringify(window.peerd?.objects())).catch(() => 'nothing');
+      throw new Error(`page ${this.name}: ${what}, waited in vain; it shows ${objects}\n${error.message}`);
+    }
+  }
+  object(path) {
+    return this.tab.evaluate((wanted) => window.peerd.objects().find((object) => object.path === wanted), path);
+  }
+  async option(name, on) {
+    await this.tab.locator('.menu summary').click();
+    await this.tab.locator(`[data-option="${name}"]`).setChecked(on);
+    await this.tab.keyboard.press('Escape');
+  }
+  panel(name) {
+    return this.tab.locator(`[role=tab][data-panel="${name}"]`).click();
+  }
+  async viewpoint(description) {
+    await this.tab.locator('.toolbar select').selectOption({ label: description });
+    await this.tab.evaluate(() => new Promise((drawn) => setTimeout(drawn, 300)));
+  }
+  shot(name) {
+    return this.tab.screenshot({ path: join(out, `${name}.png`) });
+  }
+}
+
+// How many pixels differ between two screenshots, counted by the browser itself on an empty page.
+async function differingPixels(browser, a, b) {
+  const tab = await browser.newPage();
+  const count = await tab.evaluate(async (pictures) => {
+    const [first, second] = await Promise.all(pictures.map(async (data) => {
+      const image = new Image();
+      image.src = `data:image/png;base64,${data}`;
+      await image.decode();
+      const canvas = new OffscreenCanvas(image.width, image.height);
+      const context = canvas.getContext('2d');
+      context.drawImage(image, 0, 0);
+      return context.getImageData(0, 0, image.width, image.height).data;
+    }));
+    let differing = 0;
+    for (let i = 0; i < first.length; i += 4) {
+      const off = Math.abs(first[i] - second[i]) + Math.abs(first[i + 1] - second[i + 1]) + Math.abs(first[i + 2] - second[i + 2]);
+      if (off > 48) ++differing;
+    }
+    return differing;
+  }, [a.toString('base64'), b.toString('base64')]);
+  await tab.close();
+  return count;
+}
+
+async function objectsMove(browser, pages) {
+  for (const page of pages) {
+    await page.until('all three objects are shown', () => window.peerd.objects().length >= 3 && window.peerd.pictures > 2);
+    await page.until('the peers are in one session', () => document.querySelectorAll('.card[data-peer]').length === 3 || document.querySelector('[data-panel=peers] .badge')?.textContent === '2');
+    const before = await page.object('CAR');
+    await page.until('the car moves', ([x, , z]) => {
+      const car = window.peerd.objects().find((object) => object.path === 'CAR');
+      return Math.hypot(car.position_m[0] - x, car.position_m[2] - z) > 1;
+    }, before.position_m);
+  }
+  const stage = pages[0].tab.locator('.picture');
+  const first = await stage.screenshot();
+  const car = await pages[0].object('CAR');
+  await pages[0].until('the car moves on', ([x, , z]) => {
+    const now = window.peerd.objects().find((object) => object.path === 'CAR');
+    return Math.hypot(now.position_m[0] - x, now.position_m[2] - z) > 1;
+  }, car.position_m);
+  const pixels = await differingPixels(browser, first, await stage.screenshot());
+  console.log(`the car has moved: ${pixels} pixels differ`);
+  check(pixels > 500, `only ${pixels} pixels of the picture differ after the car has moved by a metre`);
+}
+
+async function pickAndReadOwner(page) {
+  const { window_px } = await page.object('PUCK');
+  await page.tab.mouse.click(window_px.x, window_px.y);
+  await page.until('the puck is selected by the daemon’s pick', () => window.peerd.selected === 'PUCK');
+  await page.tab.locator('.inspector h2', { hasText: 'PUCK' }).waitFor();
+  const owner = (await page.tab.locator('[data-owner]').textContent()).trim();
+  check(owner === 'c', `the inspector says that ${owner} owns the puck, which c owns`);
+}
+
+// The hand takes the puck of another peer, draws it towards the stone and lets it go on the way.
+async function grabAndThrow(page, pages) {
+  await page.tab.locator('.segment[data-tool=hand]').click();
+  const from = (await page.object('PUCK')).window_px;
+  const to = (await page.object('STONE')).window_px;
+  await page.tab.mouse.move(from.x, from.y);
+  await page.tab.mouse.down();
+  for (const each of pages) await each.until('the puck is a’s', () => window.peerd.objects().find((object) => object.path === 'PUCK').owner === 1);
+  await page.shot('grabbed-1280');
+  const held = await page.object('PUCK');
+  for (let i = 1; i <= 12; ++i) await page.tab.mouse.move(from.x + ((to.x - from.x) * i) / 30, from.y + ((to.y - from.y) * i) / 30);
+  await page.tab.mouse.up();
+  for (const each of pages) {
+    await each.until('the puck flies', ([x]) => window.peerd.objects().find((object) => object.path === 'PUCK').position_m[0] > x + 0.5, held.position_m);
+  }
+}
+
+async function contactIsSeen(pages) {
+  const deciders = [];
+  for (const page of pages) {
+    await page.until('a decided contact of puck and stone is known', () =>
+      window.peerd.contacts().some((contact) => contact.collider === 'PUCK' && contact.collidee === 'STONE' && contact.decider !== null && !contact.retracted));
+    const contact = await page.tab.evaluate(() => window.peerd.contacts().find((known) => known.collider === 'PUCK' && known.decider !== null && !known.retracted));
+    check(Math.abs(contact.normal[0]) > 0.9, `the normal of the contact is ${contact.normal}`);
+    deciders.push(contact.decider_name);
+    if (await page.tab.locator('[data-panel=log]').isVisible()) {
+      await page.panel('log');
+      await page.tab.locator('.log-line', { hasText: `by ${contact.decider_name}` }).first().waitFor();
+    }
+  }
+  console.log(`the contact is decided by ${deciders.join(', ')}, as the three pages say`);
+  check(deciders.every((name) => name === deciders[0] && kPeers.includes(name)), `the pages name different deciders: ${deciders}`);
+}
+
+async function addAndRemove(page, pages) {
+  await page.panel('world');
+  await page.tab.getByLabel('VRML to add').fill(`DEF BOX Transform {
+  translation 0 0.5 4.5
+  children Shape {
+    appearance Appearance { material Material { diffuseColor 0.95 0.75 0.1 } }
+    geometry Box { size 1.2 1.2 1.2 }
+  }
+}`);
+  const began = performance.now();
+  await page.tab.getByRole('button', { name: 'Add', exact: true }).click();
+  for (const each of pages) await each.until('the box is there', () => window.peerd.has('BOX'));
+  console.log(`a box is on all three pages after ${Math.round(performance.now() - began)} ms`);
+  const { x, y } = await page.tab.evaluate(() => window.peerd.on_window([0, 1, 4.5]));
+  await page.tab.mouse.click(x, y);
+  await page.tab.locator('.inspector h2', { hasText: 'BOX' }).waitFor();
+  await page.shot('box-1280');
+  await page.tab.getByRole('button', { name: 'Remove' }).click();
+  for (const each of pages) await each.until('the box is gone', () => !window.peerd.has('BOX'));
+}
+
+async function scrubBack(page) {
+  await page.until('six seconds are kept', () => window.peerd.range_s[1] - window.peerd.range_s[0] > 6);
+  await page.tab.locator('.timeline input').fill('-5');
+  await page.until('the page stands in the past', () => window.peerd.state === 'paused' && window.peerd.range_s[1] - window.peerd.time_s > 4.5);
+  const at = await page.tab.evaluate(() => window.peerd.time_s);
+  const car = await page.object('CAR');
+  await page.until('time goes on', (then) => window.peerd.range_s[1] - then > 7, at);
+  const later = await page.object('CAR');
+  check(car.position_m.every((value, axis) => value === later.position_m[axis]), 'the car moves although the page is paused');
+  await page.shot('paused-1280');
+  await page.tab.getByRole('button', { name: 'Play' }).click();
+  await page.until('the past plays on', (then) => window.peerd.time_s > then + 0.5, at);
+  await page.tab.getByRole('button', { name: 'Live' }).click();
+  await page.until('the page is live', () => window.peerd.state === 'live');
+}
+
+async function withoutToken(browser, address, faults) {
+  const page = await Page.open(browser, 'without a token', address.replace(/#.*/, ''), faults);
+  await page.tab.locator('.read-only').waitFor();
+  await page.panel('world');
+  check(await page.tab.getByRole('button', { name: 'Add', exact: true }).isDisabled(), 'a page without a token can add');
+  await page.until('it shows the world all the same', () => window.peerd.objects().length >= 3);
+  await page.shot('read-only-1280');
+  await page.context.close();
+}
+
+// Nothing is wider than the window, and the picture keeps a place of its own.
+async function looksWhole(page, width) {
+  const faults = await page.tab.evaluate(() => {
+    const wide = [...document.querySelectorAll('.app, .bar, .timeline, .toolbar, .stage, .dock')].filter((element) => element.getBoundingClientRect().right > innerWidth + 1);
+    const stage = document.querySelector('.stage').getBoundingClientRect();
+    return [...wide.map((element) => `${element.className} reaches beyond the window`), ...(stage.width < 300 || stage.height < 200 ? [`the picture has ${stage.width} x ${stage.height}`] : [])];
+  });
+  check(faults.length === 0, `${width} px wide: ${faults.join('; ')}`);
+}
+
+async function widths(browser, address, faults) {
+  for (const [width, colorScheme] of [[1280, 'dark'], [800, 'light'], [800, 'dark'], [400, 'light'], [400, 'dark']]) {
+    const page = await Page.open(browser, `${width} ${colorScheme}`, address, faults, { viewport: { width, height: 800 }, colorScheme });
+    await page.until('it shows the world', () => window.peerd.objects().length >= 3 && window.peerd.pictures > 10);
+    await page.viewpoint('From the side');
+    for (const name of ['owner-colours', 'ghosts', 'labels']) await page.option(name, true);
+    await page.tab.evaluate(() => window.peerd.select('CAR'));
+    await page.tab.locator('.inspector h2', { hasText: 'CAR' }).waitFor();
+    await looksWhole(page, width);
+    await page.shot(`${colorScheme}-${width}`);
+    if (width === 1280) {
+      await page.panel('charts');
+      await page.panel('peers');
+      await page.until('the error is charted', () => /\d/.test(document.querySelector('.legend-value').textContent));
+      await page.shot(`charts-${width}`);
+    }
+    await page.context.close();
+  }
+}
+
+async function firstPaint(page) {
+  const [paint] = await page.tab.evaluate(() => performance.getEntriesByName('first-contentful-paint').map((entry) => entry.startTime));
+  console.log(`first contentful paint after ${Math.round(paint)} ms`);
+}
+
+if (!existsSync(join(packages, 'node_modules', 'playwright-core'))) skip(`no playwright-core in ${packages}: the viewer was not built`);
+const executablePath = findBrowser();
+mkdirSync(out, { recursive: true });
+const { chromium } = createRequire(join(packages, 'package.json'))('playwright-core');
+const port = await freePort();
+const peers = kPeers.map((name) => new Peer(name, port));
+const faults = [];
+let browser = null;
+let failed = false;
+try {
+  const addresses = await Promise.all(peers.map((peer) => peer.address));
+  browser = await chromium.launch({ executablePath, args: kFlags });
+  const pages = [];
+  for (const [i, address] of addresses.entries()) pages.push(await Page.open(browser, kPeers[i], address, faults));
+  await firstPaint(pages[0]);
+  await objectsMove(browser, pages);
+  await pages[0].shot('live-1280');
+  await pickAndReadOwner(pages[0]);
+  await grabAndThrow(pages[0], pages);
+  await contactIsSeen(pages);
+  await pages[0].shot('contact-1280');
+  await addAndRemove(pages[1], pages);
+  await scrubBack(pages[2]);
+  for (const page of pages) await page.context.close();
+  await withoutToken(browser, addresses[1], faults);
+  await widths(browser, addresses[0], faults);
+  check(faults.length === 0, `the consoles of the pages are not empty:\n${faults.join('\n')}`);
+} catch (error) {
+  failed = true;
+  console.log(error.stack);
+  if (faults.length > 0) console.log(`on the consoles:\n${faults.join('\n')}`);
+}
+await browser?.close();
+for (const peer of peers) {
+  await peer.leave().catch((error) => {
+    failed = true;
+    console.log(error.message);
+  });
+  if (failed) console.log(`--- peer ${peer.name}\n${peer.log.slice(-4000)}`);
+}
+process.exit(failed ? 1 : 0);
