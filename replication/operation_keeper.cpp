@@ -54,8 +54,9 @@ std::uint64_t OperationKeeper::withhold_far_stamps(AuthorId author, std::uint64_
   if (p_.logs.last_stamp(author) <= far_ahead_) return whole;
   std::uint64_t at = from, end = whole;
   Withheld withheld;
+  const auto grown = p_.logs.bytes({author, from, whole});
   while (at < whole) {
-    const auto next = decode_operation(author, p_.logs.bytes({author, at, whole}));
+    const auto next = decode_operation(author, std::span(grown).subspan(at - from));
     assert(next && *next);  // the log has read it
     if (withheld.operations > 0 || (*next)->operation.stamp > far_ahead_) {
       if (withheld.operations++ == 0) {

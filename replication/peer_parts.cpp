@@ -31,27 +31,23 @@ PeerConfig without_log(PeerConfig config) {
   return config;
 }
 
-// The logs that the configuration has. All of it has taken effect, whatever the clock says now: the scene that it makes
-// is that which the peer begins with.
-OperationLogs restored(const std::vector<OperationPart>& stored, AuthorId author, LivingScene& living,
-                       ModelInForce& model) {
-  OperationLogs logs(author);
+// Takes the logs that the configuration has. All of it has taken effect, whatever the clock says now: the scene that it
+// makes is that which the peer begins with. Returns the stamp of the last operation; min(): there is none.
+SimTime restore(const std::vector<OperationPart>& stored, OperationLogs& logs, LivingScene& living,
+                ModelInForce& model) {
   for (const OperationPart& part : stored) {
     auto operations = logs.restore(part);
     assert(operations);  // who gives a peer a log has read it
     for (Operation& operation : *operations) living.add(std::move(operation));
   }
-  for (const LogLength& log : logs.lengths()) assert(logs.whole(log.author) == log.bytes);
+  SimTime last = SimTime::min();
+  for (const LogLength& log : logs.lengths()) {
+    assert(logs.whole(log.author) == log.bytes);
+    last = std::max(last, logs.last_stamp(log.author));
+  }
   if (const auto change = living.apply(SimTime::max(), SimTime::max()); change && change->scene) {
     model.replace(edited(*model, change->scene));
   }
-  return logs;
-}
-
-// The stamp of the last operation that is stored; min(): there is none.
-SimTime last_stamp_of(const OperationLogs& logs) {
-  SimTime last = SimTime::min();
-  for (const LogLength& log : logs.lengths()) last = std::max(last, logs.last_stamp(log.author));
   return last;
 }
 
@@ -69,8 +65,10 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
       configured(world_model.owned),
       model(world_model),
       author(config.author.value_or(author_of(config.id, config.incarnation))),
-      living(*world_model.scene, config.rare),
-      logs(restored(peer_config.log, author, living, model)),
+      logs(author),
+      living(*world_model.scene, config.rare,
+             OperationBodies([this](OperationId id) { return logs.operation(id).body; })),
+      stored_until(restore(peer_config.log, logs, living, model)),
       ticks(config.tick_hz),
       outbox(config.id, config.incarnation, counters),
       members(config.lost_after),
@@ -95,7 +93,7 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
       publication(config, model, members, owners, own, launches, replica, regions, decisions, ticks, outbox, counters) {
   assert(std::ranges::is_sorted(configured));
   counters.scene_changes += model.revision();
-  time.begin_behind(last_stamp_of(logs));
+  time.begin_behind(stored_until);
   for (const auto& [object, each] : std::as_const(own)) {
     owners.set(object, config.id);
     scene.remove(object);

@@ -49,8 +49,9 @@ struct PeerParts {
   ModelInForce model;
   // The operations that all peers have made, and what they make of the scene. The model begins with what is stored.
   const AuthorId author;  // of this peer's own
-  LivingScene living;
   OperationLogs logs;
+  LivingScene living;          // of what logs have
+  const SimTime stored_until;  // the stamp of the last operation that its store had; min(): there was none
   PeerCounters counters;
   TickGrid ticks;
   Outbox outbox;
