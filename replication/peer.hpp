@@ -60,11 +60,9 @@ class Peer {
   // replaces it, or adds to it. False, and nothing done, for any other object and before a session. publish_now() or
   // the next tick publishes it.
   bool change_velocity(HostTime now, ObjectId object, const Vec3& velocity, bool absolute);
-  // From now on samples move an object that this peer owns, as of those that PeerConfig says are driven. False, and
-  // nothing done, for any other object and before a session.
+  // From now on samples move an own object, as those that PeerConfig says are driven. False: it is no own one.
   bool begin_driving(HostTime now, ObjectId object);
-  // What drove the object lets go of it: from now on it moves as physics has it, from that state in the world.
-  // publish_now() or the next tick publishes it.
+  // What drove it lets go of it in that state in the world; physics moves it from there. Published as a velocity is.
   void end_driving(HostTime now, ObjectId object, const KinematicState& state);
   // This peer's hellos say from now on when motions by formula begin. Peers that run such motions together follow the
   // peer with the lowest id. The time is also time 0 of the world's TimeSensors where the session has none yet.
@@ -127,19 +125,16 @@ class Peer {
   // sample, unless they are shown late.
   [[nodiscard]] KinematicState truth(ObjectId object, SimTime t) const;
   [[nodiscard]] KinematicState ghost(ObjectId object, SimTime t) const;
-  // Whether this peer receives the object's updates: false for objects in regions that it does not listen to. What it
-  // says of those is void; they meet nothing here.
+  // Whether this peer listens to the object's region. What it says of others is void; they meet nothing here.
   [[nodiscard]] bool receives(ObjectId object) const;
   // The last update of a remote object that was applied; null before the first.
   [[nodiscard]] const UpdateRecord* last_update_of(ObjectId object) const;
   [[nodiscard]] const Interest& interest() const;
-
   // Brings the ghosts to t, which may lie between two ticks, for a viewer's frame. Other peers can't notice it.
   void advance_ghosts(SimTime t);
   // From now on this peer sees so (SightSettings): the views of a viewer, before the advance_ghosts() of its frame.
   void look(std::vector<View> views);
-  // The pose that a viewer draws. For each object, t never goes back; after advance_ghosts(t). It doesn't go through
-  // what an interest pairs the object with, where the ghost didn't.
+  // What a viewer draws after advance_ghosts(t); t never goes back. It goes through nothing that the ghost didn't.
   [[nodiscard]] Pose shown(ObjectId object, SimTime t);
 
   [[nodiscard]] const Counters& counters() const;

@@ -197,9 +197,9 @@ TEST_F(GatewayTest, ItsOwnPageMayAsk) {
 
 TEST_F(GatewayTest, ALongBodyNeedsTheToken) {
   const json request{{"do", "send"}, {"topic", "t"}, {"text", std::string(100'000, 'x')}};
-  WebClient stranger(peer), friendly(peer);
-  EXPECT_EQ(stranger.post(request).result_int(), 413U);
-  const auto response = friendly.post(request, ServedPeer::kToken);
+  WebClient without(peer), with(peer);
+  EXPECT_EQ(without.post(request).result_int(), 413U);
+  const auto response = with.post(request, ServedPeer::kToken);
   EXPECT_EQ(response.result_int(), 200U);
   EXPECT_EQ(json::parse(response.body())["done"], false) << "a message has 16,384 bytes at most";
 }
