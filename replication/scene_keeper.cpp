@@ -169,7 +169,7 @@ void SceneKeeper::on_states(PeerId sender, const SceneStates& scene) {
       continue;
     }
     SceneObject& known = p_.scene.at(state.object);
-    // Who has taken this peer for gone says how its object went on; this peer's updates will say otherwise.
+    // A peer that has taken this one for gone says how its object went on; this peer's updates will say otherwise.
     const bool is_ours = p_.owners.of(state.object) == p_.config.id && state.decision <= known.decided;
     if (is_ours || !p_.scene.supersedes(state, scene.since)) continue;
     const bool is_same = p_.owners.of(state.object) == kNobody && p_.scene.is_moved(state.object) &&

@@ -12,7 +12,7 @@ struct TopOptions {
 };
 
 // `peerd top`: shows a peer of this computer on the terminal, again and again, until q, a signal or the peer's end.
-// Where no terminal is there it prints the screens one after the other.
+// Without a terminal it prints the screens one after the other.
 [[nodiscard]] int run_top(const TopOptions& options);
 
 }  // namespace peerd

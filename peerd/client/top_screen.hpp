@@ -7,7 +7,7 @@
 
 namespace peerd {
 
-// What a peer says of itself at one time: its replies to "status", "peers" and "objects".
+// A sample is what a peer says of itself at one time: its replies to "status", "peers" and "objects".
 struct PeerSample {
   nlohmann::ordered_json status, peers, objects;
   double at_s = 0.0;  // when the status came, by any clock that does not run backwards [s]

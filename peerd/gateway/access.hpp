@@ -5,7 +5,7 @@
 
 namespace peerd::gateway {
 
-// Who may ask, and who may change something.
+// These rules say who may ask, and who may change something.
 
 // 128 random bits of the operating system, in base64url.
 [[nodiscard]] std::string make_token();

@@ -33,7 +33,7 @@ class Gateway : public api::EventSink {
   ~Gateway() override;
 
   [[nodiscard]] boost::asio::ip::tcp::endpoint endpoint() const;
-  // Where a browser finds it, with the token.
+  // The address at which a browser finds it, with the token.
   [[nodiscard]] std::string url() const;
 
   [[nodiscard]] api::EventKinds wanted() const override;

@@ -34,7 +34,7 @@ class Connection {
   virtual void note_revision(std::uint32_t /*revision*/) {}
 };
 
-// What all connections of a gateway share. The io_context may hold handlers that outlive the gateway; `over` tells
+// All connections of a gateway share this. The io_context may hold handlers that outlive the gateway; `over` tells
 // them.
 class GatewayState {
  public:

@@ -8,7 +8,7 @@
 
 namespace peerd::gateway {
 
-// What a request of HTTP asks for, by its method and target. All of it is hostile input.
+// A route is what a request of HTTP asks for, by its method and target. All of it is hostile input.
 struct AssetRoute {
   std::string name;  // as ViewerAssets has it: "index.html", "assets/NAME"
 };

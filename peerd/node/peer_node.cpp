@@ -387,7 +387,7 @@ feed::Outcome PeerNode::on_poses(HostTime now, Duration host_minus_wall, std::sp
   return outcome;
 }
 
-// What a client of this peer has grabbed, its poses may move.
+// Poses may move what a client of this peer has grabbed.
 void PeerNode::feed_grabbed(HostTime now, const std::string& path) {
   if (feeds_.find(path)) return;
   const auto object = scene().find(path);
@@ -454,7 +454,7 @@ void PeerNode::follow_scene() {
 KeyReport PeerNode::press(HostTime now, const KeyEvent& key) {
   KeyReport report;
   report.key = key;
-  ++keys_pressed_;
+  ++key_counters_.pressed;
   if (!log_.start || peer_.clock().to_session(now) < *log_.start) {
     report.refused = "the objects have not begun to move yet";
     return report;
@@ -463,7 +463,7 @@ KeyReport PeerNode::press(HostTime now, const KeyEvent& key) {
   const KeySensors::Outcome outcome = key_sensors_.press(key);
   report.hits = outcome.hits.size();
   report.consumed = outcome.consumed;
-  keys_unhandled_ += report.hits == 0;
+  key_counters_.unhandled += report.hits == 0;
   for (const std::size_t hit : outcome.hits) {
     const KeySensor& sensor = scene().key_sensors[hit];
     if (!sensor.recipient) continue;
@@ -477,7 +477,7 @@ KeyReport PeerNode::press(HostTime now, const KeyEvent& key) {
         !peer_.change_velocity(now, change.recipient, change.velocity_world, change.absolute)) {
       change.refused = "this peer does not run it in this session";
     }
-    ++(change.refused.empty() ? key_changes_ : key_changes_refused_);
+    ++(change.refused.empty() ? key_counters_.changes : key_counters_.changes_refused);
   }
   return report;
 }
@@ -639,11 +639,11 @@ const PeerLog& PeerNode::log() {
     n[(longer ? "updates_out_longer_than_" : "updates_out_up_to_") + std::to_string(size_bytes) + "_bytes"] =
         c.update_sizes_out[i];
   }
-  if (keys_pressed_ > 0) {
-    n["keys"] = keys_pressed_;
-    n["keys_unheard"] = keys_unhandled_;
-    n["key_changes"] = key_changes_;
-    n["key_changes_refused"] = key_changes_refused_;
+  if (key_counters_.pressed > 0) {
+    n["keys"] = key_counters_.pressed;
+    n["keys_unheard"] = key_counters_.unhandled;
+    n["key_changes"] = key_counters_.changes;
+    n["key_changes_refused"] = key_counters_.changes_refused;
   }
   if (store_failures_ > 0) n["store_failures"] = store_failures_;
   feeds_.count(n);

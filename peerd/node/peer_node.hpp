@@ -172,7 +172,9 @@ class PeerNode {
   std::deque<KeyReport> key_reports_;
   PeerEdits edits_;
   std::uint64_t store_failures_ = 0;
-  std::uint64_t keys_pressed_ = 0, keys_unhandled_ = 0, key_changes_ = 0, key_changes_refused_ = 0;
+  struct KeyCounters {
+    std::uint64_t pressed = 0, unhandled = 0, changes = 0, changes_refused = 0;
+  } key_counters_;
 };
 
 }  // namespace peerd

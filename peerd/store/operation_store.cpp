@@ -223,7 +223,7 @@ Result<void> OperationStore::read() {
 
 Result<void> OperationStore::read_parts() {
   replication::OperationLogs logs;
-  // What is packed of a log is before what is not.
+  // Packed rows of a log come before those that are not.
   if (has_packed_) {
     const auto read = read_rows("SELECT author, start, checksum, bytes, size FROM packed ORDER BY author, start", logs);
     if (!read) return read;
@@ -325,7 +325,7 @@ DatabaseResult<void> OperationStore::insert(std::span<const OperationPart> parts
   return database_.run("COMMIT");
 }
 
-// What is written is safe already; what cannot be packed now is packed later.
+// All that is written is safe already; rows that cannot be packed now are packed later.
 void OperationStore::pack() {
   if (!has_packed_ || !packer_.is_due()) return;
   const auto packed = packer_.pack(database_);

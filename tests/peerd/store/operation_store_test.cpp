@@ -97,7 +97,7 @@ TEST_F(Store, BeginsEmptyAndKeepsWhatIsAppended) {
   EXPECT_EQ((*again)->logs()[1].operations, 1U);
 }
 
-// What the store got one by one becomes a few packed rows, with the same bytes.
+// The rows that the store got one by one become a few packed rows, with the same bytes.
 TEST_F(Store, OldPartsArePacked) {
   const auto rows = [&](const char* table) {
     auto database = testing_support::open_database(at / "operations.sqlite", false);
