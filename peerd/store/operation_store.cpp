@@ -325,7 +325,7 @@ DatabaseResult<void> OperationStore::insert(std::span<const OperationPart> parts
   return database_.run("COMMIT");
 }
 
-// All that is written is safe already; rows that cannot be packed now are packed later.
+// The parts are safe already; those that cannot be packed now are packed later.
 void OperationStore::pack() {
   if (!has_packed_ || !packer_.is_due()) return;
   const auto packed = packer_.pack(database_);

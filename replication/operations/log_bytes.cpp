@@ -8,8 +8,7 @@
 namespace peerd::replication {
 namespace {
 
-// zstd's default. Blocks of short operations become a quarter by it; level 9 gains a twentieth of that, and level 1
-// loses as much.
+// zstd's default level.
 constexpr int kLevel = 3;
 
 }  // namespace

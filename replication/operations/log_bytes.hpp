@@ -11,7 +11,7 @@ namespace peerd::replication {
 // The bytes of a log, from the first on. Old ones are kept packed (zstd), in blocks of kBlock_bytes.
 class LogBytes {
  public:
-  static constexpr std::size_t kBlock_bytes = std::size_t{16} << 10;
+  static constexpr std::size_t kBlock_bytes = std::size_t{4} << 10;
 
   // A few blocks that were unpacked last, of any logs: so reading one operation after another of several logs unpacks
   // each block once.

@@ -97,7 +97,7 @@ TEST_F(Store, BeginsEmptyAndKeepsWhatIsAppended) {
   EXPECT_EQ((*again)->logs()[1].operations, 1U);
 }
 
-// The rows that the store got one by one become a few packed rows, with the same bytes.
+// Parts that the store got one by one become a few packed rows, with the same bytes.
 TEST_F(Store, OldPartsArePacked) {
   const auto rows = [&](const char* table) {
     auto database = testing_support::open_database(at / "operations.sqlite", false);
@@ -135,7 +135,7 @@ TEST_F(Store, OldPartsArePacked) {
   EXPECT_EQ(bytes_of((*again)->log()), bytes_of(all));
 }
 
-// As earlier builds have left it: its file gets shorter.
+// The file of a store as earlier builds have left it gets shorter.
 TEST_F(Store, OneOfTheFormatBeforeIsPacked) {
   ASSERT_TRUE(open());
   const auto file = at / "operations.sqlite";

@@ -163,8 +163,8 @@ std::vector<ObjectId> ids_of(const Scene& scene) {
   return ids;
 }
 
-// Of a peer whose logs are packed but for the last operations: one author was away, and its whole log comes when all
-// others' have been applied; or a part of it is the first that there is.
+// The logs of a peer are packed but for the last operations. One author was away: its whole log comes when all others'
+// have been applied, or a part of it is the first that there is.
 TEST(LivingSceneUndo, IsTheSameWhereOperationsAreReadFromPackedLogs) {
   const Scene file = read("DEF A Transform { }\nDEF B Transform { }\nDEF C Transform { }\n");
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
