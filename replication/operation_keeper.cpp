@@ -54,8 +54,9 @@ std::uint64_t OperationKeeper::withhold_far_stamps(AuthorId author, std::uint64_
   if (p_.logs.last_stamp(author) <= far_ahead_) return whole;
   std::uint64_t at = from, end = whole;
   Withheld withheld;
+  const auto grown = p_.logs.bytes({author, from, whole});
   while (at < whole) {
-    const auto next = decode_operation(author, p_.logs.bytes({author, at, whole}));
+    const auto next = decode_operation(author, std::span(grown).subspan(at - from));
     assert(next && *next);  // the log has read it
     if (withheld.operations > 0 || (*next)->operation.stamp > far_ahead_) {
       if (withheld.operations++ == 0) {
@@ -142,7 +143,7 @@ PeerId OperationKeeper::owner_of(ObjectId object) const {
 std::optional<Placement> OperationKeeper::placement_at(SimTime t, ObjectId object) const {
   const KinematicState state = p_.replica.truth().relative_at(object, t);
   const bool moves = state.velocity != Vec3::Zero() || state.angular_velocity_body != Vec3::Zero();
-  if (moves && answers_contacts(*p_.model, object)) return std::nullopt;
+  if (moves && p_.is_scene_object(*p_.model, object)) return std::nullopt;
   return placement_of_state(object, state);
 }
 
@@ -265,6 +266,7 @@ void OperationKeeper::apply_until(SimTime t) {
     for (const auto& [object, left] : change->left) p_.left_behind.erase(object);
     keeper_.follow_scene();
     keeper_.give(change->given, at);  // what is new in it
+    keeper_.give_back_removed(at);
   }
   applied_until_ = t;
 }

@@ -248,7 +248,7 @@ std::expected<UndoneEdit, std::string> Peer::undo(HostTime now, bool redoes) {
   return impl_->operations.undo(now, redoes);
 }
 
-std::span<const std::byte> Peer::log_bytes(const OperationRange& range) const { return impl_->parts.logs.bytes(range); }
+std::vector<std::byte> Peer::log_bytes(const OperationRange& range) const { return impl_->parts.logs.bytes(range); }
 
 void Peer::leave(HostTime now) {
   impl_->parts.publication.flush(true);
@@ -274,7 +274,9 @@ const Scene& Peer::scene() const { return *impl_->parts.model->scene; }
 const WorldModel& Peer::model() const { return *impl_->parts.model; }
 const NodeData& Peer::data() const { return impl_->parts.living.data(); }
 const Conflicts& Peer::conflicts() const { return impl_->parts.living.conflicts(); }
-const OperationBody* Peer::find(const OperationKey& operation) const { return impl_->parts.living.find(operation); }
+std::optional<OperationBody> Peer::find(const OperationKey& operation) const {
+  return impl_->parts.living.find(operation);
+}
 const SessionClock& Peer::clock() const { return impl_->parts.time.clock(); }
 const std::optional<OsClock>& Peer::os_clock() const { return impl_->parts.time.os_clock(); }
 std::optional<PeerId> Peer::follows() const { return impl_->parts.time.follows(); }

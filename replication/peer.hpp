@@ -69,9 +69,8 @@ class Peer {
   // This peer's hellos say from now on when motions by formula begin. Peers that run such motions together follow the
   // peer with the lowest id. The time is also time 0 of the world's TimeSensors where the session has none yet.
   void announce_start(SimTime start);
-  // The bytes of a log, as far as this peer has them without a gap: of LogGrown, all. They are valid until the next
-  // call.
-  [[nodiscard]] std::span<const std::byte> log_bytes(const OperationRange& range) const;
+  // The bytes of a log, as far as this peer has them without a gap: of LogGrown, all.
+  [[nodiscard]] std::vector<std::byte> log_bytes(const OperationRange& range) const;
   // Changes the scene, for all peers and for good, from an instant on that leaves all of them the time to know it. The
   // peer chooses the ids of what the operation adds, and resolves names of its text that the text does not have. The
   // error says, for people, why it cannot be. SceneEdited says what has become of it, OperationHeld that it outlives
@@ -103,9 +102,9 @@ class Peer {
   [[nodiscard]] const WorldModel& model() const;  // of that scene
   // The data of applications at nodes, as all operations until the last tick have made them.
   [[nodiscard]] const NodeData& data() const;
-  // The losses of operations by others that did not know them, and an operation; null: it is not known.
+  // The losses of operations by others that did not know them, and an operation; none: it is not known.
   [[nodiscard]] const Conflicts& conflicts() const;
-  [[nodiscard]] const OperationBody* find(const OperationKey& operation) const;
+  [[nodiscard]] std::optional<OperationBody> find(const OperationKey& operation) const;
   [[nodiscard]] const SessionClock& clock() const;
   [[nodiscard]] const std::optional<OsClock>& os_clock() const;
   // The peer whose session time this one takes over; itself: it leads. None: nobody's yet.

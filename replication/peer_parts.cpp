@@ -31,27 +31,23 @@ PeerConfig without_log(PeerConfig config) {
   return config;
 }
 
-// The logs that the configuration has. All of it has taken effect, whatever the clock says now: the scene that it makes
-// is that which the peer begins with.
-OperationLogs restored(const std::vector<OperationPart>& stored, AuthorId author, LivingScene& living,
-                       ModelInForce& model) {
-  OperationLogs logs(author);
+// Takes the logs that the configuration has. All of it has taken effect, whatever the clock says now: the scene that it
+// makes is that which the peer begins with. Returns the stamp of the last operation; min(): there is none.
+SimTime restore(const std::vector<OperationPart>& stored, OperationLogs& logs, LivingScene& living,
+                ModelInForce& model) {
   for (const OperationPart& part : stored) {
     auto operations = logs.restore(part);
     assert(operations);  // who gives a peer a log has read it
     for (Operation& operation : *operations) living.add(std::move(operation));
   }
-  for (const LogLength& log : logs.lengths()) assert(logs.whole(log.author) == log.bytes);
+  SimTime last = SimTime::min();
+  for (const LogLength& log : logs.lengths()) {
+    assert(logs.whole(log.author) == log.bytes);
+    last = std::max(last, logs.last_stamp(log.author));
+  }
   if (const auto change = living.apply(SimTime::max(), SimTime::max()); change && change->scene) {
     model.replace(edited(*model, change->scene));
   }
-  return logs;
-}
-
-// The stamp of the last operation that is stored; min(): there is none.
-SimTime last_stamp_of(const OperationLogs& logs) {
-  SimTime last = SimTime::min();
-  for (const LogLength& log : logs.lengths()) last = std::max(last, logs.last_stamp(log.author));
   return last;
 }
 
@@ -66,10 +62,13 @@ std::vector<OwnedObject> existing(const std::vector<OwnedObject>& objects, const
 
 PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
     : config(without_log(peer_config)),
+      configured(world_model.owned),
       model(world_model),
       author(config.author.value_or(author_of(config.id, config.incarnation))),
-      living(*world_model.scene, config.rare),
-      logs(restored(peer_config.log, author, living, model)),
+      logs(author),
+      living(*world_model.scene, config.rare,
+             OperationBodies([this](OperationId id) { return logs.operation(id).body; })),
+      stored_until(restore(peer_config.log, logs, living, model)),
       ticks(config.tick_hz),
       outbox(config.id, config.incarnation, counters),
       members(config.lost_after),
@@ -92,11 +91,18 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
       decisions(config, model, members, owners, scene, own, replica, ticks, outbox, counters,
                 [this](ObjectId object, PeerId by, SimTime contact) { give_scene_object(object, by, contact); }),
       publication(config, model, members, owners, own, launches, replica, regions, decisions, ticks, outbox, counters) {
+  assert(std::ranges::is_sorted(configured));
   counters.scene_changes += model.revision();
-  time.begin_behind(last_stamp_of(logs));
+  time.begin_behind(stored_until);
   for (const auto& [object, each] : std::as_const(own)) {
     owners.set(object, config.id);
     scene.remove(object);
+  }
+  for (const auto& [object, each] : std::map(scene.all())) {
+    if (!is_scene_object(*model, object)) scene.remove(object);
+  }
+  for (const OwnedObject& each : config.owned) {
+    if (!own.contains(each.object)) removed[each.object] = {.owner = config.id};  // by an operation of the store
   }
   assert(own.size() <= owners.size());
 }
@@ -141,7 +147,7 @@ void PeerParts::change_scene(std::shared_ptr<const Scene> edited_scene, SimTime 
   forget_what_is_gone(*next->scene);
   const auto is_owned = [&](ObjectId object) { return owners.of(object) != kNobody; };
   const auto role_in_ghosts = [&](ObjectId object) {
-    return is_owned(object) || answers_contacts(*next, object) ? Role::kPredicted : Role::kScene;
+    return is_owned(object) || is_scene_object(*next, object) ? Role::kPredicted : Role::kScene;
   };
   const auto role_in_truth = [&](ObjectId object) {
     const OwnObject* const each = std::as_const(own).find(object);
@@ -161,7 +167,7 @@ void PeerParts::change_scene(std::shared_ptr<const Scene> edited_scene, SimTime 
   for (const auto& [object, law] : placed) {
     if (scene.contains(object)) scene.place(object, at, law, model->carrier_of(object));
   }
-  for (const ObjectId object : scene.follow_model(at, owners)) {
+  for (const ObjectId object : follow_scene_objects(at)) {
     if (replica.begun()) replica.declare_remote(object, Role::kPredicted);
   }
   scripted.follow_scene(at, world_time.zero());
@@ -170,12 +176,30 @@ void PeerParts::change_scene(std::shared_ptr<const Scene> edited_scene, SimTime 
   ++counters.scene_changes;
 }
 
+bool PeerParts::is_scene_object(const WorldModel& of, ObjectId object) const {
+  return answers_contacts(of, object) && !std::ranges::binary_search(configured, object) &&
+         !of.scene->object(object).enslaved;
+}
+
+std::vector<ObjectId> PeerParts::follow_scene_objects(SimTime since) {
+  std::vector<ObjectId> added = scene.follow_model(since, owners);
+  std::erase_if(added, [&](ObjectId object) {
+    if (is_scene_object(*model, object)) return false;
+    scene.remove(object);
+    return true;
+  });
+  return added;
+}
+
 void PeerParts::forget_what_is_gone(const Scene& next) {
   std::vector<ObjectId> gone;
   for (std::uint32_t i = 0; i < model->scene->instances.size(); ++i) {
     if (const ObjectId id = model->scene->id_of(i); !next.contains(id)) gone.push_back(id);
   }
   for (const ObjectId object : gone) {
+    if (const PeerId owner = owners.of(object); owner != kNobody) {
+      removed[object] = {owner, owners.as_founder(object), scene.decided(object)};
+    }
     owners.set(object, kNobody);
     scene.remove(object);
     launches.forget(object);

@@ -1,4 +1,5 @@
 #pragma once
+#include <map>
 #include <memory>
 #include <span>
 
@@ -28,6 +29,14 @@
 
 namespace peerd::replication {
 
+// The owner that an object had when an operation removed it. If an undo brings it back, peers that have received both
+// at once have never seen it gone, and all others go on as those do.
+struct RemovedObject {
+  PeerId owner;
+  bool as_founder = false;
+  SimTime decided{};  // a decision of that contact time has lent it to its owner; SimTime{}: none has
+};
+
 // The parts of a peer. Each owns its fields and knows those above it in this list, which is the order of the rooms;
 // SessionKeeper, contact_report and Intake do what concerns several of them.
 struct PeerParts {
@@ -36,11 +45,13 @@ struct PeerParts {
   PeerParts& operator=(const PeerParts&) = delete;
 
   const PeerConfig config;
+  const std::vector<ObjectId> configured;  // what configurations or the file give to peers, ascending
   ModelInForce model;
   // The operations that all peers have made, and what they make of the scene. The model begins with what is stored.
   const AuthorId author;  // of this peer's own
-  LivingScene living;
   OperationLogs logs;
+  LivingScene living;          // of what logs have
+  const SimTime stored_until;  // the stamp of the last operation that its store had; min(): there was none
   PeerCounters counters;
   TickGrid ticks;
   Outbox outbox;
@@ -55,6 +66,7 @@ struct PeerParts {
   SimTime entered_at{};  // session time at which this peer, in this life, first entered a session
   Owners owners;
   LeftObjects left_behind;  // by owners who are gone, since then; no operation says yet where these stand
+  std::map<ObjectId, RemovedObject> removed;
   OwnObjects own;
   SceneObjects scene;
   Replica replica;
@@ -80,6 +92,12 @@ struct PeerParts {
   // Edits have made that scene of this peer's, from `at` on, up to which both worlds have been advanced and their
   // events polled. All pairs are to be watched anew. Own objects that go on do so wherever the scene places them now.
   void change_scene(std::shared_ptr<const Scene> edited_scene, SimTime at, const std::set<ObjectId>& going_on = {});
+  // Whether the object answers contacts where nobody owns it: the same at all peers that know the same operations,
+  // whatever they have seen of it.
+  [[nodiscard]] bool is_scene_object(const WorldModel& of, ObjectId object) const;
+  // Nobody owns some objects any more, or the model in force is of an edited scene since then: what answers contacts is
+  // among the scene objects. Returns those that are new.
+  std::vector<ObjectId> follow_scene_objects(SimTime since);
   // The pose that the scene gives the object, in the frame of its carrier.
   [[nodiscard]] Pose place_by_scene(ObjectId object) const;
   // The world's velocityVector of an object, which is in its parent's frame, in the world's frame [m/s].

@@ -25,6 +25,9 @@ constexpr std::uint32_t kDiffersFor = 2;
 // ones follow the next time.
 constexpr Duration kOffersApart = std::chrono::seconds(1);
 constexpr std::size_t kOfferMax_datagrams = 16;
+// The owner of a lent object that moves publishes it when its time threshold is over, and puts that off once at most,
+// by a decision; one that rests is let go. So long after that its update has come, repeated where it was lost.
+constexpr Duration kUpdateComesWithin = std::chrono::seconds(2);
 // A datagram's header leaves so much for states.
 constexpr std::size_t kStatesMax_bytes = kDatagramMax_bytes - 19 - kSceneHeader_bytes;
 
@@ -128,6 +131,10 @@ bool SceneKeeper::take_over(PeerId sender, const UpdateRecord& update) {
   if (owner != sender && update.decision <= known.decided && !is_back) return false;
   if (owner != sender || update.decision > known.decided) {
     p_.give_scene_object(update.object, sender, update.decision);
+  } else if (update.sequence > known.sequence && p_.decisions.log().last(update.object) < known.decided) {
+    // Peers that step into another session shift the times that they know, each by what it takes for the difference.
+    // What its owner says is what ends the loan one day.
+    known.decided = update.decision;
   }
   known.sequence = std::max(known.sequence, update.sequence);
   return true;
@@ -161,8 +168,10 @@ void SceneKeeper::on_states(PeerId sender, const SceneStates& scene) {
       p_.drop(sender, "update_time");
       continue;
     }
-    if (!p_.scene.supersedes(state, scene.since)) continue;
     SceneObject& known = p_.scene.at(state.object);
+    // Who has taken this peer for gone says how its object went on; this peer's updates will say otherwise.
+    const bool is_ours = p_.owners.of(state.object) == p_.config.id && state.decision <= known.decided;
+    if (is_ours || !p_.scene.supersedes(state, scene.since)) continue;
     const bool is_same = p_.owners.of(state.object) == kNobody && p_.scene.is_moved(state.object) &&
                          known.decided == state.decision && truth.law_since(state.object, state.at) == state.at;
     if (!is_same) let_go(state);
@@ -170,8 +179,31 @@ void SceneKeeper::on_states(PeerId sender, const SceneStates& scene) {
   }
 }
 
+// A decision may be in force here alone: its author has overruled it by one of a peer that has gone since, or has
+// started anew. Then nobody would ever end the loan, and nobody else's word would count against it.
+void SceneKeeper::end_unconfirmed_loans(SimTime t) {
+  assert(p_.replica.begun());
+  if (p_.config.regions.cell_m > 0.0) return;  // not all updates come here
+  const Duration patience = 2 * p_.config.policy.time_threshold + kUpdateComesWithin;
+  std::vector<ObjectId> over;
+  for (const auto& [object, known] : p_.scene.all()) {
+    const PeerId owner = p_.owners.of(object);
+    if (owner == kNobody || owner == p_.config.id || t - known.decided < patience) continue;
+    const UpdateRecord* const update = p_.replica.last_update_of(object);
+    if (update == nullptr || update->decision < known.decided) over.push_back(object);
+  }
+  for (const ObjectId object : over) {
+    orphan(object, t);
+    SceneObject& known = p_.scene.at(object);
+    p_.decisions.forget(object, known.decided + Duration{1});
+    known.decided = SimTime{};
+    ++p_.counters.drops["loan_unconfirmed"];
+  }
+}
+
 // The lowest id of all peers with one digest sends, so that not all answer a joining peer.
 void SceneKeeper::offer(HostTime now) {
+  if (p_.replica.begun()) end_unconfirmed_loans(p_.ticks.last_time());
   if (!p_.replica.begun() || (offered_at_ && now - *offered_at_ < kOffersApart)) return;
   bool wanted = false;
   for (const auto& [peer, member] : p_.members.all()) {

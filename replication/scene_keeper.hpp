@@ -30,7 +30,8 @@ class SceneKeeper {
   // A hello of a member of the session has come.
   void on_digest(Member& member, const Hello& hello);
   void on_states(PeerId sender, const SceneStates& scene);
-  // With each hello: sends the states to peers that do not have them.
+  // With each hello: ends loans of which their owners know nothing, and sends the states to peers that do not have
+  // them.
   void offer(HostTime now);
 
  private:
@@ -39,6 +40,7 @@ class SceneKeeper {
   void send_copies();
   std::size_t send(std::span<const UpdateRecord> states);
   void let_go(const UpdateRecord& state);
+  void end_unconfirmed_loans(SimTime t);
 
   PeerParts& p_;
   std::optional<HostTime> offered_at_;

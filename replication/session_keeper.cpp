@@ -70,8 +70,12 @@ void SessionKeeper::own_as_founder() {
   assert(!p_.replica.begun());
   std::vector<OwnedObject> taken;
   for (const OwnedObject& each : p_.config.owned_by_founder) {
-    const bool exists = p_.model->scene->contains(each.object);  // an operation of the store may have removed it
-    if (exists && p_.owners.of(each.object) == kNobody) taken.push_back(each);
+    if (p_.owners.of(each.object) != kNobody) continue;
+    if (p_.model->scene->contains(each.object)) {
+      taken.push_back(each);
+    } else {  // by an operation of the store
+      p_.removed.try_emplace(each.object, RemovedObject{.owner = p_.config.id, .as_founder = true});
+    }
   }
   if (taken.empty()) return;
   p_.own.add(taken);
@@ -116,6 +120,9 @@ void SessionKeeper::move_to_session_time(SimTime before, SimTime now, bool same_
   p_.decisions.restart(same_session);
   if (!same_session) {
     p_.scene.shift(now - before);
+    for (auto& [object, each] : p_.removed) {
+      if (each.decided != SimTime{}) each.decided += now - before;
+    }
     p_.entered_at += now - before;
   }
   p_.scene.restart_moved(now);
@@ -251,7 +258,12 @@ void SessionKeeper::give(std::span<const std::pair<ObjectId, PeerId>> given, Sim
     p_.outbox.push(ObjectGiven{object, before, owner, at});
     ++p_.counters.objects_given;
   }
-  if (changed.empty()) return;
+  if (!changed.empty()) follow_owners(changed, at);
+}
+
+// These have another owner from that instant on.
+void SessionKeeper::follow_owners(std::span<const ObjectId> changed, SimTime at) {
+  assert(!changed.empty());
   const bool more_moves = p_.let_move(changed);
   if (more_moves) not_carriers_.clear();
   for (const ObjectId object : changed) {
@@ -277,6 +289,36 @@ void SessionKeeper::give_as_operations_say() {
     return !is_here && p_.scene.contains(each.first);
   });
   give(given, std::max(p_.ticks.last_time(), p_.replica.begun_at()));
+}
+
+// Where its owner does not know that it was gone, this peer has lost the owner's updates.
+void SessionKeeper::give_back_removed(SimTime at) {
+  assert(p_.replica.begun());
+  std::vector<ObjectId> changed;
+  bool is_any_back = false;
+  for (auto next = p_.removed.begin(); next != p_.removed.end();) {
+    const auto [object, removed] = *next;
+    if (!p_.model->scene->contains(object)) {
+      ++next;
+      continue;
+    }
+    next = p_.removed.erase(next);
+    is_any_back = true;
+    assert(removed.owner != kNobody);
+    const bool is_lent = removed.decided != SimTime{};
+    const bool is_here = removed.owner == p_.config.id || p_.members.contains(removed.owner);
+    if (!is_here || p_.owners.of(object) != kNobody) continue;
+    if (is_lent && p_.scene.contains(object)) {
+      p_.give_scene_object(object, removed.owner, removed.decided);
+      p_.own.republish(object);
+    } else if (!is_lent && !p_.living.owners().contains(object)) {
+      p_.scene.remove(object);
+      p_.owners.set(object, removed.owner, removed.as_founder);
+      changed.push_back(object);
+    }
+  }
+  if (!changed.empty()) follow_owners(changed, at);
+  if (is_any_back) p_.greeter.on_session_entered(p_.own.size());
 }
 
 void SessionKeeper::take_from(PeerId before, ObjectId object) {
@@ -311,7 +353,7 @@ void SessionKeeper::begin_owning(ObjectId object, SimTime at) {
 
 // An object that answers contacts goes on as all have predicted it; any other stands still.
 void SessionKeeper::end_owning(ObjectId object, SimTime at) {
-  (void)p_.scene.follow_model(at, p_.owners);
+  (void)p_.follow_scene_objects(at);
   p_.regions.on_known_everywhere(object);
   MotionWorld& ghosts = p_.replica.ghosts();
   if (!p_.scene.contains(object)) {
@@ -336,8 +378,7 @@ void SessionKeeper::leave_behind(PeerId owner, ObjectId object, SimTime since, S
   const bool is_said = left != p_.living.left().end() && left->second.owner == owner && left->second.at >= since;
   const Pose pose = is_said ? p_.place_by_scene(object) : p_.replica.ghosts().relative_at(object, at).pose();
   p_.replica.set_ghost(object, at, at_rest(pose), false);
-  // The ghost of what could collide may be in what its owner would have met: no place for all.
-  if (!is_said && p_.model->pairs_of(object).empty()) p_.left_behind[object] = {owner, at};
+  if (!is_said) p_.left_behind[object] = {owner, at};
 }
 
 void SessionKeeper::let_move(ObjectId carrier) {
@@ -365,6 +406,7 @@ void SessionKeeper::orphan_objects_of(PeerId peer, HostTime since, HostTime now,
   }
   const SimTime t = p_.to_session(now);
   p_.own.forget_acknowledgements_of(peer);
+  std::erase_if(p_.removed, [&](const auto& each) { return each.second.owner == peer; });
   bool owned_any = false;
   for (const auto& [object, owner] : p_.owners) {
     if (owner != peer) continue;

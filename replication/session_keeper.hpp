@@ -37,6 +37,8 @@ class SessionKeeper {
   void give(std::span<const std::pair<ObjectId, PeerId>> given, SimTime at);
   // This peer has entered a session, or a peer is here: operations may have given it objects before.
   void give_as_operations_say();
+  // Edits have changed the scene from that instant on. Objects that are back in it are again whose they were.
+  void give_back_removed(SimTime at);
   // Somebody moves the node: others go with it from now on.
   void let_move(ObjectId carrier);
   // Edits have changed the scene of the parts.
@@ -57,6 +59,7 @@ class SessionKeeper {
   void declare_all();
   void watch_all_pairs();
   void take_from(PeerId before, ObjectId object);
+  void follow_owners(std::span<const ObjectId> changed, SimTime at);
   void begin_owning(ObjectId object, SimTime at);
   void end_owning(ObjectId object, SimTime at);
   void leave_behind(PeerId owner, ObjectId object, SimTime since, SimTime at);

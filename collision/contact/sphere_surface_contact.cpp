@@ -234,7 +234,7 @@ class SphereSearch {
       if (apart([&](int k) { return leaf.center[std::size_t(k)]; }, [&](int k) { return leaf.half[std::size_t(k)]; })) {
         continue;
       }
-      for (std::size_t i = 0; i < leaf.count; ++i) visit(leaf.faces[i]);
+      for (const std::uint32_t face : tree_.faces(leaf)) visit(face);
     }
   }
 

@@ -80,13 +80,13 @@ class Collection {
 
  private:
   void visit_leaf(const WideTree::Leaf& leaf) {
-    for (std::size_t i = 0; i < leaf.count; ++i) {
+    for (const std::uint32_t face : tree_.faces(leaf)) {
       WorldBox swept;
-      for (const Vec3& corner : tree_.soup().triangle(leaf.faces[i])) {
+      for (const Vec3& corner : tree_.soup().triangle(face)) {
         swept.merge(place(at_begin_, corner));
         swept.merge(place(at_end_, corner));
       }
-      if (touch(swept, box_)) faces_.push_back(leaf.faces[i]);
+      if (touch(swept, box_)) faces_.push_back(face);
     }
   }
 

@@ -161,13 +161,13 @@ struct MeshDistanceQuery::Search {
     skip(meters(std::max(distances.skipped, pair.lower)));
     Best best = least_below(distances, leaf_b.count, estimates);
     if (meters(best.value) < found.upper_m && found.iterations < options.max_iterations) {
-      test_triangles(leaf_a.faces[best.i], leaf_b.faces[best.j]);
+      test_triangles(a.face(leaf_a, best.i), b.face(leaf_b, best.j));
     } else {
       best = {};
     }
     for_each_below(distances, leaf_b.count, [&](std::size_t i, std::size_t j) {
       if (best.is(i, j)) return;
-      push({std::max(distances.lower[j][i], pair.lower), leaf_a.faces[i], leaf_b.faces[j], true});
+      push({std::max(distances.lower[j][i], pair.lower), a.face(leaf_a, i), b.face(leaf_b, j), true});
     });
   }
 

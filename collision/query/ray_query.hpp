@@ -39,7 +39,8 @@ class RayQuery {
  private:
   struct Visit {
     WideTree::ChildSlot place;
-    float entry;  // no later than where the ray enters its box
+    WideTree::Ref ref;  // what was there, which may be pending
+    float entry;        // no later than where the ray enters its box
   };
   std::vector<Visit> stack_;
   RayCounters counters_;

@@ -266,7 +266,7 @@ class MeshImpactQuery::Search {
       leaves_may_meet(leaf_a, leaf_b, wide, speeds, within_s, masks, times);
       for (std::size_t row = 0; row < leaf_b.count; ++row) {
         for_each_bit(masks[row], [&](std::size_t i) {
-          pairs_.push_back({times[row][i], leaf_a.faces[i], leaf_b.faces[row]});
+          pairs_.push_back({times[row][i], a_.face(leaf_a, i), b_.face(leaf_b, row)});
         });
       }
     }

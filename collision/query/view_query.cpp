@@ -119,7 +119,7 @@ void ViewQuery::descend(WideTree& tree, const WidePlanes& planes, const Visit& r
     const ViewStep step = enter(visit);
     if (step == ViewStep::kEnd) return;
     if (step == ViewStep::kSkip) continue;
-    const Ref ref = tree.at(visit.place);
+    const Ref ref = visit.ref.kind() == Ref::kPending ? tree.at(visit.place) : visit.ref;
     counters_.plane_tests += static_cast<std::uint64_t>(std::popcount(visit.active));
     if (ref.kind() == Ref::kLeaf) {
       const WideTree::Leaf& leaf = tree.leaf(ref.index());
@@ -135,44 +135,28 @@ void ViewQuery::descend(WideTree& tree, const WidePlanes& planes, const Visit& r
       const auto i = static_cast<std::size_t>(std::bit_width(bits) - 1);
       bits ^= 1u << i;
       if (node.children[i].kind() == Ref::kNone) continue;
-      stack_.push_back({WideTree::child_slot(ref, i), crossed[i], visit.levels - 1});
-    }
-  }
-}
-
-// There is room for all lanes, so that each leaf takes one copy of one length.
-void ViewQuery::append(const WideTree::Leaf& leaf) {
-  assert(seen_ + WideTree::kWidth <= faces_.size());
-  std::ranges::copy(leaf.faces, faces_.begin() + static_cast<std::ptrdiff_t>(seen_));
-  seen_ += leaf.count;
-}
-
-// Appends all triangles below a slot, in the tree's order: nothing there needs a test.
-void ViewQuery::append_all(WideTree& tree, WideTree::ChildSlot slot) {
-  const auto open = [&](WideTree::ChildSlot below) {
-    Ref ref = tree.peek(below);
-    if (ref.kind() == Ref::kPending) ref = tree.at(below);
-    if (ref.kind() == Ref::kNode) {
-      for (const Ref child : tree.node(ref.index()).children) {
-        if (child.kind() == Ref::kLeaf) __builtin_prefetch(&tree.leaf(child.index()));
-        if (child.kind() == Ref::kNode) __builtin_prefetch(&tree.node(child.index()).children);
+      if (crossed[i] != 0) {
+        fetch_ahead(tree, node.children[i]);
+      } else if (node.children[i].kind() == Ref::kLeaf) {
+        __builtin_prefetch(&tree.leaf(node.children[i].index()));
       }
-      return opened_.push_back({ref.index(), 0});
-    }
-    ++counters_.leaf_tests;
-    append(tree.leaf(ref.index()));
-  };
-  opened_.clear();
-  open(slot);
-  while (!opened_.empty()) {
-    Opened& top = opened_.back();
-    const Ref node(Ref::kNode, top.node);
-    if (top.next == WideTree::kWidth || tree.node(top.node).children[top.next].kind() == Ref::kNone) {
-      opened_.pop_back();
-    } else {
-      open(WideTree::child_slot(node, top.next++));
+      stack_.push_back({WideTree::child_slot(ref, i), node.children[i], crossed[i], visit.levels - 1});
     }
   }
+}
+
+// Rows of the tree's list that follow each other are copied at once.
+void ViewQuery::append(std::span<const std::uint32_t> row) {
+  if (row.data() != row_.data() + row_.size()) {
+    copy_row();
+    row_ = row.first(0);
+  }
+  row_ = {row_.data(), row_.size() + row.size()};
+}
+void ViewQuery::copy_row() {
+  assert(seen_ + row_.size() <= faces_.size());
+  std::ranges::copy(row_, faces_.begin() + static_cast<std::ptrdiff_t>(seen_));
+  seen_ += row_.size();
 }
 
 bool ViewQuery::may_be_in_view(WideTree& tree, const Pose& T_world_soup, const Frustum& frustum, PlaneMask active,
@@ -180,7 +164,7 @@ bool ViewQuery::may_be_in_view(WideTree& tree, const Pose& T_world_soup, const F
   assert(levels >= 0 && (active & ~frustum.all()) == 0);
   bool may_be = false;
   descend(
-      tree, planes_of(tree, T_world_soup, frustum), {WideTree::kRoot, active, levels},
+      tree, planes_of(tree, T_world_soup, frustum), {WideTree::kRoot, tree.peek(WideTree::kRoot), active, levels},
       [&](const Visit& visit) {
         may_be = visit.active == 0 || visit.levels == 0;
         return may_be ? ViewStep::kEnd : ViewStep::kVisit;
@@ -192,25 +176,30 @@ bool ViewQuery::may_be_in_view(WideTree& tree, const Pose& T_world_soup, const F
 std::span<const std::uint32_t> ViewQuery::faces_in_view(WideTree& tree, const Pose& T_world_soup,
                                                         const Frustum& frustum) {
   seen_ = 0;
-  faces_.resize(std::max(faces_.size(), tree.soup().faces.size() + WideTree::kWidth));
+  row_ = {};
+  faces_.resize(std::max(faces_.size(), tree.soup().faces.size()));
   descend(
-      tree, planes_of(tree, T_world_soup, frustum), {WideTree::kRoot, frustum.all(), kAllLevels},
+      tree, planes_of(tree, T_world_soup, frustum),
+      {WideTree::kRoot, tree.peek(WideTree::kRoot), frustum.all(), kAllLevels},
       [&](const Visit& visit) {
         if (visit.active != 0) return ViewStep::kVisit;
-        append_all(tree, visit.place);
+        append(tree.faces_below(visit.place));
         return ViewStep::kSkip;
       },
       [&](const WideTree::Leaf& leaf, std::uint32_t bits) {
         if (bits == all_of(leaf)) {
-          append(leaf);
+          append(tree.faces(leaf));
           return false;
         }
+        copy_row();
+        row_ = {};
         std::size_t end = seen_;
         for (; bits != 0; bits &= bits - 1)
-          faces_[end++] = leaf.faces[static_cast<std::size_t>(std::countr_zero(bits))];
+          faces_[end++] = tree.face(leaf, static_cast<std::size_t>(std::countr_zero(bits)));
         seen_ = end;
         return false;
       });
+  copy_row();
   return std::span(faces_).first(seen_);
 }
 

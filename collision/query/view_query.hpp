@@ -90,23 +90,19 @@ class ViewQuery {
  private:
   struct Visit {
     WideTree::ChildSlot place;
+    WideTree::Ref ref;  // what was there, which may be pending
     PlaneMask active;
     int levels;
   };
   template <class Enter, class Found>
   void descend(WideTree& tree, const WidePlanes& planes, const Visit& root, Enter enter, Found found);
-  void append(const WideTree::Leaf& leaf);
-  void append_all(WideTree& tree, WideTree::ChildSlot slot);
-
-  // A node on the way to the leaves below it, and its next child.
-  struct Opened {
-    std::uint32_t node, next;
-  };
+  void append(std::span<const std::uint32_t> row);
+  void copy_row();
 
   std::vector<Visit> stack_;
-  std::vector<Opened> opened_;
   std::vector<std::uint32_t> faces_;  // room for those of all soups that were asked, of which seen_ are in view
   std::size_t seen_ = 0;
+  std::span<const std::uint32_t> row_;  // a part of a tree's list that is in view, and is not copied yet
   ViewCounters counters_;
 };
 

@@ -74,12 +74,13 @@ bool WideQuery::test_triangles(const WideTree& a, const WideTree& b, const WideT
   for (std::size_t row = 0; row < leaf_b.count; ++row) {
     if (masks[row] == 0) continue;
     assert(masks[row] >> leaf_a.count == 0);  // no lane that isn't there
-    const Triangle in_b = b.soup().triangle(leaf_b.faces[row]);
+    const std::uint32_t face_b = b.face(leaf_b, row);
+    const Triangle in_b = b.soup().triangle(face_b);
     const Triangle moved = {a_from_b(in_b[0]), a_from_b(in_b[1]), a_from_b(in_b[2])};
     for (std::uint32_t bits = masks[row]; bits != 0; bits &= bits - 1) {
-      const std::uint32_t face_a = leaf_a.faces[static_cast<std::size_t>(std::countr_zero(bits))];
+      const std::uint32_t face_a = a.face(leaf_a, static_cast<std::size_t>(std::countr_zero(bits)));
       ++counters_.triangle_tests;
-      if (test(FacePair{face_a, leaf_b.faces[row]}, a.soup().triangle(face_a), moved)) return true;
+      if (test(FacePair{face_a, face_b}, a.soup().triangle(face_a), moved)) return true;
     }
   }
   return false;
@@ -99,7 +100,7 @@ bool WideQuery::test_touch(const WideTree& a, const WideTree& b, const WideTree:
   }
   for (std::size_t i = 0; i < touching.pairs.count; ++i) {
     const std::uint8_t pair = touching.pairs.at[i];
-    const FacePair faces{leaf_a.faces[LanePairs::of_a(pair)], leaf_b.faces[LanePairs::of_b(pair)]};
+    const FacePair faces{a.face(leaf_a, LanePairs::of_a(pair)), b.face(leaf_b, LanePairs::of_b(pair))};
     if ((touching.unsure >> i & 1u) != 0) {
       ++counters_.triangle_tests;
       const Triangle in_b = b.soup().triangle(faces.b);

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "collision/exact/ray_triangle.hpp"
@@ -28,6 +29,17 @@ class WideRay {
   double unit_, nearest_, scale_;  // parameter = (t * unit - nearest) * scale
   bool reaches_tree_;
 };
+
+// Begins to fetch what these tests read of a child that will be visited soon: of a node its axis-aligned boxes and its
+// children, or a leaf.
+inline void fetch_ahead(const WideTree& tree, WideTree::Ref ref) {
+  constexpr std::size_t kLine = 64;
+  const auto fetch = [](const void* begin, std::size_t bytes) {
+    for (std::size_t at = 0; at < bytes; at += kLine) __builtin_prefetch(static_cast<const std::byte*>(begin) + at);
+  };
+  if (ref.kind() == WideTree::Ref::kNode) fetch(&tree.node(ref.index()), offsetof(WideTree::Node, oriented_center));
+  if (ref.kind() == WideTree::Ref::kLeaf) fetch(&tree.leaf(ref.index()), sizeof(WideTree::Leaf));
+}
 
 using Entries = std::array<float, WideTree::kWidth>;  // no later than where the ray enters a box
 // Finds which children's boxes a ray may enter, bit i for child i; and where it enters those.

@@ -11,11 +11,11 @@
 namespace peerd::collision {
 
 // A WideTree as a file, a Shape's `hierarchyFile` (thesis, C.4), which a machine of the same byte order maps and uses
-// as it lies. 64 bytes of header, then the nodes, then the leaves, as in memory.
+// as it lies. 64 bytes of header, then the nodes, the leaves, and their faces, as in memory.
 //
 //   offset  bytes  what
 //        0      8  "PEERDHRC"
-//        8      4  version, 3; any other is refused, and so is the other byte order
+//        8      4  version, 4; any other is refused, and so is the other byte order
 //       12      4  bytes of the header, 64
 //       16      8  fingerprint of the soup: its vertices and faces
 //       24      8  checksum of all that follows the header

@@ -81,17 +81,31 @@ static_assert(WideTree::kWidth == 8 && sizeof(WideTree::Node) % 64 == 0 && sizeo
 static_assert(alignof(WideTree::Node) == 64 && alignof(WideTree::Leaf) == 64);
 
 WideTree::WideTree(const TriangleSoup& soup, std::shared_ptr<const void> owner, std::span<const Node> nodes,
-                   std::span<const Leaf> leaves)
-    : soup_(&soup), owner_(std::move(owner)), nodes_(nodes), leaves_(leaves) {
-  assert(!leaves.empty());
+                   std::span<const Leaf> leaves, std::span<const std::uint32_t> faces)
+    : soup_(&soup), owner_(std::move(owner)), nodes_(nodes), leaves_(leaves), faces_(faces.data()) {
+  assert(!leaves.empty() && faces.size() == soup.faces.size());
   measure();
   root_ = Ref(nodes.empty() ? Ref::kLeaf : Ref::kNode, 0);
+  below_.resize(nodes.size());
+  for (std::uint32_t n = nodes_.size(); n-- > 0;) {  // children stand behind their parents
+    FacesBelow& below = below_[n];
+    below = {0, 0, true};
+    for (std::size_t i = kWidth; i-- > 0;) {
+      const Ref child = nodes_[n].children[i];
+      if (child.kind() == Ref::kNone) continue;
+      const bool leaf = child.kind() == Ref::kLeaf;
+      below.first = leaf ? leaves_[child.index()].first_face : below_[child.index()].first;
+      below.count += leaf ? leaves_[child.index()].count : below_[child.index()].count;
+    }
+  }
 }
 
 WideTree::WideTree(const TriangleSoup& soup) : soup_(&soup) {
   assert(!soup.faces.empty());
   measure();
   make_points();
+  own_faces_ = std::make_unique_for_overwrite<std::uint32_t[]>(soup.faces.size());
+  faces_ = own_faces_.get();
   items_.reserve(soup.faces.size());
   for (std::uint32_t f = 0; f < soup.faces.size(); ++f) items_.push_back(make_item(f));
   root_ = pending(measured(items_, 0, static_cast<std::uint32_t>(items_.size())));
@@ -170,6 +184,7 @@ WideTree::Ref WideTree::make_node(const SplitRange& range) {
     ++count;
   }
   assert(count >= 2 && count <= kWidth);
+  below_.push_back({range.begin, range.count(), false});
   Node& node = nodes_.add(most_nodes(soup_->faces.size()));
   node = childless_node();
   for (std::size_t i = 0; i < count; ++i) {
@@ -186,11 +201,9 @@ WideTree::Ref WideTree::make_leaf(const SplitRange& range) {
   assert(std::is_sorted(items_.begin() + range.begin, items_.begin() + range.end,
                         [](const SplitItem& x, const SplitItem& y) { return x.face() < y.face(); }));
   Leaf& leaf = leaves_.add(most_leaves(soup_->faces.size()));
+  leaf.first_face = range.begin;
   leaf.count = range.count();
-  for (std::size_t i = 0; i < kWidth; ++i) {
-    // Lanes beyond the last repeat it; count says that they are none.
-    leaf.faces[i] = items_[std::min(range.begin + static_cast<std::uint32_t>(i), range.end - 1)].face();
-  }
+  for (std::uint32_t i = range.begin; i < range.end; ++i) own_faces_[i] = items_[i].face();
   fill_corners(leaf);
   return {Ref::kLeaf, leaves_.size() - 1};
 }
@@ -208,7 +221,7 @@ void WideTree::fill_corners(Leaf& leaf) const {
   Bounds4 bounds;
   std::array<std::array<Point, 3>, kWidth> at;
   for (std::size_t i = 0; i < leaf.count; ++i) {
-    const auto& corners = soup_->faces[leaf.faces[i]].corners;
+    const auto& corners = soup_->faces[face(leaf, i)].corners;
     for (std::size_t c = 0; c < 3; ++c) {
       const Vec3& v = soup_->vertices[corners[c]];
       at[i][c] = {(Double2{v[0], v[1]} - origin_xy) * scale, (Double2{v[2], 0.0} - origin_z) * scale};
@@ -220,6 +233,7 @@ void WideTree::fill_corners(Leaf& leaf) const {
   const Double2 center_xy{center(0), center(1)}, center_z{center(2), 0.0};
   Float4 half{};
   for (std::size_t i = 0; i < kWidth; ++i) {
+    // Lanes beyond the last repeat it; count says that they are none.
     const std::size_t from = std::min<std::size_t>(i, leaf.count - 1);
     for (std::size_t c = 0; c < 3; ++c) {
       const Float4 local = Point{at[from][c].xy - center_xy, at[from][c].z - center_z}.rounded();
@@ -305,6 +319,20 @@ void WideTree::refit() {
   }
 }
 
+// Trees of meshes are some ten nodes deep; collect_faces.cpp says how deep others are at most.
+std::span<const std::uint32_t> WideTree::faces_below(ChildSlot slot) {
+  const Ref ref = at(slot);
+  if (ref.kind() == Ref::kLeaf) return faces(leaves_[ref.index()]);
+  assert(ref.kind() == Ref::kNode);
+  if (!below_[ref.index()].filled) {
+    for (std::size_t i = 0; i < kWidth && nodes_[ref.index()].children[i].kind() != Ref::kNone; ++i) {
+      (void)faces_below(child_slot(ref, i));
+    }
+    below_[ref.index()].filled = true;
+  }
+  return {faces_ + below_[ref.index()].first, below_[ref.index()].count};
+}
+
 void WideTree::build_all() {
   (void)at(kRoot);
   for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
@@ -313,6 +341,7 @@ void WideTree::build_all() {
     }
   }
   assert(std::ranges::all_of(nodes(), [](const Node& n) { return n.children[0].kind() <= Ref::kLeaf; }));
+  for (FacesBelow& below : below_) below.filled = true;
   // An assignment of {} would keep the memory.
   items_ = std::vector<SplitItem>();
   points_ = std::vector<Float4>();
@@ -321,7 +350,9 @@ void WideTree::build_all() {
 
 std::size_t WideTree::memory_bytes() const {
   return nodes_.memory_bytes() + leaves_.memory_bytes() + items_.capacity() * sizeof(SplitItem) +
-         points_.capacity() * sizeof(Float4) + ranges_.capacity() * sizeof(SplitRange);
+         points_.capacity() * sizeof(Float4) + ranges_.capacity() * sizeof(SplitRange) +
+         (own_faces_ == nullptr ? 0 : soup_->faces.size() * sizeof(std::uint32_t)) +
+         below_.capacity() * sizeof(FacesBelow);
 }
 
 }  // namespace peerd::collision

@@ -51,22 +51,21 @@ class WideTree {
     Rows oriented_center, oriented_half;  // the oriented boxes
     std::array<Rows, 3> axes;             // theirs: by axis, then component, then child
   };
-  // All of a leaf but its corners is one line of the processor's cache: of most leaves, views need no more.
+  // Five lines of the processor's cache. Its faces stand in the tree's list of them.
   struct alignas(64) Leaf {
-    std::array<std::uint32_t, kWidth> faces;  // indices of the soup's faces
-    std::array<float, 3> center, half;        // the box of the whole leaf [m]
+    std::array<float, 3> center, half;  // the box of the whole leaf [m]
+    std::uint32_t first_face = 0;       // of the list
     std::uint32_t count = 0;
-    std::uint32_t zero = 0;  // this and the last make no byte of a file depend on what was in memory
     std::array<std::array<std::array<float, kWidth>, 3>, 3> corners;  // from `center`; by corner, axis, triangle [m]
-    std::array<float, kWidth> zeros{};
   };
 
   // The soup has a face, and fewer than 2^30; it outlives the tree, at its place.
   explicit WideTree(const TriangleSoup& soup);
-  // A complete tree of the same soup that was built before: the root is the first node, or the only leaf. The memory of
-  // the spans stays as long as `owner` does. hierarchy_file.hpp checks such trees.
+  // A complete tree of the same soup that was built before: the root is the first node, or the only leaf; leaves stand
+  // in the list of faces in the tree's order. The memory of the spans stays as long as `owner` does. hierarchy_file.hpp
+  // checks such trees.
   WideTree(const TriangleSoup& soup, std::shared_ptr<const void> owner, std::span<const Node> nodes,
-           std::span<const Leaf> leaves);
+           std::span<const Leaf> leaves, std::span<const std::uint32_t> faces);
   WideTree(WideTree&&) = default;
   WideTree& operator=(WideTree&&) = default;
 
@@ -77,6 +76,14 @@ class WideTree {
   [[nodiscard]] double extent_m() const { return extent_m_; }  // no coordinate is farther from the origin
   [[nodiscard]] const Node& node(std::uint32_t i) const { return nodes_[i]; }
   [[nodiscard]] const Leaf& leaf(std::uint32_t i) const { return leaves_[i]; }
+  // The soup's face that a leaf's triangle is.
+  [[nodiscard]] std::uint32_t face(const Leaf& leaf, std::size_t i) const {
+    assert(i < leaf.count);
+    return faces_[leaf.first_face + i];
+  }
+  [[nodiscard]] std::span<const std::uint32_t> faces(const Leaf& leaf) const {
+    return {faces_ + leaf.first_face, leaf.count};
+  }
 
   // The slot of a child in its parent: a child that is not built yet has no other name.
   using ChildSlot = std::uint32_t;
@@ -102,6 +109,8 @@ class WideTree {
   // A node whose only child has the boxes of what is in a slot, for kernels that take nodes.
   [[nodiscard]] Node lone(ChildSlot slot) const;
   void build_all();
+  // The faces of all leaves below a slot, in the tree's order: they stand in a row. Builds what is below, once.
+  [[nodiscard]] std::span<const std::uint32_t> faces_below(ChildSlot slot);
   // The soup's vertices have moved, its faces have not: new boxes for what is built, over the same triangles. O(soup).
   void refit();
   [[nodiscard]] bool refittable() const { return owner_ == nullptr; }  // false for a tree that was read from a file
@@ -113,9 +122,17 @@ class WideTree {
   // The nodes and leaves that are there.
   [[nodiscard]] auto nodes() const { return nodes_.all(); }
   [[nodiscard]] auto leaves() const { return leaves_.all(); }
+  // The faces of all leaves, in the tree's order, of a tree that is built to its end.
+  [[nodiscard]] std::span<const std::uint32_t> faces() const { return {faces_, soup_->faces.size()}; }
   [[nodiscard]] std::size_t memory_bytes() const;  // what was allocated here
 
  private:
+  // The faces below a node: a range of the list, which is filled once all that is below is built.
+  struct FacesBelow {
+    std::uint32_t first, count;
+    bool filled;
+  };
+
   Ref resolve(ChildSlot slot);
   Ref pending(const SplitRange& range);
   Ref make_node(const SplitRange& range);
@@ -136,9 +153,12 @@ class WideTree {
   Ref root_;
   Chunks<Node> nodes_;
   Chunks<Leaf> leaves_;
-  std::vector<SplitItem> items_;    // gone when all is built
-  std::vector<Float4> points_;      // the soup's vertices in the tree's numbers; gone when all is built
-  std::vector<SplitRange> ranges_;  // the ranges of pending children, by index
+  const std::uint32_t* faces_ = nullptr;        // the list, one for each face of the soup
+  std::unique_ptr<std::uint32_t[]> own_faces_;  // the same memory, where it isn't the owner's
+  std::vector<FacesBelow> below_;               // by node
+  std::vector<SplitItem> items_;                // gone when all is built
+  std::vector<Float4> points_;                  // the soup's vertices in the tree's numbers; gone when all is built
+  std::vector<SplitRange> ranges_;              // the ranges of pending children, by index
 };
 
 // A node without children, and the boxes of one of them.

@@ -317,6 +317,10 @@ Result<OpenedStore> open_store(const StoreOptions& options, std::uint64_t genesi
   if (!opened.store->author_error().empty()) {
     opened.lines.push_back({LogLevel::kWarning, opened.store->author_error()});
   }
+  if (!opened.store->packing_error().empty()) {
+    opened.lines.push_back(
+        {LogLevel::kWarning, "the store takes more room than it needs: " + opened.store->packing_error()});
+  }
   opened.log = opened.store->take_log();
   return opened;
 }

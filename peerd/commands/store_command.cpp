@@ -41,6 +41,7 @@ nlohmann::ordered_json store_json(const StoreCheckOptions& options, const Operat
           {"author", has_author ? nlohmann::ordered_json(store.author().value) : nlohmann::ordered_json(nullptr)},
           {"bytes", bytes},
           {"operations", operations},
+          {"file_bytes", store.file_bytes()},
           {"logs", std::move(logs)}};
 }
 
@@ -87,10 +88,10 @@ int run_store_check(const StoreCheckOptions& options, std::ostream& out) {
     out << all.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
     return 0;
   }
-  out << fmt::format("{}: {} of {}, {}; of the world with the hash {}\n", options.folder.string(),
+  out << fmt::format("{}: {} of {}, {} in a file of {}; of the world with the hash {}\n", options.folder.string(),
                      counted(all.at("operations").get<std::uint64_t>(), "operation"),
                      counted((*store)->logs().size(), "author"), counted(all.at("bytes").get<std::uint64_t>(), "byte"),
-                     all.at("genesis").get<std::string>());
+                     counted((*store)->file_bytes(), "byte"), all.at("genesis").get<std::string>());
   for (const StoredLog& log : (*store)->logs()) {
     const bool own = log.author == (*store)->author();
     out << fmt::format("author {}{}: {}, {}, the last of session time {:.3f} s\n", log.author.value,

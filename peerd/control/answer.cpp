@@ -220,13 +220,9 @@ ordered_json edit_reply(const EditReport& report) {
 
 // "alone": nobody else is here who could hold it.
 ordered_json operation_reply(const PeerNode& node, replication::OperationId id) {
-  const OperationState* const known = node.operation(id);
-  OperationState state;
-  if (known != nullptr) {
-    state = *known;
-  } else {
-    state.refused = "this peer has made no such operation";
-  }
+  const auto known = node.operation(id);
+  const OperationState state =
+      known ? *known : OperationState{.edit = {}, .refused = "this peer has made no such operation"};
   ordered_json reply = good();
   reply["operation"] = {{"author", id.author.value}, {"number", id.number}};
   reply["applied"] = state.applied;

@@ -57,8 +57,8 @@ ordered_json operation(const OperationKey& key) {
 
 ordered_json row(const PeerNode& node, const Conflict& conflict) {
   const auto words = [&](const OperationKey& key) {
-    const OperationBody* const body = node.peer().find(key);
-    return body != nullptr ? std::visit(WordsOf{node.scene()}, *body) : Words{"?"};
+    const auto body = node.peer().find(key);
+    return body ? std::visit(WordsOf{node.scene()}, *body) : Words{"?"};
   };
   const Words lost = words(conflict.loser);
   ordered_json row{{"what", lost.what}, {"value", nullptr}, {"lost", operation(conflict.loser)}, {"winner", nullptr}};

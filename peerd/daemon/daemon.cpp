@@ -345,6 +345,9 @@ bool Daemon::store_growth() {
     log_({LogLevel::kInfo, "the store can be written again, and has all"});
     if (!store_->author_error().empty()) log_({LogLevel::kWarning, store_->author_error()});
   }
+  if (!written.begins_not_to_pack.empty()) {
+    log_({LogLevel::kWarning, "the store takes more room than it needs: " + written.begins_not_to_pack});
+  }
   if (written.must_stop) exit_code_ = kEnvironment;
   return !written.must_stop;
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <map>
 #include <optional>
@@ -28,9 +29,13 @@ struct OperationState {
   std::optional<HostTime> asks_until{};  // another peer owns that: when this one gives up; none: it is not asked
 };
 
-// The edits of a peer: those that its settings make at their times, and what has become of all.
+// The edits of a peer: those that its settings make at their times, and what has become of all. Of what was asked for
+// long ago and is over it remembers the kind and the outcome, in a byte.
 class PeerEdits {
  public:
+  // The last operations of which all is known.
+  static constexpr std::size_t kRecentMax = 256;
+
   explicit PeerEdits(std::vector<config::ScriptedEdit> scripted) : scripted_(std::move(scripted)) {}
 
   // The time of the next edit of the settings [s, after the start]; none: there is none left.
@@ -53,18 +58,41 @@ class PeerEdits {
   [[nodiscard]] std::vector<replication::ObjectRequested> take_requests() { return std::exchange(requests_, {}); }
   // This peer's store has that operation, and all before it.
   void note_stored(replication::OperationId last);
-  [[nodiscard]] const OperationState* find(replication::OperationId id) const;
+  // None: this peer has made no such operation.
+  [[nodiscard]] std::optional<OperationState> find(replication::OperationId id) const;
   // The next edit that was asked for, or that was found to change nothing.
   [[nodiscard]] std::optional<EditReport> poll();
 
  private:
+  // The operations of one author that are over and not recent, by their numbers.
+  class Settled {
+   public:
+    void add(replication::OperationId id, const OperationState& state);
+    [[nodiscard]] std::optional<OperationState> find(replication::OperationId id) const;
+    // Notes what has become of it since; ignores what is not here.
+    void note_held(replication::OperationId id);
+    void note_stored(replication::OperationId last);  // and all before it
+    // The operation that changes nothing from now on, or, by an empty sentence, does again; none: it is not here.
+    [[nodiscard]] std::optional<OperationState> note_edited(replication::OperationId id, const std::string& refused);
+
+   private:
+    [[nodiscard]] std::uint8_t* entry(replication::OperationId id);
+
+    replication::AuthorId author_{replication::kNoAuthor};
+    std::uint32_t first_ = 0;
+    std::vector<std::uint8_t> entries_;  // from the first on: the kind and what has become of it; 0: not here
+    std::map<std::uint32_t, std::string> refused_;  // why these change nothing
+  };
+
+  void forget_old_ones();
   void refuse(OperationState& state, replication::OperationId id, std::string why);
   void note_given(const replication::ObjectGiven& given, PeerId self);
 
   std::vector<config::ScriptedEdit> scripted_;  // by time
   std::size_t next_ = 0;
   std::deque<EditReport> reports_;
-  std::map<replication::OperationId, OperationState> operations_;
+  std::map<replication::OperationId, OperationState> operations_;  // those that go on, and recent ones
+  Settled settled_;
   std::vector<replication::OperationId> asking_;  // those of them that are not answered yet
   std::set<ObjectId> held_;
   std::vector<replication::ObjectRequested> requests_;

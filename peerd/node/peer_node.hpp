@@ -74,7 +74,7 @@ class PeerNode {
   // Somebody asks this peer for an edit of the scene. It takes effect at all peers at one instant, a little later.
   EditReport edit(HostTime now, const config::SceneEdit& edit);
   // Returns what has become of an operation of this peer so far; null: it is none.
-  [[nodiscard]] const OperationState* operation(replication::OperationId id) const { return edits_.find(id); }
+  [[nodiscard]] std::optional<OperationState> operation(replication::OperationId id) const { return edits_.find(id); }
   // The store has that operation of this peer, and all before it.
   void note_stored(replication::OperationId last) { edits_.note_stored(last); }
   // The store could not be written: nothing of what has been made since is said to be stored.

@@ -37,8 +37,10 @@ std::vector<LogLength> whole_logs(const replication::OperationLogs& logs, SimTim
 
 Reply part_of(const OperationRange& range, const SnapshotContent& content) {
   std::string_view bytes;
+  std::vector<std::byte> of_log;
   if (range.author != replication::kNoAuthor) {
-    bytes = as_text(content.logs().bytes(range));
+    of_log = content.logs().bytes(range);
+    bytes = as_text(of_log);
   } else if (range.from < content.archive.size()) {
     bytes = content.archive.substr(range.from, range.to - range.from);
   }

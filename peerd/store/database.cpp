@@ -58,6 +58,8 @@ DatabaseResult<bool> Statement::step() {
   return std::unexpected(error);
 }
 
+void Statement::reset() { sqlite3_reset(statement_.get()); }
+
 std::int64_t Statement::number(int column) const { return sqlite3_column_int64(statement_.get(), column); }
 
 std::string Statement::text(int column) const {

@@ -35,6 +35,8 @@ class Statement {
   void bind(int parameter, std::span<const std::byte> bytes);
   // The next row, false: there is none. After an error or the last row the statement begins anew.
   [[nodiscard]] DatabaseResult<bool> step();
+  // It begins anew, before its last row.
+  void reset();
   [[nodiscard]] std::int64_t number(int column) const;
   [[nodiscard]] std::string text(int column) const;
   [[nodiscard]] std::span<const std::byte> bytes(int column) const;  // until the next step

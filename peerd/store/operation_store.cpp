@@ -9,11 +9,12 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "peerd/input/compression.hpp"
 #include "peerd/store/author_file.hpp"
 #include "peerd/store/disk_folder.hpp"
+#include "peerd/store/part_row.hpp"
 #include "peerd/store/store_error.hpp"
 #include "peerd/store/world_files.hpp"
-#include "replication/operations/operation_log.hpp"
 
 namespace peerd::store {
 namespace {
@@ -27,16 +28,6 @@ constexpr std::int64_t kApplication = 0x70656572;
 constexpr const char* kFile = "operations.sqlite";
 // A store that is being made has this name until it is whole.
 constexpr const char* kUnfinished = "operations.sqlite.new";
-
-// A checksum of what a row has (FNV-1a): SQLite's own checks see no byte that has changed within a part.
-std::int64_t checksum(AuthorId author, std::uint64_t from, std::span<const std::byte> bytes) {
-  std::uint64_t hash = 0xCBF29CE484222325U;
-  const auto add = [&](std::uint64_t byte) { hash = (hash ^ byte) * 0x100000001B3U; };
-  for (int shift = 0; shift < 32; shift += 8) add(author.value >> shift & 0xFFU);
-  for (int shift = 0; shift < 64; shift += 8) add(from >> shift & 0xFFU);
-  for (const std::byte byte : bytes) add(std::to_integer<std::uint64_t>(byte));
-  return static_cast<std::int64_t>(hash);
-}
 
 DatabaseResult<void> make_file(const FileFolder& folder, const char* name, std::uint64_t genesis) {
   auto database = Database::open(folder, name, true);
@@ -52,6 +43,7 @@ DatabaseResult<void> make_file(const FileFolder& folder, const char* name, std::
       world,
       std::string("CREATE TABLE parts (author INTEGER NOT NULL, start INTEGER NOT NULL, checksum INTEGER NOT NULL, "
                   "bytes BLOB NOT NULL, PRIMARY KEY (author, start))"),
+      std::string(PartPacker::table()),
       std::string("COMMIT"),
       std::string("PRAGMA wal_checkpoint(TRUNCATE)")};
   for (const std::string& sql : statements) {
@@ -126,6 +118,7 @@ Result<std::unique_ptr<OperationStore>> OperationStore::open(std::unique_ptr<Fil
         2));
   }
   if (const auto accepted = store.database_.accept(); !accepted) return std::unexpected(store.error(accepted.error()));
+  if (const auto packed = store.pack_old(); !packed) store.packing_error_ = store.error(packed.error()).text;
   if (store.author_ == replication::kNoAuthor) store.author_ = fresh;
   // A file that is made anew with each opening tells an older one that is put back in its place. On a full disk it is
   // the one from before, or none, so that the next life begins a log of its own: author_error() says so.
@@ -205,9 +198,11 @@ Result<std::unique_ptr<OperationStore>> OperationStore::open_existing(std::uniqu
 Result<void> OperationStore::read() {
   const auto format = database_.number("PRAGMA user_version");
   if (!format) return std::unexpected(error(format.error()));
-  if (*format != kFormat) {
-    return std::unexpected(error(fmt::format("has format {}, and this program reads {} alone", *format, kFormat), 2));
+  if (*format != kFormat && *format != kFormatBefore) {
+    return std::unexpected(
+        error(fmt::format("has format {}, and this program reads {} and {}", *format, kFormatBefore, kFormat), 2));
   }
+  has_packed_ = *format == kFormat;
   auto check = database_.prepare("PRAGMA integrity_check(1)");
   if (!check) return std::unexpected(error(check.error()));
   const auto row = check->step();
@@ -218,19 +213,37 @@ Result<void> OperationStore::read() {
   const auto genesis = database_.number("SELECT genesis FROM world");
   if (!genesis) return std::unexpected(error(genesis.error()));
   genesis_ = static_cast<std::uint64_t>(*genesis);
+  const auto pages = database_.number("PRAGMA page_count"), page_bytes = database_.number("PRAGMA page_size");
+  if (!pages) return std::unexpected(error(pages.error()));
+  if (!page_bytes) return std::unexpected(error(page_bytes.error()));
+  file_bytes_ = static_cast<std::uint64_t>(*pages) * static_cast<std::uint64_t>(*page_bytes);
   if (const auto parts = read_parts(); !parts) return parts;
   return read_author();
 }
 
 Result<void> OperationStore::read_parts() {
-  auto select = database_.prepare("SELECT author, start, checksum, bytes FROM parts ORDER BY author, start");
-  if (!select) return std::unexpected(error(select.error()));
   replication::OperationLogs logs;
+  // What is packed of a log is before what is not.
+  if (has_packed_) {
+    const auto read = read_rows("SELECT author, start, checksum, bytes, size FROM packed ORDER BY author, start", logs);
+    if (!read) return read;
+  }
+  const auto read = read_rows("SELECT author, start, checksum, bytes, -1 FROM parts ORDER BY author, start", logs);
+  if (!read) return read;
+  for (const replication::LogLength& log : logs.lengths()) {
+    logs_.push_back({log.author, log.bytes, logs.last(log.author).number, logs.last_stamp(log.author)});
+  }
+  return {};
+}
+
+Result<void> OperationStore::read_rows(std::string_view sql, replication::OperationLogs& logs) {
+  auto select = database_.prepare(sql);
+  if (!select) return std::unexpected(error(select.error()));
   for (;;) {
     const auto row = select->step();
     if (!row) return std::unexpected(error(row.error()));
-    if (!*row) break;
-    const std::int64_t author = select->number(0), start = select->number(1);
+    if (!*row) return {};
+    const std::int64_t author = select->number(0), start = select->number(1), packed_size = select->number(4);
     const auto damaged = [&](const std::string& why) {
       return std::unexpected(
           damage(folder_->path(), fmt::format("the log of author {}, at byte {}: {}", author, start, why)));
@@ -239,17 +252,41 @@ Result<void> OperationStore::read_parts() {
     OperationPart part{AuthorId{static_cast<std::uint32_t>(author)}, static_cast<std::uint64_t>(start), {}};
     const auto bytes = select->bytes(3);
     if (start < 0 || bytes.empty() || part.from != logs.length(part.author)) return damaged("a part is missing");
-    if (select->number(2) != checksum(part.author, part.from, bytes)) return damaged("its checksum is wrong");
-    part.bytes.assign(bytes.begin(), bytes.end());
+    if (packed_size < 0) {
+      part.bytes.assign(bytes.begin(), bytes.end());
+      packer_.note(part.author, bytes.size());
+    } else {
+      const std::string_view frame(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+      const auto unpacked = decompress(frame, static_cast<std::size_t>(packed_size));
+      if (!unpacked) return damaged(unpacked.error());
+      const auto whole = std::as_bytes(std::span(*unpacked));
+      if (unpacked->size() != static_cast<std::size_t>(packed_size) || whole.empty())
+        return damaged("its size is wrong");
+      part.bytes.assign(whole.begin(), whole.end());
+    }
+    if (select->number(2) != part_checksum(part.author, part.from, part.bytes)) return damaged("its checksum is wrong");
     const auto operations = logs.restore(part);
     if (!operations) return damaged(operations.error());
     if (logs.whole(part.author) != logs.length(part.author)) return damaged("an operation is cut short");
     log_.push_back(std::move(part));
   }
-  for (const replication::LogLength& log : logs.lengths()) {
-    logs_.push_back({log.author, log.bytes, logs.last(log.author).number, logs.last_stamp(log.author)});
+}
+
+// A store of the format before gets the table of packed rows.
+DatabaseResult<void> OperationStore::pack_old() {
+  if (!has_packed_) {
+    const std::string format = "PRAGMA user_version = " + std::to_string(kFormat);
+    for (const char* const sql : {"BEGIN", PartPacker::table(), format.c_str(), "COMMIT"}) {
+      if (const auto done = database_.run(sql); !done) {
+        (void)database_.run("ROLLBACK");  // an error that ended the transaction has done so
+        return done;
+      }
+    }
+    has_packed_ = true;
   }
-  return {};
+  if (!packer_.is_due()) return {};
+  if (const auto packed = packer_.pack(database_); !packed) return packed;
+  return PartPacker::shrink(database_);
 }
 
 std::uint64_t OperationStore::own_bytes() const {
@@ -281,11 +318,18 @@ DatabaseResult<void> OperationStore::insert(std::span<const OperationPart> parts
   for (const OperationPart& part : parts) {
     insert->bind(0, std::int64_t{part.author.value});
     insert->bind(1, static_cast<std::int64_t>(part.from));
-    insert->bind(2, checksum(part.author, part.from, part.bytes));
+    insert->bind(2, part_checksum(part.author, part.from, part.bytes));
     insert->bind(3, part.bytes);
     if (const auto done = insert->step(); !done) return std::unexpected(done.error());
   }
   return database_.run("COMMIT");
+}
+
+// What is written is safe already; what cannot be packed now is packed later.
+void OperationStore::pack() {
+  if (!has_packed_ || !packer_.is_due()) return;
+  const auto packed = packer_.pack(database_);
+  packing_error_ = packed ? "" : error(packed.error()).text;
 }
 
 // After a failure the file `author` may be there even where it was not written for good, so it is removed in any case.
@@ -296,6 +340,8 @@ Result<void> OperationStore::append(std::span<const OperationPart> parts) {
   if (done) {
     must_stop_ = false;
     if (!author_is_noted_) (void)write_author();  // author_error() says why it is not
+    for (const OperationPart& part : parts) packer_.note(part.author, part.bytes.size());
+    pack();
     return {};
   }
   (void)database_.run("ROLLBACK");  // an error that ended the transaction has done so

@@ -14,6 +14,8 @@
 #include "peerd/store/database.hpp"
 #include "peerd/store/file_folder.hpp"
 #include "peerd/store/folder_lock.hpp"
+#include "peerd/store/part_packer.hpp"
+#include "replication/operations/operation_log.hpp"
 #include "replication/wire/operation.hpp"
 
 namespace peerd::store {
@@ -33,7 +35,8 @@ struct StoredLog {
 // for byte. So does what is opened to be read only.
 class OperationStore {
  public:
-  static constexpr std::int64_t kFormat = 1;
+  // The format of new stores; one of the format before becomes one of this when it is opened to be written.
+  static constexpr std::int64_t kFormat = 2, kFormatBefore = 1;
 
   // Opens the store of a world in the folder, and makes it where there is none. `genesis`: the hash of the world's
   // file; `fresh`: the author of the log that a new store begins, or one that is a copy. All that it holds is read and
@@ -69,6 +72,9 @@ class OperationStore {
   [[nodiscard]] std::vector<replication::OperationPart> take_log() { return std::exchange(log_, {}); }
   [[nodiscard]] const std::vector<StoredLog>& logs() const { return logs_; }
 
+  // The size of its file when it was opened, with what was written ahead.
+  [[nodiscard]] std::uint64_t file_bytes() const { return file_bytes_; }
+
   // Adds parts, each of which begins where its log ends and is of whole operations, in one transaction: all of them are
   // on the disk when it returns, or none. Where that fails, the author of this store writes no more in its next life
   // (what it has published might be missing here) unless a later call succeeds, with these parts first.
@@ -78,6 +84,8 @@ class OperationStore {
   [[nodiscard]] bool must_stop() const { return must_stop_; }
   // Why the file `author` could not be written, so that the next life might begin a log of its own; empty: it is there.
   [[nodiscard]] const std::string& author_error() const { return author_error_; }
+  // Why the file could not be compacted when that was due last, so that it takes more room; empty: it was.
+  [[nodiscard]] const std::string& packing_error() const { return packing_error_; }
 
  private:
   OperationStore(std::unique_ptr<FileFolder> folder, Database database)
@@ -85,6 +93,9 @@ class OperationStore {
   [[nodiscard]] static Result<std::unique_ptr<OperationStore>> open_existing(std::unique_ptr<FileFolder> folder);
   [[nodiscard]] Result<void> read();
   [[nodiscard]] Result<void> read_parts();
+  [[nodiscard]] Result<void> read_rows(std::string_view sql, replication::OperationLogs& logs);
+  [[nodiscard]] DatabaseResult<void> pack_old();
+  void pack();
   [[nodiscard]] Result<void> read_author();
   [[nodiscard]] Result<void> write_author();
   [[nodiscard]] std::uint64_t own_bytes() const;
@@ -94,13 +105,15 @@ class OperationStore {
 
   std::unique_ptr<FileFolder> folder_;  // outlives the database
   Database database_;
-  std::uint64_t genesis_ = 0;
+  std::uint64_t genesis_ = 0, file_bytes_ = 0;
   replication::AuthorId author_ = replication::kNoAuthor;
   std::vector<replication::OperationPart> log_;
   std::vector<StoredLog> logs_;
   bool is_copy_ = false;
   bool author_is_noted_ = false;  // the file `author` is known to be on the disk
-  std::string author_error_;
+  std::string author_error_, packing_error_;
+  bool has_packed_ = false;  // the table of packed rows is there
+  PartPacker packer_;
   bool must_stop_ = false;
 };
 

@@ -38,6 +38,8 @@ StoreKeeper::Written StoreKeeper::write(HostTime now) {
     unstored_.drop(batch.size());
   }
   written.is_good_again = std::exchange(fails_, false);
+  const bool packs = store_.packing_error().empty();
+  if (std::exchange(packs_, packs) && !packs) written.begins_not_to_pack = store_.packing_error();
   return written;
 }
 

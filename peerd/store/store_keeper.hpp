@@ -1,6 +1,7 @@
 #pragma once
 #include <chrono>
 #include <optional>
+#include <string>
 
 #include "core/time.hpp"
 #include "peerd/input/input_error.hpp"
@@ -34,6 +35,7 @@ class StoreKeeper {
     std::optional<InputError> error;              // why something waits still
     bool begins_to_fail = false;                  // it did not before
     bool is_good_again = false;                   // it failed before, and has all now
+    std::string begins_not_to_pack;               // why the store takes more room than it needs; empty: as before
     bool must_stop = false;                       // what this peer publishes from now on, it could contradict later
   };
   // Writes all that waits.
@@ -44,7 +46,7 @@ class StoreKeeper {
   const replication::OperationLogs& logs_;
   UnstoredGrowth unstored_;
   HostTime due_ = HostTime::max();
-  bool own_waits_ = false, fails_ = false;
+  bool own_waits_ = false, fails_ = false, packs_ = true;
 };
 
 }  // namespace peerd::store

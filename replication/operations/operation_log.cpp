@@ -21,6 +21,15 @@ const OperationLogs::Log* OperationLogs::find(AuthorId author) const {
   return at == logs_.end() ? nullptr : &at->second;
 }
 
+void OperationLogs::note_whole(Log& log, const Operation& operation, std::size_t size_bytes) {
+  if (log.marks.empty() || log.whole - log.marks.back().from >= kMark_bytes) {
+    log.marks.push_back({operation.id.number, log.whole});
+  }
+  log.whole += size_bytes;
+  log.last_number = operation.id.number;
+  log.last_stamp = operation.stamp;
+}
+
 std::expected<void, const char*> OperationLogs::append(const Operation& operation) {
   assert(own_ != kNoAuthor && operation.id.author == own_);
   const std::vector<std::byte> bytes = encode(operation);
@@ -33,10 +42,9 @@ std::expected<void, const char*> OperationLogs::append(const Operation& operatio
   assert(log.ahead.empty());
   assert(operation.id.number == log.last_number + 1);
   assert(log.last_number == 0 || operation.stamp > log.last_stamp);
-  log.bytes.insert(log.bytes.end(), bytes.begin(), bytes.end());
-  log.whole = log.bytes.size();
-  log.last_number = operation.id.number;
-  log.last_stamp = operation.stamp;
+  log.bytes.append(bytes);
+  note_whole(log, operation, bytes.size());
+  log.bytes.pack(log.whole);
   return {};
 }
 
@@ -68,7 +76,8 @@ std::expected<std::vector<Operation>, const char*> OperationLogs::take(const Ope
 
 // Nobody knows which one of two different runs behind a gap is right: both are dropped, and asked for again.
 bool OperationLogs::differs(Log& log, const OperationPart& part) {
-  bool found = differ(0, log.bytes, part.from, part.bytes);
+  const std::uint64_t end = std::min<std::uint64_t>(part.from + part.bytes.size(), log.bytes.size());
+  bool found = part.from < end && differ(part.from, log.bytes.copy(part.from, end, unpacked_), part.from, part.bytes);
   auto run = log.ahead.upper_bound(part.from);
   if (run != log.ahead.begin()) --run;
   while (run != log.ahead.end() && run->first < part.from + part.bytes.size()) {
@@ -120,7 +129,7 @@ void OperationLogs::join(Log& log, const OperationPart& part) {
   const auto append_from = [&](std::uint64_t from, const std::vector<std::byte>& bytes) {
     if (from + bytes.size() <= log.bytes.size()) return;
     const auto is_new = std::span(bytes).subspan(log.bytes.size() - from);
-    log.bytes.insert(log.bytes.end(), is_new.begin(), is_new.end());
+    log.bytes.append(is_new);
   };
   append_from(part.from, part.bytes);
   while (!log.ahead.empty() && log.ahead.begin()->first <= log.bytes.size()) {
@@ -132,7 +141,7 @@ void OperationLogs::join(Log& log, const OperationPart& part) {
 std::vector<Operation> OperationLogs::read_on(AuthorId author, Log& log) {
   std::vector<Operation> operations;
   while (log.whole < log.bytes.size()) {
-    auto next = decode_operation(author, std::span(log.bytes).subspan(log.whole));
+    auto next = decode_operation(author, log.bytes.rest(log.whole));
     if (next && !*next) break;
     if (!next) {
       log.unreadable = next.error();
@@ -142,17 +151,16 @@ std::vector<Operation> OperationLogs::read_on(AuthorId author, Log& log) {
       log.unreadable = "operation_stamp";
     }
     if (log.unreadable != nullptr) {
-      log.bytes.resize(log.whole);
+      log.bytes.cut(log.whole);
       while (!log.ahead.empty()) drop_ahead(log, log.ahead.begin());
       break;
     }
     Operation& operation = (*next)->operation;
-    log.whole += (*next)->size_bytes;
-    log.last_number = operation.id.number;
-    log.last_stamp = operation.stamp;
+    note_whole(log, operation, (*next)->size_bytes);
     operations.push_back(std::move(operation));
   }
   assert(log.whole <= log.bytes.size());
+  log.bytes.pack(log.whole);
   return operations;
 }
 
@@ -185,11 +193,30 @@ SimTime OperationLogs::last_stamp(AuthorId author) const {
   return log == nullptr ? SimTime{} : log->last_stamp;
 }
 
-std::span<const std::byte> OperationLogs::bytes(const OperationRange& range) const {
+std::uint64_t OperationLogs::held_bytes(const OperationRange& range) const {
   assert(range.from <= range.to);
-  const Log* log = find(range.author);
-  if (log == nullptr || range.from >= log->bytes.size()) return {};
-  return std::span(log->bytes).subspan(range.from, std::min<std::uint64_t>(range.to, log->bytes.size()) - range.from);
+  const std::uint64_t end = std::min(range.to, length(range.author));
+  return range.from < end ? end - range.from : 0;
+}
+
+std::vector<std::byte> OperationLogs::bytes(const OperationRange& range) const {
+  const std::uint64_t held = held_bytes(range);
+  if (held == 0) return {};
+  return find(range.author)->bytes.copy(range.from, range.from + held, unpacked_);
+}
+
+Operation OperationLogs::operation(OperationId id) const {
+  const Log* log = find(id.author);
+  assert(log != nullptr && id.number > 0 && id.number <= log->last_number);
+  const auto after = std::ranges::upper_bound(log->marks, id.number, {}, &Mark::number);
+  assert(after != log->marks.begin());
+  const auto [first, from] = *std::prev(after);
+  const auto bytes = log->bytes.copy(from, after == log->marks.end() ? log->whole : after->from, unpacked_);
+  std::span<const std::byte> rest = bytes;
+  for (std::uint32_t number = first; number < id.number; ++number) rest = rest.subspan(operation_size_bytes(rest));
+  auto found = decode_operation(id.author, rest);
+  assert(found && *found && (*found)->operation.id == id);  // it was read when it came
+  return std::move((*found)->operation);
 }
 
 std::vector<OperationRange> OperationLogs::missing(std::span<const LogLength> of_another, std::size_t most) const {

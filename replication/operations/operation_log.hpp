@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/time.hpp"
+#include "replication/operations/log_bytes.hpp"
 #include "replication/wire/operation.hpp"
 
 namespace peerd::replication {
@@ -51,7 +52,11 @@ class OperationLogs {
   [[nodiscard]] OperationId last(AuthorId author) const;
   [[nodiscard]] SimTime last_stamp(AuthorId author) const;
   // The bytes of a range as far as they are held without a gap; empty where none of its first ones are.
-  [[nodiscard]] std::span<const std::byte> bytes(const OperationRange& range) const;
+  [[nodiscard]] std::vector<std::byte> bytes(const OperationRange& range) const;
+  // The number of these.
+  [[nodiscard]] std::uint64_t held_bytes(const OperationRange& range) const;
+  // A whole operation that is held.
+  [[nodiscard]] Operation operation(OperationId id) const;
   // Returns what is missing here of the logs that are so long, as ascending ranges: the first ones, so many at most.
   // Unreadable logs and the own one miss nothing.
   [[nodiscard]] std::vector<OperationRange> missing(std::span<const LogLength> of_another,
@@ -64,9 +69,15 @@ class OperationLogs {
 
  private:
   using Runs = std::map<std::uint64_t, std::vector<std::byte>>;  // by their first byte; they do not overlap
+  // A Mark says where the operation of that number begins.
+  struct Mark {
+    std::uint32_t number = 0;
+    std::uint64_t from = 0;
+  };
   struct Log {
-    std::vector<std::byte> bytes;  // from the first on
-    std::size_t whole = 0;         // so many of them are whole operations
+    LogBytes bytes;
+    std::size_t whole = 0;    // so many of them are whole operations
+    std::vector<Mark> marks;  // kMark_bytes apart or more; from the first operation on
     std::uint32_t last_number = 0;
     SimTime last_stamp{};
     Runs ahead;  // behind a gap
@@ -74,7 +85,11 @@ class OperationLogs {
     const char* unreadable = nullptr;
   };
 
+  // Finding an operation skips so many bytes at most, and one operation.
+  static constexpr std::size_t kMark_bytes = 1024;
+
   [[nodiscard]] const Log* find(AuthorId author) const;
+  static void note_whole(Log& log, const Operation& operation, std::size_t size_bytes);
   [[nodiscard]] std::expected<std::vector<Operation>, const char*> take(const OperationPart& part);
   [[nodiscard]] bool differs(Log& log, const OperationPart& part);
   [[nodiscard]] const char* keep_ahead(Log& log, const OperationPart& part);
@@ -85,6 +100,7 @@ class OperationLogs {
   AuthorId own_;
   std::map<AuthorId, Log> logs_;
   std::size_t ahead_bytes_ = 0;
+  mutable LogBytes::Unpacked unpacked_;  // a copy of what logs_ have
 };
 
 }  // namespace peerd::replication

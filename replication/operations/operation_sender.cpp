@@ -45,7 +45,7 @@ void OperationSender::on_append(HostTime now, const OperationRange& range, std::
 }
 
 void OperationSender::on_request(HostTime now, const OperationRange& range) {
-  const std::uint64_t held = logs_.bytes(range).size();
+  const std::uint64_t held = logs_.held_bytes(range);
   if (held == 0) return;
   std::vector<OperationRange> wanted{{range.author, range.from, range.from + held}};
   for (const Waiting& w : waiting_) subtract(w.range, wanted);
@@ -89,17 +89,16 @@ std::vector<OperationPart> OperationSender::due(HostTime now) {
   while (parts.size() < kOperationPartsMax) {
     const auto next = first_due(now);
     if (next == waiting_.end()) break;
-    const std::span<const std::byte> bytes = logs_.bytes(next->range);
-    if (bytes.empty()) {  // the log turned out to be unreadable
+    const std::uint64_t held = logs_.held_bytes(next->range);
+    if (held == 0) {  // the log turned out to be unreadable
       waiting_.erase(next);
       continue;
     }
     const std::uint64_t header = part_header_bytes(next->range), left = next->range.to - next->range.from;
     if (room < header + std::min(left, kPartMin_bytes)) break;
-    const std::size_t size = std::min<std::size_t>(bytes.size(), room - header);
+    const std::size_t size = std::min<std::size_t>(held, room - header);
     const OperationRange sent{next->range.author, next->range.from, next->range.from + size};
-    const auto part = bytes.first(size);
-    parts.push_back({sent.author, sent.from, std::vector<std::byte>(part.begin(), part.end())});
+    parts.push_back({sent.author, sent.from, logs_.bytes(sent)});
     room -= part_header_bytes(sent) + size;
     sent_.note(now, sent);
     next->range.from = sent.to;

@@ -8,7 +8,7 @@
 namespace peerd::replication {
 
 bool answers_contacts(const WorldModel& model, ObjectId object) {
-  if (model.response_of(object) == nullptr || std::ranges::binary_search(model.owned, object)) return false;
+  if (model.response_of(object) == nullptr) return false;
   return std::ranges::any_of(model.pairs_of(object), [&](std::uint32_t number) {
     return object == model.pairs[number].collider || model.pairs[number].mutual;
   });

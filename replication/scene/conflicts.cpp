@@ -33,13 +33,11 @@ std::optional<Conflicts::Register> Conflicts::register_of(const OperationBody& b
 
 void Conflicts::add(const Operation& operation) { known_.add(operation); }
 
-void Conflicts::on_in_force(const OperationKey& key, const OperationBody& body, std::uint32_t objects,
-                            RemovedIds removed, bool is_new) {
-  bodies_[key] = &body;
+void Conflicts::on_in_force(const OperationKey& key, std::uint32_t objects, RemovedIds removed, bool is_new) {
   refused_.erase(key);
   if (is_new) {
     changed_.insert(key);
-    index(key, body, objects);
+    index(key, body_of_(key), objects);
   }
   const auto known = removals_.find(key);
   const bool is_same =
@@ -51,14 +49,12 @@ void Conflicts::on_in_force(const OperationKey& key, const OperationBody& body, 
   while (removed_ids_ > kRemovedIdsMax && removals_.size() > 1) erase_removal(removals_.begin()->first);
 }
 
-void Conflicts::on_refused(const OperationKey& key, const OperationBody& body) {
-  bodies_[key] = &body;
+void Conflicts::on_refused(const OperationKey& key) {
   refused_.insert(key);
   changed_.insert(key);
 }
 
-void Conflicts::on_undone(const OperationKey& key, const OperationBody& body) {
-  bodies_[key] = &body;
+void Conflicts::on_undone(const OperationKey& key) {
   refused_.erase(key);
   changed_.insert(key);
 }
@@ -119,7 +115,7 @@ void Conflicts::find(SimTime now) {
 }
 
 void Conflicts::spread(const OperationKey& changed) {
-  const OperationBody& body = *bodies_.at(changed);
+  const OperationBody body = body_of_(changed);
   marked_.insert(changed);
   if (const auto written = register_of(body)) spread_write(*written, changed);
   if (removals_.contains(changed)) spread_removal(changed);
@@ -178,7 +174,7 @@ void Conflicts::mark_writes_before(const OperationKey& removal, Register::Kind k
 }
 
 std::optional<Conflicts::Loss> Conflicts::loss_of(const OperationKey& key) const {
-  const OperationBody& body = *bodies_.at(key);
+  const OperationBody body = body_of_(key);
   if (refused_.contains(key)) return has_effect(body) ? std::optional(Loss{cause_of(key, body)}) : std::nullopt;
   if (!is_in_force_(key)) return std::nullopt;
   if (const auto written = register_of(body)) {
@@ -313,12 +309,12 @@ void Conflicts::note(const OperationKey& loser, Winner winner) {
     ++forgotten_;
   }
   found_.emplace(loser, Conflict{loser, winner, now_});
-  if (const auto written = register_of(*bodies_.at(loser))) lost_writes_[*written].insert(loser);
+  if (const auto written = register_of(body_of_(loser))) lost_writes_[*written].insert(loser);
 }
 
 void Conflicts::forget(const OperationKey& loser) {
   if (found_.erase(loser) == 0) return;
-  const auto written = register_of(*bodies_.at(loser));
+  const auto written = register_of(body_of_(loser));
   const auto lost = written ? lost_writes_.find(*written) : lost_writes_.end();
   if (lost == lost_writes_.end()) return;
   lost->second.erase(loser);

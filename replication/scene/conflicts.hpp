@@ -12,12 +12,10 @@
 #include "core/ids.hpp"
 #include "core/time.hpp"
 #include "replication/scene/known_operations.hpp"
+#include "replication/scene/operation_bodies.hpp"
 #include "replication/wire/operation.hpp"
 
 namespace peerd::replication {
-
-// The place of an operation among all.
-using OperationKey = std::pair<SimTime, OperationId>;
 
 // An operation whose effect is lost by another one, and neither author knew of the other's: the later value of a field,
 // of data or of a place has overwritten it, or what it changes, or has added, is removed. It is no loss where somebody
@@ -49,18 +47,19 @@ class Conflicts {
 
   // Whether an operation is in force: it has taken effect, and is not undone.
   using IsInForce = std::function<bool(const OperationKey&)>;
-  explicit Conflicts(IsInForce is_in_force) : is_in_force_(std::move(is_in_force)) {}
+  // The body of an operation that has been in force or refused.
+  using BodyOf = std::function<OperationBody(const OperationKey&)>;
+  Conflicts(IsInForce is_in_force, BodyOf body_of)
+      : is_in_force_(std::move(is_in_force)), body_of_(std::move(body_of)) {}
 
   // The operation is known; operations of one author in the order of its log.
   void add(const Operation& operation);
-  // The bodies of these three outlive this.
   // The operation is in force from now on, or still is. `objects`: the number that it has added. `removed`: what has
   // gone by it.
-  void on_in_force(const OperationKey& key, const OperationBody& body, std::uint32_t objects, RemovedIds removed,
-                   bool is_new);
+  void on_in_force(const OperationKey& key, std::uint32_t objects, RemovedIds removed, bool is_new);
   // It changes nothing, as another one that its author did not know makes it impossible.
-  void on_refused(const OperationKey& key, const OperationBody& body);
-  void on_undone(const OperationKey& key, const OperationBody& body);
+  void on_refused(const OperationKey& key);
+  void on_undone(const OperationKey& key);
   // Finds what is lost by the operations since the last call, and what is lost no more. `now`: session time.
   void find(SimTime now);
 
@@ -112,8 +111,8 @@ class Conflicts {
   void forget(const OperationKey& loser);
 
   IsInForce is_in_force_;
+  BodyOf body_of_;
   KnownOperations known_;
-  std::map<OperationKey, const OperationBody*> bodies_;               // of all that have been in force or refused
   std::map<Register, Keys> writes_;                                   // ascending
   std::map<ObjectId, std::pair<OperationKey, std::uint32_t>> added_;  // by the first object; how many
   std::map<ObjectId, std::set<OperationKey>> added_below_;            // what has no object, by its parent

@@ -11,9 +11,9 @@ void KnownOperations::add(const Operation& operation) {
   std::uint32_t& last = last_[operation.id.author];
   last = std::max(last, operation.id.number);
   for (const auto& [author, number] : operation.knows) {
-    std::vector<Step>& steps = said_[operation.id.author][author];
-    const bool goes_on = steps.empty() || (steps.back().number < operation.id.number && steps.back().known < number);
-    if (goes_on) steps.push_back({operation.id.number, number});  // an author that unlearns is not believed
+    KnownSteps& steps = said_[operation.id.author][author];
+    const bool goes_on = steps.last_number() < operation.id.number && steps.last_known() < number;
+    if (goes_on) steps.add(operation.id.number, number);  // an author that unlearns is not believed
   }
 }
 
@@ -22,9 +22,7 @@ bool KnownOperations::knew(OperationId operation, OperationId other) const {
   const auto said = said_.find(operation.author);
   if (said == said_.end()) return false;
   const auto of_other = said->second.find(other.author);
-  if (of_other == said->second.end()) return false;
-  const auto after = std::ranges::upper_bound(of_other->second, operation.number, {}, &Step::number);
-  return after != of_other->second.begin() && std::prev(after)->known >= other.number;
+  return of_other != said->second.end() && of_other->second.known_at(operation.number) >= other.number;
 }
 
 std::vector<OperationId> KnownOperations::news_for(AuthorId author) const {
@@ -34,7 +32,7 @@ std::vector<OperationId> KnownOperations::news_for(AuthorId author) const {
     if (other == author || news.size() == kKnowsMax) continue;
     if (said != said_.end()) {
       const auto of_other = said->second.find(other);
-      if (of_other != said->second.end() && of_other->second.back().known >= number) continue;
+      if (of_other != said->second.end() && of_other->second.last_known() >= number) continue;
     }
     news.push_back({other, number});
   }

@@ -3,6 +3,7 @@
 #include <map>
 #include <vector>
 
+#include "replication/scene/known_steps.hpp"
 #include "replication/wire/operation.hpp"
 
 namespace peerd::replication {
@@ -20,11 +21,7 @@ class KnownOperations {
   [[nodiscard]] std::vector<OperationId> news_for(AuthorId author) const;
 
  private:
-  struct Step {
-    std::uint32_t number = 0;  // from this operation on
-    std::uint32_t known = 0;   // all up to that one are known
-  };
-  std::map<AuthorId, std::map<AuthorId, std::vector<Step>>> said_;  // steps ascend in both
+  std::map<AuthorId, std::map<AuthorId, KnownSteps>> said_;
   std::map<AuthorId, std::uint32_t> last_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <iterator>
+#include <limits>
 #include <utility>
 #include <variant>
 
@@ -52,22 +53,27 @@ constexpr std::uint32_t kOfRefusedValue = ReadLimits{}.nodes;
 
 }  // namespace
 
-LivingScene::LivingScene(const Scene& file, RareBranches rare)
+LivingScene::LivingScene(const Scene& file, RareBranches rare, OperationBodies bodies)
     : file_(std::shared_ptr<void>(), &file),
       begin_{file_, {}, std::make_shared<const NodeData>()},
+      bodies_(std::move(bodies)),
       now_(begin_),
-      conflicts_([this](const Key& key) {
-        const auto at = entries_.find(key);
-        return at != entries_.end() && at->second.applied && at->second.refused.empty() && !at->second.undone;
-      }),
+      conflicts_(
+          [this](const Key& key) {
+            const auto at = entries_.find(key);
+            return at != entries_.end() && at->second.applied && !at->second.refused && !at->second.undone;
+          },
+          [this](const Key& key) { return bodies_(key); }),
       rare_(std::move(rare)) {}
 
 bool LivingScene::add(Operation operation) {
   assert(operation.id.author != kNoAuthor);
   const Operation known{operation.id, operation.stamp, {}, std::move(operation.knows)};
-  const auto [at, is_new] =
-      entries_.try_emplace({operation.stamp, operation.id}, Entry{std::move(operation.body), false, false, {}, {}});
+  static_assert(std::variant_size_v<OperationBody> <= std::numeric_limits<std::uint8_t>::max());
+  const auto [at, is_new] = entries_.try_emplace({operation.stamp, operation.id},
+                                                 Entry{.kind = static_cast<std::uint8_t>(operation.body.index())});
   if (!is_new) return false;
+  bodies_.keep(at->first, std::move(operation.body));
   conflicts_.add(known);
   due_.insert(at->first);
   if (operation.stamp <= with_all_until_) with_all_.reset();
@@ -177,20 +183,21 @@ LivingScene::Applied LivingScene::applied(const State& base, std::span<const Ent
 
 LivingScene::Effect LivingScene::apply_one(Editing& editing, Entries::const_iterator at) const {
   assert(at != entries_.end());
-  const auto& [key, entry] = *at;
-  if (const auto* const undo = std::get_if<UndoOperation>(&entry.body)) {
+  const Key& key = at->first;
+  const OperationBody body = bodies_(key);
+  if (const auto* const undo = std::get_if<UndoOperation>(&body)) {
     return target_of(key, *undo) ? Effect{} : Effect{"its author has made no such edit", {}};
   }
-  const auto* const add = std::get_if<AddNodes>(&entry.body);
+  const auto* const add = std::get_if<AddNodes>(&body);
   const auto find = [&](std::string_view path) { return meaning(add->names, path); };
   RemovedIds removed;
-  if (const auto* const remove = std::get_if<RemoveObject>(&entry.body)) {
+  if (const auto* const remove = std::get_if<RemoveObject>(&body)) {
     SceneEditor::Below below = editing.editor().below(remove->object);
     removed = {std::move(below.objects), std::move(below.nodes)};
-  } else if (const auto* const node = std::get_if<RemoveNode>(&entry.body)) {
+  } else if (const auto* const node = std::get_if<RemoveNode>(&body)) {
     removed.nodes.push_back(node->node);
   }
-  const auto used = apply_to(editing, entry.body, key.second.author, add != nullptr ? Find(find) : Find());
+  const auto used = apply_to(editing, body, key.second.author, add != nullptr ? Find(find) : Find());
   // A node that is used elsewhere, too, is not gone.
   std::erase_if(removed.nodes, [&](NodeId each) { return editing.contains(each); });
   return used ? Effect{{}, *used, std::move(removed)} : Effect{used.error(), {}};
@@ -265,31 +272,49 @@ std::optional<LivingScene::Change> LivingScene::apply(SimTime until, SimTime kno
   return change;
 }
 
+const std::string& LivingScene::reason_of(Entries::const_iterator at) const {
+  static const std::string kNone;
+  return at->second.refused ? reasons_.at(at->first) : kNone;
+}
+
+void LivingScene::set_reason(Entries::iterator at, std::string why) {
+  at->second.refused = !why.empty();
+  if (why.empty()) {
+    reasons_.erase(at->first);
+  } else {
+    reasons_[at->first] = std::move(why);
+  }
+}
+
 void LivingScene::note_effect(Entries::iterator at, Effect effect, Change& change) {
   const Key& key = at->first;
   Entry& entry = at->second;
-  const bool is_new = !entry.applied, was_refused = !entry.refused.empty();
+  const bool is_new = !entry.applied, was_refused = entry.refused;
   entry.applied = true;
   due_.erase(key);
   const bool was_undone = std::exchange(entry.undone, effect.undone);
   if (effect.undone) {
-    if (!was_undone) conflicts_.on_undone(key, entry.body);
-    if (is_new) entry.refused = kUndone;
-    if (is_new) change.outcomes.push_back({key.second, entry.refused});
+    if (!was_undone) conflicts_.on_undone(key);
+    if (is_new) set_reason(at, kUndone);
+    if (is_new) change.outcomes.push_back({key.second, kUndone});
     return;
   }
-  const bool is_message = std::holds_alternative<SendMessage>(entry.body);
-  if (is_message && is_new && effect.refused.empty()) {
-    change.messages.push_back({key.second, key.first, entry.body});
+  if (entry.is<SendMessage>() && is_new && effect.refused.empty()) {
+    change.messages.push_back({key.second, key.first, bodies_(key)});
   }
-  if (is_new || entry.refused != effect.refused) change.outcomes.push_back({key.second, effect.refused});
-  entry.refused = std::move(effect.refused);
-  if (entry.refused.empty()) {
-    entry.used = effect.used;
+  if (is_new || reason_of(at) != effect.refused) change.outcomes.push_back({key.second, effect.refused});
+  set_reason(at, std::move(effect.refused));
+  if (!entry.refused) {
+    entry.has_done = true;
+    if (effect.used.objects > 0 || effect.used.nodes > 0) {
+      used_[key] = effect.used;
+    } else {
+      used_.erase(key);
+    }
     const bool comes_into_force = is_new || was_refused || was_undone;
-    conflicts_.on_in_force(key, entry.body, effect.used.objects, std::move(effect.removed), comes_into_force);
+    conflicts_.on_in_force(key, effect.used.objects, std::move(effect.removed), comes_into_force);
   } else if (is_new || !was_refused || was_undone) {
-    conflicts_.on_refused(key, entry.body);
+    conflicts_.on_refused(key);
   }
 }
 
@@ -348,13 +373,16 @@ std::expected<LivingScene::Draft, std::string> LivingScene::draft(OperationBody 
 LivingScene::NextIds LivingScene::next_ids(AuthorId author) const {
   NextIds next;
   for (const auto& [key, entry] : entries_) {
-    if (key.second.author != author) continue;
-    if (const auto* const add = std::get_if<AddNodes>(&entry.body)) {
-      const UsedIds used = entry.used ? *entry.used : ids_in(*add);
+    if (key.second.author != author || !(entry.is<AddNodes>() || entry.is<SetField>())) continue;
+    const auto known = used_.find(key);
+    const UsedIds done = known == used_.end() ? UsedIds{} : known->second;
+    const OperationBody body = bodies_(key);
+    if (const auto* const add = std::get_if<AddNodes>(&body)) {
+      const UsedIds used = entry.has_done ? done : ids_in(*add);
       next.object = std::max(next.object, add->first_object + used.objects);
       next.node = std::max(next.node, add->first_node + used.nodes);
-    } else if (const auto* const set = std::get_if<SetField>(&entry.body)) {
-      next.node = std::max(next.node, set->first_node + (entry.used ? entry.used->nodes : kOfRefusedValue));
+    } else if (const auto* const set = std::get_if<SetField>(&body)) {
+      next.node = std::max(next.node, set->first_node + (entry.has_done ? done.nodes : kOfRefusedValue));
     }
   }
   return next;

@@ -44,7 +44,9 @@ using LeftObjects = std::map<ObjectId, LeftObject>;
 class LivingScene {
  public:
   // The scene of the world's file outlives this.
-  explicit LivingScene(const Scene& file, RareBranches rare = {});
+  explicit LivingScene(const Scene& file, RareBranches rare = {}, OperationBodies bodies = {});
+  LivingScene(const LivingScene&) = delete;
+  LivingScene& operator=(const LivingScene&) = delete;
 
   // Adds an operation; it takes effect with a later apply(). False: it is known.
   bool add(Operation operation);
@@ -88,8 +90,8 @@ class LivingScene {
 
   // The losses of operations by others that did not know them.
   [[nodiscard]] const Conflicts& conflicts() const { return conflicts_; }
-  // Null: it is not known.
-  [[nodiscard]] const OperationBody* find(const OperationKey& key) const;
+  // None: it is not known.
+  [[nodiscard]] std::optional<OperationBody> find(const OperationKey& key) const;
 
   // The ids that the known operations of an author have used are below these, also those of operations that change
   // nothing here, and have done what they say elsewhere.
@@ -115,11 +117,16 @@ class LivingScene {
   };
   using Key = OperationKey;
   using Undone = std::set<Key>;
+  // There is one for each operation: what few of them have is in maps of its own.
   struct Entry {
-    OperationBody body;
+    std::uint8_t kind = 0;  // OperationBody::index()
     bool applied = false, undone = false;
-    std::string refused;
-    std::optional<UsedIds> used;  // none: it has been refused each time
+    bool refused = false;   // reasons_ says why
+    bool has_done = false;  // what it says, once at least: by the ids in used_, or by none
+    template <class Kind>
+    [[nodiscard]] bool is() const {
+      return kind == kIndexOf<Kind>;
+    }
   };
   using Entries = std::map<Key, Entry>;
   // The outcome of operations.
@@ -184,6 +191,9 @@ class LivingScene {
   // from which on all is to be applied anew.
   [[nodiscard]] std::optional<Key> follow_undos(SimTime until, Undone& undone) const;
   void note_effect(Entries::iterator at, Effect effect, Change& change);
+  // Why the operation changes nothing; empty: it does what it says.
+  [[nodiscard]] const std::string& reason_of(Entries::const_iterator at) const;
+  void set_reason(Entries::iterator at, std::string why);
   // The outcome of all operations until then. `first`: the first of those that the checkpoints do not have so.
   [[nodiscard]] State all_until(SimTime until, const Key& first, const Undone& undone) const;
   [[nodiscard]] const State& with_all(SimTime until);
@@ -196,7 +206,10 @@ class LivingScene {
 
   const std::shared_ptr<const Scene> file_;  // owned by nobody here
   const State begin_;                        // before all operations
+  OperationBodies bodies_;
   Entries entries_;
+  std::map<Key, std::string> reasons_;
+  std::map<Key, UsedIds> used_;
   std::set<Key> due_;                    // not applied yet
   Undone undone_;                        // of those that are applied
   std::vector<Checkpoint> checkpoints_;  // in order

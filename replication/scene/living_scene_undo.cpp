@@ -11,11 +11,11 @@ namespace {
 // Others' edits may have made all of so many meaningless; nobody means what lies behind.
 constexpr std::size_t kPassedOverMax = 16;
 
-bool can_be_undone(const OperationBody& body) {
-  return std::holds_alternative<AddNodes>(body) || std::holds_alternative<RemoveObject>(body) ||
-         std::holds_alternative<RemoveNode>(body) || std::holds_alternative<MoveObject>(body) ||
-         std::holds_alternative<SetField>(body) || std::holds_alternative<ChangeRoute>(body) ||
-         std::holds_alternative<SetData>(body);
+// By the index of its body.
+bool can_be_undone(std::uint8_t kind) {
+  return kind == kIndexOf<AddNodes> || kind == kIndexOf<RemoveObject> || kind == kIndexOf<RemoveNode> ||
+         kind == kIndexOf<MoveObject> || kind == kIndexOf<SetField> || kind == kIndexOf<ChangeRoute> ||
+         kind == kIndexOf<SetData>;
 }
 
 // Whether the scene looks to people as one of that text does, which a file of it would have.
@@ -29,7 +29,7 @@ bool is_alike(const Scene& scene, const std::optional<std::string>& text) {
 std::optional<LivingScene::Key> LivingScene::target_of(const Key& key, const UndoOperation& undo) const {
   const Key target{undo.stamp, {key.second.author, undo.number}};
   const auto at = entries_.find(target);
-  if (!(target < key) || at == entries_.end() || !can_be_undone(at->second.body)) return std::nullopt;
+  if (!(target < key) || at == entries_.end() || !can_be_undone(at->second.kind)) return std::nullopt;
   return target;
 }
 
@@ -38,18 +38,18 @@ std::optional<LivingScene::Key> LivingScene::follow_undos(SimTime until, Undone&
   std::optional<Key> first;
   for (auto key = due_.begin(); key != due_.end() && key->first <= until; ++key) {
     first = std::min(first.value_or(*key), *key);
-    const auto* const undo = std::get_if<UndoOperation>(&entries_.at(*key).body);
-    const auto target = undo != nullptr ? target_of(*key, *undo) : std::nullopt;
+    if (!entries_.at(*key).is<UndoOperation>()) continue;
+    const auto undo = std::get<UndoOperation>(bodies_(*key));
+    const auto target = target_of(*key, undo);
     if (!target) continue;
-    const bool changes = undo->redoes ? undone.erase(*target) > 0 : undone.insert(*target).second;
+    const bool changes = undo.redoes ? undone.erase(*target) > 0 : undone.insert(*target).second;
     if (changes) first = std::min(*first, *target);
   }
   return first;
 }
 
-const OperationBody* LivingScene::find(const OperationKey& key) const {
-  const auto at = entries_.find(key);
-  return at == entries_.end() ? nullptr : &at->second.body;
+std::optional<OperationBody> LivingScene::find(const OperationKey& key) const {
+  return entries_.contains(key) ? std::optional(bodies_(key)) : std::nullopt;
 }
 
 // Returns the author's edits that can be undone or redone, the last one first.
@@ -57,12 +57,13 @@ std::vector<LivingScene::Key> LivingScene::undo_candidates(AuthorId author, bool
   std::vector<Key> done, undone;
   for (const auto& [key, entry] : entries_) {
     if (key.second.author != author) continue;
-    if (const auto* const undo = std::get_if<UndoOperation>(&entry.body)) {
-      const auto target = target_of(key, *undo);
+    if (entry.is<UndoOperation>()) {
+      const auto undo = std::get<UndoOperation>(bodies_(key));
+      const auto target = target_of(key, undo);
       if (!target) continue;
-      std::erase(undo->redoes ? undone : done, *target);
-      (undo->redoes ? done : undone).push_back(*target);
-    } else if (can_be_undone(entry.body)) {
+      std::erase(undo.redoes ? undone : done, *target);
+      (undo.redoes ? done : undone).push_back(*target);
+    } else if (can_be_undone(entry.kind)) {
       done.push_back(key);
       undone.clear();
     }
@@ -77,9 +78,9 @@ std::vector<LivingScene::Key> LivingScene::undo_candidates(AuthorId author, bool
 // Returns why an undo or redo that leads from the one state to the other is none; empty: it is one.
 std::string LivingScene::why_not_undo(const Key& target, bool redoes, const State& before,
                                       const std::optional<std::string>& text_before, const State& after) const {
-  const OperationBody& body = entries_.at(target).body;
-  assert(can_be_undone(body) && before.scene && after.scene);
-  const bool removes = redoes ? std::holds_alternative<RemoveObject>(body) : std::holds_alternative<AddNodes>(body);
+  const Entry& entry = entries_.at(target);
+  assert(can_be_undone(entry.kind) && before.scene && after.scene);
+  const bool removes = redoes ? entry.is<RemoveObject>() : entry.is<AddNodes>();
   if (!removes) {
     for (std::uint32_t i = 0; i < before.scene->instances.size(); ++i) {
       if (!after.scene->contains(before.scene->id_of(i))) return "where it stood is not in the scene any more";
@@ -103,7 +104,7 @@ std::expected<LivingScene::Undoing, std::string> LivingScene::next_undo(AuthorId
     redoes ? void(undone.erase(target)) : void(undone.insert(target));
     const State after = all_until(until, first_due ? std::min(*first_due, target) : target, undone);
     const std::string refused = why_not_undo(target, redoes, before, text_before, after);
-    if (refused.empty()) return Undoing{{target.second.number, target.first, redoes}, entries_.at(target).body};
+    if (refused.empty()) return Undoing{{target.second.number, target.first, redoes}, bodies_(target)};
     if (tries == 1) why = refused;
   }
   return std::unexpected(why);

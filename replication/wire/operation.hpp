@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -161,6 +162,15 @@ struct UndoneEdit {
   std::string kind;
 };
 
+// The place of a kind among all: OperationBody::index().
+template <class Kind>
+inline constexpr std::size_t kIndexOf = []<class... Kinds>(std::type_identity<std::variant<Kinds...>>) {
+  std::size_t index = 0;
+  const bool is_found = ((std::is_same_v<Kind, Kinds> || (++index, false)) || ...);
+  static_assert((std::is_same_v<Kind, Kinds> || ...));
+  return is_found ? index : std::variant_npos;
+}(std::type_identity<OperationBody>{});
+
 // The word for it in logs and listings: add, remove, set, ..
 [[nodiscard]] const char* kind_of(const OperationBody& body);
 
@@ -221,5 +231,7 @@ struct DecodedOperation {
 // says why nobody can read on in this log.
 [[nodiscard]] std::expected<std::optional<DecodedOperation>, const char*> decode_operation(
     AuthorId author, std::span<const std::byte> log);
+// The size in the log of the operation at the beginning of these bytes, which has been decoded once.
+[[nodiscard]] std::size_t operation_size_bytes(std::span<const std::byte> log);
 
 }  // namespace peerd::replication

@@ -367,4 +367,10 @@ std::expected<std::optional<DecodedOperation>, const char*> decode_operation(Aut
   return decoded;
 }
 
+std::size_t operation_size_bytes(std::span<const std::byte> log) {
+  const auto first = size_of_first(log);
+  assert(first && first->second > 0 && first->first + first->second <= log.size());
+  return first->first + first->second;
+}
+
 }  // namespace peerd::replication

@@ -15,6 +15,7 @@
 #include <string>
 
 #include "collision/query/ray_query.hpp"
+#include "collision/query/view_query.hpp"
 #include "collision/query/wide_query.hpp"
 #include "collision/tree/hierarchy_file.hpp"
 
@@ -88,6 +89,10 @@ void ask(WideTree& tree) {
   (void)query.separated_by(tree, other, motion, 0.5);
   RayQuery ray;
   (void)ray.nearest(tree, Ray{Vec3(5.2, 4.0, 5.1), Vec3(0.1, -1.0, 0.05)});
+  Frustum half;
+  if (!half.add(Vec3(1.0, 0.0, 0.2), -5.0)) std::abort();
+  ViewQuery view;
+  (void)view.faces_in_view(tree, Pose{}, half);
 }
 
 }  // namespace

@@ -123,4 +123,62 @@ TEST_F(LeftBehind, AnObjectThatChangedHandsMeanwhileStaysWhereItIs) {
   EXPECT_NEAR(ghost(0).position.x(), 10.0, 0.3);
 }
 
+// ---- what others meet ----
+
+// CAR is in the way of BALL, which is peer 1's; CRATE lies where CAR drives, and does not answer.
+const std::string kMetWorld = kWorld + box("BALL", "0.5 0.5 0.5", "0 15 0", kBounces) +
+                              box("CRATE", "0.4 0.4 0.4", "1.4 5 0") + interest("BALL", "\"CAR\"") +
+                              interest("CAR", "\"CRATE\"");
+
+class LeftInTheWay : public LeftBehind {
+ protected:
+  void begin_with_a_ball(std::uint64_t seed) {
+    lan = std::make_unique<Lan>(met, Link{.latency = 40ms, .jitter = 30ms, .loss = 0.1}, seed);
+    lan->add(config(1, {{met["BALL"]}}));
+    lan->add(config(2), 5s);
+    lan->add(config(3, {{met["CAR"], true}}), -2s, drive());
+    lan->run_until(5s);
+  }
+  void expect_one_ghost_of_the_ball(std::initializer_list<std::size_t> peers) const {
+    const SimTime t = lan->session_now(0) - 1s;
+    for (const std::size_t i : peers) {
+      EXPECT_TRUE(same_bits(lan->peer(i).ghost(met["BALL"], t), lan->peer(0).ghost(met["BALL"], t))) << i + 1;
+    }
+  }
+  World met{kMetWorld, {"CAR", "BALL"}};
+};
+
+// Each peer has noticed at another instant that the owner is gone.
+TEST_F(LeftInTheWay, ItStandsAtOnePlaceForAllAndIsMetThere) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    begin_with_a_ball(seed);
+    seed % 2 == 0 ? lan->kill(2) : lan->leave(2);
+    lan->run_until(9s);
+    expect_it_stands_at_one_place({0, 1});
+    const Vec3 way = ghost(0).position - Vec3(0, 15, 0);
+    EXPECT_TRUE(lan->peer(0).change_velocity(lan->host_now(0), met["BALL"], 6.0 * way.normalized(), true));
+    lan->run_until(10s);
+    lan->add(config(4), 1s);
+    lan->run_until(14s);
+    expect_it_stands_at_one_place({0, 1, 3});
+    expect_one_ghost_of_the_ball({1, 3});
+    EXPECT_GT(lan->peer(0).ghost(met["BALL"], lan->session_now(0)).velocity.y(), 0.0) << "it has come back";
+    if (HasFailure()) FAIL() << "seed " << seed;
+  }
+}
+
+// One side has met it before anybody says where it stands: that contact stands, and is everybody's.
+TEST_F(LeftInTheWay, WhatHasMetItBeforeHasOneOutcome) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    begin_with_a_ball(seed);
+    lan->kill(2);
+    const Vec3 way = ghost(0).position - Vec3(0, 15, 0);
+    EXPECT_TRUE(lan->peer(0).change_velocity(lan->host_now(0), met["BALL"], 4.6 * way.normalized(), true));
+    lan->run_until(13s);
+    expect_it_stands_at_one_place({0, 1});
+    expect_one_ghost_of_the_ball({1});
+    if (HasFailure()) FAIL() << "seed " << seed;
+  }
+}
+
 }  // namespace peerd::replication::peer_left_behind_test

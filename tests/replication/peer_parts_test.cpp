@@ -19,6 +19,20 @@ TEST(PeerParts, OwnsWhatItsConfigurationSays) {
   EXPECT_FALSE(p.replica.begun());
 }
 
+// OWNED is another peer's by a configuration that this peer knows, and CUP the founder's by the file.
+TEST(PeerParts, SceneObjectsAreNobodysByAConfigurationOrTheFile) {
+  const World world(box("BALL", "1 1 1", "0 0 0", kBounces) + box("OWNED", "1 1 1", "3 0 0", kBounces) +
+                        box("CUP", "1 1 1", "6 0 0", std::string(kBounces) + "enslaved TRUE") +
+                        box("WALL", "1 1 1", "9 0 0") + interest("BALL", "\"WALL\"") + interest("OWNED", "\"WALL\"") +
+                        interest("CUP", "\"WALL\""),
+                    {"OWNED"});
+  PeerParts p(config(4), *world.model);
+  EXPECT_TRUE(p.scene.contains(world["BALL"]));
+  for (const char* name : {"OWNED", "CUP"}) EXPECT_FALSE(p.scene.contains(world[name])) << name;
+  EXPECT_TRUE(p.follow_scene_objects(sim(1s)).empty());
+  for (const char* name : {"OWNED", "CUP"}) EXPECT_FALSE(p.scene.contains(world[name])) << name;
+}
+
 TEST(PeerParts, CountsDropsInAllAndByMember) {
   const World world(field(1));
   PeerParts p(config(4), *world.model);

@@ -310,6 +310,28 @@ TEST_F(FarAway, AfterAPartitionOneOfBothOutcomesIsLeft) {
   EXPECT_NEAR(same_everywhere("BALL", 100ms).position.y(), -kLies_m, 0.1);
 }
 
+class Gliding : public Scene {
+ protected:
+  Gliding() : Scene(ball_and_cars(kGlides)) {}
+};
+
+// One peer has not received the ball's owner for a while, and thinks that it goes on as nobody's.
+TEST_F(Gliding, ALoanGoesOnWhenAPeerHasTakenItsOwnerForGone) {
+  add_owners(kStrikes, drives({22, 9, 0}, Vec3::Zero(), 100, 100));
+  lan->add(with_policy(config(4)), 1s);
+  lan->run_until(6s);
+  ASSERT_THAT(owners_of("BALL"), Each(1u));
+  lan->part({2});
+  lan->run_until(10s);
+  ASSERT_THAT(owners_of("BALL"), testing::ElementsAre(1u, 1u, 0u, 1u));
+  lan->part({});
+  for (Duration t = 13s; t <= 19s; t += 1s) {
+    lan->run_until(t);
+    EXPECT_THAT(owners_of("BALL"), Each(1u)) << "at " << t / 1s << " s";
+  }
+  (void)same_everywhere("BALL", 500ms);
+}
+
 // ---- from one to the next ----
 
 class Row : public Scene {

@@ -115,6 +115,55 @@ TEST_F(KeepingScene, AnOwnerThatWasOnlySilentIsItsOwnerAgain) {
   EXPECT_FALSE(keeper.take_over(PeerId{9}, record(5s, 6, 0))) << "it has let it go";
 }
 
+// Its number may be higher than what this peer knows of its own: that counts the updates of others.
+TEST_F(KeepingScene, AnOwnerIsNotTakenForGoneByWhatAnotherPeerSays) {
+  p.give_scene_object(ball, PeerId{5}, sim(5s));
+  keeper.on_states(PeerId{9}, {sim(0s), {record(5s, 4, 3)}});
+  EXPECT_EQ(p.owners.of(ball), PeerId{5});
+  EXPECT_TRUE(p.own.contains(ball));
+  keeper.on_states(PeerId{9}, {sim(0s), {record(6s, 1, 3)}});
+  EXPECT_EQ(p.owners.of(ball), kNobody) << "there was a later decision";
+}
+
+// This peer has come from another session, and has shifted the time of the decision by a little more than its owner.
+TEST_F(KeepingScene, TheEpochOfALoanIsWhatItsOwnerSays) {
+  p.give_scene_object(ball, PeerId{9}, sim(5s + 2ms));
+  EXPECT_TRUE(keeper.take_over(PeerId{9}, record(5s, 3, 0)));
+  EXPECT_EQ(p.owners.of(ball), PeerId{9});
+  EXPECT_EQ(p.scene.decided(ball), sim(5s));
+  keeper.on_states(PeerId{3}, {sim(0s), {record(5s, 5, 2)}});
+  EXPECT_EQ(p.owners.of(ball), kNobody) << "it has let it go, and peer 3 says so";
+  EXPECT_EQ(x(), 2.0);
+}
+
+TEST_F(KeepingScene, AnOldUpdateChangesNoEpoch) {
+  ASSERT_TRUE(keeper.take_over(PeerId{9}, record(5s, 4, 0)));
+  EXPECT_TRUE(keeper.take_over(PeerId{9}, record(4s, 3, 0)));
+  EXPECT_EQ(p.scene.decided(ball), sim(5s));
+}
+
+// The decision is in force here alone: its author has never owned the ball by it.
+TEST_F(KeepingScene, ALoanThatItsOwnerNeverConfirmsIsOver) {
+  p.give_scene_object(ball, PeerId{9}, sim(9s));
+  advance(20s);
+  keeper.offer(host(20s));
+  EXPECT_EQ(p.owners.of(ball), PeerId{9});
+  EXPECT_FALSE(keeper.take_over(PeerId{3}, record(8s, 9, 0)));
+  advance(21s + 10ms);
+  keeper.offer(host(21s + 10ms));
+  EXPECT_EQ(p.owners.of(ball), kNobody);
+  EXPECT_TRUE(keeper.take_over(PeerId{3}, record(8s, 9, 0))) << "whoever knows more counts";
+  EXPECT_EQ(p.owners.of(ball), PeerId{3});
+}
+
+TEST_F(KeepingScene, ALoanThatItsOwnerConfirmsGoesOn) {
+  ASSERT_TRUE(keeper.take_over(PeerId{9}, record(9s, 4, 0)));
+  p.replica.note_update(record(9s, 4, 0));
+  advance(60s);
+  keeper.offer(host(60s));
+  EXPECT_EQ(p.owners.of(ball), PeerId{9});
+}
+
 TEST_F(KeepingScene, StatesOfWhatIsNoneOfTheSceneAreDropped) {
   UpdateRecord wall = record(5s, 1, 0);
   wall.object = world["WALL"];

@@ -14,8 +14,11 @@ using namespace replication;
 void OperationBook::follow(const OperationLogs& logs, AuthorId author) {
   const std::uint64_t whole = logs.whole(author);
   std::uint64_t& read = read_bytes_[author];
+  if (read >= whole) return;
+  const std::uint64_t from = read;
+  const auto bytes = logs.bytes({author, from, whole});
   while (read < whole) {
-    const auto next = decode_operation(author, logs.bytes({author, read, whole}));
+    const auto next = decode_operation(author, std::span(bytes).subspan(read - from));
     if (!next || !*next) return;  // the peer has read it, so that this is another log than that of before
     operations_.insert_or_assign((*next)->operation.id, (*next)->operation);
     read += (*next)->size_bytes;

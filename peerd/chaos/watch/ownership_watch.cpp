@@ -20,8 +20,8 @@ constexpr Duration kTwoTicks = std::chrono::milliseconds(100);
 void OwnershipWatch::on_edit(const WatchedPeer& peer, const EditReport& report) {
   if (!report.operation || !is_about_ownership(report.edit)) return;
   findings_.count(fmt::format("ownership: {}", config::to_string(report.edit.kind)));
-  const OperationState* const state = peer.node->operation(*report.operation);
-  if (state != nullptr && state->asks_until) {
+  const auto state = peer.node->operation(*report.operation);
+  if (state && state->asks_until) {
     findings_.count("request made");
     open_[peer.life].insert(*report.operation);
     return;
@@ -111,7 +111,7 @@ void OwnershipWatch::check_requests(double now_s, const WatchedPeer& peer) {
   }
   auto& open = open_[peer.life];
   for (auto at = open.begin(); at != open.end();) {
-    const OperationState& state = *peer.node->operation(*at);
+    const OperationState state = peer.node->operation(*at).value();
     const bool is_over = state.applied || !state.refused.empty();
     if (!is_over && *state.asks_until + kTwoTicks < host) {
       findings_.violate(now_s, fmt::format("{} has asked for {} by operation {}, and after {} it has no answer",

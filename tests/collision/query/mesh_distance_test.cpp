@@ -190,10 +190,10 @@ TEST(MeshDistance, BoundsAllowForTheirRounding) {
     distances_of_leaves(leaf_a, leaf_b, wide, guess, 0.0f, found[1], estimates);  // both directions only
     distances_of_leaves(leaf_a, leaf_b, wide, guess, kMost, found[2], estimates);
     for (std::size_t j = 0; j < leaf_b.count; ++j) {
-      const Triangle in_b = of_b.triangle(leaf_b.faces[j]);
+      const Triangle in_b = of_b.triangle(b.face(leaf_b, j));
       for (std::size_t k = 0; k < leaf_a.count; ++k) {
         const double truth =
-            triangle_distance(of_a.triangle(leaf_a.faces[k]), {motion(in_b[0]), motion(in_b[1]), motion(in_b[2])})
+            triangle_distance(of_a.triangle(a.face(leaf_a, k)), {motion(in_b[0]), motion(in_b[1]), motion(in_b[2])})
                 .upper;
         for (const Distances& of : found) ASSERT_LE(static_cast<double>(of.lower[j][k]), truth) << i;
         if (truth < 1.0) tightest = std::max(tightest, static_cast<double>(found[1].lower[j][k]) / truth);

@@ -1,5 +1,6 @@
 #include "collision/query/view_query.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <hwy/highway.h>
 #include <hwy/targets.h>
@@ -13,6 +14,7 @@
 
 namespace peerd::collision::view_query_test {
 
+using ::testing::ElementsAreArray;
 using Real = long double;
 
 Frustum frustum_of(const Camera& camera) {
@@ -258,6 +260,27 @@ TEST(ViewQuery, IsTheSameForEachInstructionSet) {
   hwy::SetSupportedTargetsForTest(0);
 }
 
+TEST(ViewQuery, FacesStandInTheOrderOfTheTree) {
+  ViewQuery query;
+  std::size_t found = 0;
+  for (const View& v : views()) {
+    WideTree tree(v.soup), built(v.soup);
+    built.build_all();
+    const auto as_found = query.faces_in_view(tree, v.pose, v.frustum);
+    const std::vector<std::uint32_t> faces(as_found.begin(), as_found.end());
+    EXPECT_THAT(query.faces_in_view(built, v.pose, v.frustum), ElementsAreArray(faces));
+    std::vector<bool> in_view(v.soup.faces.size());
+    for (const std::uint32_t f : faces) in_view[f] = true;
+    std::vector<std::uint32_t> expected;
+    for (const std::uint32_t f : built.faces()) {
+      if (in_view[f]) expected.push_back(f);
+    }
+    EXPECT_EQ(faces, expected);
+    found += faces.size();
+  }
+  EXPECT_GT(found, 2000u);
+}
+
 TEST(ViewQuery, LooksNoDeeperThanItIsTold) {
   const TriangleSoup soup = torus(64, 128, true);
   // Its hole is all that this sees: the box is in view, and no triangle is.
@@ -286,7 +309,9 @@ TEST(ViewQuery, WhatIsWhollyInsideIsTestedByNoPlaneBelow) {
   WideTree tree(soup);
   ViewQuery query;
   const Frustum frustum = frustum_of({Pose{Vec3(0, 0, 5), Quat::Identity()}, 1.5});
-  EXPECT_EQ(query.faces_in_view(tree, Pose{}, frustum).size(), soup.faces.size());
+  const auto seen = query.faces_in_view(tree, Pose{}, frustum);
+  tree.build_all();
+  EXPECT_THAT(seen, ElementsAreArray(tree.faces()));
   EXPECT_EQ(query.counters().plane_tests, frustum.count());  // the root's children, and that was all
 }
 

@@ -33,7 +33,8 @@ TEST(WideDistance, BoundsOfTrianglesAreNeverAboveTheirDistance) {
         distances_of_leaves(a, b, motion, direction, kMost, distances, estimates);
         for (std::size_t row = 0; row < b.count; ++row) {
           for (std::size_t lane = 0; lane < a.count; ++lane) {
-            const double upper = triangle_distance(pair.of_a(a.faces[lane]), pair.of_b(b.faces[row])).upper;
+            const double upper =
+                triangle_distance(pair.of_a(pair.tree_a.face(a, lane)), pair.of_b(pair.tree_b.face(b, row))).upper;
             const bool is_below = (distances.below[row] >> lane & 1) != 0;
             ASSERT_LE(static_cast<double>(distances.lower[row][lane]), upper);
             if (is_below && upper > 0.0) {  // triangles that cross have points apart as estimates

@@ -46,7 +46,7 @@ TEST(WideImpact, RulesOutNoTrianglesThatMeet) {
             ruled_out += !may;
             for (int step = 0; step <= 10; ++step) {
               const double t = kWithin_s * step / 10;
-              Triangle of_a = pair.of_a(a.faces[lane]), of_b = pair.b.triangle(b.faces[row]);
+              Triangle of_a = pair.of_a(pair.tree_a.face(a, lane)), of_b = pair.b.triangle(pair.tree_b.face(b, row));
               for (Vec3& p : of_a) p += t * velocity_a;
               for (Vec3& p : of_b) p = pair.a_from_b(p + t * velocity_b);
               if (!touch(of_a, of_b, counters)) continue;

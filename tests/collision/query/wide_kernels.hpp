@@ -43,7 +43,7 @@ inline std::vector<std::uint32_t> faces_below(const WideTree& tree, WideTree::Re
       }
     } else {
       const WideTree::Leaf& leaf = tree.leaf(next.index());
-      faces.insert(faces.end(), leaf.faces.begin(), leaf.faces.begin() + leaf.count);
+      faces.insert(faces.end(), tree.faces(leaf).begin(), tree.faces(leaf).end());
     }
   }
   return faces;

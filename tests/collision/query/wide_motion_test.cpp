@@ -21,7 +21,7 @@ TEST(WideMotion, SlackIsMoreThanTheRoundingOfAPlace) {
     const WideMotion motion(pair.tree_a, pair.tree_b, pair.a_from_b);
     for (const WideTree::Leaf& leaf : pair.tree_b.leaves()) {
       for (std::size_t t = 0; t < leaf.count; ++t) {
-        const Triangle truth = pair.of_b(leaf.faces[t]);
+        const Triangle truth = pair.of_b(pair.tree_b.face(leaf, t));
         for (std::size_t c = 0; c < 3; ++c) {
           for (std::size_t k = 0; k < 3; ++k) {
             const auto& row = motion.a_from_b[k];

@@ -48,7 +48,8 @@ TEST(WideOverlap, RulesOutNothingThatTouches) {
           ASSERT_EQ(masks[row] >> a.count, 0) << "a triangle that isn't there";
           for (std::size_t lane = 0; lane < a.count; ++lane) {
             const bool may = (masks[row] >> lane & 1) != 0;
-            const bool does = touch(pair.of_a(a.faces[lane]), pair.of_b(b.faces[row]), counters);
+            const bool does =
+                touch(pair.of_a(pair.tree_a.face(a, lane)), pair.of_b(pair.tree_b.face(b, row)), counters);
             ASSERT_TRUE(may || !does);
             touching += does;
             kept += may;
@@ -77,8 +78,8 @@ TEST(WideOverlap, NodesAndLeavesRuleOutNothingThatTouchesBelow) {
       masks[LanePairs::of_b(pairs.at[k])] |= static_cast<std::uint8_t>(1u << LanePairs::of_a(pairs.at[k]));
     }
     const WideTree::Leaf &leaf_a = pair.tree_a.leaf(0), &leaf_b = pair.tree_b.leaf(0);
-    const std::vector<std::uint32_t> in_leaf_a(leaf_a.faces.begin(), leaf_a.faces.begin() + leaf_a.count);
-    const std::vector<std::uint32_t> in_leaf_b(leaf_b.faces.begin(), leaf_b.faces.begin() + leaf_b.count);
+    const auto in_leaf_a = faces_below(pair.tree_a, Ref(Ref::kLeaf, 0)),
+               in_leaf_b = faces_below(pair.tree_b, Ref(Ref::kLeaf, 0));
     const std::uint8_t node_leaf = test_node_leaf(a, box_of(pair.tree_b, 0), leaf_b, motion),
                        leaf_node = test_leaf_node(box_of(pair.tree_a, 0), leaf_a, b, motion);
     for (std::size_t row = 0; row < WideTree::kWidth; ++row) {

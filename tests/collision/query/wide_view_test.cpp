@@ -22,7 +22,7 @@ TEST(WideRay, RulesOutNoTriangleThatItHits) {
     for (const WideTree::Leaf& leaf : tree.leaves()) {
       const std::uint8_t mask = test_ray_leaf(leaf, wide);
       for (std::size_t t = 0; t < leaf.count; ++t) {
-        const auto found = first_parameter(ray, soup.triangle(leaf.faces[t]), counters);
+        const auto found = first_parameter(ray, soup.triangle(tree.face(leaf, t)), counters);
         const bool hit = found && *found <= ray.longest, may = (mask >> t & 1) != 0;
         ASSERT_TRUE(!hit || (may && wide.reaches_tree())) << i;
         hits += hit;
@@ -90,20 +90,20 @@ TEST(WidePlanes, LeaveOutNothingThatReachesIntoAllHalfSpaces) {
       for (std::size_t t = 0; t < leaf.count; ++t) {
         for (std::size_t n = 0; n < 2; ++n) {
           int inside = 0;
-          for (const Vec3& p : soup.triangle(leaf.faces[t])) inside += normals[n].dot(p) + offsets[n] > 0.0;
+          for (const Vec3& p : soup.triangle(tree.face(leaf, t))) inside += normals[n].dot(p) + offsets[n] > 0.0;
           const bool may = (mask >> t & 1) != 0;
           if (may && (crossed[t] >> n & 1) == 0) {
             ++wholly;
             EXPECT_EQ(inside, 3) << "not crossed, so wholly inside";
           }
           int outside = 0;
-          for (const Vec3& p : soup.triangle(leaf.faces[t])) outside += normals[n].dot(p) + offsets[n] < -1e-4;
+          for (const Vec3& p : soup.triangle(tree.face(leaf, t))) outside += normals[n].dot(p) + offsets[n] < -1e-4;
           if (outside == 3) {
             EXPECT_FALSE(may);
           }
         }
         bool corner_in_both = false;
-        for (const Vec3& p : soup.triangle(leaf.faces[t])) {
+        for (const Vec3& p : soup.triangle(tree.face(leaf, t))) {
           corner_in_both |= normals[0].dot(p) + offsets[0] >= 0.0 && normals[1].dot(p) + offsets[1] >= 0.0;
         }
         if (corner_in_both) {

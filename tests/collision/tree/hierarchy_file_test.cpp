@@ -17,6 +17,7 @@
 
 namespace peerd::collision::hierarchy_file_test {
 
+using ::testing::ElementsAreArray;
 using ::testing::HasSubstr;
 using Ref = WideTree::Ref;
 
@@ -47,13 +48,16 @@ struct Forged {
   std::string header;
   std::vector<WideTree::Node> nodes;
   std::vector<WideTree::Leaf> leaves;
+  std::vector<std::uint32_t> faces;
 
   explicit Forged(const std::string& file) : header(file.substr(0, kHeaderBytes)) {
     nodes.resize(number(36));
     leaves.resize(number(40));
+    faces.resize(number(32));
     std::memcpy(nodes.data(), file.data() + kHeaderBytes, nodes.size() * sizeof(WideTree::Node));
-    std::memcpy(leaves.data(), file.data() + kHeaderBytes + nodes.size() * sizeof(WideTree::Node),
-                leaves.size() * sizeof(WideTree::Leaf));
+    const char* const behind = file.data() + kHeaderBytes + nodes.size() * sizeof(WideTree::Node);
+    std::memcpy(leaves.data(), behind, leaves.size() * sizeof(WideTree::Leaf));
+    std::memcpy(faces.data(), behind + leaves.size() * sizeof(WideTree::Leaf), faces.size() * sizeof(std::uint32_t));
   }
   [[nodiscard]] std::uint32_t number(std::size_t offset) const {
     std::uint32_t value = 0;
@@ -65,16 +69,19 @@ struct Forged {
   }
 
   [[nodiscard]] std::string file() {
-    std::string body(nodes.size() * sizeof(WideTree::Node) + leaves.size() * sizeof(WideTree::Leaf), '\0');
-    std::memcpy(body.data(), nodes.data(), nodes.size() * sizeof(WideTree::Node));
-    std::memcpy(body.data() + nodes.size() * sizeof(WideTree::Node), leaves.data(),
-                leaves.size() * sizeof(WideTree::Leaf));
+    std::string body;
+    const auto append = [&](const auto& entries) {
+      body.append(reinterpret_cast<const char*>(entries.data()), entries.size() * sizeof entries[0]);
+    };
+    append(nodes);
+    append(leaves);
+    append(faces);
     set_number(36, static_cast<std::uint32_t>(nodes.size()));
     set_number(40, static_cast<std::uint32_t>(leaves.size()));
     std::uint64_t hash = 0xcbf29ce484222325u;
-    for (std::size_t i = 0; i < body.size(); i += 8) {  // both kinds of entries are multiples of eight bytes
+    for (std::size_t i = 0; i < body.size(); i += 8) {
       std::uint64_t word = 0;
-      std::memcpy(&word, body.data() + i, sizeof word);
+      std::memcpy(&word, body.data() + i, std::min(sizeof word, body.size() - i));
       hash = std::rotl((hash ^ word) * 0x100000001b3u, 29);
     }
     std::memcpy(header.data() + 24, &hash, sizeof hash);
@@ -102,6 +109,8 @@ TEST(HierarchyFile, ATreeThatWasReadAnswersAsTheOneThatWasWritten) {
       const std::vector<PolygonPair> expected = query.all_pairs(built, other, motion);
       EXPECT_EQ(query.all_pairs(*from_file, other, motion), expected);
     }
+    built.build_all();
+    EXPECT_THAT(from_file->faces_below(WideTree::kRoot), ElementsAreArray(built.faces()));
   }
 }
 
@@ -156,11 +165,21 @@ const Forgery kForgeries[] = {
     {"OrphanedLeaf", [](Forged& f) { f.nodes.back().children[0] = Ref(); }},
     {"EmptyLeaf", [](Forged& f) { f.leaves[1].count = 0; }},
     {"LeafOfNine", [](Forged& f) { f.leaves[1].count = 9; }},
-    {"FaceOutOfRange", [](Forged& f) { f.leaves[1].faces[0] = f.number(32); }},
-    {"FaceOutOfRangeInAnUnusedLane",
+    {"FaceOutOfRange", [](Forged& f) { f.faces[1] = f.number(32); }},
+    {"LeafBehindTheFaces", [](Forged& f) { f.leaves[1].first_face = f.number(32) - f.leaves[1].count + 1; }},
+    {"LeafWhoseFacesOverflow", [](Forged& f) { f.leaves[1].first_face = ~0u; }},
+    {"LeafThatSharesAFace", [](Forged& f) { f.leaves[1].first_face -= 1; }},
+    {"LeafWithTheFacesOfAnother", [](Forged& f) { f.leaves[1].first_face = f.leaves[0].first_face; }},
+    {"LeafThatLosesAFace",
      [](Forged& f) {
-       auto& leaf = *std::ranges::find_if(f.leaves, [](const WideTree::Leaf& l) { return l.count < WideTree::kWidth; });
-       leaf.faces[WideTree::kWidth - 1] = f.number(32);
+       std::ranges::find_if(f.leaves, [](const WideTree::Leaf& leaf) { return leaf.count > 1; })->count -= 1;
+     }},
+    {"ChildrenInAnotherOrder", [](Forged& f) { std::swap(f.nodes[0].children[0], f.nodes[0].children[1]); }},
+    {"NodeWithoutChildren",
+     [](Forged& f) {
+       f.nodes.push_back(childless_node());
+       free_slot(*std::ranges::find_if(f.nodes, has_free_slot)) =
+           Ref(Ref::kNode, static_cast<std::uint32_t>(f.nodes.size() - 1));
      }},
     // The forgeries below leave nothing unseen: one condition alone refuses each.
     {"LeafSharedThroughAFreeSlot", [](Forged& f) { free_slot(f.nodes.back()) = f.nodes.back().children[0]; }},
@@ -197,7 +216,7 @@ const Forgery kForgeries[] = {
        const auto slot = static_cast<std::size_t>(&free_slot(last) - last.children.data());
        last.oriented_half[2][slot] = 1.0F;
      }},
-    {"MissingFace", [](Forged& f) { f.leaves[1].faces[0] = f.leaves[0].faces[0]; }},
+    {"MissingFace", [](Forged& f) { f.faces[1] = f.faces[0]; }},
 };
 
 TEST(HierarchyFile, RefusesForgedTreesWithRightChecksums) {
@@ -263,10 +282,14 @@ TEST(HierarchyFile, NothingInAFileMakesAQueryReadBeyondItsArrays) {
     const std::size_t size = forged.nodes.size() * sizeof(WideTree::Node);
     auto* const bytes = reinterpret_cast<unsigned char*>(forged.nodes.data());
     auto* const leaf_bytes = reinterpret_cast<unsigned char*>(forged.leaves.data());
+    auto* const face_bytes = reinterpret_cast<unsigned char*>(forged.faces.data());
     for (int k = 0; k < 1 + i % 3; ++k) {
       const double at = numbers.unit();
       const auto bit = static_cast<unsigned char>(1u << static_cast<unsigned>(8.0 * numbers.unit()));
-      if (i % 2 == 0) {
+      if (i % 10 == 9) {
+        face_bytes[static_cast<std::size_t>(at * static_cast<double>(sizeof(std::uint32_t) * forged.faces.size()))] ^=
+            bit;
+      } else if (i % 2 == 0) {
         bytes[static_cast<std::size_t>(at * static_cast<double>(size))] ^= bit;
       } else {
         leaf_bytes[static_cast<std::size_t>(at * static_cast<double>(forged.leaves.size() * sizeof(WideTree::Leaf)))] ^=
@@ -279,6 +302,7 @@ TEST(HierarchyFile, NothingInAFileMakesAQueryReadBeyondItsArrays) {
     WideTree still(other);
     WideQuery query;
     (void)query.all_pairs(*tree, still, RelativeMotion(random_pose(numbers, 0.5), random_pose(numbers, 0.5)));
+    EXPECT_EQ(tree->faces_below(WideTree::kRoot).size(), soup.faces.size());
   }
   EXPECT_GT(read_again, 100);
 }

@@ -1,5 +1,6 @@
 #include "collision/tree/wide_tree.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +11,7 @@
 
 namespace peerd::collision::wide_tree_test {
 
+using ::testing::ElementsAreArray;
 using Ref = WideTree::Ref;
 
 TEST(WideTree, HoldsEachTriangleOnceInLeavesOfEightAtMost) {
@@ -28,7 +30,7 @@ TEST(WideTree, HoldsEachTriangleOnceInLeavesOfEightAtMost) {
         ++leaves;
         EXPECT_GE(leaf.count, 1u);
         EXPECT_LE(leaf.count, WideTree::kWidth);
-        for (std::size_t i = 0; i < leaf.count; ++i) held.insert(leaf.faces[i]);
+        for (const std::uint32_t face : tree.faces(leaf)) held.insert(face);
         continue;
       }
       ASSERT_EQ(ref.kind(), WideTree::Ref::kNode);
@@ -64,8 +66,8 @@ void expect_boxes_hold(WideTree& tree) {
           continue;
         }
         const WideTree::Leaf& leaf = tree.leaf(ref.index());
-        for (std::size_t f = 0; f < leaf.count; ++f) {
-          for (const Vec3& corner : tree.soup().triangle(leaf.faces[f])) {
+        for (const std::uint32_t face : tree.faces(leaf)) {
+          for (const Vec3& corner : tree.soup().triangle(face)) {
             const Vec3 p = (corner - tree.origin()) * tree.scale();
             for (int k = 0; k < 3; ++k) {
               const auto axis = static_cast<std::size_t>(k);
@@ -107,6 +109,51 @@ TEST(WideTree, RefittedBoxesHoldMovedVertices) {
   tree.refit();
   EXPECT_EQ(tree.nodes_built(), nodes);
   ASSERT_NO_FATAL_FAILURE(expect_boxes_hold(tree));
+}
+
+// Faces below a slot, by a descent that does not use the list's ranges.
+std::vector<std::uint32_t> descended(WideTree& tree, WideTree::ChildSlot slot) {
+  const Ref ref = tree.at(slot);
+  std::vector<std::uint32_t> faces;
+  if (ref.kind() == Ref::kLeaf) {
+    for (std::size_t i = 0; i < tree.leaf(ref.index()).count; ++i)
+      faces.push_back(tree.face(tree.leaf(ref.index()), i));
+    return faces;
+  }
+  for (std::size_t i = 0; i < WideTree::kWidth && tree.node(ref.index()).children[i].kind() != Ref::kNone; ++i) {
+    const std::vector<std::uint32_t> below = descended(tree, WideTree::child_slot(ref, i));
+    faces.insert(faces.end(), below.begin(), below.end());
+  }
+  return faces;
+}
+
+TEST(WideTree, FacesBelowASlotStandInARowWhateverIsBuilt) {
+  for (const std::uint32_t triangles : {5u, 9u, 100u, 3000u}) {
+    const TriangleSoup soup = random_soup(triangles, 0.1, triangles);
+    WideTree whole(soup);
+    whole.build_all();
+    EXPECT_THAT(whole.faces(), ElementsAreArray(descended(whole, WideTree::kRoot)));
+    for (std::size_t i = 0; i < WideTree::kWidth; ++i) {
+      WideTree lazy(soup);
+      const Ref root = lazy.at(WideTree::kRoot);
+      if (root.kind() == Ref::kNode) {
+        if (lazy.peek(WideTree::child_slot(root, i)).kind() == Ref::kNone) continue;
+        const WideTree::ChildSlot slot = WideTree::child_slot(root, i);
+        const std::size_t before = lazy.nodes_built();
+        const auto below = lazy.faces_below(slot);
+        EXPECT_THAT(below, ElementsAreArray(descended(whole, WideTree::child_slot(whole.at(WideTree::kRoot), i))));
+        EXPECT_LT(before, lazy.nodes_built());
+        const std::size_t built = lazy.nodes_built();
+        EXPECT_EQ(lazy.faces_below(slot).data(), below.data());
+        EXPECT_EQ(lazy.nodes_built(), built);
+        if (below.size() < triangles / 2) {
+          EXPECT_LT(built, whole.nodes_built());
+        }
+      }
+      EXPECT_THAT(lazy.faces_below(WideTree::kRoot), ElementsAreArray(whole.faces()));
+      EXPECT_EQ(lazy.nodes_built(), whole.nodes_built());
+    }
+  }
 }
 
 TEST(WideTree, BuildsANodeWhenItIsVisitedAndKeepsIt) {

@@ -65,8 +65,9 @@ class StoreCommand : public testing::Test {
 
 TEST_F(StoreCommand, CheckSaysWhatIsThere) {
   EXPECT_EQ(check(false), 0) << err;
-  EXPECT_THAT(out.str(), AllOf(HasSubstr("1 operation of 1 author"),
-                               HasSubstr("author 7, this store's own: 1 operation"), HasSubstr("time 2.500 s")));
+  EXPECT_THAT(out.str(),
+              AllOf(HasSubstr("1 operation of 1 author"), HasSubstr("author 7, this store's own: 1 operation"),
+                    HasSubstr("time 2.500 s"), HasSubstr("bytes in a file of ")));
 }
 
 TEST_F(StoreCommand, CheckSaysItInJson) {
@@ -78,6 +79,7 @@ TEST_F(StoreCommand, CheckSaysItInJson) {
   EXPECT_EQ(all["bytes"], bytes.size());
   EXPECT_EQ(all["logs"].size(), 1U);
   EXPECT_EQ(all["logs"][0]["last_stamp_s"], 2.5);
+  EXPECT_GE(all["file_bytes"], 4096);
 }
 
 TEST_F(StoreCommand, CheckSaysThatThePeerOfACopyBeginsALogOfItsOwn) {

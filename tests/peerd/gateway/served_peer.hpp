@@ -75,12 +75,6 @@ class ServedPeer {
     return exit_code_;
   }
 
-  // Waits until the motions have begun.
-  void await_start() {
-    const auto begun = [this] { return node_->start() && session_now() > *node_->start(); };
-    EXPECT_TRUE(soon([&] { return in_its_thread(begun); }));
-  }
-
   // Evaluates in the peer's thread.
   template <class Function>
   auto in_its_thread(Function function) {
@@ -112,6 +106,12 @@ class ServedPeer {
 
   // The session time; in the peer's thread only.
   [[nodiscard]] SimTime session_now() const { return node_->peer().clock().to_session(clock_.now()); }
+
+  // Waits until the motions have begun.
+  void await_start() {
+    const auto begun = [this] { return node_->start() && session_now() > *node_->start(); };
+    EXPECT_TRUE(soon([&] { return in_its_thread(begun); }));
+  }
 
   [[nodiscard]] std::uint16_t port() const { return port_; }
   [[nodiscard]] std::string host() const { return "127.0.0.1:" + std::to_string(port_); }

@@ -112,4 +112,42 @@ TEST_F(Edits, AStoreHasAllUpToAnOperation) {
   EXPECT_FALSE(edits.find(third)->stored);
 }
 
+// An operation that is over and not recent is kept in little room, and says the same.
+TEST_F(Edits, OldOnesAreStillKnown) {
+  const OperationId refused = note(Kind::kGrab, at(2s));
+  say(RequestRefused{refused, "its owner holds it"});
+  const OperationId plain = note(Kind::kSet);
+  say(SceneEdited{plain, {}, ""});
+  say(OperationHeld{plain});
+  number += 3;  // operations that nobody asked for
+  const OperationId late = note(Kind::kSet);
+  say(SceneEdited{late, {}, ""});
+  const OperationId asks = note(Kind::kOwn, at(9s));
+  for (std::size_t i = 0; i < 2 * PeerEdits::kRecentMax; ++i) say(SceneEdited{note(Kind::kSet), {}, ""});
+  (void)refusal();
+  EXPECT_EQ(edits.find(refused)->refused, "its owner holds it");
+  EXPECT_FALSE(edits.find(refused)->applied);
+  EXPECT_TRUE(edits.find(plain)->applied && edits.find(plain)->held);
+  EXPECT_FALSE(edits.find(plain)->stored);
+  EXPECT_FALSE(edits.find({plain.author, plain.number + 1})) << "it is none of this peer's edits";
+  EXPECT_TRUE(edits.find(asks)->asks_until) << "a request that goes on is no old one";
+  edits.give_up(at(9s));
+  EXPECT_EQ(refusal(), "its owner has not answered");
+  for (std::size_t i = 0; i < 2; ++i) (void)note(Kind::kSet);
+  const OperationId last{plain.author, number};
+  edits.note_stored(last);
+  EXPECT_TRUE(edits.find(plain)->stored && edits.find(late)->stored && edits.find(last)->stored);
+  say(OperationHeld{late});
+  say(SceneEdited{late, {}, "it is not in the scene any more"});
+  const auto report = edits.poll();
+  ASSERT_TRUE(report);
+  EXPECT_EQ(report->edit.kind, Kind::kSet);
+  EXPECT_EQ(report->edit.path, "(operation 5:6)") << "its path is forgotten";
+  EXPECT_EQ(report->operation, late);
+  EXPECT_EQ(edits.find(late)->refused, "it is not in the scene any more");
+  EXPECT_TRUE(edits.find(late)->held);
+  say(SceneEdited{late, {}, ""});
+  EXPECT_EQ(edits.find(late)->refused, "");
+}
+
 }  // namespace peerd::peer_edits_test

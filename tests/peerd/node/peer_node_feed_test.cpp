@@ -309,7 +309,7 @@ TEST_F(PeerNodeHand, TakesHoldWithAGoodPoseOnly) {
   EXPECT_NEAR(truth("FREE").velocity.x(), 2.0, 0.01);
 }
 
-TEST_F(PeerNodeHand, WhatIsRemovedIsNobodysHands) {
+TEST_F(PeerNodeHand, WhatIsRemovedItDoesNotMove) {
   EXPECT_EQ(ask({{"do", "grab"}, {"path", "FREE"}})["done"], true);
   run(300ms);
   (void)drag(1.0, 0.0);
@@ -319,7 +319,8 @@ TEST_F(PeerNodeHand, WhatIsRemovedIsNobodysHands) {
   EXPECT_EQ(ask({{"do", "let_go"}, {"path", "FREE"}})["done"], false);
   EXPECT_EQ(ask({{"do", "undo"}})["done"], true);
   run(500ms);
-  EXPECT_EQ(pose(1)["taken"], 0) << "it is back, and nobody's";
+  EXPECT_EQ(node->peer().owner(*shared->world.scene.find("FREE")), PeerId{1});
+  EXPECT_EQ(pose(1)["taken"], 1) << "it is back, and its peer has it, as before";
 }
 
 TEST_F(PeerNodeFeed, APeerWithoutSuchObjectsSaysSo) {

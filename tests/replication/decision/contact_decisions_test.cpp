@@ -16,6 +16,7 @@ class Deciding : public testing::Test {
     owners.set(a, PeerId{self});
     owners.set(b, other);
     owners.set(c, PeerId{9});
+    for (const ObjectId object : {a, b, c}) scene.remove(object);
     echo_us(add_member(members, remote), 0.001);
     echo_us(add_member(members, 9), 0.001);
     replica.begin(sim(0s));

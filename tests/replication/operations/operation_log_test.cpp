@@ -110,6 +110,38 @@ TEST(OperationLogs, SayWhatIsMissing) {
   EXPECT_EQ(logs.bytes({kTwo, 0, 500}).size(), 0u);
 }
 
+// Most of a long log is packed: it has the same bytes and operations, and refuses others.
+TEST(OperationLogs, OldOperationsCanBeRead) {
+  OperationLogs logs(kOne);
+  OperationMaker make(7);
+  std::vector<Operation> own;
+  std::vector<std::byte> all;
+  while (all.size() < 20 * LogBytes::kBlock_bytes) {
+    const OperationId id{kOne, static_cast<std::uint32_t>(own.size() + 1)};
+    own.push_back(own.size() % 500 == 99 ? make.large(id, 50'000) : make.operation(id));
+    const auto bytes = encode(own.back());
+    all.insert(all.end(), bytes.begin(), bytes.end());
+    ASSERT_TRUE(logs.append(own.back()));
+  }
+  std::vector<Operation> others;
+  const auto log = log_of(kTwo, 3000, 8, &others);
+  ASSERT_TRUE(logs.receive(whole(log, kTwo)));
+  EXPECT_EQ(held(logs, kOne), all);
+  EXPECT_EQ(held(logs, kTwo), log);
+  for (std::size_t i = 0; i < 3000; ++i) {
+    const Operation &one = own[make.random() % own.size()], &two = others[make.random() % others.size()];
+    EXPECT_TRUE(test::same(logs.operation(one.id), one));
+    EXPECT_TRUE(test::same(logs.operation(two.id), two));
+  }
+  EXPECT_EQ(logs.held_bytes({kTwo, 10, log.size() + 5}), log.size() - 10);
+  EXPECT_EQ(logs.held_bytes({kTwo, log.size() + 2, log.size() + 5}), 0u);
+  EXPECT_EQ(error_of(logs, part_of(log, kTwo, 40'000, 90'000)), "none") << "it is known";
+  auto other = part_of(log, kTwo, 40'000, 90'000);
+  other.bytes.back() ^= std::byte{1};
+  EXPECT_EQ(error_of(logs, other), "forked_log");
+  EXPECT_EQ(held(logs, kTwo), log);
+}
+
 TEST(OperationLogs, AFork) {
   const auto log = log_of(kOne, 20, 5), other = log_of(kOne, 20, 6);
   OperationLogs logs;

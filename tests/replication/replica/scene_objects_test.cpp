@@ -8,7 +8,7 @@ namespace peerd::replication::scene_objects_test {
 
 using namespace test;
 
-// FREE and BALL are registered as colliders, BALL only against FREE; OWNED is a configuration's, WALL no collider.
+// FREE and BALL are registered as colliders, BALL only against FREE; WALL is no collider, PLAIN does not respond.
 class SceneThings : public testing::Test {
  protected:
   SceneThings() {
@@ -22,19 +22,17 @@ class SceneThings : public testing::Test {
   }
 
   World world{box("FREE", "1 1 1", "0 0 0", kBounces) + box("BALL", "1 1 1", "50 0 0", kBounces) +
-                  box("OWNED", "1 1 1", "90 0 0", kBounces) + box("WALL", "1 1 1", "-90 0 0", kBounces) +
-                  box("PLAIN", "1 1 1", "-50 0 0") + interest("FREE", "\"WALL\" \"BALL\"") +
-                  interest("BALL", "\"FREE\"") + interest("OWNED", "\"WALL\"") + interest("PLAIN", "\"WALL\""),
-              {"OWNED"}};
+              box("WALL", "1 1 1", "-90 0 0", kBounces) + box("PLAIN", "1 1 1", "-50 0 0") +
+              interest("FREE", "\"WALL\" \"BALL\"") + interest("BALL", "\"FREE\"") + interest("PLAIN", "\"WALL\"")};
   ObjectId free = world["FREE"], ball = world["BALL"], wall = world["WALL"];
   Owners owners;
   MotionWorld truth{*world.model, sim(0s)};
   SceneObjects scene{*world.in_force};
 };
 
-TEST_F(SceneThings, AreCollidersWithAResponseThatNoConfigurationGivesToAPeer) {
+TEST_F(SceneThings, AreCollidersWithAResponse) {
   for (const char* name : {"FREE", "BALL"}) EXPECT_TRUE(scene.contains(world[name])) << name;
-  for (const char* name : {"OWNED", "WALL", "PLAIN"}) EXPECT_FALSE(scene.contains(world[name])) << name;
+  for (const char* name : {"WALL", "PLAIN"}) EXPECT_FALSE(scene.contains(world[name])) << name;
   scene.note_moved(ball);
   scene.remove(ball);
   EXPECT_FALSE(scene.contains(ball) || scene.is_moved(ball));

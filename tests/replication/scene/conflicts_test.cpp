@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <deque>
+#include <map>
 #include <set>
 
 namespace peerd::replication::conflicts_test {
@@ -22,12 +22,13 @@ SimTime at_h(int hours) { return SimTime{std::chrono::hours(hours)}; }
 class BoundedConflicts : public testing::Test {
  protected:
   void write(AuthorId author, std::uint32_t number, std::uint32_t node) {
-    bodies.push_back(SetData{NodeId{node}, "k", "v"});
-    conflicts.on_in_force(key(author, number), bodies.back(), 0, {}, true);
+    bodies[key(author, number)] = SetData{NodeId{node}, "k", "v"};
+    conflicts.on_in_force(key(author, number), 0, {}, true);
   }
-  std::deque<OperationBody> bodies;
+  std::map<OperationKey, OperationBody> bodies;
   std::set<OperationKey> withdrawn;
-  Conflicts conflicts{[this](const OperationKey& each) { return !withdrawn.contains(each); }};
+  Conflicts conflicts{[this](const OperationKey& each) { return !withdrawn.contains(each); },
+                      [this](const OperationKey& each) { return bodies.at(each); }};
 };
 
 TEST_F(BoundedConflicts, TheOldestAreForgottenAndCounted) {
@@ -74,7 +75,7 @@ TEST_F(BoundedConflicts, OnlyWhatIsInForceCounts) {
   EXPECT_EQ(all[0].loser, key(kBob, 1));
   EXPECT_EQ(all[0].winner, key(kAda, 2));
   withdrawn.insert(key(kAda, 2));
-  conflicts.on_undone(key(kAda, 2), bodies.back());
+  conflicts.on_undone(key(kAda, 2));
   conflicts.find(at_h(1));
   const auto without = conflicts.list(at_h(1));
   ASSERT_THAT(without, SizeIs(1)) << "she has not gone on from it";

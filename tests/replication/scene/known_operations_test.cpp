@@ -54,7 +54,7 @@ TEST(KnownOperations, AsSetsOfAllThatEachHeld) {
   std::vector<Operation> made;
   std::set<std::pair<OperationId, OperationId>> knew;
   std::array<std::vector<Operation>, 3> logs;
-  for (int k = 0; k < 300; ++k) {
+  for (int k = 0; k < 900; ++k) {
     const std::size_t i = random() % 3, j = random() % 3;
     if (random() % 2 == 0) {
       if (i == j || holds[i][j] == logs[j].size()) continue;

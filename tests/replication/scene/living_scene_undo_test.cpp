@@ -9,6 +9,7 @@
 #include "core/scene/reader.hpp"
 #include "core/vrml/document.hpp"
 #include "core/writer/writer.hpp"
+#include "replication/operations/operation_log.hpp"
 #include "replication/scene/living_scene.hpp"
 
 namespace peerd::replication::living_scene_undo_test {
@@ -41,7 +42,8 @@ void apply_all(LivingScene& living, SimTime until, SimTime known) {
 // The operations of three authors, each of whom undoes and redoes some of its own.
 class Writers {
  public:
-  explicit Writers(std::uint64_t seed) : random_(seed) {}
+  // `padding`: so many bytes more of each value of data.
+  explicit Writers(std::uint64_t seed, std::size_t padding = 0) : random_(seed), padding_(padding) {}
 
   void make(int count) {
     for (int k = 0; k < count; ++k) {
@@ -81,14 +83,16 @@ class Writers {
     };
     switch (draw(8)) {
       case 0:
-        return RemoveObject{object()};
+        if (padding_ == 0 || draw(30) == 0) return RemoveObject{object()};  // of many operations few remove something
+        [[fallthrough]];
       case 1:
         return MoveObject{object(), object(), {}};
       case 2:
       case 3:
         return AddNodes{object(), {}, kHead + "Transform { }\n", next_[i], next_[i]++, {}};
       case 4:
-        return SetData{NodeId{static_cast<std::uint32_t>(draw(5))}, "k", std::to_string(draw(100))};
+        return SetData{NodeId{static_cast<std::uint32_t>(draw(5))}, "k",
+                       std::to_string(draw(100)) + std::string(padding_, '.')};
       case 5:
       case 6:
         if (!logs[i].empty()) {
@@ -106,6 +110,7 @@ class Writers {
   }
 
   std::mt19937_64 random_;
+  std::size_t padding_;
   SimTime stamp_{};
   std::uint32_t next_[3] = {};
 };
@@ -150,6 +155,75 @@ TEST(LivingSceneUndo, IsAsIfTheOperationHadNeverBeen) {
   }
   EXPECT_GT(undos, 300u);
   EXPECT_GT(differs, 20u);
+}
+
+std::vector<ObjectId> ids_of(const Scene& scene) {
+  std::vector<ObjectId> ids;
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) ids.push_back(scene.id_of(i));
+  return ids;
+}
+
+// Of a peer whose logs are packed but for the last operations: one author was away, and its whole log comes when all
+// others' have been applied; or a part of it is the first that there is.
+TEST(LivingSceneUndo, IsTheSameWhereOperationsAreReadFromPackedLogs) {
+  const Scene file = read("DEF A Transform { }\nDEF B Transform { }\nDEF C Transform { }\n");
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(seed);
+    Writers writers(seed, 10'000);
+    writers.make(300);
+    LivingScene kept(file);
+    for (const Operation& o : writers.all) {
+      kept.add(o);
+      apply_all(kept, o.stamp, SimTime::min());
+    }
+    OperationLogs logs;
+    LivingScene alike(file);  // gets what from_logs does when that does
+    LivingScene from_logs(file, {}, OperationBodies([&](OperationId id) { return logs.operation(id).body; }));
+    const auto take = [&](std::size_t author, std::size_t begin, std::size_t end) {
+      OperationPart part{kAuthors[author], logs.length(kAuthors[author]), {}};
+      for (std::size_t k = begin; k < end; ++k) {
+        const auto bytes = encode(writers.logs[author][k]);
+        part.bytes.insert(part.bytes.end(), bytes.begin(), bytes.end());
+      }
+      const auto taken = logs.receive(part);
+      ASSERT_TRUE(taken) << taken.error();
+      for (const Operation& o : *taken) ASSERT_TRUE(from_logs.add(o) && alike.add(o));
+    };
+    const auto apply_both = [&](SimTime until) {
+      for (LivingScene* living : {&from_logs, &alike}) apply_all(*living, until, SimTime::min());
+    };
+    const std::size_t away = writers.draw(3), early = writers.draw(2) * writers.logs[away].size() / 3;
+    if (early > 0) take(away, 0, early);
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t k = 0; i != away && k < writers.logs[i].size(); k += 10) {
+        take(i, k, std::min(k + 10, writers.logs[i].size()));
+        if (writers.draw(2) == 0) apply_both(writers.logs[i][k].stamp);
+      }
+    }
+    apply_both(SimTime::max());
+    EXPECT_NE(text_of(from_logs), text_of(kept));
+    take(away, early, writers.logs[away].size());
+    apply_both(SimTime::max());
+    EXPECT_EQ(text_of(from_logs), text_of(kept));
+    EXPECT_EQ(ids_of(*from_logs.scene()), ids_of(*kept.scene()));
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_GT(logs.length(kAuthors[i]), 3 * LogBytes::kBlock_bytes) << "it is packed";
+      EXPECT_EQ(from_logs.next_ids(kAuthors[i]).object, kept.next_ids(kAuthors[i]).object);
+      for (const Operation& o : writers.logs[i]) EXPECT_EQ(from_logs.find({o.stamp, o.id}), o.body);
+      const auto undo = from_logs.next_undo(kAuthors[i], false, SimTime::max());
+      const auto expected = kept.next_undo(kAuthors[i], false, SimTime::max());
+      ASSERT_EQ(undo.has_value(), expected.has_value());
+      if (undo) {
+        EXPECT_EQ(undo->undo, expected->undo);
+      }
+    }
+    const auto losses = [](const LivingScene& living) {
+      std::vector<std::pair<OperationKey, std::optional<OperationKey>>> all;
+      for (const Conflict& each : living.conflicts().list(SimTime{})) all.emplace_back(each.loser, each.winner);
+      return all;
+    };
+    EXPECT_TRUE(losses(from_logs) == losses(alike));
+  }
 }
 
 TEST(LivingSceneUndo, IsOfEarlierEditsOfItsAuthor) {
