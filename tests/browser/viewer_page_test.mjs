@@ -199,6 +199,15 @@ async function contactIsSeen(pages) {
   check(deciders.every((name) => name === deciders[0] && kPeers.includes(name)), `the pages name different deciders: ${deciders}`);
 }
 
+// The picture of the contact's instant has a mark there that names the decider.
+async function contactIsMarked(page) {
+  const contact = await page.tab.evaluate(() => window.peerd.contacts().find((known) => known.collider === 'PUCK' && known.decider !== null && !known.retracted));
+  await page.tab.evaluate((time_s) => window.peerd.set_time(time_s), contact.at_s + 0.3);
+  await page.tab.locator('.label.contact:not([hidden])', { hasText: `decided by ${contact.decider_name}` }).first().waitFor();
+  await page.shot('contact-1280');
+  await page.tab.getByRole('button', { name: 'Live' }).click();
+}
+
 async function addAndRemove(page, pages) {
   await page.panel('world');
   await page.tab.getByLabel('VRML to add').fill(`DEF BOX Transform {
@@ -301,7 +310,7 @@ try {
   await pickAndReadOwner(pages[0]);
   await grabAndThrow(pages[0], pages);
   await contactIsSeen(pages);
-  await pages[0].shot('contact-1280');
+  await contactIsMarked(pages[0]);
   await addAndRemove(pages[1], pages);
   await scrubBack(pages[2]);
   for (const page of pages) await page.context.close();

@@ -23,6 +23,12 @@ export class ContactBook {
     return this.contacts.filter(({ event }) => event.at_s > since_s && event.at_s <= until_s);
   }
 
+  // Those of a stretch of time that still hold, without predictions of what has then been found or decided.
+  inForce(since_s: number, until_s: number): readonly KnownContact[] {
+    const those = this.between(since_s, until_s).filter((contact) => !contact.retracted);
+    return those.filter((contact) => contact.event.kind !== 'predicted' || !those.some((other) => fulfils(other.event, contact.event)));
+  }
+
   all(): readonly KnownContact[] {
     return this.contacts;
   }
@@ -52,4 +58,12 @@ export class ContactBook {
     for (const contact of those) contact.retracted = true;
     return those.length;
   }
+}
+
+const kAlike_s = 0.25; // between the instant that was predicted and the one that was decided
+
+function fulfils(event: ContactEvent, predicted: ContactEvent): boolean {
+  if (event.kind === 'predicted' || Math.abs(event.at_s - predicted.at_s) > kAlike_s) return false;
+  const same = event.collider === predicted.collider && event.collidee === predicted.collidee;
+  return same || (event.collider === predicted.collidee && event.collidee === predicted.collider);
 }

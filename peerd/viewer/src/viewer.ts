@@ -100,7 +100,7 @@ export class Viewer {
     this.toolbar = new Toolbar(this.options, { visit: (viewpoint) => this.view.visit(viewpoint), fit: () => this.view.fit() });
     this.timeline = new Timeline(this.head, () => this.now_s());
     this.layout = new Layout(this.header.element, this.timeline.element, [this.objects, this.peersPanel, this.log], [this.inspector, this.world, this.charts]);
-    this.contactMarks = new ContactMarks((until_s, since_s) => this.contacts.between(since_s, until_s));
+    this.contactMarks = new ContactMarks((since_s, until_s) => this.contacts.inForce(since_s, until_s));
     this.layout.stage.append(this.canvas, this.labels.element, this.contactMarks.element, this.toolbar.element, this.offline, this.notices.element);
     root.append(this.layout.element, this.help.element);
     this.view = new SceneView(this.canvas);

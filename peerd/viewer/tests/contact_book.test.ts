@@ -14,6 +14,12 @@ describe('the book of contacts', () => {
     expect(book.between(1, 3).map(({ event, decider }) => [event.at_s, decider])).toEqual([[2, ''], [3, 'peer 2']]);
   });
 
+  it('leaves out predictions that have come true', () => {
+    const book = new ContactBook(names);
+    for (const event of [contact(1, 'predicted', null), contact(1.01, 'decided', 1), contact(2, 'predicted', null), contact(3, 'predicted', null, 'B', 'A'), contact(3.1, 'owner', 1)]) book.take(event);
+    expect(book.inForce(0, 4).map(({ event }) => [event.at_s, event.kind])).toEqual([[1.01, 'decided'], [2, 'predicted'], [3.1, 'owner']]);
+  });
+
   it('marks what is overruled', () => {
     const book = new ContactBook(names);
     book.take(contact(1, 'decided', 1));

@@ -37,11 +37,11 @@ export class ContactMarks implements Overlay {
   private readonly place = new Vector3();
   private readonly turn = new Quaternion();
 
-  constructor(private readonly contactsUpTo: (time_s: number, since_s: number) => readonly KnownContact[]) {}
+  constructor(private readonly contactsIn: (since_s: number, until_s: number) => readonly KnownContact[]) {}
 
   update(view: SceneView, time_s: number): void {
     this.element.hidden = !this.visible;
-    const contacts = this.visible ? this.contactsUpTo(time_s, time_s - kShown_s).filter((contact) => !contact.retracted).slice(-kMost) : [];
+    const contacts = this.visible ? this.contactsIn(time_s - kShown_s, time_s).slice(-kMost) : [];
     contacts.forEach((contact, i) => this.show(view, this.marks[i] ?? this.add(view), contact, time_s));
     for (const mark of this.marks.slice(contacts.length)) hide(mark);
   }
