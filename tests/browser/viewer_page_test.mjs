@@ -3,112 +3,15 @@
 // PEERD is the program, PACKAGES the folder whose node_modules has playwright-core, OUT where screenshots go. Each step waits
 // until what it asks for is so, and says what it waited for where that does not happen within kPatience_ms. Exit codes: 0
 // good, 1 something is wrong, 77 skipped.
-import { spawn } from 'node:child_process';
-import { createSocket } from 'node:dgram';
-import { existsSync, mkdirSync } from 'node:fs';
-import { createRequire } from 'node:module';
-import { delimiter, dirname, join, resolve } from 'node:path';
+import { mkdirSync } from 'node:fs';
+import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { check, findBrowser, freePort, Page, Peer } from './real_peers.mjs';
 
-const kPatience_ms = 120000; // a busy machine takes its time
-const kFlags = ['--no-sandbox', '--disable-gpu-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic',
-  '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync', '--disable-dev-shm-usage'];
 const kPeers = ['a', 'b', 'c'];
-const kHere = dirname(fileURLToPath(import.meta.url));
+const kConfiguration = join(dirname(fileURLToPath(import.meta.url)), 'viewer.toml');
 const [program, packages, out] = process.argv.slice(2).map((path) => resolve(path));
-
-function check(holds, sentence) {
-  if (!holds) throw new Error(sentence);
-}
-
-function skip(sentence) {
-  console.log(`skipped: ${sentence}`);
-  process.exit(77);
-}
-
-function findBrowser() {
-  const folders = (process.env.PATH ?? '').split(delimiter);
-  return folders.map((folder) => join(folder, 'chromium')).find(existsSync) ?? skip('no program chromium; scripts/test --full installs it');
-}
-
-async function freePort() {
-  const socket = createSocket('udp4');
-  await new Promise((done) => socket.bind(0, done));
-  const { port } = socket.address();
-  await new Promise((done) => socket.close(done));
-  return port;
-}
-
-// A real peer with its gateway; `address` is where its page is.
-class Peer {
-  constructor(name, port) {
-    this.name = name;
-    this.log = '';
-    const words = ['run', '-c', join(kHere, 'viewer.toml'), '--peer', name, '--interface', 'lo', '--port', String(port), '--control', '', '--take-over', '--view', '127.0.0.1:0'];
-    this.process = spawn(program, words, { stdio: ['ignore', 'pipe', 'pipe'] });
-    this.ended = new Promise((done) => {
-      this.process.on('exit', (code, signal) => done(code ?? signal));
-      this.process.on('error', (error) => done(error.message));
-    });
-    this.address = new Promise((found, failed) => {
-      const read = (text) => {
-        this.log += text;
-        const line = this.log.match(/http:\/\/[\d.]+:\d+\/#token=[\w-]+/);
-        if (line) found(line[0]);
-      };
-      this.process.stdout.on('data', read);
-      this.process.stderr.on('data', read);
-      void this.ended.then((code) => failed(new Error(`peer ${name} has ended with ${code}:\n${this.log}`)));
-    });
-    this.address.catch(() => undefined); // whoever waits for it says so
-  }
-  async leave() {
-    this.process.kill('SIGTERM');
-    check((await this.ended) === 0, `peer ${this.name} has not left cleanly:\n${this.log}`);
-  }
-}
-
-// A page on a peer, and all that went wrong on it.
-class Page {
-  static async open(browser, name, address, faults, options = {}) {
-    const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme: 'light', reducedMotion: 'reduce', ...options });
-    context.setDefaultTimeout(kPatience_ms);
-    const tab = await context.newPage();
-    tab.on('console', (message) => ['error', 'warning'].includes(message.type()) && faults.push(`${name}: ${message.type()}: ${message.text()}`));
-    tab.on('pageerror', (error) => faults.push(`${name}: ${error.message}`));
-    await tab.goto(address);
-    return new Page(name, tab, context);
-  }
-  constructor(name, tab, context) {
-    Object.assign(this, { name, tab, context });
-  }
-  async until(what, condition, argument) {
-    try {
-      await this.tab.waitForFunction(condition, argument, { timeout: kPatience_ms, polling: 50 });
-    } catch (error) {
-      const objects = await this.tab.evaluate(() => JSON.stringify(window.peerd?.objects())).catch(() => 'nothing');
-      throw new Error(`page ${this.name}: ${what}, waited in vain; it shows ${objects}\n${error.message}`);
-    }
-  }
-  object(path) {
-    return this.tab.evaluate((wanted) => window.peerd.objects().find((object) => object.path === wanted), path);
-  }
-  async option(name, on) {
-    await this.tab.locator('.menu summary').click();
-    await this.tab.locator(`[data-option="${name}"]`).setChecked(on);
-    await this.tab.keyboard.press('Escape');
-  }
-  panel(name) {
-    return this.tab.locator(`[role=tab][data-panel="${name}"]`).click();
-  }
-  async viewpoint(description) {
-    await this.tab.locator('.toolbar select').selectOption({ label: description });
-    await this.tab.evaluate(() => new Promise((drawn) => setTimeout(drawn, 300)));
-  }
-  shot(name) {
-    return this.tab.screenshot({ path: join(out, `${name}.png`) });
-  }
-}
+const shot = (page, name) => page.shot(join(out, `${name}.png`));
 
 // How many pixels differ between two screenshots, counted by the browser itself on an empty page.
 async function differingPixels(browser, a, b) {
@@ -173,7 +76,7 @@ async function grabAndThrow(page, pages) {
   await page.tab.mouse.move(from.x, from.y);
   await page.tab.mouse.down();
   for (const each of pages) await each.until('the puck is a’s', () => window.peerd.objects().find((object) => object.path === 'PUCK').owner === 1);
-  await page.shot('grabbed-1280');
+  await shot(page, 'grabbed-1280');
   const held = await page.object('PUCK');
   for (let i = 1; i <= 12; ++i) await page.tab.mouse.move(from.x + ((to.x - from.x) * i) / 30, from.y + ((to.y - from.y) * i) / 30);
   await page.tab.mouse.up();
@@ -204,7 +107,7 @@ async function contactIsMarked(page) {
   const contact = await page.tab.evaluate(() => window.peerd.contacts().find((known) => known.collider === 'PUCK' && known.decider !== null && !known.retracted));
   await page.tab.evaluate((time_s) => window.peerd.set_time(time_s), contact.at_s + 0.3);
   await page.tab.locator('.label.contact:not([hidden])', { hasText: `decided by ${contact.decider_name}` }).first().waitFor();
-  await page.shot('contact-1280');
+  await shot(page, 'contact-1280');
   await page.tab.getByRole('button', { name: 'Live' }).click();
 }
 
@@ -224,7 +127,7 @@ async function addAndRemove(page, pages) {
   const { x, y } = await page.tab.evaluate(() => window.peerd.on_window([0, 1, 4.5]));
   await page.tab.mouse.click(x, y);
   await page.tab.locator('.inspector h2', { hasText: 'BOX' }).waitFor();
-  await page.shot('box-1280');
+  await shot(page, 'box-1280');
   await page.tab.getByRole('button', { name: 'Remove' }).click();
   for (const each of pages) await each.until('the box is gone', () => !window.peerd.has('BOX'));
 }
@@ -238,7 +141,7 @@ async function scrubBack(page) {
   await page.until('time goes on', (then) => window.peerd.range_s[1] - then > 7, at);
   const later = await page.object('CAR');
   check(car.position_m.every((value, axis) => value === later.position_m[axis]), 'the car moves although the page is paused');
-  await page.shot('paused-1280');
+  await shot(page, 'paused-1280');
   await page.tab.getByRole('button', { name: 'Play' }).click();
   await page.until('the past plays on', (then) => window.peerd.time_s > then + 0.5, at);
   await page.tab.getByRole('button', { name: 'Live' }).click();
@@ -251,7 +154,7 @@ async function withoutToken(browser, address, faults) {
   await page.panel('world');
   check(await page.tab.getByRole('button', { name: 'Add', exact: true }).isDisabled(), 'a page without a token can add');
   await page.until('it shows the world all the same', () => window.peerd.objects().length >= 3);
-  await page.shot('read-only-1280');
+  await shot(page, 'read-only-1280');
   await page.context.close();
 }
 
@@ -274,12 +177,12 @@ async function widths(browser, address, faults) {
     await page.tab.evaluate(() => window.peerd.select('CAR'));
     await page.tab.locator('.inspector h2', { hasText: 'CAR' }).waitFor();
     await looksWhole(page, width);
-    await page.shot(`${colorScheme}-${width}`);
+    await shot(page, `${colorScheme}-${width}`);
     if (width === 1280) {
       await page.panel('charts');
       await page.panel('peers');
       await page.until('the error is charted', () => /\d/.test(document.querySelector('.legend-value').textContent));
-      await page.shot(`charts-${width}`);
+      await shot(page, `charts-${width}`);
     }
     await page.context.close();
   }
@@ -290,23 +193,21 @@ async function firstPaint(page) {
   console.log(`first contentful paint after ${Math.round(paint)} ms`);
 }
 
-if (!existsSync(join(packages, 'node_modules', 'playwright-core'))) skip(`no playwright-core in ${packages}: the viewer was not built`);
-const executablePath = findBrowser();
+const launch = findBrowser(packages);
 mkdirSync(out, { recursive: true });
-const { chromium } = createRequire(join(packages, 'package.json'))('playwright-core');
 const port = await freePort();
-const peers = kPeers.map((name) => new Peer(name, port));
+const peers = kPeers.map((name) => new Peer(program, kConfiguration, name, port));
 const faults = [];
 let browser = null;
 let failed = false;
 try {
   const addresses = await Promise.all(peers.map((peer) => peer.address));
-  browser = await chromium.launch({ executablePath, args: kFlags });
+  browser = await launch();
   const pages = [];
   for (const [i, address] of addresses.entries()) pages.push(await Page.open(browser, kPeers[i], address, faults));
   await firstPaint(pages[0]);
   await objectsMove(browser, pages);
-  await pages[0].shot('live-1280');
+  await shot(pages[0], 'live-1280');
   await pickAndReadOwner(pages[0]);
   await grabAndThrow(pages[0], pages);
   await contactIsSeen(pages);

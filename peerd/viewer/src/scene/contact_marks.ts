@@ -8,6 +8,8 @@ import { supportPlace } from './support_place';
 // Contacts of the last seconds before the instant that is shown: where, the normal, and who decided.
 const kShown_s = 3;
 const kMost = 24;
+// Labels no nearer than that do not cover each other.
+const kLabel_px = { width: 120, height: 24 };
 const kColours: Record<ContactEvent['kind'], number> = {
   owner: 0x30a46c,
   decided: 0xe5484d,
@@ -33,6 +35,7 @@ export class ContactMarks implements Overlay {
   readonly element = make('div', { class: 'labels', 'aria-hidden': 'true' });
   visible = true;
   private readonly marks: Mark[] = [];
+  private readonly labelled: { x: number; y: number }[] = []; // places of the labels of this picture
   private readonly ball = new SphereGeometry(1, 12, 8);
   private readonly place = new Vector3();
   private readonly turn = new Quaternion();
@@ -41,7 +44,9 @@ export class ContactMarks implements Overlay {
 
   update(view: SceneView, time_s: number): void {
     this.element.hidden = !this.visible;
-    const contacts = this.visible ? this.contactsIn(time_s - kShown_s, time_s).slice(-kMost) : [];
+    // The newest first: where labels meet, it has its own.
+    const contacts = this.visible ? this.contactsIn(time_s - kShown_s, time_s).slice(-kMost).reverse() : [];
+    this.labelled.length = 0;
     contacts.forEach((contact, i) => this.show(view, this.marks[i] ?? this.add(view), contact, time_s));
     for (const mark of this.marks.slice(contacts.length)) hide(mark);
   }
@@ -70,14 +75,19 @@ export class ContactMarks implements Overlay {
     mark.dot.material.color.set(colour);
     mark.arrow.setColor(new Color(colour));
     mark.arrow.setDirection(new Vector3(...contact.event.normal).normalize());
-    setText(mark.label, contact.decider === '' ? contact.event.kind : `${contact.event.kind === 'owner' ? 'found' : 'decided'} by ${contact.decider}`);
+    setText(mark.label, contact.decider === '' ? '' : `${contact.event.kind === 'owner' ? 'found' : 'decided'} by ${contact.decider}`);
   }
 
+  // A prediction, which nobody has decided, has no label; nor has what lies below a newer one.
   private placeLabel(view: SceneView, label: HTMLElement, place: Vector3, fresh: number): void {
     const p = this.place.copy(place).project(view.rig.camera);
-    label.hidden = p.z > 1 || Math.abs(p.x) > 1 || Math.abs(p.y) > 1;
     const x = ((p.x + 1) / 2) * this.element.clientWidth;
     const y = ((1 - p.y) / 2) * this.element.clientHeight;
+    const isInWindow = p.z <= 1 && Math.abs(p.x) <= 1 && Math.abs(p.y) <= 1;
+    const isFree = !this.labelled.some((other) => Math.abs(other.x - x) < kLabel_px.width && Math.abs(other.y - y) < kLabel_px.height);
+    label.hidden = label.textContent === '' || !isInWindow || !isFree;
+    if (label.hidden) return;
+    this.labelled.push({ x, y });
     label.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(12px, -50%)`;
     label.style.opacity = String(0.4 + 0.6 * fresh);
   }

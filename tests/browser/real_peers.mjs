@@ -1,0 +1,109 @@
+// Real peers with their pages, and a headless Chromium to look at them: for tests and for pictures of the documents.
+import { spawn } from 'node:child_process';
+import { createSocket } from 'node:dgram';
+import { existsSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { delimiter, join } from 'node:path';
+
+export const kPatience_ms = 120000; // a busy machine takes its time
+const kFlags = ['--no-sandbox', '--disable-gpu-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic',
+  '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync', '--disable-dev-shm-usage'];
+
+export function check(holds, sentence) {
+  if (!holds) throw new Error(sentence);
+}
+
+function skip(sentence) {
+  console.log(`skipped: ${sentence}`);
+  process.exit(77);
+}
+
+// A function that starts a browser. `packages` is the folder whose node_modules has playwright-core. Where the browser or the
+// package is missing, the process ends with 77.
+export function findBrowser(packages) {
+  if (!existsSync(join(packages, 'node_modules', 'playwright-core'))) skip(`no playwright-core in ${packages}: the viewer was not built`);
+  const folders = (process.env.PATH ?? '').split(delimiter);
+  const executablePath = folders.map((folder) => join(folder, 'chromium')).find(existsSync);
+  if (!executablePath) skip('no program chromium; scripts/test --full installs it');
+  const { chromium } = createRequire(join(packages, 'package.json'))('playwright-core');
+  return () => chromium.launch({ executablePath, args: kFlags });
+}
+
+export async function freePort() {
+  const socket = createSocket('udp4');
+  await new Promise((done) => socket.bind(0, done));
+  const { port } = socket.address();
+  await new Promise((done) => socket.close(done));
+  return port;
+}
+
+// A real peer with its gateway; `address` is where its page is.
+export class Peer {
+  constructor(program, configuration, name, port) {
+    this.name = name;
+    this.log = '';
+    const words = ['run', '-c', configuration, '--peer', name, '--interface', 'lo', '--port', String(port), '--control', '', '--take-over', '--view', '127.0.0.1:0'];
+    this.process = spawn(program, words, { stdio: ['ignore', 'pipe', 'pipe'] });
+    this.ended = new Promise((done) => {
+      this.process.on('exit', (code, signal) => done(code ?? signal));
+      this.process.on('error', (error) => done(error.message));
+    });
+    this.address = new Promise((found, failed) => {
+      const read = (text) => {
+        this.log += text;
+        const line = this.log.match(/http:\/\/[\d.]+:\d+\/#token=[\w-]+/);
+        if (line) found(line[0]);
+      };
+      this.process.stdout.on('data', read);
+      this.process.stderr.on('data', read);
+      void this.ended.then((code) => failed(new Error(`peer ${name} has ended with ${code}:\n${this.log}`)));
+    });
+    this.address.catch(() => undefined); // whoever waits for it says so
+  }
+  async leave() {
+    this.process.kill('SIGTERM');
+    check((await this.ended) === 0, `peer ${this.name} has not left cleanly:\n${this.log}`);
+  }
+}
+
+// A page on a peer, and all that went wrong on it.
+export class Page {
+  static async open(browser, name, address, faults, options = {}) {
+    const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme: 'light', reducedMotion: 'reduce', ...options });
+    context.setDefaultTimeout(kPatience_ms);
+    const tab = await context.newPage();
+    tab.on('console', (message) => ['error', 'warning'].includes(message.type()) && faults.push(`${name}: ${message.type()}: ${message.text()}`));
+    tab.on('pageerror', (error) => faults.push(`${name}: ${error.message}`));
+    await tab.goto(address);
+    return new Page(name, tab, context);
+  }
+  constructor(name, tab, context) {
+    Object.assign(this, { name, tab, context });
+  }
+  async until(what, condition, argument) {
+    try {
+      await this.tab.waitForFunction(condition, argument, { timeout: kPatience_ms, polling: 50 });
+    } catch (error) {
+      const objects = await this.tab.evaluate(() => JSON.stringify(window.peerd?.objects())).catch(() => 'nothing');
+      throw new Error(`page ${this.name}: ${what}, waited in vain; it shows ${objects}\n${error.message}`);
+    }
+  }
+  object(path) {
+    return this.tab.evaluate((wanted) => window.peerd.objects().find((object) => object.path === wanted), path);
+  }
+  async option(name, on) {
+    await this.tab.locator('.menu summary').click();
+    await this.tab.locator(`[data-option="${name}"]`).setChecked(on);
+    await this.tab.keyboard.press('Escape');
+  }
+  panel(name) {
+    return this.tab.locator(`[role=tab][data-panel="${name}"]`).click();
+  }
+  async viewpoint(description) {
+    await this.tab.locator('.toolbar select').selectOption({ label: description });
+    await this.tab.evaluate(() => new Promise((drawn) => setTimeout(drawn, 300)));
+  }
+  shot(path) {
+    return this.tab.screenshot({ path });
+  }
+}
