@@ -278,8 +278,9 @@ Vector2f SurfaceDrawer::default_texture_coordinate(const Corner& c) const {
   }
   if (const auto* const grid = std::get_if<ElevationGridGeometry>(&what_.form)) {
     const auto columns = static_cast<std::int32_t>(grid->x_dimension);
-    return {static_cast<float>(c.point % columns) / static_cast<float>(columns - 1),
-            static_cast<float>(c.point / columns) / static_cast<float>(grid->z_dimension - 1)};
+    const auto column = c.point % columns, row = c.point / columns;
+    return {static_cast<float>(column) / static_cast<float>(columns - 1),
+            static_cast<float>(row) / static_cast<float>(grid->z_dimension - 1)};
   }
   if (const auto* const extrusion = std::get_if<ExtrusionGeometry>(&what_.form)) {
     const std::size_t edges = extrusion->cross_section.size() - 1, segments = extrusion->spine.size() - 1;

@@ -90,7 +90,7 @@ std::uint32_t GltfWriter::accessor(View view, std::span<const T> values, int com
   bytes.resize((bytes.size() + 3) / 4 * 4);
   const std::size_t offset = bytes.size();
   bytes.resize(offset + values.size_bytes());
-  std::memcpy(bytes.data() + offset, values.data(), values.size_bytes());
+  std::memcpy(bytes.data() + offset, std::as_bytes(values).data(), values.size_bytes());
   accessors_.open('{').member("bufferView", view_number_[view]).member("byteOffset", offset);
   accessors_.member("componentType", component).member("count", count).member("type", type);
   return accessor_count_++;

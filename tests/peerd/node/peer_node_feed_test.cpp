@@ -234,7 +234,8 @@ class PeerNodeHand : public PeerNodeFeed {
     const auto x = [&] { return from + speed * to_seconds(now - begun); };
     int i = 0;
     run(500ms, [&] {
-      if (i++ % 33 == 0) EXPECT_EQ(pose(x())["taken"], 1);
+      if (i++ % 33 != 0) return;
+      EXPECT_EQ(pose(x())["taken"], 1);
     });
     EXPECT_EQ(pose(x())["taken"], 1);
     return x();
