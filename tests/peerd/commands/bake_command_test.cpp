@@ -85,7 +85,7 @@ TEST(Bake, AFileThatDoesNotFitIsSaidAndNotUsed) {
   EXPECT_THAT(note_for(bytes.substr(0, bytes.size() - 1)), HasSubstr("cut short"));
   EXPECT_THAT(note_for(""), HasSubstr("it is empty"));
   EXPECT_THAT(note_for("no hierarchy at all"), HasSubstr("it is no hierarchy file"));
-  for (const int version : {2, 4}) {  // the one before, and one to come
+  for (const int version : {3, 5}) {  // the one before, and one to come
     std::string other = bytes;
     other[8] = static_cast<char>(version);
     EXPECT_THAT(note_for(other), HasSubstr("another version")) << version;
