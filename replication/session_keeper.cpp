@@ -378,7 +378,8 @@ void SessionKeeper::leave_behind(PeerId owner, ObjectId object, SimTime since, S
   const bool is_said = left != p_.living.left().end() && left->second.owner == owner && left->second.at >= since;
   const Pose pose = is_said ? p_.place_by_scene(object) : p_.replica.ghosts().relative_at(object, at).pose();
   p_.replica.set_ghost(object, at, at_rest(pose), false);
-  if (!is_said) p_.left_behind[object] = {owner, at};
+  // The ghost of what could collide may be in what its owner would have met: no place for all.
+  if (!is_said && p_.model->pairs_of(object).empty()) p_.left_behind[object] = {owner, at};
 }
 
 void SessionKeeper::let_move(ObjectId carrier) {
