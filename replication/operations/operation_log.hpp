@@ -15,7 +15,7 @@ namespace peerd::replication {
 
 // The logs of all authors, as far as this peer holds them. Parts of a log come in any order, from anybody; the
 // operations of each log come out whole and in their order. Nothing here trusts a part: errors are names of drop
-// reasons.
+// reasons. One thread at a time, also for reading, which keeps what it has unpacked.
 class OperationLogs {
  public:
   // Bytes behind a gap, which wait for it, are kept up to these limits, of one author and of all. Each run of them
