@@ -618,10 +618,11 @@ void MotionWorld::settle_velocities(WatchedPair& pair, SimTime t, Touching which
 }
 
 // The search of a pair may be ahead of t: in a world that goes through the past again it has met others at t, but
-// neither of the two has got another way from then on. Then the two are apart where the search is.
+// neither of the two has got another way from then on. Then the two are apart where the search is. One of them may bear
+// the other by a contact that is later than t.
 void MotionWorld::let_through(std::uint32_t i, SimTime t) {
   WatchedPair& pair = pairs_[i];
-  assert(pair.is_answered() && pair.touched <= t);
+  assert(pair.is_answered());
   const bool lived = objects_.is_lived(pair.collider) || objects_.is_lived(pair.collidee);
   const bool is_ahead = far_.contains(i) || (!pair.contact && pair.clear_until > reopened_from(pair, lived, t));
   if (!is_ahead) pair.inside = true;
