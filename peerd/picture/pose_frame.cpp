@@ -1,7 +1,6 @@
 #include "peerd/picture/pose_frame.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cassert>
 #include <cstdint>
@@ -43,10 +42,7 @@ std::byte* put(std::byte* at, const T& value) {
 }  // namespace
 
 // By their bits: a threshold that is no number is equal to another one.
-bool operator==(const PoseRow& a, const PoseRow& b) {
-  using Bits = std::array<std::uint64_t, kPoseRow_bytes / sizeof(std::uint64_t)>;
-  return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
-}
+bool operator==(const PoseRow& a, const PoseRow& b) { return std::memcmp(&a, &b, kPoseRow_bytes) == 0; }
 
 void PoseTable::reset(std::uint32_t revision, std::shared_ptr<const Scene> scene, Movers movers) {
   assert(scene && movers.above.size() == movers.ids.size() && movers.of_peer.size() == movers.ids.size());
@@ -60,6 +56,8 @@ void PoseTable::reset(std::uint32_t revision, std::shared_ptr<const Scene> scene
   for (const ObjectId id : movers_.ids) shown_.push_back(scene_->rigid_pose(id));
   ghosts_ = shown_;
   carries_.assign(count, false);
+  owners_.assign(count, kNobody);
+  owners_revision_.reset();
   for (std::size_t i = 0; i < count; ++i) {
     if (movers_.above[i] != Movers::kNone) carries_[movers_.above[i]] = true;
     if (movers_.of_peer[i]) continue;
@@ -95,6 +93,13 @@ Pose PoseTable::relative_pose(FileWay& way, double world_s) {
   return rigid_pose(way.stretch, way.fields);
 }
 
+void PoseTable::follow_owners(const replication::Peer& peer) {
+  if (std::exchange(owners_revision_, peer.owners().revision()) == peer.owners().revision()) return;
+  for (std::size_t i = 0; i < movers_.ids.size(); ++i) {
+    owners_[i] = movers_.of_peer[i] ? peer.owner(movers_.ids[i]) : kNobody;
+  }
+}
+
 // A mover that nobody owns stands in the frame of the one above as the ghosts have it, and is drawn there: if the one
 // above is drawn elsewhere than its ghost, what it carries goes with it.
 void PoseTable::place(PeerNode& node, HostTime now) {
@@ -108,6 +113,7 @@ void PoseTable::place(PeerNode& node, HostTime now) {
   if (zero) times_.world_s = to_seconds(t - *zero);
   if (const auto start = node.start()) times_.since_start_s = to_seconds(t - *start);
   const double world_s = zero ? times_.world_s : -1.0;
+  follow_owners(peer);
   auto way = file_ways_.begin();
   for (std::size_t i = 0; i < movers_.ids.size(); ++i) {
     const ObjectId id = movers_.ids[i];
@@ -119,8 +125,7 @@ void PoseTable::place(PeerNode& node, HostTime now) {
       ghosts_[i] = above == Movers::kNone ? relative : composed(ghosts_[above], relative);
       continue;
     }
-    const bool goes_along =
-        above != Movers::kNone && !is_same(shown_[above], ghosts_[above]) && peer.owner(id) == kNobody;
+    const bool goes_along = above != Movers::kNone && !is_same(shown_[above], ghosts_[above]) && owners_[i] == kNobody;
     if (carries_[i] || goes_along) ghosts_[i] = peer.ghost(id, t).pose();
     shown_[i] = goes_along ? composed(shown_[above], relative_to(ghosts_[above], ghosts_[i])) : node.shown(id, t);
   }
@@ -134,7 +139,7 @@ void PoseTable::refresh(PeerNode& node, HostTime now, PoseKinds kinds) {
   const auto asked = [&](PoseKind kind) { return (kinds & set_of(kind)) != 0; };
   for (std::size_t i = 0; i < movers_.ids.size(); ++i) {
     const ObjectId id = movers_.ids[i];
-    const PeerId owner = movers_.of_peer[i] ? peer.owner(id) : kNobody;
+    const PeerId owner = owners_[i];
     const bool own = owner == peer.id();
     PoseRow row;
     row.node = static_cast<std::uint32_t>(i);
@@ -153,11 +158,11 @@ void PoseTable::refresh(PeerNode& node, HostTime now, PoseKinds kinds) {
   }
 }
 
-void PoseTable::add_row(PoseKind kind, PoseRow row, const Pose& pose) {
+void PoseTable::add_row(PoseKind kind, const PoseRow& like, const Pose& pose) {
+  PoseRow& row = rows_[static_cast<std::size_t>(kind)].emplace_back(like);
   row.kind = static_cast<std::uint16_t>(kind);
   for (int k = 0; k < 3; ++k) row.position[k] = pose.position[k];
   for (int k = 0; k < 4; ++k) row.orientation_xyzw[k] = static_cast<float>(pose.orientation.coeffs()[k]);
-  rows_[static_cast<std::size_t>(kind)].push_back(row);
 }
 
 void PoseStream::watch(const Watch& watch) {
@@ -169,25 +174,30 @@ std::span<const std::byte> PoseStream::next(const PoseTable& table) {
   if (std::exchange(revision_, table.revision()) != table.revision()) {
     for (auto& sent : sent_) sent.clear();
   }
-  std::size_t count = 0;
-  const auto grow = [&] { frame_.resize(kPoseFrameHeader_bytes + count * kPoseRow_bytes); };
-  grow();
+  const auto is_watched = [&](std::size_t kind) { return (watch_.kinds & set_of(static_cast<PoseKind>(kind))) != 0; };
+  std::size_t most = 0;
+  for (std::size_t k = 0; k < kPoseKinds; ++k) {
+    if (is_watched(k)) most += table.rows(static_cast<PoseKind>(k)).size();
+  }
+  frame_.resize(kPoseFrameHeader_bytes + most * kPoseRow_bytes);
+  std::byte* end = frame_.data() + kPoseFrameHeader_bytes;
+  std::uint32_t count = 0;
   for (std::size_t k = 0; k < kPoseKinds; ++k) {
     const auto kind = static_cast<PoseKind>(k);
-    if ((watch_.kinds & set_of(kind)) == 0) continue;
+    if (!is_watched(k)) continue;
     std::vector<PoseRow>& sent = sent_[k];
     if (sent.size() != table.node_count()) sent.assign(table.node_count(), PoseRow{.node = kNotSent});
     for (const PoseRow& row : table.rows(kind)) {
       if (row == sent[row.node] || (watch_.near && !is_near(row, *watch_.near))) continue;
       sent[row.node] = row;
       ++count;
-      grow();
-      put(frame_.data() + frame_.size() - kPoseRow_bytes, row);
+      end = put(end, row);
     }
   }
+  frame_.resize(static_cast<std::size_t>(end - frame_.data()));
   const PoseTable::Times& times = table.times();
   std::byte* at = put(frame_.data(), kPoseFrameMagic);
-  at = put(at, static_cast<std::uint32_t>(count));
+  at = put(at, count);
   at = put(at, times.session_s);
   at = put(at, times.world_s);
   at = put(at, times.since_start_s);

@@ -75,7 +75,8 @@ class PoseTable {
   [[nodiscard]] const Times& times() const { return times_; }
 
  private:
-  void add_row(PoseKind kind, PoseRow row, const Pose& pose);
+  void follow_owners(const replication::Peer& peer);
+  void add_row(PoseKind kind, const PoseRow& like, const Pose& pose);
 
   // The way from the mover above to one that no peer knows: the Transforms, and which of them the file drives.
   struct FileWay {
@@ -95,6 +96,8 @@ class PoseTable {
   std::optional<SimTime> at_;         // the instant; none: before a session
   std::vector<Pose> ghosts_, shown_;  // by mover; the ghosts only of those that carry others
   std::vector<bool> carries_;
+  std::vector<PeerId> owners_;  // by mover, at that revision of the peer's
+  std::optional<std::uint64_t> owners_revision_;
   std::vector<PoseRow> rows_[kPoseKinds];
   Times times_;
 };

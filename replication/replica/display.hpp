@@ -1,6 +1,6 @@
 #pragma once
 #include <algorithm>
-#include <map>
+#include <unordered_map>
 
 #include "core/ids.hpp"
 #include "core/kinematics.hpp"
@@ -40,7 +40,7 @@ class Display {
   const OwnObjects& own_;
   const Replica& replica_;
   PeerCounters& counters_;
-  std::map<ObjectId, Convergence> shown_;
+  std::unordered_map<ObjectId, Convergence> shown_;
   Duration oldest_update_{0};  // the greatest age of an update on arrival
 };
 

@@ -71,14 +71,14 @@ class OwnObjects {
   // off.
   OwnObjects(const ModelInForce& model, std::span<const OwnedObject> objects, bool surface_error);
 
-  [[nodiscard]] bool contains(ObjectId object) const { return map_.contains(object); }
+  [[nodiscard]] bool contains(ObjectId object) const { return index_.of(object) != kNoIndex; }
   [[nodiscard]] OwnObject* find(ObjectId object) {
-    const auto at = map_.find(object);
-    return at == map_.end() ? nullptr : &at->second;
+    const std::uint32_t index = index_.of(object);
+    return index == kNoIndex ? nullptr : &map_.nth(index)->second;
   }
   [[nodiscard]] const OwnObject* find(ObjectId object) const {
-    const auto at = map_.find(object);
-    return at == map_.end() ? nullptr : &at->second;
+    const std::uint32_t index = index_.of(object);
+    return index == kNoIndex ? nullptr : &map_.nth(index)->second;
   }
   [[nodiscard]] OwnObject& at(ObjectId object) { return map_.at(object); }
   [[nodiscard]] const OwnObject& at(ObjectId object) const { return map_.at(object); }
@@ -125,7 +125,7 @@ class OwnObjects {
   Map map_;
   std::map<ObjectId, std::uint32_t> sequences_;  // the last ones of objects that are no longer here
   Schedule checks_;                              // by the objects' indices in map_
-  ObjectTable<std::uint32_t> index_{kNoIndex};   // into checks_
+  ObjectTable<std::uint32_t> index_{kNoIndex};   // into map_ and checks_
 };
 
 }  // namespace peerd::replication

@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
+#include <string>
+#include <utility>
 
 #include "peerd/picture/gltf_writer.hpp"
 #include "peerd/picture/live_picture.hpp"
@@ -58,12 +60,40 @@ TEST(PictureScale, AFileOfAHundredThousandNodes) {
   EXPECT_EQ(glb.nodes[99'999].world.translation(), Vec3(3 * (99'999 % 300), 0.5, 3 * (99'999 / 300)));
 }
 
+void add_peer(config::RunSettings& run, std::uint32_t id, const char* owns) {
+  config::PeerSettings& peer = run.peers.emplace_back();
+  peer.id = id;
+  peer.name = "peer" + std::to_string(id);
+  peer.owns.emplace_back(owns);
+}
+
+// Lanes of 9 m: in each a box of peer 1 and one of peer 2 fly against each other, and back from the walls.
+std::string lanes(int count) {
+  std::string text = R"(
+DEF CRATE Shape { geometry Box { } }
+DEF WALL Shape { geometry Box { size 0.2 2.5 2.5 } }
+)";
+  for (int i = 0; i < count; ++i) {
+    const std::string number = std::to_string(i), y = std::to_string(4 * (i % 20)), z = std::to_string(4 * (i / 20));
+    const auto box = [&](const char* name, const char* x, const char* speed) {
+      text += std::string("DEF ") + name + number + " Transform { translation " + x + ' ' + y + ' ' + z +
+              " velocityVector " + speed + " 0 0 collisionResponse CollisionResponse { } children USE CRATE }\n";
+    };
+    box("A", "-2", "1.1");
+    box("B", "2", "-0.9");
+    text += "DEF W" + number + " Group { children [ Transform { translation -4.5 " + y + ' ' + z +
+            " children USE WALL } Transform { translation 4.5 " + y + ' ' + z + " children USE WALL } ] }\n";
+    for (const auto& [collider, other] : {std::pair("A", "B"), std::pair("B", "A")}) {
+      text += std::string("CollisionInterest { objectPath \"") + collider + number + "\" interests [ \"" + other +
+              number + "\" \"W" + number + "\" ] collisionType 1 }\n";
+    }
+  }
+  return text;
+}
+
 void run_frames(int count) {
   config::RunSettings run;
-  config::PeerSettings& peer = run.peers.emplace_back();
-  peer.id = 1;
-  peer.name = "one";
-  peer.owns.emplace_back("N*");
+  add_peer(run, 1, "N*");
   TwoPeers peers(boxes(count, "N"), run, /*keeps_log=*/false);
   const Watch tick_watch;
   peers.run_until(0.5);
@@ -98,6 +128,35 @@ void run_frames(int count) {
       "of the peer before: %.0f ms)\n",
       count, refresh_ms / kFrames, frame_ms / kFrames,
       static_cast<double>(bytes) / kFrames / static_cast<double>(count), ticks_ms);
+}
+
+// What the viewer of a peer costs whose objects meet those of another one, here and there: 20 frames a second.
+TEST(PictureScale, FramesOfLanes) {
+  constexpr int kLanes = 250;
+  config::RunSettings run;
+  add_peer(run, 1, "A*");
+  add_peer(run, 2, "B*");
+  TwoPeers peers(lanes(kLanes), run, /*keeps_log=*/false);
+  peers.run_until(0.0);
+  PeerNode& node = *peers.nodes[0];
+  LivePicture picture("w", {});
+  (void)picture.follow(node);
+  PoseStream stream;
+  double whole_ms = 0.0, frames_ms = 0.0;
+  for (int i = 1; i <= 80; ++i) {
+    const Watch watch;
+    peers.run_until(0.05 * i);
+    whole_ms += watch.ms();
+    const Watch frame_watch;
+    EXPECT_FALSE(picture.follow(node));
+    picture.refresh(node, peers.now, set_of(PoseKind::kShown));
+    (void)stream.next(picture.poses());
+    frames_ms += frame_watch.ms();
+    ASSERT_EQ(picture.poses().rows(PoseKind::kShown).size(), 2u * kLanes);
+  }
+  EXPECT_GT(peers.contacts, 2 * kLanes);
+  std::printf("%d lanes for 4 s: both peers %.0f ms, %d contacts, the frames of one %.0f ms\n", kLanes, whole_ms,
+              peers.contacts, frames_ms);
 }
 
 TEST(PictureScale, FramesOfFiveHundredBoxes) { run_frames(500); }
