@@ -192,7 +192,7 @@ void OperationKeeper::place_left_behind(HostTime now, SimTime t) {
 std::set<ObjectId> OperationKeeper::going_on(const LeftObjects& left) const {
   std::set<ObjectId> all;
   for (const auto& [object, each] : left) {
-    if (p_.own.contains(object) && each.at > p_.entered_at) all.insert(object);
+    if (p_.own.contains(object) && each.at > p_.presence.since()) all.insert(object);
   }
   return all;
 }
@@ -237,7 +237,7 @@ void OperationKeeper::publish_data(const LivingScene::Change& change) {
     p_.outbox.push(DataChanged{each.node, each.key, each.value, change.at});
   }
   for (const Operation& each : change.messages) {
-    if (each.stamp < p_.entered_at) continue;
+    if (!p_.presence.was_there(each.stamp)) continue;
     const auto& message = std::get<SendMessage>(each.body);
     p_.outbox.push(MessageReceived{each.id, message.by, message.topic, message.text, each.stamp});
   }

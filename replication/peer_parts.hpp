@@ -22,6 +22,7 @@
 #include "replication/session/admission.hpp"
 #include "replication/session/greeter.hpp"
 #include "replication/session/membership.hpp"
+#include "replication/session/presence.hpp"
 #include "replication/session/session_time.hpp"
 #include "replication/session/world_time.hpp"
 #include "replication/sight/sight.hpp"
@@ -63,7 +64,7 @@ struct PeerParts {
   Greeter greeter;
   OperationExchange exchange;  // of the logs
   // The world, as far as this peer knows it.
-  SimTime entered_at{};  // session time at which this peer, in this life, first entered a session
+  Presence presence;
   Owners owners;
   LeftObjects left_behind;  // by owners who are gone, since then; no operation says yet where these stand
   std::map<ObjectId, RemovedObject> removed;

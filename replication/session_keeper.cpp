@@ -87,7 +87,7 @@ void SessionKeeper::enter_session(HostTime host_now) {
   const SimTime now = p_.to_session(host_now);
   p_.greeter.on_session_entered(p_.own.size());
   p_.greeter.greet_anew(host_now);
-  p_.entered_at = now;
+  p_.presence.begin(now);
   begin_worlds(now);
   p_.ticks.set_last(p_.ticks.number_at(now));
   p_.scene.restart(now);
@@ -123,7 +123,7 @@ void SessionKeeper::move_to_session_time(SimTime before, SimTime now, bool same_
     for (auto& [object, each] : p_.removed) {
       if (each.decided != SimTime{}) each.decided += now - before;
     }
-    p_.entered_at += now - before;
+    p_.presence.move(before, now);
   }
   p_.scene.restart_moved(now);
   p_.replica.forget_updates();

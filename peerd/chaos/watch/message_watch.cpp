@@ -30,6 +30,7 @@ bool are_connected(const Peer& a, const Peer& b) {
 void MessageWatch::on_sent(const WatchedPeer& sender, OperationId message, std::span<const WatchedPeer> all) {
   findings_.count("message sent");
   std::set<std::size_t>& there = sent_[message];
+  there.clear();  // of a message of that number that was lost with its author
   for (const WatchedPeer& peer : all) {
     const bool is_sender = peer.life == sender.life;
     if (is_sender || are_connected(peer.node->peer(), sender.node->peer())) there.insert(peer.life);
@@ -61,6 +62,11 @@ void MessageWatch::finish(double now_s, std::span<const WatchedPeer> all) {
   for (const WatchedPeer& peer : all) {
     const Received& received = received_[peer.life];
     for (const auto& [message, there] : sent_) {
+      const Operation* const known = book_.find(message);
+      if (known == nullptr || !std::holds_alternative<SendMessage>(known->body)) {
+        findings_.count("message lost with its author");  // who may have given its number to another operation since
+        continue;
+      }
       const bool has_it = peer.node->peer().logs().last(message.author).number >= message.number;
       const bool is_received = received.all.contains(message);
       const bool was_there = there.contains(peer.life);

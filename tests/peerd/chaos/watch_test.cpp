@@ -132,4 +132,18 @@ TEST_F(ChaosWatch, AMessageArrivesOnceAsItWasSentAndWhereItsSenderIs) {
   EXPECT_THAT(findings.violations(), Contains(HasSubstr("which nobody has sent so")));
 }
 
+// Chaos seed 20337: its author began again without it, and another operation got its number.
+TEST_F(ChaosWatch, AMessageMayBeLostWithItsAuthor) {
+  const OperationId sent = edit(0, SceneEdit::Kind::kSend, "", "hello");
+  messages.on_sent(peers[0], sent, peers);
+  book.cut(nodes[1]->peer().logs(), sent.author);
+  messages.finish(now_s, peers);
+  EXPECT_THAT(findings.violations(), IsEmpty()) << "nobody has it";
+  const OperationId other = edit(1, SceneEdit::Kind::kSend, "", "hullo");
+  messages.on_sent(peers[1], other, {&peers[1], 1});
+  messages.on_sent(peers[1], other, {&peers[0], 1});
+  messages.finish(now_s, {&peers[1], 1});
+  EXPECT_THAT(findings.violations(), IsEmpty()) << "the later message of that number was not for this peer";
+}
+
 }  // namespace peerd::chaos::watch_test
