@@ -12,24 +12,27 @@ std::string name_of(replication::OperationId id) { return fmt::format("{}:{}", i
 using namespace replication;
 
 void OperationBook::follow(const OperationLogs& logs, AuthorId author) {
-  const std::uint64_t whole = logs.whole(author);
-  std::uint64_t& read = read_bytes_[author];
-  if (read >= whole) return;
-  const std::uint64_t from = read;
-  const auto bytes = logs.bytes({author, from, whole});
-  while (read < whole) {
-    const auto next = decode_operation(author, std::span(bytes).subspan(read - from));
-    if (!next || !*next) return;  // the peer has read it, so that this is another log than that of before
+  std::vector<std::byte>& read = read_[author];
+  const auto bytes = logs.bytes({author, 0, logs.whole(author)});
+  const auto common = static_cast<std::size_t>(std::ranges::mismatch(read, bytes).in1 - read.begin());
+  if (common < std::min(read.size(), bytes.size())) forget(author);
+  while (read.size() < bytes.size()) {
+    const auto next = decode_operation(author, std::span(bytes).subspan(read.size()));
+    assert(next && *next && "the peer has read it");
     operations_.insert_or_assign((*next)->operation.id, (*next)->operation);
-    read += (*next)->size_bytes;
+    const auto from = bytes.begin() + static_cast<std::ptrdiff_t>(read.size());
+    read.insert(read.end(), from, from + static_cast<std::ptrdiff_t>((*next)->size_bytes));
   }
 }
 
 void OperationBook::cut(const OperationLogs& logs, AuthorId author) {
-  const std::uint32_t last = logs.last(author).number;
-  std::erase_if(operations_, [&](const auto& each) { return each.first.author == author && each.first.number > last; });
-  std::uint64_t& read = read_bytes_[author];
-  read = std::min(read, logs.whole(author));
+  if (logs.whole(author) < read_[author].size()) forget(author);
+  follow(logs, author);
+}
+
+void OperationBook::forget(AuthorId author) {
+  std::erase_if(operations_, [&](const auto& each) { return each.first.author == author; });
+  read_[author].clear();
 }
 
 const Operation* OperationBook::find(OperationId id) const {

@@ -1,9 +1,10 @@
 #pragma once
-#include <cstdint>
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "core/time.hpp"
 #include "replication/operations/operation_log.hpp"
@@ -16,7 +17,8 @@ namespace peerd::chaos {
 // oracle checks.
 class OperationBook {
  public:
-  // Reads what these logs have more of that author than was read before.
+  // Reads what these logs have more of that author than was read before. Where they have other bytes, what was read is
+  // forgotten: it was lost with its author, who has begun anew since.
   void follow(const replication::OperationLogs& logs, replication::AuthorId author);
   // Forgets what that author has beyond these logs.
   void cut(const replication::OperationLogs& logs, replication::AuthorId author);
@@ -30,7 +32,9 @@ class OperationBook {
   [[nodiscard]] std::set<replication::OperationId> undone(SimTime until) const;
 
  private:
-  std::map<replication::AuthorId, std::uint64_t> read_bytes_;
+  void forget(replication::AuthorId author);
+
+  std::map<replication::AuthorId, std::vector<std::byte>> read_;
   std::map<replication::OperationId, replication::Operation> operations_;
 };
 
