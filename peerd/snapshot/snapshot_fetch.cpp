@@ -60,13 +60,14 @@ class Parts {
     asked.insert(again->part);
     return again->part;
   }
-  // False: the bytes are not what was asked for.
-  bool take(const OperationRange& part, std::string_view bytes) {
+  // False: the bytes, which that peer gives, are not what was asked for.
+  bool take(const OperationRange& part, std::string_view bytes, std::size_t peer) {
     if (bytes.size() != part.to - part.from) return false;
     const auto awaited = std::ranges::find(awaited_, part, &Awaited::part);
     if (awaited == awaited_.end()) return true;  // another peer was faster
     awaited_.erase(awaited);
     std::ranges::copy(bytes, content_[part.author].begin() + static_cast<std::ptrdiff_t>(part.from));
+    givers_[part.author].insert(peer);
     return true;
   }
   // A connection has failed that was asked for the part.
@@ -78,6 +79,8 @@ class Parts {
   }
   [[nodiscard]] bool are_there() const { return unasked_.empty() && awaited_.empty(); }
   [[nodiscard]] std::string& content(AuthorId author) { return content_[author]; }
+  // The peers that have given parts of a log.
+  [[nodiscard]] const std::set<std::size_t>& givers(AuthorId author) { return givers_[author]; }
 
  private:
   void add(AuthorId author, std::uint64_t bytes) {
@@ -94,6 +97,7 @@ class Parts {
   };
   std::vector<Awaited> awaited_;  // in the order of asking
   std::map<AuthorId, std::string> content_;
+  std::map<AuthorId, std::set<std::size_t>> givers_;
 };
 
 class Fetch {
@@ -123,6 +127,8 @@ class Fetch {
     Provider provider;
     std::map<AuthorId, std::uint64_t> held;  // lengths; empty: it has offered nothing yet
     bool is_asked_for_offer = false;
+    bool is_asked_for_digests = false;
+    bool has_compared = false;  // its digests of what others gave are here
     bool is_of_use = true;
     std::set<std::string> said;  // notes about it
   };
@@ -202,7 +208,7 @@ class Fetch {
     }
     peer.held = {{replication::kNoAuthor, offer.archive_bytes}};
     for (const LogLength& log : offer.logs) peer.held[log.author] = log.bytes;
-    if (compares_) return ask_another_for_digests();
+    if (compares_) return ask_for_digests();
     if (is_first) {
       session_ = offer.session;
       snapshot_.provided_by = peer.provider.name;
@@ -221,7 +227,7 @@ class Fetch {
     ask(connection, {session_, PartRequest{*connection->awaits}}, [this, connection](const Reply& reply) {
       const OperationRange asked = *std::exchange(connection->awaits, std::nullopt);
       const auto* part = std::get_if<Part>(&reply);
-      if (part == nullptr || !parts_.take(asked, part->bytes)) {
+      if (part == nullptr || !parts_.take(asked, part->bytes, connection->peer)) {
         parts_.give_back(asked);
         return give_up(connection, "it answers something else");
       }
@@ -237,58 +243,79 @@ class Fetch {
     }
   }
 
-  // Everything is here. Another peer is asked whether it has the same.
+  // Everything is here. Peers are asked whether they have the same.
   void compare() {
-    if (std::exchange(compares_, true)) return ask_another_for_digests();
+    if (std::exchange(compares_, true)) return ask_for_digests();
     if (digest(parts_.content(replication::kNoAuthor)) != snapshot_.offer.archive_digest) {
       return end("what came is not the archive that " + snapshot_.provided_by + " has offered");
     }
     be_patient();
-    ask_another_for_digests();
+    ask_for_digests();
   }
 
-  void ask_another_for_digests() {
-    const auto is_other = [&](const ConnectionPtr& each) { return each->peer != first_; };
-    if (std::ranges::none_of(connections_, is_other)) return end("");
-    const auto other = std::ranges::find_if(connections_, [&](const ConnectionPtr& each) {
-      return is_other(each) && each->is_connected && !each->awaits && !peers_[each->peer].held.empty();
-    });
-    if (other == connections_.end() || asks_for_digests_) return;
-    if (snapshot_.offer.logs.empty()) {  // it has offered the same archive
-      snapshot_.checked_with = peers_[(*other)->peer].provider.name;
-      return end("");
+  // A log that one peer has given is compared with another one; one that several have given, with each of two.
+  void ask_for_digests() {
+    if (std::ranges::none_of(connections_, [&](const ConnectionPtr& each) { return !peers_[each->peer].has_compared; }))
+      return end("");  // there is nobody left to ask
+    for (const ConnectionPtr& each : std::set(connections_)) {
+      const Peer& peer = peers_[each->peer];
+      const bool is_idle = each->is_connected && !each->awaits && !each->asks_for_offer && !each->asks_for_digests;
+      if (over_ || !is_idle || peer.held.empty() || peer.is_asked_for_digests) continue;
+      ask_for_digests(each);
     }
-    const ConnectionPtr& connection = *other;
-    asks_for_digests_ = connection->asks_for_digests = true;
+  }
+
+  void ask_for_digests(const ConnectionPtr& connection) {
+    Peer& peer = peers_[connection->peer];
+    peer.is_asked_for_digests = true;
     DigestRequest request;
     for (const LogLength& log : snapshot_.offer.logs) {
-      const auto held = peers_[connection->peer].held.find(log.author);
-      if (held != peers_[connection->peer].held.end()) {
-        request.logs.push_back({log.author, std::min(log.bytes, held->second)});
-      }
+      const auto held = peer.held.find(log.author);
+      const bool is_others = parts_.givers(log.author) != std::set{connection->peer};
+      if (is_others && held != peer.held.end()) request.logs.push_back({log.author, std::min(log.bytes, held->second)});
     }
+    if (request.logs.empty()) return take_digests(connection, request, {});
+    connection->asks_for_digests = true;
     ask(connection, {session_, request}, [this, connection, request](const Reply& reply) {
+      connection->asks_for_digests = false;
       const auto* digests = std::get_if<Digests>(&reply);
       if (digests == nullptr || digests->digests.size() != request.logs.size()) {
         return give_up(connection, "it answers something else");
       }
-      const std::string& name = peers_[connection->peer].provider.name;
-      for (std::size_t i = 0; i < request.logs.size(); ++i) {
-        const auto bytes = std::string_view(parts_.content(request.logs[i].author)).substr(0, request.logs[i].bytes);
-        if (digests->digests[i] != digest(bytes)) {
-          return end(snapshot_.provided_by + " and " + name + " have different operations of author " +
-                     std::to_string(request.logs[i].author.value) + " at one place: one of them is damaged, or lies");
-        }
-      }
-      snapshot_.checked_with = name;
-      end("");
+      take_digests(connection, request, *digests);
     });
+  }
+
+  void take_digests(const ConnectionPtr& connection, const DigestRequest& asked, const Digests& got) {
+    Peer& peer = peers_[connection->peer];
+    for (std::size_t i = 0; i < asked.logs.size(); ++i) {
+      const auto& [author, bytes] = asked.logs[i];
+      if (got.digests[i] == digest(std::string_view(parts_.content(author)).substr(0, bytes))) continue;
+      std::set<std::size_t> givers = parts_.givers(author);
+      givers.erase(connection->peer);
+      differences_.emplace(author, peers_[*givers.begin()].provider.name + " and " + peer.provider.name);
+    }
+    peer.has_compared = true;
+    if (connection->peer != first_) snapshot_.checked_with = peer.provider.name;
+    if (is_compared()) return end("");
+    ask_for_digests();
+  }
+
+  // Whether each log has been compared with a peer that has not given it, or with two.
+  [[nodiscard]] bool is_compared() {
+    if (std::ranges::count_if(peers_, &Peer::has_compared) > 1) return true;
+    const auto one = std::ranges::find_if(peers_, &Peer::has_compared);
+    if (one == peers_.end()) return false;
+    const auto peer = static_cast<std::size_t>(one - peers_.begin());
+    return peer != first_ && std::ranges::none_of(snapshot_.offer.logs, [&](const LogLength& log) {
+             return parts_.givers(log.author).contains(peer);
+           });
   }
 
   void on_failure(const ConnectionPtr& connection, const std::string& why) {
     drop(connection);
     note(connection->peer, why);
-    if (compares_) return ask_another_for_digests();
+    if (compares_) return ask_for_digests();
     const auto again = std::make_shared<asio::steady_timer>(io_, kConnectedAgainAfter);
     again->async_wait([this, again, peer = connection->peer](const boost::system::error_code&) { connect(peer); });
     ask_on_all();
@@ -301,14 +328,14 @@ class Fetch {
       if (each->peer == connection->peer) drop(each);
     }
     note(connection->peer, why);
-    if (compares_) return ask_another_for_digests();
+    if (compares_) return ask_for_digests();
     if (std::ranges::none_of(peers_, &Peer::is_of_use)) return end(last_failure_);
     ask_on_all();
   }
 
   void drop(const ConnectionPtr& connection) {
     connection->stream->close();
-    if (connection->asks_for_digests) asks_for_digests_ = false;
+    if (connection->asks_for_digests) peers_[connection->peer].is_asked_for_digests = false;
     if (connection->asks_for_offer) peers_[connection->peer].is_asked_for_offer = false;
     if (connection->awaits) parts_.give_back(*std::exchange(connection->awaits, std::nullopt));
     connections_.erase(connection);
@@ -332,6 +359,11 @@ class Fetch {
   void end(std::string error) {
     if (std::exchange(over_, true)) return;
     error_ = std::move(error);
+    if (error_.empty() && !differences_.empty()) {
+      const auto& [author, peers] = *differences_.begin();
+      error_ = peers + " have different operations of author " + std::to_string(author.value) +
+               " at one place: one of them is damaged, or lies";
+    }
     const auto gave = [](const ConnectionPtr& each) { return each->has_provided; };
     snapshot_.connections = static_cast<std::size_t>(std::ranges::count_if(connections_, gave));
     for (const ConnectionPtr& each : connections_) each->stream->close();
@@ -355,8 +387,9 @@ class Fetch {
   std::size_t first_ = 0;  // the peer that has made the offer
   Parts parts_;
   Snapshot snapshot_;
+  std::map<AuthorId, std::string> differences_;  // the two peers
   std::string last_failure_, error_;
-  bool compares_ = false, asks_for_digests_ = false, over_ = false;
+  bool compares_ = false, over_ = false;
 };
 
 }  // namespace

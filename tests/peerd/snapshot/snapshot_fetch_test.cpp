@@ -5,10 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <functional>
+#include <future>
 #include <map>
 #include <memory>
 #include <random>
 #include <thread>
+#include <utility>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/read.hpp>
@@ -87,17 +90,30 @@ class ProvidingPeer {
   std::thread thread;
 };
 
-// A peer between a joining peer and one that gives, which passes on so many replies in all and then nothing more: it
-// closes what is open, and listens no more.
-class FailingPeer {
+// The archive and the logs outlive it.
+SnapshotContent content_of(const std::string& archive, const OperationLogs& logs) {
+  return {kSession,
+          "town",
+          "expansion = 1\n",
+          9,
+          archive,
+          digest(archive),
+          [&logs]() -> const OperationLogs& { return logs; },
+          [] { return SimTime::max(); }};
+}
+
+// A peer in a thread of its own that asks `answers` before each reply, and waits as long as that does. Where it says
+// no, the peer closes what is open, and listens no more.
+class WilfulPeer {
  public:
-  FailingPeer(const SnapshotContent& content, int replies) : content_(content), left_(replies) {
+  WilfulPeer(const SnapshotContent& content, std::function<bool(const Request&)> answers)
+      : content_(content), answers_(std::move(answers)) {
     acceptor_.listen();
     thread_ = std::thread([this] { serve(); });
   }
-  FailingPeer(const FailingPeer&) = delete;
-  FailingPeer& operator=(const FailingPeer&) = delete;
-  ~FailingPeer() {
+  WilfulPeer(const WilfulPeer&) = delete;
+  WilfulPeer& operator=(const WilfulPeer&) = delete;
+  ~WilfulPeer() {
     io_.stop();
     thread_.join();
   }
@@ -119,7 +135,7 @@ class FailingPeer {
   }
   void answer(const std::shared_ptr<FramedStream>& stream) {
     stream->read([this, stream](const std::string& request) {
-      if (left_-- <= 0) {
+      if (!answers_(decode_request(request).value())) {
         boost::system::error_code ignored;
         acceptor_.close(ignored);
         for (const auto& each : streams_) each->close();
@@ -130,7 +146,7 @@ class FailingPeer {
   }
 
   const SnapshotContent& content_;
-  int left_;
+  std::function<bool(const Request&)> answers_;
   asio::io_context io_{1};
   asio::ip::tcp::acceptor acceptor_{io_, {asio::ip::address_v4::loopback(), 0}, false};
   std::vector<std::shared_ptr<FramedStream>> streams_;
@@ -176,23 +192,43 @@ TEST(SnapshotFetch, TellsThatTwoPeersDiffer) {
   const ProvidingPeer a(some_logs(20, 1)), b(some_logs(20, 2));
   const auto snapshot = fetch_snapshot({a.provider("a"), b.provider("b")}, kSession);
   ASSERT_FALSE(snapshot);
-  // All of one author may have come from the peer that is asked to compare: then the other author's differ.
-  EXPECT_THAT(snapshot.error(), HasSubstr("have different operations of author "));
+  EXPECT_THAT(snapshot.error(), HasSubstr("have different operations of author 5 "));
+}
+
+// What one peer has given is compared with another one, also where that other one has made the offer: a makes the offer
+// and gives nothing before b has given everything.
+TEST(SnapshotFetch, ComparesWithAPeerThatHasNotGivenIt) {
+  const std::string archive = random_bytes(1000, 1);
+  const OperationLogs of_a = some_logs(20, 1), of_b = some_logs(30, 2);  // each of one thread; b has all places
+  const SnapshotContent content_a = content_of(archive, of_a), content_b = content_of(archive, of_b);
+  std::promise<void> a_is_first, b_has_given;
+  const auto a_answers = [&, is_first = true](const Request& request) mutable {
+    if (!std::holds_alternative<PartRequest>(request.what) || !std::exchange(is_first, false)) return true;
+    a_is_first.set_value();
+    b_has_given.get_future().wait();
+    return true;
+  };
+  const auto b_answers = [&](const Request& request) {
+    if (std::holds_alternative<OfferRequest>(request.what)) a_is_first.get_future().wait();
+    const auto* part = std::get_if<PartRequest>(&request.what);
+    // What a has been asked for first is what another peer is asked for last.
+    if (part != nullptr && part->range.author == replication::kNoAuthor) b_has_given.set_value();
+    return true;
+  };
+  FetchOptions options;
+  options.connections = 2;  // one to each
+  const WilfulPeer a(content_a, a_answers), b(content_b, b_answers);
+  const auto snapshot = fetch_snapshot({a.provider("a"), b.provider("b")}, kSession, options);
+  ASSERT_FALSE(snapshot);
+  EXPECT_THAT(snapshot.error(), HasSubstr("b and a have different operations of author 5 "));
 }
 
 TEST(SnapshotFetch, APeerThatFailsIsReplaced) {
   const ProvidingPeer a(some_logs(20));
   const OperationLogs same = some_logs(20);  // of another thread
-  const SnapshotContent content{kSession,
-                                "town",
-                                "expansion = 1\n",
-                                9,
-                                a.archive,
-                                digest(a.archive),
-                                [&same]() -> const OperationLogs& { return same; },
-                                [] { return SimTime::max(); }};
+  const SnapshotContent content = content_of(a.archive, same);
   for (int replies = 0; replies < 12; ++replies) {
-    const FailingPeer failing(content, replies);
+    const WilfulPeer failing(content, [left = replies](const Request&) mutable { return left-- > 0; });
     const auto snapshot = fetch_snapshot({failing.provider("failing"), a.provider("a")}, kSession);
     ASSERT_TRUE(snapshot) << snapshot.error();
     expect_all_of(*snapshot, a);
@@ -231,14 +267,7 @@ TEST(SnapshotFetch, APeerWithAnotherArchiveGivesNothing) {
 
 TEST(SnapshotServer, OffersNoLogOfABrokenClock) {
   const ProvidingPeer a(some_logs(3));
-  SnapshotContent content{kSession,
-                          "town",
-                          "",
-                          9,
-                          a.archive,
-                          digest(a.archive),
-                          [&a]() -> const OperationLogs& { return a.logs; },
-                          [] { return SimTime::max(); }};
+  SnapshotContent content = content_of(a.archive, a.logs);
   const auto offered = [&] {
     return std::get<Offer>(reply_to(encode(Request{kSession, OfferRequest{}}), content)).logs;
   };
@@ -250,14 +279,7 @@ TEST(SnapshotServer, OffersNoLogOfABrokenClock) {
 
 TEST(SnapshotServer, SaysNothingToNonsense) {
   const ProvidingPeer a(some_logs(3));
-  const SnapshotContent content{kSession,
-                                "town",
-                                "",
-                                9,
-                                a.archive,
-                                digest(a.archive),
-                                [&a]() -> const OperationLogs& { return a.logs; },
-                                [] { return SimTime::max(); }};
+  const SnapshotContent content = content_of(a.archive, a.logs);
   EXPECT_TRUE(std::holds_alternative<Refusal>(reply_to("nonsense", content)));
   const auto ask = [&](std::variant<OfferRequest, PartRequest, DigestRequest> what) {
     return reply_to(encode(Request{kSession, std::move(what)}), content);
