@@ -279,8 +279,8 @@ Conflicts::Winner Conflicts::cause_of(const OperationKey& refused, const Operati
   for (auto at = writes_.lower_bound({Register::Kind::kPlace, 0, {}}); at != writes_.end(); ++at) {
     for (auto write = std::ranges::lower_bound(at->second, refused); write != at->second.begin();) {
       --write;
+      if (!is_in_force_(*write)) continue;  // whether it ever was depends on the order in which this peer heard
       if (knew(refused, *write)) break;
-      if (!is_in_force_(*write)) continue;
       last = std::max(last.value_or(*write), *write);
       break;
     }
