@@ -33,7 +33,8 @@ ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, s
     if (object == ContactIsland::kNone) continue;
     for (const std::uint32_t i : model.part_pairs_of(object)) {
       const WatchedPair& pair = pairs[i];
-      const bool touches = pair.bears || (which == Touching::kAny && met_lately(pair.touched, t, kShortestFlight));
+      const bool touches =
+          pair.bears_at(t) || (which == Touching::kAny && met_lately(pair.touched, t, kShortestFlight));
       if (!touches || !pair.watched || std::ranges::find(seen, i) != seen.end()) continue;
       seen.push_back(i);
       const bool a_moves = objects[pair.collider].will_respond(pair.collider_responds, t);

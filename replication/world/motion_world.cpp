@@ -393,7 +393,7 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
       pair.inside = true;
       pair.touched = pair.parted_from;
     }
-    if (pair.bears && elsewhere) {
+    if (pair.bears && (elsewhere || pair.bore_since > from)) {
       pair.contact = pair.clear_until;
       pair.lifts = true;
     }
@@ -544,7 +544,7 @@ void MotionWorld::come_to_rest(WatchedPair& pair, SimTime t) {
   ++counters_.came_to_rest;
   // A turning body that is pressed hard would be lifted by its edges and meet again without end.
   if (met_lately(pair.lifted, t, kShortestFlight)) pair.held_until = t + kShortestFlight;
-  pair.bears = true;
+  pair.begin_to_bear(t);
   const std::size_t a = pair.collider, b = pair.collidee;
   if (objects_[a].will_respond(pair.collider_responds, t)) end_rolling(a, t, pair.normal, b);
   if (objects_[b].will_respond(pair.collidee_responds, t)) end_rolling(b, t, pair.normal, a);
@@ -618,11 +618,11 @@ void MotionWorld::settle_velocities(WatchedPair& pair, SimTime t, Touching which
 }
 
 // The search of a pair may be ahead of t: in a world that goes through the past again it has met others at t, but
-// neither of the two has got another way from then on. Then the two are apart where the search is. One of them may bear
-// the other by a contact that is later than t.
+// neither of the two has got another way from then on. Then the two are apart where the search is. The last contact of
+// two that bear each other since before t may be later than t.
 void MotionWorld::let_through(std::uint32_t i, SimTime t) {
   WatchedPair& pair = pairs_[i];
-  assert(pair.is_answered());
+  assert(pair.is_answered() && std::min(pair.touched, pair.bore_since) <= t);
   const bool lived = objects_.is_lived(pair.collider) || objects_.is_lived(pair.collidee);
   const bool is_ahead = far_.contains(i) || (!pair.contact && pair.clear_until > reopened_from(pair, lived, t));
   if (!is_ahead) pair.inside = true;
@@ -665,7 +665,7 @@ void MotionWorld::stop(WatchedPair& pair, SimTime t) {
     o.borne = true;
     if (!stood) change_motion(index, t, stands, objects_[cause].id);
   }
-  pair.bears = true;
+  pair.begin_to_bear(t);
 }
 
 bool MotionWorld::stands_firm(const WatchedPair& pair, SimTime t) const {
@@ -699,7 +699,7 @@ void MotionWorld::hold_against_wall(WatchedPair& wall, SimTime t) {
 void MotionWorld::release_parting(std::size_t object, SimTime t) {
   for (const std::uint32_t i : model_->part_pairs_of(object)) {
     WatchedPair& pair = pairs_[i];
-    if (!pair.bears) continue;
+    if (!pair.bears_at(t)) continue;
     const Vec3 a = objects_.world_law(pair.collider, t).state.velocity;
     const Vec3 b = objects_.world_law(pair.collidee, t).state.velocity;
     std::erase_if(pair.normals, [&](const Vec3& n) { return n.dot(a - b) > kRounding * (a.norm() + b.norm()); });

@@ -36,6 +36,7 @@ struct WatchedPair {
   bool bears = false;                    // the two rest against each other, along all of `normals`
   SimTime parted = SimTime::min();       // when `inside` was last over
   SimTime parted_from = SimTime::min();  // the contact that was over then
+  SimTime bore_since = SimTime::max();   // when the two last came to rest against each other
   SimTime touched = SimTime::min();      // of the last contact
   SimTime lifted = SimTime::min();       // when the two last came apart after they bore each other
   SimTime held_until = SimTime::min();   // the two do not come apart before
@@ -49,6 +50,12 @@ struct WatchedPair {
   std::vector<Vec3> normals;             // of the contacts of the burst, and those along which the two bear each other
 
   [[nodiscard]] bool is_answered() const { return collider_responds || collidee_responds; }
+  // A world that goes through the past again may hold pairs that came to rest later than where it is.
+  [[nodiscard]] bool bears_at(SimTime t) const { return bears && bore_since <= t; }
+  void begin_to_bear(SimTime t) {
+    if (!bears_at(t)) bore_since = t;
+    bears = true;
+  }
 };
 
 // Two that part for a shorter time stay together.
