@@ -310,6 +310,10 @@ void Peer::advance_ghosts(SimTime t) {
 }
 
 void Peer::look(std::vector<View> views) { impl_->parts.sight.look(std::move(views)); }
+void Peer::look_from(const std::optional<Viewpoint>& viewpoint) {
+  impl_->parts.config.decisions.viewpoint = viewpoint;
+  impl_->keeper.reintroduce();
+}
 
 Pose Peer::shown(ObjectId object, SimTime t) { return impl_->parts.display.shown(object, t); }
 

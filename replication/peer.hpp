@@ -39,8 +39,7 @@ class Peer {
   ~Peer();
 
   // ---- the driver's calls; poll_output() is to be drained after each that takes `now`
-
-  // A datagram from the network: hostile until proven otherwise. The error says why it changed nothing.
+  // A datagram from the network, which is hostile. The error says why it changed nothing.
   std::expected<void, Drop> on_packet(HostTime now, RegionId region, std::span<const std::byte> datagram);
   // Does everything that is due at `now`; calling it early is harmless. `samples` are of the instant that due_tick(now)
   // gave, one for each driven object, and are ignored when no tick is due.
@@ -132,8 +131,9 @@ class Peer {
   [[nodiscard]] const Interest& interest() const;
   // Brings the ghosts to t, which may lie between two ticks, for a viewer's frame. Other peers can't notice it.
   void advance_ghosts(SimTime t);
-  // From now on this peer sees so (SightSettings): the views of a viewer, before the advance_ghosts() of its frame.
+  // From now on this peer sees so (SightSettings): the views of a viewer, before the advance_ghosts() of its frame;
   void look(std::vector<View> views);
+  void look_from(const std::optional<Viewpoint>& viewpoint);  // .. and has that viewpoint, as all others hear
   // What a viewer draws after advance_ghosts(t); t never goes back. It goes through nothing that the ghost didn't.
   [[nodiscard]] Pose shown(ObjectId object, SimTime t);
 

@@ -199,7 +199,7 @@ ordered_json pose_reply(const feed::Outcome& outcome) {
   return reply;
 }
 
-ordered_json let_go_reply(const std::expected<void, std::string>& done) {
+ordered_json outcome_reply(const std::expected<void, std::string>& done) {
   ordered_json reply = good();
   reply["done"] = done.has_value();
   if (!done) reply["refused"] = done.error();
@@ -305,7 +305,10 @@ Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host
     return {poses->reply ? line_of(pose_reply(outcome)) : ""};
   }
   if (const auto* hand = std::get_if<LetGoRequest>(&*request)) {
-    return {line_of(let_go_reply(node.let_go(now, hand->path)))};
+    return {line_of(outcome_reply(node.let_go(now, hand->path)))};
+  }
+  if (const auto* look = std::get_if<ViewpointRequest>(&*request)) {
+    return {line_of(outcome_reply(node.look_from(look->path, look->viewpoint)))};
   }
   if (const auto* edit = std::get_if<EditRequest>(&*request)) return {line_of(edit_reply(node.edit(now, edit->edit)))};
   if (const auto* operation = std::get_if<OperationRequest>(&*request)) {

@@ -1,6 +1,7 @@
 #include "peerd/control/request.hpp"
 
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -10,6 +11,7 @@ namespace peerd::api {
 namespace {
 
 constexpr std::int64_t kCodeMax = std::numeric_limits<std::int32_t>::max();
+constexpr double kAspectMax = 1000.0;
 constexpr std::int64_t kObjectMax = std::numeric_limits<std::int64_t>::max();
 
 // The request names its key by a name with modifiers, or by the numbers of Qt.
@@ -55,6 +57,25 @@ Request read_edit(feed::JsonMembers& members, config::SceneEdit::Kind kind) {
     edit.value = members.required(members.text("value"), "value");
   }
   return EditRequest{std::move(edit)};
+}
+
+// Without a position there is none, and none of the rest may be there.
+Request read_viewpoint(feed::JsonMembers& members) {
+  ViewpointRequest request;
+  if (!members.has("position_m")) return request;
+  replication::Viewpoint& view = request.viewpoint.emplace();
+  view.pose.position = members.required(members.numbers<3>("position_m"), "position_m");
+  request.path = members.text("object").value_or("");
+  if (const auto turned = members.numbers<4>("orientation_xyzw")) view.pose.orientation.coeffs() = *turned;
+  if (const auto angle_rad = members.number("field_of_view_rad")) view.field_of_view = *angle_rad;
+  if (const auto aspect = members.number("aspect")) view.aspect = *aspect;
+  const double length = view.pose.orientation.norm();
+  if (!(length > 0.7 && length < 1.42)) members.fail("orientation_xyzw", "is no unit quaternion");
+  view.pose.orientation.normalize();
+  const bool is_angle = view.field_of_view > 0.0 && view.field_of_view < std::numbers::pi;
+  if (!is_angle) members.fail("field_of_view_rad", "has to be between 0 and pi");
+  if (!(view.aspect > 0.0 && view.aspect <= kAspectMax)) members.fail("aspect", "has to be above 0, and 1000 at most");
+  return request;
 }
 
 // With a value, or to be removed: an edit; else a question.
@@ -113,8 +134,8 @@ std::optional<config::SceneEdit::Kind> edit_kind(std::string_view word) {
 
 bool changes_something(const Request& request) {
   return std::holds_alternative<KeyRequest>(request) || std::holds_alternative<PoseRequest>(request) ||
-         std::holds_alternative<LetGoRequest>(request) || std::holds_alternative<EditRequest>(request) ||
-         std::holds_alternative<LeaveRequest>(request);
+         std::holds_alternative<LetGoRequest>(request) || std::holds_alternative<ViewpointRequest>(request) ||
+         std::holds_alternative<EditRequest>(request) || std::holds_alternative<LeaveRequest>(request);
 }
 
 std::expected<Request, std::string> parse_request(std::string_view line) {
@@ -137,6 +158,8 @@ std::expected<Request, std::string> parse_request(std::string_view line) {
     request = feed::read_pose_message(members);
   } else if (what == "let_go") {
     request = LetGoRequest{members.required(members.text("path"), "path")};
+  } else if (what == "viewpoint") {
+    request = read_viewpoint(members);
   } else if (const auto kind = edit_kind(what)) {
     request = read_edit(members, *kind);
   } else if (what == "data") {
@@ -154,13 +177,12 @@ std::expected<Request, std::string> parse_request(std::string_view line) {
   } else if (what == "leave") {
     request = LeaveRequest{};
   } else {
-    members.fail(
-        "do",
-        "must be one of \"key\", \"status\", \"peers\", \"objects\", \"pose\", \"let_go\", \"add\", \"remove\", "
-        "\"move\", "
-        "\"set\", \"own\", \"grab\", \"steal\", \"release\", \"data\", \"send\", \"undo\", \"redo\", \"conflicts\", "
-        "\"subscribe\", \"operation\", "
-        "\"world\", \"leave\"");
+    members.fail("do",
+                 "must be one of \"key\", \"status\", \"peers\", \"objects\", \"pose\", \"let_go\", \"viewpoint\", "
+                 "\"add\", \"remove\", \"move\", \"set\", \"own\", \"grab\", \"steal\", \"release\", \"data\", "
+                 "\"send\", \"undo\", \"redo\", \"conflicts\", "
+                 "\"subscribe\", \"operation\", "
+                 "\"world\", \"leave\"");
   }
   if (std::string error = members.finish(); !error.empty()) return std::unexpected(std::move(error));
   return *request;

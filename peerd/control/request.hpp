@@ -42,6 +42,12 @@ using PoseRequest = feed::PoseMessage;
 struct LetGoRequest {
   std::string path;
 };
+// From now on the peer looks from there, in the frame of the node at the path (empty: the world); none: as its
+// configuration says.
+struct ViewpointRequest {
+  std::string path;
+  std::optional<replication::Viewpoint> viewpoint;
+};
 struct EditRequest {
   config::SceneEdit edit;
 };
@@ -62,11 +68,11 @@ struct SubscribeRequest {
   EventKinds kinds;
 };
 struct WorldRequest {};  // the scene as it is, as VRML
-using Request =
-    std::variant<KeyRequest, StatusRequest, PeersRequest, ObjectsRequest, LeaveRequest, PoseRequest, LetGoRequest,
-                 EditRequest, OperationRequest, DataRequest, ConflictsRequest, SubscribeRequest, WorldRequest>;
+using Request = std::variant<KeyRequest, StatusRequest, PeersRequest, ObjectsRequest, LeaveRequest, PoseRequest,
+                             LetGoRequest, ViewpointRequest, EditRequest, OperationRequest, DataRequest,
+                             ConflictsRequest, SubscribeRequest, WorldRequest>;
 
-// Whether the request changes something, if only at this peer: a key, poses, an edit, leaving.
+// Whether the request changes something, if only at this peer: a key, poses, a viewpoint, an edit, leaving.
 [[nodiscard]] bool changes_something(const Request& request);
 
 // Parses one line of hostile input. The error is one sentence for its sender.

@@ -78,6 +78,11 @@ std::string ViewedPeer::pick(const Vec3& origin, const Vec3& direction) {
   return reply_line(picture_.pick(node_, daemon_.now(), origin, direction));
 }
 
+std::string ViewedPeer::walk(const picture::AvatarSize& size, const picture::Stride& stride, const std::string& but) {
+  (void)revision();
+  return reply_line(picture_.walk(node_, daemon_.now(), size, stride, but));
+}
+
 std::string ViewedPeer::inspect(std::uint32_t node) {
   (void)revision();
   return reply_line(picture_.inspect(node_, node));

@@ -31,6 +31,7 @@ class ViewedPeer : public gateway::GatewaySource {
   void make_scene(std::function<void(const gateway::SceneFile&)> done) override;
   std::span<const std::byte> next_frame(picture::PoseStream& client) override;
   std::string pick(const Vec3& origin, const Vec3& direction) override;
+  std::string walk(const picture::AvatarSize& size, const picture::Stride& stride, const std::string& but) override;
   std::string inspect(std::uint32_t node) override;
 
  private:

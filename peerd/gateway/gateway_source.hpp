@@ -10,6 +10,7 @@
 #include "core/math.hpp"
 #include "peerd/control/answer.hpp"
 #include "peerd/picture/pose_frame.hpp"
+#include "peerd/picture/walk.hpp"
 
 namespace peerd::gateway {
 
@@ -41,8 +42,9 @@ class GatewaySource {
   virtual void make_scene(std::function<void(const SceneFile&)> done) = 0;
   // The client's next frame of poses, valid until its next one.
   virtual std::span<const std::byte> next_frame(picture::PoseStream& client) = 0;
-  // The replies to "pick" and "inspect".
+  // The replies to "pick", "walk" and "inspect".
   virtual std::string pick(const Vec3& origin, const Vec3& direction) = 0;
+  virtual std::string walk(const picture::AvatarSize& size, const picture::Stride& stride, const std::string& but) = 0;
   virtual std::string inspect(std::uint32_t node) = 0;
 };
 

@@ -12,6 +12,7 @@
 #include <boost/beast/core/buffers_to_string.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/websocket.hpp>
+#include <nlohmann/json.hpp>
 
 #include "peerd/control/answer.hpp"
 #include "peerd/control/pending_lines.hpp"
@@ -85,7 +86,16 @@ class LiveConnection : public Connection, public std::enable_shared_from_this<Li
 
   void drop() {
     close();
+    remove_avatar();
     state_->drop(shared_from_this());
+  }
+
+  // Nobody steers it any more.
+  void remove_avatar() {
+    if (avatar_.empty()) return;
+    const nlohmann::json removal = {{"do", "remove"}, {"path", std::exchange(avatar_, {})}};
+    (void)state_->source.ask(removal.dump());
+    (void)state_->source.ask(R"({"do":"viewpoint"})");
   }
 
   void on_failure(const error_code& failed) {
@@ -166,6 +176,12 @@ class LiveConnection : public Connection, public std::enable_shared_from_this<Li
     return api::done_reply();
   }
   std::string answer(const PickRequest& asked) { return state_->source.pick(asked.origin, asked.direction); }
+  std::string answer(const WalkRequest& asked) { return state_->source.walk(asked.size, asked.stride, asked.but); }
+  std::string answer(const AvatarRequest& asked) {
+    if (!may_change_) return refused(RefusalKind::kToken, std::string(text_of(RefusalKind::kToken).sentence));
+    avatar_ = asked.path;
+    return api::done_reply();
+  }
   std::string answer(const InspectRequest& asked) { return state_->source.inspect(asked.node); }
 
   // Frames that could not be sent in time are left out.
@@ -270,6 +286,7 @@ class LiveConnection : public Connection, public std::enable_shared_from_this<Li
   api::PendingLines::Line writing_;
   api::EventKinds wanted_{};
   std::uint32_t revision_ = 0;  // that the client knows of
+  std::string avatar_;          // the path of the client's own; empty: none
   picture::PoseStream poses_;
   std::chrono::nanoseconds frame_period_{0};
   std::chrono::steady_clock::time_point next_frame_at_;

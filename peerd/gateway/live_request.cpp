@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -54,6 +55,29 @@ WatchRequest read_watch(feed::JsonMembers& members) {
   return request;
 }
 
+// Sizes and times that mean something; a stride that is longer goes by many requests.
+constexpr double kSizeMax_m = 1e3, kStrideMax_m = 1e3, kStrideMax_s = 1.0, kFallMax_m_s = 1e3;
+
+WalkRequest read_walk(feed::JsonMembers& members) {
+  WalkRequest request;
+  request.stride.eye = members.required(members.numbers<3>("eye_m"), "eye_m");
+  request.stride.by = members.required(members.numbers<3>("by_m"), "by_m");
+  request.stride.falls = members.flag("falls", true);
+  const auto take = [&](const char* name, double& value, double most) {
+    if (const auto given = members.number(name)) value = *given;
+    if (!(value >= 0.0 && value <= most))
+      members.fail(name, "has to be from 0 to " + std::to_string(std::lround(most)));
+  };
+  take("radius_m", request.size.radius_m, kSizeMax_m);
+  take("height_m", request.size.height_m, kSizeMax_m);
+  take("step_m", request.size.step_m, kSizeMax_m);
+  take("for_s", request.stride.for_s, kStrideMax_s);
+  take("fall_m_s", request.stride.fall_m_s, kFallMax_m_s);
+  if (request.stride.by.norm() > kStrideMax_m) members.fail("by_m", "is longer than 1000 m");
+  request.but = members.text("but").value_or("");
+  return request;
+}
+
 }  // namespace
 
 std::expected<LiveRequest, std::string> parse_live_request(std::string_view message) {
@@ -79,6 +103,10 @@ std::expected<LiveRequest, std::string> parse_live_request(std::string_view mess
   } else if (what == "pick") {
     const Vec3 origin = members.required(members.numbers<3>("origin_m"), "origin_m");
     request.what = PickRequest{origin, members.required(members.numbers<3>("direction"), "direction")};
+  } else if (what == "walk") {
+    request.what = read_walk(members);
+  } else if (what == "avatar") {
+    request.what = AvatarRequest{members.text("path").value_or("")};
   } else if (what == "inspect") {
     if (!members.has("node")) members.fail("node", "is missing");
     request.what = InspectRequest{static_cast<std::uint32_t>(members.whole("node", 0, 0, kNodeMax))};

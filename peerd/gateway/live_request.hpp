@@ -8,6 +8,7 @@
 
 #include "core/math.hpp"
 #include "peerd/picture/pose_frame.hpp"
+#include "peerd/picture/walk.hpp"
 
 namespace peerd::gateway {
 
@@ -28,12 +29,24 @@ struct UnwatchRequest {};
 struct PickRequest {
   Vec3 origin, direction;
 };
+// Where somebody comes who goes through the scene as it stands now.
+struct WalkRequest {
+  picture::AvatarSize size;
+  picture::Stride stride;
+  std::string but;  // the path of an object that it does not meet; empty: none
+};
+// That object is the client's avatar: it is removed when the connection ends.
+struct AvatarRequest {
+  std::string path;  // empty: the client has none any more
+};
 struct InspectRequest {
   std::uint32_t node = 0;
 };
 struct LiveRequest {
   std::optional<std::int64_t> sequence;  // which the reply repeats
-  std::variant<PlainRequest, TokenRequest, WatchRequest, UnwatchRequest, PickRequest, InspectRequest> what;
+  std::variant<PlainRequest, TokenRequest, WatchRequest, UnwatchRequest, PickRequest, InspectRequest, WalkRequest,
+               AvatarRequest>
+      what;
 };
 
 // Parses one message of hostile input. The error is one sentence for its sender.

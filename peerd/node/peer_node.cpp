@@ -420,6 +420,18 @@ std::expected<void, std::string> PeerNode::let_go(HostTime now, const std::strin
   return {};
 }
 
+std::expected<void, std::string> PeerNode::look_from(const std::string& path,
+                                                     std::optional<replication::Viewpoint> viewpoint) {
+  if (!viewpoint) {
+    peer_.look_from(config_.decisions.viewpoint);
+    return {};
+  }
+  if (!path.empty()) viewpoint->object = scene().find(path);
+  if (!path.empty() && !viewpoint->object) return std::unexpected("the scene has no " + path);
+  peer_.look_from(viewpoint);
+  return {};
+}
+
 // The object goes on as its last poses moved it.
 void PeerNode::let_go(HostTime now, ObjectId object) {
   if (fed_while_held_.erase(object) == 0) return;

@@ -87,6 +87,9 @@ class PeerNode {
   // Poses move that object no more, which this peer has grabbed and goes on to own: it moves as its last poses moved
   // it, until the next one. The error says why not.
   std::expected<void, std::string> let_go(HostTime now, const std::string& path);
+  // From now on this peer looks from there, and all peers know: the viewpoint's frame is that of the node at the path,
+  // empty: the world's. None: as the configuration says.
+  std::expected<void, std::string> look_from(const std::string& path, std::optional<replication::Viewpoint> viewpoint);
   // Counts a datagram of the pose port that is no message of poses.
   void refuse_poses(const std::string& why) { feeds_.refuse_message(why); }
   void leave(HostTime now);

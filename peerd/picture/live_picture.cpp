@@ -1,6 +1,8 @@
 #include "peerd/picture/live_picture.hpp"
 
+#include <algorithm>
 #include <cassert>
+#include <optional>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -11,6 +13,9 @@ namespace peerd::picture {
 namespace {
 
 using nlohmann::ordered_json;
+
+// Where an avatar is put that its own rays shall not meet.
+const Vec3 kAway(0.0, 1e12, 0.0);
 
 ordered_json vector_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -36,6 +41,7 @@ bool LivePicture::follow(const PeerNode& node) {
   if (scene_ == nullptr || is_edited) scene_ = std::make_shared<const Scene>(node.scene());
   poses_.reset(revision_, scene_, movers_);
   picker_.reset();
+  obstacles_.reset();
   return true;
 }
 
@@ -51,12 +57,17 @@ PictureInput LivePicture::input(PeerNode& node, HostTime now) {
   return input;
 }
 
-ordered_json LivePicture::pick(PeerNode& node, HostTime now, const Vec3& origin, const Vec3& direction) {
+// Everything is where the peer has it now.
+ScenePicker& LivePicture::placed(std::unique_ptr<ScenePicker>& picker, Pickable what, PeerNode& node, HostTime now) {
   assert(revision_ > 0);
-  if (picker_ == nullptr) picker_ = std::make_unique<ScenePicker>(input(node, now));
+  if (picker == nullptr) picker = std::make_unique<ScenePicker>(input(node, now), what);
   poses_.place(node, now);
-  for (std::uint32_t i = 0; i < poses_.shown().size(); ++i) picker_->place(i, poses_.shown()[i]);
-  const auto found = picker_->pick(origin, direction);
+  for (std::uint32_t i = 0; i < poses_.shown().size(); ++i) picker->place(i, poses_.shown()[i]);
+  return *picker;
+}
+
+ordered_json LivePicture::pick(PeerNode& node, HostTime now, const Vec3& origin, const Vec3& direction) {
+  const auto found = placed(picker_, Pickable::kDrawn, node, now).pick(origin, direction);
   if (!found) return {{"ok", false}, {"error", found.error()}};
   ordered_json reply = {{"ok", true}, {"hit", nullptr}};
   if (!*found) return reply;
@@ -74,6 +85,26 @@ ordered_json LivePicture::pick(PeerNode& node, HostTime now, const Vec3& origin,
       {"position_m", vector_json(hit.position)},
       {"normal", vector_json(hit.normal)}};
   return reply;
+}
+
+ordered_json LivePicture::walk(PeerNode& node, HostTime now, const AvatarSize& size, const Stride& stride,
+                               const std::string& but) {
+  ScenePicker& obstacles = placed(obstacles_, Pickable::kColliding, node, now);
+  const auto avatar = but.empty() ? std::nullopt : node.scene().find(but);
+  const auto mover = std::ranges::find(movers_.ids, avatar.value_or(ObjectId{}));
+  if (avatar && mover != movers_.ids.end()) {
+    obstacles.place(static_cast<std::uint32_t>(mover - movers_.ids.begin()), {kAway, Quat::Identity()});
+  }
+  const RayCaster cast = [&](const Vec3& origin, const Vec3& direction) -> CastResult {
+    const auto found = obstacles.pick(origin, direction);
+    if (!found) return std::unexpected(found.error());
+    if (!*found) return std::nullopt;
+    return RayHit{(*found)->distance_m, (*found)->normal};
+  };
+  const auto stand = picture::walk(cast, size, stride);
+  if (!stand) return {{"ok", false}, {"error", stand.error()}};
+  return {
+      {"ok", true}, {"eye_m", vector_json(stand->eye)}, {"on_ground", stand->on_ground}, {"fall_m_s", stand->fall_m_s}};
 }
 
 ordered_json LivePicture::inspect(const PeerNode& node, std::uint32_t index) const {

@@ -12,6 +12,7 @@
 #include "peerd/picture/pick.hpp"
 #include "peerd/picture/picture_input.hpp"
 #include "peerd/picture/pose_frame.hpp"
+#include "peerd/picture/walk.hpp"
 
 namespace peerd::picture {
 
@@ -37,6 +38,9 @@ class LivePicture {
 
   // The replies to "pick" and "inspect" (docs/reference/gateway.md), without "seq".
   [[nodiscard]] nlohmann::ordered_json pick(PeerNode& node, HostTime now, const Vec3& origin, const Vec3& direction);
+  // The reply to "walk". `but`: the path of an object that is not met, such as the avatar that walks; empty: none.
+  [[nodiscard]] nlohmann::ordered_json walk(PeerNode& node, HostTime now, const AvatarSize& size, const Stride& stride,
+                                            const std::string& but);
   [[nodiscard]] nlohmann::ordered_json inspect(const PeerNode& node, std::uint32_t index) const;
 
  private:
@@ -47,7 +51,10 @@ class LivePicture {
   Movers movers_;
   std::uint64_t scene_changes_ = 0, models_changed_ = 0, owners_revision_ = 0;  // of which movers_ are
   PoseTable poses_;
-  std::unique_ptr<ScenePicker> picker_;  // null until somebody picks in this revision
+  ScenePicker& placed(std::unique_ptr<ScenePicker>& picker, Pickable what, PeerNode& node, HostTime now);
+
+  // Null until somebody picks, or walks, in this revision.
+  std::unique_ptr<ScenePicker> picker_, obstacles_;
 };
 
 }  // namespace peerd::picture

@@ -58,7 +58,7 @@ struct ScenePicker::Parts {
   }
 };
 
-ScenePicker::ScenePicker(const PictureInput& input) : parts_(std::make_unique<Parts>()) {
+ScenePicker::ScenePicker(const PictureInput& input, Pickable what) : parts_(std::make_unique<Parts>()) {
   Parts& p = *parts_;
   const Scene& scene = input.scene;
   p.flat.geometries = scene.geometries;
@@ -73,8 +73,10 @@ ScenePicker::ScenePicker(const PictureInput& input) : parts_(std::make_unique<Pa
     const Instance& instance = scene.instances[i];
     if (instance.parent >= 0) node_of[i] = node_of[static_cast<std::uint32_t>(instance.parent)];
     if (next < standing && scene.index_of(input.movers[next].id) == i) node_of[i] = next++;
-    const bool is_drawn = instance.kind == NodeKind::kShape && instance.drawn && instance.geometry != Instance::kNone;
-    if (is_drawn) shapes[node_of[i]].push_back(i);
+    const bool is_met = what == Pickable::kDrawn ? instance.drawn : instance.collides;
+    if (instance.kind == NodeKind::kShape && is_met && instance.geometry != Instance::kNone) {
+      shapes[node_of[i]].push_back(i);
+    }
   }
   assert(next == standing && "movers stand depth-first");
   for (std::uint32_t node = 0; node <= standing; ++node) {
@@ -94,7 +96,9 @@ ScenePicker::ScenePicker(const PictureInput& input) : parts_(std::make_unique<Pa
         parent = static_cast<std::int32_t>(p.add_transform(parent, fields));
       }
       if (at.inner) parent = static_cast<std::int32_t>(p.add_transform(parent, rigid({Vec3::Zero(), *at.inner})));
-      const std::uint32_t index = p.add(parent, scene.instances[i]);
+      Instance shape = scene.instances[i];
+      shape.drawn = true;
+      const std::uint32_t index = p.add(parent, shape);
       p.shape_of[index] = id;
       p.object_of[index] = node < standing ? input.movers[node].id : transform_at(scene, id);
       p.node_of[index] = node;

@@ -20,11 +20,14 @@ struct PickHit {
   Vec3 position = Vec3::Zero(), normal = Vec3::Zero();  // in the world; the normal points to the ray's side
 };
 
-// Finds what a ray hits first among all that is drawn, with each mover where place() has put it: the exact ray query of
+// What rays meet: what is drawn, or what collides, such as the proxy of a Collision, be it drawn or not.
+enum class Pickable : std::uint8_t { kDrawn, kColliding };
+
+// Finds what a ray hits first among all that it meets, with each mover where place() has put it: the exact ray query of
 // the collision floor (collision/scene/scene_query.hpp) on a scene in which each mover stands by itself.
 class ScenePicker {
  public:
-  explicit ScenePicker(const PictureInput& input);
+  explicit ScenePicker(const PictureInput& input, Pickable what = Pickable::kDrawn);
   ~ScenePicker();
   ScenePicker(const ScenePicker&) = delete;
   ScenePicker& operator=(const ScenePicker&) = delete;

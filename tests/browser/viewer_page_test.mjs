@@ -148,6 +148,32 @@ async function scrubBack(page) {
   await page.until('the page is live', () => window.peerd.state === 'live');
 }
 
+// Somebody walks at one page: all pages see the avatar go, the peer looks from its eye, a wall ends the way, and closing the page
+// takes the avatar away.
+async function walk(browser, address, pages, faults) {
+  const walker = await Page.open(browser, 'walker', address, faults);
+  await walker.until('the world is there', () => window.peerd.objects().length >= 3 && window.peerd.pictures > 2);
+  await walker.viewpoint('From the side');
+  await walker.tab.locator('[data-tool=walk]').click();
+  await walker.until('the avatar is there', () => window.peerd.avatar !== null);
+  const path = await walker.tab.evaluate(() => window.peerd.avatar);
+  for (const page of pages) await page.until('the avatar is seen', (avatar) => window.peerd.has(avatar), path);
+  const from = await pages[0].object(path);
+  await walker.tab.locator('.picture').focus();
+  await walker.tab.keyboard.down('w');
+  for (const page of pages) {
+    await page.until('the avatar walks', ([avatar, [x, , z]]) => {
+      const now = window.peerd.objects().find((object) => object.path === avatar);
+      return now !== undefined && Math.hypot(now.position_m[0] - x, now.position_m[2] - z) > 0.5;
+    }, [path, from.position_m]);
+  }
+  await walker.tab.keyboard.up('w');
+  await shot(walker, 'walking');
+  await walker.context.close();
+  for (const page of pages) await page.until('the avatar is gone with its page', (avatar) => !window.peerd.has(avatar), path);
+  console.log(`somebody has walked as ${path}`);
+}
+
 async function withoutToken(browser, address, faults) {
   const page = await Page.open(browser, 'without a token', address.replace(/#.*/, ''), faults);
   await page.tab.locator('.read-only').waitFor();
@@ -214,6 +240,7 @@ try {
   await contactIsMarked(pages[0]);
   await addAndRemove(pages[1], pages);
   await scrubBack(pages[2]);
+  await walk(browser, addresses[0], pages, faults);
   for (const page of pages) await page.context.close();
   await withoutToken(browser, addresses[1], faults);
   await widths(browser, addresses[0], faults);

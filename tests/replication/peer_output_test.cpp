@@ -344,6 +344,24 @@ TEST_F(ShortOfBytes, ObjectsFarFromViewersArePublishedLess) {
   EXPECT_LT(2 * updates_of(39), 3 * updates_of(9)) << "117 m away and 40 m wrong, or 27 m and 10 m";
 }
 
+TEST(Peer, AllHearWhereAPeerLooksFromNow) {
+  const World world(field(1));
+  Lan lan(world);
+  lan.add(config(1));
+  lan.add(config(2));
+  lan.run_until(3s);
+  const auto known = [&] { return lan.peer(1).members().all().at(PeerId{1}).viewpoint; };
+  EXPECT_FALSE(known());
+  lan.peer(0).look_from(Viewpoint{world["O0"], {Vec3(0, 0, 5), Quat::Identity()}});
+  lan.run_until(5s);
+  ASSERT_TRUE(known());
+  EXPECT_EQ(known()->object, world["O0"]);
+  EXPECT_EQ(known()->pose.position, Vec3(0, 0, 5));
+  lan.peer(0).look_from(std::nullopt);
+  lan.run_until(7s);
+  EXPECT_FALSE(known());
+}
+
 // O0 runs ahead of its ghost twice as fast as O1 does: when O0 is published, O1 has half of the error that it may have.
 TEST(Peer, HalfWrongObjectsPiggybackOnDueUpdates) {
   const World world(field(2));

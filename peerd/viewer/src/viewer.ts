@@ -1,8 +1,10 @@
 import { Box3, Vector3 } from 'three';
 
 import { ContactBook } from './contact_book';
+import { Avatar, sizesOf } from './hand/avatar';
 import { Hand } from './hand/hand';
 import { Keys } from './hand/keys';
+import { pick } from './hand/picking';
 import { PointerTools, type Tool } from './hand/pointer_tools';
 import type { Outcome } from './live/edits';
 import type { DaemonEvent } from './live/live_connection';
@@ -40,6 +42,7 @@ import { Playhead } from './time/playhead';
 const kHz = 30;
 const kPanels_ms = 250;
 const kErrors_ms = 100;
+const kDrop_m = 0.05; // an avatar begins above the ground
 const kStillFor_s = 0.7; // how long the picture is drawn on after the last thing that may have changed it
 
 export class Viewer {
@@ -76,6 +79,8 @@ export class Viewer {
   private readonly timeline: Timeline;
   private readonly layout: Layout;
   private readonly hand: Hand;
+  readonly avatar: Avatar;
+  private readonly wish = new Vector3();
   private readonly labels = new Labels(() => this.head.book);
   private readonly thresholds = new ThresholdMarks(() => this.head.book);
   private readonly contactMarks: ContactMarks;
@@ -108,10 +113,11 @@ export class Viewer {
     this.selection = new Selection(this.link, this.inspector);
     this.selection.onChange = (node) => this.onSelected(node);
     this.hand = new Hand(this.view, this.link, { onHolds: (path) => this.onHolds(path), onRefused: (sentence) => this.say('refused', sentence) });
+    this.avatar = new Avatar(this.link, this.view.rig.camera, { onChange: () => this.drawSoon(), onRefused: (sentence) => this.say('refused', sentence) });
     const pointer = this.pointerTools();
     this.options.tool.follow((tool) => this.useTool(pointer, tool));
     new Keys(this.canvas, this.view.rig, (request) => this.link.ask(request), {
-      cameraKeys: () => this.options.cameraKeys.value,
+      cameraKeys: () => this.options.cameraKeys.value || this.options.tool.value === 'walk',
       mayEdit: () => this.link.mayEdit.value,
       onKey: (sentence, done) => this.say(done ? 'done' : 'refused', sentence),
     });
@@ -225,6 +231,24 @@ export class Viewer {
     pointer.tool = tool;
     this.view.rig.mode = cameraModeOf(tool);
     this.canvas.dataset['tool'] = tool;
+    if (tool === 'walk') void this.beginToWalk();
+    else void this.avatar.leave();
+  }
+
+  // Where the middle of the picture meets the world; where it meets nothing, where the camera is.
+  private async beginToWalk(): Promise<void> {
+    const { camera } = this.view.rig;
+    if (!this.link.mayEdit.value || this.view.file === null) {
+      this.say('refused', 'this page is read-only: it has no token, so nobody walks');
+      this.options.tool.value = 'fly';
+      return;
+    }
+    const hit = await pick((request) => this.link.ask(request), camera.position, camera.getWorldDirection(new Vector3()));
+    const eye = camera.position.clone();
+    const { extras } = this.view.file;
+    if (hit !== null && typeof hit !== 'string') eye.set(...hit.position_m).add(new Vector3(0, sizesOf(extras).height_m + kDrop_m, 0));
+    await this.avatar.enter(eye, extras);
+    if (this.avatar.path === null) this.options.tool.value = 'fly';
   }
 
   private lookAtSelected(): void {
@@ -256,6 +280,7 @@ export class Viewer {
     link.state.follow((state) => {
       this.header.setState(state);
       this.offline.hidden = state !== 'closed';
+      if (state === 'closed') this.avatar.forget();
       this.header.setMayEdit(link.mayEdit.value, state);
     });
     link.mayEdit.follow((mayEdit) => {
@@ -301,6 +326,8 @@ export class Viewer {
     const elapsed_s = now_s - this.last_s;
     this.last_s = now_s;
     this.hand.update(now_s);
+    if (this.view.file !== null) this.avatar.update(now_s, elapsed_s, this.view.rig.wish(this.wish), this.view.file.extras);
+    if (this.avatar.path !== null) this.drawSoon();
     this.head.advance(elapsed_s);
     if (this.head.state === 'playing') this.drawSoon();
     if (now_s > this.drawUntil_s) return;

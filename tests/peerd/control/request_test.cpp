@@ -27,6 +27,25 @@ TEST(Request, AKeyByNameOrNumber) {
             (KeyEvent{4115, 0}));
 }
 
+TEST(Request, Viewpoints) {
+  const auto look = std::get<ViewpointRequest>(*parse_request(
+      R"({"do":"viewpoint","object":"ME","position_m":[0,1,2],"orientation_xyzw":[0,1,0,0],"field_of_view_rad":1,"aspect":2})"));
+  EXPECT_EQ(look.path, "ME");
+  ASSERT_TRUE(look.viewpoint);
+  EXPECT_EQ(look.viewpoint->pose.position, Vec3(0, 1, 2));
+  EXPECT_EQ(look.viewpoint->pose.orientation.coeffs(), Quat(0, 0, 1, 0).coeffs());
+  EXPECT_EQ(look.viewpoint->field_of_view, 1.0);
+  EXPECT_EQ(look.viewpoint->aspect, 2.0);
+  const auto usual = *parse_request(R"({"do":"viewpoint"})");
+  EXPECT_FALSE(std::get<ViewpointRequest>(usual).viewpoint) << "as the configuration says";
+  EXPECT_TRUE(changes_something(usual));
+  for (const char* wrong : {R"({"do":"viewpoint","position_m":[0,1,2],"aspect":0})", R"({"do":"viewpoint","aspect":1})",
+                            R"({"do":"viewpoint","position_m":[0,1,2],"field_of_view_rad":3.2})",
+                            R"({"do":"viewpoint","position_m":[0,1,2],"orientation_xyzw":[0,0,0,0]})"}) {
+    EXPECT_FALSE(parse_request(wrong)) << wrong;
+  }
+}
+
 TEST(Request, TheOthers) {
   EXPECT_TRUE(std::holds_alternative<StatusRequest>(*parse_request(R"({"do":"status"})")));
   EXPECT_EQ(std::get<PeersRequest>(*parse_request(R"({"do":"peers","from":3})")).from, 3u);

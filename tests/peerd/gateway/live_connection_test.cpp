@@ -184,4 +184,40 @@ TEST_F(GatewayLive, AHandMovesWhatItHasGrabbedAndThrowsIt) {
   EXPECT_EQ(client.ask({{"do", "release"}, {"path", "CAR"}})["done"], true);
 }
 
+// The avatar of a page goes when the page does, and the peer looks as before.
+TEST_F(GatewayLive, AnAvatarGoesWithItsConnection) {
+  peer.await_start();
+  const auto has_avatar = [&] {
+    return peer.in_its_thread([&] { return peer.node().scene().find("ME").has_value(); });
+  };
+  {
+    LiveClient client(peer, true);
+    EXPECT_EQ(client.ask({{"do", "add"}, {"text", "DEF ME Transform { children Shape { geometry Box { } } }"}})["done"],
+              true);
+    EXPECT_TRUE(ServedPeer::soon(has_avatar));
+    LiveClient stranger(peer);
+    EXPECT_EQ(stranger.ask({{"do", "avatar"}, {"path", "ME"}})["ok"], false) << "it has no token";
+    EXPECT_EQ(client.ask({{"do", "avatar"}, {"path", "ME"}})["ok"], true);
+    EXPECT_EQ(client.ask({{"do", "viewpoint"}, {"object", "ME"}, {"position_m", {0, 0, 0}}})["done"], true);
+    EXPECT_EQ(client.ask({{"do", "viewpoint"}, {"object", "YOU"}, {"position_m", {0, 0, 0}}})["done"], false);
+    EXPECT_TRUE(has_avatar());
+  }
+  EXPECT_TRUE(ServedPeer::soon([&] { return !has_avatar(); }));
+}
+
+// The stone's face is at z = -10 for who comes from behind; its rays are the daemon's own.
+TEST_F(GatewayLive, WhoWalksEndsAtWhatCollides) {
+  LiveClient client(peer);
+  const auto go = [&](json members) {
+    json request = {{"do", "walk"}, {"eye_m", {0, 0, -20}}, {"by_m", {0, 0, 15}}, {"falls", false}, {"height_m", 0.1}};
+    request.update(members);
+    return client.ask(request);
+  };
+  const json stopped = go({});
+  ASSERT_EQ(stopped["ok"], true) << stopped;
+  EXPECT_NEAR(stopped["eye_m"][2].get<double>(), -10.25, 1e-4);
+  EXPECT_NEAR(go({{"by_m", {0, 0, 3}}})["eye_m"][2].get<double>(), -17.0, 1e-12);
+  EXPECT_NEAR(go({{"by_m", {3, 0, 0}}})["eye_m"][0].get<double>(), 3.0, 1e-12);
+}
+
 }  // namespace peerd::gateway::live_connection_test

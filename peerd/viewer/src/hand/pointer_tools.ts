@@ -7,7 +7,7 @@ import type { Hand } from './hand';
 import { pick } from './picking';
 
 // What the pointer does on the picture: a click selects; with the hand's tool a drag that begins on an object takes it.
-export type Tool = 'orbit' | 'fly' | 'hand';
+export type Tool = 'orbit' | 'fly' | 'walk' | 'hand';
 const kClick_px = 5;
 
 export interface PointerListener {

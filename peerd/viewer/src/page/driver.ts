@@ -31,6 +31,10 @@ export class Driver {
   get revision(): number {
     return this.viewer.view.file?.revision ?? -1;
   }
+  // The path of this page's avatar; null: nobody walks here.
+  get avatar(): string | null {
+    return this.viewer.avatar.path;
+  }
   get pictures(): number {
     return this.viewer.pictures;
   }

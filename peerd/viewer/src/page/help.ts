@@ -9,6 +9,7 @@ const kRows: readonly (readonly [string, string])[] = [
   ['Right drag', 'Orbit: move sideways'],
   ['Keys', 'go to the world’s KeySensors, with Shift, Control and Meta, while the picture has the focus (click it). Each repeat of a held key is another press'],
   ['Alt + W A S D Q E, Alt + arrows', 'move the camera. With Show, “Keys move the camera” they do so without Alt, and no key goes to the world'],
+  ['Walk', 'an avatar, which all peers see, with this page’s camera as its eye: W A S D and the arrows walk, dragging looks around; it ends at walls and goes up steps. Another tool takes it away again'],
   ['Tab', 'goes through all controls; it never goes to the world'],
   ['Space on the time line’s button', 'pause and play on; the slider goes back up to a minute'],
 ];

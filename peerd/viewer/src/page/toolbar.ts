@@ -24,6 +24,7 @@ export interface ToolbarActions {
 const kTools: readonly { tool: Tool; name: IconName; title: string; hint: string }[] = [
   { tool: 'orbit', name: 'orbit', title: 'Orbit', hint: 'Drag turns the camera around the world; a click selects' },
   { tool: 'fly', name: 'fly', title: 'Fly', hint: 'Drag looks around; a click selects' },
+  { tool: 'walk', name: 'walk', title: 'Walk', hint: 'Be in the world as an avatar that all see: drag looks around, W A S D and the arrows walk' },
   { tool: 'hand', name: 'hand', title: 'Hand', hint: 'Drag an object to grab it, let go to throw it' },
 ];
 
@@ -109,5 +110,5 @@ function check(title: string, hint: string, setting: Setting<boolean>, name: str
 }
 
 export function cameraModeOf(tool: Tool): CameraMode {
-  return tool === 'fly' ? 'fly' : 'orbit';
+  return tool === 'hand' ? 'orbit' : tool;
 }

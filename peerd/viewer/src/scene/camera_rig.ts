@@ -3,8 +3,8 @@ import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 
 import type { Viewpoint } from './scene_file';
 
-// The camera: around a point (orbit) or through the world (fly), and at the world's Viewpoints.
-export type CameraMode = 'orbit' | 'fly';
+// The camera: around a point (orbit), through the world (fly), or where an avatar's eye is (walk); and at the world's Viewpoints.
+export type CameraMode = 'orbit' | 'fly' | 'walk';
 const kTravel_s = 0.5; // from one viewpoint to the next
 const kLookPerPixel_rad = 0.004;
 
@@ -102,7 +102,7 @@ export class CameraRig {
 
   update(elapsed_s: number): void {
     if (this.travel !== null) this.continueTravel(elapsed_s);
-    this.walk(elapsed_s);
+    this.move(elapsed_s);
     if (this.mode_ === 'orbit' && this.travel === null) this.orbit.update(elapsed_s);
     this.camera.updateMatrixWorld();
   }
@@ -136,22 +136,27 @@ export class CameraRig {
   }
 
   private look(event: PointerEvent): void {
-    if (this.mode_ !== 'fly' || (event.buttons & 1) === 0) return;
+    if (this.mode_ === 'orbit' || (event.buttons & 1) === 0) return;
     this.travel = null;
     const turn = new Quaternion().setFromAxisAngle(new Vector3(0, 1, 0), -event.movementX * kLookPerPixel_rad);
     const nod = new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), -event.movementY * kLookPerPixel_rad);
     this.camera.quaternion.premultiply(turn).multiply(nod);
   }
 
-  private walk(elapsed_s: number): void {
-    if (this.held.size === 0) return;
+  // Where the held keys point to, in the camera's axes, at most 1 long.
+  wish(to: Vector3): Vector3 {
     const has = (...codes: string[]): number => (codes.some((code) => this.held.has(code)) ? 1 : 0);
-    this.step.set(
+    to.set(
       has('KeyD', 'ArrowRight') - has('KeyA', 'ArrowLeft'),
       has('KeyE', 'PageUp') - has('KeyQ', 'PageDown'),
       has('KeyS', 'ArrowDown') - has('KeyW', 'ArrowUp'),
     );
-    this.step.applyQuaternion(this.camera.quaternion).multiplyScalar(this.worldRadius_m * 0.5 * elapsed_s);
+    return to.clampLength(0, 1);
+  }
+
+  private move(elapsed_s: number): void {
+    if (this.held.size === 0 || this.mode_ === 'walk') return;
+    this.wish(this.step).applyQuaternion(this.camera.quaternion).multiplyScalar(this.worldRadius_m * 0.5 * elapsed_s);
     this.camera.position.add(this.step);
     this.orbit.target.add(this.step);
   }

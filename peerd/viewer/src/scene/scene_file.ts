@@ -40,7 +40,7 @@ export interface SceneExtras {
   readonly viewpoints?: readonly Viewpoint[];
   readonly background?: Record<string, unknown>;
   readonly fog?: Record<string, unknown>;
-  readonly navigation?: { readonly type?: string | readonly string[]; readonly speed?: number; readonly headlight?: boolean };
+  readonly navigation?: { readonly type?: string | readonly string[]; readonly speed?: number; readonly headlight?: boolean; readonly avatar_size?: readonly number[] };
   readonly undrawn?: readonly { readonly path: string; readonly what: string; readonly why: string; readonly count?: number }[];
 }
 
