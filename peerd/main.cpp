@@ -37,10 +37,12 @@
 #include "peerd/commands/store_command.hpp"
 #include "peerd/config/scenario.hpp"
 #include "peerd/export/export_command.hpp"
+#include "peerd/export/mcap_command.hpp"
 #include "peerd/feed/pose_feed.hpp"
 #include "peerd/input/json_line.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/os/host_clock.hpp"
+#include "peerd/view/view_command.hpp"
 
 namespace peerd {
 namespace {
@@ -56,6 +58,7 @@ constexpr double kQuaternionMax = 2.0;  // of one component; the peer checks the
 constexpr std::int64_t kSizeMax_mib = 1 << 20;
 constexpr std::int64_t kKeyCodeMax = std::numeric_limits<std::int32_t>::max();
 constexpr std::int64_t kEventCountMax = std::numeric_limits<std::int32_t>::max();
+constexpr std::int64_t kViewHzMax = 240;
 constexpr std::int64_t kChaosSeedsMax = 1'000'000, kChaosPeersMax = 9;
 constexpr NumberRange kAskedSeconds{0.1, 60.0};
 constexpr NumberRange kChaosSeconds{kChaosSecondsMin, 3600.0};
@@ -457,11 +460,45 @@ Command add_bake(CLI::App& app) {
 Command add_export(CLI::App& app) {
   const auto flags = std::make_shared<WorldFlags<ExportOptions>>();
   CLI::App* const command =
-      add_world_command(app, "export", "write a world as other programs draw it, and say what is left out", *flags);
-  command->add_option("--gltf", flags->options.gltf, "the file to write: glTF 2.0, binary (.glb)")->required();
+      add_world_command(app, "export", "write a world, a run or a capture for other programs", *flags);
+  command->get_option("world")->description("the VRML97 world; for --mcap an output folder of peerd sim, or a capture");
+  auto* const gltf = command->add_option("--gltf", flags->options.gltf,
+                                         "write the world as it is drawn: glTF 2.0, binary (.glb); says what is left "
+                                         "out");
   command->add_option("--at", flags->options.at_s, "when: the time of its TimeSensors [s] (default: 0)")
+      ->needs(gltf)
       ->transform(number_in(kWorldTimes_s));
-  return {command, [flags] { return run_export(flags->world, flags->options, std::cout, std::cerr); }};
+  const auto mcap = std::make_shared<McapOptions>();
+  auto* const file = command->add_option("--mcap", mcap->file,
+                                         "write poses, errors, contacts and scenes of a run or a capture: MCAP, for "
+                                         "Foxglove and Rerun");
+  file->excludes(gltf);
+  command->add_option("--run", mcap->run, "which run of a sweep, from 1 (default: 1)")
+      ->needs(file)
+      ->transform(whole_number_in(1, kEventCountMax));
+  command->add_option("--hz", mcap->hz, "poses of a second (default: 30)")
+      ->needs(file)
+      ->transform(whole_number_in(1, kViewHzMax));
+  command
+      ->add_option("--memory", mcap->memory_mib,
+                   "MiB that they may take meanwhile; what does not fit is left out, and a line says so (default: "
+                   "512)")
+      ->needs(file)
+      ->transform(whole_number_in(1, kSizeMax_mib));
+  command->add_option("--size-max", mcap->size_max_mib, "MiB that a capture may have (default: 1024)")
+      ->needs(file)
+      ->transform(whole_number_in(1, kSizeMax_mib));
+  command->add_option("--world-file", mcap->world, "where the world of a capture is now (default: where it was)")
+      ->needs(file);
+  return {command, [flags, mcap] {
+            if (!mcap->file.empty()) {
+              mcap->what = flags->world;
+              mcap->json = flags->options.json;
+              return run_mcap_export(*mcap, std::cout, std::cerr);
+            }
+            if (flags->options.gltf.empty()) return failed({"error: say --gltf FILE or --mcap FILE", kWrongUse});
+            return run_export(flags->world, flags->options, std::cout, std::cerr);
+          }};
 }
 
 // Both tables of options of a command that runs a peer.
@@ -510,7 +547,7 @@ Command add_run(CLI::App& app) {
           }};
 }
 
-// Whom `peerd ls` and `peerd join` ask.
+// The network that `peerd ls` and `peerd join` ask.
 struct AskFlags {
   std::string interface;
   bool ipv6 = false;
@@ -768,6 +805,34 @@ Command add_top(CLI::App& app) {
   return {command, [top] { return run_top(*top); }};
 }
 
+Command add_view(CLI::App& app) {
+  const auto view = std::make_shared<ViewOptions>();
+  view->listen = "127.0.0.1:0";
+  CLI::App* const command =
+      app.add_subcommand("view", "serves a page of a simulated run or a capture, or says where that of a peer is");
+  command->footer(exit_codes("the capture or its world has errors"));
+  auto* what =
+      command->add_option("what", view->what,
+                          "an output folder of peerd sim, a capture, or the control socket of a peer (default: "
+                          "the socket of the peer of --name)");
+  command->add_option("--name", view->name, "a peer's name (default: the only one that this user runs)")
+      ->excludes(what);
+  command->add_option("--listen", view->listen,
+                      "ADDRESS:PORT of the page (default: 127.0.0.1:0, a port that the system chooses)");
+  command->add_option("--run", view->run, "which run of a sweep, from 1 (default: 1)")
+      ->transform(whole_number_in(1, kEventCountMax));
+  command->add_option("--world", view->world, "where the world of a capture is now (default: where it was)");
+  command->add_option("--hz", view->hz, "pictures that are kept of a second (default: 30)")
+      ->transform(whole_number_in(1, kViewHzMax));
+  command
+      ->add_option("--memory", view->memory_mib,
+                   "MiB that they may take; what does not fit is left out, and a line says so (default: 512)")
+      ->transform(whole_number_in(1, kSizeMax_mib));
+  command->add_option("--size-max", view->size_max_mib, "MiB that a capture may have (default: 1024)")
+      ->transform(whole_number_in(1, kSizeMax_mib));
+  return {command, [view] { return run_view(*view); }};
+}
+
 // Says why a command line is refused. Without a command there is nothing to explain but the commands themselves.
 int refuse(const CLI::App& app, const CLI::ParseError& error) {
   if (!lacks_command(app)) return failed(wrong_use(app, error));
@@ -784,10 +849,10 @@ int run(int argc, char** argv) {
   const std::span words(argv, static_cast<std::size_t>(argc));
   print_errors_as_json(std::ranges::find(words, std::string_view("--json")) != words.end());
   // The commands are in the order of the help.
-  const std::array commands{add_run(app),    add_join(app),     add_ls(app),    add_record(app),  add_replay(app),
-                            add_sim(app),    add_scenario(app), add_check(app), add_collide(app), add_bake(app),
-                            add_export(app), add_doctor(app),   add_ctl(app),   add_top(app),     add_store(app),
-                            add_help(app),   add_version(app)};
+  const std::array commands{add_run(app),    add_join(app),     add_ls(app),     add_record(app),  add_replay(app),
+                            add_sim(app),    add_scenario(app), add_check(app),  add_collide(app), add_bake(app),
+                            add_export(app), add_doctor(app),   add_ctl(app),    add_top(app),     add_view(app),
+                            add_store(app),  add_help(app),     add_version(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {

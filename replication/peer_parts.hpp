@@ -45,7 +45,7 @@ struct PeerParts {
   PeerParts(const PeerParts&) = delete;
   PeerParts& operator=(const PeerParts&) = delete;
 
-  PeerConfig config;  // look_from() alone changes it
+  PeerConfig config;                       // look_from() alone changes it
   const std::vector<ObjectId> configured;  // what configurations or the file give to peers, ascending
   ModelInForce model;
   // The operations that all peers have made, and what they make of the scene. The model begins with what is stored.

@@ -547,6 +547,7 @@ int run_peer(const PeerOptions& options) {
   if (!gateway) return failed(gateway.error());
   if (*gateway) {
     daemon.publish_to(**gateway);
+    daemon.serves_viewer_at((*gateway)->url());
     daemon.count_in_status([&gateway = **gateway] { return gateway.counters().named(); });
   }
   const auto poses = open_pose_port(io, settings, daemon, log);

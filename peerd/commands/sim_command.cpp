@@ -14,7 +14,9 @@
 #include "peerd/commands/problems.hpp"
 #include "peerd/commands/scenario_options.hpp"
 #include "peerd/config/resolve.hpp"
+#include "peerd/input/text_file.hpp"
 #include "peerd/node/describe.hpp"
+#include "peerd/record/rerun.hpp"
 #include "peerd/scenario/measuring.hpp"
 #include "peerd/sim/simulated_run.hpp"
 
@@ -130,6 +132,17 @@ class SimCommand {
   std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
 };
 
+// Keeps what peerd view makes the runs of once more.
+Result<void> keep_rerun(const std::filesystem::path& out, const config::Scenario& scenario,
+                        const std::filesystem::path& file, const SharedWorld& shared) {
+  std::error_code error;
+  std::filesystem::create_directories(out, error);
+  if (error) {
+    return std::unexpected(InputError{"error: can't make the folder " + out.string() + ": " + error.message(), 3});
+  }
+  return write_text_file(out / record::kRerunFile, record::to_text(record::make_rerun(scenario, file, shared)));
+}
+
 }  // namespace
 
 int run_sim(const ScenarioOptions& options) {
@@ -165,6 +178,7 @@ int run_sim(const ScenarioOptions& options) {
   // Of a part of the runs nothing was expected.
   const std::vector<config::Expectation> expected =
       info.stopped ? std::vector<config::Expectation>{} : scenario->expectations;
+  if (const auto kept = keep_rerun(out, *scenario, options.scenario, **shared); !kept) return failed(kept.error());
   const int code = print_report(info, *records, expected, out, options.json);
   if (code <= 1 && !options.json) {
     double simulated_s = 0.0;

@@ -284,6 +284,12 @@ ordered_json world_reply(const PeerNode& node) {
 
 std::string done_reply() { return line_of(good()); }
 
+std::string viewer_reply(const std::string& url) {
+  ordered_json reply = good();
+  reply["viewer"] = url.empty() ? ordered_json(nullptr) : ordered_json(url);
+  return line_of(reply);
+}
+
 std::string refusal(const std::string& sentence) {
   return line_of({{"v", feed::kMessageVersion}, {"ok", false}, {"error", sentence}});
 }
@@ -322,6 +328,9 @@ Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host
     return {line_of(subscribe_reply(subscribe->kinds)), /*leave=*/false, subscribe->kinds};
   }
   if (std::holds_alternative<WorldRequest>(*request)) return {line_of(world_reply(node))};
+  if (std::holds_alternative<ViewerRequest>(*request)) {
+    return {viewer_reply(""), /*leave=*/false, /*subscribe=*/{}, /*viewer=*/true};
+  }
   if (std::holds_alternative<LeaveRequest>(*request)) return {line_of(good()), /*leave=*/true};
   return {line_of(status(node, now, more))};
 }

@@ -15,6 +15,7 @@ struct Answer {
   std::string line;                       // JSON without a line end; empty: no reply is wanted
   bool leave = false;                     // the request asks the peer to leave
   std::optional<EventKinds> subscribe{};  // the client wants these from now on, and no others
+  bool viewer = false;                    // the request asks where the peer's page is, which its driver knows
 };
 
 using MoreCounters = std::function<std::map<std::string, std::uint64_t>()>;
@@ -27,6 +28,8 @@ using MoreCounters = std::function<std::map<std::string, std::uint64_t>()>;
 
 // A reply that says that a request was executed.
 [[nodiscard]] std::string done_reply();
+// A reply that says where the peer's page is; empty: it has none.
+[[nodiscard]] std::string viewer_reply(const std::string& url);
 // A reply that says why a request was not executed.
 [[nodiscard]] std::string refusal(const std::string& sentence);
 

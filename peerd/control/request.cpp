@@ -135,7 +135,8 @@ std::optional<config::SceneEdit::Kind> edit_kind(std::string_view word) {
 bool changes_something(const Request& request) {
   return std::holds_alternative<KeyRequest>(request) || std::holds_alternative<PoseRequest>(request) ||
          std::holds_alternative<LetGoRequest>(request) || std::holds_alternative<ViewpointRequest>(request) ||
-         std::holds_alternative<EditRequest>(request) || std::holds_alternative<LeaveRequest>(request);
+         std::holds_alternative<EditRequest>(request) || std::holds_alternative<LeaveRequest>(request) ||
+         std::holds_alternative<ViewerRequest>(request);
 }
 
 std::expected<Request, std::string> parse_request(std::string_view line) {
@@ -174,15 +175,16 @@ std::expected<Request, std::string> parse_request(std::string_view line) {
     request = read_operation(members);
   } else if (what == "world") {
     request = WorldRequest{};
+  } else if (what == "viewer") {
+    request = ViewerRequest{};
   } else if (what == "leave") {
     request = LeaveRequest{};
   } else {
     members.fail("do",
                  "must be one of \"key\", \"status\", \"peers\", \"objects\", \"pose\", \"let_go\", \"viewpoint\", "
                  "\"add\", \"remove\", \"move\", \"set\", \"own\", \"grab\", \"steal\", \"release\", \"data\", "
-                 "\"send\", \"undo\", \"redo\", \"conflicts\", "
-                 "\"subscribe\", \"operation\", "
-                 "\"world\", \"leave\"");
+                 "\"send\", \"undo\", \"redo\", \"conflicts\", \"subscribe\", \"operation\", \"world\", \"viewer\", "
+                 "\"leave\"");
   }
   if (std::string error = members.finish(); !error.empty()) return std::unexpected(std::move(error));
   return *request;

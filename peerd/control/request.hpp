@@ -12,6 +12,7 @@
 #include "peerd/control/event_kind.hpp"
 #include "peerd/feed/pose_message.hpp"
 #include "replication/wire/operation.hpp"
+#include "replication/wire/wire.hpp"
 
 namespace peerd::api {
 
@@ -67,12 +68,14 @@ struct ConflictsRequest {
 struct SubscribeRequest {
   EventKinds kinds;
 };
-struct WorldRequest {};  // the scene as it is, as VRML
+struct WorldRequest {};   // the scene as it is, as VRML
+struct ViewerRequest {};  // where this peer's page is
 using Request = std::variant<KeyRequest, StatusRequest, PeersRequest, ObjectsRequest, LeaveRequest, PoseRequest,
                              LetGoRequest, ViewpointRequest, EditRequest, OperationRequest, DataRequest,
-                             ConflictsRequest, SubscribeRequest, WorldRequest>;
+                             ConflictsRequest, SubscribeRequest, WorldRequest, ViewerRequest>;
 
-// Whether the request changes something, if only at this peer: a key, poses, a viewpoint, an edit, leaving.
+// Whether the request changes something, if only at this peer (a key, poses, a viewpoint, an edit, leaving), or gives
+// the token with which one may.
 [[nodiscard]] bool changes_something(const Request& request);
 
 // Parses one line of hostile input. The error is one sentence for its sender.

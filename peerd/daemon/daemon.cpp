@@ -94,6 +94,7 @@ api::Answer Daemon::on_control(std::string_view line) {
   if (capture_) capture_->on_control(at, host_minus_wall, line);
   api::Answer answer = api::answer(node_, at, line, host_minus_wall, [this] { return counters_of_status(); });
   drain();
+  if (answer.viewer) answer.line = api::viewer_reply(viewer_url_);
   if (answer.leave) {
     boost::asio::post(io_, [this] {
       if (over_) return;

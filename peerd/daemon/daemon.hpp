@@ -53,6 +53,8 @@ class Daemon {
   void publish_to(api::EventSink& clients) { event_sinks_.push_back(&clients); }
   // The "status" of the control protocol has these counters, too. The function outlives the run.
   void count_in_status(api::MoreCounters more) { more_counters_.push_back(std::move(more)); }
+  // The control protocol says that the peer's page is there.
+  void serves_viewer_at(std::string url) { viewer_url_ = std::move(url); }
   // Takes one datagram of an external program.
   void on_poses(std::string_view datagram);
   // Takes poses of a program in this process; there must be no capture, which could not record them.
@@ -125,6 +127,7 @@ class Daemon {
   std::optional<store::StoreKeeper> keeper_;
   std::vector<api::EventSink*> event_sinks_;
   std::vector<api::MoreCounters> more_counters_;
+  std::string viewer_url_;          // empty: it has no page
   record::CaptureWriter* capture_;  // null: none, or it has failed
   std::function<void()> received_handler_;
   net::ForwardTime forward_;

@@ -1,5 +1,6 @@
 #include "peerd/daemon/viewed_peer.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -8,6 +9,8 @@
 #include "peerd/control/answer.hpp"
 #include "peerd/feed/json_members.hpp"
 #include "peerd/gateway/metrics.hpp"
+#include "peerd/insight/hierarchy_level.hpp"
+#include "peerd/insight/surroundings.hpp"
 
 namespace peerd {
 namespace {
@@ -48,8 +51,8 @@ void ViewedPeer::make_scene(std::function<void(const gateway::SceneFile&)> done)
               [this, wanted](SceneMaker::Made made) { on_scene(wanted, std::move(made)); });
 }
 
-// Who has asked meanwhile gets this one, too, though the scene may have been edited since: an event says so, and it
-// asks again.
+// A client that has asked meanwhile gets this one, too, though the scene may have been edited since: an event says so,
+// and it asks again.
 void ViewedPeer::on_scene(std::uint32_t revision, SceneMaker::Made made) {
   scene_ = {revision, nullptr, {}};
   if (made) {
@@ -70,7 +73,9 @@ std::span<const std::byte> ViewedPeer::next_frame(picture::PoseStream& client) {
     rows_at_ = now;
     picture_.refresh(node_, now, rows_of_);
   }
-  return client.next(picture_.poses());
+  if (!client.watched().looks) return client.next(picture_.poses());
+  picture_.refresh_looks(now);
+  return client.next(picture_.poses(), &picture_.looks());
 }
 
 std::string ViewedPeer::pick(const Vec3& origin, const Vec3& direction) {
@@ -78,9 +83,36 @@ std::string ViewedPeer::pick(const Vec3& origin, const Vec3& direction) {
   return reply_line(picture_.pick(node_, daemon_.now(), origin, direction));
 }
 
-std::string ViewedPeer::walk(const picture::AvatarSize& size, const picture::Stride& stride, const std::string& but) {
+std::string ViewedPeer::walk(const avatar::AvatarSize& size, const avatar::Stride& stride, const std::string& but) {
   (void)revision();
   return reply_line(picture_.walk(node_, daemon_.now(), size, stride, but));
+}
+
+std::string ViewedPeer::surroundings() {
+  (void)revision();
+  const auto at = picture_.advance(node_, daemon_.now());
+  if (!at) return reply_line({{"ok", false}, {"error", "there is no session yet"}});
+  return reply_line(insight::surroundings(node_, *at, picture_.movers().ids));
+}
+
+std::string ViewedPeer::hierarchy(const std::string& path, std::uint32_t level) {
+  (void)revision();
+  const auto id = node_.scene().find(path);
+  if (!id) return reply_line({{"ok", false}, {"error", "there is no node " + path}});
+  const auto found = insight::hierarchy_level(node_.scene(), *id, level);
+  if (!found) return reply_line({{"ok", false}, {"error", path + ": " + found.error()}});
+  const auto& movers = picture_.movers().ids;
+  const auto mover = std::ranges::find(movers, *id);
+  nlohmann::ordered_json reply = insight::to_json(*found);
+  reply["path"] = path;
+  reply["level"] = level;
+  const bool moves = mover != movers.end();
+  reply["node"] = moves ? nlohmann::ordered_json(mover - movers.begin()) : nlohmann::ordered_json(nullptr);
+  const Pose pose = node_.scene().rigid_pose(*id);
+  const auto& q = pose.orientation;
+  reply["position_m"] = {pose.position.x(), pose.position.y(), pose.position.z()};
+  reply["orientation_xyzw"] = {q.x(), q.y(), q.z(), q.w()};
+  return reply_line(reply);
 }
 
 std::string ViewedPeer::inspect(std::uint32_t node) {

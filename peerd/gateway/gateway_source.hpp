@@ -3,14 +3,15 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "core/math.hpp"
+#include "peerd/avatar/walk.hpp"
 #include "peerd/control/answer.hpp"
 #include "peerd/picture/pose_frame.hpp"
-#include "peerd/picture/walk.hpp"
 
 namespace peerd::gateway {
 
@@ -21,8 +22,14 @@ struct SceneFile {
   std::string why_not;
 };
 
-// The peer that a gateway shows. Everything is called in the thread of its io_context, and does a bounded amount of
-// work.
+// A file of a recording.
+struct RecordedFile {
+  std::shared_ptr<const std::string> bytes;
+  std::string_view content_type = "application/octet-stream";
+};
+
+// The peer, or the recording, that a gateway shows. Everything is called in the thread of its io_context, and does a
+// bounded amount of work.
 class GatewaySource {
  public:
   GatewaySource() = default;
@@ -42,10 +49,17 @@ class GatewaySource {
   virtual void make_scene(std::function<void(const SceneFile&)> done) = 0;
   // The client's next frame of poses, valid until its next one.
   virtual std::span<const std::byte> next_frame(picture::PoseStream& client) = 0;
+  // The replies to "surroundings" and "hierarchy".
+  virtual std::string surroundings() = 0;
+  virtual std::string hierarchy(const std::string& path, std::uint32_t level) = 0;
   // The replies to "pick", "walk" and "inspect".
   virtual std::string pick(const Vec3& origin, const Vec3& direction) = 0;
-  virtual std::string walk(const picture::AvatarSize& size, const picture::Stride& stride, const std::string& but) = 0;
+  virtual std::string walk(const avatar::AvatarSize& size, const avatar::Stride& stride, const std::string& but) = 0;
   virtual std::string inspect(std::uint32_t node) = 0;
+
+  // A file of the recording that it shows, by its name; "" says what it has. None: there is none of that name. A peer
+  // has no recording, and says so.
+  virtual std::optional<RecordedFile> recorded_file(std::string_view name);
 };
 
 }  // namespace peerd::gateway

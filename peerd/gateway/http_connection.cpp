@@ -184,7 +184,24 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     if (std::holds_alternative<MetricsRoute>(route)) {
       return HttpReply::of(state_->source.metrics(), "text/plain; version=0.0.4; charset=utf-8");
     }
+    if (const auto* recording = std::get_if<RecordingRoute>(&route)) return reply_to(*recording, known);
     return reply_to_request(request.body());
+  }
+
+  // A file of a recording does not change while this gateway is there.
+  HttpReply reply_to(const RecordingRoute& asked, std::string_view known) {
+    const auto file = state_->source.recorded_file(asked.name);
+    if (!file) return refused(RefusalKind::kNotFound);
+    HttpReply reply;
+    reply.content_type = file->content_type;
+    reply.etag = '"' + state_->start_number + '"';
+    if (known == reply.etag) {
+      reply.status = kNotModified;
+      return reply;
+    }
+    reply.owner = file->bytes;
+    reply.body = *file->bytes;
+    return reply;
   }
 
   void answer_with_scene() {

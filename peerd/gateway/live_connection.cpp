@@ -184,6 +184,9 @@ class LiveConnection : public Connection, public std::enable_shared_from_this<Li
   }
   std::string answer(const InspectRequest& asked) { return state_->source.inspect(asked.node); }
 
+  std::string answer(const SurroundingsRequest& /*asked*/) { return state_->source.surroundings(); }
+  std::string answer(const HierarchyRequest& asked) { return state_->source.hierarchy(asked.path, asked.level); }
+
   // Frames that could not be sent in time are left out.
   void await_frame() {
     frame_timer_.expires_at(next_frame_at_);

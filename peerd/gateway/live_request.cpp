@@ -18,6 +18,7 @@ namespace {
 constexpr std::int64_t kSequenceMax = (std::int64_t{1} << 53) - 1;  // the largest that every reader of JSON keeps
 
 constexpr double kHzMin = 1.0, kHzMax = 120.0;
+constexpr std::int64_t kLevelMax = 24;  // of hierarchies
 constexpr std::int64_t kNodeMax = std::numeric_limits<std::uint32_t>::max();
 constexpr std::array<std::pair<std::string_view, picture::PoseKind>, picture::kPoseKinds> kKinds{
     {{"shown", picture::PoseKind::kShown}, {"truth", picture::PoseKind::kTruth}, {"ghost", picture::PoseKind::kGhost}}};
@@ -42,6 +43,7 @@ WatchRequest read_watch(feed::JsonMembers& members) {
   if (const auto hz = members.number("hz")) request.hz = *hz;
   if (!(request.hz >= kHzMin && request.hz <= kHzMax)) members.fail("hz", "has to be from 1 to 120");
   request.watch.kinds = read_kinds(members);
+  request.watch.looks = members.flag("looks");
   if (!members.has("near")) return request;
   if (const nlohmann::json* const inside = members.object("near")) {
     feed::JsonMembers near(*inside);
@@ -110,6 +112,12 @@ std::expected<LiveRequest, std::string> parse_live_request(std::string_view mess
   } else if (what == "inspect") {
     if (!members.has("node")) members.fail("node", "is missing");
     request.what = InspectRequest{static_cast<std::uint32_t>(members.whole("node", 0, 0, kNodeMax))};
+  } else if (what == "surroundings") {
+    request.what = SurroundingsRequest{};
+  } else if (what == "hierarchy") {
+    HierarchyRequest asked{members.required(members.text("path"), "path"), 0};
+    asked.level = static_cast<std::uint32_t>(members.whole("level", 0, 0, kLevelMax));
+    request.what = std::move(asked);
   } else {
     request.what = PlainRequest{json_line(*object)};
     return request;

@@ -7,8 +7,8 @@
 #include <variant>
 
 #include "core/math.hpp"
+#include "peerd/avatar/walk.hpp"
 #include "peerd/picture/pose_frame.hpp"
-#include "peerd/picture/walk.hpp"
 
 namespace peerd::gateway {
 
@@ -29,10 +29,10 @@ struct UnwatchRequest {};
 struct PickRequest {
   Vec3 origin, direction;
 };
-// Where somebody comes who goes through the scene as it stands now.
+// A WalkRequest asks where somebody comes who goes through the scene as it stands now.
 struct WalkRequest {
-  picture::AvatarSize size;
-  picture::Stride stride;
+  avatar::AvatarSize size;
+  avatar::Stride stride;
   std::string but;  // the path of an object that it does not meet; empty: none
 };
 // That object is the client's avatar: it is removed when the connection ends.
@@ -42,10 +42,15 @@ struct AvatarRequest {
 struct InspectRequest {
   std::uint32_t node = 0;
 };
+struct SurroundingsRequest {};
+struct HierarchyRequest {
+  std::string path;
+  std::uint32_t level = 0;
+};
 struct LiveRequest {
   std::optional<std::int64_t> sequence;  // which the reply repeats
   std::variant<PlainRequest, TokenRequest, WatchRequest, UnwatchRequest, PickRequest, InspectRequest, WalkRequest,
-               AvatarRequest>
+               AvatarRequest, SurroundingsRequest, HierarchyRequest>
       what;
 };
 

@@ -15,7 +15,7 @@
 namespace peerd::gateway {
 namespace {
 
-constexpr std::string_view kApi = "/api/v1/", kAssets = "/assets/";
+constexpr std::string_view kApi = "/api/v1/", kAssets = "/assets/", kRecording = "recording";
 
 struct Parameter {
   std::string_view name;
@@ -74,6 +74,10 @@ std::expected<Route, RefusalKind> found(std::string_view path, std::string_view 
   if (name == "request") return RequestRoute{};
   if (name == "scene.glb") return SceneRoute{};
   if (name == "live") return LiveRoute{};
+  if (name == kRecording) return RecordingRoute{};
+  if (name.starts_with(kRecording) && name[kRecording.size()] == '/') {
+    return RecordingRoute{std::string(name.substr(kRecording.size() + 1))};
+  }
   const auto place = std::ranges::find(kPlaces, name, &Place::name);
   if (place == kPlaces.end()) return std::unexpected(RefusalKind::kNotFound);
   return ask(*place, query);

@@ -19,7 +19,10 @@ struct RequestRoute {};  // the request of the control protocol is in the body
 struct SceneRoute {};
 struct MetricsRoute {};
 struct LiveRoute {};
-using Route = std::variant<AssetRoute, AskRoute, RequestRoute, SceneRoute, MetricsRoute, LiveRoute>;
+struct RecordingRoute {
+  std::string name;  // of a file of the recording; "": what it has
+};
+using Route = std::variant<AssetRoute, AskRoute, RequestRoute, SceneRoute, MetricsRoute, LiveRoute, RecordingRoute>;
 
 [[nodiscard]] std::expected<Route, RefusalKind> find_route(std::string_view method, std::string_view target);
 

@@ -338,10 +338,12 @@ std::uint32_t SurfaceDrawer::vertex(const Corner& c) {
   g.normals.push_back(normal);
   if (color_by_.by != Indexed::By::kNothing) g.colors.push_back(color);
   if (what_.texture) g.texture_coordinates.push_back(texture);
+  if (what_.moving) g.points.push_back(static_cast<std::uint32_t>(c.point));
   return number;
 }
 
 GeometryAsDrawn SurfaceDrawer::draw() {
+  out_.geometry.form = what_.moving;
   box_ = box_of(mesh_);
   measure_polygons();
   read_colors();
@@ -448,7 +450,7 @@ GeometryAsDrawn draw(const GeometryToDraw& what) {
   if (none == nullptr) return SurfaceDrawer(what).draw();
   if (none->type == "IndexedLineSet") return draw_lines(what);
   if (none->type == "PointSet") return draw_points(what);
-  return {{}, {"no viewer draws it yet"}};
+  return {};  // a Text, which is none of triangles (MeshMaker::text_of)
 }
 
 }  // namespace peerd::picture

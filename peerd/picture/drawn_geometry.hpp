@@ -22,7 +22,8 @@ struct GeometryToDraw {
   const vrml::Node& node;  // the geometry node
   const Geometry& form;    // what has become of it
   const Tessellation& tessellation;
-  std::optional<TextureMap> texture{};  // none: it needs no texture coordinates
+  std::optional<TextureMap> texture{};    // none: it needs no texture coordinates
+  std::optional<std::uint32_t> moving{};  // its points move: DrawnGeometry::form
 };
 
 struct GeometryAsDrawn {

@@ -26,7 +26,9 @@ struct DrawnGeometry {
   std::vector<Eigen::Vector3f> normals;              // of triangles
   std::vector<Eigen::Vector2f> texture_coordinates;  // as in VRML: t runs upwards
   std::vector<Color> colors;
+  std::vector<std::uint32_t> points;   // of each vertex, of a form that moves: which point of the Coordinate it is
   std::vector<std::uint32_t> corners;  // into the arrays
+  std::optional<std::uint32_t> form;   // it moves: its number among looks::MovingForms::geometries
 };
 
 struct DrawnImage {
@@ -44,6 +46,12 @@ struct DrawnTexture {
   friend auto operator<=>(const DrawnTexture&, const DrawnTexture&) = default;
 };
 
+// The numbers of the looks (looks::DrivenLooks) that a Material's fields take while the world runs.
+struct DrivenMaterial {
+  std::optional<std::uint32_t> color, emissive, transparency;
+  friend auto operator<=>(const DrivenMaterial&, const DrivenMaterial&) = default;
+};
+
 struct DrawnMaterial {
   Color diffuse = {0.8F, 0.8F, 0.8F};
   Color emissive = {0, 0, 0};
@@ -52,6 +60,7 @@ struct DrawnMaterial {
   bool lit = true;  // false: its colour is `emissive`, or that of the vertices, whatever shines on it
   bool double_sided = false;
   std::optional<DrawnTexture> texture;
+  DrivenMaterial driven;
   friend auto operator<=>(const DrawnMaterial&, const DrawnMaterial&) = default;
 };
 
@@ -61,11 +70,48 @@ struct DrawnMesh {
   friend auto operator<=>(const DrawnMesh&, const DrawnMesh&) = default;
 };
 
+// A Text with its FontStyle (ISO/IEC 14772-1, 6.47 and 6.20). The viewer has the fonts.
+struct DrawnText {
+  std::vector<std::string> lines, families, justify;
+  std::string style;
+  std::vector<float> lengths_m;  // of the lines; 0, or too few: as long as they are
+  float max_extent_m = 0;        // 0: any
+  float size_m = 1, spacing = 1;
+  bool horizontal = true, left_to_right = true, top_to_bottom = true;
+  DrawnMaterial material;  // without a texture
+};
+
 struct DrawnShape {
+  static constexpr std::uint32_t kNoMesh = ~0U;
+
   ObjectId id;
   std::uint32_t node = 0;  // into ScenePicture::nodes
-  std::uint32_t mesh = 0;  // into ScenePicture::meshes
+  std::uint32_t mesh = 0;  // into ScenePicture::meshes; kNoMesh: it has a text
   Eigen::Affine3d node_from_shape = Eigen::Affine3d::Identity();
+  std::optional<std::uint32_t> group{};  // the innermost, into ScenePicture::groups
+  std::optional<std::uint32_t> form{};   // its place changes: its number among looks::MovingForms::shapes
+  std::optional<std::uint32_t> text{};   // into ScenePicture::texts
+};
+
+// A node that the viewer has to do something about, with the Shapes below it.
+struct DrawnGroup {
+  enum class Kind : std::uint8_t {
+    kLevel,      // of an LOD, shown by the distance of the camera
+    kBillboard,  // it turns towards the camera
+    kAnchor
+  };
+
+  Kind kind = Kind::kLevel;
+  ObjectId id{};
+  std::uint32_t node = 0;                // it moves with that one
+  std::optional<std::uint32_t> above{};  // the next one outwards, into ScenePicture::groups
+  Eigen::Affine3d node_from_group = Eigen::Affine3d::Identity();
+  std::uint32_t number = 0, count = 1;               // of the levels
+  Eigen::Vector3f center = Eigen::Vector3f::Zero();  // of the LOD
+  std::vector<float> ranges_m{};                     // of the LOD
+  Eigen::Vector3f axis = Eigen::Vector3f::UnitY();   // of the Billboard; zero: none
+  std::vector<std::string> urls{};                   // of the Anchor
+  std::string description{};                         // of the Anchor
 };
 
 struct DrawnNode {
@@ -85,9 +131,30 @@ struct DrawnLight {
   Eigen::Vector3f attenuation = {1, 0, 0};
   float radius_m = 100;
   float beam_width_rad = 1.570796F, cut_off_angle_rad = 0.785398F;
+  bool on = true;
+  std::optional<std::uint32_t> driven_on{}, driven_color{}, driven_intensity{};  // among looks::DrivenLooks
+};
+
+// A sensor that a page works, and what ROUTEs lead to from it: fields that an edit can set.
+struct DrawnSensor {
+  enum class Kind : std::uint8_t { kTouch, kPlane };
+  struct Target {
+    std::string event;        // the sensor's eventOut
+    std::string path, field;  // of the node: its path, or its DEF name
+  };
+
+  Kind kind = Kind::kTouch;
+  std::uint32_t node = 0;  // it moves with that one
+  Eigen::Affine3d node_from_sensor = Eigen::Affine3d::Identity();
+  std::vector<Target> targets;
+  // The following members are those of a PlaneSensor.
+  Eigen::Vector2f min_position = Eigen::Vector2f::Zero(), max_position = -Eigen::Vector2f::Ones();
+  Eigen::Vector3f offset = Eigen::Vector3f::Zero();
+  bool auto_offset = true;
 };
 
 struct DrawnViewpoint {
+  std::string def;  // by which an Anchor finds it
   std::string description;
   std::uint32_t node = 0;  // it moves with that one
   Pose node_from_camera;   // it looks along -Z
@@ -129,14 +196,17 @@ struct ScenePicture {
   std::vector<DrawnGeometry> geometries;
   std::vector<DrawnMaterial> materials;
   std::vector<DrawnImage> images;
+  std::vector<DrawnText> texts;
+  std::vector<DrawnGroup> groups;  // each behind those above it
+  std::vector<DrawnSensor> sensors;
   std::vector<DrawnLight> lights;
   std::vector<DrawnViewpoint> viewpoints;     // the first one is bound at first
   std::optional<DrawnBackground> background;  // of each kind the one that is bound at first; none: the standard's
   std::optional<DrawnFog> fog;
   std::optional<Navigation> navigation;
   std::vector<Undrawn> undrawn;
-  // The paths of the nodes and of the shapes, by their order.
-  std::vector<std::string> node_paths, shape_paths;
+  // The paths of the nodes, of the shapes and of the groups, and of the nodes in which sensors stand, by their order.
+  std::vector<std::string> node_paths, shape_paths, group_paths, sensor_paths;
   std::vector<std::string> node_names;  // DEF names; may be empty
 };
 

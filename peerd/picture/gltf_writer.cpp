@@ -41,6 +41,13 @@ std::array<float, 3> linear(const Color& color) {
 std::array<double, 3> components(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 std::array<double, 4> components(const Quat& q) { return {q.x(), q.y(), q.z(), q.w()}; }
 
+// The first three rows of an affine map.
+std::array<double, 12> rows_of(const Eigen::Affine3d& map) {
+  std::array<double, 12> rows{};
+  for (int k = 0; k < 12; ++k) rows[static_cast<std::size_t>(k)] = map.matrix()(k / 4, k % 4);
+  return rows;
+}
+
 class GltfWriter {
  public:
   explicit GltfWriter(const ScenePicture& picture) : picture_(picture) {}
@@ -49,12 +56,12 @@ class GltfWriter {
 
  private:
   // The parts of the binary chunk. All arrays of one kind stand side by side in one buffer view.
-  enum View : std::uint8_t { kPositions, kNormals, kTextureCoordinates, kColors, kCorners, kViews };
-  static constexpr std::array<int, kViews> kStride = {12, 12, 8, 12, 0};
+  enum View : std::uint8_t { kPositions, kNormals, kTextureCoordinates, kColors, kPoints, kCorners, kViews };
+  static constexpr std::array<int, kViews> kStride = {12, 12, 8, 12, 4, 0};
 
   struct Accessors {
     std::uint32_t position = 0;
-    std::optional<std::uint32_t> normal, texture, color, corners;
+    std::optional<std::uint32_t> normal, texture, color, point, corners;
   };
 
   void write_geometries();
@@ -62,6 +69,10 @@ class GltfWriter {
   std::uint32_t accessor(View view, std::span<const T> values, int component, const char* type, std::size_t count);
   void write_nodes();
   void write_shape(const DrawnShape& shape, const std::string& path);
+  void write_text(const DrawnText& text);
+  void write_driven(const DrivenMaterial& driven);
+  void write_groups();
+  void write_sensors();
   void write_light(std::size_t light);
   void place(const NodePlace& at);
   void write_meshes();
@@ -124,6 +135,11 @@ void GltfWriter::write_geometries() {
       at.color = accessor(kColors, std::span(std::as_const(colors)), kFloat, "VEC3", colors.size());
       accessors_.close('}');
     }
+    if (!g.points.empty()) {  // glTF has no attributes of whole numbers that are this large
+      const std::vector<float> points(g.points.begin(), g.points.end());
+      at.point = accessor(kPoints, std::span(points), kFloat, "SCALAR", points.size());
+      accessors_.close('}');
+    }
     if (g.mode == DrawnGeometry::Mode::kPoints) continue;
     if (g.positions.size() < std::numeric_limits<std::uint16_t>::max()) {
       const std::vector<std::uint16_t> corners(g.corners.begin(), g.corners.end());
@@ -145,8 +161,84 @@ void GltfWriter::place(const NodePlace& at) {
 // A sheared Shape is a node with a node below.
 void GltfWriter::write_shape(const DrawnShape& shape, const std::string& path) {
   json_.open('{').key("extras").open('{');
-  json_.member("id", std::to_string(shape.id.packed())).member("path", path).close('}');
+  json_.member("id", std::to_string(shape.id.packed())).member("path", path);
+  if (shape.group) json_.member("group", *shape.group);
+  if (shape.form) json_.member("form", *shape.form);
+  if (shape.text) {
+    write_text(picture_.texts[*shape.text]);
+    json_.list("node_from_shape", rows_of(shape.node_from_shape));
+  }
+  json_.close('}');
   place(place_of(shape.node_from_shape));
+}
+
+void GltfWriter::write_text(const DrawnText& text) {
+  json_.key("text").open('{').list("lines", text.lines).list("family", text.families).member("style", text.style);
+  json_.list("justify", text.justify).list("length_m", text.lengths_m).member("max_extent_m", text.max_extent_m);
+  json_.member("size_m", text.size_m).member("spacing", text.spacing).member("horizontal", text.horizontal);
+  json_.member("left_to_right", text.left_to_right).member("top_to_bottom", text.top_to_bottom);
+  json_.list("color", text.material.diffuse).list("emissive", text.material.emissive);
+  json_.member("transparency", text.material.transparency).member("lit", text.material.lit);
+  write_driven(text.material.driven);
+  json_.close('}');
+}
+
+void GltfWriter::write_driven(const DrivenMaterial& driven) {
+  if (driven == DrivenMaterial{}) return;
+  json_.key("driven").open('{');
+  if (driven.color) json_.member("color", *driven.color);
+  if (driven.emissive) json_.member("emissive", *driven.emissive);
+  if (driven.transparency) json_.member("transparency", *driven.transparency);
+  json_.close('}');
+}
+
+void GltfWriter::write_groups() {
+  json_.key("groups").open('[');
+  for (std::size_t i = 0; i < picture_.groups.size(); ++i) {
+    using enum DrawnGroup::Kind;
+    const DrawnGroup& g = picture_.groups[i];
+    json_.open('{').member("path", picture_.group_paths[i]).member("node", g.node);
+    if (g.above) json_.member("above", *g.above);
+    json_.list("node_from_group", rows_of(g.node_from_group));
+    switch (g.kind) {
+      case kLevel:
+        json_.member("kind", "level").member("number", g.number).member("count", g.count);
+        json_.list("center", g.center).list("range", g.ranges_m);
+        break;
+      case kBillboard:
+        json_.member("kind", "billboard").list("axis", g.axis);
+        break;
+      case kAnchor:
+        json_.member("kind", "anchor").list("url", g.urls).member("description", g.description);
+        break;
+    }
+    json_.close('}');
+  }
+  json_.close(']');
+}
+
+void GltfWriter::write_sensors() {
+  json_.key("sensors").open('[');
+  for (std::size_t i = 0; i < picture_.sensors.size(); ++i) {
+    const DrawnSensor& s = picture_.sensors[i];
+    const bool is_plane = s.kind == DrawnSensor::Kind::kPlane;
+    json_.open('{').member("type", is_plane ? "PlaneSensor" : "TouchSensor").member("path", picture_.sensor_paths[i]);
+    json_.member("node", s.node).list("node_from_sensor", rows_of(s.node_from_sensor));
+    if (is_plane) {
+      json_.list("min", s.min_position).list("max", s.max_position).list("offset", s.offset);
+      json_.member("auto_offset", s.auto_offset);
+    }
+    json_.key("targets").open('[');
+    for (const DrawnSensor::Target& target : s.targets) {
+      json_.open('{')
+          .member("event", target.event)
+          .member("path", target.path)
+          .member("field", target.field)
+          .close('}');
+    }
+    json_.close(']').close('}');
+  }
+  json_.close(']');
 }
 
 void GltfWriter::write_light(std::size_t light) {
@@ -159,6 +251,10 @@ void GltfWriter::write_light(std::size_t light) {
   if (l.kind != DrawnLight::Kind::kDirectional) {
     json_.list("attenuation", l.attenuation).member("radius_m", l.radius_m);
   }
+  if (!l.on) json_.member("on", false);
+  if (l.driven_on) json_.member("driven_on", *l.driven_on);
+  if (l.driven_color) json_.member("driven_color", *l.driven_color);
+  if (l.driven_intensity) json_.member("driven_intensity", *l.driven_intensity);
   json_.close('}').close('}').close('}');
 }
 
@@ -193,10 +289,11 @@ void GltfWriter::write_nodes() {
   for (std::size_t i = 0; i < shapes; ++i) {
     const DrawnShape& shape = picture_.shapes[i];
     write_shape(shape, picture_.shape_paths[i]);
-    if (const auto turned = place_of(shape.node_from_shape).inner) {
+    const auto turned = place_of(shape.node_from_shape).inner;
+    if (turned && shape.mesh != DrawnShape::kNoMesh) {
       json_.key("children").open('[').value(nodes + shapes + picture_.lights.size() + inner.size()).close(']');
       inner.emplace_back(*turned, shape.mesh);
-    } else {
+    } else if (shape.mesh != DrawnShape::kNoMesh) {
       json_.member("mesh", shape.mesh);
     }
     json_.close('}');
@@ -217,7 +314,10 @@ void GltfWriter::write_meshes() {
     if (at.normal) json_.member("NORMAL", *at.normal);
     if (at.texture) json_.member("TEXCOORD_0", *at.texture);
     if (at.color) json_.member("COLOR_0", *at.color);
+    if (at.point) json_.member("_POINT", *at.point);
     json_.close('}');
+    const auto form = picture_.geometries[mesh.geometry].form;
+    if (form) json_.key("extras").open('{').member("form", *form).close('}');
     if (at.corners) json_.member("indices", *at.corners);
     json_.member("mode", static_cast<int>(picture_.geometries[mesh.geometry].mode)).member("material", mesh.material);
     json_.close('}').close(']').close('}');
@@ -244,7 +344,12 @@ void GltfWriter::write_materials() {
     }
     json_.close('}');
     if (m.emissive != Color{0, 0, 0}) json_.list("emissiveFactor", emissive);
-    if (blends) json_.member("alphaMode", "BLEND");
+    if (blends || m.driven.transparency) json_.member("alphaMode", "BLEND");
+    if (m.driven != DrivenMaterial{}) {
+      json_.key("extras").open('{');
+      write_driven(m.driven);
+      json_.close('}');
+    }
     if (m.double_sided) json_.member("doubleSided", true);
     if (!m.lit) json_.key("extensions").open('{').key("KHR_materials_unlit").open('{').close('}').close('}');
     json_.close('}');
@@ -299,7 +404,10 @@ void GltfWriter::write_extras() {
   json_.key("extras").open('{').member("revision", picture_.revision).member("world", picture_.world);
   json_.key("viewpoints").open('[');
   for (const DrawnViewpoint& v : picture_.viewpoints) {
-    json_.open('{').member("description", v.description).list("position_m", components(v.node_from_camera.position));
+    json_.open('{')
+        .member("def", v.def)
+        .member("description", v.description)
+        .list("position_m", components(v.node_from_camera.position));
     json_.list("orientation_xyzw", components(v.node_from_camera.orientation));
     json_.member("field_of_view_rad", v.field_of_view_rad);
     if (picture_.nodes[v.node].id) json_.member("node", v.node);
@@ -331,6 +439,8 @@ void GltfWriter::write_extras() {
     json_.member("speed", n->speed_m_s).member("visibility_limit_m", n->visibility_limit_m);
     json_.member("headlight", n->headlight).close('}');
   }
+  write_groups();
+  write_sensors();
   json_.key("undrawn").open('[');
   for (const Undrawn& u : picture_.undrawn) {
     json_.open('{').member("path", u.path).member("what", u.what).member("why", u.why);
@@ -373,6 +483,7 @@ void GltfWriter::number_views() {
     used[kNormals] = used[kNormals] || !g.normals.empty();
     used[kTextureCoordinates] = used[kTextureCoordinates] || !g.texture_coordinates.empty();
     used[kColors] = used[kColors] || !g.colors.empty();
+    used[kPoints] = used[kPoints] || !g.points.empty();
     used[kCorners] = used[kCorners] || g.mode != DrawnGeometry::Mode::kPoints;
   }
   for (std::size_t view = 0; view < kViews; ++view) view_number_[view] = used[view] ? view_count_++ : view_count_;

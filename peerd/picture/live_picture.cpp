@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// Where an avatar is put that its own rays shall not meet.
+// The place of an avatar that its own rays shall not meet.
 const Vec3 kAway(0.0, 1e12, 0.0);
 
 ordered_json vector_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
@@ -42,6 +42,7 @@ bool LivePicture::follow(const PeerNode& node) {
   poses_.reset(revision_, scene_, movers_);
   picker_.reset();
   obstacles_.reset();
+  has_looks_ = false;
   return true;
 }
 
@@ -55,6 +56,19 @@ PictureInput LivePicture::input(PeerNode& node, HostTime now) {
     input.movers.push_back({movers_.ids[i], poses_.shown()[i], owner});
   }
   return input;
+}
+
+std::optional<SimTime> LivePicture::advance(PeerNode& node, HostTime now) {
+  assert(revision_ > 0);
+  poses_.place(node, now);
+  return poses_.at();
+}
+
+void LivePicture::refresh_looks(HostTime now) {
+  assert(revision_ > 0);
+  if (!std::exchange(has_looks_, true)) looks_.reset(scene_, movers_.ids);
+  const double world_s = poses_.times().world_s;
+  looks_.refresh(now, std::isfinite(world_s) ? world_s : -1.0);
 }
 
 // Everything is where the peer has it now.
@@ -87,21 +101,21 @@ ordered_json LivePicture::pick(PeerNode& node, HostTime now, const Vec3& origin,
   return reply;
 }
 
-ordered_json LivePicture::walk(PeerNode& node, HostTime now, const AvatarSize& size, const Stride& stride,
-                               const std::string& but) {
+ordered_json LivePicture::walk(PeerNode& node, HostTime now, const avatar::AvatarSize& size,
+                               const avatar::Stride& stride, const std::string& but) {
   ScenePicker& obstacles = placed(obstacles_, Pickable::kColliding, node, now);
-  const auto avatar = but.empty() ? std::nullopt : node.scene().find(but);
-  const auto mover = std::ranges::find(movers_.ids, avatar.value_or(ObjectId{}));
-  if (avatar && mover != movers_.ids.end()) {
+  const auto excepted = but.empty() ? std::nullopt : node.scene().find(but);
+  const auto mover = std::ranges::find(movers_.ids, excepted.value_or(ObjectId{}));
+  if (excepted && mover != movers_.ids.end()) {
     obstacles.place(static_cast<std::uint32_t>(mover - movers_.ids.begin()), {kAway, Quat::Identity()});
   }
-  const RayCaster cast = [&](const Vec3& origin, const Vec3& direction) -> CastResult {
+  const avatar::RayCaster cast = [&](const Vec3& origin, const Vec3& direction) -> avatar::CastResult {
     const auto found = obstacles.pick(origin, direction);
     if (!found) return std::unexpected(found.error());
     if (!*found) return std::nullopt;
-    return RayHit{(*found)->distance_m, (*found)->normal};
+    return avatar::RayHit{(*found)->distance_m, (*found)->normal};
   };
-  const auto stand = picture::walk(cast, size, stride);
+  const auto stand = avatar::walk(cast, size, stride);
   if (!stand) return {{"ok", false}, {"error", stand.error()}};
   return {
       {"ok", true}, {"eye_m", vector_json(stand->eye)}, {"on_ground", stand->on_ground}, {"fall_m_s", stand->fall_m_s}};

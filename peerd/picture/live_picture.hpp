@@ -2,17 +2,19 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "peerd/avatar/walk.hpp"
+#include "peerd/looks/look_frame.hpp"
 #include "peerd/node/peer_node.hpp"
 #include "peerd/picture/movers.hpp"
 #include "peerd/picture/pick.hpp"
 #include "peerd/picture/picture_input.hpp"
 #include "peerd/picture/pose_frame.hpp"
-#include "peerd/picture/walk.hpp"
 
 namespace peerd::picture {
 
@@ -35,15 +37,24 @@ class LivePicture {
   // Brings the rows of these kinds to now; PoseStream::next(poses()) makes each client's frame of them.
   void refresh(PeerNode& node, HostTime now, PoseKinds kinds) { poses_.refresh(node, now, kinds); }
   [[nodiscard]] const PoseTable& poses() const { return poses_; }
+  // The rows are of these: node i is mover i.
+  [[nodiscard]] const Movers& movers() const { return movers_; }
+  // Brings the peer to now for a question about it; none: there is no session yet.
+  [[nodiscard]] std::optional<SimTime> advance(PeerNode& node, HostTime now);
+  // Brings what changes beside poses to the instant of the last refresh().
+  void refresh_looks(HostTime now);
+  [[nodiscard]] const looks::LookTable& looks() const { return looks_; }
 
   // The replies to "pick" and "inspect" (docs/reference/gateway.md), without "seq".
   [[nodiscard]] nlohmann::ordered_json pick(PeerNode& node, HostTime now, const Vec3& origin, const Vec3& direction);
   // The reply to "walk". `but`: the path of an object that is not met, such as the avatar that walks; empty: none.
-  [[nodiscard]] nlohmann::ordered_json walk(PeerNode& node, HostTime now, const AvatarSize& size, const Stride& stride,
-                                            const std::string& but);
+  [[nodiscard]] nlohmann::ordered_json walk(PeerNode& node, HostTime now, const avatar::AvatarSize& size,
+                                            const avatar::Stride& stride, const std::string& but);
   [[nodiscard]] nlohmann::ordered_json inspect(const PeerNode& node, std::uint32_t index) const;
 
  private:
+  ScenePicker& placed(std::unique_ptr<ScenePicker>& picker, Pickable what, PeerNode& node, HostTime now);
+
   std::string world_;
   ImageLoader load_image_;
   std::uint32_t revision_ = 0;
@@ -51,8 +62,8 @@ class LivePicture {
   Movers movers_;
   std::uint64_t scene_changes_ = 0, models_changed_ = 0, owners_revision_ = 0;  // of which movers_ are
   PoseTable poses_;
-  ScenePicker& placed(std::unique_ptr<ScenePicker>& picker, Pickable what, PeerNode& node, HostTime now);
-
+  looks::LookTable looks_;
+  bool has_looks_ = false;  // they are of this revision
   // Null until somebody picks, or walks, in this revision.
   std::unique_ptr<ScenePicker> picker_, obstacles_;
 };

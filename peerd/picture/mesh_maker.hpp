@@ -7,6 +7,8 @@
 
 #include "core/scene/scene.hpp"
 #include "core/vrml/document.hpp"
+#include "peerd/looks/driven_looks.hpp"
+#include "peerd/looks/moving_forms.hpp"
 #include "peerd/picture/appearance.hpp"
 #include "peerd/picture/drawn_scene.hpp"
 #include "peerd/picture/undrawn_list.hpp"
@@ -18,11 +20,19 @@ namespace peerd::picture {
 class MeshMaker {
  public:
   // All outlive it.
-  MeshMaker(const Scene& scene, const ImageLoader& load_image, UndrawnList& undrawn)
-      : scene_(scene), document_(*scene.document), undrawn_(undrawn), images_(load_image) {}
+  MeshMaker(const Scene& scene, const ImageLoader& load_image, const looks::DrivenLooks& looks,
+            const looks::MovingForms& forms, UndrawnList& undrawn)
+      : scene_(scene),
+        document_(*scene.document),
+        looks_(looks),
+        forms_(forms),
+        undrawn_(undrawn),
+        images_(load_image) {}
 
   // The mesh of an instance that is a Shape, by index; none: there is nothing to draw.
   [[nodiscard]] std::optional<std::uint32_t> mesh_of(ObjectId shape);
+  // The text of an instance that is a Shape with a Text, into ScenePicture::texts; none: it has none, or is empty.
+  [[nodiscard]] std::optional<std::uint32_t> text_of(ObjectId shape);
   // Moves all that has been made into the picture.
   void finish(ScenePicture& picture);
 
@@ -45,6 +55,8 @@ class MeshMaker {
 
   const Scene& scene_;
   const vrml::Document& document_;
+  const looks::DrivenLooks& looks_;
+  const looks::MovingForms& forms_;
   UndrawnList& undrawn_;
   Images images_;
   // The meshes by node of the Shape and form of its geometry.
@@ -53,6 +65,8 @@ class MeshMaker {
   std::map<DrawnMaterial, std::uint32_t> known_materials_;
   std::map<DrawnMesh, std::uint32_t> known_meshes_;
   std::vector<DrawnGeometry> geometries_;
+  std::map<std::uint32_t, std::optional<std::uint32_t>> text_of_node_;
+  std::vector<DrawnText> texts_;
 };
 
 }  // namespace peerd::picture

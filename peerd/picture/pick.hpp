@@ -20,7 +20,7 @@ struct PickHit {
   Vec3 position = Vec3::Zero(), normal = Vec3::Zero();  // in the world; the normal points to the ray's side
 };
 
-// What rays meet: what is drawn, or what collides, such as the proxy of a Collision, be it drawn or not.
+// Rays meet what is drawn, or what collides, such as the proxy of a Collision, be it drawn or not.
 enum class Pickable : std::uint8_t { kDrawn, kColliding };
 
 // Finds what a ray hits first among all that it meets, with each mover where place() has put it: the exact ray query of

@@ -41,7 +41,7 @@ std::byte* put(std::byte* at, const T& value) {
 
 }  // namespace
 
-// By their bits: a threshold that is no number is equal to another one.
+// Rows are compared by their bits: a threshold that is no number is equal to another one.
 bool operator==(const PoseRow& a, const PoseRow& b) { return std::memcmp(&a, &b, kPoseRow_bytes) == 0; }
 
 void PoseTable::reset(std::uint32_t revision, std::shared_ptr<const Scene> scene, Movers movers) {
@@ -168,9 +168,10 @@ void PoseTable::add_row(PoseKind kind, const PoseRow& like, const Pose& pose) {
 void PoseStream::watch(const Watch& watch) {
   watch_ = watch;
   for (auto& sent : sent_) sent.clear();
+  looks_.restart();
 }
 
-std::span<const std::byte> PoseStream::next(const PoseTable& table) {
+std::span<const std::byte> PoseStream::next(const PoseTable& table, const looks::LookTable* looks) {
   if (std::exchange(revision_, table.revision()) != table.revision()) {
     for (auto& sent : sent_) sent.clear();
   }
@@ -204,6 +205,7 @@ std::span<const std::byte> PoseStream::next(const PoseTable& table) {
   at = put(at, table.revision());
   at = put(at, static_cast<std::uint32_t>(kPoseRow_bytes));
   assert(at == frame_.data() + kPoseFrameHeader_bytes);
+  if (looks != nullptr && watch_.looks) looks_.append(*looks, frame_);
   return frame_;
 }
 

@@ -14,6 +14,7 @@
 #include "core/scene/scene.hpp"
 #include "core/time.hpp"
 #include "core/transform.hpp"
+#include "peerd/looks/look_frame.hpp"
 #include "peerd/node/peer_node.hpp"
 #include "peerd/picture/movers.hpp"
 
@@ -59,6 +60,9 @@ class PoseTable {
   void place(PeerNode& node, HostTime now);
   // The poses in which a viewer draws the movers; before a session, those of the file.
   [[nodiscard]] std::span<const Pose> shown() const { return shown_; }
+
+  // The instant of the poses; none: before a session.
+  [[nodiscard]] std::optional<SimTime> at() const { return at_; }
 
   [[nodiscard]] std::uint32_t revision() const { return revision_; }
   [[nodiscard]] std::size_t node_count() const { return movers_.ids.size(); }
@@ -112,19 +116,21 @@ class PoseStream {
   struct Watch {
     PoseKinds kinds = set_of(PoseKind::kShown);
     std::optional<Near> near;  // rows within that sphere alone
+    bool looks = false;        // behind the rows: what is seen to change beside poses
   };
   // From now on the frames are of these rows; the next one has all of them.
   void watch(const Watch& watch);
   [[nodiscard]] const Watch& watched() const { return watch_; }
 
   // The next frame, valid until the next call; with no rows where nothing has changed. No allocation once it has been
-  // as large as it gets.
-  [[nodiscard]] std::span<const std::byte> next(const PoseTable& table);
+  // as large as it gets. `looks`: of the same revision; they come where they are watched.
+  [[nodiscard]] std::span<const std::byte> next(const PoseTable& table, const looks::LookTable* looks = nullptr);
 
  private:
   Watch watch_;
   std::uint32_t revision_ = 0;
   std::vector<PoseRow> sent_[kPoseKinds];
+  looks::LookStream looks_;
   std::vector<std::byte> frame_;
 };
 

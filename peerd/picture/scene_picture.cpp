@@ -13,6 +13,9 @@
 #include "core/motion/predefined_motion.hpp"
 #include "core/scene/rotation.hpp"
 #include "core/vrml/document.hpp"
+#include "peerd/looks/driven_looks.hpp"
+#include "peerd/looks/moving_forms.hpp"
+#include "peerd/node/edit_operation.hpp"
 #include "peerd/picture/mesh_maker.hpp"
 #include "peerd/picture/node_fields.hpp"
 #include "peerd/picture/undrawn_list.hpp"
@@ -55,19 +58,34 @@ class PictureMaker {
         document_(*scene_.document),
         motion_(scene_),
         carriers_(scene_, motion_, {}),
-        meshes_(scene_, input.load_image, undrawn_) {}
+        forms_(looks::moving_forms(scene_, motion_, carriers_)),
+        looks_(scene_.document),
+        meshes_(scene_, input.load_image, looks_, forms_, undrawn_) {}
 
   ScenePicture make();
 
  private:
   static constexpr std::uint32_t kTop = Instance::kNone;  // no instance: the top level
 
+  // Which children a node shows.
+  struct Choices {
+    std::int64_t in_file = -1;            // of a Switch or an LOD, the child that is there as the file has it
+    bool is_one = false;                  // one of them is; false: all are
+    std::optional<DrawnGroup> each = {};  // the viewer chooses among them
+    [[nodiscard]] bool has(std::uint32_t i) const { return !is_one || in_file == i; }
+  };
+
   void place_nodes();
   void visit(std::span<const vrml::NodeRef> children, std::uint32_t parent, std::uint32_t first, std::uint32_t end);
   void visit_instance(std::uint32_t index);
+  void visit_children(std::uint32_t index, const vrml::Node& node);
+  [[nodiscard]] Choices choices_of(std::uint32_t parent) const;
+  void enter_group(std::uint32_t instance, DrawnGroup group);
   void visit_part(const vrml::Node& node, std::uint32_t parent);
   void add_shape(std::uint32_t index);
   void add_light(const vrml::Node& node, DrawnLight::Kind kind, std::uint32_t parent);
+  void add_sensor(const vrml::Node& node, std::uint32_t parent);
+  [[nodiscard]] std::string name_for_edits(std::uint32_t node) const;
   void add_viewpoint(const vrml::Node& node, std::uint32_t parent);
   void add_background(const vrml::Node& node, std::uint32_t parent);
   void add_fog(const vrml::Node& node, std::uint32_t parent);
@@ -92,9 +110,13 @@ class PictureMaker {
   PredefinedMotion motion_;
   Carriers carriers_;
   UndrawnList undrawn_;
+  looks::MovingForms forms_;
+  looks::DrivenLooks looks_;
   MeshMaker meshes_;
-  std::vector<std::uint32_t> flexible_;          // geometries
   std::vector<std::uint32_t> node_of_instance_;  // the node that it moves with
+  std::optional<std::uint32_t> group_;           // around what is visited, the innermost
+  bool is_chosen_ = true;  // what is visited is there as the file has it: no level or choice that is not
+  std::vector<const vrml::Route*> worked_routes_;  // from sensors, which a page works
   ScenePicture out_;
 };
 
@@ -126,59 +148,111 @@ Eigen::Affine3d PictureMaker::node_from(std::uint32_t instance) const {
   return node == standing() ? scene_.world_from_local(id) : scene_.object_from_shape(input_.movers[node].id, id);
 }
 
+// The viewer chooses a level of an LOD; a Switch shows what the file, or an edit, has chosen, for no ROUTE can do so: a
+// Script alone sends whole numbers.
+PictureMaker::Choices PictureMaker::choices_of(std::uint32_t parent) const {
+  Choices choices;
+  if (parent == kTop) return choices;
+  const Instance& instance = scene_.instances[parent];
+  const vrml::Node& node = document_.nodes[instance.node];
+  if (instance.kind == NodeKind::kLod) {
+    choices = {0, true, DrawnGroup{.kind = DrawnGroup::Kind::kLevel}};
+    choices.each->center = vector_of(node, "center");
+    choices.each->ranges_m = list_of<float, float>(node, "range");
+  } else if (instance.kind == NodeKind::kSwitch) {
+    choices = {value<std::int32_t>(node, "whichChoice"), true, std::nullopt};
+  }
+  return choices;
+}
+
+void PictureMaker::enter_group(std::uint32_t instance, DrawnGroup group) {
+  const Eigen::Affine3d at = node_from(instance);
+  if (!at.matrix().allFinite()) return;  // nor are its Shapes drawn
+  group.id = scene_.id_of(instance);
+  group.node = node_of(instance);
+  group.above = group_;
+  group.node_from_group = at;
+  group_ = static_cast<std::uint32_t>(out_.groups.size());
+  out_.groups.push_back(std::move(group));
+  out_.group_paths.push_back(path_in(instance));
+}
+
 // Children that are instances are those that the scene has, in the file's order.
 void PictureMaker::visit(std::span<const vrml::NodeRef> children, std::uint32_t parent, std::uint32_t first,
                          std::uint32_t end) {
   std::uint32_t instance = first;
-  std::int64_t chosen = -1;  // of a Switch or an LOD, the child that is there; -1: all are
-  if (parent != kTop && scene_.instances[parent].kind == NodeKind::kLod) chosen = 0;
-  if (parent != kTop && scene_.instances[parent].kind == NodeKind::kSwitch) {
-    const std::int32_t which = value<std::int32_t>(document_.nodes[scene_.instances[parent].node], "whichChoice");
-    chosen = which < 0 ? static_cast<std::int64_t>(children.size()) : which;
-  }
+  const Choices choices = choices_of(parent);
+  const bool grouped = choices.each && children.size() > 1;
   for (std::uint32_t i = 0; i < children.size(); ++i) {
     if (!children[i].is_node()) continue;
-    if (instance != end && scene_.instances[instance].child_index == i) {
-      visit_instance(instance);
-      instance = scene_.instances[instance].subtree_end;
-    } else if (chosen < 0 || chosen == i) {
-      visit_part(document_.nodes[children[i].index], parent);
+    const bool is_instance = instance != end && scene_.instances[instance].child_index == i;
+    const auto outer = group_;
+    const bool outer_is_chosen = std::exchange(is_chosen_, is_chosen_ && choices.has(i));
+    if (grouped) {
+      DrawnGroup group = *choices.each;
+      group.number = i;
+      group.count = static_cast<std::uint32_t>(children.size());
+      enter_group(parent, std::move(group));
     }
+    if (choices.each || choices.has(i)) {
+      if (is_instance) {
+        visit_instance(instance);
+      } else {
+        visit_part(document_.nodes[children[i].index], parent);
+      }
+    }
+    if (is_instance) instance = scene_.instances[instance].subtree_end;
+    group_ = outer;
+    is_chosen_ = outer_is_chosen;
   }
 }
 
 void PictureMaker::visit_instance(std::uint32_t index) {
   const Instance& instance = scene_.instances[index];
-  if (!instance.drawn || instance.node == Instance::kNone) return;
+  if (instance.node == Instance::kNone) return;
   if (instance.kind == NodeKind::kShape) return add_shape(index);
   const vrml::Node& node = document_.nodes[instance.node];
-  const vrml::Field* const children = node.find(field_of_children(instance.kind));
-  const std::size_t count = children == nullptr ? 0 : children->as<vrml::NodeRef>().size();
-  if (instance.kind == NodeKind::kBillboard) leave_out(index, "Billboard", "it does not turn towards the viewer");
-  if (instance.kind == NodeKind::kLod && count > 1) {
-    leave_out(index, "LOD", "its first level is drawn at any distance");
+  const auto outer = group_;
+  if (instance.kind == NodeKind::kBillboard) {
+    DrawnGroup group{.kind = DrawnGroup::Kind::kBillboard};
+    group.axis = vector_of(node, "axisOfRotation");
+    enter_group(index, std::move(group));
+  } else if (node.type->name == "Anchor") {
+    DrawnGroup group{.kind = DrawnGroup::Kind::kAnchor};
+    group.urls = list_of<std::string_view, std::string>(node, "url");
+    group.description = value<std::string_view>(node, "description");
+    enter_group(index, std::move(group));
   }
-  if (node.type->name == "Anchor") leave_out(index, "Anchor", "its link is not followed");
+  visit_children(index, node);
+  group_ = outer;
+}
+
+void PictureMaker::visit_children(std::uint32_t index, const vrml::Node& node) {
+  const Instance& instance = scene_.instances[index];
+  const vrml::Field* const children = node.find(field_of_children(instance.kind));
   if (instance.kind == NodeKind::kInline && children == nullptr) leave_out(index, "Inline", "it has not been read");
-  if (count > 0) visit(children->as<vrml::NodeRef>(), index, index + 1, instance.subtree_end);
+  if (children == nullptr || children->count == 0) return;
+  visit(children->as<vrml::NodeRef>(), index, index + 1, instance.subtree_end);
 }
 
 void PictureMaker::add_shape(std::uint32_t index) {
   const ObjectId id = scene_.id_of(index);
-  const auto mesh = meshes_.mesh_of(id);
+  const auto text = meshes_.text_of(id);
+  const auto mesh = text ? std::optional(DrawnShape::kNoMesh) : meshes_.mesh_of(id);
   if (!mesh) return;
   const Eigen::Affine3d at = node_from(index);
   if (!at.matrix().allFinite()) return leave_out(index, "Shape", "its place is beyond what numbers can say");
-  out_.shapes.push_back({id, node_of(index), *mesh, at});
+  out_.shapes.push_back({id, node_of(index), *mesh, at, group_, forms_.of_shape(id), text});
   out_.shape_paths.push_back(scene_.path_of(id));
-  if (carriers_.distorted(id) || std::ranges::binary_search(flexible_, scene_.instances[index].geometry)) {
-    leave_out(index, "Shape", "it changes its shape as the world moves, and keeps that of the picture");
-  }
 }
 
 void PictureMaker::visit_part(const vrml::Node& node, std::uint32_t parent) {
   const std::string_view type = node.type->name;
   if (node.damaged) return;
+  if (!is_chosen_) {
+    if (type.ends_with("Light")) leave_out(parent, type, "it is in a level beyond the first");
+    return;
+  }
   if (type == "DirectionalLight") return add_light(node, DrawnLight::Kind::kDirectional, parent);
   if (type == "PointLight") return add_light(node, DrawnLight::Kind::kPoint, parent);
   if (type == "SpotLight") return add_light(node, DrawnLight::Kind::kSpot, parent);
@@ -186,8 +260,8 @@ void PictureMaker::visit_part(const vrml::Node& node, std::uint32_t parent) {
   if (type == "Background") return add_background(node, parent);
   if (type == "Fog") return add_fog(node, parent);
   if (type == "NavigationInfo") return add_navigation(node, parent);
-  constexpr std::string_view kSensors[] = {"CylinderSensor", "PlaneSensor", "ProximitySensor",
-                                           "SphereSensor",   "TouchSensor", "VisibilitySensor"};
+  if (type == "TouchSensor" || type == "PlaneSensor") return add_sensor(node, parent);
+  constexpr std::string_view kSensors[] = {"CylinderSensor", "ProximitySensor", "SphereSensor", "VisibilitySensor"};
   if (std::ranges::find(kSensors, type) != std::end(kSensors)) return leave_out(parent, type, "no viewer works it");
   if (type == "Sound") return leave_out(parent, type, "no viewer plays it");
   if (type == "Script") return leave_out(parent, type, "it is kept and not run");
@@ -195,7 +269,9 @@ void PictureMaker::visit_part(const vrml::Node& node, std::uint32_t parent) {
 }
 
 void PictureMaker::add_light(const vrml::Node& node, DrawnLight::Kind kind, std::uint32_t parent) {
-  if (!value<bool>(node, "on")) return;
+  const auto number = static_cast<std::uint32_t>(&node - document_.nodes.data());
+  const auto driven_on = looks_.find(number, "on");
+  if (!value<bool>(node, "on") && !driven_on) return;
   using enum DrawnLight::Kind;
   DrawnLight light;
   light.kind = kind;
@@ -219,14 +295,78 @@ void PictureMaker::add_light(const vrml::Node& node, DrawnLight::Kind kind, std:
   light.color = unclamped_color(node, "color");
   light.intensity = value<float>(node, "intensity");
   light.ambient_intensity = value<float>(node, "ambientIntensity");
+  light.on = value<bool>(node, "on");
+  light.driven_on = driven_on;
+  light.driven_color = looks_.find(number, "color");
+  light.driven_intensity = looks_.find(number, "intensity");
   if (kind == kDirectional && parent != kTop) {
     leave_out(parent, node.type->name, "it shines on everything, not only on its siblings");
   }
   out_.lights.push_back(light);
 }
 
+// The path or DEF name by which edits know a node of the document; empty: they know it by none.
+std::string PictureMaker::name_for_edits(std::uint32_t node) const {
+  const auto known = [&](const std::string& name) {
+    const auto found = find_node(scene_, name);
+    return found && *found == document_.ids.id_of(node);
+  };
+  if (std::string def(document_.nodes[node].def); !def.empty() && known(def)) return def;
+  const auto at = std::ranges::find(scene_.instances, node, &Instance::node);
+  if (at == scene_.instances.end()) return {};
+  std::string path = scene_.path_of(scene_.id_of(static_cast<std::uint32_t>(at - scene_.instances.begin())));
+  return known(path) ? path : std::string();
+}
+
+// An event of one viewer's sensor reaches all peers as an edit of the field to which a ROUTE leads: so it takes effect
+// at one instant everywhere. That needs a field that keeps its value, and events that are few: each edit stays in the
+// log.
+void PictureMaker::add_sensor(const vrml::Node& node, std::uint32_t parent) {
+  const std::string_view type = node.type->name;
+  const auto number = static_cast<std::uint32_t>(&node - document_.nodes.data());
+  DrawnSensor sensor;
+  sensor.kind = type == "TouchSensor" ? DrawnSensor::Kind::kTouch : DrawnSensor::Kind::kPlane;
+  const auto is_worked = [&](std::string_view event) {
+    return event == "isActive" || event == (type == "TouchSensor" ? "touchTime" : "translation_changed");
+  };
+  for (const vrml::Route& route : document_.routes) {
+    if (route.from_node != number || route.from == nullptr || route.to == nullptr) continue;
+    const std::string event(route.from->name);
+    if (!is_worked(event)) {
+      leave_out(parent, type, "its " + event + " would be an edit for each movement of the pointer");
+      continue;
+    }
+    std::string target =
+        route.to->access == vrml::Access::kExposedField ? name_for_edits(route.to_node) : std::string();
+    if (target.empty()) {
+      leave_out(parent, type, "its " + event + " leads to what no edit can set");
+      continue;
+    }
+    sensor.targets.push_back({event, std::move(target), std::string(route.to->name)});
+    worked_routes_.push_back(&route);
+  }
+  const Eigen::Affine3d at = node_from(parent);
+  if (sensor.targets.empty() || !at.matrix().allFinite() || !value<bool>(node, "enabled")) return;
+  sensor.node = node_of(parent);
+  sensor.node_from_sensor = at;
+  if (sensor.kind == DrawnSensor::Kind::kPlane) {
+    const auto lo = values<float>(node, "minPosition"), hi = values<float>(node, "maxPosition");
+    sensor.min_position = {lo[0], lo[1]};
+    sensor.max_position = {hi[0], hi[1]};
+    sensor.offset = vector_of(node, "offset");
+    sensor.auto_offset = value<bool>(node, "autoOffset");
+    // The offset is where the last drag ended, whoever dragged.
+    std::string self = name_for_edits(number);
+    if (sensor.auto_offset && !self.empty())
+      sensor.targets.push_back({"translation_changed", std::move(self), "offset"});
+  }
+  out_.sensors.push_back(std::move(sensor));
+  out_.sensor_paths.push_back(path_in(parent));
+}
+
 void PictureMaker::add_viewpoint(const vrml::Node& node, std::uint32_t parent) {
   DrawnViewpoint view;
+  view.def = node.def;
   view.description = value<std::string_view>(node, "description");
   view.node = node_of(parent);
   const Eigen::Affine3d at = node_from(parent);
@@ -275,7 +415,8 @@ void PictureMaker::name_routes() {
     const vrml::Node& to = document_.nodes[route.to_node];
     const bool is_seen = to.type->role == vrml::NodeRole::kDisplay || to.type->role == vrml::NodeRole::kSwitch ||
                          to.type->role == vrml::NodeRole::kGeometry;
-    if (!is_seen || route.to == nullptr) continue;
+    if (!is_seen || route.to == nullptr || looks_.find(route.to_node, route.to->name)) continue;
+    if (std::ranges::find(worked_routes_, &route) != worked_routes_.end()) continue;
     undrawn_.add([&] { return std::string(to.def); }, std::string(to.type->name),
                  "no ROUTE changes its " + std::string(route.to->name));
   }
@@ -284,8 +425,6 @@ void PictureMaker::name_routes() {
 ScenePicture PictureMaker::make() {
   out_.world = input_.world;
   out_.revision = input_.revision;
-  flexible_ = motion_.flexible_geometries();
-  std::ranges::sort(flexible_);
   place_nodes();
   visit(document_.top_level, kTop, 0, static_cast<std::uint32_t>(scene_.instances.size()));
   name_routes();

@@ -31,13 +31,14 @@ class Stop {
 
 Result<report::RunRecord> simulated_run(const config::RunSettings& run, const SharedWorld& shared,
                                         const Observer& observer, const ActionObserver& action_observer,
-                                        const Captures* captures, Measuring measuring, const Progress& progress) {
+                                        const Captures* captures, Measuring measuring, const Progress& progress,
+                                        PeersWatch* watch) {
   auto assembler = RunAssembler::make(run, shared, std::move(measuring));
   if (!assembler) return std::unexpected(assembler.error());
   std::optional<report::InterestRecord> interest;
   Stop stop(progress);
   const auto logs =
-      simulate(run, shared, observer, action_observer, &interest, captures, assembler->get(), std::ref(stop));
+      simulate(run, shared, observer, action_observer, &interest, captures, assembler->get(), std::ref(stop), watch);
   if (!logs) return std::unexpected(logs.error());
   if (stop.at_s() == 0.0) {
     report::RunRecord nothing;

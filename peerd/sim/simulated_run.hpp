@@ -12,6 +12,6 @@ namespace peerd::sim {
                                                       const Observer& observer = {},
                                                       const ActionObserver& action_observer = {},
                                                       const Captures* captures = nullptr, Measuring measuring = {},
-                                                      const Progress& progress = {});
+                                                      const Progress& progress = {}, PeersWatch* watch = nullptr);
 
 }  // namespace peerd::sim

@@ -78,7 +78,8 @@ boost::asio::ip::udp::endpoint address_of(const config::PeerSettings& peer, cons
 class Simulation {
  public:
   Simulation(const config::RunSettings& run, const SharedWorld& shared, const Observer& observer,
-             const ActionObserver& action_observer, const Captures* captures, LogRows* rows, const Progress& progress)
+             const ActionObserver& action_observer, const Captures* captures, LogRows* rows, const Progress& progress,
+             PeersWatch* watch)
       : run_(run),
         shared_(shared),
         observer_(observer),
@@ -86,6 +87,7 @@ class Simulation {
         captures_(captures),
         rows_(rows),
         progress_(progress),
+        watch_(watch),
         network_(run),
         events_(run.events),
         longest_delay_s_(longest_delay_s(run)) {}
@@ -264,6 +266,21 @@ class Simulation {
     for (const SimulatedPeer& p : peers_) {
       if (events_.begun() || !p.node || !p.node->start()) continue;
       events_.begin(p.virtual_time(p.node->peer().clock().to_host(*p.node->start())));
+      if (watch_ != nullptr) watch_->begin(*p.node->start(), HostTime{events_.begun()->time_since_epoch()});
+    }
+  }
+
+  // Lets the watch see the peers at its instants up to `until`.
+  void watch_until(VirtualTime until) {
+    if (watch_ == nullptr || !events_.begun()) return;
+    const std::int64_t hz = watch_->rate_hz();
+    for (;; ++next_watch_) {
+      const Duration since{next_watch_ / hz * 1'000'000'000 + next_watch_ % hz * 1'000'000'000 / hz};
+      const VirtualTime at = *events_.begun() + since;
+      if (at > until || since > from_seconds(run_.duration_s)) return;
+      std::vector<SeenPeer> seen;
+      for (const SimulatedPeer& p : peers_) seen.push_back({p.node.get(), p.host(at)});
+      watch_->see(to_seconds(since), seen);
     }
   }
 
@@ -283,6 +300,7 @@ class Simulation {
       if (!next && !event_at) return std::nullopt;  // all peers have gone
       const VirtualTime tick_at = next ? std::max(now_, peers_[*next].due) : VirtualTime::max();
       const VirtualTime first_at = network_.idle() ? tick_at : std::min(tick_at, network_.next_delivery());
+      watch_until(event_at ? std::min(*event_at, first_at) : first_at);
       if (event_at && *event_at <= first_at) {
         now_ = std::max(now_, *event_at);
         if (const auto error = happen(events_.take())) return error;
@@ -329,7 +347,9 @@ class Simulation {
   const Captures* captures_;  // null: none
   LogRows* rows_;             // null: the logs keep their rows
   const Progress& progress_;  // empty: nobody asks
-  net::GroupPlan groups_;     // named in the captures
+  PeersWatch* watch_;         // null: nobody watches
+  std::int64_t next_watch_ = 0;
+  net::GroupPlan groups_;  // named in the captures
   Network network_;
   EventTimes events_;
   double longest_delay_s_;
@@ -356,8 +376,8 @@ config::RunSettings without_latency(config::RunSettings run) {
 Result<std::vector<PeerLog>> simulate(const config::RunSettings& run, const SharedWorld& shared,
                                       const Observer& observer, const ActionObserver& action_observer,
                                       std::optional<report::InterestRecord>* interest, const Captures* captures,
-                                      LogRows* rows, const Progress& progress) {
-  return Simulation(run, shared, observer, action_observer, captures, rows, progress).all(interest);
+                                      LogRows* rows, const Progress& progress, PeersWatch* watch) {
+  return Simulation(run, shared, observer, action_observer, captures, rows, progress, watch).all(interest);
 }
 
 }  // namespace peerd::sim

@@ -25,7 +25,7 @@ class FileFolder {
   // The first bytes of a file, at most `most`.
   [[nodiscard]] virtual std::expected<std::string, std::error_code> read(std::string_view name,
                                                                          std::size_t most) const = 0;
-  // What tells this file from its copies and from every file that has had its name.
+  // The stamp tells this file from its copies and from every file that has had its name.
   [[nodiscard]] virtual std::expected<std::string, std::error_code> identity(std::string_view name) const = 0;
 
   // Makes a file, or writes over the one that is there. Nothing of it need outlast a power cut.

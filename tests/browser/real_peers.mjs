@@ -107,3 +107,63 @@ export class Page {
     return this.tab.screenshot({ path });
   }
 }
+
+// The pixels of a page's picture at one instant. Places are of the world [m].
+export class Pixels {
+  static async of(page) {
+    const png = (await page.tab.screenshot()).toString('base64');
+    const store = await page.tab.evaluateHandle(async (data) => {
+      const image = new Image();
+      image.src = `data:image/png;base64,${data}`;
+      await image.decode();
+      const canvas = new OffscreenCanvas(image.width, image.height);
+      const context = canvas.getContext('2d', { willReadFrequently: true });
+      context.drawImage(image, 0, 0);
+      return context.getImageData(0, 0, image.width, image.height);
+    }, png);
+    return new Pixels(page, store);
+  }
+  constructor(page, store) {
+    Object.assign(this, { page, store });
+  }
+  at(place) {
+    return this.store.evaluate(({ data, width }, at) => {
+      const { x, y } = window.peerd.on_window(at);
+      const begin = 4 * (Math.round(y) * width + Math.round(x));
+      return [...data.slice(begin, begin + 3)];
+    }, place);
+  }
+  // How many pixels of a square around a place have about that colour.
+  countAround(place, reach, colour) {
+    return this.store.evaluate(({ data, width }, [at, pixels, wanted]) => {
+      const { x, y } = window.peerd.on_window(at);
+      let count = 0;
+      for (let row = Math.round(y) - pixels; row <= Math.round(y) + pixels; ++row) {
+        for (let column = Math.round(x) - pixels; column <= Math.round(x) + pixels; ++column) {
+          const begin = 4 * (row * width + column);
+          if ([0, 1, 2].every((channel) => Math.abs(data[begin + channel] - wanted[channel]) < 60)) ++count;
+        }
+      }
+      return count;
+    }, [place, reach, colour]);
+  }
+  // How many pixels of the picture differ from those of another one.
+  differing(other) {
+    return this.store.evaluate(({ data, width, height }, then) => {
+      const { left, top, right, bottom } = document.querySelector('.picture').getBoundingClientRect();
+      const bar = document.querySelector('.toolbar').getBoundingClientRect();
+      let count = 0;
+      for (let y = Math.ceil(top); y < Math.min(height, bottom); ++y) {
+        for (let x = Math.ceil(left); x < Math.min(width, right); ++x) {
+          const at = 4 * (y * width + x);
+          const off = [0, 1, 2].reduce((sum, channel) => sum + Math.abs(data[at + channel] - then.data[at + channel]), 0);
+          if (off > 30 && y > bar.bottom + 20) ++count;
+        }
+      }
+      return count;
+    }, other.store);
+  }
+  isLike(a, b) {
+    return a.every((value, channel) => Math.abs(value - b[channel]) <= 24);
+  }
+}

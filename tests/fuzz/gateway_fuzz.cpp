@@ -20,6 +20,8 @@
 #include "peerd/feed/json_members.hpp"
 #include "peerd/gateway/gateway.hpp"
 #include "peerd/gateway/metrics.hpp"
+#include "peerd/insight/hierarchy_level.hpp"
+#include "peerd/insight/surroundings.hpp"
 #include "peerd/picture/gltf_writer.hpp"
 #include "peerd/picture/live_picture.hpp"
 #include "peerd/picture/scene_picture.hpp"
@@ -86,15 +88,31 @@ class Source : public gateway::GatewaySource {
   std::span<const std::byte> next_frame(picture::PoseStream& client) override {
     (void)revision();
     picture_.refresh(*node_, now_, client.watched().kinds);
-    return client.next(picture_.poses());
+    picture_.refresh_looks(now_);
+    return client.next(picture_.poses(), &picture_.looks());
   }
   std::string pick(const Vec3& origin, const Vec3& direction) override {
     (void)revision();
     return picture_.pick(*node_, now_, origin, direction).dump();
   }
+  std::string walk(const avatar::AvatarSize& size, const avatar::Stride& stride, const std::string& but) override {
+    (void)revision();
+    return picture_.walk(*node_, now_, size, stride, but).dump();
+  }
   std::string inspect(std::uint32_t node) override {
     (void)revision();
     return picture_.inspect(*node_, node).dump();
+  }
+  std::string surroundings() override {
+    (void)revision();
+    const auto at = picture_.advance(*node_, now_);
+    return at ? insight::surroundings(*node_, *at, picture_.movers().ids).dump() : R"({"ok":false})";
+  }
+  std::string hierarchy(const std::string& path, std::uint32_t level) override {
+    const auto id = node_->scene().find(path);
+    if (!id) return R"({"ok":false})";
+    const auto found = insight::hierarchy_level(node_->scene(), *id, level);
+    return found ? insight::to_json(*found).dump() : R"({"ok":false})";
   }
 
   [[nodiscard]] bool is_as_it_was() {

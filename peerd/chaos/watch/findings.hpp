@@ -11,7 +11,7 @@ class PeerNode;
 
 namespace peerd::chaos {
 
-// What was found in a run: what must not be, and how often each rare branch was taken.
+// All that was found in a run: what must not be, and how often each rare branch was taken.
 class Findings {
  public:
   static constexpr std::size_t kViolationsMax = 20;  // the first ones

@@ -2,13 +2,21 @@ import type { DaemonEvent } from './live/live_connection';
 import type { ContactEvent } from './live/replies';
 import type { KnownContact } from './scene/contact_marks';
 
-// The contacts of the last minute, in order of time, and whether they still hold.
+// The contacts of the last minute, or of a recording, in order of time, and whether they still hold.
 const kMost = 2000;
+const kMostRecorded = 50000;
 
 export class ContactBook {
   private contacts: KnownContact[] = [];
+  private most = kMost;
 
   constructor(private readonly nameOf: (peer: number | null | undefined) => string) {}
+
+  // What follows is recorded.
+  clear(): void {
+    this.contacts = [];
+    this.most = kMostRecorded;
+  }
 
   // Says how many contacts the event concerns.
   take(event: DaemonEvent): number {
@@ -35,9 +43,10 @@ export class ContactBook {
 
   private add(event: ContactEvent): void {
     const decided = event.decider !== undefined && event.decider !== null;
-    this.contacts.push({ event, decider: decided ? this.nameOf(event.decider) : '', retracted: false });
-    this.contacts.sort((a, b) => a.event.at_s - b.event.at_s);
-    if (this.contacts.length > kMost) this.contacts.splice(0, this.contacts.length - kMost);
+    let at = this.contacts.length; // most come in order
+    while (at > 0 && this.contacts[at - 1].event.at_s > event.at_s) at -= 1;
+    this.contacts.splice(at, 0, { event, decider: decided ? this.nameOf(event.decider) : '', retracted: false });
+    if (this.contacts.length > this.most) this.contacts.splice(0, this.contacts.length - this.most);
   }
 
   private overrule(event: DaemonEvent): number {

@@ -9,6 +9,8 @@ export class Selection {
   private node_: number | null = null;
   private moves = false;
   private asking = false;
+  // Of a recording, where there is nobody to ask: what its frames say of a node.
+  recordedOf: ((node: number) => { readonly owner: number; readonly own: boolean; readonly driven: boolean }) | null = null;
   onChange: ((node: number | null) => void) | null = null;
 
   constructor(private readonly link: PeerLink, private readonly inspector: InspectorPanel) {}
@@ -48,6 +50,11 @@ export class Selection {
     if (this.node_ === null || this.path_ === null || this.asking) return;
     if (!this.moves) {
       this.inspector.showStanding(this.path_);
+      return;
+    }
+    if (this.recordedOf !== null) {
+      const { owner, own, driven } = this.recordedOf(this.node_);
+      this.inspector.showRecorded(this.path_, owner, own, driven);
       return;
     }
     this.asking = true;

@@ -5,12 +5,16 @@ import { Avatar, sizesOf } from './hand/avatar';
 import { Hand } from './hand/hand';
 import { Keys } from './hand/keys';
 import { pick } from './hand/picking';
+import { Sensors } from './hand/sensors';
 import { PointerTools, type Tool } from './hand/pointer_tools';
+import { Insight } from './insight';
 import type { Outcome } from './live/edits';
 import type { DaemonEvent } from './live/live_connection';
 import { PeerLink, tokenOf } from './live/peer_link';
 import { PoseFlag, type PoseFrame } from './live/pose_frame';
+import { askForRecording, type Recording } from './live/recording';
 import type { Hit } from './live/replies';
+import { AnchorOffer, anchorAround } from './page/anchor_offer';
 import { Header } from './page/header';
 import { Help } from './page/help';
 import { Layout } from './page/layout';
@@ -18,6 +22,7 @@ import { make } from './page/make';
 import { Notices } from './page/notices';
 import { Setting } from './page/setting';
 import { cssColour, ThemeChoice } from './page/theme';
+import { RunTimeline } from './page/run_timeline';
 import { Timeline } from './page/timeline';
 import { cameraModeOf, Toolbar, type Options } from './page/toolbar';
 import { ChartsPanel } from './panels/charts_panel';
@@ -28,6 +33,7 @@ import { ObjectsPanel } from './panels/objects_panel';
 import { PeersPanel } from './panels/peers_panel';
 import { Speedometer } from './panels/speedometer';
 import { WorldPanel } from './panels/world_panel';
+import { RecordedPage } from './recorded_page';
 import { ContactMarks } from './scene/contact_marks';
 import { Labels } from './scene/labels';
 import type { SceneFile } from './scene/scene_file';
@@ -35,6 +41,7 @@ import { SceneLoader } from './scene/scene_loader';
 import { SceneView } from './scene/scene_view';
 import { SelectionBox } from './scene/selection_box';
 import { ThresholdMarks } from './scene/threshold_marks';
+import { TruthShapes } from './scene/truth_shapes';
 import { Selection } from './selection';
 import { Playhead } from './time/playhead';
 
@@ -43,15 +50,23 @@ const kHz = 30;
 const kPanels_ms = 250;
 const kErrors_ms = 100;
 const kDrop_m = 0.05; // an avatar begins above the ground
+const kLeastPictures = 4;
 const kStillFor_s = 0.7; // how long the picture is drawn on after the last thing that may have changed it
 
 export class Viewer {
   readonly options: Options = {
     ownerColours: new Setting(false),
     ghosts: new Setting(false),
+    truth: new Setting(false),
     thresholds: new Setting(false),
     contacts: new Setting(true),
     labels: new Setting(false),
+    proximity: new Setting(false),
+    regions: new Setting(false),
+    hierarchy: new Setting(false),
+    hierarchyLevel: new Setting(0),
+    hierarchyText: new Setting(''),
+    occlusion: new Setting(true),
     cameraKeys: new Setting(false),
     tool: new Setting<Tool>('orbit'),
   };
@@ -60,6 +75,7 @@ export class Viewer {
   readonly view: SceneView;
   readonly contacts: ContactBook;
   readonly selection: Selection;
+  readonly insight: Insight;
   // What a script on the page may listen to: "select", "scene" and "event" (one of the daemon's).
   readonly happenings = new EventTarget();
   pictures = 0;
@@ -69,6 +85,7 @@ export class Viewer {
   private readonly help = new Help();
   private readonly header = new Header(this.theme, () => this.help.open());
   private readonly notices = new Notices();
+  private readonly anchors = new AnchorOffer((viewpoint) => this.view.visit(viewpoint));
   private readonly log = new LogPanel();
   private readonly peersPanel = new PeersPanel();
   private readonly charts = new ChartsPanel();
@@ -76,18 +93,22 @@ export class Viewer {
   private readonly inspector: InspectorPanel;
   private readonly world: WorldPanel;
   private readonly toolbar: Toolbar;
-  private readonly timeline: Timeline;
+  private timeline: Timeline | RunTimeline;
   private readonly layout: Layout;
   private readonly hand: Hand;
   readonly avatar: Avatar;
   private readonly wish = new Vector3();
   private readonly labels = new Labels(() => this.head.book);
   private readonly thresholds = new ThresholdMarks(() => this.head.book);
+  private readonly truth = new TruthShapes(() => this.head.book);
   private readonly contactMarks: ContactMarks;
+  recorded: RecordedPage | null = null; // the page shows a recording
   private readonly offline = make('div', { class: 'offline', role: 'alert', hidden: true }, 'No connection to the peer. Trying again…');
   private readonly scene = new SceneLoader('api/v1/scene.glb', (file) => this.showScene(file), (sentence) => this.say('fault', sentence));
   private readonly speedometer = new Speedometer();
   private drawUntil_s = Infinity;
+  private picturesDue = 0; // however long they take: what is hidden is known a picture later
+  private worldTime_s = NaN;
   private last_s = 0;
   private readonly pose = new Float64Array(7);
 
@@ -106,14 +127,27 @@ export class Viewer {
     this.timeline = new Timeline(this.head, () => this.now_s());
     this.layout = new Layout(this.header.element, this.timeline.element, [this.objects, this.peersPanel, this.log], [this.inspector, this.world, this.charts]);
     this.contactMarks = new ContactMarks((since_s, until_s) => this.contacts.inForce(since_s, until_s));
-    this.layout.stage.append(this.canvas, this.labels.element, this.contactMarks.element, this.toolbar.element, this.offline, this.notices.element);
+    this.layout.stage.append(this.canvas, this.labels.element, this.contactMarks.element, this.toolbar.element, this.offline, this.anchors.element, this.notices.element);
     root.append(this.layout.element, this.help.element);
     this.view = new SceneView(this.canvas);
-    this.view.overlays.push(new SelectionBox(this.view), this.thresholds, this.contactMarks, this.labels);
+    this.view.overlays.push(new SelectionBox(this.view), this.thresholds, this.truth, this.contactMarks, this.labels);
     this.selection = new Selection(this.link, this.inspector);
     this.selection.onChange = (node) => this.onSelected(node);
+    this.insight = new Insight(this.view, (request) => this.link.ask(request), this.options, {
+      selectedPath: () => this.selection.path,
+      drawSoon: () => this.drawSoon(),
+      onFault: (sentence) => this.say('fault', sentence),
+    });
     this.hand = new Hand(this.view, this.link, { onHolds: (path) => this.onHolds(path), onRefused: (sentence) => this.say('refused', sentence) });
-    this.avatar = new Avatar(this.link, this.view.rig.camera, { onChange: () => this.drawSoon(), onRefused: (sentence) => this.say('refused', sentence) });
+    this.avatar = new Avatar(this.link, this.view.rig.camera, { onChange: (path) => this.onWalks(path), onRefused: (sentence) => this.say('refused', sentence) });
+    new Sensors(this.canvas, this.view, {
+      edit: (request) => this.edit(request),
+      mayEdit: () => this.link.mayEdit.value,
+      isLive: () => this.head.state === 'live',
+      worldTime_s: () => this.worldTime_s,
+      onRefused: (sentence) => this.say('refused', sentence),
+      onPreview: () => this.drawSoon(),
+    });
     const pointer = this.pointerTools();
     this.options.tool.follow((tool) => this.useTool(pointer, tool));
     new Keys(this.canvas, this.view.rig, (request) => this.link.ask(request), {
@@ -127,7 +161,9 @@ export class Viewer {
   }
 
   start(): void {
-    this.link.open();
+    void askForRecording()
+      .catch(() => null) // then there is no peer either, and the link says so
+      .then((recording) => (recording === null ? this.link.open() : this.showRecording(recording)));
     setInterval(() => this.updatePanels(), kPanels_ms);
     setInterval(() => this.sampleErrors(), kErrors_ms);
     requestAnimationFrame(() => this.picture());
@@ -143,9 +179,36 @@ export class Viewer {
     return node !== undefined;
   }
 
+  private async showRecording(recording: Recording): Promise<void> {
+    const page = new RecordedPage(recording, {
+      head: this.head,
+      link: this.link,
+      contacts: this.contacts,
+      header: this.header,
+      log: this.log,
+      showScene: (file) => this.showScene(file),
+      drawSoon: () => this.drawSoon(),
+      fault: (sentence) => this.say('fault', sentence),
+    });
+    this.recorded = page;
+    this.timeline.element.replaceWith(page.timeline.element);
+    this.timeline = page.timeline;
+    this.charts.showRecorded(page.charts);
+    this.peersPanel.showRecorded(recording);
+    this.layout.badge('peers', recording.peers.length);
+    this.toolbar.showRecorded(recording.kind === 'run');
+    this.world.showRecorded();
+    this.selection.recordedOf = (node) => {
+      const { owner, flags } = this.head.book.shown;
+      return { owner: owner[node], own: (flags[node] & PoseFlag.own) !== 0, driven: (flags[node] & PoseFlag.driven) !== 0 };
+    };
+    this.watchTimeline();
+    await page.show(0);
+  }
+
   private onOpen(): Promise<void> {
     return this.scene.load().then(async () => {
-      for (const request of [{ do: 'subscribe' }, { do: 'watch', hz: kHz, kinds: ['shown', 'truth', 'ghost'] }]) {
+      for (const request of [{ do: 'subscribe' }, { do: 'watch', hz: kHz, kinds: ['shown', 'truth', 'ghost'], looks: true }]) {
         const reply = await this.link.ask(request);
         if (!reply.ok) this.say('fault', `${request.do}: ${reply.error ?? ''}`);
       }
@@ -161,6 +224,7 @@ export class Viewer {
     this.world.show(file);
     this.selection.follow(file);
     this.view.selected = this.selection.node;
+    void this.insight.refresh(true);
     this.layout.badge('objects', file.nodes.length);
     this.happened('scene', file.revision);
     this.drawSoon();
@@ -168,7 +232,8 @@ export class Viewer {
 
   private onFrame(frame: PoseFrame): void {
     this.head.onFrame(frame, this.now_s());
-    if (frame.rowCount > 0 && this.head.state === 'live') this.drawSoon();
+    this.worldTime_s = frame.worldTime_s;
+    if ((frame.rowCount > 0 || frame.looks.length > 0) && this.head.state === 'live') this.drawSoon();
   }
 
   private onEvent(event: DaemonEvent): void {
@@ -197,7 +262,9 @@ export class Viewer {
 
   private onSelected(node: number | null): void {
     this.view.selected = node;
+    void this.insight.refresh();
     this.happened('select', this.selection.path);
+    void this.recorded?.select(this.view.file?.nodes.find((one) => one.index === node && one.path === this.selection.path)?.id ?? null);
     if (node !== null) this.layout.show('object');
     this.drawSoon();
   }
@@ -210,6 +277,10 @@ export class Viewer {
   private onPicked(hit: Hit | null): void {
     if (hit === null) this.selection.clear();
     else this.selection.choose(hit.node, hit.path, this.view.file?.byPath.has(hit.path) ?? false);
+    const extras = this.view.file?.extras;
+    const anchor = anchorAround(hit?.shape?.path ?? '', extras?.groups ?? []);
+    if (anchor === null) this.anchors.hide();
+    else this.anchors.show(anchor, extras?.viewpoints ?? []);
   }
 
   private pointerTools(): PointerTools {
@@ -251,6 +322,11 @@ export class Viewer {
     if (this.avatar.path === null) this.options.tool.value = 'fly';
   }
 
+  private onWalks(path: string | null): void {
+    this.view.eyeOf = path;
+    this.drawSoon();
+  }
+
   private lookAtSelected(): void {
     const { path } = this.selection;
     const node = path === null ? undefined : this.view.file?.byPath.get(path);
@@ -265,10 +341,12 @@ export class Viewer {
     const { options } = this;
     options.ownerColours.follow((on) => (this.view.colouring = on ? 'owner' : 'world'));
     options.ghosts.follow((on) => (this.view.showsGhosts = on));
+    options.truth.follow((on) => (this.truth.visible = on));
+    options.occlusion.follow((on) => (this.view.leavesOutHidden = on));
     options.thresholds.follow((on) => (this.thresholds.visible = on));
     options.contacts.follow((on) => (this.contactMarks.visible = on));
     options.labels.follow((on) => (this.labels.visible = on));
-    for (const setting of [options.ownerColours, options.ghosts, options.thresholds, options.contacts, options.labels]) setting.follow(() => this.drawSoon());
+    for (const setting of [options.ownerColours, options.ghosts, options.truth, options.thresholds, options.contacts, options.labels, options.occlusion]) setting.follow(() => this.drawSoon());
     this.theme.theme.follow(() => {
       this.view.setPageColour(cssColour('--void'));
       this.drawSoon();
@@ -308,8 +386,11 @@ export class Viewer {
     this.canvas.addEventListener('pointerdown', () => this.canvas.focus({ preventScroll: true }));
     this.toolbar.element.addEventListener('click', () => this.drawSoon());
     this.toolbar.element.addEventListener('change', () => this.drawSoon());
-    this.timeline.element.addEventListener('input', () => this.drawSoon());
-    this.timeline.element.addEventListener('click', () => this.drawSoon());
+    this.watchTimeline();
+  }
+
+  private watchTimeline(): void {
+    for (const kind of ['input', 'change', 'click'] as const) this.timeline.element.addEventListener(kind, () => this.drawSoon());
   }
 
   private happened(name: string, detail: unknown): void {
@@ -317,6 +398,7 @@ export class Viewer {
   }
 
   private drawSoon(): void {
+    this.picturesDue = kLeastPictures;
     this.drawUntil_s = Math.max(this.now_s() + kStillFor_s, this.drawUntil_s === Infinity ? 0 : this.drawUntil_s);
   }
 
@@ -328,9 +410,12 @@ export class Viewer {
     this.hand.update(now_s);
     if (this.view.file !== null) this.avatar.update(now_s, elapsed_s, this.view.rig.wish(this.wish), this.view.file.extras);
     if (this.avatar.path !== null) this.drawSoon();
+    this.recorded?.follow();
     this.head.advance(elapsed_s);
     if (this.head.state === 'playing') this.drawSoon();
-    if (now_s > this.drawUntil_s) return;
+    if (now_s > this.drawUntil_s && this.picturesDue <= 0) return;
+    this.picturesDue -= 1;
+    this.view.takeLooks(this.head.looks.drain());
     this.view.place(this.head.book.shown, this.head.book.ghost, this.head.shownAt(now_s), Math.min(0.25, elapsed_s));
     this.pictureWork_ms = performance.now() - 1000 * now_s;
     this.view.render();
@@ -346,8 +431,14 @@ export class Viewer {
     this.timeline.update();
     this.timeline.showMarks(this.contacts.all().filter((contact) => !contact.retracted).map((contact) => contact.event.at_s));
     if (this.layout.isShown('objects')) this.objects.update(this.head.book.shown, this.selection.node);
-    if (this.layout.isShown('charts')) this.charts.draw(this.now_s());
+    if (this.layout.isShown('charts')) this.charts.draw(this.recorded === null ? this.now_s() : this.head.shownAt(0));
+    if (this.recorded !== null) this.showRemark(this.recorded.remark);
     if (this.layout.isShown('object')) this.updateInspector();
+  }
+
+  private showRemark(sentence: string): void {
+    this.offline.hidden = sentence === '';
+    if (sentence !== '') this.offline.textContent = sentence;
   }
 
   private updateInspector(): void {
@@ -355,12 +446,13 @@ export class Viewer {
     if (node === null) return;
     const { shown } = this.head.book;
     const time_s = this.head.shownAt(this.now_s());
+    if (this.recorded !== null) void this.selection.refresh(); // its owner may be another one
     const place = shown.sample(node, time_s, this.pose) ? this.pose : null;
     const own = (shown.flags[node] & PoseFlag.own) !== 0;
     this.inspector.update({
       place,
       speed_m_s: this.speedometer.read(node, time_s, place),
-      error_m: own ? this.head.book.errorOf(node) : NaN,
+      error_m: own || this.recorded !== null ? this.head.book.errorOf(node, time_s) : NaN,
       threshold_m: shown.threshold_m[node] ?? NaN,
     });
   }

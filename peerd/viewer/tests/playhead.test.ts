@@ -1,7 +1,9 @@
 import { Object3D } from 'three';
 import { describe, expect, it } from 'vitest';
 
+import { PoseKind } from '../src/live/pose_frame';
 import type { SceneFile, SceneNode } from '../src/scene/scene_file';
+import type { Frames, KeptFrame } from '../src/time/frames';
 import { Playhead } from '../src/time/playhead';
 import { frame } from './frames';
 
@@ -9,7 +11,7 @@ import { frame } from './frames';
 function sceneOf(revision: number, ids: Record<number, string>): SceneFile {
   const nodes: SceneNode[] = Object.entries(ids).map(([index, id]) => ({ index: Number(index), id, path: id, def: id, owner: 0, pose: new Float64Array([100, 0, 0, 0, 0, 0, 1]) }));
   const byPath = new Map(nodes.map((node) => [node.path, node]));
-  return { revision, extras: {}, nodeCount: 10, nodes, byPath, standingPaths: [], shapes: [], carried: [], hasLights: false, standing: new Object3D() };
+  return { revision, extras: {}, nodeCount: 10, nodes, byPath, standingPaths: [], standingNode: -1, shapes: [], carried: [], hasLights: false, standing: new Object3D() };
 }
 
 function xOf(head: Playhead, node: number, now_s: number): number {
@@ -80,5 +82,70 @@ describe('the playhead', () => {
     head.onFrame(frame(500.1, 4, [{ node: 1, position: [2, 0, 0] }]), 0.1);
     head.show(sceneOf(4, { 0: 'a', 1: 'b' }));
     expect([xOf(head, 0, 1), xOf(head, 1, 1)]).toEqual([1, 2]);
+  });
+});
+
+describe('the playhead of a recording', () => {
+  const recording = (frames: readonly KeptFrame[], ready = true): Frames => ({ begin_s: 0, end_s: 2, empty: false, grows: false, ready: () => ready, want: () => undefined, framesFor: () => frames });
+  const frames = Array.from({ length: 21 }, (_, i) => ({ time_s: i / 10, frame: frame(i / 10, 1, [{ node: 0, position: [i / 10, 0, 0] }]) }));
+
+  it('stands at the begin, plays at its rate, stops at the end, and begins again', () => {
+    const head = new Playhead(10);
+    head.showRecorded(recording(frames));
+    head.show(sceneOf(1, { 0: 'a' }));
+    head.advance(1);
+    expect(head.state).toBe('paused');
+    expect(xOf(head, 0, 0)).toBe(0);
+    head.rate = 0.5;
+    head.play();
+    head.advance(1);
+    expect(xOf(head, 0, 0)).toBeCloseTo(0.5, 6);
+    head.advance(0.02);
+    expect(xOf(head, 0, 0)).toBeCloseTo(0.51, 6);
+    head.pauseAt(0.25);
+    head.advance(0);
+    expect(xOf(head, 0, 0)).toBeCloseTo(0.25, 6);
+    head.play();
+    head.advance(10);
+    expect(head.state).toBe('paused');
+    expect(xOf(head, 0, 0)).toBeCloseTo(2, 6);
+    head.play();
+    expect(head.shownAt(0)).toBe(0);
+    head.goLive();
+    expect(head.state).toBe('playing');
+  });
+
+  it('stands while its frames are on their way', () => {
+    const head = new Playhead(10);
+    head.showRecorded(recording([], false));
+    head.show(sceneOf(1, { 0: 'a' }));
+    head.play();
+    head.advance(1);
+    expect(head.shownAt(0)).toBe(0);
+  });
+
+  it('goes on at its instant in another view, whose scenes are others', () => {
+    const head = new Playhead(10);
+    head.showRecorded(recording(frames));
+    head.show(sceneOf(1, { 0: 'a' }));
+    head.pauseAt(1);
+    head.showRecorded(recording(frames));
+    expect(head.shownAt(0)).toBe(1);
+    head.show(sceneOf(1, { 0: 'b' }));
+    head.advance(0);
+    expect(xOf(head, 0, 0)).toBeCloseTo(1, 6);
+  });
+
+  it('forgets a truth that is not known any more', () => {
+    const head = new Playhead(10);
+    const truth = [1, 0].map((owner, i) => ({ time_s: i, frame: frame(i, 1, [{ node: 0, owner, kind: PoseKind.truth, position: [5, 0, 0] }]) }));
+    head.showRecorded(recording(truth));
+    head.show(sceneOf(1, { 0: 'a' }));
+    head.pauseAt(0);
+    expect(head.book.truth.knows(0)).toBe(false); // the frame after the instant is in the book, too
+    head.showRecorded(recording(truth.slice(0, 1)));
+    head.show(sceneOf(1, { 0: 'a' }));
+    head.advance(0);
+    expect(head.book.truth.knows(0)).toBe(true);
   });
 });

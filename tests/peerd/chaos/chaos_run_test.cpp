@@ -29,9 +29,12 @@ TEST_P(Chaos, NothingThatMustHoldIsViolated) {
 // Whole runs in which something was wrong once.
 TEST(ChaosRun, WhatWasWrongOnceIsNot) {
   for (const std::uint64_t seed : {
-           106,   // an object came back by an undo, and belonged to nobody for those who had seen it gone
-           1005,  // an owner that was not gone let its object go at another peer's word
-           2029,  // the world went through the past again beside what bears by a later contact: an assertion failed
+           106,    // an object came back by an undo, and belonged to nobody for those who had seen it gone
+           1005,   // an owner that was not gone let its object go at another peer's word
+           2029,   // the world went through the past again beside what bears by a later contact: an assertion failed
+           20337,  // a message was missed that its author's disk had lost before anybody had it
+           20415,  // peers stepped into another session before a message took effect, and did not get it
+           20752,  // as 20337, with all of the author's log
        }) {
     EXPECT_THAT(run_chaos(draw_plan(seed)).violations, testing::IsEmpty()) << "peerd sim --chaos " << seed;
   }

@@ -49,6 +49,7 @@ TEST(Request, Viewpoints) {
 TEST(Request, TheOthers) {
   EXPECT_TRUE(std::holds_alternative<StatusRequest>(*parse_request(R"({"do":"status"})")));
   EXPECT_EQ(std::get<PeersRequest>(*parse_request(R"({"do":"peers","from":3})")).from, 3u);
+  EXPECT_TRUE(std::holds_alternative<ViewerRequest>(*parse_request(R"({"do":"viewer"})")));
   EXPECT_TRUE(std::holds_alternative<LeaveRequest>(*parse_request(R"({"do":"leave"})")));
   const auto objects = std::get<ObjectsRequest>(*parse_request(R"({"do":"objects","from":7,"count":2})"));
   EXPECT_EQ(objects.from, 7u);

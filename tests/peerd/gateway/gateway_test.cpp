@@ -40,6 +40,11 @@ TEST_F(GatewayTest, EachPlaceAnswers) {
     EXPECT_EQ(json::parse(response.body())["ok"], true) << response.body();
   }
   EXPECT_EQ(json::parse(client.get("/api/v1/status").body())["peer"]["name"], "a");
+  EXPECT_EQ(json::parse(client.get("/api/v1/recording").body()),
+            (json{{"v", 1}, {"ok", true}, {"recording", nullptr}}));
+  EXPECT_EQ(client.get("/api/v1/recording/0/events").result_int(), 404U);
+  EXPECT_EQ(json::parse(client.request("POST", "/api/v1/request", {}, R"({"do":"viewer"})").body())["ok"], false)
+      << "the address has the token";
   const auto metrics = client.get("/metrics");
   EXPECT_EQ(header(metrics, "Content-Type"), "text/plain; version=0.0.4; charset=utf-8");
   EXPECT_THAT(metrics.body(), HasSubstr("\npeerd_gateway_connections_total 1\n"));
@@ -216,7 +221,13 @@ TEST_F(GatewayTest, ASecondGatewayOfThePortSaysSo) {
       void make_scene(std::function<void(const SceneFile&)> /*done*/) override {}
       std::span<const std::byte> next_frame(picture::PoseStream& /*client*/) override { return {}; }
       std::string pick(const Vec3& /*origin*/, const Vec3& /*direction*/) override { return {}; }
+      std::string walk(const avatar::AvatarSize& /*size*/, const avatar::Stride& /*stride*/,
+                       const std::string& /*but*/) override {
+        return {};
+      }
       std::string inspect(std::uint32_t /*node*/) override { return {}; }
+      std::string surroundings() override { return {}; }
+      std::string hierarchy(const std::string& /*path*/, std::uint32_t /*level*/) override { return {}; }
     } nothing;
     const auto second = Gateway::open(io, nothing, options);
     return second ? std::string() : second.error().text;

@@ -110,6 +110,21 @@ TEST_F(GatewayLive, PicksByTheDaemonsOwnRay) {
   EXPECT_EQ(client.ask({{"do", "pick"}, {"origin_m", {0, 50, 0}}, {"direction", {0, 0, 0}}})["ok"], false);
 }
 
+TEST_F(GatewayLive, TellsItsSurroundingsAndHierarchies) {
+  LiveClient client(peer);
+  peer.await_start();
+  const json around = client.ask({{"do", "surroundings"}});
+  ASSERT_EQ(around["ok"], true) << around;
+  EXPECT_EQ(around["regions"]["cell_m"], 0.0);
+  EXPECT_TRUE(around["proximity"]["objects"].is_array());
+  const json root = client.ask({{"do", "hierarchy"}, {"path", "STONE"}});
+  ASSERT_EQ(root["ok"], true) << root;
+  EXPECT_EQ(root["volumes"].size(), 1u);
+  EXPECT_EQ(root["level"], 0);
+  EXPECT_GT(client.ask({{"do", "hierarchy"}, {"path", "STONE"}, {"level", 1}})["volumes"].size(), 1u);
+  EXPECT_EQ(client.ask({{"do", "hierarchy"}, {"path", "NOTHING"}})["ok"], false);
+}
+
 TEST_F(GatewayLive, WithoutTheTokenNothingChanges) {
   LiveClient client(peer);
   peer.await_start();
@@ -195,8 +210,8 @@ TEST_F(GatewayLive, AnAvatarGoesWithItsConnection) {
     EXPECT_EQ(client.ask({{"do", "add"}, {"text", "DEF ME Transform { children Shape { geometry Box { } } }"}})["done"],
               true);
     EXPECT_TRUE(ServedPeer::soon(has_avatar));
-    LiveClient stranger(peer);
-    EXPECT_EQ(stranger.ask({{"do", "avatar"}, {"path", "ME"}})["ok"], false) << "it has no token";
+    LiveClient reader(peer);
+    EXPECT_EQ(reader.ask({{"do", "avatar"}, {"path", "ME"}})["ok"], false) << "it has no token";
     EXPECT_EQ(client.ask({{"do", "avatar"}, {"path", "ME"}})["ok"], true);
     EXPECT_EQ(client.ask({{"do", "viewpoint"}, {"object", "ME"}, {"position_m", {0, 0, 0}}})["done"], true);
     EXPECT_EQ(client.ask({{"do", "viewpoint"}, {"object", "YOU"}, {"position_m", {0, 0, 0}}})["done"], false);
@@ -205,7 +220,7 @@ TEST_F(GatewayLive, AnAvatarGoesWithItsConnection) {
   EXPECT_TRUE(ServedPeer::soon([&] { return !has_avatar(); }));
 }
 
-// The stone's face is at z = -10 for who comes from behind; its rays are the daemon's own.
+// The stone's face is at z = -10 on this side; the rays are the daemon's own.
 TEST_F(GatewayLive, WhoWalksEndsAtWhatCollides) {
   LiveClient client(peer);
   const auto go = [&](json members) {

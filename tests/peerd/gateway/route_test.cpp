@@ -26,6 +26,8 @@ TEST(Route, EachPlaceHasOne) {
   EXPECT_TRUE(leads_to<MetricsRoute>("GET", "/metrics"));
   EXPECT_TRUE(leads_to<LiveRoute>("GET", "/api/v1/live"));
   EXPECT_TRUE(leads_to<SceneRoute>("GET", "/api/v1/scene.glb"));
+  EXPECT_TRUE(leads_to<RecordingRoute>("GET", "/api/v1/recording"));
+  EXPECT_TRUE(leads_to<RecordingRoute>("GET", "/api/v1/recording/0/scene-1"));
   EXPECT_TRUE(leads_to<RequestRoute>("POST", "/api/v1/request"));
   EXPECT_EQ(asked("/api/v1/status"), (json{{"do", "status"}}));
   EXPECT_EQ(asked("/api/v1/peers?from=7"), (json{{"do", "peers"}, {"from", 7}}));

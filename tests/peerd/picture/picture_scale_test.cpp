@@ -130,7 +130,7 @@ void run_frames(int count) {
       static_cast<double>(bytes) / kFrames / static_cast<double>(count), ticks_ms);
 }
 
-// What the viewer of a peer costs whose objects meet those of another one, here and there: 20 frames a second.
+// A viewer at 20 frames a second, of a peer whose objects meet those of another one here and there.
 TEST(PictureScale, FramesOfLanes) {
   constexpr int kLanes = 250;
   config::RunSettings run;

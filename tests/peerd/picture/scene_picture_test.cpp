@@ -27,15 +27,26 @@ TEST(ScenePicture, NamesWhatItLeavesOut) {
     const char *name, *text, *line;
   };
   for (const Case& c : {
-           Case{"Text", "DEF S Shape { geometry Text { string \"a\" } }", "S Text: no viewer draws it yet"},
-           Case{"Billboard", "DEF B Billboard { children Shape { geometry Box { } } }",
-                "B Billboard: it does not turn towards the viewer"},
-           Case{"LOD", "DEF L LOD { range 5 level [ Shape { geometry Box { } } Shape { geometry Cone { } } ] }",
-                "L LOD: its first level is drawn at any distance"},
-           Case{"Anchor", "DEF A Anchor { url \"x\" children Shape { geometry Box { } } }",
-                "A Anchor: its link is not followed"},
-           Case{"Sensor", "DEF T Transform { children [ TouchSensor { } Shape { geometry Box { } } ] }",
-                "T TouchSensor: no viewer works it"},
+           Case{"Text",
+                "DEF S Shape { appearance Appearance { texture PixelTexture { image 1 1 1 0 } } geometry Text { string "
+                "\"a\" } }",
+                "S Text: its texture"},
+           Case{"LOD",
+                "DEF L LOD { range 5 level [ Shape { geometry Box { } } DEF G Group { children PointLight { } } ] }",
+                "L/G PointLight: it is in a level beyond the first"},
+           Case{"Pixels", "DEF S Shape { appearance Appearance { texture PixelTexture { } } geometry Box { } }",
+                "S texture: PixelTexture: it has no pixels"},
+           Case{"Sensor", "DEF T Transform { children [ ProximitySensor { } Shape { geometry Box { } } ] }",
+                "T ProximitySensor: no viewer works it"},
+           Case{
+               "Over",
+               "DEF G Transform { children [ DEF K TouchSensor { } Shape { geometry Box { } } ] } DEF T TimeSensor { } "
+               "ROUTE K.isOver TO T.enabled",
+               "G TouchSensor: its isOver would be an edit for each movement of the pointer"},
+           Case{"Unnamed",
+                "DEF G Group { children DEF K TouchSensor { } } DEF T TimeSensor { } DEF T TimeSensor { } "
+                "ROUTE K.touchTime TO T.startTime",
+                "G TouchSensor: its touchTime leads to what no edit can set"},
            Case{"Sound", "Sound { source AudioClip { url \"a.wav\" } }", " Sound: no viewer plays it"},
            Case{"Texture",
                 "DEF S Shape { appearance Appearance { texture ImageTexture { url \"a.png\" } } geometry Box { } }",
@@ -58,13 +69,8 @@ TEST(ScenePicture, NamesWhatItLeavesOut) {
            Case{"Route",
                 "DEF T TimeSensor { loop TRUE } DEF I ColorInterpolator { key [0 1] keyValue [0 0 0, 1 1 1] } "
                 "Shape { appearance Appearance { material DEF M Material { } } geometry Box { } } "
-                "ROUTE T.fraction_changed TO I.set_fraction ROUTE I.value_changed TO M.set_diffuseColor",
-                "M Material: no ROUTE changes its diffuseColor"},
-           Case{"Scale",
-                "DEF T TimeSensor { loop TRUE } DEF I PositionInterpolator { key [0 1] keyValue [1 1 1, 2 2 2] } "
-                "DEF X Transform { children DEF S Shape { geometry Box { } } } "
-                "ROUTE T.fraction_changed TO I.set_fraction ROUTE I.value_changed TO X.set_scale",
-                "X/S Shape: it changes its shape as the world moves, and keeps that of the picture"},
+                "ROUTE T.fraction_changed TO I.set_fraction ROUTE I.value_changed TO M.set_specularColor",
+                "M Material: no ROUTE changes its specularColor"},
            Case{"Light", "DEF G Group { children DirectionalLight { } }",
                 "G DirectionalLight: it shines on everything, not only on its siblings"},
        }) {
@@ -74,7 +80,7 @@ TEST(ScenePicture, NamesWhatItLeavesOut) {
 
 TEST(ScenePicture, CountsWhatItLeavesOutBeyondAThousandOfAKind) {
   std::string text;
-  for (int i = 0; i < 1500; ++i) text += "Shape { geometry Text { string \"" + std::to_string(i) + "\" } }\n";
+  for (int i = 0; i < 1500; ++i) text += "Sound { location " + std::to_string(i) + " 0 0 }\n";
   const ScenePicture drawn = picture_of_text(text);
   ASSERT_EQ(drawn.undrawn.size(), 1001u);
   EXPECT_EQ(drawn.undrawn.front().count, 1u);
@@ -88,6 +94,122 @@ Switch { choice DEF C Shape { geometry Box { } } }
 Collision { proxy DEF D Shape { geometry Box { } } children DEF E Shape { geometry Sphere { } } })");
   EXPECT_THAT(drawn.shape_paths, ElementsAre("0/B", "2/E"));
   EXPECT_THAT(drawn.undrawn, IsEmpty());
+}
+
+TEST(ScenePicture, GroupsWhatTheViewerDecidesOf) {
+  const ScenePicture drawn = picture_of_text(R"(
+DEF L LOD { center 1 2 3 range [5 9] level [ DEF A Shape { geometry Box { } } DEF B Group { children Shape { geometry Cone { } } } ] }
+DEF ONE LOD { range 5 level DEF C Shape { geometry Box { } } }
+DEF CAR Transform { translation 5 0 0 velocityVector 1 0 0 children Transform { translation 0 1 0 children
+  DEF BOARD Billboard { axisOfRotation 0 0 0 children DEF LINK Anchor { url ["#V" "b.wrl"] description "to V" children Shape { geometry Box { } } } } } }
+DEF S Switch { whichChoice 1 choice [ Shape { geometry Box { } } Shape { geometry Cone { } } ] })");
+  using enum DrawnGroup::Kind;
+  EXPECT_THAT(drawn.undrawn, IsEmpty());
+  ASSERT_EQ(drawn.groups.size(), 4u);
+  EXPECT_THAT(drawn.group_paths, ElementsAre("L", "L", "CAR/0/BOARD", "CAR/0/BOARD/LINK"));
+  EXPECT_EQ(drawn.groups[0].kind, kLevel);
+  EXPECT_THAT(drawn.groups[0].ranges_m, ElementsAre(5.0F, 9.0F));
+  EXPECT_EQ(drawn.groups[0].center, Eigen::Vector3f(1, 2, 3));
+  EXPECT_EQ(drawn.groups[1].number, 1u);
+  EXPECT_EQ(drawn.groups[1].count, 2u);
+  EXPECT_EQ(drawn.groups[2].kind, kBillboard);
+  EXPECT_EQ(drawn.groups[2].axis, Eigen::Vector3f(0, 0, 0));
+  EXPECT_EQ(drawn.groups[2].node_from_group.translation(), Vec3(0, 1, 0)) << "in the frame of the car";
+  EXPECT_EQ(drawn.groups[3].kind, kAnchor);
+  EXPECT_EQ(drawn.groups[3].above, 2u);
+  EXPECT_THAT(drawn.groups[3].urls, ElementsAre("#V", "b.wrl"));
+  EXPECT_THAT(drawn.shape_paths, ElementsAre("L/A", "L/B/0", "ONE/C", "CAR/0/BOARD/LINK/0", "S/1"));
+  EXPECT_EQ(drawn.shapes[0].group, 0u);
+  EXPECT_EQ(drawn.shapes[1].group, 1u);
+  EXPECT_EQ(drawn.shapes[2].group, std::nullopt);
+  EXPECT_EQ(drawn.shapes[3].group, 3u);
+  EXPECT_EQ(drawn.shapes[4].group, std::nullopt);
+}
+
+TEST(ScenePicture, HasTexts) {
+  const ScenePicture drawn = picture_of_text(R"(
+DEF S Shape { appearance Appearance { material Material { diffuseColor 1 0 0 } } geometry Text {
+  string ["one" "two"] length [0 3] maxExtent 7 fontStyle FontStyle { family "SANS" style "BOLD" size 2 spacing 1.5 justify ["MIDDLE" "END"] horizontal FALSE } } }
+Shape { geometry Text { } } Shape { geometry Text { string "" } })");
+  EXPECT_THAT(drawn.undrawn, IsEmpty());
+  ASSERT_EQ(drawn.shapes.size(), 1u) << "an empty one is none";
+  ASSERT_EQ(drawn.shapes[0].text, 0u);
+  EXPECT_EQ(drawn.shapes[0].mesh, DrawnShape::kNoMesh);
+  const DrawnText& text = drawn.texts.at(0);
+  EXPECT_THAT(text.lines, ElementsAre("one", "two"));
+  EXPECT_THAT(text.lengths_m, ElementsAre(0.0F, 3.0F));
+  EXPECT_THAT(text.justify, ElementsAre("MIDDLE", "END"));
+  EXPECT_THAT(text.families, ElementsAre("SANS"));
+  EXPECT_EQ(text.style, "BOLD");
+  EXPECT_EQ(text.max_extent_m, 7.0F);
+  EXPECT_EQ(text.spacing, 1.5F);
+  EXPECT_FALSE(text.horizontal);
+  EXPECT_EQ(text.material.diffuse, (Color{1, 0, 0}));
+}
+
+// A page makes an edit of a sensor's event: it knows the field by the node's path or name.
+TEST(ScenePicture, HasTheSensorsThatAPageWorks) {
+  const ScenePicture drawn = picture_of_text(R"(
+DEF CAR Transform { translation 5 0 0 velocityVector 1 0 0 children Transform { translation 0 1 0 children [
+  DEF TOUCH TouchSensor { } Shape { geometry Box { } } ] } }
+DEF DRAG Group { children [ DEF PLANE PlaneSensor { minPosition 0 -1 maxPosition 0 1 offset 1 2 3 autoOffset FALSE }
+  DEF KNOB Transform { children Shape { geometry Box { } } } ] }
+DEF OFF Group { children DEF DEAD TouchSensor { enabled FALSE } } Group { children TouchSensor { } }
+DEF T TimeSensor { } DEF L PointLight { }
+ROUTE TOUCH.touchTime TO T.startTime ROUTE TOUCH.isActive TO L.on ROUTE DEAD.touchTime TO T.startTime
+ROUTE PLANE.translation_changed TO KNOB.set_translation)");
+  EXPECT_THAT(drawn.undrawn, IsEmpty());
+  ASSERT_EQ(drawn.sensors.size(), 2u) << "one that is off, or leads nowhere, does nothing";
+  EXPECT_THAT(drawn.sensor_paths, ElementsAre("CAR/0", "DRAG"));
+  const DrawnSensor& touch = drawn.sensors[0];
+  EXPECT_EQ(touch.node_from_sensor.translation(), Vec3(0, 1, 0)) << "in the frame of the car";
+  ASSERT_EQ(touch.targets.size(), 2u);
+  EXPECT_EQ(touch.targets[0].event, "touchTime");
+  EXPECT_EQ(touch.targets[0].path, "T");
+  EXPECT_EQ(touch.targets[0].field, "startTime");
+  EXPECT_EQ(touch.targets[1].path, "L");
+  const DrawnSensor& plane = drawn.sensors[1];
+  EXPECT_EQ(plane.kind, DrawnSensor::Kind::kPlane);
+  EXPECT_EQ(plane.targets.at(0).path, "KNOB");
+  EXPECT_EQ(plane.max_position, Eigen::Vector2f(0, 1));
+  EXPECT_EQ(plane.offset, Eigen::Vector3f(1, 2, 3));
+  EXPECT_FALSE(plane.auto_offset);
+  EXPECT_EQ(plane.targets.size(), 1u);
+}
+
+// The next drag, whoever makes it, begins where the last one ended.
+TEST(ScenePicture, APlaneSensorKeepsItsOffsetByAnEdit) {
+  const ScenePicture drawn = picture_of_text(R"(
+DEF PLANE PlaneSensor { } DEF KNOB Transform { } ROUTE PLANE.translation_changed TO KNOB.translation)");
+  ASSERT_EQ(drawn.sensors.size(), 1u);
+  ASSERT_EQ(drawn.sensors[0].targets.size(), 2u);
+  EXPECT_EQ(drawn.sensors[0].targets[1].path, "PLANE");
+  EXPECT_EQ(drawn.sensors[0].targets[1].field, "offset");
+}
+
+// Forms that move say what their vertices are; a Material that is driven is nobody else's.
+TEST(ScenePicture, NumbersFormsAndLooks) {
+  const ScenePicture drawn = picture_of_text(R"(
+DEF T TimeSensor { loop TRUE }
+DEF WAVE CoordinateInterpolator { key [0 1] keyValue [0 0 0, 1 0 0, 1 1 0, 0 1 0, 0 0 1, 1 0 1, 1 1 1, 0 1 1] }
+DEF HUE ColorInterpolator { key [0 1] keyValue [0 0 0, 1 1 1] }
+DEF GROW PositionInterpolator { key [0 1] keyValue [1 1 1, 2 2 2] }
+Shape { appearance Appearance { material DEF M Material { } }
+        geometry IndexedFaceSet { coord DEF C Coordinate { point [0 0 0, 1 0 0, 1 1 0, 0 1 0] } coordIndex [3 2 1 0] } }
+DEF X Transform { children Shape { appearance Appearance { material Material { } } geometry Box { } } }
+ROUTE T.fraction_changed TO WAVE.set_fraction ROUTE WAVE.value_changed TO C.point
+ROUTE T.fraction_changed TO HUE.set_fraction ROUTE HUE.value_changed TO M.diffuseColor
+ROUTE T.fraction_changed TO GROW.set_fraction ROUTE GROW.value_changed TO X.scale)");
+  EXPECT_THAT(drawn.undrawn, IsEmpty());
+  ASSERT_EQ(drawn.shapes.size(), 2u);
+  const DrawnGeometry& flag = drawn.geometries[drawn.meshes[drawn.shapes[0].mesh].geometry];
+  EXPECT_EQ(flag.form, 0u);
+  EXPECT_THAT(flag.points, ElementsAre(3u, 2u, 1u, 0u));
+  EXPECT_EQ(drawn.materials[drawn.meshes[drawn.shapes[0].mesh].material].driven.color, 0u);
+  EXPECT_EQ(drawn.shapes[0].form, std::nullopt);
+  EXPECT_EQ(drawn.shapes[1].form, 0u);
+  EXPECT_EQ(drawn.geometries[drawn.meshes[drawn.shapes[1].mesh].geometry].form, std::nullopt);
+  EXPECT_EQ(drawn.materials[drawn.meshes[drawn.shapes[1].mesh].material].driven.color, std::nullopt);
 }
 
 }  // namespace peerd::picture::scene_picture_test

@@ -195,8 +195,8 @@ TEST(SnapshotFetch, TellsThatTwoPeersDiffer) {
   EXPECT_THAT(snapshot.error(), HasSubstr("have different operations of author 5 "));
 }
 
-// What one peer has given is compared with another one, also where that other one has made the offer: a makes the offer
-// and gives nothing before b has given everything.
+// A log that one peer has given is compared with another one, also where that other one has made the offer: a makes the
+// offer and gives nothing before b has given everything.
 TEST(SnapshotFetch, ComparesWithAPeerThatHasNotGivenIt) {
   const std::string archive = random_bytes(1000, 1);
   const OperationLogs of_a = some_logs(20, 1), of_b = some_logs(30, 2);  // each of one thread; b has all places
@@ -211,7 +211,7 @@ TEST(SnapshotFetch, ComparesWithAPeerThatHasNotGivenIt) {
   const auto b_answers = [&](const Request& request) {
     if (std::holds_alternative<OfferRequest>(request.what)) a_is_first.get_future().wait();
     const auto* part = std::get_if<PartRequest>(&request.what);
-    // What a has been asked for first is what another peer is asked for last.
+    // Another peer is asked last for what a has been asked for first.
     if (part != nullptr && part->range.author == replication::kNoAuthor) b_has_given.set_value();
     return true;
   };

@@ -20,6 +20,7 @@ export class PeerLink {
   readonly status = new Setting<Status | null>(null);
   readonly peers = new Setting<PeersReply | null>(null);
   readonly connection: LiveConnection;
+  private recorded: { id: number; names: ReadonlyMap<number, string> } | null = null;
 
   constructor(private readonly token: string | null, private readonly listener: PeerListener) {
     this.connection = new LiveConnection(liveAddress(), {
@@ -35,7 +36,13 @@ export class PeerLink {
     setInterval(() => void this.poll(), kPoll_ms);
   }
 
+  // The page shows a recording, of that peer's view: there is nobody to connect to.
+  showRecorded(id: number, name: string, peers: readonly { readonly id: number; readonly name: string }[]): void {
+    this.recorded = { id, names: new Map([...peers.map((peer) => [peer.id, peer.name] as const), [id, name]]) };
+  }
+
   ask(request: Record<string, unknown>): Promise<Reply> {
+    if (this.recorded !== null) return Promise.resolve({ ok: false, error: 'this is a recording: there is no peer that could do that' });
     return this.connection.ask(request);
   }
 
@@ -44,12 +51,13 @@ export class PeerLink {
   }
 
   get ownId(): number {
-    return this.status.value?.peer.id ?? 0;
+    return this.recorded?.id ?? this.status.value?.peer.id ?? 0;
   }
 
   nameOf(peer: number | null | undefined): string {
     if (peer === null || peer === undefined || peer === 0) return 'nobody';
     const status = this.status.value;
+    if (this.recorded !== null) return this.recorded.names.get(peer) ?? `peer ${peer}`;
     if (status?.peer.id === peer) return status.peer.name;
     return status?.members.find((member) => member.id === peer)?.name ?? this.peers.value?.peers.find((row) => row.id === peer)?.name ?? `peer ${peer}`;
   }

@@ -1,3 +1,5 @@
+import { readLookRecords, type LookRecord } from './look_records';
+
 // A pose frame of the gateway (docs/reference/gateway.md): 40 bytes of head, then rows, all little endian. Every member of
 // a row lies at a multiple of its own size, so that the rows are read through typed arrays over the message itself.
 //
@@ -22,6 +24,7 @@ export interface PoseFrame {
   readonly f32: Float32Array;
   readonly f64: Float64Array;
   readonly rowBytes: number;
+  readonly looks: readonly LookRecord[]; // none where they were not asked for
 }
 
 // The frame in a message, or a sentence that says why it is none.
@@ -32,8 +35,11 @@ export function readPoseFrame(buffer: ArrayBuffer): PoseFrame | string {
   const rowCount = head.getUint32(4, true);
   const rowBytes = head.getUint32(36, true);
   if (rowBytes < kLeastRowBytes || rowBytes % 8 !== 0) return `a pose frame has rows of ${rowBytes} bytes`;
-  if (buffer.byteLength !== kHeadBytes + rowCount * rowBytes)
+  const rowsEnd = kHeadBytes + rowCount * rowBytes;
+  if (buffer.byteLength < rowsEnd)
     return `a pose frame of ${buffer.byteLength} bytes cannot have ${rowCount} rows of ${rowBytes}`;
+  const looks = buffer.byteLength === rowsEnd ? [] : readLookRecords(buffer, rowsEnd);
+  if (typeof looks === 'string') return `a pose frame of ${buffer.byteLength} bytes with ${rowCount} rows of ${rowBytes}: ${looks}`;
   return {
     sessionTime_s: head.getFloat64(8, true),
     worldTime_s: head.getFloat64(16, true),
@@ -41,11 +47,12 @@ export function readPoseFrame(buffer: ArrayBuffer): PoseFrame | string {
     revision: head.getUint32(32, true),
     rowCount,
     rowBytes,
+    looks,
     buffer,
     u16: new Uint16Array(buffer),
     u32: new Uint32Array(buffer),
     f32: new Float32Array(buffer),
-    f64: new Float64Array(buffer),
+    f64: new Float64Array(buffer, 0, rowsEnd >> 3),
   };
 }
 

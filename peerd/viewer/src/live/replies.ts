@@ -39,6 +39,7 @@ export interface Hit {
   readonly id: string | number;
   readonly path: string;
   readonly owner: number | null;
+  readonly shape?: { readonly path: string };
   readonly distance_m: number;
   readonly position_m: Numbers3;
   readonly normal: Numbers3;

@@ -1,7 +1,11 @@
 import { Vector3 } from 'three';
 
+import type { SensorExtras } from '../hand/sensor_rules';
 import { PoseFlag } from '../live/pose_frame';
+import type { Reply } from '../live/live_connection';
+import type { PoseTable } from '../live/pose_table';
 import type { ContactEvent } from '../live/replies';
+import type { OcclusionFigures } from '../scene/occlusion';
 import { hasNode } from '../scene/scene_file';
 import type { PlayState } from '../time/playhead';
 import type { Viewer } from '../viewer';
@@ -12,6 +16,9 @@ export interface ShownObject {
   readonly owner: number;
   readonly own: boolean;
   readonly position_m: readonly number[]; // as the page has it at the instant that it shows
+  readonly truth_m: readonly number[] | null; // where it really is, where that is known
+  readonly ghost_m: readonly number[] | null; // where others, or of an object of another peer this one, predict it
+  readonly error_m: number | null; // the distance of the two
   readonly window_px: { readonly x: number; readonly y: number } | null; // null: behind the camera
 }
 
@@ -38,14 +45,48 @@ export class Driver {
   get pictures(): number {
     return this.viewer.pictures;
   }
-  get drawn(): { readonly instances: number; readonly calls: number; readonly work_ms: number } {
+  get drawn(): { readonly instances: number; readonly calls: number; readonly triangles: number; readonly work_ms: number; readonly occlusion: OcclusionFigures | null } {
     const { view, pictureWork_ms } = this.viewer;
-    return { instances: view.instancesDrawn, calls: view.drawCalls, work_ms: pictureWork_ms };
+    return { instances: view.instancesDrawn, calls: view.drawCalls, triangles: view.triangles, work_ms: pictureWork_ms, occlusion: view.occlusion };
   }
 
   // Calls the listener with each path that is selected (null: nothing), each revision of the scene, each event of the daemon.
   on(name: 'select' | 'scene' | 'event', listener: (detail: unknown) => void): void {
     this.viewer.happenings.addEventListener(name, (happening) => listener((happening as CustomEvent<unknown>).detail));
+  }
+
+  // Whether that instant is what objects() has: what is recorded may be on its way.
+  get settled(): boolean {
+    return this.viewer.head.settled && this.viewer.recorded?.sceneIsShown !== false;
+  }
+  // Of a recording: whose views there are, and which is shown. Of a running peer there are none.
+  get views(): readonly string[] {
+    return this.viewer.recorded?.recording.views.map((view) => view.name) ?? [];
+  }
+  get view(): string | null {
+    const { recorded } = this.viewer;
+    return recorded?.recording.views[recorded.view]?.name ?? null;
+  }
+  show_view(name: string): boolean {
+    const view = this.views.indexOf(name);
+    if (view >= 0) void this.viewer.recorded?.show(view);
+    return view >= 0;
+  }
+  // What of the world the picture leaves out.
+  get sensors(): readonly SensorExtras[] {
+    return this.viewer.view.file?.extras.sensors ?? [];
+  }
+  get undrawn(): readonly { readonly path: string; readonly what: string; readonly why: string }[] {
+    return this.viewer.view.file?.extras.undrawn ?? [];
+  }
+  // What the switches of the menu show of the daemon's own knowledge.
+  get insight(): { readonly joined: readonly number[]; readonly proximity: number; readonly volumes: number } {
+    const { watch, proximity, hierarchy } = this.viewer.insight;
+    return { joined: watch.newest?.regions.joined ?? [], proximity: proximity.count, volumes: hierarchy?.volumes.length ?? 0 };
+  }
+  // Asks the daemon, as the page itself does (docs/reference/control-protocol.md).
+  ask(request: Record<string, unknown>): Promise<Reply> {
+    return this.viewer.link.ask(request);
   }
 
   set_time(time_s: number): void {
@@ -84,7 +125,17 @@ export class Driver {
       if (!head.book.shown.sample(index, this.time_s, pose)) continue;
       const place = new Vector3(pose[0], pose[1], pose[2]);
       const own = (head.book.shown.flags[index] & PoseFlag.own) !== 0;
-      shown.push({ path, owner: head.book.shown.owner[index], own, position_m: place.toArray(), window_px: view.onWindow(place) });
+      const error_m = head.book.errorOf(index, this.time_s);
+      shown.push({
+        path,
+        owner: head.book.shown.owner[index],
+        own,
+        position_m: place.toArray(),
+        truth_m: placeIn(head.book.truth, index, this.time_s),
+        ghost_m: placeIn(head.book.ghost, index, this.time_s),
+        error_m: Number.isNaN(error_m) ? null : error_m,
+        window_px: view.onWindow(place),
+      });
     }
     return shown;
   }
@@ -92,4 +143,9 @@ export class Driver {
   contacts(): (ContactEvent & { retracted: boolean; decider_name: string })[] {
     return this.viewer.contacts.all().map(({ event, retracted, decider }) => ({ ...event, retracted, decider_name: decider }));
   }
+}
+
+function placeIn(table: PoseTable, node: number, time_s: number): number[] | null {
+  const pose = new Float64Array(7);
+  return table.sample(node, time_s, pose) ? [pose[0], pose[1], pose[2]] : null;
 }

@@ -1,4 +1,5 @@
 import type { LinkState } from '../live/live_connection';
+import type { Recording } from '../live/recording';
 import type { Status } from '../live/replies';
 import { clockText, millisecondsText } from '../panels/numbers';
 import { icon } from './icons';
@@ -14,6 +15,8 @@ export class Header {
   private readonly link = make('span', { class: 'link-dot', role: 'img' });
   private readonly readOnly = make('span', { class: 'chip warn read-only', hidden: true, title: 'This page was opened without the token that the peer’s log shows, so it can change nothing.' }, icon('lock'), 'Read-only', make('span', { class: 'wide-only' }, ': opened without a token'));
 
+  private readonly recorded = make('span', { class: 'chip recorded', hidden: true, title: 'What is shown has happened: nothing can be changed in it.' }, 'Recorded');
+
   constructor(theme: ThemeChoice, openHelp: () => void) {
     const themeButton = make('button', { type: 'button', class: 'tool', 'aria-label': 'Dark or light', title: 'Dark or light', click: () => theme.toggle() });
     theme.theme.follow((now) => themeButton.replaceChildren(icon(now === 'dark' ? 'sun' : 'moon')));
@@ -24,6 +27,7 @@ export class Header {
       make('span', { class: 'brand' }, make('i', { class: 'mark', 'aria-hidden': 'true' }), make('span', { class: 'brand-name' }, 'peerd')),
       make('span', { class: 'who' }, this.link, this.peer, this.world),
       this.readOnly,
+      this.recorded,
       this.session,
       make('span', { class: 'bar-tools' }, themeButton, help),
     );
@@ -36,6 +40,17 @@ export class Header {
   setState(state: LinkState): void {
     this.link.dataset['state'] = state;
     this.link.setAttribute('aria-label', state === 'open' ? 'connected to the peer' : 'no connection to the peer');
+  }
+
+  // Whose view of what is recorded.
+  setRecording(name: string, recording: Recording): void {
+    setText(this.peer, name);
+    setText(this.session, `${recording.name}: ${recording.title}`);
+    document.title = `${name} · ${recording.name} · peerd`;
+    this.link.dataset['state'] = 'recorded';
+    this.link.setAttribute('aria-label', 'a recording');
+    this.readOnly.hidden = true;
+    this.recorded.hidden = false;
   }
 
   setWorld(name: string): void {

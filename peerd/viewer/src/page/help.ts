@@ -5,6 +5,7 @@ import { make } from './make';
 const kRows: readonly (readonly [string, string])[] = [
   ['Click', 'select an object; the peer itself finds what lies under the pointer'],
   ['Drag', 'Orbit: turn around the world. Fly: look around. Hand: take the object, and throw it by letting go'],
+  ['Click or drag what has a sensor', 'works it, for all peers; what is in an Anchor offers its link'],
   ['Wheel', 'nearer and farther; with a held object: push and pull it'],
   ['Right drag', 'Orbit: move sideways'],
   ['Keys', 'go to the world’s KeySensors, with Shift, Control and Meta, while the picture has the focus (click it). Each repeat of a held key is another press'],

@@ -9,9 +9,16 @@ import type { Setting } from './setting';
 export interface Options {
   readonly ownerColours: Setting<boolean>;
   readonly ghosts: Setting<boolean>;
+  readonly truth: Setting<boolean>; // of recordings
   readonly thresholds: Setting<boolean>;
   readonly contacts: Setting<boolean>;
   readonly labels: Setting<boolean>;
+  readonly proximity: Setting<boolean>;
+  readonly regions: Setting<boolean>;
+  readonly hierarchy: Setting<boolean>;
+  readonly hierarchyLevel: Setting<number>;
+  readonly occlusion: Setting<boolean>;
+  readonly hierarchyText: Setting<string>; // what is shown of it
   readonly cameraKeys: Setting<boolean>;
   readonly tool: Setting<Tool>;
 }
@@ -28,13 +35,19 @@ const kTools: readonly { tool: Tool; name: IconName; title: string; hint: string
   { tool: 'hand', name: 'hand', title: 'Hand', hint: 'Drag an object to grab it, let go to throw it' },
 ];
 
+// What asks a running peer.
+const kOfRunningPeers = '[data-tool=hand], [data-tool=walk], [data-option=proximity], [data-option=regions], [data-option=hierarchy]';
+
 export class Toolbar {
   readonly element: HTMLElement;
   private readonly viewpoints = make('select', { 'aria-label': 'Viewpoint' });
+  private readonly truth: HTMLElement;
   private known: readonly Viewpoint[] = [];
 
   constructor(private readonly options: Options, private readonly actions: ToolbarActions) {
     this.viewpoints.addEventListener('change', () => this.visit());
+    this.truth = check('Truth', 'where the objects of others really are', options.truth, 'truth');
+    this.truth.hidden = true;
     this.element = make(
       'div',
       { class: 'toolbar', role: 'toolbar', 'aria-label': 'Picture' },
@@ -53,6 +66,15 @@ export class Toolbar {
       ...viewpoints.map((viewpoint, i) => make('option', { value: String(i) }, viewpoint.description || `Viewpoint ${i + 1}`)),
     );
     this.viewpoints.hidden = viewpoints.length === 0;
+  }
+
+  // The page shows a recording, which may know where everything really is.
+  showRecorded(knowsTruth: boolean): void {
+    this.truth.hidden = !knowsTruth;
+    for (const control of this.element.querySelectorAll<HTMLButtonElement | HTMLInputElement>(kOfRunningPeers)) {
+      control.disabled = true;
+      (control.closest('label') ?? control).title = 'Only a running peer has it: this is a recording';
+    }
   }
 
   private visit(): void {
@@ -83,10 +105,16 @@ export class Toolbar {
         { class: 'menu-body' },
         check('Colours by owner', 'red: this peer’s, cyan: another peer’s, grey: nobody’s', options.ownerColours, 'owner-colours'),
         check('Ghosts', 'where all others predict this peer’s objects', options.ghosts, 'ghosts'),
+        this.truth,
         check('Thresholds', 'how far a ghost may be wrong before an update', options.thresholds, 'thresholds'),
         check('Contacts', 'with normals and the deciding peer', options.contacts, 'contacts'),
         check('Labels', 'names of objects', options.labels, 'labels'),
+        check('Proximity spheres', 'where they meet, a collision may be near: red ones have a tight threshold', options.proximity, 'proximity'),
+        check('Regions', 'blue: joined; red edge: own objects are in it', options.regions, 'regions'),
+        check('Hierarchy', 'the 18-DOPs of the selected object', options.hierarchy, 'hierarchy'),
+        levelSlider(options),
         make('hr', {}),
+        check('Leave out what is hidden', 'Shapes of many triangles behind others are not drawn', options.occlusion, 'occlusion'),
         check('Keys move the camera', 'else they go to the world’s KeySensors', options.cameraKeys, 'camera-keys'),
       ),
     );
@@ -107,6 +135,19 @@ function check(title: string, hint: string, setting: Setting<boolean>, name: str
   input.addEventListener('change', () => (setting.value = input.checked));
   setting.follow((on) => (input.checked = on));
   return make('label', { class: 'check' }, input, make('span', {}, make('span', { class: 'check-title' }, title), make('span', { class: 'muted small' }, hint)));
+}
+
+const kDeepest = 16;
+
+function levelSlider({ hierarchy, hierarchyLevel, hierarchyText }: Options): HTMLElement {
+  const input = make('input', { type: 'range', min: 0, max: kDeepest, step: 1, 'aria-label': 'Level of the hierarchy', 'data-option': 'hierarchy-level' });
+  const text = make('output', { class: 'muted small' });
+  const row = make('div', { class: 'level-row' }, input, text);
+  input.addEventListener('input', () => (hierarchyLevel.value = Number(input.value)));
+  hierarchyLevel.follow((level) => (input.value = String(level)));
+  hierarchyText.follow((sentence) => (text.textContent = sentence));
+  hierarchy.follow((on) => (row.hidden = !on));
+  return row;
 }
 
 export function cameraModeOf(tool: Tool): CameraMode {

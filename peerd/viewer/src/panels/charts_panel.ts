@@ -6,6 +6,7 @@ import type { SceneNode } from '../scene/scene_file';
 import type { PoseBook } from '../time/pose_book';
 import { Chart } from './chart';
 import { bytesText, metresText } from './numbers';
+import type { RunCharts } from './run_charts';
 import { Rate, Series } from './series';
 
 // How wrong the ghosts of this peer's objects are, and what the network carries for it.
@@ -26,6 +27,8 @@ export class ChartsPanel implements Panel {
     new Chart('Bytes a second', [this.bytesIn, this.bytesOut], (value) => `${bytesText(value)}`),
     new Chart('Updates a second', [this.updatesIn, this.updatesOut], (value) => String(Number(value.toPrecision(3)))),
   ];
+
+  private recorded: RunCharts | null = null;
 
   constructor() {
     this.element.append(
@@ -59,7 +62,18 @@ export class ChartsPanel implements Panel {
     this.updatesOut.add(now_s, this.rates.updatesOut.at(now_s, counters['updates_out']));
   }
 
+  // The page shows a recording: these charts are in place of the own ones.
+  showRecorded(charts: RunCharts): void {
+    this.recorded = charts;
+    this.element.replaceChildren(charts.element);
+  }
+
+  // now_s: of the page's own clock, or of the recording.
   draw(now_s: number): void {
+    if (this.recorded !== null) {
+      this.recorded.draw(now_s);
+      return;
+    }
     for (const chart of this.charts) chart.draw(now_s);
   }
 }

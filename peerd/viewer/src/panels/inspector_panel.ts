@@ -20,6 +20,7 @@ export interface LiveNumbers {
 }
 
 const kLongField = 60;
+const kRecordedNote = 'A recording does not keep fields and data, and nothing in it can be changed.';
 
 export class InspectorPanel implements Panel {
   readonly name = 'object';
@@ -32,6 +33,7 @@ export class InspectorPanel implements Panel {
   private readonly threshold = make('dd', {});
   private readonly body = make('div', {});
   private mayEdit = false;
+  private recorded = false;
   private shown: Inspected | null = null;
   private shownText = '';
 
@@ -69,7 +71,14 @@ export class InspectorPanel implements Panel {
     this.shown = inspected;
     this.shownText = text;
     fill(this.head, ...this.headOf(inspected));
-    fill(this.body, ...this.fieldsOf(inspected), ...this.dataOf(inspected));
+    if (this.recorded) fill(this.body, make('p', { class: 'note' }, kRecordedNote));
+    else fill(this.body, ...this.fieldsOf(inspected), ...this.dataOf(inspected));
+  }
+
+  // Of a recording: what its frames say. There is no peer that could say more.
+  showRecorded(path: string, owner: number, own: boolean, driven: boolean): void {
+    this.recorded = true;
+    this.show({ id: '', path, def: null, type: 'recorded', owner: owner === 0 ? null : owner, own, driven, threshold_m: null, fields: {}, data: {} });
   }
 
   update(numbers: LiveNumbers): void {

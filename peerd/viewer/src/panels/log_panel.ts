@@ -20,8 +20,13 @@ export class LogPanel implements Panel {
     this.element.append(make('div', { class: 'search' }, this.filter), this.list);
   }
 
-  add(kind: LogKind, sentence: string, at: Date = new Date()): void {
-    const line = make('li', { class: 'log-line', 'data-kind': kind === 'fault' ? 'refused' : kind }, make('time', {}, at.toLocaleTimeString('en-GB')), make('span', {}, sentence));
+  clear(): void {
+    this.list.replaceChildren();
+  }
+
+  // `when`: as it is shown, by default the time of day.
+  add(kind: LogKind, sentence: string, when: string = new Date().toLocaleTimeString('en-GB')): void {
+    const line = make('li', { class: 'log-line', 'data-kind': kind === 'fault' ? 'refused' : kind }, make('time', {}, when), make('span', {}, sentence));
     this.list.prepend(line);
     while (this.list.childElementCount > kMostLines) this.list.lastElementChild?.remove();
   }

@@ -1,5 +1,6 @@
 import { fill, make } from '../page/make';
 import type { Panel } from '../page/tabs';
+import type { Recording } from '../live/recording';
 import type { PeerRow, PeersReply, Status } from '../live/replies';
 import { bytesText, millisecondsText, shareText } from './numbers';
 
@@ -8,6 +9,13 @@ export class PeersPanel implements Panel {
   readonly name = 'peers';
   readonly title = 'Peers';
   readonly element = make('div', { class: 'panel' });
+
+  // Of a recording there are the peers' names.
+  showRecorded(recording: Recording): void {
+    const views = new Set(recording.views.map((view) => view.peer));
+    const rows = recording.peers.map(({ id, name }) => card(name, id, views.has(id) ? 'own' : 'remote', views.has(id) ? 'its view is recorded' : 'its view is not recorded', []));
+    fill(this.element, ...rows, make('p', { class: 'note' }, 'Delays, losses and clocks are in the report of the run.'));
+  }
 
   update(status: Status | null, reply: PeersReply | null): void {
     if (status === null) {
@@ -27,7 +35,7 @@ export class PeersPanel implements Panel {
   private ownCard(status: Status, reply: PeersReply | null): HTMLElement {
     const follows = reply?.clock.follows;
     const lead = follows === undefined ? '' : follows === status.peer.id ? 'its clock is the session’s' : `follows the clock of peer ${follows}`;
-    return card(status.peer.name, status.peer.id, 'own', status.session.joined ? lead : 'not in a session yet', [
+    return card(status.peer.name, status.peer.id, 'own', status.session.joined ? `This page’s peer${lead === '' ? '' : '; ' + lead}` : 'This page’s peer; not in a session yet', [
       ['Clock error', millisecondsText(status.session.clock_error_ms)],
       ['Received', bytesText(status.counters['bytes_in'])],
       ['Sent', bytesText(status.counters['bytes_out'])],
@@ -53,7 +61,7 @@ function card(name: string, id: number, whose: string, state: string, facts: rea
     'article',
     { class: 'card', 'data-peer': id },
     make('header', {}, make('span', { class: 'dot', 'data-whose': whose }), make('strong', {}, name), make('span', { class: 'muted' }, `id ${id}`)),
-    make('p', { class: 'muted small' }, whose === 'own' ? `This page’s peer${state === '' ? '' : '; ' + state}` : state),
+    make('p', { class: 'muted small' }, state),
     make('dl', { class: 'facts' }, ...rows),
   );
 }

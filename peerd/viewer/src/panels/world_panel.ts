@@ -54,6 +54,11 @@ export class WorldPanel implements Panel {
     for (const control of this.controls) control.disabled = !mayEdit;
   }
 
+  showRecorded(): void {
+    this.setMayEdit(false);
+    this.element.prepend(make('p', { class: 'note' }, 'Nothing can be changed: this is a recording.'));
+  }
+
   showUnder(path: string): void {
     this.under.placeholder = 'top level';
     this.under.setAttribute('title', `selected: ${path}`);

@@ -8,7 +8,7 @@ export class Dress {
   private readonly made = new Map<string, MeshStandardMaterial>();
 
   materialFor(own: Material, colouring: Colouring): Material {
-    return colouring === 'world' ? own : this.plainLike(own, false);
+    return colouring === 'world' || (own.userData as { text?: boolean }).text === true ? own : this.plainLike(own, false);
   }
 
   // What all others predict is drawn as a pale copy beside the truth.

@@ -27,6 +27,14 @@ export class RigidFrames {
     }
   }
 
+  // A node that never moves: its frame is the world's.
+  stand(node: number): void {
+    if (node < 0) return;
+    this.pose.set([0, 0, 0, 0, 0, 0, 1]);
+    this.known[node] = 1;
+    this.write(node * kFrameNumbers);
+  }
+
   // `flagged`, where given: the nodes of `table` alone whose flags there have `flag`.
   update(nodes: readonly SceneNode[], table: PoseTable, time_s: number, flagged?: PoseTable, flag = 0): void {
     for (let i = 0; i < nodes.length; ++i) {

@@ -1,7 +1,11 @@
 import { Matrix4, Mesh, TextureLoader, type BufferGeometry, type Material, type Object3D } from 'three';
 import { GLTFLoader, type GLTF, type GLTFParser } from 'three/addons/loaders/GLTFLoader.js';
 
+import type { SensorExtras } from '../hand/sensor_rules';
 import { setLights } from './lights';
+import type { TextExtras } from './text_layout';
+import { textShape } from './text_shape';
+import type { GroupExtras } from './view_groups';
 
 // scene.glb as the page needs it: what stands, and for each node that can move its shapes in the node's own frame.
 export interface SceneNode {
@@ -18,6 +22,9 @@ export interface MovingShape {
   readonly geometry: BufferGeometry;
   readonly material: Material;
   readonly nodeFromShape: Matrix4;
+  readonly path?: string | undefined;
+  readonly group?: number | undefined; // the innermost group that it is in
+  readonly form?: number | undefined; // its place changes: which of the forms it is
 }
 
 // The lights of a moving node, below an object whose matrix is the node's frame.
@@ -27,6 +34,7 @@ export interface CarriedLights {
 }
 
 export interface Viewpoint {
+  readonly def?: string;
   readonly description: string;
   readonly position_m: readonly [number, number, number]; // in the frame of `node`, or of the world without one
   readonly orientation_xyzw: readonly [number, number, number, number];
@@ -41,6 +49,8 @@ export interface SceneExtras {
   readonly background?: Record<string, unknown>;
   readonly fog?: Record<string, unknown>;
   readonly navigation?: { readonly type?: string | readonly string[]; readonly speed?: number; readonly headlight?: boolean; readonly avatar_size?: readonly number[] };
+  readonly groups?: readonly GroupExtras[];
+  readonly sensors?: readonly SensorExtras[];
   readonly undrawn?: readonly { readonly path: string; readonly what: string; readonly why: string; readonly count?: number }[];
 }
 
@@ -51,6 +61,7 @@ export interface SceneFile {
   readonly nodes: readonly SceneNode[];
   readonly byPath: ReadonlyMap<string, SceneNode>;
   readonly standingPaths: readonly string[]; // of the Shapes that stand
+  readonly standingNode: number; // all that stands
   readonly shapes: readonly MovingShape[];
   readonly carried: readonly CarriedLights[];
   readonly hasLights: boolean; // of its own, beside the headlight
@@ -83,6 +94,10 @@ interface NodeExtras {
   def?: string;
   owner?: number;
   static?: boolean;
+  group?: number;
+  form?: number;
+  text?: TextExtras;
+  node_from_shape?: readonly number[];
 }
 
 function taken(gltf: GLTF): SceneFile {
@@ -92,12 +107,20 @@ function taken(gltf: GLTF): SceneFile {
   const nodes: SceneNode[] = [];
   const shapes: MovingShape[] = [];
   const carried: CarriedLights[] = [];
+  let standingNode = -1;
+  const standingPaths: string[] = [];
   for (const object of [...root.children]) {
     const data = object.userData as NodeExtras;
     const index = gltf.parser.associations.get(object)?.nodes;
-    if (data.static === true || data.id === undefined || index === undefined) continue;
+    if (data.static === true && index !== undefined) {
+      standingNode = index;
+      standingPaths.push(...pathsBelow(object));
+      collectShapes(object, index, shapes, true);
+      continue;
+    }
+    if (data.id === undefined || index === undefined) continue;
     nodes.push(nodeOf(object, index, data));
-    collectShapes(object, index, shapes);
+    collectShapes(object, index, shapes, false);
     root.remove(object);
     if (keepsLightsAlone(object)) carried.push({ node: index, object });
   }
@@ -107,7 +130,7 @@ function taken(gltf: GLTF): SceneFile {
   });
   const json = gltf.parser.json as { nodes?: unknown[] };
   const byPath = new Map(nodes.map((node) => [node.path, node]));
-  return { revision: extras.revision ?? 0, extras, nodeCount: json.nodes?.length ?? 0, nodes, byPath, standingPaths: pathsBelow(root), shapes, carried, hasLights: lightCount > 0, standing: root };
+  return { revision: extras.revision ?? 0, extras, nodeCount: json.nodes?.length ?? 0, nodes, byPath, standingPaths, standingNode, shapes, carried, hasLights: lightCount > 0, standing: root };
 }
 
 function nodeOf(object: Object3D, index: number, data: NodeExtras): SceneNode {
@@ -122,14 +145,32 @@ function nodeOf(object: Object3D, index: number, data: NodeExtras): SceneNode {
   };
 }
 
-function collectShapes(object: Object3D, node: number, shapes: MovingShape[]): void {
+// Of what stands only those Shapes that the viewer has something to do for, and these are taken out of it.
+function collectShapes(object: Object3D, node: number, shapes: MovingShape[], standing: boolean): void {
   const nodeFromWorld = object.matrixWorld.clone().invert();
+  const taken: Object3D[] = [];
   object.traverse((part) => {
-    if (!(part instanceof Mesh)) return;
+    const of = shapeExtras(part);
+    const viewed = { path: of.path, group: of.group, form: of.form };
+    const { text, node_from_shape: m } = part.userData as NodeExtras;
+    if (text !== undefined && m !== undefined) {
+      const drawn = textShape(text);
+      const nodeFromShape = new Matrix4().set(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10], m[11], 0, 0, 0, 1);
+      if (drawn !== null) shapes.push({ node, ...drawn, nodeFromShape, ...viewed });
+    }
+    if (!(part instanceof Mesh) || (standing && of.group === undefined && of.form === undefined)) return;
     const mesh = part as Mesh<BufferGeometry, Material>;
     const nodeFromShape = new Matrix4().multiplyMatrices(nodeFromWorld, mesh.matrixWorld);
-    shapes.push({ node, geometry: mesh.geometry, material: mesh.material, nodeFromShape });
+    shapes.push({ node, geometry: mesh.geometry, material: mesh.material, nodeFromShape, ...viewed });
+    taken.push(part);
   });
+  if (standing) for (const part of taken) part.removeFromParent();
+}
+
+// A sheared Shape is two objects, of which the upper one has the extras.
+function shapeExtras(part: Object3D): NodeExtras {
+  const own = part.userData as NodeExtras;
+  return own.id === undefined && part.parent !== null ? (part.parent.userData as NodeExtras) : own;
 }
 
 // Takes all meshes out of a node, and says whether it has lights.

@@ -1,16 +1,20 @@
-import { Box3, Frustum, Matrix4, Quaternion, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from 'three';
+import { Box3, Frustum, Matrix4, Mesh, Quaternion, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, type Object3D } from 'three';
 
 import { PoseFlag } from '../live/pose_frame';
 import type { PoseTable } from '../live/pose_table';
+import type { LookRecord } from '../live/look_records';
 import { Backdrop } from './backdrop';
 import { boundsOf, CameraRig } from './camera_rig';
 import { Dress } from './dress';
+import { Looks } from './looks';
 import { MovingScene } from './moving_scene';
+import { Occlusion, type OcclusionFigures } from './occlusion';
 import { nodeRadii } from './node_radii';
 import { OwnerColours, type Colouring } from './owner_colours';
 import { Ride } from './ride';
 import { RigidFrames } from './rigid_frames';
-import type { SceneFile, SceneNode, Viewpoint } from './scene_file';
+import type { MovingShape, SceneFile, SceneNode, Viewpoint } from './scene_file';
+import { ViewGroups } from './view_groups';
 
 // The picture of one scene file, with poses for what moves. A new scene file replaces all but the camera.
 export interface Overlay {
@@ -26,6 +30,9 @@ interface Shown {
   readonly colours: OwnerColours;
   readonly ghostColours: Float32Array;
   readonly radii_m: Float64Array;
+  readonly groups: ViewGroups;
+  readonly looks: Looks;
+  readonly occlusion: Occlusion;
 }
 
 export class SceneView {
@@ -34,7 +41,11 @@ export class SceneView {
   readonly overlays: Overlay[] = [];
   showsGhosts = false;
   selected: number | null = null;
+  eyeOf: string | null = null; // the path of the object from whose inside the camera looks, which is not drawn
   instancesDrawn = 0;
+  drawCalls = 0;
+  triangles = 0;
+  private leavesOut = false;
   private readonly renderer: WebGLRenderer;
   private readonly backdrop: Backdrop;
   private readonly dress = new Dress();
@@ -62,8 +73,13 @@ export class SceneView {
   get ghostFrames(): RigidFrames | null {
     return this.shown?.ghostFrames ?? null;
   }
-  get drawCalls(): number {
-    return this.renderer.info.render.calls;
+  // Whether what is hidden is left out of the picture.
+  set leavesOutHidden(on: boolean) {
+    if (this.leavesOut && !on) this.shown?.occlusion.end();
+    this.leavesOut = on;
+  }
+  get occlusion(): OcclusionFigures | null {
+    return this.leavesOut ? (this.shown?.occlusion.figures ?? null) : null;
   }
 
   set colouring(colouring: Colouring) {
@@ -74,8 +90,8 @@ export class SceneView {
   show(file: SceneFile): void {
     const first = this.shown === null;
     if (this.shown !== null) this.clear(this.shown);
-    const moving = new MovingScene(file.shapes, (own) => this.dress.materialFor(own, this.colouring_));
-    const ghosts = new MovingScene(file.shapes, (own) => this.dress.ghostMaterialFor(own));
+    const moving = new MovingScene(file.shapes, (own) => this.dress.materialFor(own, this.colouring_), file.standingNode);
+    const ghosts = new MovingScene(file.shapes.filter(({ material }) => (material.userData as { text?: boolean }).text !== true), (own) => this.dress.ghostMaterialFor(own));
     this.scene.add(file.standing, moving.group, ghosts.group, ...file.carried.map(({ object }) => object));
     this.ride.end();
     this.shown = {
@@ -87,7 +103,11 @@ export class SceneView {
       colours: new OwnerColours(file.nodeCount),
       ghostColours: new Float32Array(file.nodeCount * 3).fill(1),
       radii_m: nodeRadii(file),
+      groups: new ViewGroups(file.extras.groups ?? []),
+      looks: new Looks(file, [moving, ghosts]),
+      occlusion: new Occlusion(this.renderer.getContext() as WebGL2RenderingContext, this.scene, file.standing, moving.batches),
     };
+    this.shown.frames.stand(file.standingNode);
     this.shown.frames.placeAsFiled(file.nodes);
     this.backdrop.show(file.extras, file.hasLights, this.pageColour);
     if (first) this.firstLook(file);
@@ -115,6 +135,10 @@ export class SceneView {
     this.rig.fit(this.bounds());
   }
 
+  takeLooks(records: readonly LookRecord[]): void {
+    if (records.length > 0) this.shown?.looks.take(records);
+  }
+
   setPageColour(colour: string): void {
     this.pageColour = colour;
     this.backdrop.setPageColour(colour);
@@ -126,7 +150,11 @@ export class SceneView {
   }
 
   render(): void {
-    this.renderer.render(this.scene, this.rig.camera);
+    const { renderer, rig, shown } = this;
+    renderer.render(this.scene, rig.camera);
+    const { queries, queryTriangles } = this.leavesOut && shown !== null ? shown.occlusion.figures : { queries: 0, queryTriangles: 0 };
+    this.drawCalls = renderer.info.render.calls - queries;
+    this.triangles = renderer.info.render.triangles - queryTriangles;
   }
 
   // Our own share of a picture of the poses at time_s: camera, poses, culling, overlays.
@@ -138,8 +166,12 @@ export class SceneView {
     const camera = this.rig.camera;
     this.frustum.setFromProjectionMatrix(this.viewProjection.multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse));
     frames.update(file.nodes, poses, time_s);
+    const eye = this.eyeOf === null ? undefined : file.byPath.get(this.eyeOf);
+    if (eye !== undefined) frames.known[eye.index] = 0;
     colours.update(file.nodes, poses, this.colouring_, this.selected);
-    this.instancesDrawn = moving.update(frames, this.frustum, colours.rgb);
+    this.shown.groups.update(frames, camera);
+    if (this.leavesOut) this.shown.occlusion.update(frames, this.frustum, this.viewProjection, camera, this.shown.groups);
+    this.instancesDrawn = moving.update(frames, this.frustum, colours.rgb, this.shown.groups);
     this.placeGhosts(this.shown, poses, ghosts, time_s);
     for (const { node, object } of file.carried) {
       frames.matrix(node, object.matrix);
@@ -152,6 +184,7 @@ export class SceneView {
   bounds(): Box3 {
     if (this.shown === null) return new Box3();
     const box = boundsOf([this.shown.file.standing]);
+    for (const shape of this.shown.file.shapes) if (shape.node === this.shown.file.standingNode) expandByShape(box, shape);
     const point = new Vector3();
     for (const node of this.shown.file.nodes) {
       const radius_m = this.radiusOf(node);
@@ -168,6 +201,10 @@ export class SceneView {
       const at = (part.userData as { path?: string }).path;
       if (at === path || at?.startsWith(`${path}/`) === true) box.expandByObject(part);
     });
+    for (const shape of this.shown?.file.shapes ?? []) {
+      if (shape.node !== this.shown?.file.standingNode) continue;
+      if (shape.path === path || shape.path?.startsWith(`${path}/`) === true) expandByShape(box, shape);
+    }
     return box;
   }
 
@@ -186,12 +223,42 @@ export class SceneView {
     const caster = this.casterAt(x, y);
     let nearest = { distance: Infinity, node: -1 };
     for (const batch of this.shown?.moving.batches ?? []) {
+      if (batch.standing) continue;
       batch.mesh.boundingSphere = null; // its instances have moved since it was computed
       for (const hit of caster.intersectObject(batch.mesh, false)) {
         if (hit.distance < nearest.distance) nearest = { distance: hit.distance, node: batch.nodeAt(hit.instanceId ?? 0) };
       }
     }
     return nearest.node < 0 ? null : nearest.node;
+  }
+
+  // The Shape that is drawn at a place of the window, and where; null where there is none.
+  shapeUnder(x: number, y: number): { path: string; point: Vector3 } | null {
+    if (this.shown === null) return null;
+    const caster = this.casterAt(x, y);
+    let nearest: { distance: number; path: string; point: Vector3 } | null = null;
+    const take = (distance: number, path: string | undefined, point: Vector3): void => {
+      if (path !== undefined && (nearest === null || distance < nearest.distance)) nearest = { distance, path, point };
+    };
+    for (const hit of caster.intersectObject(this.shown.file.standing, true)) take(hit.distance, pathOf(hit.object), hit.point);
+    for (const batch of this.shown.moving.batches) {
+      batch.mesh.boundingSphere = null;
+      for (const hit of caster.intersectObject(batch.mesh, false)) take(hit.distance, batch.pathAt(hit.instanceId ?? 0), hit.point);
+    }
+    return nearest;
+  }
+
+  // Draws what stands below some paths elsewhere, until the scene is another one; null: where it is.
+  previewShift(paths: readonly string[], shift: Vector3 | null): void {
+    this.shown?.file.standing.traverse((part) => {
+      const path = part instanceof Mesh ? pathOf(part) : undefined;
+      if (path === undefined || !paths.some((above) => path === above || path.startsWith(`${above}/`))) return;
+      const data = part.userData as { unmoved?: Matrix4 };
+      data.unmoved ??= part.matrixWorld.clone();
+      part.matrixWorld.copy(data.unmoved);
+      if (shift !== null) part.matrixWorld.premultiply(new Matrix4().makeTranslation(shift));
+      part.matrixWorldAutoUpdate = false;
+    });
   }
 
   // Where a point of the world is on the window [px]; null behind the camera.
@@ -213,7 +280,7 @@ export class SceneView {
     shown.ghosts.group.visible = this.showsGhosts;
     if (!this.showsGhosts) return;
     shown.ghostFrames.update(shown.file.nodes, ghosts, time_s, poses, PoseFlag.own);
-    shown.ghosts.update(shown.ghostFrames, this.frustum, shown.ghostColours);
+    shown.ghosts.update(shown.ghostFrames, this.frustum, shown.ghostColours, shown.groups);
   }
 
   private firstLook(file: SceneFile): void {
@@ -224,10 +291,22 @@ export class SceneView {
   }
 
   private clear(shown: Shown): void {
+    shown.occlusion.dispose();
     shown.file.standing.removeFromParent();
     for (const { object } of shown.file.carried) object.removeFromParent();
     shown.moving.dispose();
     shown.ghosts.dispose();
     for (const shape of shown.file.shapes) shape.geometry.dispose();
   }
+}
+
+function expandByShape(box: Box3, { geometry, nodeFromShape }: MovingShape): void {
+  geometry.computeBoundingBox();
+  if (geometry.boundingBox !== null) box.union(geometry.boundingBox.clone().applyMatrix4(nodeFromShape));
+}
+
+// A sheared Shape is two objects, of which the upper one has the path.
+function pathOf(part: Object3D): string | undefined {
+  const { path } = part.userData as { path?: string };
+  return path ?? (part.parent?.userData as { path?: string } | undefined)?.path;
 }

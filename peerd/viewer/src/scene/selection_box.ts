@@ -22,7 +22,7 @@ export class SelectionBox implements Overlay {
   update(view: SceneView): void {
     const node = view.selected;
     const { file, frames } = view;
-    this.helper.visible = node !== null && file !== null && frames !== null && frames.known[node] === 1;
+    this.helper.visible = node !== null && node !== file?.standingNode && file !== null && frames !== null && frames.known[node] === 1;
     if (!this.helper.visible || node === null || file === null || frames === null) return;
     this.measure(file, node);
     frames.matrix(node, this.frame);

@@ -1,6 +1,8 @@
 import { PoseRow, readPoseFrame, type PoseFrame } from '../live/pose_frame';
+import { LookBook } from './look_book';
 
-// The newest row of each node and kind, as bytes: from it comes a frame with all rows, from which a replay can begin.
+// The newest row of each node and kind, as bytes, and the newest looks: from it comes a frame with all of them, from which a
+// replay can begin.
 const kHeadBytes = 40;
 const kKinds = 3;
 
@@ -9,9 +11,12 @@ export class FullState {
   private known = new Uint8Array(0);
   private wordsOfRow = 14;
   private count = 0;
+  private readonly looks = new LookBook();
 
   take(frame: PoseFrame): void {
     this.wordsOfRow = frame.rowBytes >> 2;
+    this.looks.take(frame.looks);
+    this.looks.drain();
     const row = new PoseRow(frame);
     for (let i = 0; i < frame.rowCount; ++i) {
       row.moveTo(i);
@@ -22,6 +27,7 @@ export class FullState {
   clear(): void {
     this.known.fill(0);
     this.count = 0;
+    this.looks.clear();
   }
 
   // A frame with the head of `frame` and all rows that are known.
@@ -38,7 +44,8 @@ export class FullState {
     }
     const made = readPoseFrame(buffer);
     if (typeof made === 'string') throw new Error(made);
-    return made;
+    // Copies: the values are views of messages, which the history would keep whole.
+    return { ...made, looks: this.looks.all().map((look) => ({ ...look, values: look.values.slice() })) };
   }
 
   private copy(frame: PoseFrame, row: number, slot: number): void {

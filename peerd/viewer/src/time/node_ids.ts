@@ -16,6 +16,13 @@ export class NodeIds {
     while (this.idsOf.size > kMostRevisions) this.idsOf.delete([...this.idsOf.keys()][0]);
   }
 
+  // What comes next are the scenes of another view, which counts its revisions itself.
+  forgetAll(): void {
+    this.idsOf.clear();
+    this.kept.clear();
+    this.present = -1;
+  }
+
   knows(revision: number): boolean {
     return this.idsOf.has(revision);
   }

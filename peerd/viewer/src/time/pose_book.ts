@@ -21,7 +21,9 @@ export class PoseBook {
     for (let i = 0; i < frame.rowCount; ++i) {
       row.moveTo(i);
       const node = nodeOf === undefined ? row.node : (nodeOf[row.node] ?? -1);
-      if (node >= 0) this.tableOf(row.kind)?.take(node, row, time_s, drawn_s);
+      if (node < 0) continue;
+      if (row.owner === 0 && row.kind !== PoseKind.shown) this.tableOf(row.kind)?.forget(node); // it is not known any more
+      else this.tableOf(row.kind)?.take(node, row, time_s, drawn_s);
     }
   }
 
@@ -29,10 +31,11 @@ export class PoseBook {
     for (const table of [this.shown, this.truth, this.ghost]) table.forgetAll();
   }
 
-  // How wrong the ghost of an own object is now [m]; NaN where truth and ghost are not both known.
-  errorOf(node: number): number {
+  // How wrong the ghost is at an instant, by default that of the last frame [m]; NaN where truth and ghost are not both
+  // known, as those of others are only where all of a run is.
+  errorOf(node: number, time_s = Infinity): number {
     const { a, b } = this;
-    if (!this.truth.latest(node, a) || !this.ghost.latest(node, b)) return NaN;
+    if (!this.truth.sample(node, time_s, a) || !this.ghost.sample(node, time_s, b)) return NaN;
     return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
   }
 

@@ -1,21 +1,18 @@
 import type { PoseFrame } from '../live/pose_frame';
+import type { Frames, KeptFrame } from './frames';
 import { FullState } from './full_state';
 
 // The pose frames of the last minute, in stretches that begin with a frame of all rows. What is older, or more than the
 // bytes that are allowed, is forgotten by whole stretches.
 const kStretch_s = 2;
 
-export interface KeptFrame {
-  readonly time_s: number;
-  readonly frame: PoseFrame;
-}
-
 interface Stretch {
   readonly frames: KeptFrame[];
   bytes: number;
 }
 
-export class PoseHistory {
+export class PoseHistory implements Frames {
+  readonly grows = true;
   private readonly stretches: Stretch[] = [];
   private readonly state = new FullState();
   private bytes_ = 0;
@@ -35,6 +32,11 @@ export class PoseHistory {
   get end_s(): number {
     return this.stretches.at(-1)?.frames.at(-1)?.time_s ?? NaN;
   }
+
+  ready(): boolean {
+    return true;
+  }
+  want(): void {}
 
   add(frame: PoseFrame, time_s: number): void {
     if (time_s < this.end_s || time_s > this.end_s + this.span_s) this.clear(); // session time has been stepped

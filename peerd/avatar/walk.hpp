@@ -6,7 +6,7 @@
 
 #include "core/math.hpp"
 
-namespace peerd::picture {
+namespace peerd::avatar {
 
 // The sizes of who walks, as NavigationInfo's avatarSize has them (VRML97, 6.29) [m].
 struct AvatarSize {
@@ -33,14 +33,14 @@ struct RayHit {
   double distance_m = 0;
   Vec3 normal = Vec3::Zero();  // towards the ray's side
 };
-// What a ray of unit direction meets first. The error says what cannot be asked.
+// A caster says what a ray of unit direction meets first; its error, what cannot be asked.
 using CastResult = std::expected<std::optional<RayHit>, std::string>;
 using RayCaster = std::function<CastResult(const Vec3& origin, const Vec3& direction)>;
 
-// Where the stride ends: at walls, along which it slides with what is left of it, up steps and down to the ground.
-// Walls are felt by rays at three heights and three places across the way, so that what is thinner than the gaps
-// between them may be passed. Where nothing is below, nobody falls.
+// Returns where the stride ends: at walls, along which it slides with what is left of it, up steps and down to the
+// ground. Walls are felt by rays at three heights and three places across the way, so that what is thinner than the
+// gaps between them may be passed. Where nothing is below, nobody falls.
 [[nodiscard]] std::expected<Stand, std::string> walk(const RayCaster& cast, const AvatarSize& size,
                                                      const Stride& stride);
 
-}  // namespace peerd::picture
+}  // namespace peerd::avatar

@@ -1,13 +1,13 @@
-#include "peerd/picture/walk.hpp"
+#include "peerd/avatar/walk.hpp"
 
 #include <algorithm>
 #include <limits>
 
-namespace peerd::picture {
+namespace peerd::avatar {
 namespace {
 
 constexpr double kGravity_m_s2 = 9.80665;
-// Who slides leaves the wall by that part of what presses it there, so that no rounding holds it.
+// A body that slides leaves the wall by that part of what presses it there, so that no rounding holds it.
 constexpr double kAside = 1.0 / (1 << 20);
 constexpr double kBeside = 0.7;  // the places of rays across the way [radii]
 
@@ -74,4 +74,4 @@ std::expected<Stand, std::string> walk(const RayCaster& cast, const AvatarSize& 
   return stand;
 }
 
-}  // namespace peerd::picture
+}  // namespace peerd::avatar

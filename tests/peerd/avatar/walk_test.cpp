@@ -1,4 +1,4 @@
-#include "peerd/picture/walk.hpp"
+#include "peerd/avatar/walk.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,10 @@
 #include "peerd/picture/pick.hpp"
 #include "tests/peerd/picture/picture_of_text.hpp"
 
-namespace peerd::picture::walk_test {
+namespace peerd::avatar::walk_test {
 
 using peerd::testing_support::scene_of;
+using picture::Pickable;
 
 // A floor at height 0; a wall whose face is at x = 5; a step of 0.5 m from z = -3 on, a block of 1 m from z = 3 on; and
 // a curtain at x = -2 that nobody collides with.
@@ -24,7 +25,7 @@ Collision { collide FALSE children Transform { translation -2 2 0 children Shape
 class Hall {
  public:
   explicit Hall(const char* text = kHall)
-      : input_(input_at(scene_of(text), 0.0, "w")), picker_(input_, Pickable::kColliding) {}
+      : input_(picture::input_at(scene_of(text), 0.0, "w")), picker_(input_, Pickable::kColliding) {}
 
   Stand go(const Stride& stride) {
     const auto stand = walk(
@@ -40,8 +41,8 @@ class Hall {
   }
 
  private:
-  PictureInput input_;
-  ScenePicker picker_;
+  picture::PictureInput input_;
+  picture::ScenePicker picker_;
 };
 
 Stride stride(const Vec3& eye, const Vec3& by) { return {eye, by, true, 0.0, 0.02}; }
@@ -120,4 +121,4 @@ TEST(Walk, SaysWhatCannotBeAsked) {
   EXPECT_FALSE(walk(refused, {}, stride({0, 1.6, 0}, {1, 0, 0})));
 }
 
-}  // namespace peerd::picture::walk_test
+}  // namespace peerd::avatar::walk_test

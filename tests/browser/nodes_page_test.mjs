@@ -1,0 +1,141 @@
+// node nodes_page_test.mjs PEERD PACKAGES OUT: what the page draws of LOD, Switch, Billboard, Text, Anchor, PixelTexture and of
+// ROUTEs into coordinates, scales and colours, by the colours of pixels, on a real peer in a headless Chromium.
+//
+// PEERD is the program, PACKAGES the folder whose node_modules has playwright-core, OUT where screenshots go. Exit codes: 0
+// good, 1 something is wrong, 77 skipped.
+import { mkdirSync } from 'node:fs';
+import { dirname, join, resolve } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { check, findBrowser, freePort, Page, Peer, Pixels } from './real_peers.mjs';
+
+const kConfiguration = join(dirname(fileURLToPath(import.meta.url)), 'nodes.toml');
+const [program, packages, out] = process.argv.slice(2).map((path) => resolve(path));
+
+const kRed = [255, 0, 0];
+const kGreen = [0, 255, 0];
+const kBlue = [0, 0, 255];
+const kYellow = [255, 255, 0];
+const kMagenta = [255, 0, 255];
+const kCyan = [0, 255, 255];
+
+async function drawn(page) {
+  const pixels = await Pixels.of(page);
+  const is = async (what, place, wanted) => {
+    const found = await pixels.at(place);
+    check(pixels.isLike(found, wanted), `${what}: the pixel at ${place} is ${found}, and not ${wanted}`);
+  };
+  return { pixels, is };
+}
+
+async function near(page) {
+  await page.viewpoint('Near');
+  const { pixels, is } = await drawn(page);
+  await is('level 0 of the LOD', [-6, 1, 0], kRed);
+  await is('the Billboard', [-4, 1, 0], kBlue);
+  await is('the Switch has its first choice', [0, -1.5, 0], [51, 255, 255]);
+  await is('the lower pixel', [2, 0.45, 0.7], kMagenta);
+  await is('the upper pixel', [2, 1.55, 0.7], kCyan);
+  const letters = await pixels.countAround([-2, 1, 0], 60, kYellow);
+  console.log(`the Text has ${letters} yellow pixels around its middle`);
+  check(letters > 200, `the Text has only ${letters} yellow pixels`);
+}
+
+async function far(page) {
+  await page.viewpoint('Far');
+  await (await drawn(page)).is('level 1 of the LOD', [-6, 1, 0], kGreen);
+}
+
+async function behind(page) {
+  await page.viewpoint('Behind');
+  await (await drawn(page)).is('the Billboard has turned', [-4, 1, 0], kBlue);
+}
+
+// What ROUTEs change: each place has both of its looks within a few seconds, and stands while the page is paused.
+async function looksChange(page) {
+  await page.viewpoint('Near');
+  const places = { 'the cloth, below': [4, 0.6, 0], 'the cloth, above': [4, 3.3, 0], 'the lamp': [6, 1, 0.4], 'the box that breathes': [6.6, 2.5, 0] };
+  const seen = Object.fromEntries(Object.keys(places).map((name) => [name, []]));
+  for (let i = 0; i < 24; ++i) {
+    const pixels = await Pixels.of(page);
+    for (const [name, place] of Object.entries(places)) seen[name].push(await pixels.at(place));
+  }
+  for (const [name, colours] of Object.entries(seen)) {
+    const spread = Math.max(...[0, 1, 2].map((channel) => Math.max(...colours.map((colour) => colour[channel])) - Math.min(...colours.map((colour) => colour[channel]))));
+    check(spread > 100, `${name} keeps its colour: ${colours.join(' | ')}`);
+  }
+  await page.tab.evaluate(() => window.peerd.pause());
+  await page.tab.evaluate(() => new Promise((drawn) => setTimeout(drawn, 300)));
+  const first = await Pixels.of(page);
+  await page.tab.evaluate(() => new Promise((later) => setTimeout(later, 700)));
+  const second = await Pixels.of(page);
+  for (const [name, place] of Object.entries(places)) {
+    const [a, b] = [await first.at(place), await second.at(place)];
+    check(first.isLike(a, b), `${name} moves although the page is paused: ${a}, then ${b}`);
+  }
+  await page.tab.evaluate(() => window.peerd.live());
+}
+
+async function anchor(page) {
+  await page.viewpoint('Near');
+  const { x, y } = await page.tab.evaluate(() => window.peerd.on_window([0, 1, 0.7]));
+  await page.tab.mouse.click(x, y);
+  const offer = page.tab.locator('.anchor-offer');
+  await offer.getByText('From far away').waitFor();
+  await page.shot(join(out, 'anchor-1280.png'));
+  await offer.getByRole('button', { name: 'Go there' }).click();
+  await page.tab.evaluate(() => new Promise((drawn) => setTimeout(drawn, 300)));
+  await (await drawn(page)).is('the Anchor has led far away', [-6, 1, 0], kGreen);
+  check(await offer.isHidden(), 'the offer stays when it was taken');
+}
+
+// An edit of whichChoice makes the page show the other one.
+async function choice(page) {
+  const reply = await page.tab.evaluate(() => window.peerd.ask({ do: 'set', path: 'CHOICE', field: 'whichChoice', value: '1' }));
+  check(reply.ok, `the edit is refused: ${JSON.stringify(reply)}`);
+  await page.until('the scene has the other choice', () => window.peerd.revision > 1);
+  await page.viewpoint('Near');
+  const { is } = await drawn(page);
+  await is('the Switch has its second choice', [2, -1.5, 0], [255, 51, 255]);
+}
+
+const launch = findBrowser(packages);
+mkdirSync(out, { recursive: true });
+const peer = new Peer(program, kConfiguration, 'a', await freePort());
+const faults = [];
+let browser = null;
+let failed = false;
+try {
+  browser = await launch();
+  const page = await Page.open(browser, 'nodes', await peer.address, faults);
+  await page.until('the world is shown', () => window.peerd.objects().length >= 1 && window.peerd.pictures > 2 && window.peerd.range_s[1] > 1);
+  await near(page);
+  await page.shot(join(out, 'nodes-1280.png'));
+  await far(page);
+  await behind(page);
+  await looksChange(page);
+  await anchor(page);
+  await choice(page);
+  check((await page.tab.evaluate(() => window.peerd.undrawn.length)) === 0, 'something is not drawn');
+  for (const [width, colorScheme] of [[800, 'dark'], [400, 'light'], [400, 'dark']]) {
+    const narrow = await Page.open(browser, `${width} ${colorScheme}`, await peer.address, faults, { viewport: { width, height: 800 }, colorScheme });
+    await narrow.until('the world is shown', () => window.peerd.objects().length >= 1 && window.peerd.pictures > 2);
+    await narrow.viewpoint('Near');
+    const { x, y } = await narrow.tab.evaluate(() => window.peerd.on_window([0, 1, 0.7]));
+    await narrow.tab.mouse.click(x, y);
+    await narrow.tab.locator('.anchor-offer').getByText('From far away').waitFor();
+    await narrow.shot(join(out, `nodes-${colorScheme}-${width}.png`));
+    await narrow.context.close();
+  }
+  check(faults.length === 0, `the consoles of the pages are not empty:\n${faults.join('\n')}`);
+} catch (error) {
+  failed = true;
+  console.log(error.stack);
+  if (faults.length > 0) console.log(`on the consoles:\n${faults.join('\n')}`);
+}
+await browser?.close();
+await peer.leave().catch((error) => {
+  failed = true;
+  console.log(error.message);
+});
+if (failed) console.log(peer.log.slice(-4000));
+process.exit(failed ? 1 : 0);
