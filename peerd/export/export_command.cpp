@@ -19,10 +19,30 @@ using Json = nlohmann::ordered_json;
 std::uint64_t triangles_of(const picture::ScenePicture& drawn) {
   std::uint64_t count = 0;
   for (const picture::DrawnShape& shape : drawn.shapes) {
+    if (shape.mesh == picture::DrawnShape::kNoMesh) continue;
     const picture::DrawnGeometry& geometry = drawn.geometries[drawn.meshes[shape.mesh].geometry];
     if (geometry.mode == picture::DrawnGeometry::Mode::kTriangles) count += geometry.corners.size() / 3;
   }
   return count;
+}
+
+// Names the parts that glTF has no words for: peerd's own page shows them, by the file's extras, and other programs do
+// not.
+void name_what_others_miss(picture::ScenePicture& drawn, const Scene& scene) {
+  using Kind = picture::DrawnGroup::Kind;
+  const auto name = [&](ObjectId id, const char* what, const char* why) {
+    drawn.undrawn.push_back({scene.path_of(id), what, why, 1});
+  };
+  for (const picture::DrawnGroup& group : drawn.groups) {
+    if (group.kind == Kind::kLevel && group.number == 0 && group.count > 1) {
+      name(group.id, "LOD", "other programs show all of its levels at once");
+    }
+    if (group.kind == Kind::kBillboard) name(group.id, "Billboard", "other programs do not turn it");
+    if (group.kind == Kind::kAnchor) name(group.id, "Anchor", "other programs do not follow it");
+  }
+  for (const picture::DrawnShape& shape : drawn.shapes) {
+    if (shape.text) name(shape.id, "Text", "other programs do not draw it");
+  }
 }
 
 Json to_json(const picture::Undrawn& undrawn) {
@@ -52,9 +72,11 @@ int run_export(const std::string& path, const ExportOptions& options, std::ostre
   std::ostream* const json = options.json ? &out : nullptr;
   const auto file = open_world(path, options.reading, err, json);
   if (!file) return file.error();
-  const auto drawn = picture::picture_of(
-      picture::input_at(*(*file)->result.scene, options.at_s, std::filesystem::path(path).filename().string(),
-                        picture::images_of(config::local_files(picture::kImage_bytes), path)));
+  const Scene& scene = *(*file)->result.scene;
+  auto drawn =
+      picture::picture_of(picture::input_at(scene, options.at_s, std::filesystem::path(path).filename().string(),
+                                            picture::images_of(config::local_files(picture::kImage_bytes), path)));
+  name_what_others_miss(drawn, scene);
   const auto written = picture::write_glb(drawn);
   if (!written) return print_error({path + ": error: " + written.error(), 1}, err, json);
   if (const auto kept = write_text_file(options.gltf, *written); !kept) return print_error(kept.error(), err, json);

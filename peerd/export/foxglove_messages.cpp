@@ -45,6 +45,15 @@ Json points_of(const picture::DrawnGeometry& geometry, const picture::DrawnShape
   return points;
 }
 
+// Whether that format can show the Shape: no text, and of an LOD the first level alone.
+bool can_show(const picture::ScenePicture& scene, const picture::DrawnShape& shape) {
+  if (shape.mesh == picture::DrawnShape::kNoMesh) return false;
+  for (auto group = shape.group; group; group = scene.groups[*group].above) {
+    if (scene.groups[*group].kind == picture::DrawnGroup::Kind::kLevel && scene.groups[*group].number > 0) return false;
+  }
+  return true;
+}
+
 // Triangles, or lines one by one. Points have no size in that format, and are left out.
 void add_shape(Json& entity, const picture::ScenePicture& scene, const picture::DrawnShape& shape) {
   using Mode = picture::DrawnGeometry::Mode;
@@ -129,7 +138,9 @@ std::string scene_update(double t_s, const picture::ScenePicture& scene, const s
     ids.push_back(scene.nodes[i].id ? frame : prefix + "(what stands)");
     of_node.push_back(entity(t_s, ids.back(), frame));
   }
-  for (const picture::DrawnShape& shape : scene.shapes) add_shape(of_node[shape.node], scene, shape);
+  for (const picture::DrawnShape& shape : scene.shapes) {
+    if (can_show(scene, shape)) add_shape(of_node[shape.node], scene, shape);
+  }
   Json deletions = Json::array();
   for (const std::string& id : before) {
     if (std::ranges::find(ids, id) == ids.end()) {

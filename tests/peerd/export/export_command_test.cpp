@@ -95,8 +95,21 @@ TEST(Export, SaysWhatItLeavesOut) {
   const auto world = folder.write("w.wrl", "#VRML V2.0 utf8\nDEF S Shape { geometry Text { string \"a\" } }\n");
   const Outcome outcome = export_world(world, folder / "w.glb", 0.0, /*as_json=*/false);
   EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_THAT(outcome.out, HasSubstr("0 Shapes of 0 meshes, 0 triangles; 0 nodes move by themselves\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("  S (Text): no viewer draws it yet\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("1 Shape of 0 meshes, 0 triangles; 0 nodes move by themselves\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("  S (Text): other programs do not draw it\n"));
+}
+
+TEST(Export, SaysWhatOtherProgramsShowOtherwise) {
+  const ScratchFolder folder;
+  const auto world = folder.write("w.wrl", R"(#VRML V2.0 utf8
+DEF L LOD { range [ 5 ] level [ Shape { geometry Box { } } Shape { geometry Sphere { } } ] }
+DEF B Billboard { children Shape { geometry Box { } } }
+DEF A Anchor { url "#V" children Shape { geometry Box { } } })");
+  const Outcome outcome = export_world(world, folder / "w.glb", 0.0, /*as_json=*/false);
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("  L (LOD): other programs show all of its levels at once\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("  B (Billboard): other programs do not turn it\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("  A (Anchor): other programs do not follow it\n"));
 }
 
 TEST(Export, EndsWithACode) {

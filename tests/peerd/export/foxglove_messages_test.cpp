@@ -59,6 +59,23 @@ TEST(FoxgloveMessages, AnEntityGoesWithTheFrameOfItsNode) {
   EXPECT_EQ(message.at("entities").at(1).at("frame_id"), "world") << "what stands";
 }
 
+TEST(FoxgloveMessages, OfAnLodTheFirstLevelIsShownAndNoText) {
+  picture::ScenePicture scene = scene_of({"CAR"});
+  for (const std::uint32_t number : {0U, 1U}) {
+    picture::DrawnGroup& level = scene.groups.emplace_back();
+    level.number = number;
+    level.count = 2;
+  }
+  scene.shapes.push_back(scene.shapes.front());
+  scene.shapes[0].group = 0;
+  scene.shapes[1].group = 1;
+  picture::DrawnShape& text = scene.shapes.emplace_back();
+  text.mesh = picture::DrawnShape::kNoMesh;
+  std::vector<std::string> before;
+  const json message = json::parse(scene_update(0.0, scene, "a/", "world", before));
+  EXPECT_EQ(message.at("entities").at(0).at("triangles").size(), 1U);
+}
+
 TEST(FoxgloveMessages, WhatASceneHasNoMoreIsDeleted) {
   std::vector<std::string> before;
   (void)scene_update(0.0, scene_of({"CAR", "BOX"}), "a/", "world", before);
