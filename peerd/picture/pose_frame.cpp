@@ -42,7 +42,12 @@ std::byte* put(std::byte* at, const T& value) {
 }  // namespace
 
 // Rows are compared by their bits: a threshold that is no number is equal to another one.
-bool operator==(const PoseRow& a, const PoseRow& b) { return std::memcmp(&a, &b, kPoseRow_bytes) == 0; }
+bool operator==(const PoseRow& a, const PoseRow& b) {
+  return std::memcmp(&a, &b, kPoseRow_bytes) == 0;  // NOLINT(bugprone-suspicious-memory-comparison): no padding
+}
+static_assert(sizeof(PoseRow) == 2 * sizeof(std::uint32_t) + 2 * sizeof(std::uint16_t) + sizeof(float) +
+                                     3 * sizeof(double) + 4 * sizeof(float),
+              "it has no padding");
 
 void PoseTable::reset(std::uint32_t revision, std::shared_ptr<const Scene> scene, Movers movers) {
   assert(scene && movers.above.size() == movers.ids.size() && movers.of_peer.size() == movers.ids.size());

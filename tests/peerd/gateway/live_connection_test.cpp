@@ -223,12 +223,12 @@ TEST_F(GatewayLive, AnAvatarGoesWithItsConnection) {
 // The stone's face is at z = -10 on this side; the rays are the daemon's own.
 TEST_F(GatewayLive, WhoWalksEndsAtWhatCollides) {
   LiveClient client(peer);
-  const auto go = [&](json members) {
+  const auto go = [&](const json& members) {
     json request = {{"do", "walk"}, {"eye_m", {0, 0, -20}}, {"by_m", {0, 0, 15}}, {"falls", false}, {"height_m", 0.1}};
     request.update(members);
     return client.ask(request);
   };
-  const json stopped = go({});
+  const json stopped = go(json::object());
   ASSERT_EQ(stopped["ok"], true) << stopped;
   EXPECT_NEAR(stopped["eye_m"][2].get<double>(), -10.25, 1e-4);
   EXPECT_NEAR(go({{"by_m", {0, 0, 3}}})["eye_m"][2].get<double>(), -17.0, 1e-12);
