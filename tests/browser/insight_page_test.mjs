@@ -3,13 +3,12 @@
 //
 // PEERD is the program, PACKAGES the folder whose node_modules has playwright-core, OUT where screenshots go. Exit codes: 0
 // good, 1 something is wrong, 77 skipped.
-import { mkdirSync } from 'node:fs';
-import { dirname, join, resolve } from 'node:path';
+import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { check, findBrowser, freePort, Page, Peer } from './real_peers.mjs';
+import { check, Page, testPages, words } from './real_peers.mjs';
 
 const kConfiguration = join(dirname(fileURLToPath(import.meta.url)), 'insight.toml');
-const [program, packages, out] = process.argv.slice(2).map((path) => resolve(path));
+const { out } = words();
 
 const insight = (page) => page.tab.evaluate(() => window.peerd.insight);
 
@@ -44,16 +43,7 @@ async function hierarchy(page) {
   check(!refused.ok, 'a hierarchy of nothing is given');
 }
 
-const launch = findBrowser(packages);
-mkdirSync(out, { recursive: true });
-const port = await freePort();
-const peers = ['a', 'b'].map((name) => new Peer(program, kConfiguration, name, port));
-const faults = [];
-let browser = null;
-let failed = false;
-try {
-  const addresses = await Promise.all(peers.map((peer) => peer.address));
-  browser = await launch();
+await testPages(kConfiguration, ['a', 'b'], async (browser, addresses, faults) => {
   for (const [width, colorScheme] of [[1280, 'light'], [1280, 'dark'], [800, 'dark'], [400, 'light']]) {
     const page = await Page.open(browser, `${width} ${colorScheme}`, addresses[0], faults, { viewport: { width, height: 800 }, colorScheme });
     await page.until('the world is shown', () => window.peerd.objects().length >= 2 && window.peerd.pictures > 2);
@@ -67,18 +57,4 @@ try {
     await page.shot(join(out, `insight-${colorScheme}-${width}.png`));
     await page.context.close();
   }
-  check(faults.length === 0, `the consoles of the pages are not empty:\n${faults.join('\n')}`);
-} catch (error) {
-  failed = true;
-  console.log(error.stack);
-  if (faults.length > 0) console.log(`on the consoles:\n${faults.join('\n')}`);
-}
-await browser?.close();
-for (const peer of peers) {
-  await peer.leave().catch((error) => {
-    failed = true;
-    console.log(error.message);
-  });
-  if (failed) console.log(`--- peer ${peer.name}\n${peer.log.slice(-3000)}`);
-}
-process.exit(failed ? 1 : 0);
+});

@@ -3,13 +3,12 @@
 //
 // PEERD is the program, PACKAGES the folder whose node_modules has playwright-core, OUT where screenshots go. Exit codes: 0
 // good, 1 something is wrong, 77 skipped.
-import { mkdirSync } from 'node:fs';
-import { dirname, join, resolve } from 'node:path';
+import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { check, findBrowser, freePort, Page, Peer, Pixels } from './real_peers.mjs';
+import { check, Page, Pixels, testPages, words } from './real_peers.mjs';
 
 const kConfiguration = join(dirname(fileURLToPath(import.meta.url)), 'nodes.toml');
-const [program, packages, out] = process.argv.slice(2).map((path) => resolve(path));
+const { out } = words();
 
 const kRed = [255, 0, 0];
 const kGreen = [0, 255, 0];
@@ -98,15 +97,8 @@ async function choice(page) {
   await is('the Switch has its second choice', [2, -1.5, 0], [255, 51, 255]);
 }
 
-const launch = findBrowser(packages);
-mkdirSync(out, { recursive: true });
-const peer = new Peer(program, kConfiguration, 'a', await freePort());
-const faults = [];
-let browser = null;
-let failed = false;
-try {
-  browser = await launch();
-  const page = await Page.open(browser, 'nodes', await peer.address, faults);
+await testPages(kConfiguration, ['a'], async (browser, [address], faults) => {
+  const page = await Page.open(browser, 'nodes', address, faults);
   await page.until('the world is shown', () => window.peerd.objects().length >= 1 && window.peerd.pictures > 2 && window.peerd.range_s[1] > 1);
   await near(page);
   await page.shot(join(out, 'nodes-1280.png'));
@@ -117,7 +109,7 @@ try {
   await choice(page);
   check((await page.tab.evaluate(() => window.peerd.undrawn.length)) === 0, 'something is not drawn');
   for (const [width, colorScheme] of [[800, 'dark'], [400, 'light'], [400, 'dark']]) {
-    const narrow = await Page.open(browser, `${width} ${colorScheme}`, await peer.address, faults, { viewport: { width, height: 800 }, colorScheme });
+    const narrow = await Page.open(browser, `${width} ${colorScheme}`, address, faults, { viewport: { width, height: 800 }, colorScheme });
     await narrow.until('the world is shown', () => window.peerd.objects().length >= 1 && window.peerd.pictures > 2);
     await narrow.viewpoint('Near');
     const { x, y } = await narrow.tab.evaluate(() => window.peerd.on_window([0, 1, 0.7]));
@@ -126,16 +118,4 @@ try {
     await narrow.shot(join(out, `nodes-${colorScheme}-${width}.png`));
     await narrow.context.close();
   }
-  check(faults.length === 0, `the consoles of the pages are not empty:\n${faults.join('\n')}`);
-} catch (error) {
-  failed = true;
-  console.log(error.stack);
-  if (faults.length > 0) console.log(`on the consoles:\n${faults.join('\n')}`);
-}
-await browser?.close();
-await peer.leave().catch((error) => {
-  failed = true;
-  console.log(error.message);
 });
-if (failed) console.log(peer.log.slice(-4000));
-process.exit(failed ? 1 : 0);

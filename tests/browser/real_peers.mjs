@@ -1,9 +1,9 @@
 // Real peers with their pages, and a headless Chromium to look at them: for tests and for pictures of the documents.
 import { spawn } from 'node:child_process';
 import { createSocket } from 'node:dgram';
-import { existsSync } from 'node:fs';
+import { existsSync, mkdirSync } from 'node:fs';
 import { createRequire } from 'node:module';
-import { delimiter, join } from 'node:path';
+import { delimiter, join, resolve } from 'node:path';
 
 export const kPatience_ms = 120000; // a busy machine takes its time
 const kFlags = ['--no-sandbox', '--disable-gpu-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic',
@@ -166,4 +166,43 @@ export class Pixels {
   isLike(a, b) {
     return a.every((value, channel) => Math.abs(value - b[channel]) <= 24);
   }
+}
+
+// What a test of pages is called with: `program` is peerd, `packages` the folder whose node_modules has playwright-core, `out`
+// where screenshots go.
+export function words() {
+  const [program, packages, out] = process.argv.slice(2).map((path) => resolve(path));
+  return { program, packages, out };
+}
+
+// Runs the steps of a test on real peers of a configuration, and ends the process: 0 good, 1 something is wrong, 77 skipped. The steps get
+// a browser, the peers' addresses, and a list for what goes wrong on the pages that they open.
+export async function testPages(configuration, names, steps) {
+  const { program, packages, out } = words();
+  const launch = findBrowser(packages);
+  mkdirSync(out, { recursive: true });
+  const port = await freePort();
+  const peers = names.map((name) => new Peer(program, configuration, name, port));
+  const faults = [];
+  let browser = null;
+  let failed = false;
+  try {
+    const addresses = await Promise.all(peers.map((peer) => peer.address));
+    browser = await launch();
+    await steps(browser, addresses, faults);
+    check(faults.length === 0, `the consoles of the pages are not empty:\n${faults.join('\n')}`);
+  } catch (error) {
+    failed = true;
+    console.log(error.stack);
+    if (faults.length > 0) console.log(`on the consoles:\n${faults.join('\n')}`);
+  }
+  await browser?.close();
+  for (const peer of peers) {
+    await peer.leave().catch((error) => {
+      failed = true;
+      console.log(error.message);
+    });
+    if (failed) console.log(`--- peer ${peer.name}\n${peer.log.slice(-4000)}`);
+  }
+  process.exit(failed ? 1 : 0);
 }

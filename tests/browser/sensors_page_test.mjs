@@ -3,13 +3,13 @@
 //
 // PEERD is the program, PACKAGES the folder whose node_modules has playwright-core, OUT where screenshots go. Exit codes: 0
 // good, 1 something is wrong, 77 skipped.
-import { mkdirSync } from 'node:fs';
-import { dirname, join, resolve } from 'node:path';
+import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { check, findBrowser, freePort, Page, Peer } from './real_peers.mjs';
+import { check, Page, testPages, words } from './real_peers.mjs';
 
 const kConfiguration = join(dirname(fileURLToPath(import.meta.url)), 'sensors.toml');
-const [program, packages, out] = process.argv.slice(2).map((path) => resolve(path));
+const kPeers = ['a', 'b'];
+const { out } = words();
 
 const at = (page, place) => page.tab.evaluate((wanted) => window.peerd.on_window(wanted), place);
 const world = async (page) => (await page.tab.evaluate(() => window.peerd.ask({ do: 'world' }))).world;
@@ -76,18 +76,9 @@ async function drag(pages) {
   for (const page of pages) await page.until('the knob stays on its rail', knobAt(), 5);
 }
 
-const launch = findBrowser(packages);
-mkdirSync(out, { recursive: true });
-const port = await freePort();
-const peers = ['a', 'b'].map((name) => new Peer(program, kConfiguration, name, port));
-const faults = [];
-let browser = null;
-let failed = false;
-try {
-  const addresses = await Promise.all(peers.map((peer) => peer.address));
-  browser = await launch();
+await testPages(kConfiguration, kPeers, async (browser, addresses, faults) => {
   const pages = [];
-  for (const [i, address] of addresses.entries()) pages.push(await Page.open(browser, peers[i].name, address, faults));
+  for (const [i, address] of addresses.entries()) pages.push(await Page.open(browser, kPeers[i], address, faults));
   for (const page of pages) {
     await page.until('the world is shown', () => window.peerd.objects().length >= 3 && window.peerd.pictures > 2 && document.querySelector('[data-panel=peers] .badge')?.textContent === '1');
     await page.viewpoint('In front');
@@ -96,18 +87,4 @@ try {
   await touch(pages);
   await doorIsAlike(pages);
   await drag(pages);
-  check(faults.length === 0, `the consoles of the pages are not empty:\n${faults.join('\n')}`);
-} catch (error) {
-  failed = true;
-  console.log(error.stack);
-  if (faults.length > 0) console.log(`on the consoles:\n${faults.join('\n')}`);
-}
-await browser?.close();
-for (const peer of peers) {
-  await peer.leave().catch((error) => {
-    failed = true;
-    console.log(error.message);
-  });
-  if (failed) console.log(`--- peer ${peer.name}\n${peer.log.slice(-3000)}`);
-}
-process.exit(failed ? 1 : 0);
+});

@@ -3,15 +3,14 @@
 // PEERD is the program, PACKAGES the folder whose node_modules has playwright-core, OUT where screenshots go. Each step waits
 // until what it asks for is so, and says what it waited for where that does not happen within kPatience_ms. Exit codes: 0
 // good, 1 something is wrong, 77 skipped.
-import { mkdirSync } from 'node:fs';
-import { dirname, join, resolve } from 'node:path';
+import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { differingPixels, looksWhole } from './pictures.mjs';
-import { check, findBrowser, freePort, Page, Peer } from './real_peers.mjs';
+import { check, Page, testPages, words } from './real_peers.mjs';
 
 const kPeers = ['a', 'b', 'c'];
 const kConfiguration = join(dirname(fileURLToPath(import.meta.url)), 'viewer.toml');
-const [program, packages, out] = process.argv.slice(2).map((path) => resolve(path));
+const { out } = words();
 const shot = (page, name) => page.shot(join(out, `${name}.png`));
 
 async function objectsMove(browser, pages) {
@@ -186,16 +185,7 @@ async function firstPaint(page) {
   console.log(`first contentful paint after ${Math.round(paint)} ms`);
 }
 
-const launch = findBrowser(packages);
-mkdirSync(out, { recursive: true });
-const port = await freePort();
-const peers = kPeers.map((name) => new Peer(program, kConfiguration, name, port));
-const faults = [];
-let browser = null;
-let failed = false;
-try {
-  const addresses = await Promise.all(peers.map((peer) => peer.address));
-  browser = await launch();
+await testPages(kConfiguration, kPeers, async (browser, addresses, faults) => {
   const pages = [];
   for (const [i, address] of addresses.entries()) pages.push(await Page.open(browser, kPeers[i], address, faults));
   await firstPaint(pages[0]);
@@ -211,18 +201,4 @@ try {
   for (const page of pages) await page.context.close();
   await withoutToken(browser, addresses[1], faults);
   await widths(browser, addresses[0], faults);
-  check(faults.length === 0, `the consoles of the pages are not empty:\n${faults.join('\n')}`);
-} catch (error) {
-  failed = true;
-  console.log(error.stack);
-  if (faults.length > 0) console.log(`on the consoles:\n${faults.join('\n')}`);
-}
-await browser?.close();
-for (const peer of peers) {
-  await peer.leave().catch((error) => {
-    failed = true;
-    console.log(error.message);
-  });
-  if (failed) console.log(`--- peer ${peer.name}\n${peer.log.slice(-4000)}`);
-}
-process.exit(failed ? 1 : 0);
+});

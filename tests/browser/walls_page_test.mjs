@@ -3,14 +3,13 @@
 //
 // PEERD is the program, PACKAGES the folder whose node_modules has playwright-core, OUT where screenshots go. Exit codes: 0
 // good, 1 something is wrong, 77 skipped.
-import { mkdirSync } from 'node:fs';
-import { dirname, join, resolve } from 'node:path';
+import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { check, findBrowser, freePort, Page, Peer, Pixels } from './real_peers.mjs';
+import { check, Page, Pixels, testPages, words } from './real_peers.mjs';
 
 const kCracks_px = 3;
 const kConfiguration = join(dirname(fileURLToPath(import.meta.url)), 'walls.toml');
-const [program, packages, out] = process.argv.slice(2).map((path) => resolve(path));
+const { out } = words();
 
 // So many more pictures, however long they take: what is hidden is known two pictures later, and not all is asked for in each.
 function settled(page) {
@@ -63,15 +62,8 @@ async function nothingStaysMissing(page) {
   check(late.length === 0, 'what can be seen is left out for more than a picture');
 }
 
-const launch = findBrowser(packages);
-mkdirSync(out, { recursive: true });
-const peer = new Peer(program, kConfiguration, 'a', await freePort());
-const faults = [];
-let browser = null;
-let failed = false;
-try {
-  browser = await launch();
-  const page = await Page.open(browser, 'walls', await peer.address, faults);
+await testPages(kConfiguration, ['a'], async (browser, [address], faults) => {
+  const page = await Page.open(browser, 'walls', address, faults);
   await page.until('the world is shown', () => window.peerd.objects().length >= 2 && window.peerd.pictures > 2);
   const front = await both(page, 'In front');
   await page.shot(join(out, 'walls-1280.png'));
@@ -81,16 +73,4 @@ try {
   await both(page, 'From above');
   await both(page, 'Behind');
   await nothingStaysMissing(page);
-  check(faults.length === 0, `the consoles of the pages are not empty:\n${faults.join('\n')}`);
-} catch (error) {
-  failed = true;
-  console.log(error.stack);
-  if (faults.length > 0) console.log(`on the consoles:\n${faults.join('\n')}`);
-}
-await browser?.close();
-await peer.leave().catch((error) => {
-  failed = true;
-  console.log(error.message);
 });
-if (failed) console.log(peer.log.slice(-4000));
-process.exit(failed ? 1 : 0);
