@@ -19,27 +19,18 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kCannotWrite = 3;
 
-Result<recorded::Recording> make(const McapOptions& options, const recorded::Recorder& how) {
-  if (!fs::is_directory(options.what)) {
-    return recorded::record_capture(
-        {.path = options.what, .world = options.world, .size_max_mib = options.size_max_mib}, how);
-  }
-  const auto run = recorded::read_run(options.what, options.run);
-  if (!run) return std::unexpected(run.error());
-  return recorded::record_run(*run, how);
-}
-
 }  // namespace
 
 int run_mcap_export(const McapOptions& options, std::ostream& out, std::ostream& err) {
   std::ostream* const json = options.json ? &out : nullptr;
   if (!fs::exists(options.what)) return print_error({"error: there is no " + options.what, 2}, err, json);
   Scenes scenes;
-  const auto recording = make(options, {.hz = options.hz,
-                                        .most_bytes = options.memory_mib * kMiB,
-                                        .on_scene = [&](PeerId view, double t_s, const picture::ScenePicture& scene) {
-                                          scenes[view].push_back({t_s, scene});
-                                        }});
+  const auto keep_scene = [&](PeerId view, double t_s, const picture::ScenePicture& scene) {
+    scenes[view].push_back({t_s, scene});
+  };
+  const auto recording = recorded::record(
+      {.path = options.what, .world = options.world, .size_max_mib = options.size_max_mib}, options.run,
+      {.hz = options.hz, .most_bytes = options.memory_mib * kMiB, .on_scene = keep_scene});
   if (!recording) return print_error(recording.error(), err, json);
   std::ofstream file(options.file, std::ios::binary | std::ios::trunc);
   RecordingExport written(file);

@@ -49,11 +49,7 @@ class CaptureRecorder final : public ReplayWatch {
     recording.rows = view_.rows();
     recording.views.push_back(view_.finish());
     recording.end_s = last_s_;
-    if (!full_) return;
-    recording.notes.push_back(
-        fmt::format("only the first {:.3g} s are here, for more does not fit into {} MiB: --memory allows more, and a "
-                    "lower --hz needs less",
-                    last_s_, how_.most_bytes / kMiB));
+    if (full_) recording.notes.push_back(note_of_missing(last_s_, how_));
   }
 
  private:
@@ -98,6 +94,13 @@ Result<Recording> record_capture(const CaptureFile& file, const Recorder& how) {
   }
   if (capture->cut_off()) recording.notes.emplace_back("the capture ends in the middle of a packet");
   return recording;
+}
+
+Result<Recording> record(const CaptureFile& what, std::uint64_t run, const Recorder& how) {
+  if (!std::filesystem::is_directory(what.path)) return record_capture(what, how);
+  const auto read = read_run(what.path, run);
+  if (!read) return std::unexpected(read.error());
+  return record_run(*read, how);
 }
 
 }  // namespace peerd::recorded

@@ -17,4 +17,7 @@ struct CaptureFile {
 // does not do what it did.
 [[nodiscard]] Result<Recording> record_capture(const CaptureFile& file, const Recorder& how);
 
+// Records the run of that number, from 1, where the path is a folder of peerd sim, and else a capture.
+[[nodiscard]] Result<Recording> record(const CaptureFile& what, std::uint64_t run, const Recorder& how);
+
 }  // namespace peerd::recorded

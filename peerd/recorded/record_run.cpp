@@ -88,11 +88,7 @@ class RunRecorder final : public sim::PeersWatch {
       recording.views.push_back(view.finish());
     }
     recording.end_s = last_s_;
-    if (!full_) return;
-    recording.notes.push_back(
-        fmt::format("only the first {:.3g} s are here, for more does not fit into {} MiB: --memory allows more, and a "
-                    "lower --hz needs less",
-                    last_s_, how_.most_bytes / kMiB));
+    if (full_) recording.notes.push_back(note_of_missing(last_s_, how_));
   }
 
  private:
@@ -144,6 +140,14 @@ std::string title_of(const ReadRun& run) {
 }
 
 }  // namespace
+
+std::string note_of_missing(double last_s, const Recorder& how) {
+  return fmt::format(
+      "only the first {:.3g} s are here, for more does not fit into {} MiB: --memory allows more, and a lower --hz "
+      "needs "
+      "less",
+      last_s, how.most_bytes / kMiB);
+}
 
 Result<ReadRun> read_run(const fs::path& folder, std::size_t number) {
   ReadRun run;

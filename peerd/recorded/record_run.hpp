@@ -24,6 +24,9 @@ struct Recorder {
   SceneWatch on_scene{};
 };
 
+// The note that a recording has no more than so many seconds, as no more fits.
+[[nodiscard]] std::string note_of_missing(double last_s, const Recorder& how);
+
 // One run of a simulation's output folder, read and ready to be made once more.
 struct ReadRun {
   record::Rerun rerun;

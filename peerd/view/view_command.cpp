@@ -52,13 +52,8 @@ Result<recorded::Recording> make_recording(const ViewOptions& options, const Sto
     if (display.due()) display.show(fmt::format("simulating again: {:.1f} s", run_s.value_or(0.0)));
     return signals.signal() == 0;
   };
-  if (!fs::is_directory(options.what)) {
-    return recorded::record_capture(
-        {.path = options.what, .world = options.world, .size_max_mib = options.size_max_mib}, how);
-  }
-  const auto run = recorded::read_run(options.what, options.run);
-  if (!run) return std::unexpected(run.error());
-  return recorded::record_run(*run, how);
+  return recorded::record({.path = options.what, .world = options.world, .size_max_mib = options.size_max_mib},
+                          options.run, how);
 }
 
 void print_summary(const recorded::Recording& recording, double took_s) {
