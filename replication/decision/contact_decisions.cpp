@@ -223,14 +223,12 @@ void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
   assert(!contact.deferred);
   ContactEvent c = within_wire_limits(contact);
   // Two peers that find one contact at one instant decide it once: the one that comes second takes the other's.
-  const auto rebase_both = [&] {
-    for (const ObjectId object : {c.collider, c.collidee}) rebase(object, c.at);
-  };
   if (log_.is_decided_by_another(c.at, config_.id, c.collider, c.collidee, config_.decisions.policy)) {
-    return rebase_both();
+    for (const ObjectId object : {c.collider, c.collidee}) rebase(object, c.at);
+    return;
   }
   while (const auto* known = log_.find(c.at, config_.id, c.collider, c.collidee)) {
-    if (known->in_force) return rebase_both();  // found once more, maybe by another face: what has been said stands
+    if (known->in_force) break;  // the same once more
     c.at += Duration{1};
   }
   const DecisionRecord record = record_of(c, config_.decisions.policy);

@@ -183,22 +183,6 @@ TEST_F(Deciding, ADecisionMovesTheGhostsAndIsReportedAndNoted) {
   EXPECT_EQ(decisions.entries().at(0).copies, 1) << "on a good link";
 }
 
-// Chaos seed 20879: after an update the world went through the past again, and met the other one at the same instant by
-// another face. The others had the first outcome.
-TEST_F(Deciding, AContactThatIsFoundOnceMoreKeepsItsOutcome) {
-  decisions.decide(contact(), sim(10020ms));
-  (void)drain<ContactSeen>(outbox);
-  ContactEvent again = contact();
-  again.normal = Vec3::UnitZ();
-  again.collider_after = moving({0, 0, 0}, {0, 0, 5});
-  decisions.decide(again, sim(10040ms));
-  EXPECT_EQ(replica.ghost(a, sim(11s)).position, Vec3(1, 0, 0));
-  EXPECT_EQ(replica.truth(a, sim(11s)).position, Vec3(1, 0, 0));
-  EXPECT_TRUE(drain<ContactSeen>(outbox).empty()) << "it has been reported";
-  EXPECT_EQ(decisions.entries().size(), 1u);
-  EXPECT_EQ(counters.decisions, 1u);
-}
-
 TEST_F(Deciding, CopiesAreAsManyAsTheLossAsksFor) {
   echo_us(*members.find(other), 0.5);
   decisions.decide(contact(), sim(10s));
