@@ -91,6 +91,12 @@ export class Page {
   object(path) {
     return this.tab.evaluate((wanted) => window.peerd.objects().find((object) => object.path === wanted), path);
   }
+  // Whether it goes by half a metre along x within some seconds.
+  async moves(path) {
+    const { position_m } = await this.object(path);
+    const goes = ([name, x]) => Math.abs(window.peerd.objects().find((object) => object.path === name).position_m[0] - x) > 0.5;
+    return this.tab.waitForFunction(goes, [path, position_m[0]], { timeout: kPatience_ms / 12, polling: 50 }).then(() => true, () => false);
+  }
   async option(name, on) {
     await this.tab.locator('.menu summary').click();
     await this.tab.locator(`[data-option="${name}"]`).setChecked(on);

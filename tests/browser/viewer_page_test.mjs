@@ -45,19 +45,35 @@ async function pickAndReadOwner(page) {
 }
 
 // The hand takes the puck of another peer, draws it towards the stone and lets it go on the way.
-async function grabAndThrow(page, pages) {
-  await page.tab.locator('.segment[data-tool=hand]').click();
-  const from = (await page.object('PUCK')).window_px;
-  const to = (await page.object('STONE')).window_px;
-  await page.tab.mouse.move(from.x, from.y);
+async function grab(page, pages) {
+  const { window_px } = await page.object('PUCK');
+  await page.tab.mouse.move(window_px.x, window_px.y);
   await page.tab.mouse.down();
   for (const each of pages) await each.until('the puck is a’s', () => window.peerd.objects().find((object) => object.path === 'PUCK').owner === 1);
-  await shot(page, 'grabbed-1280');
-  const held = await page.object('PUCK');
+  return window_px;
+}
+
+async function release(page, from) {
+  const to = (await page.object('STONE')).window_px;
   for (let i = 1; i <= 12; ++i) await page.tab.mouse.move(from.x + ((to.x - from.x) * i) / 30, from.y + ((to.y - from.y) * i) / 30);
   await page.tab.mouse.up();
+}
+
+// A hand that a busy computer holds up before it lets go has rested: what it held stays where it is. Then it throws once more.
+async function grabAndThrow(page, pages) {
+  await page.tab.locator('.segment[data-tool=hand]').click();
+  const lies = await page.object('PUCK');
+  for (let i = 1; ; ++i) {
+    const from = await grab(page, pages);
+    if (i === 1) await shot(page, 'grabbed-1280');
+    await release(page, from);
+    await page.until('the hand holds nothing', () => window.peerd.held === null);
+    if (await page.moves('PUCK')) break;
+    console.log('the hand has rested before it let go');
+    check(i < 5, 'five throws, and the puck does not fly');
+  }
   for (const each of pages) {
-    await each.until('the puck flies', ([x]) => window.peerd.objects().find((object) => object.path === 'PUCK').position_m[0] > x + 0.5, held.position_m);
+    await each.until('the puck flies', ([x]) => window.peerd.objects().find((object) => object.path === 'PUCK').position_m[0] > x + 0.5, lies.position_m);
   }
 }
 
@@ -133,7 +149,7 @@ async function walk(browser, address, pages, faults) {
   await walker.tab.locator('[data-tool=walk]').click();
   await walker.until('the avatar is there', () => window.peerd.avatar !== null);
   const path = await walker.tab.evaluate(() => window.peerd.avatar);
-  for (const page of pages) await page.until('the avatar is seen', (avatar) => window.peerd.has(avatar), path);
+  for (const page of pages) await page.until('the avatar is seen', (avatar) => window.peerd.objects().some((object) => object.path === avatar), path);
   const from = await pages[0].object(path);
   await walker.tab.locator('.picture').focus();
   await walker.tab.keyboard.down('w');

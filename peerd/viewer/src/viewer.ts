@@ -95,7 +95,7 @@ export class Viewer {
   private readonly toolbar: Toolbar;
   private timeline: Timeline | RunTimeline;
   private readonly layout: Layout;
-  private readonly hand: Hand;
+  readonly hand: Hand;
   readonly avatar: Avatar;
   private readonly wish = new Vector3();
   private readonly labels = new Labels(() => this.head.book);
@@ -266,6 +266,7 @@ export class Viewer {
     this.happened('select', this.selection.path);
     void this.recorded?.select(this.view.file?.nodes.find((one) => one.index === node && one.path === this.selection.path)?.id ?? null);
     if (node !== null) this.layout.show('object');
+    this.updateInspector();
     this.drawSoon();
   }
 
@@ -319,11 +320,12 @@ export class Viewer {
     const { extras } = this.view.file;
     if (hit !== null && typeof hit !== 'string') eye.set(...hit.position_m).add(new Vector3(0, sizesOf(extras).height_m + kDrop_m, 0));
     await this.avatar.enter(eye, extras);
-    if (this.avatar.path === null) this.options.tool.value = 'fly';
+    if (this.avatar.path === null && this.options.tool.value === 'walk') this.options.tool.value = 'fly';
   }
 
   private onWalks(path: string | null): void {
     this.view.eyeOf = path;
+    if (path === null && this.options.tool.value === 'walk') this.options.tool.value = 'fly';
     this.drawSoon();
   }
 

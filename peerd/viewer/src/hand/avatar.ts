@@ -24,6 +24,7 @@ interface Walking {
   readonly eye: Vector3;
   readonly drawn: Vector3; // the camera, which follows the eye evenly
   state: 'entering' | 'walking' | 'left';
+  added: boolean; // to the scene
   fall_m_s: number;
   asked_s: number; // when it last asked
   asks: boolean;
@@ -47,13 +48,14 @@ export class Avatar {
   async enter(eye: Vector3, extras: SceneExtras): Promise<void> {
     if (this.walking !== null) return;
     const path = `AVATAR_${this.link.ownId}_${Math.floor(Math.random() * 0xffffffff).toString(36).toUpperCase()}`;
-    const walking: Walking = { path, eye: eye.clone(), drawn: eye.clone(), state: 'entering', fall_m_s: 0, asked_s: NaN, asks: false };
+    const walking: Walking = { path, eye: eye.clone(), drawn: eye.clone(), state: 'entering', added: false, fall_m_s: 0, asked_s: NaN, asks: false };
     this.walking = walking;
     const refusal = await this.join(walking, sizesOf(extras));
-    if (refusal !== null) {
-      this.listener.onRefused(refusal);
-      await this.leave();
-    } else if (walking.state === 'entering') {
+    if (this.walking !== walking) return; // the connection has ended
+    if (refusal !== null) this.listener.onRefused(refusal);
+    if (refusal !== null || walking.state === 'left') {
+      await this.takeAway(walking);
+    } else {
       walking.state = 'walking';
       this.listener.onChange(path);
     }
@@ -63,27 +65,33 @@ export class Avatar {
     const { path } = walking;
     const added = await this.link.edit({ do: 'add', text: figure(path, walking.eye, sizes) });
     if (!added.done) return added.sentence;
+    walking.added = true;
     const owned = refusalIn(await this.link.ask({ do: 'avatar', path }));
     if (owned !== null) return owned;
     const grabbed = await this.link.edit({ do: 'grab', path });
     if (!grabbed.done) return grabbed.sentence;
-    const { aspect, fov } = this.camera;
-    return refusalIn(await this.link.ask({ do: 'viewpoint', object: path, position_m: [0, 0, 0], field_of_view_rad: (Math.min(fov, fov * aspect) * Math.PI) / 180, aspect }));
+    const { aspect } = this.camera;
+    return refusalIn(await this.link.ask({ do: 'viewpoint', object: path, position_m: [0, 0, 0], field_of_view_rad: smallerAngle_rad(this.camera), aspect }));
   }
 
   async leave(): Promise<void> {
     const { walking } = this;
     if (walking === null || walking.state === 'left') return;
+    const isThere = walking.state === 'walking'; // else whoever lets it in takes it away
+    walking.state = 'left';
+    if (isThere) await this.takeAway(walking);
+  }
+
+  private async takeAway(walking: Walking): Promise<void> {
     walking.state = 'left';
     this.listener.onChange(null);
-    const sentences = [
-      refusalIn(await this.link.ask({ do: 'viewpoint' })),
-      refusalIn(await this.link.ask({ do: 'avatar' })),
-    ];
-    const removed = await this.link.edit({ do: 'remove', path: walking.path });
-    if (!removed.done) sentences.push(removed.sentence);
-    for (const sentence of sentences) if (sentence !== null) this.listener.onRefused(sentence);
-    this.walking = null;
+    if (walking.added) {
+      const sentences = [refusalIn(await this.link.ask({ do: 'viewpoint' })), refusalIn(await this.link.ask({ do: 'avatar' }))];
+      const removed = await this.link.edit({ do: 'remove', path: walking.path });
+      if (!removed.done) sentences.push(removed.sentence);
+      for (const sentence of sentences) if (sentence !== null) this.listener.onRefused(sentence);
+    }
+    if (this.walking === walking) this.walking = null;
   }
 
   // The connection has ended, and with it the avatar: the daemon removes it.
@@ -109,7 +117,7 @@ export class Avatar {
     const falls = fallsIn(extras);
     const heading = headingOf(this.camera.quaternion);
     const by = wish.clone().applyQuaternion(falls ? heading : this.camera.quaternion).multiplyScalar((extras.navigation?.speed ?? 1) * for_s);
-    const reply = await this.link.ask({ do: 'walk', eye_m: walking.eye.toArray(), by_m: by.toArray(), falls, fall_m_s: walking.fall_m_s, for_s, but: walking.path, ...sizesOf(extras) });
+    const reply = await this.link.ask({ do: 'walk', eye_m: walking.eye.toArray(), by_m: by.toArray(), falls, fall_m_s: walking.fall_m_s, for_s, except: walking.path, ...sizesOf(extras) });
     walking.asks = false;
     if (walking.state !== 'walking') return;
     const refusal = refusalIn(reply);
@@ -143,6 +151,11 @@ export function fallsIn(extras: SceneExtras): boolean {
   const { type } = extras.navigation ?? {};
   const types = typeof type === 'string' ? [type] : (type ?? []);
   return types.find((name) => name === 'WALK' || name === 'FLY' || name === 'NONE') !== 'FLY';
+}
+
+// Of the angles of width and height, as the daemon has it; three.js has that of height.
+export function smallerAngle_rad({ fov, aspect }: { readonly fov: number; readonly aspect: number }): number {
+  return 2 * Math.atan(Math.tan((fov * Math.PI) / 360) * Math.min(1, aspect));
 }
 
 // The part of a camera's turn that is about the vertical.

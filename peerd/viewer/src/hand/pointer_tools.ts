@@ -33,7 +33,7 @@ export class PointerTools {
     surface.addEventListener('pointerdown', (event) => void this.onDown(event));
     surface.addEventListener('pointermove', (event) => this.onMove(event));
     surface.addEventListener('pointerup', (event) => void this.onUp(event));
-    surface.addEventListener('pointercancel', () => this.letGo());
+    surface.addEventListener('pointercancel', (event) => this.letGo(event.timeStamp / 1000));
     surface.addEventListener('wheel', (event) => this.onWheel(event), { passive: true });
   }
 
@@ -72,15 +72,15 @@ export class PointerTools {
   private async onUp(event: PointerEvent): Promise<void> {
     const { down } = this;
     const held = this.hand.path !== null;
-    this.letGo();
+    this.letGo(event.timeStamp / 1000);
     if (down === null || held) return;
     if (Math.hypot(event.clientX - down.x, event.clientY - down.y) > kClick_px) return;
     await this.select(event.clientX, event.clientY);
   }
 
-  private letGo(): void {
+  private letGo(at_s: number): void {
     this.down = null;
-    this.hand.release(this.listener.now_s());
+    this.hand.release(at_s);
     this.view.rig.frozen = false;
   }
 

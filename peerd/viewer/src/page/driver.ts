@@ -42,6 +42,10 @@ export class Driver {
   get avatar(): string | null {
     return this.viewer.avatar.path;
   }
+  // The path of what the hand holds.
+  get held(): string | null {
+    return this.viewer.hand.path;
+  }
   get pictures(): number {
     return this.viewer.pictures;
   }
