@@ -73,8 +73,9 @@ class Joining : public testing::Test {
   }
   [[nodiscard]] bool add(const std::string& name, const std::string& def) const {
     const std::string text = "DEF " + def + " Transform { children Shape { geometry Sphere { } } }";
-    return ask(name, {{"do", "add"}, {"text", text}}).value("done", false) &&
-           wait_until([&] { return world_of(name).find(def) != std::string::npos; });
+    const json reply = ask(name, {{"do", "add"}, {"text", text}});
+    EXPECT_TRUE(reply.is_object() && reply.value("done", false)) << name << " answers " << reply.dump();
+    return wait_until([&] { return world_of(name).find(def) != std::string::npos; });
   }
 
   ScratchFolder folder;
@@ -84,14 +85,15 @@ class Joining : public testing::Test {
 TEST_F(Joining, AJoiningPeerNeedsNoFile) {
   Process a = run("a", world), b = run("b", world);
   ASSERT_TRUE(is_in_session("a") && is_in_session("b")) << a.out() << b.out();
-  ASSERT_TRUE(add("a", "BALL"));
+  ASSERT_TRUE(add("a", "BALL")) << a.out() << a.err();
+  ASSERT_TRUE(wait_until([&] { return world_of("b") == world_of("a"); })) << b.out() << b.err();
   Process c = join("c", world);
   ASSERT_TRUE(is_in_session("c")) << c.err();
   EXPECT_THAT(c.err(), HasSubstr("got \"" + world + "\" from "));
   EXPECT_THAT(c.err(), HasSubstr(" has the same"));
   EXPECT_EQ(world_of("c"), world_of("a"));
-  ASSERT_TRUE(add("c", "CONE"));
-  EXPECT_TRUE(wait_until([&] { return world_of("a") == world_of("c"); }));
+  ASSERT_TRUE(add("c", "CONE")) << c.err();
+  EXPECT_TRUE(wait_until([&] { return world_of("a") == world_of("c"); })) << a.err() << c.err();
 }
 
 TEST_F(Joining, LsSaysWhoIsHere) {
