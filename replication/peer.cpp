@@ -277,6 +277,7 @@ const Conflicts& Peer::conflicts() const { return impl_->parts.living.conflicts(
 std::optional<OperationBody> Peer::find(const OperationKey& operation) const {
   return impl_->parts.living.find(operation);
 }
+const PeerConfig& Peer::config() const { return impl_->parts.config; }
 const SessionClock& Peer::clock() const { return impl_->parts.time.clock(); }
 const std::optional<OsClock>& Peer::os_clock() const { return impl_->parts.time.os_clock(); }
 std::optional<PeerId> Peer::follows() const { return impl_->parts.time.follows(); }

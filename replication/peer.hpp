@@ -92,8 +92,8 @@ class Peer {
   [[nodiscard]] HostTime next_deadline() const;
 
   // ---- what this peer knows
-
   [[nodiscard]] PeerId id() const;
+  [[nodiscard]] const PeerConfig& config() const;  // with the viewpoint that it has now
   // The scene as all operations until the last tick have made it.
   [[nodiscard]] const Scene& scene() const;
   [[nodiscard]] const WorldModel& model() const;  // of that scene

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "peerd/feed/json_members.hpp"
+#include "peerd/feed/pose_feed.hpp"
 
 namespace peerd::api {
 namespace {
@@ -69,6 +70,10 @@ Request read_viewpoint(feed::JsonMembers& members) {
   if (const auto turned = members.numbers<4>("orientation_xyzw")) view.pose.orientation.coeffs() = *turned;
   if (const auto angle_rad = members.number("field_of_view_rad")) view.field_of_view = *angle_rad;
   if (const auto aspect = members.number("aspect")) view.aspect = *aspect;
+  // Others refuse what is farther away, and with it all that this peer says of itself.
+  if (!(view.pose.position.cwiseAbs().maxCoeff() <= feed::kPositionMax_m)) {
+    members.fail("position_m", "is farther than 1e9 m from the origin");
+  }
   const double length = view.pose.orientation.norm();
   if (!(length > 0.7 && length < 1.42)) members.fail("orientation_xyzw", "is no unit quaternion");
   view.pose.orientation.normalize();

@@ -83,9 +83,9 @@ std::string ViewedPeer::pick(const Vec3& origin, const Vec3& direction) {
   return reply_line(picture_.pick(node_, daemon_.now(), origin, direction));
 }
 
-std::string ViewedPeer::walk(const avatar::AvatarSize& size, const avatar::Stride& stride, const std::string& but) {
+std::string ViewedPeer::walk(const avatar::AvatarSize& size, const avatar::Stride& stride, const std::string& except) {
   (void)revision();
-  return reply_line(picture_.walk(node_, daemon_.now(), size, stride, but));
+  return reply_line(picture_.walk(node_, daemon_.now(), size, stride, except));
 }
 
 std::string ViewedPeer::surroundings() {

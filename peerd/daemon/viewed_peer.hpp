@@ -31,7 +31,7 @@ class ViewedPeer : public gateway::GatewaySource {
   void make_scene(std::function<void(const gateway::SceneFile&)> done) override;
   std::span<const std::byte> next_frame(picture::PoseStream& client) override;
   std::string pick(const Vec3& origin, const Vec3& direction) override;
-  std::string walk(const avatar::AvatarSize& size, const avatar::Stride& stride, const std::string& but) override;
+  std::string walk(const avatar::AvatarSize& size, const avatar::Stride& stride, const std::string& except) override;
   std::string inspect(std::uint32_t node) override;
   std::string surroundings() override;
   std::string hierarchy(const std::string& path, std::uint32_t level) override;

@@ -34,11 +34,6 @@ std::uint64_t nanoseconds(double t_s) { return static_cast<std::uint64_t>(std::l
 
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-Pose pose_of(const PoseRow& row) {
-  const auto& q = row.orientation_xyzw;
-  return {Vec3(row.position[0], row.position[1], row.position[2]), Quat(q[3], q[0], q[1], q[2])};
-}
-
 // The frame that a row says the place of; empty: of none. Truths are said once, in the view of the owner.
 std::string frame_of(const PoseRow& row, const std::string& view, const std::string& path) {
   switch (static_cast<PoseKind>(row.kind)) {

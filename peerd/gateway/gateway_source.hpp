@@ -54,7 +54,7 @@ class GatewaySource {
   virtual std::string hierarchy(const std::string& path, std::uint32_t level) = 0;
   // The replies to "pick", "walk" and "inspect".
   virtual std::string pick(const Vec3& origin, const Vec3& direction) = 0;
-  virtual std::string walk(const avatar::AvatarSize& size, const avatar::Stride& stride, const std::string& but) = 0;
+  virtual std::string walk(const avatar::AvatarSize& size, const avatar::Stride& stride, const std::string& except) = 0;
   virtual std::string inspect(std::uint32_t node) = 0;
 
   // A file of the recording that it shows, by its name; "" says what it has. None: there is none of that name. A peer

@@ -176,7 +176,7 @@ class LiveConnection : public Connection, public std::enable_shared_from_this<Li
     return api::done_reply();
   }
   std::string answer(const PickRequest& asked) { return state_->source.pick(asked.origin, asked.direction); }
-  std::string answer(const WalkRequest& asked) { return state_->source.walk(asked.size, asked.stride, asked.but); }
+  std::string answer(const WalkRequest& asked) { return state_->source.walk(asked.size, asked.stride, asked.except); }
   std::string answer(const AvatarRequest& asked) {
     if (!may_change_) return refused(RefusalKind::kToken, std::string(text_of(RefusalKind::kToken).sentence));
     avatar_ = asked.path;

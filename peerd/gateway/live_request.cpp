@@ -76,7 +76,7 @@ WalkRequest read_walk(feed::JsonMembers& members) {
   take("for_s", request.stride.for_s, kStrideMax_s);
   take("fall_m_s", request.stride.fall_m_s, kFallMax_m_s);
   if (request.stride.by.norm() > kStrideMax_m) members.fail("by_m", "is longer than 1000 m");
-  request.but = members.text("but").value_or("");
+  request.except = members.text("except").value_or("");
   return request;
 }
 

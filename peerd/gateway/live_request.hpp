@@ -33,7 +33,7 @@ struct PickRequest {
 struct WalkRequest {
   avatar::AvatarSize size;
   avatar::Stride stride;
-  std::string but;  // the path of an object that it does not meet; empty: none
+  std::string except;  // the path of an object that it does not meet; empty: none
 };
 // That object is the client's avatar: it is removed when the connection ends.
 struct AvatarRequest {

@@ -17,7 +17,7 @@ constexpr std::size_t kRegionsMax = 4096, kObjectsMax = 1000;
 
 ordered_json regions_json(const PeerNode& node, SimTime at) {
   const replication::Peer& peer = node.peer();
-  const replication::RegionSettings& settings = node.config().regions;
+  const replication::RegionSettings& settings = peer.config().regions;
   const replication::RegionGrid grid = settings.grid();
   ordered_json joined = ordered_json::array(), published = ordered_json::array();
   for (const auto& [region, since] : peer.interest().regions()) {
@@ -41,7 +41,7 @@ ordered_json regions_json(const PeerNode& node, SimTime at) {
 // of two peers meet, no time to contact is below it.
 ordered_json proximity_json(const PeerNode& node, SimTime at, std::span<const ObjectId> movers) {
   const replication::Peer& peer = node.peer();
-  const replication::PublishPolicy& policy = node.config().policy;
+  const replication::PublishPolicy& policy = peer.config().policy;
   ordered_json objects = ordered_json::array();
   std::size_t left_out = 0;
   for (std::size_t i = 0; i < movers.size(); ++i) {

@@ -35,6 +35,9 @@ void LookTable::reset(std::shared_ptr<const Scene> scene, std::span<const Object
   motion_.reset();
   records_.clear();
   scene_ = std::move(scene);
+  refreshed_at_.reset();
+  ++resets_;
+  if (scene_->document == nullptr || scene_->document->routes.empty()) return;  // nothing drives anything
   looks_.emplace(scene_->document);
   motion_.emplace(*scene_);
   forms_ = moving_forms(*scene_, *motion_, Carriers(*scene_, *motion_, {}));
@@ -50,8 +53,6 @@ void LookTable::reset(std::shared_ptr<const Scene> scene, std::span<const Object
   add(LookKind::kPlace, forms_.shapes.size());
   add(LookKind::kValue, looks_->count());
   if (forms_.geometries.empty() && forms_.shapes.empty()) motion_.reset();
-  refreshed_at_.reset();
-  ++resets_;
 }
 
 void LookTable::fill(const Record& record, double world_s) {

@@ -114,8 +114,6 @@ class PeerNode {
   [[nodiscard]] const replication::Peer& peer() const { return peer_; }
   [[nodiscard]] const Scene& scene() const { return peer_.scene(); }
   [[nodiscard]] const std::string& name() const { return config_.name; }
-  [[nodiscard]] const replication::PeerConfig& config() const { return config_; }
-  [[nodiscard]] const std::optional<replication::Viewpoint>& viewpoint() const { return config_.decisions.viewpoint; }
   // Whether a motion of the configuration or an external program drives the object, so that keys and collisions do not.
   [[nodiscard]] bool drives(ObjectId object) const { return motions_.contains(object) || feeds(object); }
   // Whether an external program moves the object.

@@ -102,9 +102,9 @@ ordered_json LivePicture::pick(PeerNode& node, HostTime now, const Vec3& origin,
 }
 
 ordered_json LivePicture::walk(PeerNode& node, HostTime now, const avatar::AvatarSize& size,
-                               const avatar::Stride& stride, const std::string& but) {
+                               const avatar::Stride& stride, const std::string& except) {
   ScenePicker& obstacles = placed(obstacles_, Pickable::kColliding, node, now);
-  const auto excepted = but.empty() ? std::nullopt : node.scene().find(but);
+  const auto excepted = except.empty() ? std::nullopt : node.scene().find(except);
   const auto mover = std::ranges::find(movers_.ids, excepted.value_or(ObjectId{}));
   if (excepted && mover != movers_.ids.end()) {
     obstacles.place(static_cast<std::uint32_t>(mover - movers_.ids.begin()), {kAway, Quat::Identity()});

@@ -47,9 +47,9 @@ class LivePicture {
 
   // The replies to "pick" and "inspect" (docs/reference/gateway.md), without "seq".
   [[nodiscard]] nlohmann::ordered_json pick(PeerNode& node, HostTime now, const Vec3& origin, const Vec3& direction);
-  // The reply to "walk". `but`: the path of an object that is not met, such as the avatar that walks; empty: none.
+  // The reply to "walk". `except`: the path of an object that is not met, such as the avatar that walks; empty: none.
   [[nodiscard]] nlohmann::ordered_json walk(PeerNode& node, HostTime now, const avatar::AvatarSize& size,
-                                            const avatar::Stride& stride, const std::string& but);
+                                            const avatar::Stride& stride, const std::string& except);
   [[nodiscard]] nlohmann::ordered_json inspect(const PeerNode& node, std::uint32_t index) const;
 
  private:

@@ -49,6 +49,16 @@ static_assert(sizeof(PoseRow) == 2 * sizeof(std::uint32_t) + 2 * sizeof(std::uin
                                      3 * sizeof(double) + 4 * sizeof(float),
               "it has no padding");
 
+Pose pose_of(const PoseRow& row) {
+  const auto& q = row.orientation_xyzw;
+  return {Vec3(row.position[0], row.position[1], row.position[2]), Quat(q[3], q[0], q[1], q[2])};
+}
+
+void set_pose(PoseRow& row, const Pose& pose) {
+  for (int k = 0; k < 3; ++k) row.position[k] = pose.position[k];
+  for (int k = 0; k < 4; ++k) row.orientation_xyzw[k] = static_cast<float>(pose.orientation.coeffs()[k]);
+}
+
 void PoseTable::reset(std::uint32_t revision, std::shared_ptr<const Scene> scene, Movers movers) {
   assert(scene && movers.above.size() == movers.ids.size() && movers.of_peer.size() == movers.ids.size());
   revision_ = revision;
@@ -166,8 +176,7 @@ void PoseTable::refresh(PeerNode& node, HostTime now, PoseKinds kinds) {
 void PoseTable::add_row(PoseKind kind, const PoseRow& like, const Pose& pose) {
   PoseRow& row = rows_[static_cast<std::size_t>(kind)].emplace_back(like);
   row.kind = static_cast<std::uint16_t>(kind);
-  for (int k = 0; k < 3; ++k) row.position[k] = pose.position[k];
-  for (int k = 0; k < 4; ++k) row.orientation_xyzw[k] = static_cast<float>(pose.orientation.coeffs()[k]);
+  set_pose(row, pose);
 }
 
 void PoseStream::watch(const Watch& watch) {

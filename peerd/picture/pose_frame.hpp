@@ -46,6 +46,8 @@ inline constexpr std::size_t kPoseRow_bytes = 56;
 inline constexpr std::size_t kPoseFrameHeader_bytes = 40;
 inline constexpr std::uint32_t kPoseFrameMagic = 0x31464450;  // "PDF1"
 static_assert(sizeof(PoseRow) == kPoseRow_bytes);
+[[nodiscard]] Pose pose_of(const PoseRow& row);
+void set_pose(PoseRow& row, const Pose& pose);
 
 // The rows of all movers at one instant, which all clients of one peer share.
 class PoseTable {

@@ -9,6 +9,7 @@
 #include "peerd/input/text_file.hpp"
 #include "peerd/recorded/replay.hpp"
 #include "peerd/recorded/view_recorder.hpp"
+#include "replication/output/tick_grid.hpp"
 
 namespace peerd::recorded {
 namespace {
@@ -25,9 +26,8 @@ class CaptureRecorder final : public ReplayWatch {
               ViewRecorder::ErrorsOf::kOwn, how.on_scene) {}
 
   void before(HostTime at) override {
-    const std::int64_t hz = how_.hz;
     for (; !full_; ++next_) {
-      const Duration since{next_ / hz * 1'000'000'000 + next_ % hz * 1'000'000'000 / hz};
+      const Duration since = replication::TickGrid(how_.hz).time_of(next_).time_since_epoch();
       if (begin_ + since > at) return;
       view_.look(node_, begin_ + since);
       Truths own;

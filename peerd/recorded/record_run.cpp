@@ -142,11 +142,10 @@ std::string title_of(const ReadRun& run) {
 }  // namespace
 
 std::string note_of_missing(double last_s, const Recorder& how) {
-  return fmt::format(
-      "only the first {:.3g} s are here, for more does not fit into {} MiB: --memory allows more, and a lower --hz "
-      "needs "
-      "less",
-      last_s, how.most_bytes / kMiB);
+  constexpr const char* kSentence =
+      "only the first {:.3g} s are here, for more does not fit into {} MiB: --memory allows more, a lower --hz needs "
+      "less";
+  return fmt::format(kSentence, last_s, how.most_bytes / kMiB);
 }
 
 Result<ReadRun> read_run(const fs::path& folder, std::size_t number) {

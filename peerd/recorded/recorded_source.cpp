@@ -107,7 +107,7 @@ std::string RecordedSource::pick(const Vec3& /*origin*/, const Vec3& /*direction
   return api::refusal(kNobodyIsHere);
 }
 std::string RecordedSource::walk(const avatar::AvatarSize& /*size*/, const avatar::Stride& /*stride*/,
-                                 const std::string& /*but*/) {
+                                 const std::string& /*except*/) {
   return api::refusal(kNobodyIsHere);
 }
 std::string RecordedSource::inspect(std::uint32_t /*node*/) { return api::refusal(kNobodyIsHere); }

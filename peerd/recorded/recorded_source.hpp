@@ -26,7 +26,7 @@ class RecordedSource : public gateway::GatewaySource {
   std::string surroundings() override;
   std::string hierarchy(const std::string& path, std::uint32_t level) override;
   std::string pick(const Vec3& origin, const Vec3& direction) override;
-  std::string walk(const avatar::AvatarSize& size, const avatar::Stride& stride, const std::string& but) override;
+  std::string walk(const avatar::AvatarSize& size, const avatar::Stride& stride, const std::string& except) override;
   std::string inspect(std::uint32_t node) override;
   std::optional<gateway::RecordedFile> recorded_file(std::string_view name) override;
 

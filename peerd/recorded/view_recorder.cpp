@@ -23,11 +23,6 @@ constexpr picture::PoseKinds kAllKinds =
     picture::set_of(PoseKind::kShown) | picture::set_of(PoseKind::kTruth) | picture::set_of(PoseKind::kGhost);
 constexpr float kNotKnown = std::numeric_limits<float>::quiet_NaN();
 
-Pose pose_of(const PoseRow& row) {
-  const auto& q = row.orientation_xyzw;
-  return {Vec3(row.position[0], row.position[1], row.position[2]), Quat(q[3], q[0], q[1], q[2])};
-}
-
 }  // namespace
 
 ViewRecorder::ViewRecorder(PeerId peer, std::string name, std::string world, picture::ImageLoader load_image,
@@ -92,8 +87,7 @@ PoseRow ViewRecorder::truth_row(std::uint32_t node, const Truth& truth) const {
   row.owner = truth.owner.value;
   row.kind = static_cast<std::uint16_t>(PoseKind::kTruth);
   if (truth.owner == view_.peer) row.flags = picture::kOwn;
-  for (int k = 0; k < 3; ++k) row.position[k] = truth.pose.position[k];
-  for (int k = 0; k < 4; ++k) row.orientation_xyzw[k] = static_cast<float>(truth.pose.orientation.coeffs()[k]);
+  set_pose(row, truth.pose);
   return row;
 }
 

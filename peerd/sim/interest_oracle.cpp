@@ -72,7 +72,7 @@ bool InterestOracle::in_area(const ObservedPeer& observed, ObjectId object, Virt
     return apart.norm() <= within_m;
   };
   const WatchedPeer& self = peers_[observed.peer];
-  const auto& viewpoint = self.node->viewpoint();
+  const auto& viewpoint = self.node->peer().config().decisions.viewpoint;
   if (!viewpoint) {
     return std::ranges::any_of(
         owners_, [&](const auto& o) { return o.second == observed.peer && near(truth(o.first, t).position); });

@@ -9,6 +9,7 @@
 #include "peerd/sim/interest_oracle.hpp"
 #include "peerd/sim/network.hpp"
 #include "peerd/transport/transport_options.hpp"
+#include "replication/output/tick_grid.hpp"
 
 namespace peerd::sim {
 namespace {
@@ -273,9 +274,8 @@ class Simulation {
   // Lets the watch see the peers at its instants up to `until`.
   void watch_until(VirtualTime until) {
     if (watch_ == nullptr || !events_.begun()) return;
-    const std::int64_t hz = watch_->rate_hz();
     for (;; ++next_watch_) {
-      const Duration since{next_watch_ / hz * 1'000'000'000 + next_watch_ % hz * 1'000'000'000 / hz};
+      const Duration since = replication::TickGrid(watch_->rate_hz()).time_of(next_watch_).time_since_epoch();
       const VirtualTime at = *events_.begun() + since;
       if (at > until || since > from_seconds(run_.duration_s)) return;
       std::vector<SeenPeer> seen;

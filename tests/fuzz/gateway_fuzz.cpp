@@ -95,9 +95,9 @@ class Source : public gateway::GatewaySource {
     (void)revision();
     return picture_.pick(*node_, now_, origin, direction).dump();
   }
-  std::string walk(const avatar::AvatarSize& size, const avatar::Stride& stride, const std::string& but) override {
+  std::string walk(const avatar::AvatarSize& size, const avatar::Stride& stride, const std::string& except) override {
     (void)revision();
-    return picture_.walk(*node_, now_, size, stride, but).dump();
+    return picture_.walk(*node_, now_, size, stride, except).dump();
   }
   std::string inspect(std::uint32_t node) override {
     (void)revision();

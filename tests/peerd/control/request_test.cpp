@@ -39,9 +39,10 @@ TEST(Request, Viewpoints) {
   const auto usual = *parse_request(R"({"do":"viewpoint"})");
   EXPECT_FALSE(std::get<ViewpointRequest>(usual).viewpoint) << "as the configuration says";
   EXPECT_TRUE(changes_something(usual));
-  for (const char* wrong : {R"({"do":"viewpoint","position_m":[0,1,2],"aspect":0})", R"({"do":"viewpoint","aspect":1})",
-                            R"({"do":"viewpoint","position_m":[0,1,2],"field_of_view_rad":3.2})",
-                            R"({"do":"viewpoint","position_m":[0,1,2],"orientation_xyzw":[0,0,0,0]})"}) {
+  for (const char* wrong :
+       {R"({"do":"viewpoint","position_m":[0,2e9,0]})", R"({"do":"viewpoint","position_m":[0,1,2],"aspect":0})",
+        R"({"do":"viewpoint","aspect":1})", R"({"do":"viewpoint","position_m":[0,1,2],"field_of_view_rad":3.2})",
+        R"({"do":"viewpoint","position_m":[0,1,2],"orientation_xyzw":[0,0,0,0]})"}) {
     EXPECT_FALSE(parse_request(wrong)) << wrong;
   }
 }

@@ -222,7 +222,7 @@ TEST_F(GatewayTest, ASecondGatewayOfThePortSaysSo) {
       std::span<const std::byte> next_frame(picture::PoseStream& /*client*/) override { return {}; }
       std::string pick(const Vec3& /*origin*/, const Vec3& /*direction*/) override { return {}; }
       std::string walk(const avatar::AvatarSize& /*size*/, const avatar::Stride& /*stride*/,
-                       const std::string& /*but*/) override {
+                       const std::string& /*except*/) override {
         return {};
       }
       std::string inspect(std::uint32_t /*node*/) override { return {}; }

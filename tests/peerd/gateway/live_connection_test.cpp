@@ -205,6 +205,9 @@ TEST_F(GatewayLive, AnAvatarGoesWithItsConnection) {
   const auto has_avatar = [&] {
     return peer.in_its_thread([&] { return peer.node().scene().find("ME").has_value(); });
   };
+  const auto viewpoint = [&] {
+    return peer.in_its_thread([&] { return peer.node().peer().config().decisions.viewpoint; });
+  };
   {
     LiveClient client(peer, true);
     EXPECT_EQ(client.ask({{"do", "add"}, {"text", "DEF ME Transform { children Shape { geometry Box { } } }"}})["done"],
@@ -216,8 +219,11 @@ TEST_F(GatewayLive, AnAvatarGoesWithItsConnection) {
     EXPECT_EQ(client.ask({{"do", "viewpoint"}, {"object", "ME"}, {"position_m", {0, 0, 0}}})["done"], true);
     EXPECT_EQ(client.ask({{"do", "viewpoint"}, {"object", "YOU"}, {"position_m", {0, 0, 0}}})["done"], false);
     EXPECT_TRUE(has_avatar());
+    ASSERT_TRUE(viewpoint());
+    EXPECT_TRUE(viewpoint()->object);
   }
   EXPECT_TRUE(ServedPeer::soon([&] { return !has_avatar(); }));
+  EXPECT_FALSE(viewpoint());
 }
 
 // The stone's face is at z = -10 on this side; the rays are the daemon's own.

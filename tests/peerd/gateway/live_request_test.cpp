@@ -76,16 +76,16 @@ TEST(LiveRequest, WalksAndAvatars) {
   EXPECT_EQ(usual.stride.by, Vec3(1, 0, 0));
   EXPECT_TRUE(usual.stride.falls);
   EXPECT_EQ(usual.size.height_m, 1.6);
-  EXPECT_EQ(usual.but, "");
+  EXPECT_EQ(usual.except, "");
   const auto all = read<WalkRequest>(
       R"({"do":"walk","eye_m":[0,1,2],"by_m":[1,0,0],"falls":false,"fall_m_s":2,"for_s":0.5,"radius_m":1,"height_m":3,)"
-      R"("step_m":0.5,"but":"ME"})");
+      R"("step_m":0.5,"except":"ME"})");
   EXPECT_FALSE(all.stride.falls);
   EXPECT_EQ(all.stride.fall_m_s, 2.0);
   EXPECT_EQ(all.stride.for_s, 0.5);
   EXPECT_EQ(all.size.radius_m, 1.0);
   EXPECT_EQ(all.size.step_m, 0.5);
-  EXPECT_EQ(all.but, "ME");
+  EXPECT_EQ(all.except, "ME");
   EXPECT_EQ(read<AvatarRequest>(R"({"do":"avatar","path":"ME"})").path, "ME");
   EXPECT_EQ(read<AvatarRequest>(R"({"do":"avatar"})").path, "");
   for (const char* wrong : {R"({"do":"walk","eye_m":[0,1,2]})", R"({"do":"walk","by_m":[0,1,2]})",

@@ -28,15 +28,7 @@ config::RunSettings settings(double cell_m) {
   config::RunSettings run;
   run.replication.regions.cell_m = cell_m;
   run.replication.regions.regions = {4, 1, 4};
-  for (const std::uint32_t id : {1U, 2U}) {
-    config::PeerSettings& peer = run.peers.emplace_back();
-    peer.id = id;
-    peer.name = id == 1 ? "one" : "two";
-    peer.owns.emplace_back(id == 1 ? "A" : "B");
-    config::MotionFormula formula;
-    formula.x = id == 1 ? "2*t" : "40 - 2*t";
-    peer.motion[id == 1 ? "A" : "B"].kind = formula;
-  }
+  testing_support::add_movers(run, {.x = "2*t"}, {.x = "40 - 2*t"});
   return run;
 }
 

@@ -25,16 +25,7 @@ DEF C Transform { translation 9 0 0 children Shape { geometry Box { } } }
 
 config::RunSettings settings() {
   config::RunSettings run;
-  for (const std::uint32_t id : {1U, 2U}) {
-    config::PeerSettings& peer = run.peers.emplace_back();
-    peer.id = id;
-    peer.name = id == 1 ? "one" : "two";
-    peer.owns.emplace_back(id == 1 ? "A" : "B");
-    config::MotionFormula formula;
-    formula.x = id == 1 ? "t" : "0";
-    formula.z = id == 1 ? "0" : "-10";
-    peer.motion[id == 1 ? "A" : "B"].kind = formula;
-  }
+  testing_support::add_movers(run, {.x = "t"}, {.z = "-10"});
   return run;
 }
 

@@ -94,16 +94,7 @@ ROUTE TURN.value_changed TO MILL.set_rotation
 config::RunSettings two_peers() {
   config::RunSettings run;
   run.replication.convergence = {replication::ConvergenceMethod::kLinear, std::chrono::milliseconds(200)};
-  for (const std::uint32_t id : {1U, 2U}) {
-    config::PeerSettings& peer = run.peers.emplace_back();
-    peer.id = id;
-    peer.name = id == 1 ? "one" : "two";
-    peer.owns.emplace_back(id == 1 ? "A" : "B");
-    config::MotionFormula formula;
-    formula.x = id == 1 ? "sin(3*t)" : "2*sin(2*t)";
-    formula.z = id == 1 ? "0" : "20-2*t";
-    peer.motion[id == 1 ? "A" : "B"].kind = formula;
-  }
+  testing_support::add_movers(run, {.x = "sin(3*t)"}, {.x = "2*sin(2*t)", .z = "20-2*t"});
   return run;
 }
 

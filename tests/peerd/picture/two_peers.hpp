@@ -12,6 +12,23 @@
 
 namespace peerd::testing_support {
 
+// Peers 1 and 2, "one" and "two", which move A and B: x and z by time [m].
+struct Way {
+  std::string x = "0", z = "0";
+};
+inline void add_movers(config::RunSettings& run, const Way& a, const Way& b) {
+  for (const std::uint32_t id : {1U, 2U}) {
+    config::PeerSettings& peer = run.peers.emplace_back();
+    peer.id = id;
+    peer.name = id == 1 ? "one" : "two";
+    peer.owns.emplace_back(id == 1 ? "A" : "B");
+    config::MotionFormula formula;
+    formula.x = id == 1 ? a.x : b.x;
+    formula.z = id == 1 ? a.z : b.z;
+    peer.motion[id == 1 ? "A" : "B"].kind = formula;
+  }
+}
+
 // Two peers, 1 and 2, of one world on a link of 30 ms that loses each fifth datagram. Time goes by milliseconds.
 class TwoPeers {
  public:

@@ -37,8 +37,8 @@ std::string text_of(const Losses& losses) {
   return text;
 }
 
-// Of how many edits one is an undo, how rarely an author hears of another one, and how many in ten are moves: those
-// that cross would often make an object a part of itself, and are refused.
+// Authors undo one edit in `undo_of`, hear of another author after one in `hears_of`, and move in
+// `moves_in_ten` edits of ten: those that cross would often make an object a part of itself, and are refused.
 struct Habits {
   std::size_t undo_of = 6, hears_of = 3, moves_in_ten = 0;
 };
