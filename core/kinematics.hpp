@@ -13,6 +13,11 @@ struct KinematicState {
   Vec3 angular_velocity_body = Vec3::Zero();  // [rad/s], body frame, constant
 
   [[nodiscard]] Pose pose() const { return {position, orientation}; }
+  // Whether all numbers are the same.
+  friend bool operator==(const KinematicState& a, const KinematicState& b) {
+    return a.orientation.coeffs() == b.orientation.coeffs() && a.position == b.position && a.velocity == b.velocity &&
+           a.acceleration == b.acceleration && a.angular_velocity_body == b.angular_velocity_body;
+  }
 };
 
 // Returns the state dt_s [s] later (or earlier): equations 4.1 and 4.2 of the thesis with q(t) = q0 * exp(w t). It is

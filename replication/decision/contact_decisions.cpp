@@ -32,6 +32,13 @@ constexpr int kRepeatedOfPair = 64;
 // The most decisions of one peer on one pair that are remembered: twice as many as there can be in kRememberedFor.
 constexpr std::size_t kOfPairMax = 4000;
 
+// Another interest in the pair may name the two the other way round.
+bool has_outcome(const DecisionRecord& d, const ContactEvent& c) {
+  const bool same_way = d.collider == c.collider;
+  return d.collider_after == (same_way ? c.collider_after : c.collidee_after) &&
+         d.collidee_after == (same_way ? c.collidee_after : c.collider_after);
+}
+
 }  // namespace
 
 ContactDecisions::ContactDecisions(const PeerConfig& config, const ModelInForce& model, Membership& members,
@@ -217,8 +224,9 @@ std::vector<DecisionLog::Change> ContactDecisions::add_own(const DecisionRecord&
   return changes.value_or(std::vector<DecisionLog::Change>{});
 }
 
-// A contact that was decided here before and overruled, and is found again on the way that the other peer's decision
-// gave, is another decision: it is a nanosecond later, for decisions are distinguished by their times.
+// A contact that was decided here before and is found again is another decision where it was overruled (the objects go
+// the way that the other peer's decision gave) and where it has another outcome now (an update came late, and they meet
+// by another face): it is a nanosecond later, for decisions are distinguished by their times.
 void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
   assert(!contact.deferred);
   ContactEvent c = within_wire_limits(contact);
@@ -228,7 +236,7 @@ void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
     return;
   }
   while (const auto* known = log_.find(c.at, config_.id, c.collider, c.collidee)) {
-    if (known->in_force) break;  // the same once more
+    if (known->in_force && has_outcome(known->record, c)) break;  // the same once more
     c.at += Duration{1};
   }
   const DecisionRecord record = record_of(c, config_.decisions.policy);

@@ -84,17 +84,17 @@ export class Page {
     try {
       await this.tab.waitForFunction(condition, argument, { timeout: kPatience_ms, polling: 50 });
     } catch (error) {
-      const objects = await this.tab.evaluate(() => JSON.stringify(window.peerd?.objects())).catch(() => 'nothing');
-      throw new Error(`page ${this.name}: ${what}, waited in vain; it shows ${objects}\n${error.message}`);
+      const shown = await this.tab.evaluate(() => JSON.stringify([window.peerd?.objects(), window.peerd?.contacts()])).catch(() => 'nothing');
+      throw new Error(`page ${this.name}: ${what}, waited in vain; it shows ${shown}\n${error.message}`);
     }
   }
   object(path) {
     return this.tab.evaluate((wanted) => window.peerd.objects().find((object) => object.path === wanted), path);
   }
-  // Whether it goes by half a metre along x within some seconds.
+  // Whether it goes by half a metre towards positive x within some seconds.
   async moves(path) {
     const { position_m } = await this.object(path);
-    const goes = ([name, x]) => Math.abs(window.peerd.objects().find((object) => object.path === name).position_m[0] - x) > 0.5;
+    const goes = ([name, x]) => window.peerd.objects().find((object) => object.path === name).position_m[0] > x + 0.5;
     return this.tab.waitForFunction(goes, [path, position_m[0]], { timeout: kPatience_ms / 12, polling: 50 }).then(() => true, () => false);
   }
   async option(name, on) {

@@ -183,6 +183,24 @@ TEST_F(Deciding, ADecisionMovesTheGhostsAndIsReportedAndNoted) {
   EXPECT_EQ(decisions.entries().at(0).copies, 1) << "on a good link";
 }
 
+// Chaos seed 20879: after an update had come late, the world went through the past again, and met the other one at the
+// same instant by another face. The others had the first outcome.
+TEST_F(Deciding, AContactThatIsFoundOnceMoreWithAnotherOutcomeIsAnotherDecision) {
+  decisions.decide(contact(), sim(10020ms));
+  decisions.decide(contact(), sim(10030ms));
+  EXPECT_EQ(decisions.entries().size(), 1u) << "the same once more";
+  ContactEvent again = contact();
+  again.normal = Vec3::UnitZ();
+  again.collider_after = moving({0, 0, 0}, {0, 0, 5});
+  decisions.decide(again, sim(10040ms));
+  ASSERT_EQ(decisions.entries().size(), 2u);
+  EXPECT_EQ(decisions.entries().back().record.contact, sim(10s) + 1ns);
+  EXPECT_EQ(decisions.entries().back().record.collider_after.velocity, Vec3(0, 0, 5)) << "which the others take";
+  EXPECT_EQ(replica.ghost(a, sim(11s) + 1ns).position, Vec3(0, 0, 5));
+  decisions.decide(again, sim(10050ms));
+  EXPECT_EQ(decisions.entries().size(), 2u) << "the same once more";
+}
+
 TEST_F(Deciding, CopiesAreAsManyAsTheLossAsksFor) {
   echo_us(*members.find(other), 0.5);
   decisions.decide(contact(), sim(10s));
