@@ -69,9 +69,10 @@ const InputError kFreshWithoutStore{"error: --fresh begins a store anew, and thi
 
 // The options of `peerd run` that stand for settings, in place of a configuration file or over it.
 struct RunFlags {
-  std::string world, world_name, name, interface, group;
+  std::string world, world_name, name, interface, group, key;
   std::optional<std::uint32_t> id, port;
   std::vector<std::string> owns, enslaves;  // two names of one option
+  bool open = false;
 };
 
 // A number for a peer that was given none. Two peers that start in the same microsecond clash, and say so. Configured
@@ -112,6 +113,10 @@ std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options
     options.keeps_id = !flags.id;
   }
   for (const std::string& set : network_settings(flags)) sets.push_back(set);
+  if (flags.open) sets.emplace_back("transport.sealed=false");
+  if (!flags.key.empty()) {
+    sets.push_back("transport.key_file=" + json_line(std::filesystem::absolute(flags.key).string()));
+  }
   sets.insert(sets.end(), options.sets.begin(), options.sets.end());
   return sets;
 }
@@ -157,6 +162,13 @@ void add_own_options(CLI::App& command, PeerOptions& peer, RunFlags& flags, cons
   command.add_option("--record", peer.record, "write what this peer did and believed to a file when it leaves");
   command.add_flag("--take-over", peer.take_over,
                    "begin at once, without asking for a second whether this peer is running already: that one ends");
+  auto* const open = command.add_flag("--open", flags.open,
+                                      "nothing is sealed: whoever is on the network can listen, and speak as any peer");
+  command
+      .add_option("--key", flags.key,
+                  "the file of the key by which the world's peers seal all that they send (default: the "
+                  "configuration's, else this user's own of that world, which is made where there is none)")
+      ->excludes(open);
   command.add_flag("--json", peer.json, "log lines as JSON");
   command.add_flag("-v,--verbose", peer.verbose, "log updates and predictions too");
 }
@@ -590,6 +602,8 @@ Command add_join(CLI::App& app) {
             flags->join.peer.store.by_default = true;
             if (flags->join.peer.store.fresh && !flags->join.peer.store.is_wanted()) return failed(kFreshWithoutStore);
             flags->join.transport = flags->ask.transport();
+            flags->join.key = flags->run.key;
+            flags->join.open = flags->run.open;
             flags->run.interface = flags->ask.interface;
             flags->join.peer.sets = as_settings(flags->run, flags->join.peer);
             return run_join(flags->join);

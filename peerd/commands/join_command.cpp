@@ -18,6 +18,7 @@
 #include "peerd/input/json_line.hpp"
 #include "peerd/input/toml_input.hpp"
 #include "peerd/os/host_clock.hpp"
+#include "peerd/seal/key_file.hpp"
 #include "peerd/snapshot/snapshot_fetch.hpp"
 #include "peerd/store/store_folder.hpp"
 #include "peerd/store/stored_world.hpp"
@@ -38,6 +39,8 @@ struct World {
   std::string name;
   std::uint64_t session = 0;
   std::vector<Found> peers;
+
+  [[nodiscard]] bool is_sealed() const { return peers.front().beacon.sealed; }
 };
 
 Result<std::vector<World>> worlds_here(const config::TransportSettings& settings, Duration time) {
@@ -67,6 +70,7 @@ nlohmann::ordered_json json_of(const World& world) {
   return {{"name", world.name},
           {"session", fmt::format("{:016x}", world.session)},
           {"protocol", world.peers.front().beacon.protocol},
+          {"sealed", world.is_sealed()},
           {"peers", peers}};
 }
 
@@ -81,7 +85,8 @@ std::string line_of(const World& world) {
                                 ? ""
                                 : fmt::format("; it speaks version {} of the protocol, this program {}", protocol,
                                               replication::kProtocolVersion);
-  return fmt::format("{}  (session {:016x}): {}{}\n", world.name, world.session, peers, other);
+  return fmt::format("{}  (session {:016x}{}): {}{}\n", world.name, world.session, world.is_sealed() ? "" : ", open",
+                     peers, other);
 }
 
 // The world of that name; with an empty name the only one. Null: there is none.
@@ -140,10 +145,29 @@ Result<void> greet_first(const std::vector<snapshot::Provider>& providers, const
   return {};
 }
 
+// The key of a session that others have begun; none: it is open. Nobody makes one for it.
+Result<std::optional<seal::SymmetricKey>> key_of(const JoinOptions& options, const std::string& world) {
+  if (options.open) return std::nullopt;
+  const auto own = options.key.empty() ? seal::default_key_file(world) : std::optional(options.key);
+  if (!own || world.empty()) {
+    return std::unexpected(
+        InputError{"error: which key? Say the world's name, or --key FILE; --open, if it is open", 2});
+  }
+  auto key = seal::read_key(*own);
+  if (key) return *std::move(key);
+  return std::unexpected(InputError{key.error().text +
+                                        "; whoever runs that world has its key: --key FILE says a copy, " +
+                                        "and --open that there is none",
+                                    key.error().exit_code});
+}
+
 Result<JoinedWorld> joined_by_peers(const std::vector<snapshot::Provider>& providers, std::uint64_t session,
-                                    PeerOptions& peer) {
+                                    const std::string& world, JoinOptions& options) {
+  const auto key = key_of(options, world);
+  if (!key) return std::unexpected(key.error());
+  PeerOptions& peer = options.peer;
   const auto began = std::chrono::steady_clock::now();
-  auto snapshot = snapshot::fetch_snapshot(providers, session);
+  auto snapshot = snapshot::fetch_snapshot(providers, session, {.key = *key});
   if (!snapshot) return std::unexpected(InputError{"error: " + snapshot.error(), kNoSuchWorld});
   print_warnings(snapshot->notes);
   if (auto done = greet_first(providers, snapshot->offer.settings, peer); !done) return std::unexpected(done.error());
@@ -200,7 +224,7 @@ Result<JoinedWorld> find_world(JoinOptions& options) {
   if (!options.from.empty()) {
     const auto provider = provider_at(options.from);
     if (!provider) return std::unexpected(provider.error());
-    return joined_by_peers({*provider}, 0, options.peer);
+    return joined_by_peers({*provider}, 0, options.world, options);
   }
   const auto worlds = worlds_here(options.transport, kAsked);
   if (!worlds) return std::unexpected(worlds.error());
@@ -209,7 +233,11 @@ Result<JoinedWorld> find_world(JoinOptions& options) {
   if (*world == nullptr) return joined_by_store(options);
   const auto providers = providers_of(**world);
   if (!providers) return std::unexpected(providers.error());
-  return joined_by_peers(*providers, (*world)->session, options.peer);
+  if (const bool sealed = (*world)->is_sealed(); sealed == options.open) {
+    return std::unexpected(
+        InputError{"error: \"" + (*world)->name + (sealed ? "\" is sealed" : "\" is open: say --open"), 2});
+  }
+  return joined_by_peers(*providers, (*world)->session, (*world)->name, options);
 }
 
 }  // namespace

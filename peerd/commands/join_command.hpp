@@ -1,4 +1,5 @@
 #pragma once
+#include <filesystem>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -28,7 +29,9 @@ struct JoinOptions {
   std::string world;  // its name; empty: the only one
   std::string from;   // "HOST:PORT" of a peer, in place of asking who is here; empty: none
   config::TransportSettings transport;
-  PeerOptions peer;  // without a configuration; its `sets` are those of its own
+  std::filesystem::path key;  // of --key; empty: this user's own of the world
+  bool open = false;          // of --open
+  PeerOptions peer;           // without a configuration; its `sets` are those of its own
 };
 [[nodiscard]] int run_join(JoinOptions& options);
 

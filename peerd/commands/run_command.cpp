@@ -34,6 +34,8 @@
 #include "peerd/os/udp_port.hpp"
 #include "peerd/picture/picture_input.hpp"
 #include "peerd/record/capture.hpp"
+#include "peerd/seal/key_file.hpp"
+#include "peerd/seal/sealed_transport.hpp"
 #include "peerd/store/operation_store.hpp"
 #include "peerd/store/store_folder.hpp"
 #include "peerd/transport/transport_options.hpp"
@@ -203,6 +205,22 @@ void log_refused(const api::ControlServer* control, const feed::UdpPort* poses, 
         fmt::format("poses: {} of {} datagrams were lost for want of room, {} reads failed", poses->counters().lost,
                     poses->counters().datagrams + poses->counters().lost, poses->counters().errors));
   }
+}
+
+// The key of the session, unless the settings say that it is open.
+Result<std::optional<seal::SymmetricKey>> session_key(const config::TransportSettings& settings,
+                                                      const std::string& world, Log& log) {
+  if (!settings.sealed) {
+    log(spdlog::level::warn, "open: whoever is on this network can listen, and speak as any peer");
+    return std::nullopt;
+  }
+  const bool is_own = settings.key_file.empty();
+  const auto file = is_own ? seal::default_key_file(world) : std::optional<std::filesystem::path>(settings.key_file);
+  if (!file) return std::unexpected(InputError{"error: this user has no home for a key: say --key FILE, or --open", 2});
+  auto key = is_own ? seal::read_or_make_key(*file) : seal::read_key(*file);
+  if (!key) return std::unexpected(key.error());
+  log(spdlog::level::info, "sealed by the key " + file->string());
+  return *std::move(key);
 }
 
 void log_beginning(const config::PeerSettings& peer, const std::filesystem::path& world,
@@ -476,7 +494,8 @@ Result<PeerParts> make_parts(const PeerOptions& options) {
 
 JoinService::Options join_service_options(const PeerOptions& options, const PeerParts& parts,
                                           const PeerNode::Options& node, const net::TransportOptions& reach,
-                                          const net::OpenedTransport& reached) {
+                                          const net::OpenedTransport& reached,
+                                          const std::optional<seal::SymmetricKey>& key) {
   const config::TransportSettings& settings = parts.run().transport;
   config::RunSettings shared = parts.run();
   if (reached.unicast()) shared.transport.multicast = config::kMulticastNever;
@@ -488,7 +507,8 @@ JoinService::Options join_service_options(const PeerOptions& options, const Peer
           .world = parts.world_name(options),
           .settings = config::shared_settings(shared),
           .genesis = parts.shared->world.hash,
-          .archive = parts.shared->world.archive};
+          .archive = parts.shared->world.archive,
+          .key = key};
 }
 
 }  // namespace
@@ -505,7 +525,7 @@ int run_peer(const PeerOptions& options) {
   if (!reach) return failed(reach.error());
   reach->multicast.groups = net::plan_of_world(reach->multicast.groups, parts->session);
   asio::io_context io(1);
-  const auto reached = net::open_transport(io, clock, *reach);
+  auto reached = net::open_transport(io, clock, *reach);
   if (!reached) return failed(input_error(reached.error()));
   const auto& transport = reached->transport;
 
@@ -528,6 +548,13 @@ int run_peer(const PeerOptions& options) {
 
   Log log(settings.name, options.json, options.verbose);
   const auto log_line = [&log](const LogLine& line) { log(line); };
+  const auto key = session_key(run.transport, parts->world_name(options), log);
+  if (!key) return failed(key.error());
+  if (*key) {
+    reached->transport =
+        std::make_unique<seal::SealedTransport>(io, clock, std::move(reached->transport), **key, PeerId{settings.id},
+                                                [&log](const std::string& line) { log(spdlog::level::warn, line); });
+  }
   log_beginning(settings, parts->scenario.world, run.transport, *reached, log);
   for (const std::string& line : parts->shared->findings()) log(spdlog::level::warn, line);
   for (const LogLine& line : parts->opened.lines) log(line);
@@ -554,7 +581,7 @@ int run_peer(const PeerOptions& options) {
   if (!poses) return failed(poses.error());
   std::optional<JoinService> join_service;
   if (run.transport.discoverable) {
-    join_service.emplace(io, clock, *node, join_service_options(options, *parts, node_options, *reach, *reached),
+    join_service.emplace(io, clock, *node, join_service_options(options, *parts, node_options, *reach, *reached, *key),
                          log_line);
   }
   const int code = daemon.run();

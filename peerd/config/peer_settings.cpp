@@ -310,6 +310,8 @@ TransportSettings read_transport(TomlReader reader) {
   std::uint32_t snapshot_port = 0;
   reader.read("snapshot_port", snapshot_port, 1, 65535);
   s.snapshot_port = static_cast<std::uint16_t>(snapshot_port);
+  reader.read("sealed", s.sealed);
+  reader.read("key_file", s.key_file);
   reader.finish();
   return s;
 }

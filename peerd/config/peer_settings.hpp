@@ -107,6 +107,8 @@ struct TransportSettings {
   std::vector<std::string> peers;   // "HOST:PORT": whom unicast greets first
   bool discoverable = true;         // says that it is here to who asks in this LAN, and gives its world to who joins
   std::uint16_t snapshot_port = 0;  // TCP, for who joins; 0: the system chooses one
+  bool sealed = true;               // datagrams are encrypted, and those that another key has sealed are dropped
+  std::string key_file;             // of the key; empty: this user's own of the world
 };
 inline constexpr std::size_t kMulticastAuto = 0, kMulticastAlways = 1,
                              kMulticastNever = 2;  // TransportSettings::multicast

@@ -21,7 +21,8 @@ JoinService::JoinService(boost::asio::io_context& io, const net::HostClock& cloc
            const auto& session = node.peer().clock();
            return session.synchronised() ? session.to_session(clock.now()) + replication::kStampAheadMax
                                          : SimTime::max();
-         }});
+         },
+         options_.key});
     if (server) {
       server_ = *std::move(server);
       log({LogLevel::kInfo, fmt::format("gives \"{}\" to who joins, at {} port {} by TCP", options_.world,
@@ -43,6 +44,7 @@ discovery::Beacon JoinService::beacon(const PeerNode& node) const {
           .session = options_.session,
           .peer = node.peer().id(),
           .incarnation = options_.incarnation,
+          .sealed = options_.key.has_value(),
           .snapshot_port = server_ ? server_->port() : std::uint16_t{0},
           .world = options_.world,
           .name = node.name()};

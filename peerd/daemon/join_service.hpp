@@ -25,7 +25,8 @@ class JoinService {
     std::uint64_t session = 0, incarnation = 0;
     std::string world, settings;  // as in snapshot::Offer
     std::uint64_t genesis = 0;
-    std::string_view archive;  // outlives it; empty: the world cannot be handed out
+    std::string_view archive;               // outlives it; empty: the world cannot be handed out
+    std::optional<seal::SymmetricKey> key;  // of the session; none: it is open
   };
 
   // All references outlive it. What cannot be opened is said in `log`, and the peer runs without.

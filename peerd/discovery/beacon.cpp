@@ -12,7 +12,7 @@ namespace {
 
 // The question and the beacon begin with a word and the version of their format.
 constexpr std::string_view kQuestionMagic = "peerd?\1";
-constexpr std::string_view kBeaconMagic = "peerd!\1";
+constexpr std::string_view kBeaconMagic = "peerd!\2";
 
 std::vector<std::byte> bytes_of(std::string_view text) {
   std::vector<std::byte> bytes(text.size());
@@ -91,6 +91,7 @@ std::vector<std::byte> encode(const Beacon& beacon) {
   write(datagram, beacon.peer.value);
   write(datagram, beacon.incarnation);
   write(datagram, beacon.snapshot_port);
+  write(datagram, static_cast<std::uint8_t>(beacon.sealed));
   write(datagram, beacon.world);
   write(datagram, beacon.name);
   assert(datagram.size() <= kQuestion_bytes);
@@ -106,6 +107,7 @@ std::optional<Beacon> decode(std::span<const std::byte> datagram) {
   beacon.peer = PeerId{reading.number<std::uint32_t>()};
   beacon.incarnation = reading.number<std::uint64_t>();
   beacon.snapshot_port = reading.number<std::uint16_t>();
+  beacon.sealed = reading.number<std::uint8_t>() != 0;
   beacon.world = reading.name();
   beacon.name = reading.name();
   if (!reading.is_whole() || beacon.peer == kNobody) return std::nullopt;

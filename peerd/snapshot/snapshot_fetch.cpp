@@ -146,16 +146,22 @@ class Fetch {
     if (over_ || !peers_[peer].is_of_use) return;
     const auto connection =
         std::make_shared<Connection>(Connection{.peer = peer, .stream = nullptr, .awaits = {}, .asked = {}});
-    connection->stream =
-        std::make_shared<FramedStream>(FramedStream::Socket(io_), kReplyMax_bytes, options_.patience,
-                                       [this, weak = std::weak_ptr(connection)](const std::string& why) {
-                                         if (const auto failed = weak.lock()) on_failure(failed, why);
-                                       });
+    connection->stream = std::make_shared<FramedStream>(
+        FramedStream::Socket(io_), kReplyMax_bytes, options_.patience,
+        [this, weak = std::weak_ptr(connection)](const std::string& why) {
+          if (const auto failed = weak.lock()) on_failure(failed, why);
+        },
+        seal());
     connections_.insert(connection);
     connection->stream->connect(peers_[peer].provider.at, [this, connection] {
       connection->is_connected = true;
       ask_next(connection);
     });
+  }
+
+  [[nodiscard]] std::optional<seal::StreamSeal> seal() const {
+    if (!options_.key) return std::nullopt;
+    return seal::StreamSeal(*options_.key, seal::StreamSeal::End::kClient);
   }
 
   void ask(const ConnectionPtr& connection, Request request, std::function<void(Reply)> on_reply) {
@@ -313,6 +319,9 @@ class Fetch {
   }
 
   void on_failure(const ConnectionPtr& connection, const std::string& why) {
+    if (connection->is_connected && connection->stream->is_unproven()) {
+      return give_up(connection, why + ", as who has another key does; --key FILE says one, --open none");
+    }
     drop(connection);
     note(connection->peer, why);
     if (compares_) return ask_for_digests();

@@ -2,12 +2,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <expected>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <boost/asio/ip/tcp.hpp>
 
 #include "core/time.hpp"
+#include "peerd/seal/symmetric_key.hpp"
 #include "peerd/snapshot/snapshot_message.hpp"
 
 namespace peerd::snapshot {
@@ -32,6 +34,7 @@ struct FetchOptions {
   // Over so many connections in all, to so many peers at most: where packets get lost, one connection alone is slow.
   std::size_t connections = 32, providers = 4;
   Duration patience = std::chrono::seconds(15);  // without any new part; then it fails
+  std::optional<seal::SymmetricKey> key{};       // of the session; none: it is open
 };
 
 // Gets a snapshot from peers of one session (0: that of the first to answer): parts from all of them at once, and those

@@ -126,12 +126,20 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
     error_code ignored;
     socket.set_option(asio::ip::tcp::no_delay(true), ignored);
     const auto number = ++taken_;
-    const auto stream = std::make_shared<FramedStream>(std::move(socket), kRequestMax_bytes, kPatience,
-                                                       [self = weak_from_this(), number](const std::string&) {
-                                                         if (const auto impl = self.lock()) impl->drop(number);
-                                                       });
+    const auto stream = std::make_shared<FramedStream>(
+        std::move(socket), kRequestMax_bytes, kPatience,
+        [self = weak_from_this(), number](const std::string&) {
+          if (const auto impl = self.lock()) impl->drop(number);
+        },
+        seal());
     streams_.emplace(number, stream);
-    serve(stream);
+    stream->begin([self = shared_from_this(), stream] {
+      if (!self->over_) self->serve(stream);
+    });
+  }
+  [[nodiscard]] std::optional<seal::StreamSeal> seal() const {
+    if (!content_.key) return std::nullopt;
+    return seal::StreamSeal(*content_.key, seal::StreamSeal::End::kServer);
   }
   void serve(const StreamPtr& stream) {
     stream->read([self = shared_from_this(), stream](const std::string& request) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,6 +12,7 @@
 #include <boost/asio/ip/address.hpp>
 
 #include "peerd/os/net_error.hpp"
+#include "peerd/seal/symmetric_key.hpp"
 #include "peerd/snapshot/snapshot_message.hpp"
 #include "replication/operations/operation_log.hpp"
 
@@ -27,6 +29,7 @@ struct SnapshotContent {
   // A log with a later stamp is of a broken clock, and is not offered: a joining peer would have its operations at
   // once.
   std::function<SimTime()> latest_stamp;
+  std::optional<seal::SymmetricKey> key{};  // of the session; none: connections are open
 };
 
 // Answers joining peers by TCP, in the io_context's one thread: one part of at most kPartMax_bytes at a time of each,

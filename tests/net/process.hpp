@@ -27,6 +27,7 @@ class Process {
   Process(const ScratchFolder& folder, const std::string& name, const std::string& program,
           std::vector<std::string> arguments)
       : out_(folder / (name + ".out")), err_(folder / (name + ".err")) {
+    setenv("XDG_CONFIG_HOME", (folder / "settings").c_str(), 1);  // the keys of this test's peers are its own
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, out_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);

@@ -127,7 +127,8 @@ class WilfulPeer {
   void accept() {
     acceptor_.async_accept([this](const boost::system::error_code& failed, asio::ip::tcp::socket socket) {
       if (failed) return;
-      const auto stream = std::make_shared<FramedStream>(std::move(socket), kRequestMax_bytes, 10s, [](const auto&) {});
+      const auto stream = std::make_shared<FramedStream>(
+          std::move(socket), kRequestMax_bytes, 10s, [](const auto&) {}, std::nullopt);
       streams_.push_back(stream);
       answer(stream);
       accept();

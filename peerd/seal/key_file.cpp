@@ -1,0 +1,118 @@
+#include "peerd/seal/key_file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <system_error>
+
+#include <sodium.h>
+#include <spdlog/fmt/fmt.h>
+
+namespace peerd::seal {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr mode_t kOthers = S_IRWXG | S_IRWXO;
+constexpr int kFailed = 3;
+
+std::unexpected<InputError> wrong(const fs::path& file, const std::string& what, int code = kFailed) {
+  return std::unexpected(InputError{"error: the key " + file.string() + " " + what, code});
+}
+std::string why(int error) { return std::generic_category().message(error); }
+
+// A descriptor that is closed where it ends.
+class File {
+ public:
+  File(const fs::path& path, int flags) : descriptor_(::open(path.c_str(), flags | O_CLOEXEC, S_IRUSR | S_IWUSR)) {}
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+  ~File() {
+    if (is_open()) ::close(descriptor_);
+  }
+  [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
+  [[nodiscard]] int get() const { return descriptor_; }
+
+ private:
+  int descriptor_;
+};
+
+// 0, or an errno.
+int write_whole(const fs::path& path, std::string_view text) {
+  const File file(path, O_WRONLY | O_CREAT | O_EXCL);
+  if (!file.is_open()) return errno;
+  while (!text.empty()) {
+    const ssize_t written = ::write(file.get(), text.data(), text.size());
+    if (written < 0 && errno != EINTR) return errno;
+    if (written > 0) text.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return ::fsync(file.get()) == 0 ? 0 : errno;
+}
+
+// Gives the key to the file unless another process has been faster. 0, or an errno.
+int make_key(const fs::path& file) {
+  std::error_code failed;
+  fs::create_directories(file.parent_path(), failed);
+  if (failed) return failed.value();
+  fs::path draft = file;
+  std::string text = SymmetricKey::random().text() + "\n";
+  draft += fmt::format(".{}.{}", ::getpid(), randombytes_random());  // each thread has its own
+  int error = write_whole(draft, text);
+  sodium_memzero(text.data(), text.size());
+  if (error == 0 && ::link(draft.c_str(), file.c_str()) != 0 && errno != EEXIST) error = errno;
+  ::unlink(draft.c_str());
+  return error;
+}
+
+}  // namespace
+
+std::optional<fs::path> default_key_file(const std::string& world) {
+  fs::path folder;
+  const char* const config = std::getenv("XDG_CONFIG_HOME");
+  const char* const home = std::getenv("HOME");
+  if (config != nullptr && config[0] == '/') {
+    folder = config;
+  } else if (home != nullptr && home[0] == '/') {
+    folder = fs::path(home) / ".config";
+  } else {
+    return std::nullopt;
+  }
+  std::string name = world;
+  std::ranges::replace(name, '/', '_');
+  return folder / "peerd" / "keys" / (name + ".key");
+}
+
+Result<SymmetricKey> read_key(const fs::path& file) {
+  const File opened(file, O_RDONLY);
+  if (!opened.is_open()) return wrong(file, "cannot be read: " + why(errno));
+  struct stat found {};
+  if (::fstat(opened.get(), &found) != 0) return wrong(file, "cannot be read: " + why(errno));
+  if (!S_ISREG(found.st_mode)) return wrong(file, "is no file", 2);
+  if ((found.st_mode & kOthers) != 0) {
+    return wrong(file, "may be read by other users of this computer; chmod 600 mends that", 2);
+  }
+  std::array<char, 128> text{};
+  const ssize_t size = ::read(opened.get(), text.data(), text.size());
+  if (size < 0) return wrong(file, "cannot be read: " + why(errno));
+  std::string_view line(text.data(), static_cast<std::size_t>(size));
+  if (line.ends_with('\n')) line.remove_suffix(1);
+  const auto key = SymmetricKey::of_text(line);
+  sodium_memzero(text.data(), text.size());
+  if (!key) return wrong(file, "has no key", 2);
+  return *key;
+}
+
+Result<SymmetricKey> read_or_make_key(const fs::path& file) {
+  std::error_code failed;
+  if (!fs::exists(file, failed) && !failed) {
+    if (const int error = make_key(file); error != 0) return wrong(file, "cannot be made: " + why(error));
+  }
+  return read_key(file);
+}
+
+}  // namespace peerd::seal

@@ -1,0 +1,22 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "peerd/input/input_error.hpp"
+#include "peerd/seal/symmetric_key.hpp"
+
+namespace peerd::seal {
+
+// The file of the key that this user's peers of a world share where nobody says another one: in XDG_CONFIG_HOME, else
+// in
+// ~/.config. None: this user has no home.
+[[nodiscard]] std::optional<std::filesystem::path> default_key_file(const std::string& world);
+
+// The key in a file, which has one line, SymmetricKey::text(). A file that others may read or write is refused.
+[[nodiscard]] Result<SymmetricKey> read_key(const std::filesystem::path& file);
+// The same; where there is no such file, makes one with a random key, which only this user may read. Of several that
+// make it at once, all get one key.
+[[nodiscard]] Result<SymmetricKey> read_or_make_key(const std::filesystem::path& file);
+
+}  // namespace peerd::seal

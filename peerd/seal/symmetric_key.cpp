@@ -1,0 +1,70 @@
+#include "peerd/seal/symmetric_key.hpp"
+
+#include <sodium.h>
+
+#include <cassert>
+#include <stdexcept>
+
+namespace peerd::seal {
+namespace {
+
+constexpr std::string_view kTextBegin = "peerd-key-1:";
+constexpr int kTextVariant = sodium_base64_VARIANT_URLSAFE_NO_PADDING;
+
+static_assert(SymmetricKey::kBytes == crypto_aead_chacha20poly1305_ietf_KEYBYTES);
+static_assert(SymmetricKey::kBytes == crypto_aead_xchacha20poly1305_ietf_KEYBYTES);
+static_assert(SymmetricKey::kBytes == crypto_generichash_KEYBYTES);
+
+}  // namespace
+
+void need_sodium() {
+  if (sodium_init() < 0) throw std::runtime_error("libsodium finds no entropy on this system");
+}
+
+SymmetricKey SymmetricKey::random() {
+  need_sodium();
+  SymmetricKey key;
+  randombytes_buf(key.bits_.data(), kBytes);
+  return key;
+}
+
+std::optional<SymmetricKey> SymmetricKey::of_text(std::string_view text) {
+  if (!text.starts_with(kTextBegin)) return std::nullopt;
+  text.remove_prefix(kTextBegin.size());
+  SymmetricKey key;
+  std::size_t length = 0;
+  const char* end = nullptr;
+  const int failed =
+      sodium_base642bin(key.bits_.data(), kBytes, text.data(), text.size(), nullptr, &length, &end, kTextVariant);
+  if (failed != 0 || length != kBytes || end != text.data() + text.size()) return std::nullopt;
+  return key;
+}
+
+SymmetricKey::~SymmetricKey() { sodium_memzero(bits_.data(), kBytes); }
+
+std::string SymmetricKey::text() const {
+  std::string encoded(sodium_base64_ENCODED_LEN(kBytes, kTextVariant), '\0');
+  sodium_bin2base64(encoded.data(), encoded.size(), bits_.data(), kBytes, kTextVariant);
+  encoded.pop_back();  // its terminating zero
+  return std::string(kTextBegin) + encoded;
+}
+
+SymmetricKey SymmetricKey::derived(std::string_view use, std::span<const std::uint8_t> of) const {
+  SymmetricKey key;
+  crypto_generichash_state state;
+  crypto_generichash_init(&state, bits_.data(), kBytes, kBytes);
+  const auto use_bytes = static_cast<std::uint8_t>(use.size());  // so that no use and what follows make another one
+  assert(use.size() == use_bytes);
+  crypto_generichash_update(&state, &use_bytes, 1);
+  crypto_generichash_update(&state, reinterpret_cast<const std::uint8_t*>(use.data()), use.size());
+  crypto_generichash_update(&state, of.data(), of.size());
+  crypto_generichash_final(&state, key.bits_.data(), kBytes);
+  sodium_memzero(&state, sizeof(state));
+  return key;
+}
+
+bool operator==(const SymmetricKey& a, const SymmetricKey& b) {
+  return sodium_memcmp(a.data(), b.data(), SymmetricKey::kBytes) == 0;
+}
+
+}  // namespace peerd::seal

@@ -1,0 +1,41 @@
+#include "peerd/seal/symmetric_key.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace peerd::seal {
+namespace {
+
+TEST(SymmetricKeys, TheTextOfAKeyIsThatKey) {
+  const SymmetricKey key = SymmetricKey::random();
+  const auto again = SymmetricKey::of_text(key.text());
+  ASSERT_TRUE(again);
+  EXPECT_EQ(*again, key);
+  EXPECT_FALSE(SymmetricKey::random() == key);
+}
+
+TEST(SymmetricKeys, NothingElseIsAKey) {
+  const std::string text = SymmetricKey::random().text();
+  for (std::size_t i = 0; i < text.size(); ++i) EXPECT_FALSE(SymmetricKey::of_text(text.substr(0, i))) << i;
+  for (const char* const more : {"A", "=", " ", "\n"}) EXPECT_FALSE(SymmetricKey::of_text(text + more)) << more;
+  EXPECT_FALSE(SymmetricKey::of_text("peerd-key-2:" + text.substr(12)));
+  EXPECT_FALSE(SymmetricKey::of_text("peerd-key-1:" + std::string(43, '*')));
+}
+
+TEST(SymmetricKeys, EachUseHasAKeyOfItsOwn) {
+  const SymmetricKey key = SymmetricKey::random();
+  const std::array<std::uint8_t, 2> ab{'a', 'b'};
+  const std::span<const std::uint8_t> all(ab);
+  std::set<std::string> texts{key.text()};
+  texts.insert(key.derived("one", all).text());
+  texts.insert(key.derived("two", all).text());
+  texts.insert(key.derived("one", all.first(1)).text());
+  texts.insert(key.derived("onea", all.subspan(1)).text());
+  texts.insert(SymmetricKey::random().derived("one", all).text());
+  EXPECT_EQ(texts.size(), 6u);
+  EXPECT_EQ(key.derived("one", all), key.derived("one", all));
+}
+
+}  // namespace
+}  // namespace peerd::seal
