@@ -44,10 +44,10 @@ discovery::Beacon JoinService::beacon(const PeerNode& node) const {
           .session = options_.session,
           .peer = node.peer().id(),
           .incarnation = options_.incarnation,
-          .sealed = options_.key.has_value(),
           .snapshot_port = server_ ? server_->port() : std::uint16_t{0},
           .world = options_.world,
-          .name = node.name()};
+          .name = node.name(),
+          .sealed = options_.key.has_value()};
 }
 
 }  // namespace peerd

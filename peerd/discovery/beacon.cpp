@@ -91,9 +91,9 @@ std::vector<std::byte> encode(const Beacon& beacon) {
   write(datagram, beacon.peer.value);
   write(datagram, beacon.incarnation);
   write(datagram, beacon.snapshot_port);
-  write(datagram, static_cast<std::uint8_t>(beacon.sealed));
   write(datagram, beacon.world);
   write(datagram, beacon.name);
+  write(datagram, static_cast<std::uint8_t>(beacon.sealed));
   assert(datagram.size() <= kQuestion_bytes);
   return datagram;
 }
@@ -107,9 +107,9 @@ std::optional<Beacon> decode(std::span<const std::byte> datagram) {
   beacon.peer = PeerId{reading.number<std::uint32_t>()};
   beacon.incarnation = reading.number<std::uint64_t>();
   beacon.snapshot_port = reading.number<std::uint16_t>();
-  beacon.sealed = reading.number<std::uint8_t>() != 0;
   beacon.world = reading.name();
   beacon.name = reading.name();
+  beacon.sealed = reading.number<std::uint8_t>() != 0;
   if (!reading.is_whole() || beacon.peer == kNobody) return std::nullopt;
   return beacon;
 }

@@ -18,9 +18,9 @@ struct Beacon {
                                // do not meet
   PeerId peer{1};
   std::uint64_t incarnation = 0;
-  bool sealed = false;              // who does not have its key is not heard
   std::uint16_t snapshot_port = 0;  // TCP, at the address that the beacon came from; 0: it gives its world to nobody
   std::string world, name;          // of the world and of the peer, at most kNameMax_bytes each
+  bool sealed = false;              // who does not have its key is not heard
 
   friend bool operator==(const Beacon&, const Beacon&) = default;
 };

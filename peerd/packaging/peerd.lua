@@ -16,7 +16,7 @@ peerd.prefs.regions = Pref.string("Group of region 1", "",
 
 local VERSION = 9
 local MOST_BYTES = 1200
-local REGION_MARK, GREETING_MARK = 0x52, 0x47
+local REGION_MARK, GREETING_MARK, SEALED_MARK, ANNOUNCEMENT_MARK = 0x52, 0x47, 0x80, 0xC0  -- the latter two of epoch 0
 local DISCOVERY_PORT = 47473
 
 -- ---- fields -------------------------------------------------------------------------------------------------------
@@ -197,6 +197,12 @@ local F = {
     port = field("uint16", "beacon.snapshot_port", "TCP port for joining peers"),
     world = field("string", "beacon.world", "World"),
     name = field("string", "beacon.name", "Name"),
+    sealed = field("bool", "beacon.sealed", "Sealed"),
+  },
+  seal = {
+    epoch = field("uint8", "seal.epoch", "Epoch"),
+    sender = field("uint32", "seal.sender", "Sender"),
+    counter = field("uint32", "seal.counter", "Counter of the boot, lowest 3 bytes"),
   },
   base_low = field("uint64", "records.base_low", "Base time, lowest 5 bytes [ns]"),
   base = field("int64", "records.base_ns", "Base time nearest to the capture's [ns]"),
@@ -1622,9 +1628,27 @@ local function dissect_greeting(tvb, tree, pinfo)
   pinfo.cols.info = "greeting" .. (flags >= 2 and ", leaving" or "")
 end
 
+-- ---- sealed ------------------------------------------------------------------------------------------------------
+
+-- What can be read without the key: peerd record writes datagrams as they were before they were sealed.
+local function dissect_sealed(tvb, tree, pinfo)
+  local is_announcement = tvb(0, 1):uint() == ANNOUNCEMENT_MARK
+  if tvb:len() < (is_announcement and 69 or 24) then refuse("a sealed datagram is cut short") end
+  tree:add(F.kind, tvb(0, 1), is_announcement and "announcement" or "sealed")
+  tree:add(F.seal.epoch, tvb(0, 1), tvb(0, 1):uint() % 64)
+  tree:add_le(F.seal.sender, tvb(1, 4))
+  local sender = tvb(1, 4):le_uint()
+  if is_announcement then
+    pinfo.cols.info = "peer " .. sender .. " announces its boot"
+  else
+    tree:add_le(F.seal.counter, tvb(5, 3))
+    pinfo.cols.info = string.format("sealed by peer %d, counter %d", sender, tvb(5, 3):le_uint())
+  end
+end
+
 -- ---- who is here --------------------------------------------------------------------------------------------------
 
-local QUESTION, BEACON, QUESTION_BYTES = "peerd?\1", "peerd!\1", 192
+local QUESTION, BEACON, QUESTION_BYTES = "peerd?\1", "peerd!\2", 192
 
 -- Each number has the least significant byte first; a name has its length before it.
 local function dissect_beacon(tvb, tree)
@@ -1654,6 +1678,7 @@ local function dissect_beacon(tvb, tree)
       names[i] = ""
     end
   end
+  tree:add(B.sealed, take(1))
   if at ~= tvb:len() then refuse("something follows a beacon") end
   return string.format("peer %d, %s, of %s is here", peer:le_uint(), names[2], names[1])
 end
@@ -1730,6 +1755,8 @@ function peerd.dissector(tvb, pinfo, root)
       tree:add(F.region, first == REGION_MARK and tvb(1, 4) or tvb(0, 0), region)
       tree:append_text(", region " .. region)
     end
+    local mark = datagram:len() > 0 and datagram(0, 1):uint()
+    if mark == SEALED_MARK or mark == ANNOUNCEMENT_MARK then return dissect_sealed(datagram, tree, pinfo) end
     dissect_datagram(datagram, tree, pinfo, datagram())
   end)
   if not good then pinfo.cols.info = "malformed" end

@@ -17,6 +17,7 @@
 #include "peerd/netem/lab.hpp"
 #include "peerd/scenario/child_process.hpp"
 #include "peerd/scenario/live_events.hpp"
+#include "peerd/seal/key_file.hpp"
 
 namespace peerd {
 namespace {
@@ -64,8 +65,11 @@ std::string last_lines(const fs::path& path, std::size_t count) {
   return text;
 }
 
+// The peers of one run seal what they send by a key that is gone afterwards.
+fs::path key_file_of(const LiveRun& launch) { return fs::absolute(launch.out / (launch.run_name + ".key")); }
+
 std::vector<std::string> peer_command(const LiveRun& launch, const config::RunSettings& run,
-                                      const config::PeerSettings& peer, const fs::path& record) {
+                                      const config::PeerSettings& peer, const fs::path& record, const fs::path& key_file) {
   std::vector<std::string> command{launch.program.string(),
                                    "run",
                                    "--config",
@@ -78,6 +82,7 @@ std::vector<std::string> peer_command(const LiveRun& launch, const config::RunSe
                                    "--verbose",
                                    "--take-over"};
   const auto set = [&](const std::string& assignment) { command.insert(command.end(), {"--set", assignment}); };
+  if (run.transport.sealed && run.transport.key_file.empty()) set("transport.key_file=" + json_line(key_file.string()));
   for (const std::string& s : launch.sets) set(s);
   for (const auto& [key, value] : run.params.items()) set(key + "=" + toml_value(value));
   set("seed=" + std::to_string(run.seed));
@@ -128,7 +133,7 @@ class LiveProcesses {
   void start(const config::PeerSettings& peer) {
     const std::string record = stem_of(peer.name) + ".rows";
     fs::remove(record);
-    auto command = peer_command(launch_, run_, peer, record);
+    auto command = peer_command(launch_, run_, peer, record, key_file_of(launch_));
     if (peers_.empty() && !control_.empty()) {
       command.insert(command.end(), {"--control", control_.string()});
     }
@@ -213,6 +218,9 @@ Result<std::vector<PeerLog>> run_live(const LiveRun& launch, const config::RunSe
                                       std::vector<double>& oversleep_ms) {
   auto events = LiveEvents::make(run.events);
   if (!events) return std::unexpected(events.error());
+  const fs::path key = key_file_of(launch);
+  if (const auto made = seal::read_or_make_key(key); !made) return std::unexpected(made.error());
+  const std::shared_ptr<void> gone(nullptr, [&key](void*) { fs::remove(key); });
   LiveProcesses processes(launch, run, events->control());
   processes.start_captures();
   for (const config::PeerSettings& peer : run.peers) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <random>
 
+#include "peerd/seal/sealer.hpp"
 #include "replication/peer.hpp"
 #include "replication/wire/codec.hpp"
 #include "replication/wire/record.hpp"
@@ -61,8 +62,12 @@ PeerConfig listener() {
 // A peer alone, which receives updates of all objects from another one.
 class Listener {
  public:
-  explicit Listener(std::size_t objects)
-      : crowd_(objects), peer_(listener(), *crowd_.model), updates_(crowd_, objects), last_(objects) {
+  Listener(std::size_t objects, bool sealed)
+      : is_sealed_(sealed),
+        crowd_(objects),
+        peer_(listener(), *crowd_.model),
+        updates_(crowd_, objects),
+        last_(objects) {
     for (; now_ < HostTime{2s}; now_ += 100ms) peer_.on_tick(now_, {});
     Message m = blank();
     Hello& hello = m.hello.emplace();
@@ -70,6 +75,11 @@ class Listener {
     Introduction& introduction = hello.introduction.emplace();
     introduction.name = "peer2";
     introduction.world_hash = 1;
+    for (int i = 0; i < 3; ++i) {  // by which each proves that it runs
+      if (const auto due = sealer_.announcement_due(now_)) (void)opener_.hear(*due, now_);
+      if (const auto due = opener_.announcement_due(now_)) (void)sealer_.hear(*due, now_);
+      now_ += 20ms;
+    }
     knows_sender_ = peer_.on_packet(now_, kWholeScene, encode(m)).has_value();
   }
 
@@ -88,10 +98,20 @@ class Listener {
         last_[m.updates.back().object.number - crowd_.first.number] = m.updates.back();
       }
       sent.push_back(encode(m));
+      if (is_sealed_) {
+        const auto sealed = sealer_.seal(kWholeScene, sent.back());
+        sent.back().assign(sealed.begin(), sealed.end());
+      }
     }
     updates_sent_ += datagrams * batch;
     return seconds_of([&] {
-      for (const Bytes& datagram : sent) (void)peer_.on_packet(now_, kWholeScene, datagram);
+      for (const Bytes& datagram : sent) {
+        if (!is_sealed_) {
+          (void)peer_.on_packet(now_, kWholeScene, datagram);
+        } else if (const auto opened = opener_.open(kWholeScene, datagram)) {
+          (void)peer_.on_packet(now_, kWholeScene, *opened);
+        }
+      }
     });
   }
 
@@ -117,6 +137,10 @@ class Listener {
     return m;
   }
 
+  bool is_sealed_;
+  seal::SymmetricKey key_ = seal::SymmetricKey::random();
+  seal::Sealer sealer_{key_, PeerId{2}, seal::Sealer::random_boot()};
+  seal::Sealer opener_{key_, PeerId{1}, seal::Sealer::random_boot()};
   Crowd crowd_;
   Peer peer_;
   Updates updates_;
@@ -129,10 +153,12 @@ class Listener {
 
 }  // namespace
 
-CodecRates decode_and_apply(std::size_t objects, std::size_t batch, bool quick) {
+namespace {
+
+CodecRates take_in(std::size_t objects, std::size_t batch, bool quick, bool sealed) {
   const std::size_t rounds = quick ? 2 : 20;
   const std::size_t datagrams = quick ? 400 : batch == 1 ? 20'000 : 1'000;  // a round
-  Listener listener(objects);
+  Listener listener(objects, sealed);
   (void)listener.hear((objects + kBatch - 1) / kBatch, kBatch);
   (void)listener.hear(datagrams, batch);
   CodecRates rates;
@@ -143,6 +169,16 @@ CodecRates decode_and_apply(std::size_t objects, std::size_t batch, bool quick) 
   }
   rates.wrong = listener.wrong();
   return rates;
+}
+
+}  // namespace
+
+CodecRates decode_and_apply(std::size_t objects, std::size_t batch, bool quick) {
+  return take_in(objects, batch, quick, false);
+}
+
+CodecRates open_decode_and_apply(std::size_t objects, std::size_t batch, bool quick) {
+  return take_in(objects, batch, quick, true);
 }
 
 CodecRates encode_batches(std::size_t objects, bool quick) {

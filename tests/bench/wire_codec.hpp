@@ -16,6 +16,8 @@ struct CodecRates {
 // Datagrams of `batch` updates each, of `objects` that all have had an update, through Peer::on_packet; ticks run
 // between rounds, untimed. In the end every ghost must be what its last update says.
 [[nodiscard]] CodecRates decode_and_apply(std::size_t objects, std::size_t batch, bool quick);
+// The same of sealed datagrams, which are opened first.
+[[nodiscard]] CodecRates open_decode_and_apply(std::size_t objects, std::size_t batch, bool quick);
 
 // Batches of forty records of `objects`, each of which must be decoded as it was encoded.
 [[nodiscard]] CodecRates encode_batches(std::size_t objects, bool quick);

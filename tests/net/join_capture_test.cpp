@@ -37,11 +37,14 @@ class CapturedJoin : public testing::Test {
 
   // A peer with a capture.
   Process record(const std::string& name, const Words& more) const {
-    Words words{"record", "--world", (folder / "w.wrl").string(), "--world-name", world, "--out", file(name, "pcapng")};
+    Words words{"record",       "--open", "--world", (folder / "w.wrl").string(),
+                "--world-name", world,    "--out",   file(name, "pcapng")};
     words.insert(words.end(), more.begin(), more.end());
     return start(name, words);
   }
-  Process join(const std::string& name) const { return start(name, {"join", world, "--store", file(name, "store")}); }
+  Process join(const std::string& name) const {
+    return start(name, {"join", world, "--open", "--store", file(name, "store")});
+  }
   [[nodiscard]] json ask(const std::string& name, const json& request) const {
     const auto line = api::ask(file(name, "sock"), request.dump());
     return line ? json::parse(*line, nullptr, false) : json();

@@ -178,7 +178,7 @@ TEST_F(Joining, ThereIsNoSuchWorld) {
 TEST_F(Joining, OnePeerIsAskedByItsAddress) {
   Process a = run("a", world, {"--set", "transport.snapshot_port=" + std::to_string(own_port(14))});
   ASSERT_TRUE(is_in_session("a"));
-  Process c = join("c", "", {"--from", "127.0.0.1:" + std::to_string(own_port(14))});
+  Process c = join("c", world, {"--from", "127.0.0.1:" + std::to_string(own_port(14))});
   ASSERT_TRUE(is_in_session("c")) << c.err();
   EXPECT_EQ(world_of("c"), world_of("a"));
 }

@@ -37,12 +37,13 @@ void measure(LoopbackResult& result, Pace pace, const std::string& suffix, bool 
   const std::size_t rounds = quick ? 1 : 11;
   const std::size_t pings = quick ? 100 : pace == Pace::kPingPong ? 10'000 : 2'000;
   const bool with_dds = has_ddsperf();
-  Rounds udp, peers, one_way, dds, udp_polling, peers_polling, one_way_polling;
+  Rounds udp, peers, open, one_way, dds, udp_polling, peers_polling, one_way_polling;
   for (std::size_t round = 0; round < rounds; ++round) {
     udp.add(udp_round({pings, Waits::kAsleep, pace}).half_round_trip_us);
     const Latencies by_peers = peers_round({pings, Waits::kAsleep, pace});
     peers.add(by_peers.half_round_trip_us);
     one_way.add(by_peers.one_way_us);
+    open.add(peers_round({.pings = pings, .waits = Waits::kAsleep, .pace = pace, .sealed = false}).half_round_trip_us);
     udp_polling.add(udp_round({pings, Waits::kBusyPolling, pace}).half_round_trip_us);
     const Latencies by_polling = peers_round({pings, Waits::kBusyPolling, pace});
     peers_polling.add(by_polling.half_round_trip_us);
@@ -63,11 +64,13 @@ void measure(LoopbackResult& result, Pace pace, const std::string& suffix, bool 
   };
   all("udp", udp);
   all("peers", peers);
+  all("open_peers", open);
   all("peers.one_way", one_way);
   all("udp_busy_polling", udp_polling);
   all("peers_busy_polling", peers_polling);
   all("peers_busy_polling.one_way", one_way_polling);
   over("udp", peers, udp, "<= 1.5", 1.5);
+  over("open_peers", peers, open, "<= 1.1", 1.1);
   over("udp_busy_polling", peers_polling, udp, "<= 1.5", 1.5);
   over("udp_both_busy_polling", peers_polling, udp_polling);
   if (!with_dds) return;

@@ -11,6 +11,7 @@
 
 #include "peerd/daemon/cache_warmer.hpp"
 #include "peerd/daemon/daemon.hpp"
+#include "peerd/seal/sealed_transport.hpp"
 #include "peerd/transport/open_transport.hpp"
 #include "peerd/transport/transport_options.hpp"
 #include "ping_pong.hpp"
@@ -31,6 +32,7 @@ class Session {
  public:
   Session(const Round& round, std::size_t objects)
       : busy_poll_us_(round.waits == Waits::kBusyPolling ? kBusyPoll.count() : 0),
+        key_(round.sealed ? std::optional(seal::SymmetricKey::random()) : std::nullopt),
         moving_(objects_for(round.pace)),
         others_(std::max(objects / 2, moving_) - moving_) {
     std::string world = "#VRML V2.0 utf8\n", scenario = "world = \"w.wrl\"\n";
@@ -54,6 +56,7 @@ class Session {
   }
   [[nodiscard]] std::size_t moving() const { return moving_; }  // of each side
   [[nodiscard]] std::size_t objects() const { return 2 * (moving_ + others_); }
+  [[nodiscard]] const std::optional<seal::SymmetricKey>& key() const { return key_; }
   [[nodiscard]] config::Scenario read() const {
     config::ScenarioRequest request;
     request.file = folder_ / "s.toml";
@@ -67,7 +70,8 @@ class Session {
 
  private:
   std::chrono::microseconds::rep busy_poll_us_;
-  std::size_t moving_, others_;  // of each side
+  std::optional<seal::SymmetricKey> key_;  // none: it is open
+  std::size_t moving_, others_;            // of each side
   TemporaryFolder folder_;
   int port_;
 };
@@ -87,7 +91,7 @@ class Side {
         scenario_(session.read()),
         shared_(value_of(share_world(scenario_.world), "no world")),
         node_(make_node()),
-        transport_(open()),
+        transport_(open(session.key())),
         daemon_(
             io_, *node_, *transport_, clock_, [](const LogLine&) {}, std::nullopt) {
     const config::RunSettings& run = scenario_.runs.front();
@@ -143,13 +147,15 @@ class Side {
     return PeerNode::make(run.peers[number], run.replication, *shared_, std::move((*objects)[number]),
                           std::move(options));
   }
-  std::unique_ptr<net::Transport> open() {
+  std::unique_ptr<net::Transport> open(const std::optional<seal::SymmetricKey>& key) {
     auto options = transport_options(scenario_.runs.front().transport, random_key());
     if (!options) throw std::runtime_error(options.error().text);
     options->use = net::MulticastUse::kAlways;
     auto opened = net::open_transport(io_, clock_, *options);
     if (!opened) throw std::runtime_error(opened.error().sentence);
-    return std::move(opened->transport);
+    if (!key) return std::move(opened->transport);
+    return std::make_unique<seal::SealedTransport>(io_, clock_, std::move(opened->transport), *key,
+                                                   PeerId{own_ == 'a' ? 1U : 2U}, [](const std::string&) {});
   }
 
   char own_;

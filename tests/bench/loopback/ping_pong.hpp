@@ -53,6 +53,7 @@ struct Round {
   Waits waits;
   Pace pace;
   Cores cores = two_cores();
+  bool sealed = true;  // of peers
 };
 [[nodiscard]] Latencies udp_round(const Round& round);
 [[nodiscard]] Latencies peers_round(const Round& round, std::size_t objects = 0);  // at least those it needs

@@ -13,6 +13,7 @@
 #include "peerd/measure/summary.hpp"
 #include "peerd/os/interfaces.hpp"
 #include "peerd/scenario/assemble.hpp"
+#include "peerd/seal/key_file.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 
@@ -200,40 +201,86 @@ TEST_F(PeerProcess, NamesThatAreNotUtf8DoNotEndAPeerThatLogsJson) {
 }
 
 // Random bytes, and real datagrams with bytes of them changed.
-TEST_F(PeerProcess, GarbageIsCountedAndDropped) {
-  boost::asio::io_context io;
-  net::testing_support::Listener outsider(
-      io, {.interface = "lo", .groups = {boost::asio::ip::make_address("239.192.80.0"), own_port(3)}});
-  outsider.join(0);
-  Process a = start_peer("a", 3), c = start_peer("c", 3);
-  ASSERT_TRUE(net::testing_support::run_until(io, [&] { return outsider.heard.size() >= 20; })) << a.out();
-  const auto real = outsider.heard;
-
-  constexpr int kEach = 200;
-  std::mt19937_64 random(1);
-  std::string bytes;
-  for (int i = 0; i < kEach; ++i) {
-    bytes.resize(random() % 1500);
-    for (char& byte : bytes) byte = static_cast<char>(random());
-    outsider.send(0, bytes);
-    bytes = real[random() % real.size()].second;
-    for (int changes = 0; changes < 3 && !bytes.empty(); ++changes) {
-      bytes[random() % bytes.size()] = static_cast<char>(random());
+class Garbage : public PeerProcess {
+ protected:
+  // Sends two peers random bytes, and real datagrams with some bytes changed, and ends them. What they have logged.
+  Words logs_of_two(unsigned slot, const Words& options) {
+    boost::asio::io_context io;
+    net::testing_support::Listener outsider(
+        io, {.interface = "lo", .groups = {boost::asio::ip::make_address("239.192.80.0"), own_port(slot)}});
+    outsider.join(0);
+    Process a = start_peer("a", slot, options), c = start_peer("c", slot, options);
+    EXPECT_TRUE(net::testing_support::run_until(io, [&] { return outsider.heard.size() >= 20; })) << a.out();
+    const auto real = outsider.heard;
+    std::mt19937_64 random(1);
+    std::string bytes;
+    for (int i = 0; i < kEach; ++i) {
+      bytes.resize(random() % 1500);
+      for (char& byte : bytes) byte = static_cast<char>(random());
+      outsider.send(0, bytes);
+      bytes = real[random() % real.size()].second;
+      for (int changes = 0; changes < 3 && !bytes.empty(); ++changes) {
+        bytes[random() % bytes.size()] = static_cast<char>(random());
+      }
+      outsider.send(0, bytes);
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
-    outsider.send(0, bytes);
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    Words logs;
+    for (Process* p : {&a, &c}) {
+      EXPECT_TRUE(p->running()) << p->out() << p->err();
+      p->signal(SIGTERM);
+      EXPECT_EQ(p->exit_code(2), 0) << p->out() << p->err();
+      logs.push_back(p->out());
+    }
+    return logs;
   }
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  EXPECT_TRUE(a.running()) << a.out() << a.err();
-  EXPECT_TRUE(c.running()) << c.out() << c.err();
-  for (Process* p : {&a, &c}) {
-    p->signal(SIGTERM);
-    EXPECT_EQ(p->exit_code(2), 0) << p->out() << p->err();
+  // The number behind the words in a log; 0: they are not in it.
+  static int count_of(const std::string& log, const std::string& before, const std::string& behind) {
     std::smatch found;
-    const std::string out = p->out();
-    ASSERT_TRUE(std::regex_search(out, found, std::regex("dropped ([0-9]+): undecodable"))) << out;
-    EXPECT_GE(std::stoi(found[1]), kEach * 9 / 10) << "random bytes hardly ever make a datagram";
+    return std::regex_search(log, found, std::regex(before + "([0-9]+)" + behind)) ? std::stoi(found[1]) : 0;
   }
+  static constexpr int kEach = 200;
+};
+
+TEST_F(Garbage, IsCountedAndDroppedBeforeItIsRead) {
+  for (const std::string& log : logs_of_two(3, {})) {
+    EXPECT_GE(count_of(log, "net.in_forged: ", "") + count_of(log, "net.in_open: ", ""), kEach * 3 / 2) << log;
+    EXPECT_EQ(count_of(log, "dropped ", ": undecodable"), 0) << log;
+    EXPECT_THAT(log, HasSubstr("sends datagrams that this peer's key does not open"));
+    EXPECT_THAT(log, Not(HasSubstr("peerd-key-1:"))) << "the key is in no log";
+  }
+}
+
+TEST_F(Garbage, IsCountedAndDroppedByOpenPeersToo) {
+  for (const std::string& log : logs_of_two(4, {"--open"})) {
+    EXPECT_GE(count_of(log, "dropped ", ": undecodable"), kEach * 9 / 10) << "random bytes hardly ever make a datagram";
+    EXPECT_THAT(log, HasSubstr("open: whoever is on this network can listen, and speak as any peer"));
+  }
+}
+
+// Of four peers of one world two have another key, and one has none.
+TEST_F(PeerProcess, WhoHasAnotherKeyIsNotHeard) {
+  const std::string other = (folder / "other.key").string();
+  ASSERT_TRUE(seal::read_or_make_key(other));
+  Process a = start_peer("a", 5), b = start_peer("b", 5);
+  const auto stranger = [&](const std::string& name, Words words) {
+    const Words usual{"run", "--config", (folder / "s.toml").string(), "--peer",    "c", "--interface",
+                      "lo",  "--port",   std::to_string(own_port(5)),  "--control", ""};
+    words.insert(words.begin(), usual.begin(), usual.end());
+    return start(name, words);
+  };
+  Process c = stranger("c", {"--key", other}), open = stranger("open", {"--open"});
+  ASSERT_TRUE(a.says("peer b (id 2) joined", 10)) << a.out();
+  ASSERT_TRUE(a.says("sends datagrams that are not sealed", 10)) << a.out();
+  ASSERT_TRUE(a.says("sends datagrams that this peer's key does not open", 10)) << a.out();
+  for (Process* each : {&a, &b, &c, &open}) {
+    EXPECT_THAT(each->out(), Not(HasSubstr("peer c (id 3) joined")));
+    each->signal(SIGTERM);
+    EXPECT_EQ(each->exit_code(5), 0) << each->out();
+  }
+  EXPECT_THAT(c.out(), Not(HasSubstr("joined")));
+  EXPECT_THAT(open.out(), Not(HasSubstr("joined")));
 }
 
 TEST_F(PeerProcess, AScenarioOfRealProcessesWritesItsReport) {

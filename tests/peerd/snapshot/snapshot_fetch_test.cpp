@@ -17,6 +17,7 @@
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 
+#include "peerd/seal/symmetric_key.hpp"
 #include "peerd/snapshot/framed_stream.hpp"
 #include "peerd/snapshot/snapshot_server.hpp"
 #include "replication/operations/operation_log.hpp"
@@ -61,13 +62,13 @@ OperationLogs some_logs(std::uint32_t operations, std::uint64_t seed = 1) {
 class ProvidingPeer {
  public:
   explicit ProvidingPeer(OperationLogs held, std::string packed = random_bytes(1'000'000, 1),
-                         std::uint64_t session = kSession)
+                         std::uint64_t session = kSession, const std::optional<seal::SymmetricKey>& key = {})
       : archive(std::move(packed)), logs(std::move(held)) {
     for (const auto& [author, length] : logs.lengths()) bytes.emplace(author, logs.bytes({author, 0, length}));
     auto opened =
         SnapshotServer::open(io, asio::ip::address_v4::loopback(), 0,
                              {session, "town", "expansion = 1\n", 9, archive, digest(archive),
-                              [this]() -> const OperationLogs& { return logs; }, [] { return SimTime::max(); }});
+                              [this]() -> const OperationLogs& { return logs; }, [] { return SimTime::max(); }, key});
     EXPECT_TRUE(opened);
     server = *std::move(opened);
     thread = std::thread([this] { io.run(); });
@@ -160,6 +161,28 @@ void expect_all_of(const Snapshot& snapshot, const ProvidingPeer& peer) {
   EXPECT_EQ(snapshot.offer.settings, "expansion = 1\n");
   ASSERT_EQ(snapshot.logs.size(), peer.bytes.size());
   for (const auto& part : snapshot.logs) EXPECT_EQ(part.bytes, peer.bytes.at(part.author)) << part.author.value;
+}
+
+TEST(SnapshotFetch, IsSealedWhereBothHaveTheKey) {
+  const auto key = seal::SymmetricKey::random();
+  const ProvidingPeer a(some_logs(20), random_bytes(1'000'000, 1), kSession, key);
+  const ProvidingPeer b(some_logs(20), random_bytes(1'000'000, 1), kSession, key);
+  const auto snapshot = fetch_snapshot({a.provider("a"), b.provider("b")}, kSession, {.key = key});
+  ASSERT_TRUE(snapshot) << snapshot.error();
+  expect_all_of(*snapshot, a);
+  EXPECT_FALSE(snapshot->checked_with.empty());
+}
+
+TEST(SnapshotFetch, GivesNothingToWhoHasAnotherKeyOrNone) {
+  const auto key = seal::SymmetricKey::random();
+  const ProvidingPeer sealed(some_logs(20), random_bytes(1'000'000, 1), kSession, key), open(some_logs(20));
+  const auto refused = [](const ProvidingPeer& peer, const std::optional<seal::SymmetricKey>& with) {
+    const auto got = fetch_snapshot({peer.provider("a")}, kSession, {.patience = 2s, .key = with});
+    return got ? "" : got.error();
+  };
+  EXPECT_THAT(refused(sealed, seal::SymmetricKey::random()), HasSubstr("as who has another key does"));
+  EXPECT_THAT(refused(open, key), HasSubstr("as who has another key does"));
+  EXPECT_NE(refused(sealed, std::nullopt), "");
 }
 
 TEST(SnapshotFetch, GetsAllFromOnePeer) {

@@ -395,6 +395,7 @@ Fields Readers::discovery(std::span<const std::byte> datagram) {
     out.add("beacon.peer", beacon->peer.value);
     out.add("beacon.incarnation", beacon->incarnation);
     out.add("beacon.snapshot_port", beacon->snapshot_port);
+    out.add("beacon.sealed", beacon->sealed);
     out.add_text("beacon.world", beacon->world);
     out.add_text("beacon.name", beacon->name);
   } else {

@@ -131,7 +131,7 @@ std::vector<std::string> fields_of_datagrams() {
 
 std::vector<std::string> fields_of_discovery() {
   return {"peerd.kind",        "peerd.beacon.protocol",    "peerd.beacon.session",       "peerd.beacon.peer",
-          "peerd.beacon.name", "peerd.beacon.incarnation", "peerd.beacon.snapshot_port", "peerd.beacon.world"};
+          "peerd.beacon.name", "peerd.beacon.incarnation", "peerd.beacon.snapshot_port", "peerd.beacon.world", "peerd.beacon.sealed"};
 }
 
 std::vector<std::string> fields_of_joins() {
