@@ -8,6 +8,7 @@
 
 #include "peerd/record/capture.hpp"
 #include "peerd/record/udp_packet.hpp"
+#include "peerd/seal/sealer.hpp"
 #include "peerd/transport/unicast_frame.hpp"
 #include "replication/wire/codec.hpp"
 #include "tests/peerd/scratch_folder.hpp"
@@ -130,6 +131,13 @@ Message of_identity() {
   return m;
 }
 
+// Two datagrams of a sealed session.
+std::vector<Bytes> sealed() {
+  seal::Sealer sealer(seal::SymmetricKey::random(), PeerId{4'000'000'000}, seal::Sealer::random_boot());
+  const auto datagram = sealer.seal(RegionId{4}, encode(of_identity()));
+  return {sealer.announcement_due(HostTime{}).value(), {datagram.begin(), datagram.end()}};
+}
+
 class Dissector : public testing::Test {
  protected:
   void SetUp() override {
@@ -177,6 +185,7 @@ TEST_F(Dissector, SaysOfAllDatagramsWhatTheDecoderSays) {
         capture("flock-regions.toml", {"duration_s=1", "transport.group_pool=3"})}) {
     compare_all(folder, file, seen);
   }
+  compare_all(folder, capture_of(sealed()), seen);
   compare_all(
       folder,
       capture_of({encode(farewell()), encode(of_a_good_clock()), encode(of_operations()), encode(of_identity())}),

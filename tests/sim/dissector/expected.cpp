@@ -335,6 +335,21 @@ SeenOperations::Said SeenOperations::take(const OperationPart& part) {
 
 Fields Readers::datagram(std::span<const std::byte> datagram, RegionId region, SimTime near) {
   Expected out;
+  const auto mark = datagram.empty() ? 0 : std::to_integer<int>(datagram.front());
+  const bool is_announcement = mark == 0xC0 && datagram.size() >= 69, is_sealed = mark == 0x80 && datagram.size() >= 24;
+  if (is_announcement || is_sealed) {
+    const auto number = [&](std::size_t at, std::size_t size) {
+      std::uint32_t value = 0;
+      for (std::size_t i = 0; i < size; ++i) value |= std::to_integer<std::uint32_t>(datagram[at + i]) << (8 * i);
+      return value;
+    };
+    out.add("region", region.value);
+    out.add("kind", is_announcement ? "announcement" : "sealed");
+    out.add("seal.epoch", 0);
+    out.add("seal.sender", number(1, 4));
+    if (is_sealed) out.add("seal.counter", number(5, 3));
+    return out.fields();
+  }
   const auto m = decode(datagram, near);
   if (!m) {
     out.add("malformed", "");

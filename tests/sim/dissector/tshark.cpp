@@ -117,6 +117,8 @@ std::vector<std::string> fields_of_datagrams() {
                       "redoes"});
   with("", {"operation"});
   with("identity.", {"asker", "world_hash", "answers"});
+  with("", {"kind"});
+  with("seal.", {"epoch", "sender", "counter"});
   for (const char* vector :
        {"operation.translation", "operation.rotation", "viewpoint.position", "record.position", "record.velocity",
         "record.acceleration", "record.jerk", "record.rate", "record.spin", "record.spin_acceleration",
@@ -130,8 +132,9 @@ std::vector<std::string> fields_of_datagrams() {
 }
 
 std::vector<std::string> fields_of_discovery() {
-  return {"peerd.kind",        "peerd.beacon.protocol",    "peerd.beacon.session",       "peerd.beacon.peer",
-          "peerd.beacon.name", "peerd.beacon.incarnation", "peerd.beacon.snapshot_port", "peerd.beacon.world", "peerd.beacon.sealed"};
+  return {"peerd.kind",         "peerd.beacon.protocol",    "peerd.beacon.session",       "peerd.beacon.peer",
+          "peerd.beacon.name",  "peerd.beacon.incarnation", "peerd.beacon.snapshot_port", "peerd.beacon.world",
+          "peerd.beacon.sealed"};
 }
 
 std::vector<std::string> fields_of_joins() {
