@@ -223,6 +223,13 @@ Result<std::optional<seal::SymmetricKey>> session_key(const config::TransportSet
   return *std::move(key);
 }
 
+void seal_transport(asio::io_context& io, const net::HostClock& clock, const seal::SymmetricKey& key, PeerId self,
+                    net::OpenedTransport& reached, Log& log) {
+  reached.transport =
+      std::make_unique<seal::SealedTransport>(io, clock, std::move(reached.transport), key, self,
+                                              [&log](const std::string& line) { log(spdlog::level::warn, line); });
+}
+
 void log_beginning(const config::PeerSettings& peer, const std::filesystem::path& world,
                    const config::TransportSettings& settings, const net::OpenedTransport& reached, Log& log) {
   log(spdlog::level::info, fmt::format("peer {} (id {}) in {}, {}", peer.name, peer.id, world.filename().string(),
@@ -550,11 +557,7 @@ int run_peer(const PeerOptions& options) {
   const auto log_line = [&log](const LogLine& line) { log(line); };
   const auto key = session_key(run.transport, parts->world_name(options), log);
   if (!key) return failed(key.error());
-  if (*key) {
-    reached->transport =
-        std::make_unique<seal::SealedTransport>(io, clock, std::move(reached->transport), **key, PeerId{settings.id},
-                                                [&log](const std::string& line) { log(spdlog::level::warn, line); });
-  }
+  if (*key) seal_transport(io, clock, **key, PeerId{settings.id}, *reached, log);
   log_beginning(settings, parts->scenario.world, run.transport, *reached, log);
   for (const std::string& line : parts->shared->findings()) log(spdlog::level::warn, line);
   for (const LogLine& line : parts->opened.lines) log(line);

@@ -69,7 +69,8 @@ std::string last_lines(const fs::path& path, std::size_t count) {
 fs::path key_file_of(const LiveRun& launch) { return fs::absolute(launch.out / (launch.run_name + ".key")); }
 
 std::vector<std::string> peer_command(const LiveRun& launch, const config::RunSettings& run,
-                                      const config::PeerSettings& peer, const fs::path& record, const fs::path& key_file) {
+                                      const config::PeerSettings& peer, const fs::path& record,
+                                      const fs::path& key_file) {
   std::vector<std::string> command{launch.program.string(),
                                    "run",
                                    "--config",

@@ -264,13 +264,13 @@ TEST_F(PeerProcess, WhoHasAnotherKeyIsNotHeard) {
   const std::string other = (folder / "other.key").string();
   ASSERT_TRUE(seal::read_or_make_key(other));
   Process a = start_peer("a", 5), b = start_peer("b", 5);
-  const auto stranger = [&](const std::string& name, Words words) {
+  const auto unheard_peer = [&](const std::string& name, Words words) {
     const Words usual{"run", "--config", (folder / "s.toml").string(), "--peer",    "c", "--interface",
                       "lo",  "--port",   std::to_string(own_port(5)),  "--control", ""};
     words.insert(words.begin(), usual.begin(), usual.end());
     return start(name, words);
   };
-  Process c = stranger("c", {"--key", other}), open = stranger("open", {"--open"});
+  Process c = unheard_peer("c", {"--key", other}), open = unheard_peer("open", {"--open"});
   ASSERT_TRUE(a.says("peer b (id 2) joined", 10)) << a.out();
   ASSERT_TRUE(a.says("sends datagrams that are not sealed", 10)) << a.out();
   ASSERT_TRUE(a.says("sends datagrams that this peer's key does not open", 10)) << a.out();

@@ -172,11 +172,11 @@ TEST_F(Sealing, RegionsOvertakeEachOther) {
 }
 
 TEST_F(Sealing, AnotherKeyOpensNothing) {
-  Sealer stranger = make(SymmetricKey::random(), 2);
-  const Bytes announcement = stranger.announcement_due(now).value();
+  Sealer outsider = make(SymmetricKey::random(), 2);
+  const Bytes announcement = outsider.announcement_due(now).value();
   EXPECT_EQ(a.hear(announcement, now), Refusal::kForged);
   meet(a, b);
-  EXPECT_EQ(opened(a, sealed(stranger, "hello")), "<forged>");
+  EXPECT_EQ(opened(a, sealed(outsider, "hello")), "<forged>");
   EXPECT_EQ(opened(a, bytes("\x08\x09 an open datagram")), "<open>");
   EXPECT_EQ(opened(a, {}), "<open>");
 }
@@ -309,7 +309,7 @@ TEST_F(Sealing, NoKeyAndNonceComeTwice) {
 }
 
 // A million attempts of who has everything but the key; tests/stress makes ten million.
-TEST_F(Sealing, NoAttemptOfAStrangerIsOpened) {
+TEST_F(Sealing, NoAttemptWithoutTheKeyIsOpened) {
   meet(a, b);
   std::mt19937_64 random(3);
   const Bytes real = sealed(a, "a datagram of a");

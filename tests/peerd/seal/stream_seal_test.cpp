@@ -44,10 +44,10 @@ TEST_F(SealedStreams, NoFrameIsChangedRepeatedLeftOutOrTurnedBack) {
 }
 
 TEST_F(SealedStreams, AnotherKeyOpensNothing) {
-  StreamSeal stranger(SymmetricKey::random(), StreamSeal::End::kClient);
-  meet(stranger, server);
-  EXPECT_FALSE(server.open(stranger.seal("hello")));
-  EXPECT_FALSE(stranger.open(server.seal("hello")));
+  StreamSeal outsider(SymmetricKey::random(), StreamSeal::End::kClient);
+  meet(outsider, server);
+  EXPECT_FALSE(server.open(outsider.seal("hello")));
+  EXPECT_FALSE(outsider.open(server.seal("hello")));
 }
 
 // Who stands between the two gives each a key of its own.
