@@ -10,7 +10,7 @@
 
 namespace peerd::picture {
 
-// A TextureTransform (ISO/IEC 14772-1, 6.48), as the map of texture coordinates that it means.
+// A TextureTransform (ISO/IEC 14772-1, 6.49), as the map of texture coordinates that it means.
 struct TextureMap {
   Eigen::Matrix2f linear = Eigen::Matrix2f::Identity();
   Eigen::Vector2f offset = Eigen::Vector2f::Zero();

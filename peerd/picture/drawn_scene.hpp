@@ -9,6 +9,7 @@
 
 #include "core/ids.hpp"
 #include "core/math.hpp"
+#include "peerd/sensors/page_sensor.hpp"
 
 namespace peerd::picture {
 
@@ -135,22 +136,22 @@ struct DrawnLight {
   std::optional<std::uint32_t> driven_on{}, driven_color{}, driven_intensity{};  // among looks::DrivenLooks
 };
 
-// A sensor that a page works, and what ROUTEs lead to from it: fields that an edit can set.
+// A sensor that a page works, where it stands, and what moves while it is dragged.
 struct DrawnSensor {
-  enum class Kind : std::uint8_t { kTouch, kPlane };
-  struct Target {
-    std::string event;        // the sensor's eventOut
-    std::string path, field;  // of the node: its path, or its DEF name
+  // A Transform that stands in its node, and whose translation or rotation a ROUTE from the sensor sets. With a value
+  // `to` it is drawn at F D F^-1 of where it is: F is node_from_frame, D the motion from `from` to `to`.
+  struct Preview {
+    std::uint32_t target = 0;                                       // into PageSensor::targets
+    std::string path;                                               // what is at it and below it moves
+    std::uint32_t node = 0;                                         // it moves with that one
+    Eigen::Affine3d node_from_frame = Eigen::Affine3d::Identity();  // about what it turns is at the frame's origin
+    std::vector<float> from;                                        // the field's value now
   };
 
-  Kind kind = Kind::kTouch;
+  sensors::PageSensor what;
   std::uint32_t node = 0;  // it moves with that one
   Eigen::Affine3d node_from_sensor = Eigen::Affine3d::Identity();
-  std::vector<Target> targets;
-  // The following members are those of a PlaneSensor.
-  Eigen::Vector2f min_position = Eigen::Vector2f::Zero(), max_position = -Eigen::Vector2f::Ones();
-  Eigen::Vector3f offset = Eigen::Vector3f::Zero();
-  bool auto_offset = true;
+  std::vector<Preview> previews;
 };
 
 struct DrawnViewpoint {

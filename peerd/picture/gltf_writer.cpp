@@ -221,20 +221,21 @@ void GltfWriter::write_sensors() {
   json_.key("sensors").open('[');
   for (std::size_t i = 0; i < picture_.sensors.size(); ++i) {
     const DrawnSensor& s = picture_.sensors[i];
-    const bool is_plane = s.kind == DrawnSensor::Kind::kPlane;
-    json_.open('{').member("type", is_plane ? "PlaneSensor" : "TouchSensor").member("path", picture_.sensor_paths[i]);
+    json_.open('{').member("type", s.what.type).member("path", picture_.sensor_paths[i]).member("number", s.what.node);
     json_.member("node", s.node).list("node_from_sensor", rows_of(s.node_from_sensor));
-    if (is_plane) {
-      json_.list("min", s.min_position).list("max", s.max_position).list("offset", s.offset);
-      json_.member("auto_offset", s.auto_offset);
-    }
-    json_.key("targets").open('[');
-    for (const DrawnSensor::Target& target : s.targets) {
+    for (const auto& [name, numbers] : s.what.numbers) json_.list(name, numbers);
+    json_.member("auto_offset", s.what.auto_offset).key("targets").open('[');
+    for (const sensors::PageSensor::Target& target : s.what.targets) {
       json_.open('{')
           .member("event", target.event)
           .member("path", target.path)
           .member("field", target.field)
           .close('}');
+    }
+    json_.close(']').key("previews").open('[');
+    for (const DrawnSensor::Preview& preview : s.previews) {
+      json_.open('{').member("target", preview.target).member("path", preview.path).member("node", preview.node);
+      json_.list("node_from_frame", rows_of(preview.node_from_frame)).list("from", preview.from).close('}');
     }
     json_.close(']').close('}');
   }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <span>
 #include <string_view>
@@ -15,10 +16,10 @@
 #include "core/vrml/document.hpp"
 #include "peerd/looks/driven_looks.hpp"
 #include "peerd/looks/moving_forms.hpp"
-#include "peerd/node/edit_operation.hpp"
 #include "peerd/picture/mesh_maker.hpp"
 #include "peerd/picture/node_fields.hpp"
 #include "peerd/picture/undrawn_list.hpp"
+#include "peerd/sensors/page_sensor.hpp"
 
 namespace peerd::picture {
 namespace {
@@ -66,6 +67,7 @@ class PictureMaker {
 
  private:
   static constexpr std::uint32_t kTop = Instance::kNone;  // no instance: the top level
+  static constexpr std::size_t kPreviews = 100;           // of one sensor; a file may use a node any number of times
 
   // Which children a node shows.
   struct Choices {
@@ -85,7 +87,7 @@ class PictureMaker {
   void add_shape(std::uint32_t index);
   void add_light(const vrml::Node& node, DrawnLight::Kind kind, std::uint32_t parent);
   void add_sensor(const vrml::Node& node, std::uint32_t parent);
-  [[nodiscard]] std::string name_for_edits(std::uint32_t node) const;
+  void add_previews(DrawnSensor& sensor, std::uint32_t parent);
   void add_viewpoint(const vrml::Node& node, std::uint32_t parent);
   void add_background(const vrml::Node& node, std::uint32_t parent);
   void add_fog(const vrml::Node& node, std::uint32_t parent);
@@ -116,6 +118,7 @@ class PictureMaker {
   std::vector<std::uint32_t> node_of_instance_;  // the node that it moves with
   std::optional<std::uint32_t> group_;           // around what is visited, the innermost
   bool is_chosen_ = true;  // what is visited is there as the file has it: no level or choice that is not
+  std::map<std::uint32_t, DrawnSensor> sensors_;   // by their nodes of the document
   std::vector<const vrml::Route*> worked_routes_;  // from sensors, which a page works
   ScenePicture out_;
 };
@@ -260,9 +263,8 @@ void PictureMaker::visit_part(const vrml::Node& node, std::uint32_t parent) {
   if (type == "Background") return add_background(node, parent);
   if (type == "Fog") return add_fog(node, parent);
   if (type == "NavigationInfo") return add_navigation(node, parent);
-  if (type == "TouchSensor" || type == "PlaneSensor") return add_sensor(node, parent);
-  constexpr std::string_view kSensors[] = {"CylinderSensor", "ProximitySensor", "SphereSensor", "VisibilitySensor"};
-  if (std::ranges::find(kSensors, type) != std::end(kSensors)) return leave_out(parent, type, "no viewer works it");
+  if (sensors::is_page_sensor(type)) return add_sensor(node, parent);
+  if (type == "VisibilitySensor") return leave_out(parent, type, "no viewer works it");
   if (type == "Sound") return leave_out(parent, type, "no viewer plays it");
   if (type == "Script") return leave_out(parent, type, "it is kept and not run");
   if (vrml::find_node_type(type) == nullptr) leave_out(parent, type, "its EXTERNPROTO was not found");
@@ -305,63 +307,47 @@ void PictureMaker::add_light(const vrml::Node& node, DrawnLight::Kind kind, std:
   out_.lights.push_back(light);
 }
 
-// The path or DEF name by which edits know a node of the document; empty: they know it by none.
-std::string PictureMaker::name_for_edits(std::uint32_t node) const {
-  const auto known = [&](const std::string& name) {
-    const auto found = find_node(scene_, name);
-    return found && *found == document_.ids.id_of(node);
-  };
-  if (std::string def(document_.nodes[node].def); !def.empty() && known(def)) return def;
-  const auto at = std::ranges::find(scene_.instances, node, &Instance::node);
-  if (at == scene_.instances.end()) return {};
-  std::string path = scene_.path_of(scene_.id_of(static_cast<std::uint32_t>(at - scene_.instances.begin())));
-  return known(path) ? path : std::string();
-}
-
-// An event of one viewer's sensor reaches all peers as an edit of the field to which a ROUTE leads: so it takes effect
-// at one instant everywhere. That needs a field that keeps its value, and events that are few: each edit stays in the
-// log.
+// A file may use one sensor in many places: what it does is read once.
 void PictureMaker::add_sensor(const vrml::Node& node, std::uint32_t parent) {
-  const std::string_view type = node.type->name;
   const auto number = static_cast<std::uint32_t>(&node - document_.nodes.data());
-  DrawnSensor sensor;
-  sensor.kind = type == "TouchSensor" ? DrawnSensor::Kind::kTouch : DrawnSensor::Kind::kPlane;
-  const auto is_worked = [&](std::string_view event) {
-    return event == "isActive" || event == (type == "TouchSensor" ? "touchTime" : "translation_changed");
-  };
-  for (const vrml::Route& route : document_.routes) {
-    if (route.from_node != number || route.from == nullptr || route.to == nullptr) continue;
-    const std::string event(route.from->name);
-    if (!is_worked(event)) {
-      leave_out(parent, type, "its " + event + " would be an edit for each movement of the pointer");
-      continue;
-    }
-    std::string target =
-        route.to->access == vrml::Access::kExposedField ? name_for_edits(route.to_node) : std::string();
-    if (target.empty()) {
-      leave_out(parent, type, "its " + event + " leads to what no edit can set");
-      continue;
-    }
-    sensor.targets.push_back({event, std::move(target), std::string(route.to->name)});
-    worked_routes_.push_back(&route);
+  const auto [known, is_new] = sensors_.try_emplace(number);
+  DrawnSensor& sensor = known->second;
+  if (is_new) {
+    sensors::SensorReading reading = sensors::read_sensor(scene_, number);
+    for (const std::string& why : reading.left_out) leave_out(parent, reading.sensor.type, why);
+    worked_routes_.insert(worked_routes_.end(), reading.worked.begin(), reading.worked.end());
+    sensor.what = std::move(reading.sensor);
+    if (sensor.what.enabled) add_previews(sensor, parent);
   }
   const Eigen::Affine3d at = node_from(parent);
-  if (sensor.targets.empty() || !at.matrix().allFinite() || !value<bool>(node, "enabled")) return;
+  if (sensor.what.targets.empty() || !at.matrix().allFinite() || !sensor.what.enabled) return;
   sensor.node = node_of(parent);
   sensor.node_from_sensor = at;
-  if (sensor.kind == DrawnSensor::Kind::kPlane) {
-    const auto lo = values<float>(node, "minPosition"), hi = values<float>(node, "maxPosition");
-    sensor.min_position = {lo[0], lo[1]};
-    sensor.max_position = {hi[0], hi[1]};
-    sensor.offset = vector_of(node, "offset");
-    sensor.auto_offset = value<bool>(node, "autoOffset");
-    // The offset is where the last drag ended, whoever dragged.
-    std::string self = name_for_edits(number);
-    if (sensor.auto_offset && !self.empty())
-      sensor.targets.push_back({"translation_changed", std::move(self), "offset"});
-  }
-  out_.sensors.push_back(std::move(sensor));
+  out_.sensors.push_back(sensor);
   out_.sensor_paths.push_back(path_in(parent));
+}
+
+// What a sensor's ROUTEs translate and turn, wherever the file uses it.
+void PictureMaker::add_previews(DrawnSensor& sensor, std::uint32_t parent) {
+  for (std::uint32_t i = 0; i < sensor.what.targets.size(); ++i) {
+    const sensors::PageSensor::Target& target = sensor.what.targets[i];
+    const vrml::Node& node = document_.nodes[target.node];
+    const bool turns = target.field == "rotation";
+    if (node.type->name != "Transform" || (!turns && target.field != "translation")) continue;
+    for (std::uint32_t at = 0; at < scene_.instances.size(); ++at) {
+      const Instance& instance = scene_.instances[at];
+      const std::uint32_t above = instance.parent < 0 ? kTop : static_cast<std::uint32_t>(instance.parent);
+      if (instance.node != target.node || node_of(at) != node_of(above)) continue;
+      if (sensor.previews.size() == kPreviews) {
+        return leave_out(parent, sensor.what.type, "a drag is shown in 100 places, and not in all that it moves");
+      }
+      Eigen::Affine3d frame = node_from(above);
+      if (turns) frame.translate((vector_of(node, "translation") + vector_of(node, "center")).cast<double>());
+      if (!frame.matrix().allFinite()) continue;  // nor are its Shapes drawn
+      sensor.previews.push_back(
+          {i, path_in(at), node_of(at), frame, list_of<float, float>(node, turns ? "rotation" : "translation")});
+    }
+  }
 }
 
 void PictureMaker::add_viewpoint(const vrml::Node& node, std::uint32_t parent) {

@@ -1,5 +1,6 @@
 // node many_objects.mjs PEERD PACKAGES [COUNT]: the time that the page's one thread takes for 10,000 moving objects, by the browser's
-// own trace, on a real peer in a headless Chromium that draws in software. It prints figures (docs/measurements/viewer.md).
+// own trace, and the bytes that it gets for them, on a real peer in a headless Chromium that draws in software. It prints figures
+// (docs/measurements/viewer.md).
 //
 // PEERD is the program, PACKAGES the folder whose node_modules has playwright-core. Exit codes: 0 good, 77 skipped.
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
@@ -35,8 +36,9 @@ const browser = await launch();
 const page = await Page.open(browser, 'many', address, []);
 await page.until('all objects are shown', (wanted) => window.peerd?.objects().length >= wanted && window.peerd.pictures > 20, count);
 await browser.startTracing(page.tab, { categories: ['devtools.timeline', 'disabled-by-default-devtools.timeline'] });
-const works = await page.tab.evaluate(async (span_ms) => {
+const { works, span_s, bytes, poseFrames } = await page.tab.evaluate(async (span_ms) => {
   const begin = performance.now();
+  const before = window.peerd.received;
   const found = [];
   let last = -1;
   while (performance.now() < begin + span_ms) {
@@ -44,7 +46,8 @@ const works = await page.tab.evaluate(async (span_ms) => {
     if (window.peerd.pictures !== last) found.push(window.peerd.drawn.work_ms);
     last = window.peerd.pictures;
   }
-  return found;
+  const { bytes, frames } = window.peerd.received;
+  return { works: found, span_s: (performance.now() - begin) / 1000, bytes: bytes - before.bytes, poseFrames: frames - before.frames };
 }, kTraced_ms);
 const { traceEvents } = JSON.parse((await browser.stopTracing()).toString());
 const drawn = await page.tab.evaluate(() => window.peerd.drawn);
@@ -59,6 +62,8 @@ console.log(`${count} objects, ${drawn.instances} instances in ${drawn.calls} dr
 console.log(`our own work for a picture (poses, colours, culling, matrices): ${median(works).toFixed(2)} ms (median)`);
 console.log(`an animation frame that draws, with three.js and the browser's WebGL calls: ${median(frames).toFixed(2)} ms (median of ${frames.length})`);
 console.log(`a call of our code, of any kind, above 0.3 ms: ${median(messages).toFixed(2)} ms (median of ${messages.length})`);
+const each_s = bytes / count / span_s;
+console.log(`received: ${each_s.toFixed(0)} bytes an object and second (${((each_s * count) / 1e6).toFixed(1)} MB/s), in ${(poseFrames / span_s).toFixed(1)} frames a second: ${(bytes / count / poseFrames).toFixed(1)} bytes an object and frame`);
 await browser.close();
 await peer.leave();
 rmSync(folder, { recursive: true });

@@ -5,6 +5,7 @@ import { Avatar, sizesOf } from './hand/avatar';
 import { Hand } from './hand/hand';
 import { Keys } from './hand/keys';
 import { pick } from './hand/picking';
+import { Proximity } from './hand/proximity';
 import { Sensors } from './hand/sensors';
 import { PointerTools, type Tool } from './hand/pointer_tools';
 import { Insight } from './insight';
@@ -98,6 +99,7 @@ export class Viewer {
   readonly hand: Hand;
   readonly avatar: Avatar;
   private readonly wish = new Vector3();
+  private readonly proximity = new Proximity((request) => this.edit(request));
   private readonly labels = new Labels(() => this.head.book);
   private readonly thresholds = new ThresholdMarks(() => this.head.book);
   private readonly truth = new TruthShapes(() => this.head.book);
@@ -419,9 +421,17 @@ export class Viewer {
     this.picturesDue -= 1;
     this.view.takeLooks(this.head.looks.drain());
     this.view.place(this.head.book.shown, this.head.book.ghost, this.head.shownAt(now_s), Math.min(0.25, elapsed_s));
+    this.workProximity();
     this.pictureWork_ms = performance.now() - 1000 * now_s;
     this.view.render();
     this.pictures += 1;
+  }
+
+  // The camera on its way to a viewpoint is nobody's place.
+  private workProximity(): void {
+    const { view, link, head, worldTime_s } = this;
+    if (!link.mayEdit.value || link.state.value !== 'open' || head.state !== 'live' || view.rig.travels || Number.isNaN(worldTime_s)) return;
+    this.proximity.update(view.rig.camera.position, worldTime_s, view.file?.extras.sensors ?? [], view.frames);
   }
 
   private sampleErrors(): void {

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 
-import { editsOf, planeTranslation, sensorsAround, type SensorExtras } from '../src/hand/sensor_rules';
+import { clamped, editsOf, isDragged, keyOf, sensorsAround, type SensorExtras } from '../src/hand/sensor_rules';
 
 const sensor = (path: string, type: SensorExtras['type'] = 'TouchSensor'): SensorExtras => ({ type, path, node: 0, node_from_sensor: [], targets: [] });
 
@@ -10,12 +10,16 @@ describe('sensorsAround', () => {
   it('are those above where none is lower', () => expect(sensorsAround('HOUSE/WALL/0', all).map(({ path }) => path)).toEqual(['HOUSE']));
   it('of the top level work everything', () => expect(sensorsAround('TREE', [...all, sensor('')]).map(({ path }) => path)).toEqual(['']));
   it('are none elsewhere', () => expect(sensorsAround('TREE', all)).toEqual([]));
+  it('are not those of the viewer', () => expect(sensorsAround('HOUSE/DOOR/0', [sensor('HOUSE/DOOR', 'ProximitySensor'), sensor('HOUSE')]).map(({ path }) => path)).toEqual(['HOUSE']));
 });
 
-describe('planeTranslation', () => {
-  it('goes on from the offset', () => expect(planeTranslation([1, 1, 2], [3, 0, 2], {}, [10, 20, 30])).toEqual([12, 19, 30]));
-  it('keeps within bounds, on the axes that have them', () => expect(planeTranslation([0, 0, 0], [9, 9, 0], { min: [-1, 0], max: [1, -1] }, [0, 0, 0])).toEqual([1, 9, 0]));
-  it('a bound of no width is a line', () => expect(planeTranslation([0, 0, 0], [9, 9, 0], { min: [0, 0], max: [0, 4] }, [0, 0, 0])).toEqual([0, 4, 0]));
+it('three of the sensors are dragged', () => {
+  const types = ['TouchSensor', 'PlaneSensor', 'CylinderSensor', 'SphereSensor', 'ProximitySensor'] as const;
+  expect(types.filter((type) => isDragged(sensor('A', type)))).toEqual(['PlaneSensor', 'CylinderSensor', 'SphereSensor']);
+});
+
+it('bounds count where the lower one is not above the upper one', () => {
+  expect([clamped(5, 0, 1), clamped(-5, 0, 1), clamped(0.5, 0, 1), clamped(5, 0, -1), clamped(5, 2, 2)]).toEqual([1, 0, 0.5, 5, 2]);
 });
 
 it('an event is one edit for each ROUTE from it, in the notation of VRML', () => {
@@ -24,4 +28,10 @@ it('an event is one edit for each ROUTE from it, in the notation of VRML', () =>
   expect(editsOf(all, 'isActive', false).map(({ path, value }) => `${path} ${value}`)).toEqual(['L FALSE', 'M FALSE']);
   expect(editsOf({ ...all, targets: [{ event: 'translation_changed', path: 'X', field: 'translation' }] }, 'translation_changed', [1, 0.5, -2])[0].value).toBe('1 0.5 -2');
   expect(editsOf(all, 'isOver', true)).toEqual([]);
+});
+
+it('a sensor is known again by its place and by what it does', () => {
+  const one: SensorExtras = { ...sensor('A', 'PlaneSensor'), targets: [{ event: 'translation_changed', path: 'X', field: 'translation' }] };
+  expect(keyOf({ ...one, node: 7 })).toBe(keyOf(one));
+  expect(keyOf({ ...one, targets: [{ ...one.targets[0], path: 'Y' }] })).not.toBe(keyOf(one));
 });

@@ -46,4 +46,30 @@ Shape { appearance Appearance { texture ImageTexture { url "there.png" } } geome
       Eigen::Vector2f(2 * (1 + 1), 4 * 0.5F)));
 }
 
+// ISO/IEC 14772-1, 6.49: a texture coordinate is translated, moved by the center, turned, scaled, and moved back.
+TEST(Appearance, TextureTransformsGoInTheirOrder) {
+  const ScenePicture drawn = picture_of_text(R"(
+Shape { appearance Appearance { texture PixelTexture { image 1 1 1 0 }
+          textureTransform TextureTransform { center 0.5 0.5 rotation 1.5707963 scale 2 3 translation 0.25 0 } }
+        geometry IndexedFaceSet { coord Coordinate { point [0 0 0, 2 0 0, 2 1 0, 0 1 0] } coordIndex [0 1 2 3]
+          texCoord TextureCoordinate { point [0 0, 1 0, 1 0.5, 0 0.5] } } })");
+  EXPECT_THAT(drawn.undrawn, IsEmpty());
+  const DrawnGeometry& g = drawn.geometries.at(0);
+  const auto corner = std::ranges::find(g.positions, Eigen::Vector3f(2, 1, 0));
+  ASSERT_NE(corner, g.positions.end());
+  const auto at = g.texture_coordinates[static_cast<std::size_t>(corner - g.positions.begin())];
+  // (1, 0.5), (1.25, 0.5), (1.75, 1), (-1, 1.75), (-2, 5.25)
+  EXPECT_TRUE(at.isApprox(Eigen::Vector2f(-2.5F, 4.75F), 1e-5F)) << at.transpose();
+}
+
+TEST(Appearance, ARouteIntoATextureTransformIsNamed) {
+  const ScenePicture drawn = picture_of_text(R"(
+DEF T TimeSensor { loop TRUE } DEF SPIN ScalarInterpolator { key [0 1] keyValue [0 1] }
+Shape { appearance Appearance { texture PixelTexture { image 1 1 1 0 } textureTransform DEF X TextureTransform { } } geometry Box { } }
+ROUTE T.fraction_changed TO SPIN.set_fraction ROUTE SPIN.value_changed TO X.rotation)");
+  ASSERT_EQ(drawn.undrawn.size(), 1u);
+  EXPECT_EQ(drawn.undrawn[0].path, "X");
+  EXPECT_EQ(drawn.undrawn[0].why, "no ROUTE changes its rotation");
+}
+
 }  // namespace peerd::picture::appearance_test

@@ -36,17 +36,11 @@ TEST(ScenePicture, NamesWhatItLeavesOut) {
                 "L/G PointLight: it is in a level beyond the first"},
            Case{"Pixels", "DEF S Shape { appearance Appearance { texture PixelTexture { } } geometry Box { } }",
                 "S texture: PixelTexture: it has no pixels"},
-           Case{"Sensor", "DEF T Transform { children [ ProximitySensor { } Shape { geometry Box { } } ] }",
-                "T ProximitySensor: no viewer works it"},
-           Case{
-               "Over",
-               "DEF G Transform { children [ DEF K TouchSensor { } Shape { geometry Box { } } ] } DEF T TimeSensor { } "
-               "ROUTE K.isOver TO T.enabled",
-               "G TouchSensor: its isOver would be an edit for each movement of the pointer"},
-           Case{"Unnamed",
-                "DEF G Group { children DEF K TouchSensor { } } DEF T TimeSensor { } DEF T TimeSensor { } "
-                "ROUTE K.touchTime TO T.startTime",
-                "G TouchSensor: its touchTime leads to what no edit can set"},
+           Case{"Sensor", "DEF T Transform { children [ VisibilitySensor { } Shape { geometry Box { } } ] }",
+                "T VisibilitySensor: no viewer works it"},
+           Case{"Over",
+                "DEF G Group { children DEF K TouchSensor { } } DEF T TimeSensor { } ROUTE K.isOver TO T.enabled",
+                "G TouchSensor: its isOver would be an edit for each movement of the pointer"},
            Case{"Sound", "Sound { source AudioClip { url \"a.wav\" } }", " Sound: no viewer plays it"},
            Case{"Texture",
                 "DEF S Shape { appearance Appearance { texture ImageTexture { url \"a.png\" } } geometry Box { } }",
@@ -147,44 +141,73 @@ Shape { geometry Text { } } Shape { geometry Text { string "" } })");
   EXPECT_EQ(text.material.diffuse, (Color{1, 0, 0}));
 }
 
-// A page makes an edit of a sensor's event: it knows the field by the node's path or name.
 TEST(ScenePicture, HasTheSensorsThatAPageWorks) {
   const ScenePicture drawn = picture_of_text(R"(
 DEF CAR Transform { translation 5 0 0 velocityVector 1 0 0 children Transform { translation 0 1 0 children [
   DEF TOUCH TouchSensor { } Shape { geometry Box { } } ] } }
-DEF DRAG Group { children [ DEF PLANE PlaneSensor { minPosition 0 -1 maxPosition 0 1 offset 1 2 3 autoOffset FALSE }
-  DEF KNOB Transform { children Shape { geometry Box { } } } ] }
 DEF OFF Group { children DEF DEAD TouchSensor { enabled FALSE } } Group { children TouchSensor { } }
+DEF NEAR Group { children DEF PROXIMITY ProximitySensor { size 1 2 3 } }
 DEF T TimeSensor { } DEF L PointLight { }
-ROUTE TOUCH.touchTime TO T.startTime ROUTE TOUCH.isActive TO L.on ROUTE DEAD.touchTime TO T.startTime
-ROUTE PLANE.translation_changed TO KNOB.set_translation)");
+ROUTE TOUCH.touchTime TO T.startTime ROUTE DEAD.touchTime TO T.startTime ROUTE PROXIMITY.isActive TO L.on)");
   EXPECT_THAT(drawn.undrawn, IsEmpty());
   ASSERT_EQ(drawn.sensors.size(), 2u) << "one that is off, or leads nowhere, does nothing";
-  EXPECT_THAT(drawn.sensor_paths, ElementsAre("CAR/0", "DRAG"));
-  const DrawnSensor& touch = drawn.sensors[0];
-  EXPECT_EQ(touch.node_from_sensor.translation(), Vec3(0, 1, 0)) << "in the frame of the car";
-  ASSERT_EQ(touch.targets.size(), 2u);
-  EXPECT_EQ(touch.targets[0].event, "touchTime");
-  EXPECT_EQ(touch.targets[0].path, "T");
-  EXPECT_EQ(touch.targets[0].field, "startTime");
-  EXPECT_EQ(touch.targets[1].path, "L");
-  const DrawnSensor& plane = drawn.sensors[1];
-  EXPECT_EQ(plane.kind, DrawnSensor::Kind::kPlane);
-  EXPECT_EQ(plane.targets.at(0).path, "KNOB");
-  EXPECT_EQ(plane.max_position, Eigen::Vector2f(0, 1));
-  EXPECT_EQ(plane.offset, Eigen::Vector3f(1, 2, 3));
-  EXPECT_FALSE(plane.auto_offset);
-  EXPECT_EQ(plane.targets.size(), 1u);
+  EXPECT_THAT(drawn.sensor_paths, ElementsAre("CAR/0", "NEAR"));
+  EXPECT_EQ(drawn.sensors[0].what.kind, sensors::SensorKind::kTouch);
+  EXPECT_EQ(drawn.sensors[0].node_from_sensor.translation(), Vec3(0, 1, 0)) << "in the frame of the car";
+  EXPECT_THAT(drawn.sensors[0].previews, IsEmpty());
+  EXPECT_EQ(drawn.sensors[1].what.kind, sensors::SensorKind::kProximity);
 }
 
-// The next drag, whoever makes it, begins where the last one ended.
-TEST(ScenePicture, APlaneSensorKeepsItsOffsetByAnEdit) {
+TEST(ScenePicture, HasASensorInEachPlaceWhereTheFileUsesIt) {
   const ScenePicture drawn = picture_of_text(R"(
-DEF PLANE PlaneSensor { } DEF KNOB Transform { } ROUTE PLANE.translation_changed TO KNOB.translation)");
-  ASSERT_EQ(drawn.sensors.size(), 1u);
-  ASSERT_EQ(drawn.sensors[0].targets.size(), 2u);
-  EXPECT_EQ(drawn.sensors[0].targets[1].path, "PLANE");
-  EXPECT_EQ(drawn.sensors[0].targets[1].field, "offset");
+DEF A Transform { translation 1 0 0 children DEF HALL ProximitySensor { size 1 2 3 } }
+DEF B Transform { translation 7 0 0 children USE HALL } DEF L PointLight { } DEF K Transform { }
+ROUTE HALL.isActive TO L.on ROUTE HALL.position_changed TO K.translation)");
+  EXPECT_THAT(left_out(drawn),
+              ElementsAre("A ProximitySensor: its position_changed would be an edit for each movement of the viewer"));
+  EXPECT_THAT(drawn.sensor_paths, ElementsAre("A", "B"));
+  ASSERT_EQ(drawn.sensors.size(), 2u);
+  EXPECT_EQ(drawn.sensors[0].what.node, drawn.sensors[1].what.node);
+  EXPECT_EQ(drawn.sensors[1].what.targets.size(), 1u);
+  EXPECT_EQ(drawn.sensors[0].node_from_sensor.translation(), Vec3(1, 0, 0));
+  EXPECT_EQ(drawn.sensors[1].node_from_sensor.translation(), Vec3(7, 0, 0));
+}
+
+// While a sensor is dragged, the page draws what its ROUTEs move where they will move it.
+TEST(ScenePicture, SaysWhatADragMoves) {
+  const ScenePicture drawn = picture_of_text(R"(
+DEF CAR Transform { translation 5 0 0 velocityVector 1 0 0 children [
+  DEF TURN CylinderSensor { }
+  Transform { translation 0 1 0 children DEF WHEEL Transform { translation 1 0 0 center 0 0 2 rotation 0 1 0 0.5 children Shape { geometry Box { } } } } ] }
+DEF DRAG Group { children [ DEF PLANE PlaneSensor { } DEF KNOB Transform { translation 1 2 3 children Shape { geometry Box { } } } ] }
+DEF TWICE Transform { scale 2 2 2 children USE KNOB } DEF L PointLight { }
+ROUTE TURN.rotation_changed TO WHEEL.rotation ROUTE TURN.rotation_changed TO CAR.rotation
+ROUTE PLANE.translation_changed TO KNOB.translation ROUTE PLANE.translation_changed TO L.location)");
+  EXPECT_THAT(drawn.undrawn, IsEmpty());
+  ASSERT_EQ(drawn.sensors.size(), 2u);
+  ASSERT_EQ(drawn.sensors[0].previews.size(), 1u) << "the car moves by itself";
+  const DrawnSensor::Preview& wheel = drawn.sensors[0].previews[0];
+  EXPECT_EQ(wheel.path, "CAR/1/WHEEL");
+  EXPECT_EQ(wheel.node, drawn.sensors[0].node);
+  EXPECT_EQ(drawn.sensors[0].what.targets.at(wheel.target).path, "WHEEL");
+  EXPECT_TRUE(wheel.node_from_frame.translation().isApprox(Vec3(1, 1, 2))) << wheel.node_from_frame.translation();
+  EXPECT_THAT(wheel.from, ElementsAre(0.0F, 1.0F, 0.0F, 0.5F));
+  const auto& knobs = drawn.sensors[1].previews;
+  ASSERT_EQ(knobs.size(), 2u) << "the file uses it twice";
+  EXPECT_EQ(knobs[0].path, "DRAG/KNOB");
+  EXPECT_EQ(knobs[0].node_from_frame.matrix(), Eigen::Affine3d::Identity().matrix());
+  EXPECT_THAT(knobs[0].from, ElementsAre(1.0F, 2.0F, 3.0F));
+  EXPECT_EQ(knobs[1].path, "TWICE/KNOB");
+  EXPECT_EQ(knobs[1].node_from_frame(0, 0), 2.0);
+}
+
+TEST(ScenePicture, SaysWhenADragMovesMoreThanIsShown) {
+  std::string text = "DEF PLANE PlaneSensor { } DEF KNOB Transform { children Shape { geometry Box { } } }\n";
+  for (int i = 0; i < 150; ++i) text += "Group { children USE KNOB }\n";
+  const ScenePicture drawn = picture_of_text(text + "ROUTE PLANE.translation_changed TO KNOB.translation");
+  EXPECT_EQ(drawn.sensors.at(0).previews.size(), 100u);
+  EXPECT_THAT(left_out(drawn),
+              ElementsAre(" PlaneSensor: a drag is shown in 100 places, and not in all that it moves"));
 }
 
 // Forms that move say what their vertices are; a Material that is driven is nobody else's.

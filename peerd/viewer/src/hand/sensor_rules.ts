@@ -1,41 +1,53 @@
-// The rules of VRML's pointing-device sensors (ISO/IEC 14772-1, 4.6.7, 6.34 and 6.52) that need no page. What a sensor does to
-// the world goes to the daemon as edits, so that all peers have it from one instant on.
+// The rules of VRML's sensors that a page works (ISO/IEC 14772-1, 4.6.7, 6.34, 6.38 and 6.51) and that need no page. What a sensor
+// does to the world goes to the daemon as edits, so that all peers have it from one instant on.
 export interface SensorTarget {
   readonly event: string; // the sensor's eventOut
   readonly path: string; // of the node, or its DEF name
   readonly field: string;
 }
 
+// What a target draws elsewhere while the sensor is dragged.
+export interface PreviewExtras {
+  readonly target: number; // into the sensor's targets
+  readonly path: string; // what is at it and below it moves
+  readonly node: number; // of the file: it moves with that one
+  readonly node_from_frame: readonly number[]; // three rows of four; about what it turns is at the frame's origin
+  readonly from: readonly number[]; // the field's value now: a translation, or a rotation
+}
+
 export interface SensorExtras {
-  readonly type: 'TouchSensor' | 'PlaneSensor';
+  readonly type: 'TouchSensor' | 'PlaneSensor' | 'CylinderSensor' | 'SphereSensor' | 'ProximitySensor';
   readonly path: string; // of the node that it stands in; empty: the top level
+  readonly number?: number; // of the node itself: one that the file uses in several places has one number
   readonly node: number; // of the file: it moves with that one
   readonly node_from_sensor: readonly number[]; // three rows of four
   readonly targets: readonly SensorTarget[];
-  readonly min?: readonly [number, number];
-  readonly max?: readonly [number, number];
-  readonly offset?: readonly [number, number, number];
+  readonly previews?: readonly PreviewExtras[];
+  readonly min?: readonly number[]; // of a PlaneSensor two numbers, of a CylinderSensor one
+  readonly max?: readonly number[];
+  readonly disk_angle_rad?: readonly number[];
+  readonly offset?: readonly number[]; // a translation, an angle, or a rotation
   readonly auto_offset?: boolean;
-  readonly description?: string;
+  readonly center?: readonly number[];
+  readonly size?: readonly number[];
 }
 
-export type Place = readonly [number, number, number];
+export type EventValue = boolean | number | readonly number[];
 
 // Those that a pointer on the geometry at `path` works: of all around it the ones that stand lowest.
 export function sensorsAround(path: string, sensors: readonly SensorExtras[]): readonly SensorExtras[] {
-  const around = sensors.filter((sensor) => sensor.path === '' || path === sensor.path || path.startsWith(`${sensor.path}/`));
+  const around = sensors.filter((sensor) => sensor.type !== 'ProximitySensor' && (sensor.path === '' || path === sensor.path || path.startsWith(`${sensor.path}/`)));
   const lowest = Math.max(-1, ...around.map((sensor) => sensor.path.length));
   return around.filter((sensor) => sensor.path.length === lowest);
 }
 
-// translation_changed: how far the pointer has gone on the plane z = z of where it began, with the offset, within the bounds. A
-// bound counts on an axis where its minimum is not above its maximum.
-export function planeTranslation(begin: Place, now: Place, { min = [0, 0], max = [-1, -1] }: Pick<SensorExtras, 'min' | 'max'>, offset: Place): Place {
-  const along = (axis: 0 | 1): number => {
-    const value = now[axis] - begin[axis] + offset[axis];
-    return min[axis] <= max[axis] ? Math.min(max[axis], Math.max(min[axis], value)) : value;
-  };
-  return [along(0), along(1), offset[2]];
+export function isDragged({ type }: SensorExtras): boolean {
+  return type === 'PlaneSensor' || type === 'CylinderSensor' || type === 'SphereSensor';
+}
+
+// A value within bounds, which count where the lower one is not above the upper one.
+export function clamped(value: number, min: number, max: number): number {
+  return min <= max ? Math.min(max, Math.max(min, value)) : value;
 }
 
 export interface FieldEdit {
@@ -46,7 +58,12 @@ export interface FieldEdit {
 }
 
 // The edits by which an event reaches all that ROUTEs lead to from it.
-export function editsOf(sensor: SensorExtras, event: string, value: boolean | number | Place): readonly FieldEdit[] {
+export function editsOf(sensor: SensorExtras, event: string, value: EventValue): readonly FieldEdit[] {
   const text = typeof value === 'boolean' ? (value ? 'TRUE' : 'FALSE') : typeof value === 'number' ? String(value) : value.map((part) => String(Math.fround(part))).join(' ');
   return sensor.targets.filter((target) => target.event === event).map(({ path, field }) => ({ do: 'set', path, field, value: text }));
+}
+
+// By which a sensor is known again in the next scene.
+export function keyOf({ path, targets }: SensorExtras): string {
+  return `${path} ${targets.map((target) => `${target.event} ${target.path}`).join(' ')}`;
 }

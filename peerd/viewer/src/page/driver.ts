@@ -54,6 +54,12 @@ export class Driver {
     return { instances: view.instancesDrawn, calls: view.drawCalls, triangles: view.triangles, work_ms: pictureWork_ms, occlusion: view.occlusion };
   }
 
+  // What has come from the daemon since the page was loaded.
+  get received(): { readonly bytes: number; readonly frames: number } {
+    const { bytesIn, framesIn } = this.viewer.link.connection;
+    return { bytes: bytesIn, frames: framesIn };
+  }
+
   // Calls the listener with each path that is selected (null: nothing), each revision of the scene, each event of the daemon.
   on(name: 'select' | 'scene' | 'event', listener: (detail: unknown) => void): void {
     this.viewer.happenings.addEventListener(name, (happening) => listener((happening as CustomEvent<unknown>).detail));

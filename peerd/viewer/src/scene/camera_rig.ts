@@ -40,6 +40,11 @@ export class CameraRig {
     this.orbit.enabled = !frozen && this.mode_ === 'orbit';
   }
 
+  // Whether the camera is on its way to a viewpoint.
+  get travels(): boolean {
+    return this.travel !== null;
+  }
+
   resize(width: number, height: number): void {
     this.camera.aspect = width / Math.max(1, height);
     this.camera.updateProjectionMatrix();

@@ -4,6 +4,17 @@ import { kFrameNumbers, type RigidFrames } from './rigid_frames';
 import type { MovingShape } from './scene_file';
 import type { ViewGroups } from './view_groups';
 
+// What is at a path and below it, drawn elsewhere in the frame of its node, until the scene is another one.
+export interface Preview {
+  readonly path: string;
+  readonly node: number;
+  readonly motion: Matrix4;
+}
+
+export function previewAt(previews: readonly Preview[], path: string, node: number): Preview | undefined {
+  return previews.find((preview) => preview.node === node && (path === preview.path || path.startsWith(`${preview.path}/`)));
+}
+
 // All moving shapes that share one geometry and one material: one draw call. Each picture writes the matrices of those
 // instances that the camera can see, one after the other, and draws as many.
 export class InstanceBatch {
@@ -21,6 +32,7 @@ export class InstanceBatch {
   private readonly forms: Int32Array; // -1: its place in its node never changes
   private readonly turned = new Float64Array(16);
   private readonly scratch = new Matrix4();
+  private readonly unmoved = new Map<number, Matrix4>(); // nodeFromShape of the instances that a preview moves
   private readonly leftOut: Uint8Array; // by who knows that it cannot be seen
 
   constructor(shapes: readonly MovingShape[], geometry: BufferGeometry, readonly ownMaterial: Material, readonly standing = false) {
@@ -104,6 +116,17 @@ export class InstanceBatch {
   // Moves the shapes of a form to another place in their nodes.
   place(form: number, nodeFromShape: Matrix4): void {
     for (let i = 0; i < this.count; ++i) if (this.forms[i] === form) this.put(i, nodeFromShape);
+  }
+
+  preview(previews: readonly Preview[]): void {
+    if (previews.length === 0 && this.unmoved.size === 0) return;
+    this.paths.forEach((path, i) => {
+      const preview = path === undefined ? undefined : previewAt(previews, path, this.nodes[i]);
+      const unmoved = this.unmoved.get(i) ?? (preview === undefined ? undefined : new Matrix4().fromArray(this.locals, i * 16));
+      if (unmoved === undefined) return;
+      this.unmoved.set(i, unmoved);
+      this.put(i, preview === undefined ? unmoved : this.scratch.multiplyMatrices(preview.motion, unmoved));
+    });
   }
 
   // The geometry has another shape.

@@ -1,6 +1,6 @@
 import { Group, type BufferGeometry, type Frustum, type Material, type Matrix4 } from 'three';
 
-import { InstanceBatch } from './instance_batch';
+import { InstanceBatch, type Preview } from './instance_batch';
 import { kBehindProxies } from './occlusion';
 import type { RigidFrames } from './rigid_frames';
 import type { MovingShape } from './scene_file';
@@ -37,6 +37,10 @@ export class MovingScene {
 
   place(form: number, nodeFromShape: Matrix4): void {
     for (const batch of this.batches) batch.place(form, nodeFromShape);
+  }
+
+  preview(previews: readonly Preview[]): void {
+    for (const batch of this.batches) batch.preview(previews);
   }
 
   remeasure(geometry: BufferGeometry): void {

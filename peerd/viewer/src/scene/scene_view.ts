@@ -6,6 +6,7 @@ import type { LookRecord } from '../live/look_records';
 import { Backdrop } from './backdrop';
 import { boundsOf, CameraRig } from './camera_rig';
 import { Dress } from './dress';
+import { previewAt, type Preview } from './instance_batch';
 import { Looks } from './looks';
 import { MovingScene } from './moving_scene';
 import { Occlusion, type OcclusionFigures } from './occlusion';
@@ -248,15 +249,20 @@ export class SceneView {
     return nearest;
   }
 
-  // Draws what stands below some paths elsewhere, until the scene is another one; null: where it is.
-  previewShift(paths: readonly string[], shift: Vector3 | null): void {
-    this.shown?.file.standing.traverse((part) => {
+  // Draws some things elsewhere, and all others where they are, until the scene is another one.
+  preview(previews: readonly Preview[]): void {
+    if (this.shown === null) return;
+    const { file, moving } = this.shown;
+    moving.preview(previews);
+    file.standing.traverse((part) => {
       const path = part instanceof Mesh ? pathOf(part) : undefined;
-      if (path === undefined || !paths.some((above) => path === above || path.startsWith(`${above}/`))) return;
+      if (path === undefined) return;
       const data = part.userData as { unmoved?: Matrix4 };
+      const preview = previewAt(previews, path, file.standingNode);
+      if (preview === undefined && data.unmoved === undefined) return;
       data.unmoved ??= part.matrixWorld.clone();
       part.matrixWorld.copy(data.unmoved);
-      if (shift !== null) part.matrixWorld.premultiply(new Matrix4().makeTranslation(shift));
+      if (preview !== undefined) part.matrixWorld.premultiply(preview.motion);
       part.matrixWorldAutoUpdate = false;
     });
   }
