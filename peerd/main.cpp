@@ -27,6 +27,7 @@
 #include "peerd/commands/check_command.hpp"
 #include "peerd/commands/collide_command.hpp"
 #include "peerd/commands/doctor_command.hpp"
+#include "peerd/commands/invite_command.hpp"
 #include "peerd/commands/join_command.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/replay_command.hpp"
@@ -594,6 +595,11 @@ Command add_join(CLI::App& app) {
   add_ask_options(*command, flags->ask);
   add_own_options(*command, flags->join.peer, flags->run, "");
   command
+      ->add_option("--invite", flags->join.invitation,
+                   "what peerd invite has printed elsewhere: the world and its key, which is kept")
+      ->excludes("--open")
+      ->excludes("--key");
+  command
       ->add_option("--port", flags->run.port,
                    "UDP port of its own, where the session uses unicast (default: the session's)")
       ->transform(whole_number_in(1, 65535));
@@ -608,6 +614,16 @@ Command add_join(CLI::App& app) {
             flags->join.peer.sets = as_settings(flags->run, flags->join.peer);
             return run_join(flags->join);
           }};
+}
+
+Command add_invite(CLI::App& app) {
+  const auto options = std::make_shared<InviteOptions>();
+  CLI::App* const command =
+      app.add_subcommand("invite", "prints the command that brings somebody else into a world; it has the world's key");
+  command->footer("Exit codes: 0 good, 2 wrong use, 3 there is no key of that world");
+  command->add_option("world", options->world, "the world's name, as peerd ls says")->required();
+  command->add_option("--key", options->key, "the file of its key (default: this user's own of that world)");
+  return {command, [options] { return run_invite(*options, std::cout); }};
 }
 
 Command add_ls(CLI::App& app) {
@@ -863,10 +879,10 @@ int run(int argc, char** argv) {
   const std::span words(argv, static_cast<std::size_t>(argc));
   print_errors_as_json(std::ranges::find(words, std::string_view("--json")) != words.end());
   // The commands are in the order of the help.
-  const std::array commands{add_run(app),    add_join(app),     add_ls(app),     add_record(app),  add_replay(app),
-                            add_sim(app),    add_scenario(app), add_check(app),  add_collide(app), add_bake(app),
-                            add_export(app), add_doctor(app),   add_ctl(app),    add_top(app),     add_view(app),
-                            add_store(app),  add_help(app),     add_version(app)};
+  const std::array commands{add_run(app),    add_join(app),   add_invite(app),   add_ls(app),     add_record(app),
+                            add_replay(app), add_sim(app),    add_scenario(app), add_check(app),  add_collide(app),
+                            add_bake(app),   add_export(app), add_doctor(app),   add_ctl(app),    add_top(app),
+                            add_view(app),   add_store(app),  add_help(app),     add_version(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {

@@ -70,6 +70,9 @@ void print_status(const Json& reply) {
   std::cout << fmt::format("session time is {} ahead of this host's clock, error at most {}\n",
                            milliseconds(reply.at("session").at("clock_offset_ms")),
                            milliseconds(reply.at("session").at("clock_error_ms")));
+  if (!reply.at("session").at("sealed").get<bool>()) {
+    std::cout << "open: whoever is on this network can listen, and speak as any peer\n";
+  }
   for (const Json& w : reply.value("waits_for", Json::array())) {
     std::cout << fmt::format("waits for peer {} (id {}): nothing moves before\n", w.at("name").get<std::string>(),
                              w.at("id").get<std::uint64_t>());

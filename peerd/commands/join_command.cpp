@@ -18,6 +18,7 @@
 #include "peerd/input/json_line.hpp"
 #include "peerd/input/toml_input.hpp"
 #include "peerd/os/host_clock.hpp"
+#include "peerd/seal/invitation.hpp"
 #include "peerd/seal/key_file.hpp"
 #include "peerd/snapshot/snapshot_fetch.hpp"
 #include "peerd/store/store_folder.hpp"
@@ -220,6 +221,23 @@ Result<JoinedWorld> joined_by_store(JoinOptions& options) {
                  kNoSuchWorld});
 }
 
+// Keeps the key of an invitation as this user's own of that world.
+Result<void> accept_invitation(JoinOptions& options) {
+  if (options.invitation.empty()) return {};
+  const auto invitation = seal::read_invitation(options.invitation);
+  if (!invitation)
+    return std::unexpected(InputError{"error: --invite: that is no whole invitation of peerd invite", 2});
+  if (!options.world.empty() && options.world != invitation->world) {
+    return std::unexpected(InputError{"error: the invitation is to \"" + invitation->world + "\"", 2});
+  }
+  options.world = invitation->world;
+  const auto file = seal::default_key_file(options.world);
+  if (!file) return std::unexpected(InputError{"error: this user has no home in which the key could be kept", 2});
+  if (const auto kept = seal::keep_key(*file, invitation->key); !kept) return kept;
+  std::cerr << "keeps the key of \"" << options.world << "\" in " << file->string() << '\n';
+  return {};
+}
+
 Result<JoinedWorld> find_world(JoinOptions& options) {
   if (!options.from.empty()) {
     const auto provider = provider_at(options.from);
@@ -257,6 +275,7 @@ int run_ls(const LsOptions& options, std::ostream& out) {
 }
 
 int run_join(JoinOptions& options) {
+  if (const auto accepted = accept_invitation(options); !accepted) return failed(accepted.error());
   auto given = find_world(options);
   if (!given) return failed(given.error());
   // The path only names the world, in messages and in a capture.

@@ -395,6 +395,7 @@ PeerNode::Options node_options_of(const PeerOptions& options, const config::RunS
   node.start_lead = std::chrono::milliseconds(1000);  // enough for a few hellos to reach all peers
   node.clock_offset = from_seconds(peer.clock_offset_s);
   node.keep_log = !options.record.empty();
+  node.sealed = run.transport.sealed;
   node.sample_hz = run.sample_hz;
   return node;
 }

@@ -81,7 +81,8 @@ ordered_json status(PeerNode& node, HostTime now, const MoreCounters& more) {
       {"time_s", clock.synchronised() ? ordered_json(to_seconds(clock.to_session(now).time_since_epoch()))
                                       : ordered_json(nullptr)},
       {"clock_offset_ms", clock.synchronised() ? in_ms(clock.session_minus_host(now)) : ordered_json(nullptr)},
-      {"clock_error_ms", in_ms(clock.error_bound(now))}};
+      {"clock_error_ms", in_ms(clock.error_bound(now))},
+      {"sealed", node.is_sealed()}};
   reply["world_time_s"] = since(peer.world_zero());
   reply["since_start_s"] = since(node.start());
   reply["waits_for"] = ordered_json::array();

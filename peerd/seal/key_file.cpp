@@ -55,12 +55,12 @@ int write_whole(const fs::path& path, std::string_view text) {
 }
 
 // Gives the key to the file unless another process has been faster. 0, or an errno.
-int make_key(const fs::path& file) {
+int make_file(const fs::path& file, const SymmetricKey& key) {
   std::error_code failed;
   fs::create_directories(file.parent_path(), failed);
   if (failed) return failed.value();
   fs::path draft = file;
-  std::string text = SymmetricKey::random().text() + "\n";
+  std::string text = key.text() + "\n";
   draft += fmt::format(".{}.{}", ::getpid(), randombytes_random());  // each thread has its own
   int error = write_whole(draft, text);
   sodium_memzero(text.data(), text.size());
@@ -110,9 +110,21 @@ Result<SymmetricKey> read_key(const fs::path& file) {
 Result<SymmetricKey> read_or_make_key(const fs::path& file) {
   std::error_code failed;
   if (!fs::exists(file, failed) && !failed) {
-    if (const int error = make_key(file); error != 0) return wrong(file, "cannot be made: " + why(error));
+    if (const int error = make_file(file, SymmetricKey::random()); error != 0)
+      return wrong(file, "cannot be made: " + why(error));
   }
   return read_key(file);
+}
+
+Result<void> keep_key(const fs::path& file, const SymmetricKey& key) {
+  if (const int error = make_file(file, key); error != 0) return wrong(file, "cannot be made: " + why(error));
+  const auto kept = read_key(file);
+  if (!kept) return std::unexpected(kept.error());
+  if (*kept != key) {
+    return wrong(file, "is another one than that of the invitation, of another world of this name; move that file away",
+                 2);
+  }
+  return {};
 }
 
 }  // namespace peerd::seal

@@ -18,5 +18,7 @@ namespace peerd::seal {
 // The same; where there is no such file, makes one with a random key, which only this user may read. Of several that
 // make it at once, all get one key.
 [[nodiscard]] Result<SymmetricKey> read_or_make_key(const std::filesystem::path& file);
+// Makes a file with that key. One that is there with another key stays, and is an error.
+[[nodiscard]] Result<void> keep_key(const std::filesystem::path& file, const SymmetricKey& key);
 
 }  // namespace peerd::seal

@@ -2,6 +2,7 @@
 
 #include <sodium.h>
 
+#include <algorithm>
 #include <cassert>
 #include <stdexcept>
 
@@ -37,6 +38,12 @@ std::optional<SymmetricKey> SymmetricKey::of_text(std::string_view text) {
   const int failed =
       sodium_base642bin(key.bits_.data(), kBytes, text.data(), text.size(), nullptr, &length, &end, kTextVariant);
   if (failed != 0 || length != kBytes || end != text.data() + text.size()) return std::nullopt;
+  return key;
+}
+
+SymmetricKey SymmetricKey::of_bytes(std::span<const std::uint8_t, kBytes> bytes) {
+  SymmetricKey key;
+  std::ranges::copy(bytes, key.bits_.begin());
   return key;
 }
 

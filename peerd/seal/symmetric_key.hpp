@@ -19,6 +19,8 @@ class SymmetricKey {
   // The key that text() has written; none where the text is anything else.
   [[nodiscard]] static std::optional<SymmetricKey> of_text(std::string_view text);
 
+  [[nodiscard]] static SymmetricKey of_bytes(std::span<const std::uint8_t, kBytes> bytes);
+
   SymmetricKey(const SymmetricKey& other) = default;
   SymmetricKey& operator=(const SymmetricKey& other) = default;
   ~SymmetricKey();

@@ -183,6 +183,54 @@ TEST_F(Joining, OnePeerIsAskedByItsAddress) {
   EXPECT_EQ(world_of("c"), world_of("a"));
 }
 
+// Somebody else, with settings of their own, gets one line.
+TEST_F(Joining, AnInvitationIsAllThatSomebodyElseNeeds) {
+  Process a = run("a", world);
+  ASSERT_TRUE(is_in_session("a"));
+  Process invite(folder, "invite", PEERD_PROGRAM, {"invite", world});
+  ASSERT_EQ(invite.exit_code(10), 0) << invite.err();
+  const std::string begin = "peerd join --invite ";
+  ASSERT_TRUE(invite.out().starts_with(begin)) << invite.out();
+  const std::string invitation = invite.out().substr(begin.size(), invite.out().size() - begin.size() - 1);
+
+  const ScratchFolder elsewhere;
+  const auto join_there = [&](const std::string& name, const Words& more) {
+    Words words{
+        "join", "--name", name, "--interface", "lo", "--store", "", "--control", (folder / (name + ".sock")).string()};
+    words.insert(words.end(), more.begin(), more.end());
+    return Process(elsewhere, name, PEERD_PROGRAM, words);
+  };
+  Process uninvited = join_there("uninvited", {world});
+  EXPECT_EQ(uninvited.exit_code(10), 3);
+  EXPECT_THAT(uninvited.err(), HasSubstr("whoever runs that world has its key"));
+  Process damaged = join_there("damaged", {"--invite", invitation.substr(0, invitation.size() - 1)});
+  EXPECT_EQ(damaged.exit_code(10), 2);
+  Process invited = join_there("invited", {"--invite", invitation});
+  ASSERT_TRUE(is_in_session("invited")) << invited.err();
+  EXPECT_EQ(world_of("invited"), world_of("a"));
+  EXPECT_THAT(invited.out() + invited.err(), testing::Not(HasSubstr(invitation))) << "it is in no log";
+  Process again = join_there("again", {world});
+  ASSERT_TRUE(is_in_session("again")) << again.err() << "the key was kept";
+  ASSERT_TRUE(add("invited", "BALL"));
+  EXPECT_TRUE(wait_until([&] { return world_of("a") == world_of("invited") && world_of("a") == world_of("again"); }));
+}
+
+// Both say how they are, so that nobody waits for what cannot be.
+TEST_F(Joining, WhoComesOpenToASealedWorldIsTold) {
+  Process a = run("a", world), b = run("b", world + "-open", {"--open"});
+  ASSERT_TRUE(is_in_session("a") && is_in_session("b"));
+  Process ls(folder, "ls", PEERD_PROGRAM, {"ls", "--interface", "lo"});
+  ASSERT_EQ(ls.exit_code(10), 0) << ls.err();
+  EXPECT_THAT(ls.out(), testing::ContainsRegex(world + "-open  \\(session [0-9a-f]+, open\\)"));
+  EXPECT_THAT(ls.out(), testing::ContainsRegex(world + "  \\(session [0-9a-f]+\\)"));
+  Process open = join("open", world, {"--open"});
+  EXPECT_EQ(open.exit_code(10), 2);
+  EXPECT_THAT(open.err(), HasSubstr("\" is sealed"));
+  Process sealed = join("sealed", world + "-open");
+  EXPECT_EQ(sealed.exit_code(10), 2);
+  EXPECT_THAT(sealed.err(), HasSubstr("\" is open: say --open"));
+}
+
 TEST_F(Joining, APeerCanBeHidden) {
   Process a = run("a", world, {"--set", "transport.discoverable=false"});
   ASSERT_TRUE(is_in_session("a"));

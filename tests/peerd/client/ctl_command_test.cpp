@@ -84,6 +84,17 @@ class Control : public testing::Test {
   int calls = 0;
 };
 
+TEST_F(Control, EveryStatusSaysThatAPeerIsOpen) {
+  Process sealed = start_peer("a", 1, "RED", 10, {"--control", socket("a"), "--store", ""});
+  Process open = start_peer("b", 2, "BLUE", 11, {"--control", socket("b"), "--store", "", "--open"});
+  ASSERT_TRUE(sealed.says("listens for peerd ctl", 10) && open.says("listens for peerd ctl", 10));
+  EXPECT_EQ(ask(socket("a"), "status")["session"]["sealed"], true);
+  EXPECT_EQ(ask(socket("b"), "status")["session"]["sealed"], false);
+  constexpr const char* kOpen = "open: whoever is on this network can listen, and speak as any peer";
+  EXPECT_THAT(ctl({"--control", socket("a"), "status"}).out, testing::Not(HasSubstr(kOpen)));
+  EXPECT_THAT(ctl({"--control", socket("b"), "status"}).out, HasSubstr(kOpen));
+}
+
 TEST_F(Control, AKeySetsACarInMotionAndTheOtherPeerSeesIt) {
   const std::string at_a = socket("a"), at_b = socket("b");
   Process a = start_peer("a", 1, "RED", 10, {"--control", at_a});

@@ -1,0 +1,23 @@
+#include "peerd/commands/invite_command.hpp"
+
+#include <optional>
+
+#include "peerd/commands/problems.hpp"
+#include "peerd/seal/invitation.hpp"
+#include "peerd/seal/key_file.hpp"
+
+namespace peerd {
+
+int run_invite(const InviteOptions& options, std::ostream& out) {
+  const auto file = options.key.empty() ? seal::default_key_file(options.world) : std::optional(options.key);
+  if (!file) return failed(InputError{"error: this user has no home for a key: say --key FILE", 2});
+  const auto key = seal::read_key(*file);
+  if (!key) {
+    return failed(InputError{key.error().text + "; a peer of this user makes one when it first runs that world",
+                             key.error().exit_code});
+  }
+  out << "peerd join --invite " << seal::text_of({options.world, *key}) << '\n';
+  return 0;
+}
+
+}  // namespace peerd
