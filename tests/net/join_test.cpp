@@ -193,12 +193,11 @@ TEST_F(Joining, AnInvitationIsAllThatSomebodyElseNeeds) {
   ASSERT_TRUE(invite.out().starts_with(begin)) << invite.out();
   const std::string invitation = invite.out().substr(begin.size(), invite.out().size() - begin.size() - 1);
 
-  const ScratchFolder elsewhere;
   const auto join_there = [&](const std::string& name, const Words& more) {
     Words words{
         "join", "--name", name, "--interface", "lo", "--store", "", "--control", (folder / (name + ".sock")).string()};
     words.insert(words.end(), more.begin(), more.end());
-    return Process(elsewhere, name, PEERD_PROGRAM, words);
+    return Process(folder, name, PEERD_PROGRAM, words, "elsewhere");
   };
   Process uninvited = join_there("uninvited", {world});
   EXPECT_EQ(uninvited.exit_code(10), 3);

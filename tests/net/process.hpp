@@ -23,11 +23,11 @@ namespace peerd::testing_support {
 // destructor kills the child, and no other process.
 class Process {
  public:
-  // `arguments` follow the program's name.
+  // `arguments` follow the program's name. Who has other `settings` is another user, with other keys.
   Process(const ScratchFolder& folder, const std::string& name, const std::string& program,
-          std::vector<std::string> arguments)
+          std::vector<std::string> arguments, const std::string& settings = "settings")
       : out_(folder / (name + ".out")), err_(folder / (name + ".err")) {
-    setenv("XDG_CONFIG_HOME", (folder / "settings").c_str(), 1);  // the keys of this test's peers are its own
+    setenv("XDG_CONFIG_HOME", (folder / settings).c_str(), 1);
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, out_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
