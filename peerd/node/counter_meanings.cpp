@@ -74,7 +74,7 @@ constexpr std::array kTexts{
     CounterText{"net.in_replayed", "sealed datagrams that came before, or too late"},
     CounterText{"net.in_stamp_refused", "stamps not used: the wall clock was set"},
     CounterText{"net.in_stranger", "by unicast, from an address that has not answered a greeting"},
-    CounterText{"net.in_too_many_boots", "announced by more starts of peers than are remembered"},
+    CounterText{"net.in_too_many_boots", "announces a start of a peer that was given up for later ones"},
     CounterText{"net.in_truncated", "longer than any datagram of a peer"},
     CounterText{"net.in_unproven", "sealed by a boot that has not named this one's, or recorded earlier"},
     CounterText{"net.in_unstamped", "without a stamp of the kernel"},

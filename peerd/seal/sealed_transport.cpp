@@ -17,7 +17,7 @@ std::string sentence_of(Refusal why) {
     case Refusal::kForged:
       return "sends datagrams that this peer's key does not open: it has another key, or forges";
     case Refusal::kTooMany:
-      return "announces more starts of peers than are remembered, and is not heard";
+      return "has another start of a peer in whose place so many others came that it is not heard any more";
     case Refusal::kOwn:
     case Refusal::kUnproven:
     case Refusal::kReplayed:

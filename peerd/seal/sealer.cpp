@@ -18,6 +18,8 @@ using Milliseconds = std::chrono::milliseconds;
 // not heard of this one. A boot is named by others until it has been silent for kForgotten.
 constexpr Duration kAnnounced = Seconds(1), kAnnouncedSoon = Milliseconds(200), kAnswersApart = Milliseconds(20);
 constexpr Duration kForgotten = Seconds(10);
+// Answers before their time, after a rest and in the long run.
+constexpr double kAnswersMost = 8.0, kAnswersPerSecond = 4.0;
 
 // The first byte: what it is, in two bits that no open datagram, region header or greeting begins with, and the epoch.
 constexpr std::uint8_t kDatagram = 0x80, kAnnouncement = 0xC0, kKind = 0xC0;
@@ -96,7 +98,8 @@ Sealer::Sealer(const SymmetricKey& session, PeerId self, const BootId& boot)
       announcing_(session.derived("announcement", {})),
       self_(self),
       boot_(boot),
-      key_(key_of(self, boot)) {
+      key_(key_of(self, boot)),
+      answers_left_(kAnswersMost) {
   need_sodium();
 }
 
@@ -161,22 +164,54 @@ bool Sealer::is_announcement(std::span<const std::byte> datagram) {
   return !datagram.empty() && (std::to_integer<std::uint8_t>(datagram.front()) & kKind) == kAnnouncement;
 }
 
-// Null: it is not opened any more, or there are too many.
+// Null: it was given up.
 Sealer::Boot* Sealer::boot_of(PeerId sender, const BootId& id, HostTime now) {
+  if (given_up_.contains({sender, id})) return nullptr;
   std::vector<Boot>& of_sender = boots_[sender];
-  auto boot = std::ranges::find(of_sender, id, &Boot::id);
-  if (boot == of_sender.end()) {
-    if (known_.contains({sender, id}) || known_.size() >= kBootsMax) return nullptr;
-    if (of_sender.size() >= kBootsOfPeerMax) {
-      known_[{sender, of_sender.front().id}] = false;
-      of_sender.erase(of_sender.begin());
-    }
-    known_[{sender, id}] = true;
-    of_sender.push_back({.id = id, .key = key_of(sender, id), .heard = now, .windows = {}});
+  const auto boot = std::ranges::find(of_sender, id, &Boot::id);
+  if (boot != of_sender.end()) {
+    std::rotate(boot, boot + 1, of_sender.end());
     return &of_sender.back();
   }
-  std::rotate(boot, boot + 1, of_sender.end());
+  // Anybody can say recorded announcements once more: what these are of never takes the place of a proven boot.
+  if (std::ranges::count(of_sender, false, &Boot::is_proven) >= std::ptrdiff_t{kBootsOfPeerMax}) {
+    of_sender.erase(std::ranges::find(of_sender, false, &Boot::is_proven));
+  }
+  of_sender.push_back({.id = id, .key = key_of(sender, id), .heard = now, .windows = {}});
   return &of_sender.back();
+}
+
+// False: too many have been.
+bool Sealer::prove(PeerId sender, Boot& boot) {
+  std::vector<Boot>& of_sender = boots_[sender];
+  if (std::ranges::count(of_sender, true, &Boot::is_proven) >= std::ptrdiff_t{kBootsOfPeerMax}) {
+    if (given_up_.size() >= kGivenUpMax) return false;
+    const auto oldest = std::ranges::find(of_sender, true, &Boot::is_proven);
+    given_up_.emplace(sender, oldest->id);
+    const BootId proven = boot.id;
+    of_sender.erase(oldest);
+    std::ranges::find(of_sender, proven, &Boot::id)->is_proven = true;
+  } else {
+    boot.is_proven = true;
+  }
+  return true;
+}
+
+void Sealer::forget_silent(HostTime now) {
+  for (auto& [sender, boots] : boots_) {
+    std::erase_if(boots, [&](const Boot& boot) { return !boot.is_proven && boot.heard + kForgotten < now; });
+  }
+  std::erase_if(boots_, [](const auto& of_sender) { return of_sender.second.empty(); });
+}
+
+// Announcements that were recorded want answers, too, and these may be longer.
+bool Sealer::may_answer(HostTime now) {
+  const double since_s = answers_counted_ ? to_seconds(now - *answers_counted_) : 0.0;
+  answers_left_ = std::min(kAnswersMost, answers_left_ + since_s * kAnswersPerSecond);
+  answers_counted_ = now;
+  if (answers_left_ < 1.0) return false;
+  answers_left_ -= 1.0;
+  return true;
 }
 
 std::optional<Refusal> Sealer::hear(std::span<const std::byte> announcement, HostTime now) {
@@ -197,7 +232,7 @@ std::optional<Refusal> Sealer::hear(std::span<const std::byte> announcement, Hos
   BootId id;
   std::copy_n(said.begin(), kBoot_bytes, id.begin());
   if (id == boot_) return Refusal::kOwn;
-  Boot* const boot = boot_of(sender, id, now);
+  Boot* boot = boot_of(sender, id, now);
   if (boot == nullptr) return Refusal::kTooMany;
   std::optional<bool> names_us;  // whether as one that it has proven
   for (auto at = said.begin() + kAnnouncedLeast_bytes; at != said.end(); at += kName_bytes) {
@@ -208,20 +243,25 @@ std::optional<Refusal> Sealer::hear(std::span<const std::byte> announcement, Hos
   boot->heard = now;
   if (names_us) {
     const std::uint64_t sent = get(said.data() + kBoot_bytes, kCount_bytes);
-    // What it sent before may be a record.
-    if (!boot->is_proven) boot->begins = sent + 1;
-    boot->is_proven = true;
+    if (!boot->is_proven) {
+      boot->begins = sent + 1;  // what it sent before may be a record
+      if (!prove(sender, *boot)) return Refusal::kTooMany;
+      boot = &boots_[sender].back();
+    }
     boot->newest = std::max(boot->newest, sent);
     boot->named_us = now;
     boot->has_proven_us = *names_us;
   }
   const bool wants_answer = !boot->named_us || *boot->named_us + kForgotten < now || !boot->has_proven_us;
-  if (wants_answer && announced_) announce_at_ = std::min(announce_at_, std::max(now, *announced_ + kAnswersApart));
+  if (!wants_answer || !announced_) return std::nullopt;
+  const HostTime answer_at = std::max(now, *announced_ + kAnswersApart);
+  if (answer_at < announce_at_ && may_answer(now)) announce_at_ = answer_at;
   return std::nullopt;
 }
 
 std::optional<std::vector<std::byte>> Sealer::announcement_due(HostTime now) {
   if (announced_ && now < announce_at_) return std::nullopt;
+  forget_silent(now);
   std::vector<const Boot*> heard;
   bool all_proven = true;
   for (const auto& [sender, boots] : boots_) {
@@ -257,6 +297,12 @@ std::size_t Sealer::proven_count() const {
   for (const auto& [sender, boots] : boots_) {
     count += static_cast<std::size_t>(std::ranges::count_if(boots, &Boot::is_proven));
   }
+  return count;
+}
+
+std::size_t Sealer::heard_count() const {
+  std::size_t count = 0;
+  for (const auto& [sender, boots] : boots_) count += boots.size();
   return count;
 }
 

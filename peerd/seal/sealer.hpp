@@ -5,6 +5,7 @@
 #include <expected>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -22,7 +23,7 @@ enum class Refusal : std::uint8_t {
   kUnproven,  // nothing shows that its sender runs at present: no announcement of its boot has named this process's
   kForged,    // no key opens it: another session's, or damaged, or forged
   kReplayed,  // it has come before, or is older than kWidth counters of its region
-  kTooMany,   // a boot beyond those that are remembered
+  kTooMany,   // of a boot in whose place so many others of its peer came that it was given up
 };
 
 // Seals datagrams and opens those of the others (docs/protocol.md, The seal). All peers of a session have one secret
@@ -36,8 +37,8 @@ class Sealer {
   static constexpr std::size_t kHeader_bytes = 8;
   static constexpr std::size_t kAdded_bytes = kHeader_bytes + 16;  // to each datagram
   static constexpr std::size_t kAnnouncementMax_bytes = 1200;
-  static constexpr std::size_t kBootsMax = 1 << 16;  // all that are ever heard of
-  static constexpr std::size_t kBootsOfPeerMax = 8;  // of one peer that are opened
+  static constexpr std::size_t kBootsOfPeerMax = 8;    // of one peer, of those that are proven and of the others each
+  static constexpr std::size_t kGivenUpMax = 1 << 16;  // proven boots in whose place others came
 
   // A boot is random, and a process has one.
   Sealer(const SymmetricKey& session, PeerId self, const BootId& boot);
@@ -57,6 +58,7 @@ class Sealer {
   [[nodiscard]] HostTime next_announcement() const { return announce_at_; }
 
   [[nodiscard]] std::size_t proven_count() const;
+  [[nodiscard]] std::size_t heard_count() const;  // of boots, proven or not
 
  private:
   struct Boot {
@@ -72,16 +74,21 @@ class Sealer {
 
   [[nodiscard]] SymmetricKey key_of(PeerId sender, const BootId& boot) const;
   Boot* boot_of(PeerId sender, const BootId& id, HostTime now);
+  bool prove(PeerId sender, Boot& boot);
+  void forget_silent(HostTime now);
+  bool may_answer(HostTime now);
 
   SymmetricKey session_, announcing_;
   PeerId self_;
   BootId boot_;
   SymmetricKey key_;
   std::uint64_t sent_ = 0;
-  std::map<PeerId, std::vector<Boot>> boots_;        // the one that was heard of last is the last
-  std::map<std::pair<PeerId, BootId>, bool> known_;  // whether that boot is still opened
-  std::size_t named_ = 0;                            // how many boots have been named, where not all fit
+  std::map<PeerId, std::vector<Boot>> boots_;     // the one that was heard of last is the last
+  std::set<std::pair<PeerId, BootId>> given_up_;  // they would begin anew, and records of them be heard
+  std::size_t named_ = 0;                         // how many boots have been named, where not all fit
   std::optional<HostTime> announced_;
+  double answers_left_;  // before their time
+  std::optional<HostTime> answers_counted_;
   HostTime announce_at_{};
   std::vector<std::byte> sealed_, opened_;
 };

@@ -258,6 +258,25 @@ TEST_F(Sealing, OfOnePeerTheBootsThatWereHeardOfLastAreOpened) {
   EXPECT_EQ(b.hear(a.announcement_due(now).value(), now), Refusal::kTooMany) << "a record would begin anew";
 }
 
+// Somebody has recorded announcements of many starts of a peer, and says them again and again.
+TEST_F(Sealing, RecordedAnnouncementsTakeNobodysPlaceAndBringFewAnswers) {
+  std::vector<Bytes> recorded;
+  for (int i = 0; i < 300; ++i) recorded.push_back(make(key, 1).announcement_due(now).value());
+  now += seconds(100);
+  meet(a, b);
+  std::size_t answers = 0;
+  for (int i = 0; i < 3000; ++i) {
+    now += milliseconds(1);
+    (void)b.hear(recorded[static_cast<std::size_t>(i) % recorded.size()], now);
+    answers += b.announcement_due(now).has_value();
+  }
+  EXPECT_EQ(opened(b, sealed(a, "still here")), "still here");
+  EXPECT_LE(answers, 40u) << "in three seconds";
+  now += seconds(20);
+  (void)b.announcement_due(now);
+  EXPECT_EQ(b.heard_count(), 1u) << "what is silent and unproven is forgotten";
+}
+
 TEST_F(Sealing, AnnouncementsOfManyFitADatagramAndNameAllInTurns) {
   constexpr std::uint32_t kPeers = 300;
   std::vector<Sealer> peers;
