@@ -1,7 +1,5 @@
 #include "peerd/commands/invite_command.hpp"
 
-#include <optional>
-
 #include "peerd/commands/problems.hpp"
 #include "peerd/seal/invitation.hpp"
 #include "peerd/seal/key_file.hpp"
@@ -9,8 +7,8 @@
 namespace peerd {
 
 int run_invite(const InviteOptions& options, std::ostream& out) {
-  const auto file = options.key.empty() ? seal::default_key_file(options.world) : std::optional(options.key);
-  if (!file) return failed(InputError{"error: this user has no home for a key: say --key FILE", 2});
+  const auto file = seal::chosen_key_file(options.key, options.world);
+  if (!file) return failed(file.error());
   const auto key = seal::read_key(*file);
   if (!key) {
     return failed(InputError{key.error().text + "; a peer of this user makes one when it first runs that world",

@@ -149,12 +149,13 @@ Result<void> greet_first(const std::vector<snapshot::Provider>& providers, const
 // The key of a session that others have begun; none: it is open. Nobody makes one for it.
 Result<std::optional<seal::SymmetricKey>> key_of(const JoinOptions& options, const std::string& world) {
   if (options.open) return std::nullopt;
-  const auto own = options.key.empty() ? seal::default_key_file(world) : std::optional(options.key);
-  if (!own || world.empty()) {
+  if (world.empty() && options.key.empty()) {
     return std::unexpected(
         InputError{"error: which key? Say the world's name, or --key FILE; --open, if it is open", 2});
   }
-  auto key = seal::read_key(*own);
+  const auto file = seal::chosen_key_file(options.key, world);
+  if (!file) return std::unexpected(file.error());
+  auto key = seal::read_key(*file);
   if (key) return *std::move(key);
   return std::unexpected(InputError{key.error().text +
                                         "; whoever runs that world has its key: --key FILE says a copy, " +
@@ -231,8 +232,8 @@ Result<void> accept_invitation(JoinOptions& options) {
     return std::unexpected(InputError{"error: the invitation is to \"" + invitation->world + "\"", 2});
   }
   options.world = invitation->world;
-  const auto file = seal::default_key_file(options.world);
-  if (!file) return std::unexpected(InputError{"error: this user has no home in which the key could be kept", 2});
+  const auto file = seal::chosen_key_file({}, options.world);
+  if (!file) return std::unexpected(file.error());
   if (const auto kept = seal::keep_key(*file, invitation->key); !kept) return kept;
   std::cerr << "keeps the key of \"" << options.world << "\" in " << file->string() << '\n';
   return {};

@@ -214,10 +214,9 @@ Result<std::optional<seal::SymmetricKey>> session_key(const config::TransportSet
     log(spdlog::level::warn, "open: whoever is on this network can listen, and speak as any peer");
     return std::nullopt;
   }
-  const bool is_own = settings.key_file.empty();
-  const auto file = is_own ? seal::default_key_file(world) : std::optional<std::filesystem::path>(settings.key_file);
-  if (!file) return std::unexpected(InputError{"error: this user has no home for a key: say --key FILE, or --open", 2});
-  auto key = is_own ? seal::read_or_make_key(*file) : seal::read_key(*file);
+  const auto file = seal::chosen_key_file(settings.key_file, world);
+  if (!file) return std::unexpected(file.error());
+  auto key = settings.key_file.empty() ? seal::read_or_make_key(*file) : seal::read_key(*file);
   if (!key) return std::unexpected(key.error());
   log(spdlog::level::info, "sealed by the key " + file->string());
   return *std::move(key);

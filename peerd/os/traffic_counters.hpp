@@ -28,10 +28,10 @@ struct TrafficCounters {
   // wall clock, which the kernel stamps by, was set while they waited.
   std::uint64_t in_unstamped = 0, in_stamp_refused = 0;
 
-  // Of a sealed transport alone (peerd/seal): announcements of peers' boots, and datagrams that were not opened.
+  // A sealed transport alone has these (peerd/seal): announcements of peers' boots, and datagrams that were not opened.
   std::uint64_t announcements_in = 0;
   std::uint64_t in_open = 0;            // not sealed
-  std::uint64_t in_own = 0;             // of this process
+  std::uint64_t in_own = 0;             // with this peer's number, as those that come back to it
   std::uint64_t in_unproven = 0;        // of a boot that has not named this one's, or of a recorded session
   std::uint64_t in_forged = 0;          // of another key, damaged or forged
   std::uint64_t in_replayed = 0;        // for the second time, or too old

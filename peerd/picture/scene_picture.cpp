@@ -327,7 +327,7 @@ void PictureMaker::add_sensor(const vrml::Node& node, std::uint32_t parent) {
   out_.sensor_paths.push_back(path_in(parent));
 }
 
-// What a sensor's ROUTEs translate and turn, wherever the file uses it.
+// A sensor's previews: all that its ROUTEs translate and turn, wherever the file uses it.
 void PictureMaker::add_previews(DrawnSensor& sensor, std::uint32_t parent) {
   for (std::uint32_t i = 0; i < sensor.what.targets.size(); ++i) {
     const sensors::PageSensor::Target& target = sensor.what.targets[i];

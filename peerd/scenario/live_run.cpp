@@ -65,7 +65,17 @@ std::string last_lines(const fs::path& path, std::size_t count) {
   return text;
 }
 
-// The peers of one run seal what they send by a key that is gone afterwards.
+// The peers of one run seal what they send by a key whose file is gone with this object.
+struct KeyOfRun {
+  fs::path file;
+  KeyOfRun(const KeyOfRun&) = delete;
+  KeyOfRun& operator=(const KeyOfRun&) = delete;
+  explicit KeyOfRun(fs::path at) : file(std::move(at)) {}
+  ~KeyOfRun() {
+    std::error_code ignored;
+    fs::remove(file, ignored);
+  }
+};
 fs::path key_file_of(const LiveRun& launch) { return fs::absolute(launch.out / (launch.run_name + ".key")); }
 
 std::vector<std::string> peer_command(const LiveRun& launch, const config::RunSettings& run,
@@ -219,9 +229,8 @@ Result<std::vector<PeerLog>> run_live(const LiveRun& launch, const config::RunSe
                                       std::vector<double>& oversleep_ms) {
   auto events = LiveEvents::make(run.events);
   if (!events) return std::unexpected(events.error());
-  const fs::path key = key_file_of(launch);
-  if (const auto made = seal::read_or_make_key(key); !made) return std::unexpected(made.error());
-  const std::shared_ptr<void> gone(nullptr, [&key](void*) { fs::remove(key); });
+  const KeyOfRun key{key_file_of(launch)};
+  if (const auto made = seal::read_or_make_key(key.file); !made) return std::unexpected(made.error());
   LiveProcesses processes(launch, run, events->control());
   processes.start_captures();
   for (const config::PeerSettings& peer : run.peers) {

@@ -7,7 +7,7 @@
 
 namespace peerd::seal {
 
-// What somebody needs to come into a world: its name and the key of its session. Its text is one line of printable
+// An Invitation brings somebody into a world: its name, and the key of its session. Its text is one line of printable
 // ASCII without spaces, "peerd-invite-1:" and both in base64 for URLs, and is as secret as the key.
 struct Invitation {
   std::string world;

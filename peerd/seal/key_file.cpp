@@ -7,11 +7,12 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstdlib>
 #include <system_error>
 
 #include <sodium.h>
 #include <spdlog/fmt/fmt.h>
+
+#include "peerd/input/user_folder.hpp"
 
 namespace peerd::seal {
 namespace {
@@ -72,19 +73,17 @@ int make_file(const fs::path& file, const SymmetricKey& key) {
 }  // namespace
 
 std::optional<fs::path> default_key_file(const std::string& world) {
-  fs::path folder;
-  const char* const config = std::getenv("XDG_CONFIG_HOME");
-  const char* const home = std::getenv("HOME");
-  if (config != nullptr && config[0] == '/') {
-    folder = config;
-  } else if (home != nullptr && home[0] == '/') {
-    folder = fs::path(home) / ".config";
-  } else {
-    return std::nullopt;
-  }
+  const auto settings = user_folder("XDG_CONFIG_HOME", ".config");
+  if (!settings) return std::nullopt;
   std::string name = world;
   std::ranges::replace(name, '/', '_');
-  return folder / "peerd" / "keys" / (name + ".key");
+  return *settings / "peerd" / "keys" / (name + ".key");
+}
+
+Result<fs::path> chosen_key_file(const fs::path& said, const std::string& world) {
+  if (!said.empty()) return said;
+  if (auto own = default_key_file(world)) return *std::move(own);
+  return std::unexpected(InputError{"error: this user has no home for a key: say --key FILE, or --open", 2});
 }
 
 Result<SymmetricKey> read_key(const fs::path& file) {

@@ -12,6 +12,9 @@ namespace peerd::seal {
 // in
 // ~/.config. None: this user has no home.
 [[nodiscard]] std::optional<std::filesystem::path> default_key_file(const std::string& world);
+// The file that somebody has said, else that one. The error says that there is neither.
+[[nodiscard]] Result<std::filesystem::path> chosen_key_file(const std::filesystem::path& said,
+                                                            const std::string& world);
 
 // The key in a file, which has one line, SymmetricKey::text(). A file that others may read or write is refused.
 [[nodiscard]] Result<SymmetricKey> read_key(const std::filesystem::path& file);

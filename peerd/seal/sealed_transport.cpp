@@ -1,6 +1,9 @@
 #include "peerd/seal/sealed_transport.hpp"
 
+#include <algorithm>
 #include <cassert>
+#include <numeric>
+#include <string_view>
 #include <utility>
 
 namespace peerd::seal {
@@ -9,8 +12,8 @@ namespace {
 constexpr RegionId kAll{0};
 constexpr Duration kWarnedApart = std::chrono::minutes(1);
 
-// What a person should know of a refusal; empty: nothing.
-std::string sentence_of(Refusal why) {
+// The predicate of a sentence for people about a datagram's sender; empty: they need not know.
+std::string_view sentence_of(Refusal why) {
   switch (why) {
     case Refusal::kOpen:
       return "sends datagrams that are not sealed: it was started with --open, and this peer does not hear it";
@@ -53,7 +56,7 @@ void SealedTransport::take(const net::Arrival& arrival) {
   if (Sealer::is_announcement(arrival.datagram)) {
     const auto refused = arrival.region == kAll ? sealer_.hear(arrival.datagram, clock_.now()) : Refusal::kForged;
     if (refused) return refuse(*refused, arrival);
-    ++refused_.announcements_in;
+    ++announcements_in_;
     return wait();  // it may want an answer
   }
   const auto opened = sealer_.open(arrival.region, arrival.datagram);
@@ -62,32 +65,13 @@ void SealedTransport::take(const net::Arrival& arrival) {
 }
 
 void SealedTransport::refuse(Refusal why, const net::Arrival& arrival) {
-  switch (why) {
-    case Refusal::kOpen:
-      ++refused_.in_open;
-      break;
-    case Refusal::kOwn:
-      ++refused_.in_own;
-      break;
-    case Refusal::kUnproven:
-      ++refused_.in_unproven;
-      break;
-    case Refusal::kForged:
-      ++refused_.in_forged;
-      break;
-    case Refusal::kReplayed:
-      ++refused_.in_replayed;
-      break;
-    case Refusal::kTooMany:
-      ++refused_.in_too_many_boots;
-      break;
-  }
-  const std::string sentence = sentence_of(why);
+  ++refused_.at(static_cast<std::size_t>(why));
+  const std::string_view sentence = sentence_of(why);
   if (sentence.empty()) return;
   const auto [at, is_first] = warned_.try_emplace(why, arrival.at);
   if (!is_first && arrival.at - at->second < kWarnedApart) return;
   at->second = arrival.at;
-  warn_(arrival.from.address().to_string() + " " + sentence);
+  warn_(arrival.from.address().to_string() + " " + std::string(sentence));
 }
 
 void SealedTransport::announce() {
@@ -106,16 +90,16 @@ void SealedTransport::wait() {
 }
 
 const net::TrafficCounters& SealedTransport::counters() const {
+  const auto refused = [&](Refusal why) { return refused_.at(static_cast<std::size_t>(why)); };
   counters_ = carrier_->counters();
-  counters_.announcements_in = refused_.announcements_in;
-  counters_.in_open = refused_.in_open;
-  counters_.in_own = refused_.in_own;
-  counters_.in_unproven = refused_.in_unproven;
-  counters_.in_forged = refused_.in_forged;
-  counters_.in_replayed = refused_.in_replayed;
-  counters_.in_too_many_boots = refused_.in_too_many_boots;
-  counters_.packets_in -= refused_.announcements_in + refused_.in_open + refused_.in_own + refused_.in_unproven +
-                          refused_.in_forged + refused_.in_replayed + refused_.in_too_many_boots;
+  counters_.packets_in -= std::accumulate(refused_.begin(), refused_.end(), announcements_in_);
+  counters_.announcements_in = announcements_in_;
+  counters_.in_open = refused(Refusal::kOpen);
+  counters_.in_own = refused(Refusal::kOwn);
+  counters_.in_unproven = refused(Refusal::kUnproven);
+  counters_.in_forged = refused(Refusal::kForged);
+  counters_.in_replayed = refused(Refusal::kReplayed);
+  counters_.in_too_many_boots = refused(Refusal::kTooMany);
   return counters_;
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <functional>
@@ -47,7 +48,9 @@ class SealedTransport final : public net::Transport {
   boost::asio::steady_timer timer_;
   ReceiveHandler handler_;
   std::map<Refusal, HostTime> warned_;
-  net::TrafficCounters refused_;  // of what the carrier has counted as passed on
+  // The parts of what the carrier has passed on, the refused ones by Refusal.
+  std::uint64_t announcements_in_ = 0;
+  std::array<std::uint64_t, kRefusals> refused_{};
   mutable net::TrafficCounters counters_;
 };
 

@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cstring>
 #include <iterator>
+#include <ranges>
 #include <utility>
 
 namespace peerd::seal {
@@ -69,7 +70,7 @@ PeerId sender_of(const std::byte* header) {
   return PeerId{static_cast<std::uint32_t>(get(bytes_of(header) + 1, kSender_bytes))};
 }
 
-// What belongs to a datagram besides its bytes: the key has its sender, its boot and its epoch.
+// A Place is what belongs to a datagram besides its bytes; the key has its sender, its boot and its epoch.
 struct Place {
   std::array<std::uint8_t, crypto_aead_chacha20poly1305_ietf_NPUBBYTES> nonce{};
   std::array<std::uint8_t, Sealer::kHeader_bytes + 4> associated{};
@@ -99,9 +100,7 @@ Sealer::Sealer(const SymmetricKey& session, PeerId self, const BootId& boot)
       self_(self),
       boot_(boot),
       key_(key_of(self, boot)),
-      answers_left_(kAnswersMost) {
-  need_sodium();
-}
+      answers_left_(kAnswersMost) {}
 
 Sealer::BootId Sealer::random_boot() {
   need_sodium();
@@ -140,31 +139,34 @@ std::expected<std::span<const std::byte>, Refusal> Sealer::open(RegionId region,
   }
   if (sealed.size() < kAdded_bytes) return std::unexpected(Refusal::kForged);
   const PeerId sender = sender_of(sealed.data());
+  const auto not_opened = [&](Refusal why) { return std::unexpected(sender == self_ ? Refusal::kOwn : why); };
   const auto of_sender = boots_.find(sender);
-  if (of_sender == boots_.end()) return std::unexpected(sender == self_ ? Refusal::kOwn : Refusal::kUnproven);
+  if (of_sender == boots_.end()) return not_opened(Refusal::kUnproven);
   opened_.resize(sealed.size() - kAdded_bytes);
   const std::uint64_t lowest = get(bytes_of(sealed.data()) + 1 + kSender_bytes, kCounter_bytes);
-  for (auto boot = of_sender->second.rbegin(); boot != of_sender->second.rend(); ++boot) {
-    const std::uint64_t counter = counter_near(boot->newest, lowest);
+  bool all_proven = true;
+  for (Boot& boot : of_sender->second | std::views::reverse) {
+    all_proven = all_proven && boot.is_proven;
+    if (!boot.is_proven) continue;
+    const std::uint64_t counter = counter_near(boot.newest, lowest);
     const Place place(sealed.data(), region, counter);
     const int failed = crypto_aead_chacha20poly1305_ietf_decrypt(
         bytes_of(opened_.data()), nullptr, nullptr, bytes_of(sealed.data()) + kHeader_bytes,
         sealed.size() - kHeader_bytes, place.associated.data(), place.associated.size(), place.nonce.data(),
-        boot->key.data());
+        boot.key.data());
     if (failed != 0) continue;
-    if (!boot->is_proven) return std::unexpected(Refusal::kUnproven);
-    if (counter < boot->begins || !boot->windows[region].take(counter)) return std::unexpected(Refusal::kReplayed);
-    boot->newest = std::max(boot->newest, counter);
+    if (counter < boot.begins || !boot.windows[region].take(counter)) return std::unexpected(Refusal::kReplayed);
+    boot.newest = std::max(boot.newest, counter);
     return opened_;
   }
-  return std::unexpected(sender == self_ ? Refusal::kOwn : Refusal::kForged);
+  return not_opened(all_proven ? Refusal::kForged : Refusal::kUnproven);
 }
 
 bool Sealer::is_announcement(std::span<const std::byte> datagram) {
   return !datagram.empty() && (std::to_integer<std::uint8_t>(datagram.front()) & kKind) == kAnnouncement;
 }
 
-// Null: it was given up.
+// The boot is the last of its sender's from then on. Null: it was given up.
 Sealer::Boot* Sealer::boot_of(PeerId sender, const BootId& id, HostTime now) {
   if (given_up_.contains({sender, id})) return nullptr;
   std::vector<Boot>& of_sender = boots_[sender];
@@ -181,19 +183,16 @@ Sealer::Boot* Sealer::boot_of(PeerId sender, const BootId& id, HostTime now) {
   return &of_sender.back();
 }
 
-// False: too many have been.
-bool Sealer::prove(PeerId sender, Boot& boot) {
+// Proves the boot that was heard of last. False: too many have been given up.
+bool Sealer::prove(PeerId sender) {
   std::vector<Boot>& of_sender = boots_[sender];
   if (std::ranges::count(of_sender, true, &Boot::is_proven) >= std::ptrdiff_t{kBootsOfPeerMax}) {
     if (given_up_.size() >= kGivenUpMax) return false;
     const auto oldest = std::ranges::find(of_sender, true, &Boot::is_proven);
     given_up_.emplace(sender, oldest->id);
-    const BootId proven = boot.id;
     of_sender.erase(oldest);
-    std::ranges::find(of_sender, proven, &Boot::id)->is_proven = true;
-  } else {
-    boot.is_proven = true;
   }
+  of_sender.back().is_proven = true;
   return true;
 }
 
@@ -245,7 +244,7 @@ std::optional<Refusal> Sealer::hear(std::span<const std::byte> announcement, Hos
     const std::uint64_t sent = get(said.data() + kBoot_bytes, kCount_bytes);
     if (!boot->is_proven) {
       boot->begins = sent + 1;  // what it sent before may be a record
-      if (!prove(sender, *boot)) return Refusal::kTooMany;
+      if (!prove(sender)) return Refusal::kTooMany;
       boot = &boots_[sender].back();
     }
     boot->newest = std::max(boot->newest, sent);

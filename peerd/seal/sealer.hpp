@@ -19,12 +19,13 @@ namespace peerd::seal {
 // Why a datagram was not opened.
 enum class Refusal : std::uint8_t {
   kOpen,      // it is not sealed: its sender was started with --open, or is an older program
-  kOwn,       // this process has sent it
+  kOwn,       // it has this peer's number, and no other process of this peer has sent it
   kUnproven,  // nothing shows that its sender runs at present: no announcement of its boot has named this process's
   kForged,    // no key opens it: another session's, or damaged, or forged
   kReplayed,  // it has come before, or is older than kWidth counters of its region
   kTooMany,   // of a boot in whose place so many others of its peer came that it was given up
 };
+inline constexpr std::size_t kRefusals = 6;
 
 // Seals datagrams and opens those of the others (docs/protocol.md, The seal). All peers of a session have one secret
 // key. Each process has a boot: 128 random bits, which it announces. A datagram's key is derived from the secret, its
@@ -74,7 +75,7 @@ class Sealer {
 
   [[nodiscard]] SymmetricKey key_of(PeerId sender, const BootId& boot) const;
   Boot* boot_of(PeerId sender, const BootId& id, HostTime now);
-  bool prove(PeerId sender, Boot& boot);
+  bool prove(PeerId sender);
   void forget_silent(HostTime now);
   bool may_answer(HostTime now);
 

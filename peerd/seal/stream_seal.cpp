@@ -30,7 +30,8 @@ StreamSeal::StreamSeal(const SymmetricKey& session, End end)
 bool StreamSeal::take_hello(std::string_view hello) {
   assert(!out_);
   if (hello.size() != kHello_bytes) return false;
-  // What the two make of their keys, and both of these, so that who stands between the two can't give each another one.
+  // Both public keys go in beside what the two make together, so that somebody between them can't give each another
+  // one.
   std::array<std::uint8_t, 3 * kHello_bytes> made{};
   const auto shared = made.begin(), of_client = shared + kHello_bytes, of_server = of_client + kHello_bytes;
   if (crypto_scalarmult(made.data(), secret_.data(), bytes_of(hello)) != 0) return false;  // a point of low order

@@ -6,11 +6,12 @@
 #include <cassert>
 #include <stdexcept>
 
+#include "peerd/seal/base64.hpp"
+
 namespace peerd::seal {
 namespace {
 
 constexpr std::string_view kTextBegin = "peerd-key-1:";
-constexpr int kTextVariant = sodium_base64_VARIANT_URLSAFE_NO_PADDING;
 
 static_assert(SymmetricKey::kBytes == crypto_aead_chacha20poly1305_ietf_KEYBYTES);
 static_assert(SymmetricKey::kBytes == crypto_aead_xchacha20poly1305_ietf_KEYBYTES);
@@ -23,7 +24,6 @@ void need_sodium() {
 }
 
 SymmetricKey SymmetricKey::random() {
-  need_sodium();
   SymmetricKey key;
   randombytes_buf(key.bits_.data(), kBytes);
   return key;
@@ -33,11 +33,7 @@ std::optional<SymmetricKey> SymmetricKey::of_text(std::string_view text) {
   if (!text.starts_with(kTextBegin)) return std::nullopt;
   text.remove_prefix(kTextBegin.size());
   SymmetricKey key;
-  std::size_t length = 0;
-  const char* end = nullptr;
-  const int failed =
-      sodium_base642bin(key.bits_.data(), kBytes, text.data(), text.size(), nullptr, &length, &end, kTextVariant);
-  if (failed != 0 || length != kBytes || end != text.data() + text.size()) return std::nullopt;
+  if (read_base64(text, key.bits_) != kBytes) return std::nullopt;
   return key;
 }
 
@@ -47,14 +43,11 @@ SymmetricKey SymmetricKey::of_bytes(std::span<const std::uint8_t, kBytes> bytes)
   return key;
 }
 
+SymmetricKey::SymmetricKey() { need_sodium(); }
+
 SymmetricKey::~SymmetricKey() { sodium_memzero(bits_.data(), kBytes); }
 
-std::string SymmetricKey::text() const {
-  std::string encoded(sodium_base64_ENCODED_LEN(kBytes, kTextVariant), '\0');
-  sodium_bin2base64(encoded.data(), encoded.size(), bits_.data(), kBytes, kTextVariant);
-  encoded.pop_back();  // its terminating zero
-  return std::string(kTextBegin) + encoded;
-}
+std::string SymmetricKey::text() const { return std::string(kTextBegin) + base64_of(bits_); }
 
 SymmetricKey SymmetricKey::derived(std::string_view use, std::span<const std::uint8_t> of) const {
   SymmetricKey key;

@@ -14,7 +14,7 @@ class SymmetricKey {
  public:
   static constexpr std::size_t kBytes = 32;
 
-  // Of the system's entropy.
+  // A key of the system's entropy.
   [[nodiscard]] static SymmetricKey random();
   // The key that text() has written; none where the text is anything else.
   [[nodiscard]] static std::optional<SymmetricKey> of_text(std::string_view text);
@@ -35,7 +35,7 @@ class SymmetricKey {
   friend bool operator==(const SymmetricKey& a, const SymmetricKey& b);
 
  private:
-  SymmetricKey() = default;
+  SymmetricKey();
   std::array<std::uint8_t, kBytes> bits_{};
 };
 

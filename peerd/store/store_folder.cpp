@@ -1,11 +1,11 @@
 #include "peerd/store/store_folder.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <system_error>
 
 #include <spdlog/fmt/fmt.h>
 
+#include "peerd/input/user_folder.hpp"
 #include "peerd/store/disk_folder.hpp"
 #include "peerd/store/operation_store.hpp"
 #include "peerd/store/store_error.hpp"
@@ -37,13 +37,10 @@ Result<std::string> foreign_in(const fs::path& folder) {
 
 }  // namespace
 
-// XDG: a path that is not absolute is to be ignored.
 std::optional<fs::path> state_folder() {
-  const char* const state = std::getenv("XDG_STATE_HOME");
-  if (state != nullptr && state[0] == '/') return fs::path(state) / "peerd";
-  const char* const home = std::getenv("HOME");
-  if (home == nullptr || home[0] != '/') return std::nullopt;
-  return fs::path(home) / ".local" / "state" / "peerd";
+  const auto state = user_folder("XDG_STATE_HOME", ".local/state");
+  if (!state) return std::nullopt;
+  return *state / "peerd";
 }
 
 std::optional<fs::path> default_folder(std::uint64_t genesis, const std::string& peer) {

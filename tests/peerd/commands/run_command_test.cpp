@@ -259,7 +259,7 @@ TEST_F(Garbage, IsCountedAndDroppedByOpenPeersToo) {
   }
 }
 
-// Of four peers of one world two have another key, and one has none.
+// Two peers share a key; a third one has another, and a fourth none.
 TEST_F(PeerProcess, WhoHasAnotherKeyIsNotHeard) {
   const std::string other = (folder / "other.key").string();
   ASSERT_TRUE(seal::read_or_make_key(other));

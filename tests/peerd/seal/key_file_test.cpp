@@ -79,18 +79,22 @@ TEST_F(KeyFiles, AreRefusedWhereTheyHaveNoKey) {
   EXPECT_THAT(refusal(), HasSubstr("is no file"));
 }
 
-TEST_F(KeyFiles, OfAWorldAreAmongThisUsersSettings) {
-  const auto with = [](const char* config, const char* home) {
-    config != nullptr ? setenv("XDG_CONFIG_HOME", config, 1) : unsetenv("XDG_CONFIG_HOME");
-    home != nullptr ? setenv("HOME", home, 1) : unsetenv("HOME");
-    return default_key_file("a/b");
-  };
-  const std::string home = std::getenv("HOME") != nullptr ? std::getenv("HOME") : "";
-  EXPECT_EQ(with("/c", "/h"), fs::path("/c/peerd/keys/a_b.key"));
-  EXPECT_EQ(with("relative", "/h"), fs::path("/h/.config/peerd/keys/a_b.key")) << "XDG: to be ignored";
-  EXPECT_EQ(with(nullptr, "/h"), fs::path("/h/.config/peerd/keys/a_b.key"));
-  EXPECT_EQ(with(nullptr, nullptr), std::nullopt);
-  if (!home.empty()) setenv("HOME", home.c_str(), 1);
+TEST_F(KeyFiles, AreWhatIsSaidElseAmongThisUsersSettings) {
+  setenv("XDG_CONFIG_HOME", "/c", 1);
+  EXPECT_EQ(default_key_file("a/b"), fs::path("/c/peerd/keys/a_b.key"));
+  EXPECT_EQ(chosen_key_file("", "a/b").value(), fs::path("/c/peerd/keys/a_b.key"));
+  EXPECT_EQ(chosen_key_file("said.key", "a/b").value(), fs::path("said.key"));
+  unsetenv("XDG_CONFIG_HOME");
+}
+
+TEST_F(KeyFiles, OfAnInvitationAreKeptUnlessThereIsAnother) {
+  const SymmetricKey key = SymmetricKey::random();
+  ASSERT_TRUE(keep_key(file, key));
+  EXPECT_TRUE(keep_key(file, key)) << "the same once more";
+  const auto other = keep_key(file, SymmetricKey::random());
+  ASSERT_FALSE(other);
+  EXPECT_THAT(other.error().text, HasSubstr("move that file away"));
+  EXPECT_EQ(read_key(file).value(), key);
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ class Sealing : public testing::Test {
     const auto out = by.seal(region, bytes(what));
     return {out.begin(), out.end()};
   }
-  // What the peer says of a datagram: its text, or the reason.
+  // The text of a datagram as that peer opens it, or the reason why it does not.
   static std::string opened(Sealer& by, const Bytes& datagram, RegionId region = kHere) {
     const auto got = by.open(region, datagram);
     if (got) return text(*got);

@@ -50,7 +50,7 @@ TEST_F(SealedStreams, AnotherKeyOpensNothing) {
   EXPECT_FALSE(outsider.open(server.seal("hello")));
 }
 
-// Who stands between the two gives each a key of its own.
+// Somebody between the two gives each a key of their own.
 TEST_F(SealedStreams, WhoStandsBetweenOpensNothing) {
   StreamSeal to_client(SymmetricKey::random(), StreamSeal::End::kServer);
   StreamSeal to_server(SymmetricKey::random(), StreamSeal::End::kClient);

@@ -25,7 +25,7 @@ export function turnOf([x, y, z, angle]: readonly number[]): Quaternion {
 export function rotationOf(turn: Quaternion): Rotation {
   const { x, y, z, w } = turn;
   const sine = Math.hypot(x, y, z);
-  return sine > 1e-9 ? [x / sine, y / sine, z / sine, 2 * Math.atan2(sine, w)] : [0, 1, 0, 0];
+  return sine > 0 ? [x / sine, y / sine, z / sine, 2 * Math.atan2(sine, w)] : [0, 1, 0, 0];
 }
 
 // On the plane z = z of where the drag began.
@@ -67,7 +67,7 @@ class CylinderDrag implements SensorDrag {
 
   follow(ray: Ray): void {
     const at = this.surface instanceof Plane ? ray.intersectPlane(this.surface, new Vector3()) : this.surface.meet(ray);
-    if (at === null || Math.hypot(at.x, at.z) < kLeast_m) return;
+    if (at === null || Math.hypot(at.x, at.z) === 0) return; // nothing says which way that lies
     const angle_rad = Math.atan2(at.x, at.z);
     const step_rad = angle_rad - this.angle_rad;
     this.turned_rad += step_rad - 2 * Math.PI * Math.round(step_rad / (2 * Math.PI));
@@ -97,13 +97,11 @@ class SphereDrag implements SensorDrag {
 
   values(): Readonly<Record<string, readonly number[]>> {
     const turn = turnOf(this.offset);
-    if (this.begin.length() >= kLeast_m) turn.premultiply(new Quaternion().setFromUnitVectors(this.begin.clone().normalize(), this.now.clone().normalize()));
+    if (this.begin.length() > 0) turn.premultiply(new Quaternion().setFromUnitVectors(this.begin.clone().normalize(), this.now.clone().normalize()));
     const rotation = rotationOf(turn);
     return { rotation_changed: rotation, trackPoint_changed: this.now.toArray(), offset: rotation };
   }
 }
-
-const kLeast_m = 1e-9; // so near to its axis nothing says which way a point lies
 
 // The cylinder about the y-axis, or the sphere about the origin, through a point that a ray meets.
 class RoundSurface {
