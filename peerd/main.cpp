@@ -7,6 +7,7 @@
 #include <iostream>
 #include <limits>
 #include <memory>
+#include <random>
 #include <span>
 #include <string_view>
 
@@ -42,7 +43,6 @@
 #include "peerd/feed/pose_feed.hpp"
 #include "peerd/input/json_line.hpp"
 #include "peerd/input/text_file.hpp"
-#include "peerd/os/host_clock.hpp"
 #include "peerd/view/view_command.hpp"
 
 namespace peerd {
@@ -76,11 +76,11 @@ struct RunFlags {
   bool open = false;
 };
 
-// A number for a peer that was given none. Two peers that start in the same microsecond clash, and say so. Configured
-// peers have lower numbers and therefore go first in decisions.
-std::uint32_t number_by_clock() {
-  const std::int64_t us = net::HostClock().now().time_since_epoch() / std::chrono::microseconds(1);
-  return 1'000'000'000 + static_cast<std::uint32_t>(us % 3'000'000'000);
+// A number for a peer that was given none: peers that start at one instant have two, too. Configured peers have lower
+// numbers and therefore go first in decisions.
+std::uint32_t random_number() {
+  std::random_device random;
+  return std::uniform_int_distribution<std::uint32_t>(1'000'000'000, 3'999'999'999)(random);
 }
 
 // The defaults are those of config::TransportSettings.
@@ -109,7 +109,7 @@ std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options
   if (!flags.world_name.empty()) sets.push_back("world_name=" + json_line(flags.world_name));
   if (options.config.empty()) {
     options.peer = flags.name.empty() ? "peer" : flags.name;
-    sets.push_back("peer." + options.peer + ".id=" + std::to_string(flags.id ? *flags.id : number_by_clock()));
+    sets.push_back("peer." + options.peer + ".id=" + std::to_string(flags.id ? *flags.id : random_number()));
     sets.push_back("peer." + options.peer + ".owns=" + json_line(flags.owns));
     options.keeps_id = !flags.id;
   }
@@ -145,7 +145,7 @@ void add_own_options(CLI::App& command, PeerOptions& peer, RunFlags& flags, cons
   command.add_option("--name", flags.name, "this peer's name" + described + " (default: peer)");
   command
       .add_option("--id", flags.id,
-                  "this peer's number; each peer needs its own (default: that of its store, else one by the clock)")
+                  "this peer's number; each peer needs its own (default: that of its store, else a random one)")
       ->transform(whole_number_in(1, kPeerIdMax));
   command.add_option("--own", flags.owns, "a node of the world that this peer runs (repeatable)")
       ->allow_extra_args(false);
