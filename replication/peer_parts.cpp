@@ -65,7 +65,7 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
       configured(world_model.owned),
       model(world_model),
       author(config.author.value_or(author_of(config.id, config.incarnation))),
-      logs(author),
+      logs(author, config.signer),
       living(*world_model.scene, config.rare,
              OperationBodies([this](OperationId id) { return logs.operation(id).body; })),
       stored_until(restore(peer_config.log, logs, living, model)),

@@ -11,6 +11,7 @@
 #include "peerd/client/peer_tables.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/problems.hpp"
+#include "peerd/input/printable.hpp"
 #include "peerd/control/control_client.hpp"
 #include "peerd/control/control_path.hpp"
 #include "peerd/input/text_file.hpp"

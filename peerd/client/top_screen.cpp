@@ -10,6 +10,7 @@
 
 #include "peerd/client/peer_tables.hpp"
 #include "peerd/commands/problems.hpp"
+#include "peerd/input/printable.hpp"
 
 namespace peerd {
 namespace {

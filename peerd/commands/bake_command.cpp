@@ -6,6 +6,7 @@
 
 #include "collision/scene/scene_query.hpp"
 #include "peerd/commands/problems.hpp"
+#include "peerd/input/printable.hpp"
 #include "peerd/input/hierarchy_files.hpp"
 
 namespace peerd {

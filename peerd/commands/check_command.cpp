@@ -22,6 +22,7 @@
 #include "core/writer/writer.hpp"
 #include "peerd/command_line/error_json.hpp"
 #include "peerd/commands/problems.hpp"
+#include "peerd/input/printable.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/input/world_file.hpp"
 #include "replication/world/motion_world.hpp"

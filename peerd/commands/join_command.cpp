@@ -14,6 +14,7 @@
 
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/problems.hpp"
+#include "peerd/input/printable.hpp"
 #include "peerd/discovery/discovery.hpp"
 #include "peerd/input/json_line.hpp"
 #include "peerd/input/toml_input.hpp"

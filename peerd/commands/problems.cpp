@@ -47,8 +47,4 @@ std::expected<std::unique_ptr<const config::WorldFile>, int> open_world(const st
   return std::unexpected(1);
 }
 
-std::string counted(std::size_t count, const std::string& what, const std::string& plural) {
-  return std::to_string(count) + ' ' + (count == 1 ? what : plural.empty() ? what + "s" : plural);
-}
-
 }  // namespace peerd

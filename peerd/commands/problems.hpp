@@ -33,7 +33,4 @@ ProblemCount print_problems(const ReadResult& result, std::ostream& err);
 // Prints the error, and with `json` also the object of error_json. Returns the exit code.
 int print_error(const InputError& error, std::ostream& err, std::ostream* json);
 
-// A number and its noun: "1 error", "2 errors". `plural` is for nouns that take no s.
-[[nodiscard]] std::string counted(std::size_t count, const std::string& what, const std::string& plural = "");
-
 }  // namespace peerd

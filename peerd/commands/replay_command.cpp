@@ -9,6 +9,7 @@
 
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/problems.hpp"
+#include "peerd/input/printable.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/node/describe.hpp"
 #include "peerd/record/capture.hpp"

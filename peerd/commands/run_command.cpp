@@ -34,12 +34,10 @@
 #include "peerd/os/udp_port.hpp"
 #include "peerd/picture/picture_input.hpp"
 #include "peerd/record/capture.hpp"
-#include "peerd/seal/key_file.hpp"
-#include "peerd/seal/sealed_transport.hpp"
-#include "peerd/store/operation_store.hpp"
-#include "peerd/store/store_folder.hpp"
+#include "peerd/running/peer_store.hpp"
+#include "peerd/running/session_seal.hpp"
+#include "peerd/seal/operation_signer.hpp"
 #include "peerd/transport/transport_options.hpp"
-#include "replication/operations/operation_log.hpp"
 
 namespace peerd {
 namespace {
@@ -207,28 +205,6 @@ void log_refused(const api::ControlServer* control, const feed::UdpPort* poses, 
   }
 }
 
-// The key of the session, unless the settings say that it is open.
-Result<std::optional<seal::SymmetricKey>> session_key(const config::TransportSettings& settings,
-                                                      const std::string& world, Log& log) {
-  if (!settings.sealed) {
-    log(spdlog::level::warn, "open: whoever is on this network can listen, and speak as any peer");
-    return std::nullopt;
-  }
-  const auto file = seal::chosen_key_file(settings.key_file, world);
-  if (!file) return std::unexpected(file.error());
-  auto key = settings.key_file.empty() ? seal::read_or_make_key(*file) : seal::read_key(*file);
-  if (!key) return std::unexpected(key.error());
-  log(spdlog::level::info, "sealed by the key " + file->string());
-  return *std::move(key);
-}
-
-void seal_transport(asio::io_context& io, const net::HostClock& clock, const seal::SymmetricKey& key, PeerId self,
-                    net::OpenedTransport& reached, Log& log) {
-  reached.transport =
-      std::make_unique<seal::SealedTransport>(io, clock, std::move(reached.transport), key, self,
-                                              [&log](const std::string& line) { log(spdlog::level::warn, line); });
-}
-
 void log_beginning(const config::PeerSettings& peer, const std::filesystem::path& world,
                    const config::TransportSettings& settings, const net::OpenedTransport& reached, Log& log) {
   log(spdlog::level::info, fmt::format("peer {} (id {}) in {}, {}", peer.name, peer.id, world.filename().string(),
@@ -283,102 +259,6 @@ std::unique_ptr<CacheWarmer> open_cache_warmer(const config::RunSettings& run, L
   return nullptr;
 }
 
-struct OpenedStore {
-  std::unique_ptr<store::OperationStore> store;  // null: there is none
-  std::filesystem::path folder;
-  std::vector<replication::OperationPart> log;  // all that the peer begins with
-  std::vector<LogLine> lines;                   // what a person should know
-};
-
-std::string store_line(const store::OperationStore& store, const std::filesystem::path& folder) {
-  std::uint64_t operations = 0;
-  for (const store::StoredLog& log : store.logs()) operations += log.operations;
-  return fmt::format("the store {} has {} of {}; this peer is author {}", folder.string(),
-                     counted(operations, "operation"), counted(store.logs().size(), "author"), store.author().value);
-}
-
-// Locks the folder of the store, and puts aside what is in it where it is to be a fresh one.
-Result<store::FolderLock> lock_store(const StoreOptions& options, const std::filesystem::path& folder, bool by_default,
-                                     std::vector<LogLine>& lines) {
-  const auto lock_again = [&] { return by_default ? store::lock_first_free(folder) : store::lock_folder(folder); };
-  auto lock = lock_again();
-  if (!lock || !options.fresh) return lock;
-  const auto locked = lock->folder();
-  const auto aside = store::put_aside(*std::move(lock));
-  if (!aside) return std::unexpected(aside.error());
-  if (*aside) lines.push_back({LogLevel::kInfo, "the store before is now " + (*aside)->string()});
-  return by_default ? lock_again() : store::lock_folder(locked);
-}
-
-// Nobody has asked for the store of a peer that has one by default: where it can't be made, the peer runs without.
-Result<OpenedStore> open_store(const StoreOptions& options, std::uint64_t genesis, const std::string& peer) {
-  OpenedStore opened;
-  const bool by_default = !options.folder && options.by_default;
-  const auto folder = by_default ? store::default_folder(genesis, peer) : options.folder;
-  if (by_default && !folder) {
-    opened.lines.push_back({LogLevel::kWarning, "runs without a store: this user has no home; say --store DIR"});
-  }
-  if (!folder || folder->empty()) return opened;
-  std::random_device random;
-  std::uniform_int_distribution<std::uint32_t> authors(1, replication::kAuthorMax);
-  auto lock = lock_store(options, *folder, by_default, opened.lines);
-  const std::filesystem::path at = lock ? lock->folder() : *folder;
-  auto store = lock ? store::OperationStore::open(*std::move(lock), genesis, replication::AuthorId{authors(random)})
-                    : std::unexpected(lock.error());
-  if (!store && by_default && !store::OperationStore::exists(at)) {
-    opened.lines.push_back({LogLevel::kWarning, "runs without a store: " + store.error().text});
-    return opened;
-  }
-  if (!store) return std::unexpected(store.error());
-  opened.store = *std::move(store);
-  opened.folder = at;
-  opened.lines.push_back({LogLevel::kInfo, store_line(*opened.store, at)});
-  if (opened.store->is_copy()) {
-    opened.lines.push_back(
-        {LogLevel::kWarning,
-         "the store is a copy, or an older one that was put back: this peer begins a log of its own"});
-  }
-  if (!opened.store->author_error().empty()) {
-    opened.lines.push_back({LogLevel::kWarning, opened.store->author_error()});
-  }
-  if (!opened.store->packing_error().empty()) {
-    opened.lines.push_back(
-        {LogLevel::kWarning, "the store takes more room than it needs: " + opened.store->packing_error()});
-  }
-  opened.log = opened.store->take_log();
-  return opened;
-}
-
-// Adds the logs that other peers have provided to those of the store, and to the store. They are read first: a log that
-// is damaged, or that contradicts the store's, is refused.
-Result<void> add_joined(const std::vector<replication::OperationPart>& provided, OpenedStore& opened) {
-  replication::OperationLogs logs;
-  for (const replication::OperationPart& part : opened.log) {
-    [[maybe_unused]] const auto read = logs.restore(part);
-    assert(read);  // the store has read it
-  }
-  std::vector<replication::OperationPart> added;
-  for (const replication::OperationPart& part : provided) {
-    const std::uint64_t before = logs.length(part.author);
-    const std::uint64_t end = std::max<std::uint64_t>(before, part.bytes.size());
-    const auto read = logs.restore(part);
-    if (!read || logs.whole(part.author) != end) {
-      const std::string why = read ? "it is cut short or damaged" : read.error();
-      return std::unexpected(
-          InputError{fmt::format("error: the log of author {} that was provided can't be used: {}{}", part.author.value,
-                                 why, before > 0 ? "; --fresh puts the store aside, which has it, too" : ""),
-                     1});
-    }
-    const auto tail = logs.bytes({part.author, before, end});
-    if (!tail.empty()) added.push_back({part.author, before, {tail.begin(), tail.end()}});
-  }
-  if (opened.store) {
-    if (auto stored = opened.store->append(added); !stored) return stored;
-  }
-  std::ranges::move(added, std::back_inserter(opened.log));
-  return {};
-}
-
 PeerNode::Options node_options_of(const PeerOptions& options, const config::RunSettings& run,
                                   const config::PeerSettings& peer, const net::HostClock& clock) {
   PeerNode::Options node;
@@ -405,6 +285,9 @@ struct PeerParts {
   config::PeerSettings* settings = nullptr;  // of the scenario
   std::unique_ptr<const SharedWorld> shared;
   OpenedStore opened;
+  std::optional<seal::Identity> identity;  // once the store is filled, as the two that follow
+  replication::Author author;
+  std::unique_ptr<const replication::LogSigner> signer;
   config::PeerObjects objects;
   std::uint64_t session = 0;  // RegionSettings::session_hash
 
@@ -449,18 +332,24 @@ Result<config::LoadedWorld> read_world_of(const PeerOptions& options, config::Sc
 Result<void> fill_store(const PeerOptions& options, PeerParts& parts) {
   config::PeerSettings& settings = *parts.settings;
   const config::LoadedWorld& world = parts.shared->world;
-  auto opened = open_store(options.store, world.hash, settings.name);
+  const auto identity = peer_identity(parts.run().transport);
+  if (!identity) return std::unexpected(identity.error());
+  parts.identity = *identity;
+  auto opened = open_store(options.store, world.hash, settings.name, *identity);
   if (!opened) return std::unexpected(opened.error());
   parts.opened = *std::move(opened);
   const auto& store = parts.opened.store;
+  parts.author = store ? replication::Author(store->author(), store->author_salt())
+                       : seal::fresh_author(identity->public_key());
+  parts.signer = std::make_unique<seal::OperationSigner>(world.hash, *identity, parts.author.salt,
+                                                         [](const seal::PublicKey&) { return true; });
   if (store && options.keeps_id) {
     const auto id = store::identity_in(parts.opened.folder, PeerId{settings.id}, store->author());
     if (!id) return std::unexpected(id.error());
     settings.id = id->value;
   }
-  if (options.joined) {
-    if (auto added = add_joined(options.joined->logs, parts.opened); !added) return added;
-  }
+  const auto& provided = options.joined ? options.joined->logs : std::vector<replication::OperationPart>{};
+  if (auto added = add_joined(provided, *parts.signer, parts.opened); !added) return added;
   if (!store || world.archive.empty()) return {};
   const store::StoredWorld stored{parts.world_name(options), world.hash, config::shared_settings(parts.run()),
                                   world.archive};
@@ -538,10 +427,9 @@ int run_peer(const PeerOptions& options) {
 
   // Only where all else is right a store is made.
   if (auto filled = fill_store(options, *parts); !filled) return failed(filled.error());
-  if (const auto& store = parts->opened.store) {
-    node_options.author = store->author();
-    node_options.stores = true;
-  }
+  node_options.author = parts->author.id;
+  node_options.stores = parts->opened.store != nullptr;
+  node_options.signer = parts->signer.get();
   node_options.log = std::move(parts->opened.log);
   const auto node = PeerNode::make(settings, run.replication, *parts->shared, std::move(parts->objects), node_options);
   node_options.log = {};  // the peer has it
@@ -555,9 +443,9 @@ int run_peer(const PeerOptions& options) {
 
   Log log(settings.name, options.json, options.verbose);
   const auto log_line = [&log](const LogLine& line) { log(line); };
-  const auto key = session_key(run.transport, parts->world_name(options), log);
+  const auto key = session_key(run.transport, parts->world_name(options), log_line);
   if (!key) return failed(key.error());
-  if (*key) seal_transport(io, clock, **key, PeerId{settings.id}, *reached, log);
+  if (*key) seal_transport(io, clock, **key, PeerId{settings.id}, *parts->identity, *reached, log_line);
   log_beginning(settings, parts->scenario.world, run.transport, *reached, log);
   for (const std::string& line : parts->shared->findings()) log(spdlog::level::warn, line);
   for (const LogLine& line : parts->opened.lines) log(line);

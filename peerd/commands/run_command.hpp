@@ -5,26 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "peerd/store/stored_world.hpp"
-#include "replication/wire/operation.hpp"
+#include "peerd/running/peer_store.hpp"
 
 namespace peerd {
-
-// The place where a peer keeps the edits of the world.
-struct StoreOptions {
-  std::optional<std::filesystem::path> folder;  // of --store; empty: no store
-  bool by_default = false;                      // without `folder`, a peer has one in its user's own folders
-  bool fresh = false;                           // what is there is put aside
-
-  [[nodiscard]] bool is_wanted() const { return folder ? !folder->empty() : by_default; }
-};
-
-// A world that came from a peer, or from a store, in place of a file.
-struct JoinedWorld {
-  store::StoredWorld world;
-  std::uint64_t session = 0;                     // that its peers are in; 0: nobody has said
-  std::vector<replication::OperationPart> logs;  // each from its beginning
-};
 
 struct PeerOptions {
   std::filesystem::path config;                 // a scenario file; one of its peers is run

@@ -12,6 +12,7 @@
 #include "peerd/command_line/stop_signals.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/problems.hpp"
+#include "peerd/input/printable.hpp"
 #include "peerd/commands/scenario_options.hpp"
 #include "peerd/config/resolve.hpp"
 #include "peerd/input/text_file.hpp"

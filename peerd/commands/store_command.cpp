@@ -10,6 +10,7 @@
 #include "core/writer/writer.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/problems.hpp"
+#include "peerd/input/printable.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/store/operation_store.hpp"
 #include "peerd/store/stored_world.hpp"

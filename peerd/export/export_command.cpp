@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/commands/problems.hpp"
+#include "peerd/input/printable.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/picture/gltf_writer.hpp"
 #include "peerd/picture/scene_picture.hpp"

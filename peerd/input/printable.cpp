@@ -19,4 +19,8 @@ std::string printable(std::string_view text, std::size_t most) {
   return shown;
 }
 
+std::string counted(std::size_t count, const std::string& what, const std::string& plural) {
+  return std::to_string(count) + ' ' + (count == 1 ? what : plural.empty() ? what + "s" : plural);
+}
+
 }  // namespace peerd

@@ -9,4 +9,7 @@ namespace peerd {
 // "?", and no longer than `most` bytes, cut between characters of UTF-8.
 [[nodiscard]] std::string printable(std::string_view text, std::size_t most);
 
+// A number and its noun: "1 error", "2 errors". `plural` is for nouns that take no s.
+[[nodiscard]] std::string counted(std::size_t count, const std::string& what, const std::string& plural = "");
+
 }  // namespace peerd

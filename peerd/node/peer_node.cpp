@@ -102,6 +102,7 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
   config.author = options.author;
   config.rare = options.rare;
   config.log = std::move(options.log);
+  config.signer = options.signer;
   config.world_hash = replication.regions.session_hash(shared.world.hash);
   config.policy = replication.policy;
   config.convergence = replication.convergence;

@@ -55,6 +55,7 @@ class PeerNode {
     std::optional<replication::AuthorId> author{};
     replication::RareBranches rare{};
     std::vector<replication::OperationPart> log{};
+    const replication::LogSigner* signer = nullptr;  // of operations; it outlives the peer
     bool stores = false;
     bool sealed = false;      // its driver seals what it sends: for who asks for its status
     LogRows* rows = nullptr;  // what takes the log's samples, updates and datagrams; null: the log keeps them

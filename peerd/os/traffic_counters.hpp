@@ -36,6 +36,10 @@ struct TrafficCounters {
   std::uint64_t in_forged = 0;          // of another key, damaged or forged
   std::uint64_t in_replayed = 0;        // for the second time, or too old
   std::uint64_t in_too_many_boots = 0;  // of a boot beyond those that are remembered
+  std::uint64_t in_no_member = 0;       // announces a peer whose key is no member's
+  std::uint64_t in_impostor = 0;        // announces a peer whose number is another key's
+  std::uint64_t in_unsigned = 0;        // by somebody who has the session's key, and not by its sender
+  std::uint64_t in_wrong_sender = 0;    // says another sender than it is sealed by
 
   std::uint64_t out_queue_full = 0;   // send buffer or interface queue full
   std::uint64_t out_unreachable = 0;  // interface down or gone, no route, no source address

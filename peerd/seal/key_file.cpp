@@ -1,73 +1,22 @@
 #include "peerd/seal/key_file.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <array>
-#include <cerrno>
 #include <system_error>
 
-#include <sodium.h>
-#include <spdlog/fmt/fmt.h>
-
 #include "peerd/input/user_folder.hpp"
+#include "peerd/seal/secret_file.hpp"
 
 namespace peerd::seal {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr mode_t kOthers = S_IRWXG | S_IRWXO;
-constexpr int kFailed = 3;
+SecretFile key_at(const fs::path& file) { return {file, "key"}; }
+SecretFile identity_at(const fs::path& file) { return {file, "identity"}; }
 
-std::unexpected<InputError> wrong(const fs::path& file, const std::string& what, int code = kFailed) {
-  return std::unexpected(InputError{"error: the key " + file.string() + " " + what, code});
-}
-std::string why(int error) { return std::generic_category().message(error); }
-
-// A descriptor that is closed where it ends.
-class File {
- public:
-  File(const fs::path& path, int flags) : descriptor_(::open(path.c_str(), flags | O_CLOEXEC, S_IRUSR | S_IWUSR)) {}
-  File(const File&) = delete;
-  File& operator=(const File&) = delete;
-  ~File() {
-    if (is_open()) ::close(descriptor_);
-  }
-  [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
-  [[nodiscard]] int get() const { return descriptor_; }
-
- private:
-  int descriptor_;
-};
-
-// 0, or an errno.
-int write_whole(const fs::path& path, std::string_view text) {
-  const File file(path, O_WRONLY | O_CREAT | O_EXCL);
-  if (!file.is_open()) return errno;
-  while (!text.empty()) {
-    const ssize_t written = ::write(file.get(), text.data(), text.size());
-    if (written < 0 && errno != EINTR) return errno;
-    if (written > 0) text.remove_prefix(static_cast<std::size_t>(written));
-  }
-  return ::fsync(file.get()) == 0 ? 0 : errno;
-}
-
-// Gives the key to the file unless another process has been faster. 0, or an errno.
-int make_file(const fs::path& file, const SymmetricKey& key) {
+bool is_missing(const fs::path& file) {
   std::error_code failed;
-  fs::create_directories(file.parent_path(), failed);
-  if (failed) return failed.value();
-  fs::path draft = file;
-  std::string text = key.text() + "\n";
-  draft += fmt::format(".{}.{}", ::getpid(), randombytes_random());  // each thread has its own
-  int error = write_whole(draft, text);
-  sodium_memzero(text.data(), text.size());
-  if (error == 0 && ::link(draft.c_str(), file.c_str()) != 0 && errno != EEXIST) error = errno;
-  ::unlink(draft.c_str());
-  return error;
+  return !fs::exists(file, failed) && !failed;
 }
 
 }  // namespace
@@ -87,43 +36,54 @@ Result<fs::path> chosen_key_file(const fs::path& said, const std::string& world)
 }
 
 Result<SymmetricKey> read_key(const fs::path& file) {
-  const File opened(file, O_RDONLY);
-  if (!opened.is_open()) return wrong(file, "cannot be read: " + why(errno));
-  struct stat found {};
-  if (::fstat(opened.get(), &found) != 0) return wrong(file, "cannot be read: " + why(errno));
-  if (!S_ISREG(found.st_mode)) return wrong(file, "is no file", 2);
-  if ((found.st_mode & kOthers) != 0) {
-    return wrong(file, "may be read by other users of this computer; chmod 600 mends that", 2);
-  }
-  std::array<char, 128> text{};
-  const ssize_t size = ::read(opened.get(), text.data(), text.size());
-  if (size < 0) return wrong(file, "cannot be read: " + why(errno));
-  std::string_view line(text.data(), static_cast<std::size_t>(size));
-  if (line.ends_with('\n')) line.remove_suffix(1);
-  const auto key = SymmetricKey::of_text(line);
-  sodium_memzero(text.data(), text.size());
-  if (!key) return wrong(file, "has no key", 2);
+  const auto secret = read_secret(key_at(file));
+  if (!secret) return std::unexpected(secret.error());
+  const auto key = SymmetricKey::of_text(secret->line());
+  if (!key) return std::unexpected(key_at(file).wrong("has no key", 2));
   return *key;
 }
 
 Result<SymmetricKey> read_or_make_key(const fs::path& file) {
-  std::error_code failed;
-  if (!fs::exists(file, failed) && !failed) {
-    if (const int error = make_file(file, SymmetricKey::random()); error != 0)
-      return wrong(file, "cannot be made: " + why(error));
+  if (is_missing(file)) {
+    if (const auto made = make_secret(key_at(file), Secret(SymmetricKey::random().text())); !made) {
+      return std::unexpected(made.error());
+    }
   }
   return read_key(file);
 }
 
 Result<void> keep_key(const fs::path& file, const SymmetricKey& key) {
-  if (const int error = make_file(file, key); error != 0) return wrong(file, "cannot be made: " + why(error));
+  if (auto made = make_secret(key_at(file), Secret(key.text())); !made) return made;
   const auto kept = read_key(file);
   if (!kept) return std::unexpected(kept.error());
   if (*kept != key) {
-    return wrong(file, "is another one than that of the invitation, of another world of this name; move that file away",
-                 2);
+    return std::unexpected(key_at(file).wrong(
+        "is another one than that of the invitation, of another world of this name; move that file away", 2));
   }
   return {};
+}
+
+Result<fs::path> chosen_identity_file(const fs::path& said) {
+  if (!said.empty()) return said;
+  if (const auto settings = user_folder("XDG_CONFIG_HOME", ".config")) return *settings / "peerd" / "identity.key";
+  return std::unexpected(InputError{"error: this user has no home for an identity: say --identity FILE", 2});
+}
+
+Result<Identity> read_identity(const fs::path& file) {
+  const auto secret = read_secret(identity_at(file));
+  if (!secret) return std::unexpected(secret.error());
+  const auto identity = Identity::of_text(secret->line());
+  if (!identity) return std::unexpected(identity_at(file).wrong("has no identity", 2));
+  return *identity;
+}
+
+Result<Identity> read_or_make_identity(const fs::path& file) {
+  if (is_missing(file)) {
+    if (const auto made = make_secret(identity_at(file), Secret(Identity::random().text())); !made) {
+      return std::unexpected(made.error());
+    }
+  }
+  return read_identity(file);
 }
 
 }  // namespace peerd::seal

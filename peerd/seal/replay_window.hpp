@@ -11,7 +11,9 @@ class ReplayWindow {
  public:
   static constexpr std::uint64_t kWidth = 1024;  // counters; older ones are taken no more
 
-  // Whether it has not come and is not too old; it has come from then on.
+  // Whether it has not come and is not too old.
+  [[nodiscard]] bool would_take(std::uint64_t counter) const;
+  // The same; it has come from then on.
   bool take(std::uint64_t counter);
   [[nodiscard]] std::uint64_t newest() const { return newest_; }
 

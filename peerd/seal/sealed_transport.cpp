@@ -21,6 +21,14 @@ std::string_view sentence_of(Refusal why) {
       return "sends datagrams that this peer's key does not open: it has another key, or forges";
     case Refusal::kTooMany:
       return "has another start of a peer in whose place so many others came that it is not heard any more";
+    case Refusal::kNoMember:
+      return "has the session's key, and is no member of it: this peer does not hear it";
+    case Refusal::kImpostor:
+      return "has the number of a peer of somebody else's: this peer does not hear it";
+    case Refusal::kUnsigned:
+      return "has the session's key and speaks in another peer's name: this peer does not hear it";
+    case Refusal::kWrongSender:
+      return "sends datagrams that say another sender than they are sealed by: this peer does not hear them";
     case Refusal::kOwn:
     case Refusal::kUnproven:
     case Refusal::kReplayed:
@@ -29,17 +37,31 @@ std::string_view sentence_of(Refusal why) {
   return "";
 }
 
+std::string sentence_of(Sealer::Finding::Kind kind, PeerId peer) {
+  const std::string name = "peer " + std::to_string(peer.value);
+  switch (kind) {
+    case Sealer::Finding::Kind::kImpersonated:
+      return "somebody who has the session's key speaks in the name of " + name +
+             ", which signs each datagram until that has stopped for a minute";
+    case Sealer::Finding::Kind::kNumberTaken:
+      return name + " does not hear this peer, whose number it knows as somebody else's; --id says another one";
+    case Sealer::Finding::Kind::kNoMember:
+      return name + " does not hear this peer: its key is no member's there";
+  }
+  return "";
+}
+
 }  // namespace
 
 SealedTransport::SealedTransport(boost::asio::io_context& io, const net::HostClock& clock,
-                                 std::unique_ptr<net::Transport> carrier, const SymmetricKey& session, PeerId self,
-                                 Warn warn)
+                                 std::unique_ptr<net::Transport> carrier, Sealer sealer, Examine examine, Warn warn)
     : clock_(clock),
       carrier_(std::move(carrier)),
-      sealer_(session, self, Sealer::random_boot()),
+      sealer_(std::move(sealer)),
+      examine_(std::move(examine)),
       warn_(std::move(warn)),
       timer_(io) {
-  assert(carrier_ && warn_);
+  assert(carrier_ && examine_ && warn_);
 }
 
 void SealedTransport::on_receive(ReceiveHandler handler) {
@@ -49,29 +71,52 @@ void SealedTransport::on_receive(ReceiveHandler handler) {
 }
 
 void SealedTransport::send(RegionId region, std::span<const std::byte> datagram) {
-  carrier_->send(region, sealer_.seal(region, datagram));
+  const auto contents = examine_(datagram);
+  assert(contents);
+  carrier_->send(region, sealer_.seal(clock_.now(), region, datagram, contents->must_be_signed));
 }
 
 void SealedTransport::take(const net::Arrival& arrival) {
   if (Sealer::is_announcement(arrival.datagram)) {
     const auto refused = arrival.region == kAll ? sealer_.hear(arrival.datagram, clock_.now()) : Refusal::kForged;
+    say_findings();
     if (refused) return refuse(*refused, arrival);
     ++announcements_in_;
     return wait();  // it may want an answer
   }
-  const auto opened = sealer_.open(arrival.region, arrival.datagram);
-  if (!opened) return refuse(opened.error(), arrival);
-  handler_({.region = arrival.region, .datagram = *opened, .at = arrival.at, .from = arrival.from});
+  const auto opened = sealer_.open(arrival.at, arrival.region, arrival.datagram);
+  if (!opened) {
+    if (opened.error() == Refusal::kOwn) say_findings();
+    return refuse(opened.error(), arrival);
+  }
+  const auto contents = examine_(opened->datagram);
+  if (!contents || contents->sender != opened->sender) return refuse(Refusal::kWrongSender, arrival);
+  if (contents->must_be_signed && !opened->is_signed) return refuse(Refusal::kUnsigned, arrival);
+  handler_({.region = arrival.region, .datagram = opened->datagram, .at = arrival.at, .from = arrival.from});
 }
 
 void SealedTransport::refuse(Refusal why, const net::Arrival& arrival) {
   ++refused_.at(static_cast<std::size_t>(why));
   const std::string_view sentence = sentence_of(why);
-  if (sentence.empty()) return;
-  const auto [at, is_first] = warned_.try_emplace(why, arrival.at);
-  if (!is_first && arrival.at - at->second < kWarnedApart) return;
-  at->second = arrival.at;
-  warn_(arrival.from.address().to_string() + " " + std::string(sentence));
+  if (!sentence.empty()) {
+    say(std::to_string(static_cast<int>(why)), arrival.at,
+        arrival.from.address().to_string() + " " + std::string(sentence));
+  }
+}
+
+// Says a line, but not what was said less than a minute ago.
+void SealedTransport::say(const std::string& what, HostTime now, std::string_view line) {
+  const auto [at, is_first] = warned_.try_emplace(what, now);
+  if (!is_first && now - at->second < kWarnedApart) return;
+  at->second = now;
+  warn_(std::string(line));
+}
+
+void SealedTransport::say_findings() {
+  for (const auto& [kind, peer] : sealer_.take_findings()) {
+    const std::string line = sentence_of(kind, peer);
+    say(line, clock_.now(), line);
+  }
 }
 
 void SealedTransport::announce() {
@@ -82,8 +127,14 @@ void SealedTransport::announce() {
   wait();
 }
 
+void SealedTransport::flush() {
+  carrier_->flush();
+  if (handler_ && sealer_.next_announcement() < waits_until_) wait();
+}
+
 void SealedTransport::wait() {
-  timer_.expires_after(std::max(Duration{0}, sealer_.next_announcement() - clock_.now()));
+  waits_until_ = sealer_.next_announcement();
+  timer_.expires_after(std::max(Duration{0}, waits_until_ - clock_.now()));
   timer_.async_wait([this](const boost::system::error_code& cancelled) {
     if (!cancelled) announce();
   });
@@ -100,6 +151,10 @@ const net::TrafficCounters& SealedTransport::counters() const {
   counters_.in_forged = refused(Refusal::kForged);
   counters_.in_replayed = refused(Refusal::kReplayed);
   counters_.in_too_many_boots = refused(Refusal::kTooMany);
+  counters_.in_no_member = refused(Refusal::kNoMember);
+  counters_.in_impostor = refused(Refusal::kImpostor);
+  counters_.in_unsigned = refused(Refusal::kUnsigned);
+  counters_.in_wrong_sender = refused(Refusal::kWrongSender);
   return counters_;
 }
 

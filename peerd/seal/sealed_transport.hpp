@@ -13,21 +13,29 @@
 
 namespace peerd::seal {
 
+// What a datagram is, for those who carry it.
+struct Contents {
+  PeerId sender;
+  bool must_be_signed = true;  // no member may say it in another's name, not even once
+};
+
 // A transport whose datagrams are sealed. What is not opened is counted, and the first of a kind in a minute is said.
 class SealedTransport final : public net::Transport {
  public:
   using Warn = std::function<void(const std::string&)>;
+  // What a datagram is that a peer sends; none: nothing that a peer sends.
+  using Examine = std::function<std::optional<Contents>(std::span<const std::byte>)>;
 
   // `io` and `clock` outlive it.
   SealedTransport(boost::asio::io_context& io, const net::HostClock& clock, std::unique_ptr<net::Transport> carrier,
-                  const SymmetricKey& session, PeerId self, Warn warn);
+                  Sealer sealer, Examine examine, Warn warn);
 
   void on_receive(ReceiveHandler handler) override;
   bool receive_pending() override { return carrier_->receive_pending(); }
   std::expected<void, net::NetError> join(RegionId region) override { return carrier_->join(region); }
   std::expected<void, net::NetError> leave(RegionId region) override { return carrier_->leave(region); }
   void send(RegionId region, std::span<const std::byte> datagram) override;
-  void flush() override { carrier_->flush(); }
+  void flush() override;
   [[nodiscard]] std::optional<net::InterfaceChange> follow_interface() override { return carrier_->follow_interface(); }
   [[nodiscard]] const net::TrafficCounters& counters() const override;
   [[nodiscard]] std::size_t joined_count() const override { return carrier_->joined_count(); }
@@ -40,14 +48,18 @@ class SealedTransport final : public net::Transport {
   void refuse(Refusal why, const net::Arrival& arrival);
   void announce();
   void wait();
+  void say_findings();
+  void say(const std::string& what, HostTime now, std::string_view line);
 
   const net::HostClock& clock_;
   std::unique_ptr<net::Transport> carrier_;
   Sealer sealer_;
+  Examine examine_;
   Warn warn_;
   boost::asio::steady_timer timer_;
+  HostTime waits_until_{};
   ReceiveHandler handler_;
-  std::map<Refusal, HostTime> warned_;
+  std::map<std::string, HostTime> warned_;  // by what, of a few kinds
   // The parts of what the carrier has passed on, the refused ones by Refusal.
   std::uint64_t announcements_in_ = 0;
   std::array<std::uint64_t, kRefusals> refused_{};

@@ -14,7 +14,7 @@
 namespace peerd::store {
 namespace {
 
-using replication::AuthorId;
+using replication::Author;
 
 // A longer file is no author.
 constexpr std::size_t kAuthorMax_bytes = 256;
@@ -24,8 +24,8 @@ InputError failure(const FileFolder& folder, const char* what, const std::error_
                      3);
 }
 
-std::array<std::string_view, 4> fields_of(std::string_view line) {
-  std::array<std::string_view, 4> fields;
+std::array<std::string_view, 5> fields_of(std::string_view line) {
+  std::array<std::string_view, 5> fields;
   for (std::string_view& field : fields) {
     field = line.substr(0, line.find(' '));
     line.remove_prefix(std::min(line.size(), field.size() + 1));
@@ -50,8 +50,8 @@ Result<std::optional<StoredAuthor>> read_author(const FileFolder& folder, std::s
   if (!text) return std::unexpected(failure(folder, "read", text.error()));
   const auto fields = fields_of(std::string_view(*text).substr(0, text->find('\n')));
   StoredAuthor stored;
-  if (text->size() > kAuthorMax_bytes || !read_number(fields[0], stored.author.value) ||
-      stored.author == replication::kNoAuthor || stored.author.value > replication::kAuthorMax ||
+  if (text->size() > kAuthorMax_bytes || !read_number(fields[0], stored.author.id.value) ||
+      stored.author.id == replication::kNoAuthor || stored.author.id.value > replication::kAuthorMax ||
       !text->ends_with('\n')) {
     return std::unexpected(store_error(
         folder.path(),
@@ -60,12 +60,14 @@ Result<std::optional<StoredAuthor>> read_author(const FileFolder& folder, std::s
   const auto self = folder.identity(kAuthorFile), store = folder.identity(store_file);
   if (!self) return std::unexpected(failure(folder, "read", self.error()));
   if (!store) return std::unexpected(failure(folder, "read", store.error()));
+  // Nobody has signed what earlier versions wrote: they had no salt.
+  if (!fields[4].empty() && !read_number(fields[4], stored.author.salt)) stored.author.salt = 0;
   stored.is_original = read_number(fields[3], stored.log_bytes) && *self == fields[1] && *store == fields[2];
   return stored;
 }
 
-Result<void> write_author(FileFolder& folder, std::string_view store_file, AuthorId author, std::uint64_t log_bytes) {
-  assert(author != replication::kNoAuthor);
+Result<void> write_author(FileFolder& folder, std::string_view store_file, Author author, std::uint64_t log_bytes) {
+  assert(author.id != replication::kNoAuthor);
   const auto unwritten = [&](const std::error_code& why) { return std::unexpected(failure(folder, "written", why)); };
   const std::string unfinished = std::string(kAuthorFile) + ".new";
   // The file must be a new one.
@@ -74,7 +76,7 @@ Result<void> write_author(FileFolder& folder, std::string_view store_file, Autho
   const auto self = folder.identity(unfinished), store = folder.identity(store_file);
   if (!self) return unwritten(self.error());
   if (!store) return unwritten(store.error());
-  const std::string line = fmt::format("{} {} {} {}\n", author.value, *self, *store, log_bytes);
+  const std::string line = fmt::format("{} {} {} {} {}\n", author.id.value, *self, *store, log_bytes, author.salt);
   if (const auto failed = folder.write(unfinished, line)) return unwritten(failed);
   if (const auto failed = folder.put_in_place(unfinished, kAuthorFile)) return unwritten(failed);
   return {};

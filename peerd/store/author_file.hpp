@@ -5,20 +5,21 @@
 
 #include "peerd/input/input_error.hpp"
 #include "peerd/store/file_folder.hpp"
-#include "replication/wire/operation.hpp"
+#include "replication/operations/log_signer.hpp"
 
 namespace peerd::store {
 
-// The file `author` of a store says whose log its peer writes on. It is one line of four fields:
+// The file `author` of a store says whose log its peer writes on. It is one line of five fields:
 //
-//   AUTHOR SELF STORE BYTES
+//   AUTHOR SELF STORE BYTES SALT
 //
 // SELF and STORE identify this file itself and the store's file (FileFolder::identity), which no copy shares. BYTES
 // is how much of the author's log the store had, at least, when the line was written.
+// AUTHOR and SALT are those of replication::Author.
 inline constexpr const char* kAuthorFile = "author";
 
 struct StoredAuthor {
-  replication::AuthorId author;
+  replication::Author author;
   std::uint64_t log_bytes = 0;
   // The file and the store's file are those for which the line was written. Else they are copies, or older ones that
   // have been put back, and the author may have written on elsewhere.
@@ -29,7 +30,7 @@ struct StoredAuthor {
 // store's file in the folder.
 [[nodiscard]] Result<std::optional<StoredAuthor>> read_author(const FileFolder& folder, std::string_view store_file);
 // The file is a new one, and whole, or as it was before.
-[[nodiscard]] Result<void> write_author(FileFolder& folder, std::string_view store_file, replication::AuthorId author,
+[[nodiscard]] Result<void> write_author(FileFolder& folder, std::string_view store_file, replication::Author author,
                                         std::uint64_t log_bytes);
 // There is no such file afterwards, not even after a power cut.
 [[nodiscard]] Result<void> remove_author(FileFolder& folder);

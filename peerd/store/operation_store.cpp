@@ -102,8 +102,8 @@ InputError OperationStore::error(const std::string& sentence, int exit_code) con
 InputError OperationStore::error(const DatabaseError& why) const { return database_error(folder_->path(), why); }
 
 Result<std::unique_ptr<OperationStore>> OperationStore::open(std::unique_ptr<FileFolder> folder, std::uint64_t genesis,
-                                                             AuthorId fresh) {
-  assert(fresh != replication::kNoAuthor && fresh.value <= replication::kAuthorMax);
+                                                             replication::Author fresh) {
+  assert(fresh.id != replication::kNoAuthor && fresh.id.value <= replication::kAuthorMax);
   const auto size = folder->size(kFile);
   if (!size) return std::unexpected(store_error(folder->path(), "cannot be used: " + size.error().message(), 3));
   if (!*size) {
@@ -119,19 +119,19 @@ Result<std::unique_ptr<OperationStore>> OperationStore::open(std::unique_ptr<Fil
   }
   if (const auto accepted = store.database_.accept(); !accepted) return std::unexpected(store.error(accepted.error()));
   if (const auto packed = store.pack_old(); !packed) store.packing_error_ = store.error(packed.error()).text;
-  if (store.author_ == replication::kNoAuthor) store.author_ = fresh;
+  if (store.author() == replication::kNoAuthor) store.author_ = fresh;
   // A file that is made anew with each opening tells an older one that is put back in its place. On a full disk it is
   // the one from before, or none, so that the next life begins a log of its own: author_error() says so.
   (void)store.write_author();
   return opened;
 }
 
-Result<std::unique_ptr<OperationStore>> OperationStore::open(FolderLock folder, std::uint64_t genesis, AuthorId fresh) {
+Result<std::unique_ptr<OperationStore>> OperationStore::open(FolderLock folder, std::uint64_t genesis, replication::Author fresh) {
   return open(std::make_unique<DiskFolder>(std::move(folder)), genesis, fresh);
 }
 
 Result<std::unique_ptr<OperationStore>> OperationStore::open(const fs::path& folder, std::uint64_t genesis,
-                                                             AuthorId fresh) {
+                                                             replication::Author fresh) {
   auto lock = FolderLock::take(folder, FolderLock::Making::kFolders);
   if (!lock) return std::unexpected(lock_error(folder, lock.error()));
   return open(*std::move(lock), genesis, fresh);
@@ -290,7 +290,7 @@ DatabaseResult<void> OperationStore::pack_old() {
 }
 
 std::uint64_t OperationStore::own_bytes() const {
-  const auto own = std::ranges::find(logs_, author_, &StoredLog::author);
+  const auto own = std::ranges::find(logs_, author(), &StoredLog::author);
   return own == logs_.end() ? 0 : own->bytes;
 }
 
@@ -300,8 +300,13 @@ Result<void> OperationStore::read_author() {
   if (!*stored) return {};
   author_ = (*stored)->author;
   is_copy_ = !(*stored)->is_original || own_bytes() < (*stored)->log_bytes;
-  if (is_copy_) author_ = replication::kNoAuthor;
+  if (is_copy_) author_ = {};
   return {};
+}
+
+void OperationStore::begin_log(replication::Author fresh) {
+  author_ = fresh;
+  (void)write_author();  // author_error() says why it is not
 }
 
 Result<void> OperationStore::write_author() {

@@ -42,12 +42,12 @@ class OperationStore {
   // file; `fresh`: the author of the log that a new store begins, or one that is a copy. All that it holds is read and
   // checked.
   [[nodiscard]] static Result<std::unique_ptr<OperationStore>> open(std::unique_ptr<FileFolder> folder,
-                                                                    std::uint64_t genesis, replication::AuthorId fresh);
+                                                                    std::uint64_t genesis, replication::Author fresh);
   [[nodiscard]] static Result<std::unique_ptr<OperationStore>> open(FolderLock folder, std::uint64_t genesis,
-                                                                    replication::AuthorId fresh);
+                                                                    replication::Author fresh);
   // Makes the folder, too, and locks it.
   [[nodiscard]] static Result<std::unique_ptr<OperationStore>> open(const std::filesystem::path& folder,
-                                                                    std::uint64_t genesis, replication::AuthorId fresh);
+                                                                    std::uint64_t genesis, replication::Author fresh);
   // Opens the store that is there, of whichever world, to be read only.
   [[nodiscard]] static Result<std::unique_ptr<OperationStore>> open(const std::filesystem::path& folder);
 
@@ -62,7 +62,10 @@ class OperationStore {
 
   [[nodiscard]] std::uint64_t genesis() const { return genesis_; }
   // The author that writes on in this store; nobody: the next peer begins a log of its own.
-  [[nodiscard]] replication::AuthorId author() const { return author_; }
+  [[nodiscard]] replication::AuthorId author() const { return author_.id; }
+  [[nodiscard]] std::uint64_t author_salt() const { return author_.salt; }
+  // Its peer begins a log of its own, whoever's the one before was.
+  void begin_log(replication::Author fresh);
   // Its files are copies, or older ones that have been put back: the author whose log they were for may have written on
   // elsewhere, so the peer begins a log of its own.
   [[nodiscard]] bool is_copy() const { return is_copy_; }
@@ -106,7 +109,7 @@ class OperationStore {
   std::unique_ptr<FileFolder> folder_;  // outlives the database
   Database database_;
   std::uint64_t genesis_ = 0, file_bytes_ = 0;
-  replication::AuthorId author_ = replication::kNoAuthor;
+  replication::Author author_;
   std::vector<replication::OperationPart> log_;
   std::vector<StoredLog> logs_;
   bool is_copy_ = false;

@@ -16,6 +16,7 @@
 #include "peerd/command_line/stop_signals.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/problems.hpp"
+#include "peerd/input/printable.hpp"
 #include "peerd/control/control_path.hpp"
 #include "peerd/gateway/gateway.hpp"
 #include "peerd/gateway/listen_address.hpp"

@@ -32,16 +32,21 @@ void OperationLogs::note_whole(Log& log, const Operation& operation, std::size_t
 
 std::expected<void, const char*> OperationLogs::append(const Operation& operation) {
   assert(own_ != kNoAuthor && operation.id.author == own_);
-  const std::vector<std::byte> bytes = encode(operation);
-  const auto readable = decode_operation(own_, bytes);
-  if (!readable) return std::unexpected(readable.error());
-  assert(readable->has_value() && (*readable)->size_bytes == bytes.size());
   Log& log = logs_[own_];
+  std::vector<std::byte> bytes =
+      signer_ == nullptr ? encode(operation) : encode_unsigned(operation, log.signatures.key_of_next(*signer_));
+  const auto readable = decode_operation(own_, bytes);
+  if (!readable) {
+    if (log.bytes.empty()) logs_.erase(own_);
+    return std::unexpected(readable.error());
+  }
+  assert(readable->has_value() && (*readable)->size_bytes == bytes.size());
   if (log.unreadable != nullptr) return std::unexpected(log.unreadable);
   if (log.whole != log.bytes.size()) return std::unexpected("log_cut_short");  // by the store
   assert(log.ahead.empty());
   assert(operation.id.number == log.last_number + 1);
   assert(log.last_number == 0 || operation.stamp > log.last_stamp);
+  if (signer_ != nullptr) log.signatures.sign(*signer_, own_, bytes);
   log.bytes.append(bytes);
   note_whole(log, operation, bytes.size());
   log.bytes.pack(log.whole);
@@ -64,14 +69,15 @@ std::expected<std::vector<Operation>, const char*> OperationLogs::take(const Ope
   if (log.unreadable != nullptr) return std::unexpected(log.unreadable);
   const char* wrong = differs(log, part) ? "forked_log" : nullptr;
   if (wrong == nullptr && part.from > log.bytes.size()) wrong = keep_ahead(log, part);
-  if (log.bytes.empty() && log.ahead.empty() && part.from > 0) logs_.erase(part.author);  // nothing of it is kept
+  if (log.bytes.empty() && log.ahead.empty() && (part.from > 0 || wrong != nullptr)) logs_.erase(part.author);
   if (wrong != nullptr) return std::unexpected(wrong);
   const std::uint64_t held = length(part.author);
   if (part.from > held || part.from + part.bytes.size() <= held) return std::vector<Operation>{};
   join(log, part);
-  std::vector<Operation> operations = read_on(part.author, log);
-  if (operations.empty() && log.unreadable != nullptr) return std::unexpected(log.unreadable);
-  return operations;
+  Reading read = read_on(part.author, log);
+  if (log.bytes.empty() && log.unreadable == nullptr) logs_.erase(part.author);
+  if (read.operations.empty() && read.wrong != nullptr) return std::unexpected(read.wrong);
+  return std::move(read.operations);
 }
 
 // Nobody knows which one of two different runs behind a gap is right: both are dropped, and asked for again.
@@ -86,7 +92,14 @@ bool OperationLogs::differs(Log& log, const OperationPart& part) {
     found = true;
     drop_ahead(log, here);
   }
+  // Of signed operations those that are whole are right: what is not yet may be the wrong bytes of the two.
+  if (found && signer_ != nullptr) drop_behind_whole(log);
   return found;
+}
+
+void OperationLogs::drop_behind_whole(Log& log) {
+  log.bytes.cut(log.whole);
+  while (!log.ahead.empty()) drop_ahead(log, log.ahead.begin());
 }
 
 void OperationLogs::drop_ahead(Log& log, Runs::iterator run) {
@@ -138,9 +151,15 @@ void OperationLogs::join(Log& log, const OperationPart& part) {
   }
 }
 
-std::vector<Operation> OperationLogs::read_on(AuthorId author, Log& log) {
-  std::vector<Operation> operations;
-  while (log.whole < log.bytes.size()) {
+OperationLogs::Reading OperationLogs::read_on(AuthorId author, Log& log) {
+  Reading read;
+  std::size_t checked = log.bytes.size();
+  if (signer_ != nullptr) {
+    const SignedLog::Checked signatures = log.signatures.check(*signer_, author, log.bytes.rest(log.whole));
+    read.wrong = signatures.wrong;
+    checked = log.whole + signatures.bytes;
+  }
+  while (log.whole < checked) {
     auto next = decode_operation(author, log.bytes.rest(log.whole));
     if (next && !*next) break;
     if (!next) {
@@ -151,17 +170,17 @@ std::vector<Operation> OperationLogs::read_on(AuthorId author, Log& log) {
       log.unreadable = "operation_stamp";
     }
     if (log.unreadable != nullptr) {
-      log.bytes.cut(log.whole);
-      while (!log.ahead.empty()) drop_ahead(log, log.ahead.begin());
+      read.wrong = log.unreadable;
       break;
     }
     Operation& operation = (*next)->operation;
     note_whole(log, operation, (*next)->size_bytes);
-    operations.push_back(std::move(operation));
+    read.operations.push_back(std::move(operation));
   }
+  if (read.wrong != nullptr) drop_behind_whole(log);
   assert(log.whole <= log.bytes.size());
   log.bytes.pack(log.whole);
-  return operations;
+  return read;
 }
 
 std::vector<LogLength> OperationLogs::lengths() const {

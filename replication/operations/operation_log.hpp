@@ -9,6 +9,7 @@
 
 #include "core/time.hpp"
 #include "replication/operations/log_bytes.hpp"
+#include "replication/operations/signed_log.hpp"
 #include "replication/wire/operation.hpp"
 
 namespace peerd::replication {
@@ -25,8 +26,10 @@ class OperationLogs {
   static constexpr std::size_t kAheadRun_bytes = 64;
   static constexpr std::size_t kAuthorsMax = 65'536;
 
-  // `own`: the author whose log this peer writes; nobody else adds to it. kNoAuthor: it writes none.
-  explicit OperationLogs(AuthorId own = kNoAuthor) : own_(own) {}
+  // `own`: the author whose log this peer writes; nobody else adds to it. kNoAuthor: it writes none. `signer`, which
+  // outlives this: it signs the own log, and no operation of another is taken that its author has not signed; null:
+  // nothing is signed, and nothing checked.
+  explicit OperationLogs(AuthorId own = kNoAuthor, const LogSigner* signer = nullptr) : own_(own), signer_(signer) {}
 
   // Appends an operation of the own author, whose number and stamp follow those of the last one. Refuses what is larger
   // than kOperationMax_bytes ("operation_too_large") and what receivers could not read, by the names of
@@ -36,8 +39,9 @@ class OperationLogs {
   // Takes a part from another peer. Returns the operations that have become whole by it, in the order of the log.
   // Errors: "forked_log": it differs from what is held at that place; nothing is taken, and bytes behind a gap that
   // differ from it are dropped. "own_log": it adds to the own log. "operations_ahead": there is no room to keep it
-  // until the gap before it is filled. "too_many_authors". Else the log is unreadable from an operation on, and says
-  // why (unreadable()).
+  // until the gap before it is filled. "too_many_authors". kForgedOperation, kUnsignedOperation, or why its author's key
+  // may not write (LogSigner::refused): the bytes from there on are dropped. Else the log is unreadable from an
+  // operation on, and says why (unreadable()).
   [[nodiscard]] std::expected<std::vector<Operation>, const char*> receive(const OperationPart& part);
   // Takes a part from this peer's own store; it may add to the own log.
   [[nodiscard]] std::expected<std::vector<Operation>, const char*> restore(const OperationPart& part);
@@ -80,6 +84,7 @@ class OperationLogs {
     std::vector<Mark> marks;  // kMark_bytes apart or more; from the first operation on
     std::uint32_t last_number = 0;
     SimTime last_stamp{};
+    SignedLog signatures;
     Runs ahead;  // behind a gap
     std::size_t ahead_bytes = 0;
     const char* unreadable = nullptr;
@@ -95,9 +100,15 @@ class OperationLogs {
   [[nodiscard]] const char* keep_ahead(Log& log, const OperationPart& part);
   void join(Log& log, const OperationPart& part);
   void drop_ahead(Log& log, Runs::iterator run);
-  [[nodiscard]] std::vector<Operation> read_on(AuthorId author, Log& log);
+  void drop_behind_whole(Log& log);
+  struct Reading {
+    std::vector<Operation> operations;
+    const char* wrong = nullptr;  // why bytes behind them were dropped
+  };
+  [[nodiscard]] Reading read_on(AuthorId author, Log& log);
 
   AuthorId own_;
+  const LogSigner* signer_;
   std::map<AuthorId, Log> logs_;
   std::size_t ahead_bytes_ = 0;
   mutable LogBytes::Unpacked unpacked_;  // a copy of what logs_ have

@@ -18,6 +18,8 @@
 
 namespace peerd::replication {
 
+class LogSigner;
+
 // The way in which an object that nothing drives begins to move; from then on physics moves it.
 struct Launch {
   Duration after{0};                     // counted from the start of motions
@@ -85,6 +87,7 @@ struct PeerConfig {
   // What a store holds of the logs of all authors, whole operations, each log from its beginning and in order. The peer
   // begins with the scene that these make.
   std::vector<OperationPart> log;
+  const LogSigner* signer = nullptr;  // of operations, which outlives the peer: OperationLogs
   std::vector<OwnedObject> owned;
   // Objects that the world's file gives to the founder of the session: this peer owns them from when it founds one. A
   // peer that owns such an object by its `owned` comes before a founder.

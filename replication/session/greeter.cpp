@@ -17,7 +17,7 @@ constexpr Duration kSettling = std::chrono::seconds(4);
 // of them where the loss asks for it.
 constexpr std::size_t kIntroductionEvery = 8;
 constexpr std::uint32_t kIntroductionRepeats = 3, kIntroductionRepeatsMax = 6;
-// The most own objects in an introduction. 15 echoes of at most 33 bytes, these objects, kNotesMax notes of at most 30,
+// The most own objects in an introduction. 13 echoes of at most 33 bytes, these objects, kNotesMax notes of at most 30,
 // a viewpoint of at most 102, a name of 64 and kSubscriptionsWithHello regions of at most 7, and 11 for them all, fit
 // into a datagram. The 9 bytes of owned_as_founder are there instead of one of the regions.
 constexpr std::size_t kOwnedMax = 50, kOwnedMax_bytes = 131;

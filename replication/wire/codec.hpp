@@ -14,8 +14,9 @@ class Datagram;
 namespace peerd::replication {
 
 inline constexpr std::uint32_t kProtocolVersion = 9;
-// The largest datagram. It is never fragmented: below every tunnel's MTU once UDP, IP and a link's headers are added.
-inline constexpr std::size_t kDatagramMax_bytes = 1200;
+// The largest datagram. It is never fragmented: below every tunnel's MTU once a signature, a seal, UDP, IP and a link's
+// headers are added.
+inline constexpr std::size_t kDatagramMax_bytes = 1136;
 
 // A peer's name: 1 to kNameMax_bytes visible ASCII characters without '/'. It goes into logs and file names; longer
 // ones would push a hello's lists out of its datagram.

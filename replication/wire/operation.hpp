@@ -219,9 +219,24 @@ struct LogLength {
 // The largest operation in bytes; what is larger is refused where it is made.
 inline constexpr std::size_t kOperationMax_bytes = std::size_t{1} << 20;
 
-// An operation as it stands in its author's log: its size as a varint, then a message `Operation` of proto/peerd.proto,
-// which has room for a key and a signature.
+// An operation as it stands in its author's log: its size as a varint, then a message `Operation` of proto/peerd.proto.
 [[nodiscard]] std::vector<std::byte> encode(const Operation& operation);
+// The same with the author's key, which may be empty, and with kSignature_bytes zeros at its end, for a signature.
+inline constexpr std::size_t kSignature_bytes = 64;
+[[nodiscard]] std::vector<std::byte> encode_unsigned(const Operation& operation, std::span<const std::byte> key);
+
+// An operation as it stands in a log, of which nothing but the size has been read. All spans are into that log.
+struct SignedOperation {
+  std::span<const std::byte> entry;       // with its size
+  std::span<const std::byte> is_signed;   // what the signature is over, besides what precedes it in the log
+  std::span<const std::byte> signature;   // kSignature_bytes; empty: it has none
+};
+// The operation at the beginning of these bytes; null: they are not the whole of it yet. The error says why nobody can
+// read on in this log.
+[[nodiscard]] std::expected<std::optional<SignedOperation>, const char*> signed_operation(
+    std::span<const std::byte> log);
+// The author's key in the operation; empty: it has none, or can't be read.
+[[nodiscard]] std::vector<std::byte> key_in(const SignedOperation& operation);
 
 struct DecodedOperation {
   Operation operation;

@@ -311,17 +311,11 @@ std::expected<std::pair<std::size_t, std::size_t>, const char*> size_of_first(st
   return std::unexpected("operation_too_large");
 }
 
-}  // namespace
+// The tag and the length of the field `signature`.
+constexpr std::array kSignatureTag{std::byte{0xA2}, std::byte{0x06}, std::byte{kSignature_bytes}};
+static_assert(kSignature_bytes < 128 && proto::Operation::kSignatureFieldNumber == 100);
 
-const char* kind_of(const OperationBody& body) {
-  constexpr std::array kKinds{"add",     "remove", "remove", "move", "set",  "route", "give",
-                              "request", "refuse", "data",   "send", "undo", "place"};
-  static_assert(kKinds.size() == std::variant_size_v<OperationBody>);
-  const auto* const undo = std::get_if<UndoOperation>(&body);
-  return undo != nullptr && undo->redoes ? "redo" : kKinds[body.index()];
-}
-
-std::vector<std::byte> encode(const Operation& operation) {
+proto::Operation to_message(const Operation& operation) {
   assert(operation.id.number != 0 && in_range(operation.stamp.time_since_epoch().count()));
   proto::Operation message;
   message.set_number(operation.id.number);
@@ -334,6 +328,10 @@ std::vector<std::byte> encode(const Operation& operation) {
     message.add_knows_number(number);
     last = author.value;
   }
+  return message;
+}
+
+std::vector<std::byte> to_bytes(const proto::Operation& message) {
   const std::size_t size = message.ByteSizeLong();
   assert(size <= static_cast<std::size_t>(std::numeric_limits<int>::max()));
   std::vector<std::byte> bytes;
@@ -345,6 +343,50 @@ std::vector<std::byte> encode(const Operation& operation) {
   bytes.resize(begin + size);
   message.SerializeWithCachedSizesToArray(reinterpret_cast<std::uint8_t*>(bytes.data() + begin));
   return bytes;
+}
+
+}  // namespace
+
+const char* kind_of(const OperationBody& body) {
+  constexpr std::array kKinds{"add",     "remove", "remove", "move", "set",  "route", "give",
+                              "request", "refuse", "data",   "send", "undo", "place"};
+  static_assert(kKinds.size() == std::variant_size_v<OperationBody>);
+  const auto* const undo = std::get_if<UndoOperation>(&body);
+  return undo != nullptr && undo->redoes ? "redo" : kKinds[body.index()];
+}
+
+std::vector<std::byte> encode(const Operation& operation) { return to_bytes(to_message(operation)); }
+
+std::vector<std::byte> encode_unsigned(const Operation& operation, std::span<const std::byte> key) {
+  proto::Operation message = to_message(operation);
+  if (!key.empty()) message.set_key(key.data(), key.size());
+  message.set_signature(std::string(kSignature_bytes, '\0'));
+  return to_bytes(message);
+}
+
+std::expected<std::optional<SignedOperation>, const char*> signed_operation(std::span<const std::byte> log) {
+  const auto first = size_of_first(log);
+  if (!first) return std::unexpected(first.error());
+  const auto [size, begin] = *first;
+  if (begin == 0 || log.size() - begin < size) return std::nullopt;
+  SignedOperation operation{log.first(begin + size), {}, {}};
+  constexpr std::size_t kField_bytes = kSignatureTag.size() + kSignature_bytes;
+  if (size < kField_bytes) return operation;
+  const auto field = operation.entry.last(kField_bytes);
+  if (!std::ranges::equal(field.first(kSignatureTag.size()), kSignatureTag)) return operation;
+  operation.is_signed = operation.entry.first(operation.entry.size() - kField_bytes);
+  operation.signature = field.last(kSignature_bytes);
+  return operation;
+}
+
+std::vector<std::byte> key_in(const SignedOperation& operation) {
+  const auto first = size_of_first(operation.entry);
+  assert(first);  // it has been read
+  const auto bytes = operation.entry.subspan(first->second);
+  proto::Operation message;
+  if (!message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return {};
+  const auto key = std::as_bytes(std::span(message.key()));
+  return {key.begin(), key.end()};
 }
 
 std::expected<std::optional<DecodedOperation>, const char*> decode_operation(AuthorId author,

@@ -41,6 +41,6 @@ inline constexpr std::size_t kOperationListHeader_bytes = 3;
 
 // The bytes that all entries of one list of parts may have, and those of one list of ranges, in a datagram that has
 // nothing else: the header of a datagram is at most 20 bytes.
-inline constexpr std::size_t kOperationsMax_bytes = 1170;
+inline constexpr std::size_t kOperationsMax_bytes = 1106;
 
 }  // namespace peerd::replication

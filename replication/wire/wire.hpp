@@ -83,7 +83,7 @@ struct Echo {
 // The echoes that a hello carries. If there are more, they take turns in order of their ids, which go round; the next
 // hello begins with the last one of this hello, so that any two that follow each other are in one list, which shows
 // which peers are missing between them.
-inline constexpr std::size_t kEchoesMax = 15, kEchoesStep = kEchoesMax - 1;
+inline constexpr std::size_t kEchoesMax = 13, kEchoesStep = kEchoesMax - 1;
 // The number of hellos in which all peers are named, >= 1.
 [[nodiscard]] constexpr std::size_t hellos_to_name(std::size_t peers) {
   return peers <= kEchoesMax ? 1 : (peers + kEchoesStep - 1) / kEchoesStep;

@@ -76,8 +76,7 @@ class Listener {
     introduction.name = "peer2";
     introduction.world_hash = 1;
     for (int i = 0; i < 3; ++i) {  // by which each proves that it runs
-      if (const auto due = sealer_.announcement_due(now_)) (void)opener_.hear(*due, now_);
-      if (const auto due = opener_.announcement_due(now_)) (void)sealer_.hear(*due, now_);
+      announce();
       now_ += 20ms;
     }
     knows_sender_ = peer_.on_packet(now_, kWholeScene, encode(m)).has_value();
@@ -86,6 +85,7 @@ class Listener {
   // The time [s] that on_packet takes for so many datagrams, a second later.
   double hear(std::size_t datagrams, std::size_t batch) {
     now_ += 1s;
+    announce();
     peer_.on_tick(now_, {});
     while (peer_.poll_output()) {
     }
@@ -99,7 +99,7 @@ class Listener {
       }
       sent.push_back(encode(m));
       if (is_sealed_) {
-        const auto sealed = sealer_.seal(kWholeScene, sent.back());
+        const auto sealed = sealer_.seal(now_, kWholeScene, sent.back(), false);
         sent.back().assign(sealed.begin(), sealed.end());
       }
     }
@@ -108,8 +108,8 @@ class Listener {
       for (const Bytes& datagram : sent) {
         if (!is_sealed_) {
           (void)peer_.on_packet(now_, kWholeScene, datagram);
-        } else if (const auto opened = opener_.open(kWholeScene, datagram)) {
-          (void)peer_.on_packet(now_, kWholeScene, *opened);
+        } else if (const auto opened = opener_.open(now_, kWholeScene, datagram)) {
+          (void)peer_.on_packet(now_, kWholeScene, opened->datagram);
         }
       }
     });
@@ -129,6 +129,10 @@ class Listener {
   }
 
  private:
+  void announce() {
+    if (const auto due = sealer_.announcement_due(now_)) (void)opener_.hear(*due, now_);
+    if (const auto due = opener_.announcement_due(now_)) (void)sealer_.hear(*due, now_);
+  }
   Message blank() {
     Message m;
     m.sender = PeerId{2};
@@ -139,8 +143,8 @@ class Listener {
 
   bool is_sealed_;
   seal::SymmetricKey key_ = seal::SymmetricKey::random();
-  seal::Sealer sealer_{key_, PeerId{2}, seal::Sealer::random_boot()};
-  seal::Sealer opener_{key_, PeerId{1}, seal::Sealer::random_boot()};
+  seal::Sealer sealer_{key_, {.peer = PeerId{2}, .identity = seal::Identity::random()}};
+  seal::Sealer opener_{key_, {.peer = PeerId{1}, .identity = seal::Identity::random()}};
   Crowd crowd_;
   Peer peer_;
   Updates updates_;

@@ -21,8 +21,8 @@ void require(bool holds) {
 
 struct Session {
   seal::SymmetricKey key = seal::SymmetricKey::random();
-  Sealer one{key, PeerId{1}, Sealer::random_boot()};
-  Sealer other{key, PeerId{2}, Sealer::random_boot()};
+  Sealer one{key, {.peer = PeerId{1}, .identity = seal::Identity::random()}};
+  Sealer other{key, {.peer = PeerId{2}, .identity = seal::Identity::random()}};
   HostTime now{};
 
   Session() {
@@ -30,7 +30,7 @@ struct Session {
       if (const auto due = one.announcement_due(now)) require(!other.hear(*due, now));
       if (const auto due = other.announcement_due(now)) require(!one.hear(*due, now));
     }
-    require(other.open(RegionId{0}, one.seal(RegionId{0}, {})).has_value());
+    require(other.open(now, RegionId{0}, one.seal(now, RegionId{0}, {}, true)).has_value());
   }
 };
 
@@ -43,7 +43,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data) + 1, size - 1);
   switch (data[0] % 4) {
     case 0:
-      require(!session.other.open(RegionId{0}, bytes));
+      require(!session.other.open(session.now, RegionId{0}, bytes));
       break;
     case 1:
       if (Sealer::is_announcement(bytes)) require(session.other.hear(bytes, session.now).has_value());

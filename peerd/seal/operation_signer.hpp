@@ -1,0 +1,41 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+
+#include "peerd/seal/identity.hpp"
+#include "replication/operations/log_signer.hpp"
+
+namespace peerd::seal {
+
+// An author of that key whom nobody has been before: its number is a hash of the key and of random bits.
+[[nodiscard]] replication::Author fresh_author(const PublicKey& key);
+[[nodiscard]] replication::AuthorId author_of(const PublicKey& key, std::uint64_t salt);
+
+// Signs a peer's operations by its identity, and checks those of others (docs/protocol.md, Operations).
+class OperationSigner final : public replication::LogSigner {
+ public:
+  // Whether whoever has that key may change the world.
+  using MayWrite = std::function<bool(const PublicKey&)>;
+
+  // `world`: the hash of its file, which each signature is for; `salt`: of the author of the own log.
+  OperationSigner(std::uint64_t world, const Identity& own, std::uint64_t salt, MayWrite may_write);
+
+  [[nodiscard]] Digest digest(const Digest& before, std::span<const std::byte> bytes) const override;
+  [[nodiscard]] std::vector<std::byte> own_key() const override;
+  [[nodiscard]] std::array<std::byte, replication::kSignature_bytes> sign(replication::AuthorId author,
+                                                                          const Digest& digest) const override;
+  [[nodiscard]] const char* refused(replication::AuthorId author, std::span<const std::byte> key) const override;
+  [[nodiscard]] bool is_good(replication::AuthorId author, std::span<const std::byte> key, const Digest& digest,
+                             Signature signature) const override;
+
+ private:
+  std::uint64_t world_;
+  Identity own_;
+  std::uint64_t salt_;
+  MayWrite may_write_;
+};
+
+// The drop reason for operations of who may only look.
+inline constexpr const char* kObserversOperation = "observers_operation";
+
+}  // namespace peerd::seal

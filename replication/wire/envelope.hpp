@@ -1,0 +1,19 @@
+#pragma once
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "core/ids.hpp"
+
+namespace peerd::replication {
+
+// What can be told of a datagram without reading what it says.
+struct Envelope {
+  PeerId sender;
+  bool has_only_updates = false;  // or nothing: no hello, decision, operation or farewell
+};
+
+// None: it is no Datagram of proto/peerd.proto, or names no sender, or two.
+[[nodiscard]] std::optional<Envelope> envelope_of(std::span<const std::byte> datagram);
+
+}  // namespace peerd::replication
