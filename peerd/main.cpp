@@ -28,7 +28,6 @@
 #include "peerd/commands/check_command.hpp"
 #include "peerd/commands/collide_command.hpp"
 #include "peerd/commands/doctor_command.hpp"
-#include "peerd/commands/invite_command.hpp"
 #include "peerd/commands/join_command.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/replay_command.hpp"
@@ -43,6 +42,9 @@
 #include "peerd/feed/pose_feed.hpp"
 #include "peerd/input/json_line.hpp"
 #include "peerd/input/text_file.hpp"
+#include "peerd/membership/invite_command.hpp"
+#include "peerd/membership/keygen_command.hpp"
+#include "peerd/membership/members_command.hpp"
 #include "peerd/view/view_command.hpp"
 
 namespace peerd {
@@ -626,6 +628,38 @@ Command add_invite(CLI::App& app) {
   return {command, [options] { return run_invite(*options, std::cout); }};
 }
 
+Command add_keygen(CLI::App& app) {
+  const auto options = std::make_shared<KeygenOptions>();
+  CLI::App* const command = app.add_subcommand(
+      "keygen", "prints who this user is, for the administrator of a world; makes that where there is none yet");
+  command->footer("Exit codes: 0 good, 2 the file is refused, 3 it can't be read or made");
+  command->add_option("--identity", options->identity, "the file of the identity (default: this user's own)");
+  return {command, [options] { return run_keygen(*options, std::cout); }};
+}
+
+Command add_members(CLI::App& app) {
+  const auto options = std::make_shared<MembersOptions>();
+  CLI::App* const command =
+      app.add_subcommand("members", "lists the members of a world, begins their roster, and changes it");
+  command->footer("Exit codes: 0 good, 1 the roster is damaged, 2 wrong use or not allowed, 3 the environment");
+  command->add_option("world", options->world, "the world's name, as peerd ls says")->required();
+  command->add_option("--begin", options->begin,
+                      "begin a roster, in place of a key that all share, with this user under that name as its "
+                      "administrator");
+  command->add_option("--add", options->add, "NAME=KEY: a new member, with what peerd keygen has printed there")
+      ->allow_extra_args(false);
+  command->add_option("--role", options->role,
+                      "of those that are added: observer (looks), editor or administrator (default: editor)");
+  command
+      ->add_option("--remove", options->remove,
+                   "a member that is none from now on: it reads nothing that is sent after the others know it")
+      ->allow_extra_args(false);
+  command->add_option("--roster", options->roster, "the roster's file (default: this user's own of the world)");
+  command->add_option("--identity", options->identity, "the file of who this user is (default: this user's own)");
+  command->add_flag("--json", options->json, "one JSON object");
+  return {command, [options] { return run_members(*options, std::cout); }};
+}
+
 Command add_ls(CLI::App& app) {
   struct Flags {
     LsOptions ls;
@@ -879,7 +913,7 @@ int run(int argc, char** argv) {
   const std::span words(argv, static_cast<std::size_t>(argc));
   print_errors_as_json(std::ranges::find(words, std::string_view("--json")) != words.end());
   // The commands are in the order of the help.
-  const std::array commands{add_run(app),    add_join(app),   add_invite(app),   add_ls(app),     add_record(app),
+  const std::array commands{add_run(app),    add_join(app),   add_invite(app), add_keygen(app), add_members(app),   add_ls(app),     add_record(app),
                             add_replay(app), add_sim(app),    add_scenario(app), add_check(app),  add_collide(app),
                             add_bake(app),   add_export(app), add_doctor(app),   add_ctl(app),    add_top(app),
                             add_view(app),   add_store(app),  add_help(app),     add_version(app)};

@@ -19,8 +19,10 @@
 #include "peerd/input/json_line.hpp"
 #include "peerd/input/toml_input.hpp"
 #include "peerd/os/host_clock.hpp"
-#include "peerd/seal/invitation.hpp"
-#include "peerd/seal/key_file.hpp"
+#include "peerd/keys/invitation.hpp"
+#include "peerd/keys/key_file.hpp"
+#include "peerd/running/roster_file.hpp"
+#include "peerd/running/session_seal.hpp"
 #include "peerd/snapshot/snapshot_fetch.hpp"
 #include "peerd/store/store_folder.hpp"
 #include "peerd/store/stored_world.hpp"
@@ -147,12 +149,30 @@ Result<void> greet_first(const std::vector<snapshot::Provider>& providers, const
   return {};
 }
 
+// The key that this user's roster of the world has for this user; none: there is no roster.
+Result<std::optional<seal::SymmetricKey>> key_by_roster(const std::string& world) {
+  const auto file = chosen_roster_file({}, world);
+  if (!file) return std::nullopt;
+  const auto roster = read_roster(*file);
+  if (!roster) return std::unexpected(roster.error());
+  if (!*roster) return std::nullopt;
+  const auto identity = peer_identity({});
+  if (!identity) return std::unexpected(identity.error());
+  auto key = (*roster)->session_key(*identity);
+  if (key) return key;
+  return std::unexpected(not_a_member(*file, *identity));
+}
+
 // The key of a session that others have begun; none: it is open. Nobody makes one for it.
 Result<std::optional<seal::SymmetricKey>> key_of(const JoinOptions& options, const std::string& world) {
   if (options.open) return std::nullopt;
   if (world.empty() && options.key.empty()) {
     return std::unexpected(
         InputError{"error: which key? Say the world's name, or --key FILE; --open, if it is open", 2});
+  }
+  if (options.key.empty()) {
+    auto by_roster = key_by_roster(world);
+    if (!by_roster || *by_roster) return by_roster;
   }
   const auto file = seal::chosen_key_file(options.key, world);
   if (!file) return std::unexpected(file.error());
@@ -233,9 +253,14 @@ Result<void> accept_invitation(JoinOptions& options) {
     return std::unexpected(InputError{"error: the invitation is to \"" + invitation->world + "\"", 2});
   }
   options.world = invitation->world;
+  if (invitation->roster) {
+    const auto file = chosen_roster_file({}, options.world);
+    if (!file) return std::unexpected(InputError{"error: this user has no home for a roster", 2});
+    return save_roster(*file, *invitation->roster);
+  }
   const auto file = seal::chosen_key_file({}, options.world);
   if (!file) return std::unexpected(file.error());
-  if (const auto kept = seal::keep_key(*file, invitation->key); !kept) return kept;
+  if (const auto kept = seal::keep_key(*file, *invitation->key); !kept) return kept;
   std::cerr << "keeps the key of \"" << options.world << "\" in " << file->string() << '\n';
   return {};
 }

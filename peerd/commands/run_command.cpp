@@ -285,7 +285,7 @@ struct PeerParts {
   config::PeerSettings* settings = nullptr;  // of the scenario
   std::unique_ptr<const SharedWorld> shared;
   OpenedStore opened;
-  std::optional<seal::Identity> identity;  // once the store is filled, as the two that follow
+  std::unique_ptr<SessionSeal> session_seal;  // once the store is filled, as the two that follow
   replication::Author author;
   std::unique_ptr<const replication::LogSigner> signer;
   config::PeerObjects objects;
@@ -334,15 +334,18 @@ Result<void> fill_store(const PeerOptions& options, PeerParts& parts) {
   const config::LoadedWorld& world = parts.shared->world;
   const auto identity = peer_identity(parts.run().transport);
   if (!identity) return std::unexpected(identity.error());
-  parts.identity = *identity;
+  auto session_seal = SessionSeal::choose(parts.run().transport, parts.world_name(options), *identity);
+  if (!session_seal) return std::unexpected(session_seal.error());
+  parts.session_seal = *std::move(session_seal);
   auto opened = open_store(options.store, world.hash, settings.name, *identity);
   if (!opened) return std::unexpected(opened.error());
   parts.opened = *std::move(opened);
   const auto& store = parts.opened.store;
   parts.author = store ? replication::Author(store->author(), store->author_salt())
                        : seal::fresh_author(identity->public_key());
-  parts.signer = std::make_unique<seal::OperationSigner>(world.hash, *identity, parts.author.salt,
-                                                         [](const seal::PublicKey&) { return true; });
+  parts.signer = std::make_unique<seal::OperationSigner>(
+      world.hash, *identity, parts.author.salt,
+      [&session = *parts.session_seal](const seal::PublicKey& key) { return session.may_write(key); });
   if (store && options.keeps_id) {
     const auto id = store::identity_in(parts.opened.folder, PeerId{settings.id}, store->author());
     if (!id) return std::unexpected(id.error());
@@ -390,8 +393,7 @@ Result<PeerParts> make_parts(const PeerOptions& options) {
 
 JoinService::Options join_service_options(const PeerOptions& options, const PeerParts& parts,
                                           const PeerNode::Options& node, const net::TransportOptions& reach,
-                                          const net::OpenedTransport& reached,
-                                          const std::optional<seal::SymmetricKey>& key) {
+                                          const net::OpenedTransport& reached, const SessionSeal& session_seal) {
   const config::TransportSettings& settings = parts.run().transport;
   config::RunSettings shared = parts.run();
   if (reached.unicast()) shared.transport.multicast = config::kMulticastNever;
@@ -404,7 +406,7 @@ JoinService::Options join_service_options(const PeerOptions& options, const Peer
           .settings = config::shared_settings(shared),
           .genesis = parts.shared->world.hash,
           .archive = parts.shared->world.archive,
-          .key = key};
+          .key = [&session_seal] { return session_seal.key(); }};
 }
 
 }  // namespace
@@ -443,9 +445,9 @@ int run_peer(const PeerOptions& options) {
 
   Log log(settings.name, options.json, options.verbose);
   const auto log_line = [&log](const LogLine& line) { log(line); };
-  const auto key = session_key(run.transport, parts->world_name(options), log_line);
-  if (!key) return failed(key.error());
-  if (*key) seal_transport(io, clock, **key, PeerId{settings.id}, *parts->identity, *reached, log_line);
+  const std::unique_ptr<SessionSeal> session_seal = std::move(parts->session_seal);  // ends before `io`
+  log_line(session_seal->line());
+  session_seal->seal(io, clock, PeerId{settings.id}, *reached, log_line);
   log_beginning(settings, parts->scenario.world, run.transport, *reached, log);
   for (const std::string& line : parts->shared->findings()) log(spdlog::level::warn, line);
   for (const LogLine& line : parts->opened.lines) log(line);
@@ -472,7 +474,7 @@ int run_peer(const PeerOptions& options) {
   if (!poses) return failed(poses.error());
   std::optional<JoinService> join_service;
   if (run.transport.discoverable) {
-    join_service.emplace(io, clock, *node, join_service_options(options, *parts, node_options, *reach, *reached, *key),
+    join_service.emplace(io, clock, *node, join_service_options(options, *parts, node_options, *reach, *reached, *session_seal),
                          log_line);
   }
   const int code = daemon.run();

@@ -110,6 +110,7 @@ struct TransportSettings {
   bool sealed = true;               // datagrams are encrypted, and those that another key has sealed are dropped
   std::string key_file;             // of the key; empty: this user's own of the world
   std::string identity_file;        // of who this user is; empty: this user's own
+  std::string roster_file;          // of the members; empty: this user's own of the world, if there is one
 };
 inline constexpr std::size_t kMulticastAuto = 0, kMulticastAlways = 1,
                              kMulticastNever = 2;  // TransportSettings::multicast

@@ -47,7 +47,7 @@ discovery::Beacon JoinService::beacon(const PeerNode& node) const {
           .snapshot_port = server_ ? server_->port() : std::uint16_t{0},
           .world = options_.world,
           .name = node.name(),
-          .sealed = options_.key.has_value()};
+          .sealed = options_.key().has_value()};
 }
 
 }  // namespace peerd

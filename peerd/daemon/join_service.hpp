@@ -26,7 +26,7 @@ class JoinService {
     std::string world, settings;  // as in snapshot::Offer
     std::uint64_t genesis = 0;
     std::string_view archive;               // outlives it; empty: the world cannot be handed out
-    std::optional<seal::SymmetricKey> key;  // of the session; none: it is open
+    snapshot::KeyNow key;
   };
 
   // All references outlive it. What cannot be opened is said in `log`, and the peer runs without.

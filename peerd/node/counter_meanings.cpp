@@ -67,6 +67,7 @@ constexpr std::array kTexts{
     CounterText{"net.in_malformed", "without the region that unicast datagrams begin with"},
     CounterText{"net.in_no_destination", "without a destination group from the kernel"},
     CounterText{"net.in_no_member", "announces a peer whose key is no member's"},
+    CounterText{"net.in_observer", "would change the world, by a member that may only look"},
     CounterText{"net.in_open", "not sealed"},
     CounterText{"net.in_other_group", "to a group that is not joined"},
     CounterText{"net.in_other_interface", "over another interface"},

@@ -32,6 +32,7 @@ std::map<std::string, std::uint64_t> TrafficCounters::named() const {
       {"net.in_impostor", in_impostor},
       {"net.in_unsigned", in_unsigned},
       {"net.in_wrong_sender", in_wrong_sender},
+      {"net.in_observer", in_observer},
       {"net.out_queue_full", out_queue_full},
       {"net.out_unreachable", out_unreachable},
       {"net.out_blocked", out_blocked},

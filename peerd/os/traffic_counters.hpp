@@ -40,6 +40,7 @@ struct TrafficCounters {
   std::uint64_t in_impostor = 0;        // announces a peer whose number is another key's
   std::uint64_t in_unsigned = 0;        // by somebody who has the session's key, and not by its sender
   std::uint64_t in_wrong_sender = 0;    // says another sender than it is sealed by
+  std::uint64_t in_observer = 0;        // would change the world, by a member that may only look
 
   std::uint64_t out_queue_full = 0;   // send buffer or interface queue full
   std::uint64_t out_unreachable = 0;  // interface down or gone, no route, no source address

@@ -1,21 +1,27 @@
 #include "peerd/running/session_seal.hpp"
 
-#include <memory>
+#include <cassert>
+#include <system_error>
 #include <utility>
 
-#include "peerd/input/user_folder.hpp"
-#include "peerd/seal/key_file.hpp"
-#include "peerd/seal/sealed_transport.hpp"
+#include <spdlog/fmt/fmt.h>
+
+#include "peerd/keys/key_file.hpp"
+#include "peerd/running/roster_file.hpp"
 #include "replication/wire/envelope.hpp"
 
 namespace peerd {
 namespace {
 
+namespace asio = boost::asio;
+
+constexpr std::chrono::seconds kFileChecked{1};
+
 // Dead reckoning is too frequent to be signed, and is checked afterwards.
 std::optional<seal::Contents> contents_of(std::span<const std::byte> datagram) {
   const auto envelope = replication::envelope_of(datagram);
   if (!envelope) return std::nullopt;
-  return seal::Contents{envelope->sender, !envelope->has_only_updates};
+  return seal::Contents{envelope->sender, !envelope->has_only_updates, envelope->changes_world};
 }
 
 }  // namespace
@@ -26,25 +32,99 @@ Result<seal::Identity> peer_identity(const config::TransportSettings& settings) 
   return settings.identity_file.empty() ? seal::read_or_make_identity(*file) : seal::read_identity(*file);
 }
 
-Result<std::optional<seal::SymmetricKey>> session_key(const config::TransportSettings& settings,
-                                                      const std::string& world, const SayLine& say) {
-  if (!settings.sealed) {
-    say({LogLevel::kWarning, "open: whoever is on this network can listen, and speak as any peer"});
-    return std::nullopt;
+InputError not_a_member(const std::filesystem::path& roster, const seal::Identity& identity) {
+  return {fmt::format("error: by the roster {} this user is no member: an administrator adds {}", roster.string(),
+                      identity.public_key().text()),
+          2};
+}
+
+Result<std::unique_ptr<SessionSeal>> SessionSeal::choose(const config::TransportSettings& settings,
+                                                         const std::string& world, const seal::Identity& identity) {
+  std::unique_ptr<SessionSeal> chosen(new SessionSeal(identity));
+  if (!settings.sealed) return chosen;
+  const auto roster_file = chosen_roster_file(settings.roster_file, world);
+  if (roster_file && settings.key_file.empty()) {
+    auto roster = read_roster(*roster_file);
+    if (!roster) return std::unexpected(roster.error());
+    if (*roster) {
+      chosen->file_ = *roster_file;
+      chosen->roster_ = **roster;
+      chosen->earlier_ = read_earlier_rosters(*roster_file);
+      chosen->key_ = (*roster)->session_key(identity);
+      if (chosen->key_) return chosen;
+      return std::unexpected(not_a_member(*roster_file, identity));
+    }
+    if (!settings.roster_file.empty()) {
+      return std::unexpected(InputError{"error: there is no roster " + settings.roster_file, 2});
+    }
   }
   const auto file = seal::chosen_key_file(settings.key_file, world);
   if (!file) return std::unexpected(file.error());
   auto key = settings.key_file.empty() ? seal::read_or_make_key(*file) : seal::read_key(*file);
   if (!key) return std::unexpected(key.error());
-  say({LogLevel::kInfo, "sealed by the key " + file->string()});
-  return *std::move(key);
+  chosen->file_ = *file;
+  chosen->key_ = *std::move(key);
+  return chosen;
 }
 
-void seal_transport(boost::asio::io_context& io, const net::HostClock& clock, const seal::SymmetricKey& key,
-                    PeerId self, const seal::Identity& identity, net::OpenedTransport& reached, const SayLine& say) {
-  reached.transport = std::make_unique<seal::SealedTransport>(
-      io, clock, std::move(reached.transport), seal::Sealer(key, {.peer = self, .identity = identity}), contents_of,
-      [say](const std::string& line) { say({LogLevel::kWarning, line}); });
+LogLine SessionSeal::line() const {
+  if (!key_) return {LogLevel::kWarning, "open: whoever is on this network can listen, and speak as any peer"};
+  if (!roster_) return {LogLevel::kInfo, "sealed by the key " + file_.string()};
+  const seal::Member* const self = roster_->find(identity_.public_key());
+  return {LogLevel::kInfo, fmt::format("sealed by the roster {}, epoch {}; this is {}, {}", file_.string(),
+                                       roster_->epoch(), self->name, seal::name_of(self->role))};
+}
+
+void SessionSeal::seal(asio::io_context& io, const net::HostClock& clock, PeerId self, net::OpenedTransport& reached,
+                       const SayLine& say) {
+  if (!key_) return;
+  const auto warn = [say](const std::string& line) { say({LogLevel::kWarning, line}); };
+  seal::Sealer::Self as{.peer = self, .identity = identity_};
+  if (!roster_) {
+    reached.transport = std::make_unique<seal::SealedTransport>(io, clock, std::move(reached.transport), *key_,
+                                                                std::move(as), contents_of, warn);
+    return;
+  }
+  auto transport = std::make_unique<seal::SealedTransport>(io, clock, std::move(reached.transport),
+                                                           seal::RosterExchange(*roster_, earlier_, identity_),
+                                                           std::move(as), contents_of, warn);
+  transport_ = transport.get();
+  transport->on_roster([this, say](const seal::Roster& roster) {
+    if (const auto saved = save_roster(file_, roster); !saved) say({LogLevel::kWarning, saved.error().text});
+    adopt(roster, say);
+  });
+  reached.transport = std::move(transport);
+  timer_.emplace(io);
+  watch_file(say);
+}
+
+void SessionSeal::adopt(const seal::Roster& roster, const SayLine& say) {
+  assert(transport_ != nullptr && roster_);
+  if (!roster_->is_followed_by(roster)) return;
+  transport_->adopt(roster);
+  const auto key = roster.session_key(identity_);
+  if (!key) return;  // the transport has said so
+  roster_ = roster;
+  key_ = key;
+  say(line());
+}
+
+// An administrator's command writes the file; its peers tell the others.
+void SessionSeal::watch_file(const SayLine& say) {
+  std::error_code failed;
+  const auto changed = std::filesystem::last_write_time(file_, failed);
+  if (!failed && changed != std::exchange(seen_, changed)) {
+    const auto roster = read_roster(file_);
+    if (!roster) {
+      say({LogLevel::kWarning, roster.error().text});
+    } else if (*roster) {
+      adopt(**roster, say);
+    }
+  }
+  timer_->expires_after(kFileChecked);
+  timer_->async_wait([this, say](const boost::system::error_code& cancelled) {
+    if (!cancelled) watch_file(say);
+  });
 }
 
 }  // namespace peerd

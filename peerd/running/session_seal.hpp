@@ -1,16 +1,22 @@
 #pragma once
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/ids.hpp"
 #include "peerd/config/peer_settings.hpp"
 #include "peerd/input/input_error.hpp"
+#include "peerd/keys/identity.hpp"
+#include "peerd/keys/roster.hpp"
+#include "peerd/keys/symmetric_key.hpp"
 #include "peerd/node/describe.hpp"
 #include "peerd/os/host_clock.hpp"
-#include "peerd/seal/identity.hpp"
-#include "peerd/seal/symmetric_key.hpp"
+#include "peerd/seal/sealed_transport.hpp"
 #include "peerd/transport/open_transport.hpp"
 
 namespace peerd {
@@ -20,12 +26,43 @@ using SayLine = std::function<void(const LogLine&)>;
 // Who this peer's user is: by the settings' file, else the user's own, which is made where there is none.
 [[nodiscard]] Result<seal::Identity> peer_identity(const config::TransportSettings& settings);
 
-// The key of the session, unless the settings say that it is open. The line says which it is.
-[[nodiscard]] Result<std::optional<seal::SymmetricKey>> session_key(const config::TransportSettings& settings,
-                                                                    const std::string& world, const SayLine& say);
+// The error of who has a roster that does not name them.
+[[nodiscard]] InputError not_a_member(const std::filesystem::path& roster, const seal::Identity& identity);
 
-// What the transport carries is sealed from then on. All but the transport outlive it.
-void seal_transport(boost::asio::io_context& io, const net::HostClock& clock, const seal::SymmetricKey& key,
-                    PeerId self, const seal::Identity& identity, net::OpenedTransport& reached, const SayLine& say);
+// What a running peer's session is sealed by: nothing, a key, or the keys that a roster has, which may change while it
+// runs.
+class SessionSeal {
+ public:
+  // By the settings and by what this user has of the world. Errors: the identity is no member's; files that are damaged
+  // or can't be read.
+  [[nodiscard]] static Result<std::unique_ptr<SessionSeal>> choose(const config::TransportSettings& settings,
+                                                                   const std::string& world,
+                                                                   const seal::Identity& identity);
+  // "sealed by the key FILE": for the log.
+  [[nodiscard]] LogLine line() const;
+  // The session's key at present; none: it is open.
+  [[nodiscard]] const std::optional<seal::SymmetricKey>& key() const { return key_; }
+  // Whether operations by that key count.
+  [[nodiscard]] bool may_write(const seal::PublicKey& key) const { return !roster_ || roster_->may_write(key); }
+
+  // What the transport carries is sealed from then on. Rosters that come, over the network or into the file, are
+  // followed. All but the transport outlive it.
+  void seal(boost::asio::io_context& io, const net::HostClock& clock, PeerId self, net::OpenedTransport& reached,
+            const SayLine& say);
+
+ private:
+  explicit SessionSeal(const seal::Identity& identity) : identity_(identity) {}
+  void adopt(const seal::Roster& roster, const SayLine& say);
+  void watch_file(const SayLine& say);
+
+  seal::Identity identity_;
+  std::filesystem::path file_;  // of the key, or of the roster
+  std::optional<seal::SymmetricKey> key_;
+  std::optional<seal::Roster> roster_;
+  std::vector<seal::Roster> earlier_;
+  seal::SealedTransport* transport_ = nullptr;
+  std::optional<boost::asio::steady_timer> timer_;
+  std::filesystem::file_time_type seen_{};
+};
 
 }  // namespace peerd

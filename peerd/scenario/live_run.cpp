@@ -17,7 +17,7 @@
 #include "peerd/netem/lab.hpp"
 #include "peerd/scenario/child_process.hpp"
 #include "peerd/scenario/live_events.hpp"
-#include "peerd/seal/key_file.hpp"
+#include "peerd/keys/key_file.hpp"
 
 namespace peerd {
 namespace {

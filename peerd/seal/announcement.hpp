@@ -9,8 +9,8 @@
 
 #include "core/ids.hpp"
 #include "peerd/seal/checkpoint.hpp"
-#include "peerd/seal/identity.hpp"
-#include "peerd/seal/symmetric_key.hpp"
+#include "peerd/keys/identity.hpp"
+#include "peerd/keys/symmetric_key.hpp"
 
 namespace peerd::seal {
 

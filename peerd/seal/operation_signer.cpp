@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "peerd/seal/little_endian.hpp"
-#include "peerd/seal/symmetric_key.hpp"
+#include "peerd/keys/symmetric_key.hpp"
 
 namespace peerd::seal {
 namespace {

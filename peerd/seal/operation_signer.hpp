@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "peerd/seal/identity.hpp"
+#include "peerd/keys/identity.hpp"
 #include "replication/operations/log_signer.hpp"
 
 namespace peerd::seal {

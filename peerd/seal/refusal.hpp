@@ -16,7 +16,8 @@ enum class Refusal : std::uint8_t {
   kImpostor,    // its sender's number is another key's
   kUnsigned,    // by somebody who has the session's key, and not by its sender
   kWrongSender,  // what it says is of another sender, or nothing that peers say
+  kObserver,     // its sender may only look
 };
-inline constexpr std::size_t kRefusals = 10;
+inline constexpr std::size_t kRefusals = 11;
 
 }  // namespace peerd::seal

@@ -29,6 +29,8 @@ std::string_view sentence_of(Refusal why) {
       return "has the session's key and speaks in another peer's name: this peer does not hear it";
     case Refusal::kWrongSender:
       return "sends datagrams that say another sender than they are sealed by: this peer does not hear them";
+    case Refusal::kObserver:
+      return "is an observer and would change the world: this peer does not hear that";
     case Refusal::kOwn:
     case Refusal::kUnproven:
     case Refusal::kReplayed:
@@ -54,14 +56,52 @@ std::string sentence_of(Sealer::Finding::Kind kind, PeerId peer) {
 }  // namespace
 
 SealedTransport::SealedTransport(boost::asio::io_context& io, const net::HostClock& clock,
-                                 std::unique_ptr<net::Transport> carrier, Sealer sealer, Examine examine, Warn warn)
+                                 std::unique_ptr<net::Transport> carrier, const SymmetricKey& session,
+                                 Sealer::Self self, Examine examine, Warn warn)
     : clock_(clock),
       carrier_(std::move(carrier)),
-      sealer_(std::move(sealer)),
+      self_(std::move(self)),
+      sealer_(session, self_),
       examine_(std::move(examine)),
       warn_(std::move(warn)),
       timer_(io) {
   assert(carrier_ && examine_ && warn_);
+}
+
+SealedTransport::SealedTransport(boost::asio::io_context& io, const net::HostClock& clock,
+                                 std::unique_ptr<net::Transport> carrier, RosterExchange rosters, Sealer::Self self,
+                                 Examine examine, Warn warn)
+    : clock_(clock),
+      carrier_(std::move(carrier)),
+      self_(std::move(self)),
+      rosters_(std::move(rosters)),
+      sealer_(sealer_of_roster()),
+      examine_(std::move(examine)),
+      warn_(std::move(warn)),
+      timer_(io) {
+  assert(carrier_ && examine_ && warn_);
+}
+
+// A boot of its own for each epoch: nothing of the one before holds in it.
+Sealer SealedTransport::sealer_of_roster() const {
+  assert(rosters_ && rosters_->key());
+  Sealer::Self self = self_;
+  self.boot = Sealer::random_boot();
+  self.epoch = epoch_bits(rosters_->current().epoch());
+  return {*rosters_->key(), std::move(self),
+          [roster = rosters_->current()](const PublicKey& key) { return roster.has_member(key); }};
+}
+
+void SealedTransport::adopt(const Roster& roster) {
+  assert(rosters_);
+  RosterExchange next = *rosters_;
+  if (!next.adopt(roster)) return;
+  if (!next.key()) {
+    return warn_("this peer is no member of \"" + roster.world() + "\" any more: it goes on by itself");
+  }
+  rosters_ = std::move(next);
+  sealer_ = sealer_of_roster();
+  if (handler_) announce();
 }
 
 void SealedTransport::on_receive(ReceiveHandler handler) {
@@ -76,13 +116,28 @@ void SealedTransport::send(RegionId region, std::span<const std::byte> datagram)
   carrier_->send(region, sealer_.seal(clock_.now(), region, datagram, contents->must_be_signed));
 }
 
-void SealedTransport::take(const net::Arrival& arrival) {
-  if (Sealer::is_announcement(arrival.datagram)) {
-    const auto refused = arrival.region == kAll ? sealer_.hear(arrival.datagram, clock_.now()) : Refusal::kForged;
-    say_findings();
-    if (refused) return refuse(*refused, arrival);
+void SealedTransport::take_announcement(const net::Arrival& arrival) {
+  const auto refused = arrival.region == kAll ? sealer_.hear(arrival.datagram, clock_.now()) : Refusal::kForged;
+  say_findings();
+  if (!refused) {
     ++announcements_in_;
     return wait();  // it may want an answer
+  }
+  const auto parts = rosters_ && *refused == Refusal::kForged ? rosters_->answer(arrival.datagram, clock_.now())
+                                                              : std::vector<std::vector<std::byte>>{};
+  for (const std::vector<std::byte>& part : parts) carrier_->send(kAll, part);
+  if (parts.empty()) return refuse(*refused, arrival);
+  carrier_->flush();
+  ++announcements_in_;
+}
+
+void SealedTransport::take(const net::Arrival& arrival) {
+  if (Sealer::is_announcement(arrival.datagram)) return take_announcement(arrival);
+  if (RosterExchange::is_part(arrival.datagram)) {
+    ++announcements_in_;
+    const auto roster = rosters_ ? rosters_->take(arrival.datagram) : std::nullopt;
+    if (roster && on_roster_) on_roster_(*roster);
+    return;
   }
   const auto opened = sealer_.open(arrival.at, arrival.region, arrival.datagram);
   if (!opened) {
@@ -92,6 +147,8 @@ void SealedTransport::take(const net::Arrival& arrival) {
   const auto contents = examine_(opened->datagram);
   if (!contents || contents->sender != opened->sender) return refuse(Refusal::kWrongSender, arrival);
   if (contents->must_be_signed && !opened->is_signed) return refuse(Refusal::kUnsigned, arrival);
+  const auto owner = rosters_ && contents->changes_world ? sealer_.key_of(opened->sender) : std::nullopt;
+  if (owner && !rosters_->current().may_write(*owner)) return refuse(Refusal::kObserver, arrival);
   handler_({.region = arrival.region, .datagram = opened->datagram, .at = arrival.at, .from = arrival.from});
 }
 
@@ -155,6 +212,7 @@ const net::TrafficCounters& SealedTransport::counters() const {
   counters_.in_impostor = refused(Refusal::kImpostor);
   counters_.in_unsigned = refused(Refusal::kUnsigned);
   counters_.in_wrong_sender = refused(Refusal::kWrongSender);
+  counters_.in_observer = refused(Refusal::kObserver);
   return counters_;
 }
 

@@ -5,9 +5,14 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "peerd/os/host_clock.hpp"
+#include "peerd/keys/roster.hpp"
+#include "peerd/seal/roster_exchange.hpp"
 #include "peerd/seal/sealer.hpp"
 #include "peerd/transport/transport.hpp"
 
@@ -17,6 +22,7 @@ namespace peerd::seal {
 struct Contents {
   PeerId sender;
   bool must_be_signed = true;  // no member may say it in another's name, not even once
+  bool changes_world = true;   // no observer may say it
 };
 
 // A transport whose datagrams are sealed. What is not opened is counted, and the first of a kind in a minute is said.
@@ -26,9 +32,17 @@ class SealedTransport final : public net::Transport {
   // What a datagram is that a peer sends; none: nothing that a peer sends.
   using Examine = std::function<std::optional<Contents>(std::span<const std::byte>)>;
 
-  // `io` and `clock` outlive it.
+  // `io` and `clock` outlive it. `self`: of its first epoch.
   SealedTransport(boost::asio::io_context& io, const net::HostClock& clock, std::unique_ptr<net::Transport> carrier,
-                  Sealer sealer, Examine examine, Warn warn);
+                  const SymmetricKey& session, Sealer::Self self, Examine examine, Warn warn);
+  // The same for a session whose members a roster names, of whom this one is one. A newer roster that comes from others
+  // is passed to `on_roster`, which may keep it and adopt() it.
+  using OnRoster = std::function<void(const Roster&)>;
+  SealedTransport(boost::asio::io_context& io, const net::HostClock& clock, std::unique_ptr<net::Transport> carrier,
+                  RosterExchange rosters, Sealer::Self self, Examine examine, Warn warn);
+  void on_roster(OnRoster handler) { on_roster_ = std::move(handler); }
+  // Goes over to the epoch of a roster, where that follows the current one and this one is still a member.
+  void adopt(const Roster& roster);
 
   void on_receive(ReceiveHandler handler) override;
   bool receive_pending() override { return carrier_->receive_pending(); }
@@ -44,6 +58,8 @@ class SealedTransport final : public net::Transport {
   [[nodiscard]] std::string describe() const override { return carrier_->describe() + ", sealed"; }
 
  private:
+  [[nodiscard]] Sealer sealer_of_roster() const;
+  void take_announcement(const net::Arrival& arrival);
   void take(const net::Arrival& arrival);
   void refuse(Refusal why, const net::Arrival& arrival);
   void announce();
@@ -53,6 +69,9 @@ class SealedTransport final : public net::Transport {
 
   const net::HostClock& clock_;
   std::unique_ptr<net::Transport> carrier_;
+  Sealer::Self self_;
+  std::optional<RosterExchange> rosters_;
+  OnRoster on_roster_;
   Sealer sealer_;
   Examine examine_;
   Warn warn_;

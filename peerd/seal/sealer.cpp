@@ -33,7 +33,6 @@ constexpr std::size_t kRefusedBootsMax = 8;
 // The first byte: what it is, in two bits that no open datagram, region header or greeting begins with; whether it is
 // signed; the epoch.
 constexpr std::uint8_t kDatagram = 0x80, kAnnouncement = 0xC0, kKind = 0xC0, kSigned = 0x20, kEpochBits = 0x1F;
-constexpr std::uint8_t kEpoch = 0;
 constexpr std::size_t kTag_bytes = crypto_aead_chacha20poly1305_ietf_ABYTES;
 constexpr std::size_t kSender_bytes = 4, kCounter_bytes = 3;
 constexpr std::string_view kDatagramUse = "datagram";
@@ -87,6 +86,7 @@ Sealer::Sealer(const SymmetricKey& session, Self self, IsMember is_member)
       answers_{kAnswersMost, kAnswersPerSecond},
       checks_{kChecksMost, kChecksPerSecond},
       signs_all_for_(kSignsAllLeast) {
+  assert(self_.epoch <= kEpochBits);
   bound_.emplace(self_.peer, self_.identity.public_key());
 }
 
@@ -108,7 +108,7 @@ bool Sealer::Bucket::take(HostTime now) {
 
 SymmetricKey Sealer::datagram_key(PeerId sender, const PublicKey& owner, const BootId& boot) const {
   std::vector<std::uint8_t> of(1 + kSender_bytes);
-  of[0] = kEpoch;
+  of[0] = self_.epoch;
   put(sender.value, std::span(of).last<kSender_bytes>());
   of.insert(of.end(), owner.bytes().begin(), owner.bytes().end());
   of.insert(of.end(), boot.begin(), boot.end());
@@ -133,7 +133,7 @@ std::span<const std::byte> Sealer::seal(HostTime now, RegionId region, std::span
   sealed_.resize(contents + kAdded_bytes);
   const auto out = as_octets(std::span(sealed_));
   const std::uint64_t counter = sent_.count() + 1;
-  out[0] = kDatagram | kEpoch | (is_signed ? kSigned : 0);
+  out[0] = static_cast<std::uint8_t>(kDatagram | self_.epoch | (is_signed ? kSigned : 0));
   put(self_.peer.value, out.subspan(1, kSender_bytes));
   put(counter, out.subspan(1 + kSender_bytes, kCounter_bytes));
   const Place place(sealed_, region, counter);
@@ -164,7 +164,7 @@ bool Sealer::decrypt(std::span<const std::byte> sealed, const Place& place, cons
 std::expected<Sealer::Opened, Refusal> Sealer::open(HostTime now, RegionId region, std::span<const std::byte> sealed) {
   const std::uint8_t first = sealed.empty() ? 0 : std::to_integer<std::uint8_t>(sealed.front());
   if ((first & kKind) != kDatagram) return std::unexpected(Refusal::kOpen);
-  if ((first & kEpochBits) != kEpoch || sealed.size() < kAdded_bytes) return std::unexpected(Refusal::kForged);
+  if ((first & kEpochBits) != self_.epoch || sealed.size() < kAdded_bytes) return std::unexpected(Refusal::kForged);
   const Header header = header_of(sealed);
   bool all_proven = true;
   if (const auto of_sender = boots_.find(header.sender); of_sender != boots_.end()) {
@@ -228,7 +228,7 @@ void Sealer::on_impersonated(HostTime now) {
 }
 
 bool Sealer::is_announcement(std::span<const std::byte> datagram) {
-  return !datagram.empty() && (std::to_integer<std::uint8_t>(datagram.front()) & kKind) == kAnnouncement;
+  return !datagram.empty() && (std::to_integer<std::uint8_t>(datagram.front()) & ~kEpochBits) == kAnnouncement;
 }
 
 // Why an announcement is not taken; none: it is.
@@ -317,7 +317,7 @@ void Sealer::announce_early(HostTime now) {
 std::optional<Refusal> Sealer::hear(std::span<const std::byte> announcement, HostTime now) {
   assert(is_announcement(announcement));
   const std::uint8_t first = std::to_integer<std::uint8_t>(announcement.front());
-  if (first != (kAnnouncement | kEpoch)) return Refusal::kForged;  // of another epoch
+  if (first != (kAnnouncement | self_.epoch)) return Refusal::kForged;  // of another epoch
   const auto opened = OpenedAnnouncement::open(announcement, announcing_);
   if (!opened) return Refusal::kForged;
   if (const auto why = refused(*opened, now)) return why;
@@ -400,7 +400,7 @@ std::optional<std::vector<std::byte>> Sealer::announcement_due(HostTime now) {
                           .names = names(now, all_proven)};
   announced_ = now;
   announce_at_ = now + (all_proven ? kAnnounced : kAnnouncedSoon);
-  return seal_announcement(says, kAnnouncement | kEpoch, announcing_, self_.identity);
+  return seal_announcement(says, static_cast<std::uint8_t>(kAnnouncement | self_.epoch), announcing_, self_.identity);
 }
 
 std::vector<Sealer::Finding> Sealer::take_findings() { return std::exchange(findings_, {}); }

@@ -14,10 +14,10 @@
 #include "core/time.hpp"
 #include "peerd/seal/announcement.hpp"
 #include "peerd/seal/checkpoint.hpp"
-#include "peerd/seal/identity.hpp"
+#include "peerd/keys/identity.hpp"
 #include "peerd/seal/refusal.hpp"
 #include "peerd/seal/replay_window.hpp"
-#include "peerd/seal/symmetric_key.hpp"
+#include "peerd/keys/symmetric_key.hpp"
 
 namespace peerd::seal {
 
@@ -40,7 +40,8 @@ class Sealer {
   struct Self {
     PeerId peer;
     Identity identity;
-    BootId boot = random_boot();  // a process has one
+    BootId boot = random_boot();  // a process has one in each epoch
+    std::uint8_t epoch = 0;       // of the session, below 32: each has a key of its own
   };
 
   Sealer(const SymmetricKey& session, Self self, IsMember is_member = {});

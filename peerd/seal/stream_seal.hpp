@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "peerd/seal/symmetric_key.hpp"
+#include "peerd/keys/symmetric_key.hpp"
 
 namespace peerd::seal {
 

@@ -9,7 +9,7 @@
 #include <boost/asio/ip/tcp.hpp>
 
 #include "core/time.hpp"
-#include "peerd/seal/symmetric_key.hpp"
+#include "peerd/keys/symmetric_key.hpp"
 #include "peerd/snapshot/snapshot_message.hpp"
 
 namespace peerd::snapshot {

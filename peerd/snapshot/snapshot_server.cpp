@@ -138,8 +138,8 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
     });
   }
   [[nodiscard]] std::optional<seal::StreamSeal> seal() const {
-    if (!content_.key) return std::nullopt;
-    return seal::StreamSeal(*content_.key, seal::StreamSeal::End::kServer);
+    const auto key = content_.key();
+    return key ? std::optional(seal::StreamSeal(*key, seal::StreamSeal::End::kServer)) : std::nullopt;
   }
   void serve(const StreamPtr& stream) {
     stream->read([self = shared_from_this(), stream](const std::string& request) {

@@ -12,11 +12,14 @@
 #include <boost/asio/ip/address.hpp>
 
 #include "peerd/os/net_error.hpp"
-#include "peerd/seal/symmetric_key.hpp"
+#include "peerd/keys/symmetric_key.hpp"
 #include "peerd/snapshot/snapshot_message.hpp"
 #include "replication/operations/operation_log.hpp"
 
 namespace peerd::snapshot {
+
+// Gives the key of the session at present; none: connections are open.
+using KeyNow = std::function<std::optional<seal::SymmetricKey>()>;
 
 // A SnapshotContent is all that a server gives. It outlives the server.
 struct SnapshotContent {
@@ -29,7 +32,7 @@ struct SnapshotContent {
   // A log with a later stamp is of a broken clock, and is not offered: a joining peer would have its operations at
   // once.
   std::function<SimTime()> latest_stamp;
-  std::optional<seal::SymmetricKey> key{};  // of the session; none: connections are open
+  KeyNow key = [] { return std::nullopt; };
 };
 
 // Answers joining peers by TCP, in the io_context's one thread: one part of at most kPartMax_bytes at a time of each,

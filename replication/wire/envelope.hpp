@@ -11,6 +11,8 @@ namespace peerd::replication {
 struct Envelope {
   PeerId sender;
   bool has_only_updates = false;  // or nothing: no hello, decision, operation or farewell
+  // Updates, decisions, or objects that the sender claims as its own. Logs don't count: others pass them on, too.
+  bool changes_world = false;
 };
 
 // None: it is no Datagram of proto/peerd.proto, or names no sender, or two.

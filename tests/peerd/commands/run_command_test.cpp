@@ -13,7 +13,7 @@
 #include "peerd/measure/summary.hpp"
 #include "peerd/os/interfaces.hpp"
 #include "peerd/scenario/assemble.hpp"
-#include "peerd/seal/key_file.hpp"
+#include "peerd/keys/key_file.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 

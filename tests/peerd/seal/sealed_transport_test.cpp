@@ -34,7 +34,7 @@ struct Speaker {
   Speaker(asio::io_context& io, const SymmetricKey& key, std::uint32_t id)
       : id(id),
         transport(io, clock(), net::MulticastSocket::open(io, clock(), options()).value(),
-                  Sealer(key, {.peer = PeerId{id}, .identity = Identity::random()}), contents_of,
+                  key, {.peer = PeerId{id}, .identity = Identity::random()}, contents_of,
                   [this](const std::string& line) { warnings.push_back(line); }) {
     EXPECT_TRUE(transport.join(RegionId{0}));
     transport.on_receive([this](const net::Arrival& arrival) {

@@ -62,6 +62,8 @@ class Sealing : public testing::Test {
         return "<unsigned>";
       case Refusal::kWrongSender:
         return "<wrong sender>";
+      case Refusal::kObserver:
+        return "<observer>";
     }
     return "";
   }

@@ -17,7 +17,7 @@
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 
-#include "peerd/seal/symmetric_key.hpp"
+#include "peerd/keys/symmetric_key.hpp"
 #include "peerd/snapshot/framed_stream.hpp"
 #include "peerd/snapshot/snapshot_server.hpp"
 #include "replication/operations/operation_log.hpp"
@@ -68,7 +68,7 @@ class ProvidingPeer {
     auto opened =
         SnapshotServer::open(io, asio::ip::address_v4::loopback(), 0,
                              {session, "town", "expansion = 1\n", 9, archive, digest(archive),
-                              [this]() -> const OperationLogs& { return logs; }, [] { return SimTime::max(); }, key});
+                              [this]() -> const OperationLogs& { return logs; }, [] { return SimTime::max(); }, [key] { return key; }});
     EXPECT_TRUE(opened);
     server = *std::move(opened);
     thread = std::thread([this] { io.run(); });

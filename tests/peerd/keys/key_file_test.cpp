@@ -1,4 +1,4 @@
-#include "peerd/seal/key_file.hpp"
+#include "peerd/keys/key_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,12 +1,12 @@
-#include "peerd/seal/identity.hpp"
+#include "peerd/keys/identity.hpp"
 
 #include <sodium.h>
 
 #include <algorithm>
 #include <cassert>
 
-#include "peerd/seal/base64.hpp"
-#include "peerd/seal/symmetric_key.hpp"
+#include "peerd/keys/base64.hpp"
+#include "peerd/keys/symmetric_key.hpp"
 
 namespace peerd::seal {
 namespace {
@@ -88,6 +88,22 @@ PublicKey::Signature Identity::sign(std::string_view use, std::span<const std::u
   PublicKey::Signature signature{};
   crypto_sign_detached(signature.data(), nullptr, digest.data(), digest.size(), secret_.data());
   return signature;
+}
+
+std::optional<SymmetricKey> Identity::open_box(std::span<const std::uint8_t> box) const {
+  std::array<std::uint8_t, crypto_box_PUBLICKEYBYTES> curve_public{};
+  std::array<std::uint8_t, crypto_box_SECRETKEYBYTES> curve_secret{};
+  std::array<std::uint8_t, SymmetricKey::kBytes> bits{};
+  std::optional<SymmetricKey> key;
+  if (box.size() == crypto_box_SEALBYTES + SymmetricKey::kBytes &&
+      crypto_sign_ed25519_pk_to_curve25519(curve_public.data(), public_.bytes().data()) == 0 &&
+      crypto_sign_ed25519_sk_to_curve25519(curve_secret.data(), secret_.data()) == 0 &&
+      crypto_box_seal_open(bits.data(), box.data(), box.size(), curve_public.data(), curve_secret.data()) == 0) {
+    key = SymmetricKey::of_bytes(bits);
+  }
+  sodium_memzero(curve_secret.data(), curve_secret.size());
+  sodium_memzero(bits.data(), bits.size());
+  return key;
 }
 
 }  // namespace peerd::seal

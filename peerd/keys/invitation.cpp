@@ -1,16 +1,16 @@
-#include "peerd/seal/invitation.hpp"
+#include "peerd/keys/invitation.hpp"
 
 #include <sodium.h>
 
 #include <array>
 #include <vector>
 
-#include "peerd/seal/base64.hpp"
+#include "peerd/keys/base64.hpp"
 
 namespace peerd::seal {
 namespace {
 
-constexpr std::string_view kInvitationBegin = "peerd-invite-1:";
+constexpr std::string_view kInvitationBegin = "peerd-invite-1:", kRosterInvitationBegin = "peerd-invite-2:";
 constexpr std::size_t kWorldMax_bytes = 255;
 // The first bytes of a hash of the rest end it, by which damage is noticed.
 constexpr std::size_t kCheck_bytes = 8;
@@ -21,11 +21,27 @@ std::array<std::uint8_t, crypto_generichash_BYTES> hash_of(const std::uint8_t* b
   return hash;
 }
 
+std::optional<Invitation> roster_invitation(std::string_view text) {
+  std::vector<std::uint8_t> bytes(Roster::kText_bytes);
+  const auto read = read_base64(text, bytes);
+  if (!read) return std::nullopt;
+  auto roster = Roster::of_text(std::string_view(reinterpret_cast<const char*>(bytes.data()), *read));
+  if (!roster) return std::nullopt;
+  std::string world = roster->world();
+  return Invitation{std::move(world), std::nullopt, *std::move(roster)};
+}
+
 }  // namespace
 
-std::string text_of(const Invitation& invitation) {
-  std::vector<std::uint8_t> bytes(invitation.key.data(), invitation.key.data() + SymmetricKey::kBytes);
-  bytes.insert(bytes.end(), invitation.world.begin(), invitation.world.end());
+std::string text_of(const Roster& roster) {
+  const std::string& text = roster.text();
+  return std::string(kRosterInvitationBegin) +
+         base64_of(std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+}
+
+std::string text_of(const std::string& world, const SymmetricKey& key) {
+  std::vector<std::uint8_t> bytes(key.data(), key.data() + SymmetricKey::kBytes);
+  bytes.insert(bytes.end(), world.begin(), world.end());
   const auto hash = hash_of(bytes.data(), bytes.size());
   bytes.insert(bytes.end(), hash.begin(), hash.begin() + kCheck_bytes);
   std::string text = std::string(kInvitationBegin) + base64_of(bytes);
@@ -34,6 +50,7 @@ std::string text_of(const Invitation& invitation) {
 }
 
 std::optional<Invitation> read_invitation(std::string_view text) {
+  if (text.starts_with(kRosterInvitationBegin)) return roster_invitation(text.substr(kRosterInvitationBegin.size()));
   if (!text.starts_with(kInvitationBegin)) return std::nullopt;
   text.remove_prefix(kInvitationBegin.size());
   std::vector<std::uint8_t> bytes(SymmetricKey::kBytes + kWorldMax_bytes + kCheck_bytes);
@@ -43,7 +60,7 @@ std::optional<Invitation> read_invitation(std::string_view text) {
   const auto hash = hash_of(bytes.data(), checked);
   if (sodium_memcmp(hash.data(), bytes.data() + checked, kCheck_bytes) != 0) return std::nullopt;
   std::string world(bytes.begin() + SymmetricKey::kBytes, bytes.begin() + static_cast<std::ptrdiff_t>(checked));
-  Invitation invitation{std::move(world), SymmetricKey::of_bytes(std::span(bytes).first<SymmetricKey::kBytes>())};
+  Invitation invitation{std::move(world), SymmetricKey::of_bytes(std::span(bytes).first<SymmetricKey::kBytes>()), {}};
   sodium_memzero(bytes.data(), bytes.size());
   return invitation;
 }

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "peerd/input/input_error.hpp"
-#include "peerd/seal/identity.hpp"
-#include "peerd/seal/symmetric_key.hpp"
+#include "peerd/keys/identity.hpp"
+#include "peerd/keys/symmetric_key.hpp"
 
 namespace peerd::seal {
 

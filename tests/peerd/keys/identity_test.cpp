@@ -1,4 +1,4 @@
-#include "peerd/seal/identity.hpp"
+#include "peerd/keys/identity.hpp"
 
 #include <gtest/gtest.h>
 

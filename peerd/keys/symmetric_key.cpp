@@ -1,4 +1,4 @@
-#include "peerd/seal/symmetric_key.hpp"
+#include "peerd/keys/symmetric_key.hpp"
 
 #include <sodium.h>
 
@@ -6,7 +6,7 @@
 #include <cassert>
 #include <stdexcept>
 
-#include "peerd/seal/base64.hpp"
+#include "peerd/keys/base64.hpp"
 
 namespace peerd::seal {
 namespace {

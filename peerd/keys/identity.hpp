@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "peerd/keys/symmetric_key.hpp"
+
 namespace peerd::seal {
 
 // Who somebody is: a public key of Ed25519 (RFC 8032). Whoever has the other half is it.
@@ -54,6 +56,8 @@ class Identity {
   [[nodiscard]] const PublicKey& public_key() const { return public_; }
   // A signature of bytes for one use, which no other use takes.
   [[nodiscard]] PublicKey::Signature sign(std::string_view use, std::span<const std::uint8_t> bytes) const;
+  // The key in a box that is for this identity (crypto_box_seal of libsodium); none: it is for another, or damaged.
+  [[nodiscard]] std::optional<SymmetricKey> open_box(std::span<const std::uint8_t> box) const;
 
  private:
   explicit Identity(std::span<const std::uint8_t, kSeed_bytes> seed);

@@ -1,4 +1,4 @@
-#include "peerd/seal/base64.hpp"
+#include "peerd/keys/base64.hpp"
 
 #include <sodium.h>
 

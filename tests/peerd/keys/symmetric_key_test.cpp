@@ -1,4 +1,4 @@
-#include "peerd/seal/symmetric_key.hpp"
+#include "peerd/keys/symmetric_key.hpp"
 
 #include <gtest/gtest.h>
 

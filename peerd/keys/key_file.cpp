@@ -1,10 +1,10 @@
-#include "peerd/seal/key_file.hpp"
+#include "peerd/keys/key_file.hpp"
 
 #include <algorithm>
 #include <system_error>
 
 #include "peerd/input/user_folder.hpp"
-#include "peerd/seal/secret_file.hpp"
+#include "peerd/keys/secret_file.hpp"
 
 namespace peerd::seal {
 namespace {

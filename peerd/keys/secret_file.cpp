@@ -1,4 +1,4 @@
-#include "peerd/seal/secret_file.hpp"
+#include "peerd/keys/secret_file.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -1,0 +1,31 @@
+#include "peerd/membership/invite_command.hpp"
+
+#include "peerd/commands/problems.hpp"
+#include "peerd/keys/invitation.hpp"
+#include "peerd/keys/key_file.hpp"
+#include "peerd/running/roster_file.hpp"
+
+namespace peerd {
+
+int run_invite(const InviteOptions& options, std::ostream& out) {
+  const auto roster_file = chosen_roster_file({}, options.world);
+  if (roster_file && options.key.empty()) {
+    const auto roster = read_roster(*roster_file);
+    if (!roster) return failed(roster.error());
+    if (*roster) {
+      out << "peerd join --invite " << seal::text_of(**roster) << '\n';
+      return 0;
+    }
+  }
+  const auto file = seal::chosen_key_file(options.key, options.world);
+  if (!file) return failed(file.error());
+  const auto key = seal::read_key(*file);
+  if (!key) {
+    return failed(InputError{key.error().text + "; a peer of this user makes one when it first runs that world",
+                             key.error().exit_code});
+  }
+  out << "peerd join --invite " << seal::text_of(options.world, *key) << '\n';
+  return 0;
+}
+
+}  // namespace peerd
