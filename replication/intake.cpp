@@ -48,6 +48,7 @@ std::expected<void, Drop> Intake::on_packet(HostTime now, RegionId region, std::
                        !m.scene.states.empty() || !m.operations.empty() || !m.operation_requests.empty();
   if (for_all && region != kWholeScene) return dropped(region, Drop::kRegion);
   if (const auto admitted = admit(now, m); !admitted) return dropped(region, admitted.error());
+  if (!p_.limits.take(now, m.sender, MemberLimit::kDatagrams)) return std::unexpected(Drop::kMemberLimit);
   ++p_.counters.datagrams_in;
   p_.counters.bytes_in += datagram.size();
   PeerCounters::Traffic& traffic = p_.counters.regions[region];
@@ -68,7 +69,7 @@ std::expected<void, Drop> Intake::on_packet(HostTime now, RegionId region, std::
     if (m.updates.empty() && m.decisions.empty() && m.scene.states.empty()) return {};
     return dropped(region, Drop::kNotYetInSession);
   }
-  on_records(m.sender, m, p_.to_session(now));
+  on_records(now, m.sender, m, p_.to_session(now));
   return {};
 }
 
@@ -106,7 +107,8 @@ void Intake::on_hello(HostTime now, PeerId sender, std::uint32_t number, const H
   member.awaits_our_decision = std::ranges::any_of(hello.notes, [&](const ContactNote& n) {
     return n.deferred && p_.decisions.may_decide(p_.config.id, p_.owners.of(n.collider), p_.owners.of(n.collidee));
   });
-  if (hello.sessions != member.sessions) {  // it knows of no updates yet
+  const bool begins = hello.sessions != member.sessions;  // it knows of no updates yet
+  if (begins && p_.limits.take(now, sender, MemberLimit::kResends)) {
     p_.own.resend_all();
     p_.decisions.on_new_session_of(sender);
     if (p_.world_time.zero()) keeper_.reintroduce();
@@ -119,7 +121,7 @@ void Intake::on_hello(HostTime now, PeerId sender, std::uint32_t number, const H
   // An echo of more than this peer has sent is of its last incarnation.
   const bool counts = named != hello.echoes.end() && named->received.highest <= p_.outbox.last_number();
   const Echo* echo = counts ? &*named : nullptr;
-  on_echo(sender, member, hello, echo);
+  on_echo(now, sender, member, hello, echo);
   if (hello.session_tx && p_.replica.begun() && p_.time.clock().synchronised()) {
     const SimTime session_now = p_.to_session(now);
     member.delays.add(delay_of(*hello.session_tx, session_now));
@@ -127,7 +129,9 @@ void Intake::on_hello(HostTime now, PeerId sender, std::uint32_t number, const H
     scene_.on_digest(member, hello);
   }
   const auto zero = hello.introduction && hello.session_tx ? hello.introduction->world_zero : std::nullopt;
-  if (zero && p_.world_time.on_zero(sender, p_.time.follows(), *zero)) {
+  const bool is_another = zero && p_.time.follows() == sender && p_.world_time.zero() && zero != p_.world_time.zero();
+  const bool may_count = !is_another || p_.limits.take(now, sender, MemberLimit::kResends);
+  if (zero && may_count && p_.world_time.on_zero(sender, p_.time.follows(), *zero)) {
     keeper_.reintroduce();
     p_.scripted.restart();
   }
@@ -150,7 +154,16 @@ void Intake::on_introduction(HostTime now, PeerId sender, Member& member, const 
   const bool both = hello.session_tx && p_.replica.begun();
   const Duration ahead = both ? *hello.session_tx - p_.to_session(now) : Duration{0};
   if (!hello.session_tx || ahead <= -kUpdateAgeMax || ahead >= kUpdateAheadMax) return;
+  if (!may_claim(now, sender, introduction.owned)) return;
   keeper_.claim(sender, introduction.owned, introduction.owned_as_founder);
+}
+
+bool Intake::may_claim(HostTime now, PeerId sender, std::span<const ObjectId> objects) {
+  const auto of_others = std::ranges::count_if(objects, [&](ObjectId object) {
+    const PeerId owner = p_.owners.of(object);
+    return owner != kNobody && owner != sender;
+  });
+  return of_others == 0 || p_.limits.take(now, sender, MemberLimit::kClaims, static_cast<double>(of_others));
 }
 
 void Intake::report_same_name(PeerId sender, const std::string& name) {
@@ -161,12 +174,13 @@ void Intake::report_same_name(PeerId sender, const std::string& name) {
 }
 
 // `echo`: what the sender's hello says of this peer's datagrams; null: nothing.
-void Intake::on_echo(PeerId sender, Member& member, const Hello& hello, const Echo* echo) {
+void Intake::on_echo(HostTime now, PeerId sender, Member& member, const Hello& hello, const Echo* echo) {
   if (echo == nullptr) {
     member.echo.on_hello_without_echo(leaves_out(hello.echoes, p_.config.id), p_.members.hellos_in_a_turn());
     return;
   }
-  if (member.echo.on_echo(*echo)) p_.own.resend_all();  // the objects that the sender had forgotten stand still there
+  // The objects that the sender had forgotten stand still there.
+  if (member.echo.on_echo(*echo) && p_.limits.take(now, sender, MemberLimit::kResends)) p_.own.resend_all();
   const Acknowledgement& acknowledgement = *member.echo.acknowledgement;
   for (auto& [object, own] : p_.own) {
     Delivery& delivery = own.delivery;
@@ -180,25 +194,51 @@ void Intake::on_echo(PeerId sender, Member& member, const Hello& hello, const Ec
 
 // ---- records ----
 
-void Intake::on_records(PeerId sender, Message& m, SimTime session_now) {
+void Intake::drop_of_the_future(HostTime now, PeerId sender, const char* reason) {
+  const Member& member = *p_.members.find(sender);
+  const auto clock = member.clock.at(now, kDrift_ppm + kSlew_ppm);
+  const Duration own = p_.time.clock().session_minus_host(now);
+  const bool shares_time = member.synchronised && clock && clock->most < own + kUpdateAheadMax / 2;
+  if (shares_time) {
+    p_.limits.refuse(now, sender, MemberLimit::kStampAhead);
+  } else {
+    p_.drop(sender, reason);
+  }
+}
+
+void Intake::on_records(HostTime now, PeerId sender, Message& m, SimTime session_now) {
   if (m.unknown_models > 0) p_.counters.drops["unknown_model"] += m.unknown_models;
-  p_.regions.on_subscriptions(sender, m.subscriptions, session_now);
+  const auto subscribed = static_cast<double>(m.subscriptions.size());
+  if (subscribed > 0.0 && p_.limits.take(now, sender, MemberLimit::kSubscriptions, subscribed)) {
+    p_.regions.on_subscriptions(sender, m.subscriptions, session_now);
+  }
   p_.regions.on_handovers(sender, m.handovers, session_now);
   for (UpdateRecord& u : m.updates) {
-    if (u.at < session_now - kUpdateAgeMax || u.at > session_now + kUpdateAheadMax) {
+    if (u.at < session_now - kUpdateAgeMax) {
       p_.drop(sender, "update_time");
+    } else if (u.at > session_now + kUpdateAheadMax) {
+      drop_of_the_future(now, sender, "update_time");
     } else {
       on_update(sender, m.number, u, session_now);
     }
   }
   if (!m.scene.states.empty()) scene_.on_states(sender, m.scene);
-  for (const DecisionRecord& d : m.decisions) {
-    if (d.contact < session_now - kDecisionAgeMax || d.contact > session_now + kUpdateAheadMax) {
-      p_.drop(sender, "decision_time");
-    } else if (const char* why = p_.decisions.on_decision(sender, m.number, d, session_now)) {
-      p_.drop(sender, why);
-    }
+  for (const DecisionRecord& d : m.decisions) on_decision(now, sender, m.number, d, session_now);
+}
+
+// What is refused for what this peer knows now may be taken when it comes again.
+void Intake::on_decision(HostTime now, PeerId sender, std::uint32_t number, const DecisionRecord& d,
+                         SimTime session_now) {
+  const auto come_again = [&] { p_.members.find(sender)->received[kWholeScene].mark_as_missing(number); };
+  if (d.contact < session_now - kDecisionAgeMax) return p_.drop(sender, "decision_time");
+  if (d.contact > session_now + kUpdateAheadMax) return drop_of_the_future(now, sender, "decision_time");
+  if (!p_.limits.take(now, sender, MemberLimit::kDecisions)) return come_again();
+  const bool is_pair = p_.model->are_paired(d.collider, d.collidee);
+  if (const auto broken = is_pair ? p_.decision_check.broken_by(now, sender, d) : std::nullopt) {
+    p_.limits.refuse(now, sender, *broken);
+    return come_again();
   }
+  if (const char* why = p_.decisions.on_decision(sender, number, d, session_now)) p_.drop(sender, why);
 }
 
 void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, SimTime session_now) {

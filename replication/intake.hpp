@@ -30,8 +30,14 @@ class Intake {
   // A peer has said its name, which may be that of another one.
   void report_same_name(PeerId sender, const std::string& name);
   void on_introduction(HostTime now, PeerId sender, Member& member, const Hello& hello);
-  void on_echo(PeerId sender, Member& member, const Hello& hello, const Echo* echo);
-  void on_records(PeerId sender, Message& message, SimTime session_now);
+  void on_echo(HostTime now, PeerId sender, Member& member, const Hello& hello, const Echo* echo);
+  // A member claims objects, some of which may have an owner: such claims are limited.
+  [[nodiscard]] bool may_claim(HostTime now, PeerId sender, std::span<const ObjectId> objects);
+  void on_records(HostTime now, PeerId sender, Message& message, SimTime session_now);
+  void on_decision(HostTime now, PeerId sender, std::uint32_t number, const DecisionRecord& decision,
+                   SimTime session_now);
+  // What is more than a second ahead of session time is dropped; by the clock of a member that shares it, it is false.
+  void drop_of_the_future(HostTime now, PeerId sender, const char* reason);
   void on_update(PeerId sender, std::uint32_t number, UpdateRecord& update, SimTime session_now);
 
   PeerParts& p_;

@@ -26,7 +26,8 @@ constexpr std::size_t kMargin_bytes = 16;
 
 }  // namespace
 
-OperationKeeper::OperationKeeper(PeerParts& parts, SessionKeeper& keeper) : p_(parts), keeper_(keeper) {
+OperationKeeper::OperationKeeper(PeerParts& parts, SessionKeeper& keeper)
+    : p_(parts), keeper_(keeper), limits_(parts.logs, parts.members, parts.limits) {
   const LivingScene::NextIds next = p_.living.next_ids(p_.author);
   next_object_ = next.object;
   next_node_ = next.node;
@@ -112,6 +113,7 @@ std::expected<OperationId, std::string> OperationKeeper::append(HostTime now, Li
     return std::unexpected("it has " + std::to_string(size) + " bytes, and an operation may have " +
                            std::to_string(kOperationMax_bytes));
   }
+  if (!limits_.has_room(id.author)) return std::unexpected("the log of this author is full");
   if (const auto appended = p_.logs.append(operation); !appended) return std::unexpected(appended.error());
   next_object_ += draft.objects;
   next_node_ += draft.nodes;
@@ -213,6 +215,7 @@ void OperationKeeper::on_message(HostTime now, PeerId sender, const Message& m) 
   const bool has_logs = m.hello && !m.hello->logs.empty();
   if (has_logs || !m.operations.empty() || !m.operation_requests.empty()) follow_link();
   for (const OperationPart& part : m.operations) {
+    if (!limits_.admit(now, sender, part)) continue;
     const std::uint64_t whole_before = p_.logs.whole(part.author);
     auto taken = p_.logs.receive(part);
     note_growth(part.author, whole_before);
@@ -223,12 +226,15 @@ void OperationKeeper::on_message(HostTime now, PeerId sender, const Message& m) 
     }
     for (Operation& operation : *taken) {
       ++p_.counters.operations_in;
-      if (p_.replica.begun()) on_request(operation, p_.to_session(now));
+      if (p_.replica.begun()) {
+        on_request(operation, p_.to_session(now));
+        limits_.note_stamp(now, sender, operation.stamp, p_.to_session(now));
+      }
       p_.living.add(std::move(operation));
     }
   }
-  if (!m.operation_requests.empty()) p_.exchange.on_requests(now, sender, m.operation_requests);
-  if (m.hello) p_.exchange.on_lengths(now, sender, m.hello->logs);
+  if (limits_.admit(now, sender, m.operation_requests)) p_.exchange.on_requests(now, sender, m.operation_requests);
+  if (m.hello) p_.exchange.on_lengths(now, sender, limits_.admit(now, sender, m.hello->logs));
 }
 
 // Messages are for those who were there when they were sent, be it apart from the sender.

@@ -7,6 +7,7 @@
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
+#include "replication/operation_limits.hpp"
 #include "replication/peer_parts.hpp"
 #include "replication/session_keeper.hpp"
 #include "replication/wire/operation.hpp"
@@ -61,6 +62,7 @@ class OperationKeeper {
 
   PeerParts& p_;
   SessionKeeper& keeper_;
+  OperationLimits limits_;
   // The part of a log that the store does not get yet, because the stamp of its first operation is far ahead.
   struct Withheld {
     std::uint64_t from = 0;

@@ -280,6 +280,7 @@ std::optional<OperationBody> Peer::find(const OperationKey& operation) const {
 const PeerConfig& Peer::config() const { return impl_->parts.config; }
 const SessionClock& Peer::clock() const { return impl_->parts.time.clock(); }
 const std::optional<OsClock>& Peer::os_clock() const { return impl_->parts.time.os_clock(); }
+OffsetBounds Peer::clock_reach(HostTime now) const { return impl_->parts.time.reach(now); }
 std::optional<PeerId> Peer::follows() const { return impl_->parts.time.follows(); }
 const Membership& Peer::members() const { return impl_->parts.members; }
 const Owners& Peer::owners() const { return impl_->parts.owners; }

@@ -94,9 +94,8 @@ class Peer {
   // ---- what this peer knows
   [[nodiscard]] PeerId id() const;
   [[nodiscard]] const PeerConfig& config() const;  // with the viewpoint that it has now
-  // The scene as all operations until the last tick have made it.
-  [[nodiscard]] const Scene& scene() const;
-  [[nodiscard]] const WorldModel& model() const;  // of that scene
+  [[nodiscard]] const Scene& scene() const;        // as all operations until the last tick have made it
+  [[nodiscard]] const WorldModel& model() const;   // of that scene
   // The data of applications at nodes, as all operations until the last tick have made them.
   [[nodiscard]] const NodeData& data() const;
   // The losses of operations by others that did not know them, and an operation; none: it is not known.
@@ -104,6 +103,7 @@ class Peer {
   [[nodiscard]] std::optional<OperationBody> find(const OperationKey& operation) const;
   [[nodiscard]] const SessionClock& clock() const;
   [[nodiscard]] const std::optional<OsClock>& os_clock() const;
+  [[nodiscard]] OffsetBounds clock_reach(HostTime now) const;  // others may move session time so far, back and ahead
   // The peer whose session time this one takes over; itself: it leads. None: nobody's yet.
   [[nodiscard]] std::optional<PeerId> follows() const;
   [[nodiscard]] const Membership& members() const;

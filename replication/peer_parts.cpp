@@ -72,8 +72,9 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
       ticks(config.tick_hz),
       outbox(config.id, config.incarnation, counters),
       members(config.lost_after),
-      admission(config, members, outbox),
-      time(config, members, outbox, counters),
+      limits(members, outbox, counters),
+      admission(config, members, outbox, limits),
+      time(config, members, outbox, counters, limits),
       greeter(config, members),
       exchange(logs, config.id, author, mixed_bits(author.value), {}, config.rare),
       own(model, existing(config.owned, *model->scene), config.policy.surface_error),
@@ -90,6 +91,7 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
               }),
       decisions(config, model, members, owners, scene, own, replica, ticks, outbox, counters,
                 [this](ObjectId object, PeerId by, SimTime contact) { give_scene_object(object, by, contact); }),
+      decision_check(model, members, owners, replica, ticks),
       publication(config, model, members, owners, own, launches, replica, regions, decisions, ticks, outbox, counters) {
   assert(std::ranges::is_sorted(configured));
   counters.scene_changes += model.revision();

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "replication/decision/contact_decisions.hpp"
+#include "replication/decision/decision_check.hpp"
 #include "replication/operations/operation_exchange.hpp"
 #include "replication/operations/operation_log.hpp"
 #include "replication/output/outbox.hpp"
@@ -21,6 +22,7 @@
 #include "replication/scene/living_scene.hpp"
 #include "replication/session/admission.hpp"
 #include "replication/session/greeter.hpp"
+#include "replication/session/member_limits.hpp"
 #include "replication/session/membership.hpp"
 #include "replication/session/presence.hpp"
 #include "replication/session/session_time.hpp"
@@ -58,6 +60,7 @@ struct PeerParts {
   Outbox outbox;
   // The peers that are here, and session time.
   Membership members;
+  MemberLimits limits;
   Admission admission;
   SessionTime time;
   WorldTime world_time;
@@ -78,6 +81,7 @@ struct PeerParts {
   // Regions, decisions on contacts, and updates.
   RegionSubscriptions regions;
   ContactDecisions decisions;
+  DecisionCheck decision_check;
   Publication publication;
 
   // Session time of `now`.

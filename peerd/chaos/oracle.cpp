@@ -254,6 +254,13 @@ void Oracle::on_output(double now_s, std::size_t host, const Output& output) {
     count("ownership conflict");
   } else if (std::holds_alternative<IdInUse>(output)) {
     count("id in use");
+  } else if (const auto* met = std::get_if<LimitMet>(&output)) {
+    count("limit met");
+    // Operations may wait for their time where a session's clock was ahead.
+    if (trusts_datagrams_ && met->limit != replication::MemberLimit::kOperationAhead) {
+      violate(now_s, fmt::format("peer {} has met a limit of members: {}", met->peer.value,
+                                 replication::to_string(met->limit)));
+    }
   } else if (std::holds_alternative<BodiesOverlap>(output)) {
     count("bodies overlap");
   }

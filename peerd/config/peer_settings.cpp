@@ -200,6 +200,7 @@ ReplicationSettings read_replication(TomlReader reader) {
   if (reader.has("convergence")) s.remote_convergence = s.convergence;
   reader.read("tick_hz", s.tick_hz, 1, 1000);
   reader.read("settled_hello_period_s", s.settled_hello_period_s, 0.25, 4.0);
+  reader.read("clock_ahead_s", s.clock_ahead_s, 1.0, kForever_s);
   reader.read("steal", s.steal);
   reader.finish();
   return s;

@@ -30,7 +30,8 @@ struct ReplicationSettings {
   replication::RegionSettings regions;  // the table [regions]
   std::uint32_t tick_hz = 60;
   double settled_hello_period_s = 1.0;
-  bool steal = false;  // a peer may take an object without asking its owner
+  double clock_ahead_s = 600.0;  // how far others may move session time ahead of a peer's own clocks
+  bool steal = false;            // a peer may take an object without asking its owner
 };
 [[nodiscard]] ReplicationSettings read_replication(TomlReader reader);
 

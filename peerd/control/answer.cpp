@@ -111,6 +111,7 @@ ordered_json peers_reply(const PeerNode& node, HostTime now, const PeersRequest&
                     {"offset_ms", clock.synchronised() ? in_ms(clock.session_minus_host(now)) : ordered_json(nullptr)},
                     {"error_ms", in_ms(clock.error_bound(now))},
                     {"to_slew_ms", in_ms(clock.debt(now))},
+                    {"reach_ms", clock.synchronised() ? in_ms(peer.clock_reach(now).most) : ordered_json(nullptr)},
                     {"os_clock_error_ms", in_ms(os ? std::optional(os->error) : std::nullopt)}};
   ordered_json peers = ordered_json::array(), next = nullptr, regions = ordered_json::array();
   const auto& members = peer.members().all();

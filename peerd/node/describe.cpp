@@ -34,6 +34,43 @@ const char* verb(ContactKind kind) {
   return "?";
 }
 
+// What a member has done that met a limit.
+const char* said_of(MemberLimit limit) {
+  switch (limit) {
+    case MemberLimit::kClockAhead:
+      return "says a time that is farther from this computer's than replication.clock_ahead_s allows";
+    case MemberLimit::kStampAhead:
+      return "publishes what is to happen later, by its own clock too";
+    case MemberLimit::kOperationAhead:
+      return "has sent edits of the future, which wait for their time";
+    case MemberLimit::kDecisionImpossible:
+      return "has decided a collision that cannot have been";
+    case MemberLimit::kDecisionElsewhere:
+      return "has decided a collision of others' objects where these are not";
+    case MemberLimit::kDatagrams:
+      return "sends more datagrams than one peer is allowed";
+    case MemberLimit::kDecisions:
+      return "sends more decisions than one peer is allowed";
+    case MemberLimit::kClaims:
+      return "claims more objects of others than one peer is allowed";
+    case MemberLimit::kOperations:
+      return "sends edits faster than one peer is allowed";
+    case MemberLimit::kLogLength:
+      return "has sent edits for which there is no room";
+    case MemberLimit::kAuthors:
+      return "names more authors of edits than one peer is allowed";
+    case MemberLimit::kRequests:
+      return "asks for edits faster than one peer is allowed";
+    case MemberLimit::kResends:
+      return "makes others publish everything anew more often than one peer is allowed";
+    case MemberLimit::kSubscriptions:
+      return "listens to new regions faster than one peer is allowed";
+    case MemberLimit::kRestarts:
+      return "starts anew more often than one peer is allowed";
+  }
+  return "?";
+}
+
 std::string named(PeerId id, const std::string& name) { return fmt::format("peer {} (id {})", name, id.value); }
 
 // The line of the log for each output of a peer; none for those that only the program acts on.
@@ -117,6 +154,10 @@ struct LineOf {
   Line operator()(const NameInUse& n) const {
     return LogLine{LogLevel::kWarning, fmt::format("peers {} and {} have one name, {}; give each peer its own",
                                                    n.other.value, n.peer.value, n.name)};
+  }
+  Line operator()(const LimitMet& l) const {
+    return LogLine{LogLevel::kWarning, fmt::format("peer {} {}: {} times (dropped_{})", l.peer.value, said_of(l.limit),
+                                                   l.times, replication::to_string(l.limit))};
   }
   Line operator()(const OwnershipConflict& c) const {
     return LogLine{LogLevel::kError,

@@ -113,6 +113,7 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
   config.interest_radius_m = settings.interest_radius_m;
   config.tick_hz = settings.tick_hz.value_or(replication.tick_hz);
   config.settled_hello_period = from_seconds(replication.settled_hello_period_s);
+  config.clock_ahead_max = from_seconds(replication.clock_ahead_s);
   config.may_steal = replication.steal;
   config.wait_for_start = true;
   config.decisions = replication.decisions;

@@ -7,6 +7,7 @@
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
+#include "replication/output/peer_counters.hpp"
 #include "replication/policy/publish_policy.hpp"
 #include "replication/wire/operation.hpp"
 #include "replication/wire/wire.hpp"
@@ -79,6 +80,12 @@ struct IdInUse {
 struct NameInUse {
   PeerId peer, other;
   std::string name;
+};
+// A member has met a limit of what one member can do to the others. Said once a minute of each member and limit.
+struct LimitMet {
+  PeerId peer;
+  MemberLimit limit;
+  std::uint64_t times = 0;  // since it was last said
 };
 struct OwnershipConflict {
   ObjectId object;
@@ -162,10 +169,10 @@ struct ContactSeen {
   SimTime known_at;
   PeerId decider = kNobody;  // whose finding or decision it is; nobody's: kPredicted and kScene
 };
-using Output =
-    std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined, PeerLost,
-                 ObjectOrphaned, OtherVersion, OtherWorld, IdInUse, NameInUse, OwnershipConflict, FounderGaveWay,
-                 SceneEdited, DataChanged, MessageReceived, OperationHeld, ObjectGiven, ObjectRequested, RequestRefused,
-                 LogGrown, Published, ContactSeen, Overruled, ContactsRetracted, BodiesOverlap, NotColliding>;
+using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined,
+                            PeerLost, ObjectOrphaned, OtherVersion, OtherWorld, IdInUse, NameInUse, LimitMet,
+                            OwnershipConflict, FounderGaveWay, SceneEdited, DataChanged, MessageReceived, OperationHeld,
+                            ObjectGiven, ObjectRequested, RequestRefused, LogGrown, Published, ContactSeen, Overruled,
+                            ContactsRetracted, BodiesOverlap, NotColliding>;
 
 }  // namespace peerd::replication

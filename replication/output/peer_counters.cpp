@@ -22,8 +22,46 @@ const char* to_string(Drop drop) {
       return "identity_check";
     case Drop::kRegion:
       return "region";
+    case Drop::kMemberLimit:
+      return "member_limit";
     case Drop::kNotYetInSession:
       return "not_yet_in_session";
+  }
+  return "?";
+}
+
+const char* to_string(MemberLimit limit) {
+  switch (limit) {
+    case MemberLimit::kClockAhead:
+      return "clock_ahead";
+    case MemberLimit::kStampAhead:
+      return "stamp_ahead";
+    case MemberLimit::kOperationAhead:
+      return "operation_ahead";
+    case MemberLimit::kDecisionImpossible:
+      return "decision_impossible";
+    case MemberLimit::kDecisionElsewhere:
+      return "decision_elsewhere";
+    case MemberLimit::kDatagrams:
+      return "datagram_rate";
+    case MemberLimit::kDecisions:
+      return "decision_rate";
+    case MemberLimit::kClaims:
+      return "claim_rate";
+    case MemberLimit::kOperations:
+      return "operation_rate";
+    case MemberLimit::kLogLength:
+      return "log_too_long";
+    case MemberLimit::kAuthors:
+      return "too_many_unknown_authors";
+    case MemberLimit::kRequests:
+      return "request_rate";
+    case MemberLimit::kResends:
+      return "resend_rate";
+    case MemberLimit::kSubscriptions:
+      return "subscription_rate";
+    case MemberLimit::kRestarts:
+      return "restart_rate";
   }
   return "?";
 }

@@ -24,8 +24,30 @@ enum class Drop : std::uint8_t {
   kNotYetInSession,  // this peer has no session time yet
   kIdentityCheck,    // a question whether a peer is alive, or its answer
   kRegion,           // sent to one region, although it concerns all peers
+  kMemberLimit,      // more datagrams or starts of one member than are taken (MemberLimit)
 };
 [[nodiscard]] const char* to_string(Drop);
+
+// What one member can do to the others has limits (session/member_limits.hpp). The name of a limit is the reason under
+// which what goes beyond is counted.
+enum class MemberLimit : std::uint8_t {
+  kClockAhead,          // its session time is farther ahead than this peer follows anybody
+  kStampAhead,          // updates or decisions of the future, by its own clock too
+  kOperationAhead,      // operations of the future, which wait for their time
+  kDecisionImpossible,  // a decision on what cannot have met, or that makes objects faster than they can be
+  kDecisionElsewhere,   // a decision on others' objects where these are not
+  kDatagrams,           // datagrams
+  kDecisions,           // decisions
+  kClaims,              // objects that it takes from others by its introduction
+  kOperations,          // bytes of operations
+  kLogLength,           // operations of one author, or of all authors together, that are too long to hold
+  kAuthors,             // authors of operations of which nothing has come
+  kRequests,            // ranges of operations that it asks others for
+  kResends,             // times that it makes others publish anew what they own
+  kSubscriptions,       // regions that it listens to anew
+  kRestarts,            // starts
+};
+[[nodiscard]] const char* to_string(MemberLimit);
 
 // The counters of what one peer has done since it was made.
 struct PeerCounters {

@@ -111,6 +111,8 @@ struct PeerConfig {
   Duration settled_hello_period = std::chrono::milliseconds(1000);
   Duration lost_after = std::chrono::milliseconds(1750);    // seven hellos; within the 2 s that users are promised
   Duration listen_first = std::chrono::milliseconds(1000);  // before founding a session of one's own
+  // How far other members may move this peer's session time ahead of its own clocks (ClockReach), > 0.
+  Duration clock_ahead_max = std::chrono::minutes(10);
   // Whether this peer may take an object without asking its owner (Peer::steal()). The same at all peers of a session.
   bool may_steal = false;
   RareBranches rare;

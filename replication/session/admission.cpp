@@ -19,8 +19,8 @@ constexpr Duration kRivalGoesOnFor = std::chrono::milliseconds(50);
 
 }  // namespace
 
-Admission::Admission(const PeerConfig& config, Membership& members, Outbox& outbox)
-    : config_(config), members_(members), outbox_(outbox) {}
+Admission::Admission(const PeerConfig& config, Membership& members, Outbox& outbox, MemberLimits& limits)
+    : config_(config), members_(members), outbox_(outbox), limits_(limits) {}
 
 std::expected<Membership::Admission, Drop> Admission::admit(HostTime now, const Message& m,
                                                             std::optional<HostTime> started, const OnLost& on_lost) {
@@ -43,6 +43,8 @@ std::expected<Membership::Admission, Drop> Admission::admit(HostTime now, const 
     if (const auto member = members_.remove(m.sender)) on_lost(m.sender, *member);
     return reject_other_world(m);
   }
+  const bool starts = known == nullptr || m.incarnation > known->incarnation;
+  if (starts && !limits_.take(now, m.sender, MemberLimit::kRestarts)) return std::unexpected(Drop::kMemberLimit);
   const Membership::Admission admission = members_.on_datagram(now, m.sender, m.incarnation);
   if (admission == Membership::Admission::kStale) return reject_earlier_life(now, m);
   return admission;

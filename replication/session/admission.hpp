@@ -11,6 +11,7 @@
 #include "replication/output/outbox.hpp"
 #include "replication/output/peer_counters.hpp"
 #include "replication/policy/peer_config.hpp"
+#include "replication/session/member_limits.hpp"
 #include "replication/session/membership.hpp"
 #include "replication/wire/wire.hpp"
 
@@ -24,7 +25,7 @@ class Admission {
   using OnLost = std::function<void(PeerId, const Member&)>;
 
   // All arguments outlive this object.
-  Admission(const PeerConfig& config, Membership& members, Outbox& outbox);
+  Admission(const PeerConfig& config, Membership& members, Outbox& outbox, MemberLimits& limits);
 
   // Returns how the sender is known, never kStale, or why the message is dropped. `started`: when this peer was
   // started; none: not yet. `on_lost` is called for a member that turns out to have another world, before that is
@@ -50,6 +51,7 @@ class Admission {
   const PeerConfig& config_;
   Membership& members_;
   Outbox& outbox_;
+  MemberLimits& limits_;
   std::set<PeerId> other_worlds_;                   // each is reported once
   std::set<std::uint32_t> other_versions_;          // each is reported once
   std::map<PeerId, std::uint64_t> departed_peers_;  // the incarnation of each peer that has said goodbye

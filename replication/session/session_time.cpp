@@ -23,8 +23,14 @@ constexpr Duration kBehindMax = std::chrono::hours(24 * 366);
 
 }  // namespace
 
-SessionTime::SessionTime(const PeerConfig& config, Membership& members, Outbox& outbox, PeerCounters& counters)
-    : config_(config), members_(members), outbox_(outbox), counters_(counters) {}
+SessionTime::SessionTime(const PeerConfig& config, Membership& members, Outbox& outbox, PeerCounters& counters,
+                         MemberLimits& limits)
+    : config_(config),
+      members_(members),
+      outbox_(outbox),
+      counters_(counters),
+      limits_(limits),
+      reach_(config.clock_ahead_max) {}
 
 bool SessionTime::start(HostTime now) {
   if (started_) return false;
@@ -44,12 +50,15 @@ bool SessionTime::found_session(HostTime now) {
   if (clock_.synchronised() || listened < config_.listen_first) return false;
   const bool awaits_introduction = unintroduced_peer_at_ && now - *unintroduced_peer_at_ < config_.listen_first;
   if (awaits_introduction && listened < kIntroductionPatience * config_.listen_first) return false;
+  const OffsetBounds reach = reach_.at(now, os_minus_host(now));
   for (const auto& [peer, member] : members_.all()) {
-    if ((member.synchronised || peer < config_.id) && may_respond(now, member)) return false;
+    const bool leads = member.synchronised ? is_within(now, member, reach) : peer < config_.id;
+    if (leads && may_respond(now, member)) return false;
   }
   const SimTime by_host{now.time_since_epoch()};
   const bool is_ahead = behind_ >= by_host && behind_ < by_host + kBehindMax;
   clock_.lead(now, is_ahead ? behind_ - by_host + Duration{1} : Duration{0});
+  if (!reach_.has_entered()) reach_.enter(now, clock_.session_minus_host(now));
   follows_ = config_.id;
   was_suspended_ = false;
   outbox_.push(Synchronised{config_.id, clock_.session_minus_host(now), Duration{0}});
@@ -68,6 +77,7 @@ std::optional<Duration> SessionTime::check_suspension(HostTime now, bool in_sess
   listening_since_ = now;
   if (in_session) {
     clock_.stop(now, gap);
+    reach_.on_gap(gap);
     was_suspended_ = true;
   }
   return gap;
@@ -137,7 +147,15 @@ std::optional<OffsetBounds> SessionTime::os_bounds(HostTime now, const Member& m
   return OffsetBounds{between - error, between + error};
 }
 
+// Whatever the member says, session time is not moved beyond this peer's reach.
 SessionClock::Estimate SessionTime::estimate(HostTime now, PeerId peer) {
+  SessionClock::Estimate e = estimate_by_stamps(now, peer);
+  const OffsetBounds reach = reach_.at(now, os_minus_host(now));
+  if (e.bounds) e.likely = std::clamp(e.likely, reach.least, reach.most);
+  return e;
+}
+
+SessionClock::Estimate SessionTime::estimate_by_stamps(HostTime now, PeerId peer) {
   Member* const found = members_.find(peer);
   assert(found != nullptr);
   Member& member = *found;
@@ -181,34 +199,72 @@ SessionTime::Session SessionTime::session_of(HostTime now, const Member& member,
   return Session::kSame;
 }
 
-// A peer without session time takes that of the lowest peer that has one.
-std::optional<PeerId> SessionTime::choose_leader(HostTime now) const {
-  if (!clock_.synchronised()) {
-    const auto lowest = std::ranges::find_if(
-        members_.all(), [&](const auto& m) { return m.second.synchronised && may_respond(now, m.second); });
-    return lowest == members_.all().end() ? std::nullopt : std::optional(lowest->first);
+std::optional<Duration> SessionTime::os_minus_host(HostTime now) const {
+  const bool is_known = os_clock_ && os_clock_->error + drift(now - os_clock_at_, kDrift_ppm) <= kOsErrorMax;
+  return is_known ? std::optional(os_clock_->minus_host) : std::nullopt;
+}
+
+OffsetBounds SessionTime::reach(HostTime now) const {
+  const OffsetBounds reach = reach_.at(now, os_minus_host(now));
+  const Duration own = clock_.session_minus_host(now);
+  return {reach.least - own, reach.most - own};
+}
+
+bool SessionTime::is_within(HostTime now, const Member& member, const OffsetBounds& reach) const {
+  if (member.clock_error > config_.clock_ahead_max) return false;
+  const auto bounds = member.clock.at(now, kDrift_ppm + kSlew_ppm);
+  return !bounds || (bounds->least <= reach.most && bounds->most >= reach.least);
+}
+
+// A peer without session time takes that of the lowest peer that has one, of a session that is not far ahead if there
+// is one.
+std::optional<PeerId> SessionTime::choose_first_leader(HostTime now) const {
+  for (const OffsetBounds& reach : {reach_.preferred(now, os_minus_host(now)), reach_.at(now, os_minus_host(now))}) {
+    for (const auto& [peer, member] : members_.all()) {  // ascending
+      if (member.synchronised && is_within(now, member, reach) && may_respond(now, member)) return peer;
+    }
   }
+  return std::nullopt;
+}
+
+std::optional<PeerId> SessionTime::choose_leader(HostTime now) {
+  if (!clock_.synchronised()) return choose_first_leader(now);
+  const OffsetBounds reach = reach_.at(now, os_minus_host(now));
   // A peer that has still to step forward into the session leads nobody, and knows nothing of the others' times.
-  const bool behind = follows_ && clock_.debt(now) > kOtherSession;
-  if (behind && members_.contains(*follows_)) return follows_;
+  const auto followed = follows_ ? members_.all().find(*follows_) : members_.all().end();
+  const bool is_followed_here = followed != members_.all().end() && is_within(now, followed->second, reach);
+  if (is_followed_here && clock_.debt(now) > kOtherSession) return follows_;
   // The estimate of the followed peer counts fully; for other peers, the distances of them and of this peer from the
   // leader count too. A peer that is surely ahead of the followed one does not doubt its own time: what it would have
   // to slew back is no error of it.
-  const auto followed = follows_ ? members_.all().find(*follows_) : members_.all().end();
   const bool ahead =
       followed != members_.all().end() && session_of(now, followed->second, Duration{0}) == Session::kEarlier;
   const Duration own_error = ahead ? Duration{0} : *clock_.error_bound(now);
-  std::optional<PeerId> later;
+  std::optional<std::pair<PeerId, Duration>> later;  // of the nearest session, and how far ahead of the host
   PeerId lowest = config_.id;
   for (const auto& [peer, member] : members_.all()) {  // ascending
     if (!member.synchronised) continue;
     const Session session = session_of(now, member, peer == follows_ ? Duration{0} : own_error);
-    if (session == Session::kLater && !later) later = peer;
+    if (session == Session::kSame) reach_.on_company(now);
+    if (!is_within(now, member, reach)) continue;
+    if (session == Session::kLater) {
+      const Duration least = member.clock.at(now, kDrift_ppm + kSlew_ppm)->least;
+      if (!later || least < later->second - kOtherSession) later = {peer, least};
+    }
     // A followed peer stays followed while nothing surely speaks against it.
     if (session == Session::kSame || (session == Session::kUnknown && peer == follows_))
       lowest = std::min(lowest, peer);
   }
-  return later ? later : lowest;
+  return later ? later->first : lowest;
+}
+
+// A peer that it would follow if its time were not so far away; one whose time is merely earlier follows this one.
+void SessionTime::name_if_too_far_ahead(HostTime now, PeerId sender) {
+  const auto member = members_.all().find(sender);
+  if (member == members_.all().end() || !member->second.synchronised) return;
+  if (is_within(now, member->second, reach_.at(now, os_minus_host(now)))) return;
+  const Session session = clock_.synchronised() ? session_of(now, member->second, Duration{0}) : Session::kLater;
+  if (session == Session::kLater || session == Session::kSame) limits_.refuse(now, sender, MemberLimit::kClockAhead);
 }
 
 bool SessionTime::has_lost_leader() const {
@@ -216,6 +272,7 @@ bool SessionTime::has_lost_leader() const {
 }
 
 bool SessionTime::follow_leader(HostTime now, std::optional<PeerId> sender, bool in_session) {
+  if (sender) name_if_too_far_ahead(now, *sender);
   const auto leader = choose_leader(now);
   const bool new_leader = std::exchange(follows_, leader) != leader;
   if (leader == config_.id) {
@@ -223,7 +280,11 @@ bool SessionTime::follow_leader(HostTime now, std::optional<PeerId> sender, bool
     return false;
   }
   if (!leader || (!new_leader && leader != sender)) return false;  // nothing new of its clock
-  clock_.follow(now, estimate(now, *leader), config_.lost_after + members_.longest_latency());
+  const SessionClock::Estimate leaders = estimate(now, *leader);
+  clock_.follow(now, leaders, config_.lost_after + members_.longest_latency());
+  const OffsetBounds own = reach_.preferred(now, os_minus_host(now));
+  const bool enters = !reach_.has_entered() || leaders.likely < own.least || leaders.likely > own.most;
+  if (clock_.synchronised() && leaders.settled && enters) reach_.enter(now, leaders.likely);
   if (!clock_.synchronised() || in_session) return false;
   outbox_.push(Synchronised{*leader, clock_.session_minus_host(now), *clock_.error_bound(now)});
   return true;

@@ -7,6 +7,8 @@
 #include "replication/output/outbox.hpp"
 #include "replication/output/peer_counters.hpp"
 #include "replication/policy/peer_config.hpp"
+#include "replication/session/clock_reach.hpp"
+#include "replication/session/member_limits.hpp"
 #include "replication/session/membership.hpp"
 #include "replication/session/session_clock.hpp"
 
@@ -20,12 +22,15 @@ class SessionTime {
   static constexpr Duration kSuspendedAfter = std::chrono::seconds(4);
 
   // All arguments outlive this object.
-  SessionTime(const PeerConfig& config, Membership& members, Outbox& outbox, PeerCounters& counters);
+  SessionTime(const PeerConfig& config, Membership& members, Outbox& outbox, PeerCounters& counters,
+              MemberLimits& limits);
 
   [[nodiscard]] const SessionClock& clock() const { return clock_; }
   // The peer whose session time this one takes over; itself: it leads. None: nobody's yet.
   [[nodiscard]] std::optional<PeerId> follows() const { return follows_; }
   [[nodiscard]] const std::optional<OsClock>& os_clock() const { return os_clock_; }
+  // How far ahead of where it is, and how far behind, other members may move session time from now on.
+  [[nodiscard]] OffsetBounds reach(HostTime now) const;
   [[nodiscard]] std::optional<HostTime> started() const { return started_; }
 
   // The session that this peer founds begins behind that time, where its host's clock is not there yet: operations that
@@ -73,15 +78,24 @@ class SessionTime {
   [[nodiscard]] std::optional<OsClockNote> os_clock_note(HostTime now) const;
   [[nodiscard]] std::optional<OffsetBounds> os_bounds(HostTime now, const Member& member) const;
   [[nodiscard]] SessionClock::Estimate estimate(HostTime now, PeerId peer);
+  [[nodiscard]] SessionClock::Estimate estimate_by_stamps(HostTime now, PeerId peer);
   enum class Session : std::uint8_t { kUnknown, kEarlier, kSame, kLater };
   [[nodiscard]] Session session_of(HostTime now, const Member& member, Duration own_error) const;
-  [[nodiscard]] std::optional<PeerId> choose_leader(HostTime now) const;
+  // The operating system's clock minus the host's, where it knows how right it is.
+  [[nodiscard]] std::optional<Duration> os_minus_host(HostTime now) const;
+  // Whether no more than those bounds is known to speak against following the member.
+  [[nodiscard]] bool is_within(HostTime now, const Member& member, const OffsetBounds& reach) const;
+  [[nodiscard]] std::optional<PeerId> choose_first_leader(HostTime now) const;
+  [[nodiscard]] std::optional<PeerId> choose_leader(HostTime now);
+  void name_if_too_far_ahead(HostTime now, PeerId sender);
 
   const PeerConfig& config_;
   Membership& members_;
   Outbox& outbox_;
   PeerCounters& counters_;
+  MemberLimits& limits_;
   SessionClock clock_;
+  ClockReach reach_;
   std::optional<PeerId> follows_;
   std::optional<HostTime> started_;
   HostTime listening_since_{};  // since the start, or since this host was suspended

@@ -87,6 +87,8 @@ class Lan {
   std::function<bool(std::size_t from, std::size_t to, const Message&)> filter;
   // The observer sees each datagram once, when it leaves.
   std::function<void(std::size_t from, RegionId, const Message&)> on_send;
+  // A hostile peer: what it sends instead of the message; none: the message.
+  std::function<std::optional<Message>(std::size_t from, const Message&)> forge;
   // Delays a datagram on top of its link's latency.
   std::function<Duration(std::size_t from, std::size_t to, const Message&)> delay;
 
@@ -201,6 +203,8 @@ class Lan {
     const auto message = decode(datagram, session_now(from));
     ASSERT_TRUE(message.has_value()) << to_string(message.error());
     if (on_send) on_send(from, region, *message);
+    const auto forged = forge ? forge(from, *message) : std::nullopt;
+    const Bytes sent = forged ? encode(*forged) : datagram;
     std::uniform_real_distribution<double> u(0.0, 1.0);
     for (std::size_t to = 0; to < nodes_.size(); ++to) {  // multicast comes back to its sender too
       if (apart_.contains(from) != apart_.contains(to) || !joined_[to].contains(region)) continue;
@@ -208,7 +212,7 @@ class Lan {
       const int copies = (u(rng_) < link_.loss ? 0 : 1) + (u(rng_) < link_.duplicates ? 1 : 0);
       for (int c = 0; c < copies; ++c) {
         const Duration late = seconds(to_seconds(link_.jitter) * u(rng_)) + (delay ? delay(from, to, *message) : 0s);
-        flights_.push({now_ + (to == from ? 0ms : link_.latency + late), ++sent_, to, datagram, region});
+        flights_.push({now_ + (to == from ? 0ms : link_.latency + late), ++sent_, to, sent, region});
       }
     }
   }

@@ -37,6 +37,14 @@ TEST_F(Describe, DatagramsAndRetractedContactsHaveNoLine) {
   EXPECT_EQ(line(ContactsRetracted{}), "none");
 }
 
+TEST_F(Describe, AMemberThatMeetsALimitIsNamed) {
+  EXPECT_EQ(line(LimitMet{PeerId{7}, MemberLimit::kClockAhead, 3}),
+            "2 peer 7 says a time that is farther from this computer's than replication.clock_ahead_s allows: 3 times "
+            "(dropped_clock_ahead)");
+  EXPECT_EQ(line(LimitMet{PeerId{7}, MemberLimit::kDecisions, 1}),
+            "2 peer 7 sends more decisions than one peer is allowed: 1 times (dropped_decision_rate)");
+}
+
 TEST_F(Describe, DetailsAreForDebugging) {
   EXPECT_EQ(line(Join{RegionId{7}}), "0 joined region 7");
   EXPECT_EQ(line(Leave{RegionId{7}}), "0 left region 7");

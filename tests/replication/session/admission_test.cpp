@@ -33,7 +33,8 @@ class Admitting : public testing::Test {
   PeerCounters counters;
   Membership members{own.lost_after};
   Outbox outbox{own.id, own.incarnation, counters};
-  Admission admission{own, members, outbox};
+  MemberLimits limits{members, outbox, counters};
+  Admission admission{own, members, outbox, limits};
   std::vector<std::pair<PeerId, std::uint64_t>> lost;
 };
 

@@ -46,7 +46,8 @@ class Timing : public testing::Test {
   PeerCounters counters;
   Membership members{own.lost_after};
   Outbox outbox{own.id, own.incarnation, counters};
-  SessionTime time{own, members, outbox, counters};
+  MemberLimits limits{members, outbox, counters};
+  SessionTime time{own, members, outbox, counters, limits};
 };
 
 // ---- founding ----
@@ -201,6 +202,108 @@ TEST_F(Timing, CountsStampsThatContradictEachOther) {
   EXPECT_EQ(counters.clock_contradictions, 0u);
   hear(1, host(1100ms), 17s);
   EXPECT_EQ(counters.clock_contradictions, 1u);
+}
+
+// ---- how far others move it ----
+
+constexpr Duration k2030 = std::chrono::seconds(1'893'456'000);  // its clock is not surely wrong
+constexpr Duration k31Years = std::chrono::hours(31 * 366 * 24);
+
+TEST_F(Timing, WhoSharesItsTimeFollowsNobodyFarAhead) {
+  const HostTime start{k2030};
+  time.start(start);
+  ASSERT_TRUE(time.found_session(start + 1s));
+  for (const Duration ahead : {k31Years, 11 * Duration(1min)}) {
+    (void)hear_four(3, start + 2s, 0s, true);
+    (void)hear_four(1, start + 2s, ahead, true);
+    EXPECT_EQ(time.follows(), PeerId{2});
+    EXPECT_FALSE(time.adjust(start + 2s));
+    members.remove(PeerId{1});
+  }
+  EXPECT_GT(counters.drops["clock_ahead"], 0u);
+  const auto said = drain<LimitMet>(outbox);
+  ASSERT_EQ(said.size(), 1u) << "once a minute";
+  EXPECT_EQ(said[0].peer, PeerId{1});
+  EXPECT_EQ(said[0].limit, MemberLimit::kClockAhead);
+  (void)hear_four(1, start + 3s, 9min, true);
+  EXPECT_EQ(time.follows(), PeerId{1}) << "two sessions may meet";
+  EXPECT_TRUE(time.adjust(start + 3s));
+}
+
+TEST_F(Timing, ManySmallStepsAreNoMore) {
+  const HostTime start{k2030};
+  time.start(start);
+  ASSERT_TRUE(time.found_session(start + 1s));
+  HostTime now = start + 2s;
+  for (Duration ahead{0}; ahead < 20min; ahead += 20s, now += 10s) {
+    (void)hear_four(3, now, time.clock().session_minus_host(now), true);
+    members.remove(PeerId{1});
+    (void)hear_four(1, now, ahead, true);
+    (void)time.adjust(now);
+  }
+  EXPECT_GT(time.clock().session_minus_host(now), 9min);
+  EXPECT_LT(time.clock().session_minus_host(now), 10min + 2s) << "and what clocks drift apart";
+}
+
+TEST_F(Timing, WhoIsAloneFollowsForAYear) {
+  const HostTime start{k2030};
+  time.start(start);
+  ASSERT_TRUE(time.found_session(start + 1s));
+  (void)hear_four(1, start + 2s, k31Years, true);
+  EXPECT_FALSE(time.adjust(start + 2s));
+  (void)hear_four(3, start + 3s, 24h * 300, true);
+  EXPECT_EQ(time.follows(), PeerId{3});
+  EXPECT_TRUE(time.adjust(start + 3s)) << "its own clock may be late";
+}
+
+TEST_F(Timing, WhoKnowsTheRightTimeDoesNot) {
+  const HostTime start{k2030};
+  time.start(start);
+  ASSERT_TRUE(time.found_session(start + 1s));
+  time.on_os_clock(start + 1s, OsClock{1h, 10ms});
+  (void)hear_four(3, start + 2s, 24h * 300, true);
+  EXPECT_FALSE(time.adjust(start + 2s));
+  (void)hear_four(4, start + 3s, 1h, true);
+  EXPECT_TRUE(time.adjust(start + 3s)) << "the right time is an hour ahead";
+}
+
+// A computer without a clock of its own begins in 1970.
+TEST_F(Timing, ASurelyWrongClockFollowsAnything) {
+  found();
+  (void)hear_four(3, host(2s), k2030, true);
+  EXPECT_TRUE(time.adjust(host(2s)));
+}
+
+TEST_F(Timing, ANewcomerPrefersASessionThatIsNear) {
+  const HostTime start{k2030};
+  time.start(start);
+  (void)hear_four(1, start + 1s, 24h, false);
+  EXPECT_EQ(time.follows(), PeerId{1});
+  members = Membership{own.lost_after};
+  SessionTime again{own, members, outbox, counters, limits};
+  again.start(start);
+  for (int i = 0; i < 4; ++i) {
+    hear(1, start + 1s + i * 10ms, 24h);
+    hear(3, start + 1s + i * 10ms, 1s);
+    (void)again.follow_leader(start + 1s + i * 10ms, PeerId{3}, false);
+  }
+  EXPECT_EQ(again.follows(), PeerId{3});
+}
+
+TEST_F(Timing, ANewcomerFoundsBesideASessionThatIsTooFarAhead) {
+  const HostTime start{k2030};
+  time.start(start);
+  EXPECT_FALSE(hear_four(1, start + 1s, k31Years, false));
+  members.find(PeerId{1})->echo.echoes_us = true;
+  EXPECT_TRUE(time.found_session(start + 4s));
+}
+
+TEST_F(Timing, AnErrorBeyondTheReachIsFollowedByNobody) {
+  const HostTime start{k2030};
+  time.start(start);
+  ASSERT_TRUE(time.found_session(start + 1s));
+  (void)hear_four(1, start + 2s, 0s, true, 24h);
+  EXPECT_EQ(time.follows(), PeerId{2});
 }
 
 // ---- what a hello says ----

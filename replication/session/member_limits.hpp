@@ -1,0 +1,59 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "core/ids.hpp"
+#include "core/time.hpp"
+#include "replication/output/outbox.hpp"
+#include "replication/output/peer_counters.hpp"
+#include "replication/session/membership.hpp"
+
+namespace peerd::replication {
+
+// What a member may use up of a limit: a bucket that holds `burst` and fills at `per_s`.
+struct LimitRate {
+  double per_s = 0.0, burst = 0.0;
+};
+// The rate of a limit; none: nothing of the kind is allowed. At least four times what honest peers have been measured
+// to do at their busiest (docs/measurements/security.md).
+[[nodiscard]] std::optional<LimitRate> rate_of(MemberLimit limit);
+
+// What one member can do to the others, as far as that is limited: what goes beyond is counted by its reason, for the
+// member and in all, and named once a minute (LimitMet). What a member has used up outlives its restarts.
+class MemberLimits {
+ public:
+  // A member and a limit are named no more often.
+  static constexpr Duration kNamedApart = std::chrono::minutes(1);
+  // The greatest length of one author's log, and the most bytes of logs that a peer takes from others. A log that is
+  // cut at a length is cut alike by all, so that all hold the same of it.
+  static constexpr std::uint64_t kLogMax_bytes = std::uint64_t{256} << 20, kLogsMax_bytes = std::uint64_t{2} << 30;
+
+  // All arguments outlive this object.
+  MemberLimits(Membership& members, Outbox& outbox, PeerCounters& counters);
+
+  // The sender uses up so much of a limit that has a rate. False: it has not so much left, which is counted as refused.
+  // What is larger than the bucket takes a full one.
+  [[nodiscard]] bool take(HostTime now, PeerId sender, MemberLimit limit, double amount = 1.0);
+  // What the sender said goes beyond the limit.
+  void refuse(HostTime now, PeerId sender, MemberLimit limit);
+
+ private:
+  struct State {
+    double used = 0.0;  // of the bucket, at used_at
+    HostTime used_at{};
+    std::uint64_t unnamed = 0;
+    std::optional<HostTime> named_at;
+  };
+
+  [[nodiscard]] State& state(HostTime now, PeerId peer, MemberLimit limit);
+  void forget_idle(HostTime now);
+
+  Membership& members_;
+  Outbox& outbox_;
+  PeerCounters& counters_;
+  std::map<std::pair<PeerId, MemberLimit>, State> states_;
+};
+
+}  // namespace peerd::replication
