@@ -3,13 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <thread>
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/control/control_client.hpp"
+#include "tests/net/controlled_peers.hpp"
 #include "tests/net/listener.hpp"
-#include "tests/net/process.hpp"
 
 namespace peerd::join_test {
 
@@ -17,12 +15,11 @@ using net::testing_support::own_port;
 using nlohmann::json;
 using testing::HasSubstr;
 using testing_support::Process;
-using testing_support::ScratchFolder;
 
 using Words = std::vector<std::string>;
 
 // The world is called as nobody else's on this computer.
-class Joining : public testing::Test {
+class Joining : public testing_support::ControlledPeers {
  protected:
   Joining() {
     folder.write("wheel.wrl", "#VRML V2.0 utf8\nTransform { translation 0 1 0 children Shape { geometry Box { } } }\n");
@@ -47,38 +44,7 @@ class Joining : public testing::Test {
   Process join(const std::string& name, const std::string& called, const Words& more = {}) const {
     return start(name, {"join", called}, more);
   }
-  [[nodiscard]] json ask(const std::string& name, const json& request) const {
-    const auto line = api::ask(folder / (name + ".sock"), request.dump());
-    return line ? json::parse(*line, nullptr, false) : json();
-  }
-  template <class Condition>
-  static bool wait_until(Condition holds) {
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (!holds()) {
-      if (std::chrono::steady_clock::now() > give_up) return false;
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    return true;
-  }
-  [[nodiscard]] bool is_in_session(const std::string& name) const {
-    return wait_until([&] {
-      const json status = ask(name, {{"do", "status"}});
-      return status.is_object() && status.at("session").at("joined").get<bool>();
-    });
-  }
-  // The world of a peer, as VRML.
-  [[nodiscard]] std::string world_of(const std::string& name) const {
-    const json reply = ask(name, {{"do", "world"}});
-    return reply.is_object() ? reply.value("world", std::string()) : std::string();
-  }
-  [[nodiscard]] bool add(const std::string& name, const std::string& def) const {
-    const std::string text = "DEF " + def + " Transform { children Shape { geometry Sphere { } } }";
-    const json reply = ask(name, {{"do", "add"}, {"text", text}});
-    EXPECT_TRUE(reply.is_object() && reply.value("done", false)) << name << " answers " << reply.dump();
-    return wait_until([&] { return world_of(name).find(def) != std::string::npos; });
-  }
 
-  ScratchFolder folder;
   const std::string world = "world-" + std::to_string(getpid());
 };
 
