@@ -11,6 +11,7 @@
 #include <span>
 #include <string_view>
 
+#include <string.h>  // explicit_bzero, which is no part of C++
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -43,6 +44,7 @@
 #include "peerd/feed/pose_feed.hpp"
 #include "peerd/input/json_line.hpp"
 #include "peerd/input/text_file.hpp"
+#include "peerd/seal/invitation.hpp"
 #include "peerd/view/view_command.hpp"
 
 namespace peerd {
@@ -595,8 +597,9 @@ Command add_join(CLI::App& app) {
   add_ask_options(*command, flags->ask);
   add_own_options(*command, flags->join.peer, flags->run, "");
   command
-      ->add_option("--invite", flags->join.invitation,
-                   "what peerd invite has printed elsewhere: the world and its key, which is kept")
+      ->add_option(
+          "--invite", flags->join.invitation,
+          "what peerd invite has printed elsewhere: the world and its key, which is kept; -: from standard input")
       ->excludes("--open")
       ->excludes("--key");
   command
@@ -863,6 +866,16 @@ Command add_view(CLI::App& app) {
   return {command, [view] { return run_view(*view); }};
 }
 
+// A command line stands in the list of processes for all to see: the invitations in it are overwritten.
+void hide_invitations(std::span<char*> words) {
+  for (char* const word : words) {
+    const std::size_t begin = std::string_view(word).find(seal::kInvitationBegin);
+    if (begin == std::string_view::npos) continue;
+    const std::size_t secret = begin + seal::kInvitationBegin.size();
+    explicit_bzero(word + secret, std::string_view(word).size() - secret);
+  }
+}
+
 // Says why a command line is refused. Without a command there is nothing to explain but the commands themselves.
 int refuse(const CLI::App& app, const CLI::ParseError& error) {
   if (!lacks_command(app)) return failed(wrong_use(app, error));
@@ -890,6 +903,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return refuse(app, error);
   }
+  hide_invitations(words);
   const auto chosen = std::ranges::find_if(commands, [](const Command& command) { return command.app->parsed(); });
   assert(chosen != commands.end());
   return chosen->run();

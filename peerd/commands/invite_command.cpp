@@ -1,5 +1,7 @@
 #include "peerd/commands/invite_command.hpp"
 
+#include <iostream>
+
 #include "peerd/commands/problems.hpp"
 #include "peerd/seal/invitation.hpp"
 #include "peerd/seal/key_file.hpp"
@@ -15,6 +17,9 @@ int run_invite(const InviteOptions& options, std::ostream& out) {
                              key.error().exit_code});
   }
   out << "peerd join --invite " << seal::text_of({options.world, *key}) << '\n';
+  std::cerr << "That line is as secret as the key: whoever has it is in. Where others use the other computer, too, run "
+               "there\n  peerd join --invite -\nand paste it, or say < FILE: then no list of processes and no shell's "
+               "history has it.\n";
   return 0;
 }
 

@@ -5,8 +5,8 @@
 
 namespace peerd {
 
-// `peerd invite` prints the command that brings somebody else into a world: one line, as secret as the world's key.
-// Returns the exit code: 0; 2 the key is refused; 3 this user has none of that world.
+// `peerd invite` prints the command that brings somebody else into a world: one line, as secret as the world's key,
+// and advice to standard error. Returns the exit code: 0; 2 the key is refused; 3 this user has none of that world.
 struct InviteOptions {
   std::string world;
   std::filesystem::path key;  // of --key; empty: this user's own of the world

@@ -7,6 +7,8 @@
 #include <map>
 #include <utility>
 
+#include <unistd.h>
+
 #include <spdlog/fmt/fmt.h>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -16,6 +18,7 @@
 #include "peerd/commands/problems.hpp"
 #include "peerd/discovery/discovery.hpp"
 #include "peerd/input/json_line.hpp"
+#include "peerd/input/secret_line.hpp"
 #include "peerd/input/toml_input.hpp"
 #include "peerd/os/host_clock.hpp"
 #include "peerd/seal/invitation.hpp"
@@ -222,10 +225,23 @@ Result<JoinedWorld> joined_by_store(JoinOptions& options) {
                  kNoSuchWorld});
 }
 
+// The invitation that somebody pastes, or a file has. It may be the whole line that peerd invite prints.
+Result<std::optional<seal::Invitation>> pasted_invitation() {
+  const auto line = read_secret_line(STDIN_FILENO, "what peerd invite has printed: ", "--invite -");
+  if (!line) return std::unexpected(line.error());
+  std::string_view text = line->view();
+  while (text.ends_with(' ') || text.ends_with('\r')) text.remove_suffix(1);
+  return seal::read_invitation(text.substr(text.rfind(' ') + 1));
+}
+
 // Keeps the key of an invitation as this user's own of that world.
 Result<void> accept_invitation(JoinOptions& options) {
   if (options.invitation.empty()) return {};
-  const auto invitation = seal::read_invitation(options.invitation);
+  auto pasted = options.invitation == "-"
+                    ? pasted_invitation()
+                    : Result<std::optional<seal::Invitation>>(seal::read_invitation(options.invitation));
+  if (!pasted) return std::unexpected(pasted.error());
+  const std::optional<seal::Invitation> invitation = *std::move(pasted);
   if (!invitation)
     return std::unexpected(InputError{"error: --invite: that is no whole invitation of peerd invite", 2});
   if (!options.world.empty() && options.world != invitation->world) {

@@ -31,7 +31,7 @@ struct JoinOptions {
   config::TransportSettings transport;
   std::filesystem::path key;  // of --key; empty: this user's own of the world
   bool open = false;          // of --open
-  std::string invitation;     // of --invite: the world's name and its key; empty: none
+  std::string invitation;     // of --invite: the world's name and its key; "-": in standard input; empty: none
   PeerOptions peer;           // without a configuration; its `sets` are those of its own
 };
 [[nodiscard]] int run_join(JoinOptions& options);

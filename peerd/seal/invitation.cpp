@@ -10,7 +10,6 @@
 namespace peerd::seal {
 namespace {
 
-constexpr std::string_view kInvitationBegin = "peerd-invite-1:";
 constexpr std::size_t kWorldMax_bytes = 255;
 // The first bytes of a hash of the rest end it, by which damage is noticed.
 constexpr std::size_t kCheck_bytes = 8;

@@ -14,6 +14,8 @@ struct Invitation {
   SymmetricKey key;
 };
 
+inline constexpr std::string_view kInvitationBegin = "peerd-invite-1:";
+
 [[nodiscard]] std::string text_of(const Invitation& invitation);
 // None: it is not whole, or no invitation.
 [[nodiscard]] std::optional<Invitation> read_invitation(std::string_view text);

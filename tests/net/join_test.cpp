@@ -174,10 +174,36 @@ TEST_F(Joining, AnInvitationIsAllThatSomebodyElseNeeds) {
   ASSERT_TRUE(is_in_session("invited")) << invited.err();
   EXPECT_EQ(world_of("invited"), world_of("a"));
   EXPECT_THAT(invited.out() + invited.err(), testing::Not(HasSubstr(invitation))) << "it is in no log";
+  EXPECT_THAT(invited.command_line(), testing::AllOf(HasSubstr("--invite"), testing::Not(HasSubstr(invitation))));
   Process again = join_there("again", {world});
   ASSERT_TRUE(is_in_session("again")) << again.err() << "the key was kept";
   ASSERT_TRUE(add("invited", "BALL"));
   EXPECT_TRUE(wait_until([&] { return world_of("a") == world_of("invited") && world_of("a") == world_of("again"); }));
+}
+
+// As it was printed, with the command before it, from a file that no list of processes shows.
+TEST_F(Joining, AnInvitationMayComeByStandardInput) {
+  Process a = run("a", world);
+  ASSERT_TRUE(is_in_session("a"));
+  Process invite(folder, "invite", PEERD_PROGRAM, {"invite", world});
+  ASSERT_EQ(invite.exit_code(10), 0) << invite.err();
+  EXPECT_THAT(invite.err(), HasSubstr("peerd join --invite -"));
+  const auto join_by = [&](const std::string& name, const std::string& line) {
+    folder.write(name + ".txt", line);
+    return Process(
+        folder, name, "/bin/sh",
+        {"-c", "exec \"$0\" \"$@\" <" + (folder / (name + ".txt")).string(), PEERD_PROGRAM, "join", "--name", name,
+         "--interface", "lo", "--store", "", "--control", (folder / (name + ".sock")).string(), "--invite", "-"},
+        name);
+  };
+  Process nothing = join_by("nothing", ""), other = join_by("other", "peerd join --invite\n");
+  EXPECT_EQ(nothing.exit_code(10), 2);
+  EXPECT_THAT(nothing.err(), HasSubstr("nothing came"));
+  EXPECT_EQ(other.exit_code(10), 2);
+  EXPECT_THAT(other.err(), HasSubstr("no whole invitation"));
+  Process invited = join_by("invited", invite.out());
+  ASSERT_TRUE(is_in_session("invited")) << invited.err();
+  EXPECT_EQ(world_of("invited"), world_of("a"));
 }
 
 // Both say how they are, so that nobody waits for what cannot be.
