@@ -72,7 +72,7 @@ const InputError kFreshWithoutStore{"error: --fresh begins a store anew, and thi
 
 // The options of `peerd run` that stand for settings, in place of a configuration file or over it.
 struct RunFlags {
-  std::string world, world_name, name, interface, group, key;
+  std::string world, world_name, name, interface, group, key, password;
   std::optional<std::uint32_t> id, port;
   std::vector<std::string> owns, enslaves;  // two names of one option
   bool open = false;
@@ -119,6 +119,10 @@ std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options
   if (flags.open) sets.emplace_back("transport.sealed=false");
   if (!flags.key.empty()) {
     sets.push_back("transport.key_file=" + json_line(std::filesystem::absolute(flags.key).string()));
+  }
+  if (!flags.password.empty()) {
+    const auto file = flags.password == "-" ? flags.password : std::filesystem::absolute(flags.password).string();
+    sets.push_back("transport.password_file=" + json_line(file));
   }
   sets.insert(sets.end(), options.sets.begin(), options.sets.end());
   return sets;
@@ -167,11 +171,17 @@ void add_own_options(CLI::App& command, PeerOptions& peer, RunFlags& flags, cons
                    "begin at once, without asking for a second whether this peer is running already: that one ends");
   auto* const open = command.add_flag("--open", flags.open,
                                       "nothing is sealed: whoever is on the network can listen, and speak as any peer");
+  auto* const key =
+      command
+          .add_option("--key", flags.key,
+                      "the file of the key by which the world's peers seal all that they send (default: the "
+                      "configuration's, else this user's own of that world, which is made where there is none)")
+          ->excludes(open);
   command
-      .add_option("--key", flags.key,
-                  "the file of the key by which the world's peers seal all that they send (default: the "
-                  "configuration's, else this user's own of that world, which is made where there is none)")
-      ->excludes(open);
+      .add_option("--password-file", flags.password,
+                  "the file of a password that makes the key, in place of --key; -: asks for it")
+      ->excludes(open)
+      ->excludes(key);
   command.add_flag("--json", peer.json, "log lines as JSON");
   command.add_flag("-v,--verbose", peer.verbose, "log updates and predictions too");
 }
@@ -601,7 +611,8 @@ Command add_join(CLI::App& app) {
           "--invite", flags->join.invitation,
           "what peerd invite has printed elsewhere: the world and its key, which is kept; -: from standard input")
       ->excludes("--open")
-      ->excludes("--key");
+      ->excludes("--key")
+      ->excludes("--password-file");
   command
       ->add_option("--port", flags->run.port,
                    "UDP port of its own, where the session uses unicast (default: the session's)")
@@ -611,7 +622,7 @@ Command add_join(CLI::App& app) {
             flags->join.peer.store.by_default = true;
             if (flags->join.peer.store.fresh && !flags->join.peer.store.is_wanted()) return failed(kFreshWithoutStore);
             flags->join.transport = flags->ask.transport();
-            flags->join.key = flags->run.key;
+            flags->join.key = {flags->run.key, flags->run.password};
             flags->join.open = flags->run.open;
             flags->run.interface = flags->ask.interface;
             flags->join.peer.sets = as_settings(flags->run, flags->join.peer);

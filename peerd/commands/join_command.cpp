@@ -150,19 +150,19 @@ Result<void> greet_first(const std::vector<snapshot::Provider>& providers, const
 }
 
 // The key of a session that others have begun; none: it is open. Nobody makes one for it.
-Result<std::optional<seal::SymmetricKey>> key_of(const JoinOptions& options, const std::string& world) {
+Result<std::optional<seal::SessionKey>> key_of(const JoinOptions& options, const std::string& world) {
   if (options.open) return std::nullopt;
-  if (world.empty() && options.key.empty()) {
+  if (world.empty() && options.key.key_file.empty()) {
     return std::unexpected(
         InputError{"error: which key? Say the world's name, or --key FILE; --open, if it is open", 2});
   }
-  const auto file = seal::chosen_key_file(options.key, world);
-  if (!file) return std::unexpected(file.error());
-  auto key = seal::read_key(*file);
+  auto key = seal::session_key(options.key, world, seal::IfMissing::kFail);
   if (key) return *std::move(key);
-  return std::unexpected(InputError{key.error().text +
-                                        "; whoever runs that world has its key: --key FILE says a copy, " +
-                                        "and --open that there is none",
+  const bool has_password = !options.key.password_file.empty();
+  return std::unexpected(InputError{key.error().text + (has_password ? ""
+                                                                     : "; whoever runs that world has its key: --key "
+                                                                       "FILE says a copy, and --open that there is "
+                                                                       "none"),
                                     key.error().exit_code});
 }
 
@@ -171,8 +171,10 @@ Result<JoinedWorld> joined_by_peers(const std::vector<snapshot::Provider>& provi
   const auto key = key_of(options, world);
   if (!key) return std::unexpected(key.error());
   PeerOptions& peer = options.peer;
+  peer.key = *key;
   const auto began = std::chrono::steady_clock::now();
-  auto snapshot = snapshot::fetch_snapshot(providers, session, {.key = *key});
+  auto snapshot =
+      snapshot::fetch_snapshot(providers, session, {.key = *key ? std::optional((*key)->key) : std::nullopt});
   if (!snapshot) return std::unexpected(InputError{"error: " + snapshot.error(), kNoSuchWorld});
   print_warnings(snapshot->notes);
   if (auto done = greet_first(providers, snapshot->offer.settings, peer); !done) return std::unexpected(done.error());

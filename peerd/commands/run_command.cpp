@@ -34,8 +34,8 @@
 #include "peerd/os/udp_port.hpp"
 #include "peerd/picture/picture_input.hpp"
 #include "peerd/record/capture.hpp"
-#include "peerd/seal/key_file.hpp"
 #include "peerd/seal/sealed_transport.hpp"
+#include "peerd/seal/session_key.hpp"
 #include "peerd/store/operation_store.hpp"
 #include "peerd/store/store_folder.hpp"
 #include "peerd/transport/transport_options.hpp"
@@ -208,25 +208,23 @@ void log_refused(const api::ControlServer* control, const feed::UdpPort* poses, 
 }
 
 // The key of the session, unless the settings say that it is open.
-Result<std::optional<seal::SymmetricKey>> session_key(const config::TransportSettings& settings,
-                                                      const std::string& world, Log& log) {
-  if (!settings.sealed) {
-    log(spdlog::level::warn, "open: whoever is on this network can listen, and speak as any peer");
-    return std::nullopt;
-  }
-  const auto file = seal::chosen_key_file(settings.key_file, world);
-  if (!file) return std::unexpected(file.error());
-  auto key = settings.key_file.empty() ? seal::read_or_make_key(*file) : seal::read_key(*file);
+Result<std::optional<seal::SessionKey>> session_key(const PeerOptions& options,
+                                                    const config::TransportSettings& settings,
+                                                    const std::string& world) {
+  if (!settings.sealed) return std::nullopt;
+  if (options.key) return *options.key;
+  auto key = seal::session_key({settings.key_file, settings.password_file}, world, seal::IfMissing::kMake);
   if (!key) return std::unexpected(key.error());
-  log(spdlog::level::info, "sealed by the key " + file->string());
   return *std::move(key);
 }
 
-void seal_transport(asio::io_context& io, const net::HostClock& clock, const seal::SymmetricKey& key, PeerId self,
-                    net::OpenedTransport& reached, Log& log) {
+void seal_transport(asio::io_context& io, const net::HostClock& clock, const std::optional<seal::SessionKey>& key,
+                    PeerId self, net::OpenedTransport& reached, Log& log) {
+  if (!key) return log(spdlog::level::warn, "open: whoever is on this network can listen, and speak as any peer");
   reached.transport =
-      std::make_unique<seal::SealedTransport>(io, clock, std::move(reached.transport), key, self,
+      std::make_unique<seal::SealedTransport>(io, clock, std::move(reached.transport), key->key, self,
                                               [&log](const std::string& line) { log(spdlog::level::warn, line); });
+  log(spdlog::level::info, "sealed by " + key->by);
 }
 
 void log_beginning(const config::PeerSettings& peer, const std::filesystem::path& world,
@@ -394,7 +392,6 @@ PeerNode::Options node_options_of(const PeerOptions& options, const config::RunS
   node.start_lead = std::chrono::milliseconds(1000);  // enough for a few hellos to reach all peers
   node.clock_offset = from_seconds(peer.clock_offset_s);
   node.keep_log = !options.record.empty();
-  node.sealed = run.transport.sealed;
   node.sample_hz = run.sample_hz;
   return node;
 }
@@ -502,7 +499,7 @@ Result<PeerParts> make_parts(const PeerOptions& options) {
 JoinService::Options join_service_options(const PeerOptions& options, const PeerParts& parts,
                                           const PeerNode::Options& node, const net::TransportOptions& reach,
                                           const net::OpenedTransport& reached,
-                                          const std::optional<seal::SymmetricKey>& key) {
+                                          const std::optional<seal::SessionKey>& key) {
   const config::TransportSettings& settings = parts.run().transport;
   config::RunSettings shared = parts.run();
   if (reached.unicast()) shared.transport.multicast = config::kMulticastNever;
@@ -515,7 +512,7 @@ JoinService::Options join_service_options(const PeerOptions& options, const Peer
           .settings = config::shared_settings(shared),
           .genesis = parts.shared->world.hash,
           .archive = parts.shared->world.archive,
-          .key = key};
+          .key = key ? std::optional(key->key) : std::nullopt};
 }
 
 }  // namespace
@@ -527,7 +524,12 @@ int run_peer(const PeerOptions& options) {
   const config::PeerSettings& settings = *parts->settings;
 
   const net::HostClock clock(from_seconds(settings.clock_offset_s));
+  const auto key = session_key(options, run.transport, parts->world_name(options));
+  if (!key) return failed(key.error());
   PeerNode::Options node_options = node_options_of(options, run, settings, clock);
+  if (*key) node_options.sealed_by = (*key)->by;
+  Log log(settings.name, options.json, options.verbose);
+  const auto log_line = [&log](const LogLine& line) { log(line); };
   auto reach = transport_options(run.transport, random_key());
   if (!reach) return failed(reach.error());
   reach->multicast.groups = net::plan_of_world(reach->multicast.groups, parts->session);
@@ -553,11 +555,7 @@ int run_peer(const PeerOptions& options) {
                                     reach->multicast.groups, clock.now());
   if (!capture) return failed(capture.error());
 
-  Log log(settings.name, options.json, options.verbose);
-  const auto log_line = [&log](const LogLine& line) { log(line); };
-  const auto key = session_key(run.transport, parts->world_name(options), log);
-  if (!key) return failed(key.error());
-  if (*key) seal_transport(io, clock, **key, PeerId{settings.id}, *reached, log);
+  seal_transport(io, clock, *key, PeerId{settings.id}, *reached, log);
   log_beginning(settings, parts->scenario.world, run.transport, *reached, log);
   for (const std::string& line : parts->shared->findings()) log(spdlog::level::warn, line);
   for (const LogLine& line : parts->opened.lines) log(line);

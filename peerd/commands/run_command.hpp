@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "peerd/seal/session_key.hpp"
 #include "peerd/store/stored_world.hpp"
 #include "replication/wire/operation.hpp"
 
@@ -36,6 +37,8 @@ struct PeerOptions {
   bool keeps_id = false;
   std::filesystem::path record;   // file for the peer's log; empty: none
   std::filesystem::path capture;  // file for the peer's capture (record/capture.hpp); empty: none
+  // The session's key, where it has been read already; none: the settings say which it is.
+  std::optional<seal::SessionKey> key;
   StoreOptions store;
   std::optional<std::string> control;  // path of the control socket, of --control; empty: none
   std::optional<std::string> view;     // ADDRESS:PORT of --view; none: the configuration's, if it has one

@@ -312,6 +312,7 @@ TransportSettings read_transport(TomlReader reader) {
   s.snapshot_port = static_cast<std::uint16_t>(snapshot_port);
   reader.read("sealed", s.sealed);
   reader.read("key_file", s.key_file);
+  reader.read("password_file", s.password_file);
   reader.finish();
   return s;
 }

@@ -109,6 +109,7 @@ struct TransportSettings {
   std::uint16_t snapshot_port = 0;  // TCP, for who joins; 0: the system chooses one
   bool sealed = true;               // datagrams are encrypted, and those that another key has sealed are dropped
   std::string key_file;             // of the key; empty: this user's own of the world
+  std::string password_file;        // of a password that makes the key; "-": asked for; empty: none
 };
 inline constexpr std::size_t kMulticastAuto = 0, kMulticastAlways = 1,
                              kMulticastNever = 2;  // TransportSettings::multicast

@@ -14,7 +14,7 @@
 namespace peerd {
 namespace {
 
-std::unexpected<InputError> wrong(const std::string& what, const std::string& why) {
+std::unexpected<InputError> no_secret(const std::string& what, const std::string& why) {
   return std::unexpected(InputError{"error: " + what + ": " + why, 2});
 }
 
@@ -65,14 +65,14 @@ Result<SecretText> read_secret_line(int descriptor, std::string_view prompt, con
   if (terminal.is_terminal()) std::cerr << prompt << std::flush;
   SecretText line;
   for (bool is_first = true;; is_first = false) {
-    if (terminal.is_terminal() && !terminal.wait_for_input()) return wrong(what, "reading it was stopped");
+    if (terminal.is_terminal() && !terminal.wait_for_input()) return no_secret(what, "reading it was stopped");
     char c = 0;
     const ssize_t size = ::read(descriptor, &c, 1);
     if (size < 0 && errno == EINTR) continue;
-    if (size < 0) return wrong(what, "it cannot be read: " + std::generic_category().message(errno));
-    if (size == 0 && is_first) return wrong(what, "nothing came");
+    if (size < 0) return no_secret(what, "it cannot be read: " + std::generic_category().message(errno));
+    if (size == 0 && is_first) return no_secret(what, "nothing came");
     if (size == 0 || c == '\n') return line;
-    if (!line.append(c)) return wrong(what, "a line may have " + std::to_string(SecretText::kBytesMax) + " bytes");
+    if (!line.append(c)) return no_secret(what, "a line may have " + std::to_string(SecretText::kBytesMax) + " bytes");
   }
 }
 

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <system_error>
 
@@ -22,8 +21,9 @@ namespace fs = std::filesystem;
 constexpr mode_t kOthers = S_IRWXG | S_IRWXO;
 constexpr int kFailed = 3;
 
-std::unexpected<InputError> wrong(const fs::path& file, const std::string& what, int code = kFailed) {
-  return std::unexpected(InputError{"error: the key " + file.string() + " " + what, code});
+std::unexpected<InputError> wrong(const fs::path& file, const std::string& why, int code = kFailed,
+                                  const std::string& what = "key") {
+  return std::unexpected(InputError{"error: the " + what + " " + file.string() + " " + why, code});
 }
 std::string why(int error) { return std::generic_category().message(error); }
 
@@ -86,22 +86,32 @@ Result<fs::path> chosen_key_file(const fs::path& said, const std::string& world)
   return std::unexpected(InputError{"error: this user has no home for a key: say --key FILE, or --open", 2});
 }
 
-Result<SymmetricKey> read_key(const fs::path& file) {
+Result<SecretText> read_private_line(const fs::path& file, const std::string& what) {
   const File opened(file, O_RDONLY);
-  if (!opened.is_open()) return wrong(file, "cannot be read: " + why(errno));
+  const auto refused = [&](const std::string& why, int code = 2) { return wrong(file, why, code, what); };
+  if (!opened.is_open()) return refused("cannot be read: " + why(errno), kFailed);
   struct stat found {};
-  if (::fstat(opened.get(), &found) != 0) return wrong(file, "cannot be read: " + why(errno));
-  if (!S_ISREG(found.st_mode)) return wrong(file, "is no file", 2);
+  if (::fstat(opened.get(), &found) != 0) return refused("cannot be read: " + why(errno), kFailed);
+  if (!S_ISREG(found.st_mode)) return refused("is no file");
   if ((found.st_mode & kOthers) != 0) {
-    return wrong(file, "may be read by other users of this computer; chmod 600 mends that", 2);
+    return refused("may be read by other users of this computer; chmod 600 mends that");
   }
-  std::array<char, 128> text{};
-  const ssize_t size = ::read(opened.get(), text.data(), text.size());
-  if (size < 0) return wrong(file, "cannot be read: " + why(errno));
-  std::string_view line(text.data(), static_cast<std::size_t>(size));
-  if (line.ends_with('\n')) line.remove_suffix(1);
-  const auto key = SymmetricKey::of_text(line);
-  sodium_memzero(text.data(), text.size());
+  SecretText text;
+  bool ends_line = false;
+  for (char c = 0;;) {
+    const ssize_t size = ::read(opened.get(), &c, 1);
+    if (size < 0) return refused("cannot be read: " + why(errno), kFailed);
+    if (size == 0) return text;
+    // The end of a line counts where something follows it.
+    if ((ends_line && !text.append('\n')) || (c != '\n' && !text.append(c))) return refused("is too long");
+    ends_line = c == '\n';
+  }
+}
+
+Result<SymmetricKey> read_key(const fs::path& file) {
+  const auto line = read_private_line(file, "key");
+  if (!line) return std::unexpected(line.error());
+  const auto key = SymmetricKey::of_text(line->view());
   if (!key) return wrong(file, "has no key", 2);
   return *key;
 }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "peerd/input/input_error.hpp"
+#include "peerd/input/secret_text.hpp"
 #include "peerd/seal/symmetric_key.hpp"
 
 namespace peerd::seal {
@@ -15,6 +16,9 @@ namespace peerd::seal {
 // The file that somebody has said, else that one. The error says that there is neither.
 [[nodiscard]] Result<std::filesystem::path> chosen_key_file(const std::filesystem::path& said,
                                                             const std::string& world);
+
+// What is in a file that only this user may read and write, without the end of its last line; `what` it is, for errors.
+[[nodiscard]] Result<SecretText> read_private_line(const std::filesystem::path& file, const std::string& what);
 
 // The key in a file, which has one line, SymmetricKey::text(). A file that others may read or write is refused.
 [[nodiscard]] Result<SymmetricKey> read_key(const std::filesystem::path& file);

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "peerd/seal/key_file.hpp"
 #include "tests/net/controlled_peers.hpp"
 #include "tests/net/listener.hpp"
 
@@ -204,6 +205,37 @@ TEST_F(Joining, AnInvitationMayComeByStandardInput) {
   Process invited = join_by("invited", invite.out());
   ASSERT_TRUE(is_in_session("invited")) << invited.err();
   EXPECT_EQ(world_of("invited"), world_of("a"));
+}
+
+// A password, once typed and once in a file, is all that two users share. Another one is none.
+TEST_F(Joining, APasswordIsAllThatTwoUsersShare) {
+  const auto password = [&](const std::string& name, const std::string& text) {
+    folder.write(name, text + "\n");
+    std::filesystem::permissions(folder / name, std::filesystem::perms::owner_read);
+    return (folder / name).string();
+  };
+  const std::string right = password("right", "correct horse"), wrong = password("wrong", "correct mule");
+  Process a = run("a", world, {"--password-file", right});
+  ASSERT_TRUE(is_in_session("a")) << a.err();
+  EXPECT_THAT(a.out(), HasSubstr("sealed by a password\n"));
+  EXPECT_EQ(ask("a", {{"do", "status"}}).at("session").at("sealed_by"), "a password");
+  const auto join_there = [&](const std::string& name, const std::string& file, const std::string& input) {
+    return Process(folder, name, "/bin/sh",
+                   {"-c", "exec \"$0\" \"$@\" <" + input, PEERD_PROGRAM, "join", world, "--name", name, "--interface",
+                    "lo", "--store", "", "--control", (folder / (name + ".sock")).string(), "--password-file", file},
+                   "elsewhere");
+  };
+  Process stranger = join_there("stranger", wrong, "/dev/null");
+  EXPECT_EQ(stranger.exit_code(10), 3);
+  EXPECT_THAT(stranger.err(), HasSubstr("as who has another key does"));
+  Process b = join_there("b", "-", right);
+  ASSERT_TRUE(is_in_session("b")) << b.err();
+  ASSERT_TRUE(add("b", "BALL"));
+  EXPECT_TRUE(wait_until([&] { return world_of("a") == world_of("b"); }));
+  EXPECT_THAT(b.out() + b.err(), testing::Not(HasSubstr("correct"))) << "it is in no log";
+  EXPECT_FALSE(std::filesystem::exists(folder / "elsewhere")) << "and no key is kept";
+  Process both = start("both", {"join", world, "--password-file", right, "--key", right});
+  EXPECT_EQ(both.exit_code(10), 2);
 }
 
 // Both say how they are, so that nobody waits for what cannot be.
