@@ -238,6 +238,25 @@ TEST_F(Joining, APasswordIsAllThatTwoUsersShare) {
   EXPECT_EQ(both.exit_code(10), 2);
 }
 
+// Nobody waits for what cannot be where one peer is asked by its address, either.
+TEST_F(Joining, WhoAsksOnePeerIsToldAtOnceHowItIsSealed) {
+  Process sealed = run("sealed", world, {"--set", "transport.snapshot_port=" + std::to_string(own_port(14))});
+  Process open =
+      run("open", world + "-open", {"--open", "--set", "transport.snapshot_port=" + std::to_string(own_port(15))});
+  ASSERT_TRUE(is_in_session("sealed") && is_in_session("open"));
+  const auto why_not = [&](unsigned slot, const Words& more) {
+    Words words{"join", world, "--store", "", "--control", "", "--from", "127.0.0.1:" + std::to_string(own_port(slot))};
+    words.insert(words.end(), more.begin(), more.end());
+    Process join(folder, "why", PEERD_PROGRAM, words);
+    EXPECT_EQ(join.exit_code(10), 3) << "it waits";
+    return join.err();
+  };
+  EXPECT_THAT(why_not(14, {"--open"}), HasSubstr("it is sealed, and begins with a key: leave out --open"));
+  EXPECT_THAT(why_not(15, {}), HasSubstr("it is open: say --open"));
+  ASSERT_TRUE(seal::read_or_make_key(folder / "other.key"));
+  EXPECT_THAT(why_not(14, {"--key", (folder / "other.key").string()}), HasSubstr("as who has another key does"));
+}
+
 // Both say how they are, so that nobody waits for what cannot be.
 TEST_F(Joining, WhoComesOpenToASealedWorldIsTold) {
   Process a = run("a", world), b = run("b", world + "-open", {"--open"});
