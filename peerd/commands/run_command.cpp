@@ -193,6 +193,11 @@ Result<std::unique_ptr<feed::UdpPort>> open_pose_port(asio::io_context& io, cons
 void log_refused(const api::ControlServer* control, const feed::UdpPort* poses, Log& log) {
   if (control) {
     const api::ControlServer::Counters& c = control->counters();
+    if (c.strangers > 0) {
+      log(spdlog::level::warn,
+          fmt::format("control: {} clients were of other users, and got no answer: who may open the socket's file?",
+                      c.strangers));
+    }
     if (c.refused + c.too_long + c.too_slow > 0) {
       log(spdlog::level::warn,
           fmt::format("control: {} of {} clients were one too many, {} sent no end of line, {} did "
