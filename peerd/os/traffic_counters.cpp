@@ -28,6 +28,7 @@ std::map<std::string, std::uint64_t> TrafficCounters::named() const {
       {"net.in_forged", in_forged},
       {"net.in_replayed", in_replayed},
       {"net.in_too_many_boots", in_too_many_boots},
+      {"net.in_flood", in_flood},
       {"net.out_queue_full", out_queue_full},
       {"net.out_unreachable", out_unreachable},
       {"net.out_blocked", out_blocked},
@@ -37,6 +38,8 @@ std::map<std::string, std::uint64_t> TrafficCounters::named() const {
       {"net.greetings_in", greetings_in},
       {"net.greetings_out", greetings_out},
       {"net.peers_refused", peers_refused},
+      {"net.greetings_unopened", greetings_unopened},
+      {"net.greetings_flood", greetings_flood},
   };
 }
 

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include "peerd/transport/transport_options.hpp"
+
 namespace peerd::seal {
 namespace {
 
@@ -36,6 +38,7 @@ SealedTransport::SealedTransport(boost::asio::io_context& io, const net::HostClo
                                  Warn warn)
     : clock_(clock),
       carrier_(std::move(carrier)),
+      strangers_(random_key(), {}),
       sealer_(session, self, Sealer::random_boot()),
       warn_(std::move(warn)),
       timer_(io) {
@@ -53,7 +56,13 @@ void SealedTransport::send(RegionId region, std::span<const std::byte> datagram)
 }
 
 void SealedTransport::take(const net::Arrival& arrival) {
-  if (Sealer::is_announcement(arrival.datagram)) {
+  using Kind = net::SourceBuckets::Kind;
+  const bool announces = Sealer::is_announcement(arrival.datagram);
+  if (!strangers_.admits(arrival.from.address(), announces ? Kind::kAnnouncement : Kind::kDatagram, arrival.at)) {
+    ++flood_;
+    return;
+  }
+  if (announces) {
     const auto refused = arrival.region == kAll ? sealer_.hear(arrival.datagram, clock_.now()) : Refusal::kForged;
     if (refused) return refuse(*refused, arrival);
     ++announcements_in_;
@@ -61,6 +70,7 @@ void SealedTransport::take(const net::Arrival& arrival) {
   }
   const auto opened = sealer_.open(arrival.region, arrival.datagram);
   if (!opened) return refuse(opened.error(), arrival);
+  strangers_.has_proven(arrival.from.address(), arrival.at);
   handler_({.region = arrival.region, .datagram = *opened, .at = arrival.at, .from = arrival.from});
 }
 
@@ -92,7 +102,7 @@ void SealedTransport::wait() {
 const net::TrafficCounters& SealedTransport::counters() const {
   const auto refused = [&](Refusal why) { return refused_.at(static_cast<std::size_t>(why)); };
   counters_ = carrier_->counters();
-  counters_.packets_in -= std::accumulate(refused_.begin(), refused_.end(), announcements_in_);
+  counters_.packets_in -= std::accumulate(refused_.begin(), refused_.end(), announcements_in_ + flood_);
   counters_.announcements_in = announcements_in_;
   counters_.in_open = refused(Refusal::kOpen);
   counters_.in_own = refused(Refusal::kOwn);
@@ -100,6 +110,7 @@ const net::TrafficCounters& SealedTransport::counters() const {
   counters_.in_forged = refused(Refusal::kForged);
   counters_.in_replayed = refused(Refusal::kReplayed);
   counters_.in_too_many_boots = refused(Refusal::kTooMany);
+  counters_.in_flood = flood_;
   return counters_;
 }
 

@@ -9,6 +9,7 @@
 
 #include "peerd/os/host_clock.hpp"
 #include "peerd/seal/sealer.hpp"
+#include "peerd/transport/source_buckets.hpp"
 #include "peerd/transport/transport.hpp"
 
 namespace peerd::seal {
@@ -43,13 +44,14 @@ class SealedTransport final : public net::Transport {
 
   const net::HostClock& clock_;
   std::unique_ptr<net::Transport> carrier_;
+  net::SourceBuckets strangers_;
   Sealer sealer_;
   Warn warn_;
   boost::asio::steady_timer timer_;
   ReceiveHandler handler_;
   std::map<Refusal, HostTime> warned_;
   // The parts of what the carrier has passed on, the refused ones by Refusal.
-  std::uint64_t announcements_in_ = 0;
+  std::uint64_t announcements_in_ = 0, flood_ = 0;
   std::array<std::uint64_t, kRefusals> refused_{};
   mutable net::TrafficCounters counters_;
 };

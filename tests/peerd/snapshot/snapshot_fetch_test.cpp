@@ -342,4 +342,24 @@ TEST(SnapshotServer, TakesFewConnectionsAndGoesOn) {
   expect_all_of(*snapshot, a);
 }
 
+// Who has no key holds as many connections as there can be, and more than one of whoever has.
+TEST(SnapshotServer, WhoProvesNoKeyMakesRoom) {
+  const auto key = seal::SymmetricKey::random();
+  const ProvidingPeer a(OperationLogs{}, random_bytes(1'000'000, 1), kSession, key);
+  asio::io_context io;
+  std::vector<asio::ip::tcp::socket> idle;
+  for (std::size_t i = 0; i < SnapshotServer::kConnectionsMax; ++i) idle.emplace_back(io).connect(a.provider("").at);
+  // All have been accepted once the last of them has got the server's hello.
+  std::array<char, 4 + seal::StreamSeal::kHello_bytes> hello{};
+  asio::read(idle.back(), asio::buffer(hello));
+  const auto snapshot = fetch_snapshot({a.provider("a")}, kSession, {.patience = 1h, .key = key});
+  ASSERT_TRUE(snapshot) << snapshot.error();
+  expect_all_of(*snapshot, a);
+  boost::system::error_code closed;
+  asio::read(idle.front(), asio::buffer(hello), closed);
+  EXPECT_FALSE(closed) << "its hello";
+  asio::read(idle.front(), asio::buffer(hello), closed);
+  EXPECT_TRUE(closed) << "and then it made room";
+}
+
 }  // namespace peerd::snapshot::snapshot_fetch_test
