@@ -34,6 +34,7 @@
 #include "peerd/os/udp_port.hpp"
 #include "peerd/picture/picture_input.hpp"
 #include "peerd/record/capture.hpp"
+#include "peerd/seal/sealed_greetings.hpp"
 #include "peerd/seal/sealed_transport.hpp"
 #include "peerd/seal/session_key.hpp"
 #include "peerd/store/operation_store.hpp"
@@ -501,6 +502,16 @@ Result<PeerParts> make_parts(const PeerOptions& options) {
   return parts;
 }
 
+// How the peer reaches the others; greetings are sealed where datagrams are.
+Result<net::TransportOptions> reach_of(const PeerParts& parts, const std::optional<seal::SessionKey>& key, Log& log) {
+  auto reach = transport_options(parts.run().transport, random_key());
+  if (!reach) return reach;
+  reach->multicast.groups = net::plan_of_world(reach->multicast.groups, parts.session);
+  const auto warn = [&log](const std::string& line) { log(spdlog::level::warn, line); };
+  if (key) reach->greetings = std::make_shared<seal::SealedGreetings>(key->key, warn);
+  return reach;
+}
+
 JoinService::Options join_service_options(const PeerOptions& options, const PeerParts& parts,
                                           const PeerNode::Options& node, const net::TransportOptions& reach,
                                           const net::OpenedTransport& reached,
@@ -535,9 +546,8 @@ int run_peer(const PeerOptions& options) {
   if (*key) node_options.sealed_by = (*key)->by;
   Log log(settings.name, options.json, options.verbose);
   const auto log_line = [&log](const LogLine& line) { log(line); };
-  auto reach = transport_options(run.transport, random_key());
+  const auto reach = reach_of(*parts, *key, log);
   if (!reach) return failed(reach.error());
-  reach->multicast.groups = net::plan_of_world(reach->multicast.groups, parts->session);
   asio::io_context io(1);
   auto reached = net::open_transport(io, clock, *reach);
   if (!reached) return failed(input_error(reached.error()));
