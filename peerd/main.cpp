@@ -665,6 +665,9 @@ Command add_record(CLI::App& app) {
   command->footer(exit_codes("the world has errors"));
   add_run_options(*command, flags->peer, flags->run);
   command->add_option("--out", flags->peer.capture, "the file, pcapng: Wireshark opens it, too")->required();
+  command->add_flag("--opened", flags->peer.opened,
+                    "what sealed datagrams say, and all other inputs, for peerd replay: as secret as the key (default: "
+                    "sealed datagrams as they are on the network)");
   return {command, [flags] { return run_with(*flags); }};
 }
 

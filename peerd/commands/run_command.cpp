@@ -34,6 +34,7 @@
 #include "peerd/os/udp_port.hpp"
 #include "peerd/picture/picture_input.hpp"
 #include "peerd/record/capture.hpp"
+#include "peerd/record/recorded_transport.hpp"
 #include "peerd/seal/sealed_greetings.hpp"
 #include "peerd/seal/sealed_transport.hpp"
 #include "peerd/seal/session_key.hpp"
@@ -124,8 +125,12 @@ Result<std::unique_ptr<record::CaptureWriter>> open_capture(const PeerOptions& o
   if (options.capture.empty()) return nullptr;
   // A unicast datagram goes to many addresses but stands in the capture once, as if all regions had one group.
   if (reached.unicast()) groups.pool = 1;
-  const auto setup =
+  auto setup =
       record::make_setup(scenario, scenario.runs.front(), peer, options.config, shared, node, std::move(groups));
+  using Datagrams = record::Setup::Datagrams;
+  setup.datagrams = node.sealed_by.empty() ? Datagrams::kOpen
+                    : options.opened       ? Datagrams::kOpened
+                                           : Datagrams::kSealed;
   return record::CaptureWriter::open(options.capture, setup, now, reached.transport->own_address());
 }
 
@@ -222,6 +227,24 @@ Result<std::optional<seal::SessionKey>> session_key(const PeerOptions& options,
   auto key = seal::session_key({settings.key_file, settings.password_file}, world, seal::IfMissing::kMake);
   if (!key) return std::unexpected(key.error());
   return *std::move(key);
+}
+
+InputError cut_off(const std::filesystem::path& capture) {
+  return {capture.string() + ": error: can't be written to its end; is the disk full?", 3};
+}
+
+// Captures datagrams as they are on the network, unless they are open or somebody wants to have them opened: below the
+// seal, and without the peer's inputs. Null: it does not.
+std::unique_ptr<record::CaptureWriter> capture_sealed(std::unique_ptr<record::CaptureWriter>& capture,
+                                                      const PeerOptions& options, bool is_sealed,
+                                                      const net::HostClock& clock, net::OpenedTransport& reached,
+                                                      Log& log) {
+  if (!capture || !is_sealed || options.opened) return nullptr;
+  auto writer = std::move(capture);
+  reached.transport = std::make_unique<record::RecordedTransport>(std::move(reached.transport), *writer,
+                                                                  [&clock] { return clock.now(); });
+  log(spdlog::level::warn, "records datagrams as they are on the network, sealed; --opened records what they say");
+  return writer;
 }
 
 void seal_transport(asio::io_context& io, const net::HostClock& clock, const std::optional<seal::SessionKey>& key,
@@ -566,10 +589,11 @@ int run_peer(const PeerOptions& options) {
   if (!options.record.empty()) {  // an error shows before the run and not after it
     if (const auto saved = save(node->log(), options.record); !saved) return failed(saved.error());
   }
-  const auto capture = open_capture(options, parts->scenario, settings, *parts->shared, node_options, *reached,
-                                    reach->multicast.groups, clock.now());
+  auto capture = open_capture(options, parts->scenario, settings, *parts->shared, node_options, *reached,
+                              reach->multicast.groups, clock.now());
   if (!capture) return failed(capture.error());
 
+  const auto sealed_capture = capture_sealed(*capture, options, key->has_value(), clock, *reached, log);
   seal_transport(io, clock, *key, PeerId{settings.id}, *reached, log);
   log_beginning(settings, parts->scenario.world, run.transport, *reached, log);
   for (const std::string& line : parts->shared->findings()) log(spdlog::level::warn, line);
@@ -609,7 +633,7 @@ int run_peer(const PeerOptions& options) {
   if (!options.record.empty()) {
     if (const auto saved = save(record, options.record); !saved) return failed(saved.error());
   }
-  return code;
+  return sealed_capture && !sealed_capture->good() ? failed(cut_off(options.capture)) : code;
 }
 
 }  // namespace peerd

@@ -37,6 +37,7 @@ struct PeerOptions {
   bool keeps_id = false;
   std::filesystem::path record;   // file for the peer's log; empty: none
   std::filesystem::path capture;  // file for the peer's capture (record/capture.hpp); empty: none
+  bool opened = false;            // the capture has what sealed datagrams say, and can be replayed
   // The session's key, where it has been read already; none: the settings say which it is.
   std::optional<seal::SessionKey> key;
   StoreOptions store;
