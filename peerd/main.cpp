@@ -11,6 +11,7 @@
 #include <span>
 #include <string_view>
 
+#include <string.h>  // explicit_bzero, which is no part of C++
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -45,6 +46,7 @@
 #include "peerd/membership/invite_command.hpp"
 #include "peerd/membership/keygen_command.hpp"
 #include "peerd/membership/members_command.hpp"
+#include "peerd/keys/invitation.hpp"
 #include "peerd/view/view_command.hpp"
 
 namespace peerd {
@@ -72,7 +74,7 @@ const InputError kFreshWithoutStore{"error: --fresh begins a store anew, and thi
 
 // The options of `peerd run` that stand for settings, in place of a configuration file or over it.
 struct RunFlags {
-  std::string world, world_name, name, interface, group, key;
+  std::string world, world_name, name, interface, group, key, password;
   std::optional<std::uint32_t> id, port;
   std::vector<std::string> owns, enslaves;  // two names of one option
   bool open = false;
@@ -119,6 +121,10 @@ std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options
   if (flags.open) sets.emplace_back("transport.sealed=false");
   if (!flags.key.empty()) {
     sets.push_back("transport.key_file=" + json_line(std::filesystem::absolute(flags.key).string()));
+  }
+  if (!flags.password.empty()) {
+    const auto file = flags.password == "-" ? flags.password : std::filesystem::absolute(flags.password).string();
+    sets.push_back("transport.password_file=" + json_line(file));
   }
   sets.insert(sets.end(), options.sets.begin(), options.sets.end());
   return sets;
@@ -167,11 +173,17 @@ void add_own_options(CLI::App& command, PeerOptions& peer, RunFlags& flags, cons
                    "begin at once, without asking for a second whether this peer is running already: that one ends");
   auto* const open = command.add_flag("--open", flags.open,
                                       "nothing is sealed: whoever is on the network can listen, and speak as any peer");
+  auto* const key =
+      command
+          .add_option("--key", flags.key,
+                      "the file of the key by which the world's peers seal all that they send (default: the "
+                      "configuration's, else this user's own of that world, which is made where there is none)")
+          ->excludes(open);
   command
-      .add_option("--key", flags.key,
-                  "the file of the key by which the world's peers seal all that they send (default: the "
-                  "configuration's, else this user's own of that world, which is made where there is none)")
-      ->excludes(open);
+      .add_option("--password-file", flags.password,
+                  "the file of a password that makes the key, in place of --key; -: asks for it")
+      ->excludes(open)
+      ->excludes(key);
   command.add_flag("--json", peer.json, "log lines as JSON");
   command.add_flag("-v,--verbose", peer.verbose, "log updates and predictions too");
 }
@@ -597,10 +609,12 @@ Command add_join(CLI::App& app) {
   add_ask_options(*command, flags->ask);
   add_own_options(*command, flags->join.peer, flags->run, "");
   command
-      ->add_option("--invite", flags->join.invitation,
-                   "what peerd invite has printed elsewhere: the world and its key, which is kept")
+      ->add_option(
+          "--invite", flags->join.invitation,
+          "what peerd invite has printed elsewhere: the world and its key, which is kept; -: from standard input")
       ->excludes("--open")
-      ->excludes("--key");
+      ->excludes("--key")
+      ->excludes("--password-file");
   command
       ->add_option("--port", flags->run.port,
                    "UDP port of its own, where the session uses unicast (default: the session's)")
@@ -610,7 +624,7 @@ Command add_join(CLI::App& app) {
             flags->join.peer.store.by_default = true;
             if (flags->join.peer.store.fresh && !flags->join.peer.store.is_wanted()) return failed(kFreshWithoutStore);
             flags->join.transport = flags->ask.transport();
-            flags->join.key = flags->run.key;
+            flags->join.key = {flags->run.key, flags->run.password};
             flags->join.open = flags->run.open;
             flags->run.interface = flags->ask.interface;
             flags->join.peer.sets = as_settings(flags->run, flags->join.peer);
@@ -685,6 +699,9 @@ Command add_record(CLI::App& app) {
   command->footer(exit_codes("the world has errors"));
   add_run_options(*command, flags->peer, flags->run);
   command->add_option("--out", flags->peer.capture, "the file, pcapng: Wireshark opens it, too")->required();
+  command->add_flag("--opened", flags->peer.opened,
+                    "what sealed datagrams say, and all other inputs, for peerd replay: as secret as the key (default: "
+                    "sealed datagrams as they are on the network)");
   return {command, [flags] { return run_with(*flags); }};
 }
 
@@ -897,6 +914,16 @@ Command add_view(CLI::App& app) {
   return {command, [view] { return run_view(*view); }};
 }
 
+// A command line stands in the list of processes for all to see: the invitations in it are overwritten.
+void hide_invitations(std::span<char*> words) {
+  for (char* const word : words) {
+    const std::size_t begin = std::string_view(word).find(seal::kInvitationBegin);
+    if (begin == std::string_view::npos) continue;
+    const std::size_t secret = begin + seal::kInvitationBegin.size();
+    explicit_bzero(word + secret, std::string_view(word).size() - secret);
+  }
+}
+
 // Says why a command line is refused. Without a command there is nothing to explain but the commands themselves.
 int refuse(const CLI::App& app, const CLI::ParseError& error) {
   if (!lacks_command(app)) return failed(wrong_use(app, error));
@@ -924,6 +951,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return refuse(app, error);
   }
+  hide_invitations(words);
   const auto chosen = std::ranges::find_if(commands, [](const Command& command) { return command.app->parsed(); });
   assert(chosen != commands.end());
   return chosen->run();

@@ -73,6 +73,8 @@ void print_status(const Json& reply) {
                            milliseconds(reply.at("session").at("clock_error_ms")));
   if (!reply.at("session").at("sealed").get<bool>()) {
     std::cout << "open: whoever is on this network can listen, and speak as any peer\n";
+  } else {
+    std::cout << fmt::format("sealed by {}\n", reply.at("session").at("sealed_by").get<std::string>());
   }
   for (const Json& w : reply.value("waits_for", Json::array())) {
     std::cout << fmt::format("waits for peer {} (id {}): nothing moves before\n", w.at("name").get<std::string>(),

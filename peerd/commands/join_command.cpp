@@ -7,6 +7,8 @@
 #include <map>
 #include <utility>
 
+#include <unistd.h>
+
 #include <spdlog/fmt/fmt.h>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -17,6 +19,7 @@
 #include "peerd/input/printable.hpp"
 #include "peerd/discovery/discovery.hpp"
 #include "peerd/input/json_line.hpp"
+#include "peerd/input/secret_line.hpp"
 #include "peerd/input/toml_input.hpp"
 #include "peerd/os/host_clock.hpp"
 #include "peerd/keys/invitation.hpp"
@@ -150,7 +153,7 @@ Result<void> greet_first(const std::vector<snapshot::Provider>& providers, const
 }
 
 // The key that this user's roster of the world has for this user; none: there is no roster.
-Result<std::optional<seal::SymmetricKey>> key_by_roster(const std::string& world) {
+Result<std::optional<seal::SessionKey>> key_by_roster(const std::string& world) {
   const auto file = chosen_roster_file({}, world);
   if (!file) return std::nullopt;
   const auto roster = read_roster(*file);
@@ -158,29 +161,29 @@ Result<std::optional<seal::SymmetricKey>> key_by_roster(const std::string& world
   if (!*roster) return std::nullopt;
   const auto identity = peer_identity({});
   if (!identity) return std::unexpected(identity.error());
-  auto key = (*roster)->session_key(*identity);
-  if (key) return key;
-  return std::unexpected(not_a_member(*file, *identity));
+  const auto key = (*roster)->session_key(*identity);
+  if (!key) return std::unexpected(not_a_member(*file, *identity));
+  return seal::SessionKey{*key, "the roster " + file->string()};
 }
 
 // The key of a session that others have begun; none: it is open. Nobody makes one for it.
-Result<std::optional<seal::SymmetricKey>> key_of(const JoinOptions& options, const std::string& world) {
+Result<std::optional<seal::SessionKey>> key_of(const JoinOptions& options, const std::string& world) {
   if (options.open) return std::nullopt;
-  if (world.empty() && options.key.empty()) {
+  if (world.empty() && options.key.key_file.empty()) {
     return std::unexpected(
         InputError{"error: which key? Say the world's name, or --key FILE; --open, if it is open", 2});
   }
-  if (options.key.empty()) {
+  if (options.key.key_file.empty() && options.key.password_file.empty()) {
     auto by_roster = key_by_roster(world);
     if (!by_roster || *by_roster) return by_roster;
   }
-  const auto file = seal::chosen_key_file(options.key, world);
-  if (!file) return std::unexpected(file.error());
-  auto key = seal::read_key(*file);
+  auto key = seal::session_key(options.key, world, seal::IfMissing::kFail);
   if (key) return *std::move(key);
-  return std::unexpected(InputError{key.error().text +
-                                        "; whoever runs that world has its key: --key FILE says a copy, " +
-                                        "and --open that there is none",
+  const bool has_password = !options.key.password_file.empty();
+  return std::unexpected(InputError{key.error().text + (has_password ? ""
+                                                                     : "; whoever runs that world has its key: --key "
+                                                                       "FILE says a copy, and --open that there is "
+                                                                       "none"),
                                     key.error().exit_code});
 }
 
@@ -189,8 +192,10 @@ Result<JoinedWorld> joined_by_peers(const std::vector<snapshot::Provider>& provi
   const auto key = key_of(options, world);
   if (!key) return std::unexpected(key.error());
   PeerOptions& peer = options.peer;
+  peer.key = *key;
   const auto began = std::chrono::steady_clock::now();
-  auto snapshot = snapshot::fetch_snapshot(providers, session, {.key = *key});
+  auto snapshot =
+      snapshot::fetch_snapshot(providers, session, {.key = *key ? std::optional((*key)->key) : std::nullopt});
   if (!snapshot) return std::unexpected(InputError{"error: " + snapshot.error(), kNoSuchWorld});
   print_warnings(snapshot->notes);
   if (auto done = greet_first(providers, snapshot->offer.settings, peer); !done) return std::unexpected(done.error());
@@ -243,10 +248,23 @@ Result<JoinedWorld> joined_by_store(JoinOptions& options) {
                  kNoSuchWorld});
 }
 
+// The invitation that somebody pastes, or a file has. It may be the whole line that peerd invite prints.
+Result<std::optional<seal::Invitation>> pasted_invitation() {
+  const auto line = read_secret_line(STDIN_FILENO, "what peerd invite has printed: ", "--invite -");
+  if (!line) return std::unexpected(line.error());
+  std::string_view text = line->view();
+  while (text.ends_with(' ') || text.ends_with('\r')) text.remove_suffix(1);
+  return seal::read_invitation(text.substr(text.rfind(' ') + 1));
+}
+
 // Keeps the key of an invitation as this user's own of that world.
 Result<void> accept_invitation(JoinOptions& options) {
   if (options.invitation.empty()) return {};
-  const auto invitation = seal::read_invitation(options.invitation);
+  auto pasted = options.invitation == "-"
+                    ? pasted_invitation()
+                    : Result<std::optional<seal::Invitation>>(seal::read_invitation(options.invitation));
+  if (!pasted) return std::unexpected(pasted.error());
+  const std::optional<seal::Invitation> invitation = *std::move(pasted);
   if (!invitation)
     return std::unexpected(InputError{"error: --invite: that is no whole invitation of peerd invite", 2});
   if (!options.world.empty() && options.world != invitation->world) {

@@ -7,6 +7,7 @@
 
 #include "peerd/commands/run_command.hpp"
 #include "peerd/config/peer_settings.hpp"
+#include "peerd/keys/session_key.hpp"
 
 namespace peerd {
 
@@ -29,10 +30,10 @@ struct JoinOptions {
   std::string world;  // its name; empty: the only one
   std::string from;   // "HOST:PORT" of a peer, in place of asking who is here; empty: none
   config::TransportSettings transport;
-  std::filesystem::path key;  // of --key; empty: this user's own of the world
-  bool open = false;          // of --open
-  std::string invitation;     // of --invite: the world's name and its key; empty: none
-  PeerOptions peer;           // without a configuration; its `sets` are those of its own
+  seal::KeyChoice key;     // of --key and --password-file; neither: this user's own of the world
+  bool open = false;       // of --open
+  std::string invitation;  // of --invite: the world's name and its key; "-": in standard input; empty: none
+  PeerOptions peer;        // without a configuration; its `sets` are those of its own
 };
 [[nodiscard]] int run_join(JoinOptions& options);
 

@@ -34,6 +34,7 @@
 #include "peerd/os/udp_port.hpp"
 #include "peerd/picture/picture_input.hpp"
 #include "peerd/record/capture.hpp"
+#include "peerd/record/recorded_transport.hpp"
 #include "peerd/running/peer_store.hpp"
 #include "peerd/running/session_seal.hpp"
 #include "peerd/seal/operation_signer.hpp"
@@ -121,8 +122,12 @@ Result<std::unique_ptr<record::CaptureWriter>> open_capture(const PeerOptions& o
   if (options.capture.empty()) return nullptr;
   // A unicast datagram goes to many addresses but stands in the capture once, as if all regions had one group.
   if (reached.unicast()) groups.pool = 1;
-  const auto setup =
+  auto setup =
       record::make_setup(scenario, scenario.runs.front(), peer, options.config, shared, node, std::move(groups));
+  using Datagrams = record::Setup::Datagrams;
+  setup.datagrams = node.sealed_by.empty() ? Datagrams::kOpen
+                    : options.opened       ? Datagrams::kOpened
+                                           : Datagrams::kSealed;
   return record::CaptureWriter::open(options.capture, setup, now, reached.transport->own_address());
 }
 
@@ -191,6 +196,11 @@ Result<std::unique_ptr<feed::UdpPort>> open_pose_port(asio::io_context& io, cons
 void log_refused(const api::ControlServer* control, const feed::UdpPort* poses, Log& log) {
   if (control) {
     const api::ControlServer::Counters& c = control->counters();
+    if (c.strangers > 0) {
+      log(spdlog::level::warn,
+          fmt::format("control: {} clients were of other users, and got no answer: who may open the socket's file?",
+                      c.strangers));
+    }
     if (c.refused + c.too_long + c.too_slow > 0) {
       log(spdlog::level::warn,
           fmt::format("control: {} of {} clients were one too many, {} sent no end of line, {} did "
@@ -203,6 +213,24 @@ void log_refused(const api::ControlServer* control, const feed::UdpPort* poses, 
         fmt::format("poses: {} of {} datagrams were lost for want of room, {} reads failed", poses->counters().lost,
                     poses->counters().datagrams + poses->counters().lost, poses->counters().errors));
   }
+}
+
+InputError cut_off(const std::filesystem::path& capture) {
+  return {capture.string() + ": error: can't be written to its end; is the disk full?", 3};
+}
+
+// Captures datagrams as they are on the network, unless they are open or somebody wants to have them opened: below the
+// seal, and without the peer's inputs. Null: it does not.
+std::unique_ptr<record::CaptureWriter> capture_sealed(std::unique_ptr<record::CaptureWriter>& capture,
+                                                      const PeerOptions& options, bool is_sealed,
+                                                      const net::HostClock& clock, net::OpenedTransport& reached,
+                                                      Log& log) {
+  if (!capture || !is_sealed || options.opened) return nullptr;
+  auto writer = std::move(capture);
+  reached.transport = std::make_unique<record::RecordedTransport>(std::move(reached.transport), *writer,
+                                                                  [&clock] { return clock.now(); });
+  log(spdlog::level::warn, "records datagrams as they are on the network, sealed; --opened records what they say");
+  return writer;
 }
 
 void log_beginning(const config::PeerSettings& peer, const std::filesystem::path& world,
@@ -274,7 +302,6 @@ PeerNode::Options node_options_of(const PeerOptions& options, const config::RunS
   node.start_lead = std::chrono::milliseconds(1000);  // enough for a few hellos to reach all peers
   node.clock_offset = from_seconds(peer.clock_offset_s);
   node.keep_log = !options.record.empty();
-  node.sealed = run.transport.sealed;
   node.sample_hz = run.sample_hz;
   return node;
 }
@@ -285,8 +312,7 @@ struct PeerParts {
   config::PeerSettings* settings = nullptr;  // of the scenario
   std::unique_ptr<const SharedWorld> shared;
   OpenedStore opened;
-  std::unique_ptr<SessionSeal> session_seal;  // once the store is filled, as the two that follow
-  replication::Author author;
+  replication::Author author;  // once the store is filled, as what follows
   std::unique_ptr<const replication::LogSigner> signer;
   config::PeerObjects objects;
   std::uint64_t session = 0;  // RegionSettings::session_hash
@@ -329,23 +355,19 @@ Result<config::LoadedWorld> read_world_of(const PeerOptions& options, config::Sc
 }
 
 // Opens the store, adds what was provided, and keeps the world itself and the peer's number there.
-Result<void> fill_store(const PeerOptions& options, PeerParts& parts) {
+Result<void> fill_store(const PeerOptions& options, const seal::Identity& identity, const SessionSeal& session_seal,
+                        PeerParts& parts) {
   config::PeerSettings& settings = *parts.settings;
   const config::LoadedWorld& world = parts.shared->world;
-  const auto identity = peer_identity(parts.run().transport);
-  if (!identity) return std::unexpected(identity.error());
-  auto session_seal = SessionSeal::choose(parts.run().transport, parts.world_name(options), *identity);
-  if (!session_seal) return std::unexpected(session_seal.error());
-  parts.session_seal = *std::move(session_seal);
-  auto opened = open_store(options.store, world.hash, settings.name, *identity);
+  auto opened = open_store(options.store, world.hash, settings.name, identity);
   if (!opened) return std::unexpected(opened.error());
   parts.opened = *std::move(opened);
   const auto& store = parts.opened.store;
   parts.author = store ? replication::Author(store->author(), store->author_salt())
-                       : seal::fresh_author(identity->public_key());
+                       : seal::fresh_author(identity.public_key());
   parts.signer = std::make_unique<seal::OperationSigner>(
-      world.hash, *identity, parts.author.salt,
-      [&session = *parts.session_seal](const seal::PublicKey& key) { return session.may_write(key); });
+      world.hash, identity, parts.author.salt,
+      [&session_seal](const seal::PublicKey& key) { return session_seal.may_write(key); });
   if (store && options.keeps_id) {
     const auto id = store::identity_in(parts.opened.folder, PeerId{settings.id}, store->author());
     if (!id) return std::unexpected(id.error());
@@ -391,6 +413,15 @@ Result<PeerParts> make_parts(const PeerOptions& options) {
   return parts;
 }
 
+// How the peer reaches the others; greetings are sealed where datagrams are.
+Result<net::TransportOptions> reach_of(const PeerParts& parts, SessionSeal& session_seal, const SayLine& say) {
+  auto reach = transport_options(parts.run().transport, random_key());
+  if (!reach) return reach;
+  reach->multicast.groups = net::plan_of_world(reach->multicast.groups, parts.session);
+  reach->greetings = session_seal.greetings(say);
+  return reach;
+}
+
 JoinService::Options join_service_options(const PeerOptions& options, const PeerParts& parts,
                                           const PeerNode::Options& node, const net::TransportOptions& reach,
                                           const net::OpenedTransport& reached, const SessionSeal& session_seal) {
@@ -418,17 +449,24 @@ int run_peer(const PeerOptions& options) {
   const config::PeerSettings& settings = *parts->settings;
 
   const net::HostClock clock(from_seconds(settings.clock_offset_s));
-  PeerNode::Options node_options = node_options_of(options, run, settings, clock);
-  auto reach = transport_options(run.transport, random_key());
-  if (!reach) return failed(reach.error());
-  reach->multicast.groups = net::plan_of_world(reach->multicast.groups, parts->session);
+  const auto identity = peer_identity(run.transport);
+  if (!identity) return failed(identity.error());
   asio::io_context io(1);
+  const auto chosen = SessionSeal::choose(run.transport, parts->world_name(options), *identity, options.key);
+  if (!chosen) return failed(chosen.error());
+  SessionSeal& session_seal = **chosen;
+  PeerNode::Options node_options = node_options_of(options, run, settings, clock);
+  node_options.sealed_by = session_seal.by();
+  Log log(settings.name, options.json, options.verbose);
+  const auto log_line = [&log](const LogLine& line) { log(line); };
+  const auto reach = reach_of(*parts, session_seal, log_line);
+  if (!reach) return failed(reach.error());
   auto reached = net::open_transport(io, clock, *reach);
   if (!reached) return failed(input_error(reached.error()));
   const auto& transport = reached->transport;
 
   // Only where all else is right a store is made.
-  if (auto filled = fill_store(options, *parts); !filled) return failed(filled.error());
+  if (auto filled = fill_store(options, *identity, session_seal, *parts); !filled) return failed(filled.error());
   node_options.author = parts->author.id;
   node_options.stores = parts->opened.store != nullptr;
   node_options.signer = parts->signer.get();
@@ -439,15 +477,14 @@ int run_peer(const PeerOptions& options) {
   if (!options.record.empty()) {  // an error shows before the run and not after it
     if (const auto saved = save(node->log(), options.record); !saved) return failed(saved.error());
   }
-  const auto capture = open_capture(options, parts->scenario, settings, *parts->shared, node_options, *reached,
-                                    reach->multicast.groups, clock.now());
+  auto capture = open_capture(options, parts->scenario, settings, *parts->shared, node_options, *reached,
+                              reach->multicast.groups, clock.now());
   if (!capture) return failed(capture.error());
 
-  Log log(settings.name, options.json, options.verbose);
-  const auto log_line = [&log](const LogLine& line) { log(line); };
-  const std::unique_ptr<SessionSeal> session_seal = std::move(parts->session_seal);  // ends before `io`
-  log_line(session_seal->line());
-  session_seal->seal(io, clock, PeerId{settings.id}, *reached, log_line);
+  const auto sealed_capture =
+      capture_sealed(*capture, options, session_seal.key().has_value(), clock, *reached, log);
+  log_line(session_seal.line());
+  session_seal.seal(io, clock, PeerId{settings.id}, *reached, log_line);
   log_beginning(settings, parts->scenario.world, run.transport, *reached, log);
   for (const std::string& line : parts->shared->findings()) log(spdlog::level::warn, line);
   for (const LogLine& line : parts->opened.lines) log(line);
@@ -474,8 +511,8 @@ int run_peer(const PeerOptions& options) {
   if (!poses) return failed(poses.error());
   std::optional<JoinService> join_service;
   if (run.transport.discoverable) {
-    join_service.emplace(io, clock, *node, join_service_options(options, *parts, node_options, *reach, *reached, *session_seal),
-                         log_line);
+    join_service.emplace(io, clock, *node,
+                         join_service_options(options, *parts, node_options, *reach, *reached, session_seal), log_line);
   }
   const int code = daemon.run();
   log_refused(control->get(), poses->get(), log);
@@ -486,7 +523,7 @@ int run_peer(const PeerOptions& options) {
   if (!options.record.empty()) {
     if (const auto saved = save(record, options.record); !saved) return failed(saved.error());
   }
-  return code;
+  return sealed_capture && !sealed_capture->good() ? failed(cut_off(options.capture)) : code;
 }
 
 }  // namespace peerd

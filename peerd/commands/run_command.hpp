@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "peerd/keys/session_key.hpp"
 #include "peerd/running/peer_store.hpp"
 
 namespace peerd {
@@ -19,6 +20,9 @@ struct PeerOptions {
   bool keeps_id = false;
   std::filesystem::path record;   // file for the peer's log; empty: none
   std::filesystem::path capture;  // file for the peer's capture (record/capture.hpp); empty: none
+  bool opened = false;            // the capture has what sealed datagrams say, and can be replayed
+  // The session's key, where it has been read already; none: the settings say which it is.
+  std::optional<seal::SessionKey> key;
   StoreOptions store;
   std::optional<std::string> control;  // path of the control socket, of --control; empty: none
   std::optional<std::string> view;     // ADDRESS:PORT of --view; none: the configuration's, if it has one

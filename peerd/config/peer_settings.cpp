@@ -315,6 +315,7 @@ TransportSettings read_transport(TomlReader reader) {
   reader.read("key_file", s.key_file);
   reader.read("identity_file", s.identity_file);
   reader.read("roster_file", s.roster_file);
+  reader.read("password_file", s.password_file);
   reader.finish();
   return s;
 }

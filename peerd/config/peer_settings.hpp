@@ -112,6 +112,7 @@ struct TransportSettings {
   std::string key_file;             // of the key; empty: this user's own of the world
   std::string identity_file;        // of who this user is; empty: this user's own
   std::string roster_file;          // of the members; empty: this user's own of the world, if there is one
+  std::string password_file;        // of a password that makes the key; "-": asked for; empty: none
 };
 inline constexpr std::size_t kMulticastAuto = 0, kMulticastAlways = 1,
                              kMulticastNever = 2;  // TransportSettings::multicast

@@ -82,7 +82,8 @@ ordered_json status(PeerNode& node, HostTime now, const MoreCounters& more) {
                                       : ordered_json(nullptr)},
       {"clock_offset_ms", clock.synchronised() ? in_ms(clock.session_minus_host(now)) : ordered_json(nullptr)},
       {"clock_error_ms", in_ms(clock.error_bound(now))},
-      {"sealed", node.is_sealed()}};
+      {"sealed", !node.sealed_by().empty()},
+      {"sealed_by", node.sealed_by().empty() ? ordered_json(nullptr) : ordered_json(node.sealed_by())}};
   reply["world_time_s"] = since(peer.world_zero());
   reply["since_start_s"] = since(node.start());
   reply["waits_for"] = ordered_json::array();

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -92,6 +93,15 @@ Result<void> clear(const fs::path& path) {
     return cannot_listen(path, error_code(errno, boost::system::system_category()).message());
   }
   return {};
+}
+
+// Whether this user or the system's administrator has connected: somebody may have changed the mode of the socket's
+// file, or passed a descriptor of it on.
+bool is_of_this_user(int socket) {
+  ucred peer{};
+  socklen_t size = sizeof peer;
+  if (getsockopt(socket, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0) return false;
+  return peer.uid == geteuid() || peer.uid == 0;
 }
 
 }  // namespace
@@ -188,6 +198,10 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
     const auto client = std::make_shared<Client>(std::move(socket));
     if (error) return;
     ++counters_.clients;
+    if (!is_of_this_user(client->socket.native_handle())) {
+      ++counters_.strangers;
+      return client->close();
+    }
     const bool full = clients_.size() >= kClientsMax;
     if (full) {
       ++counters_.refused;

@@ -18,10 +18,9 @@ class io_context;
 
 namespace peerd::api {
 
-// Serves a Unix stream socket that only this user may open: one line in, one line out, and events to clients that have
-// subscribed. It runs in the io_context's one
-// thread and never blocks it: a client that does not read its reply is dropped, and a client that sends too long a line
-// gets an error and is dropped.
+// Serves a Unix stream socket that only this user may open, whatever becomes of its file: one line in, one line out,
+// and events to clients that have subscribed. It runs in the io_context's one thread and never blocks it: a client that
+// does not read its reply is dropped, and a client that sends too long a line gets an error and is dropped.
 class ControlServer : public EventSink {
  public:
   static constexpr std::size_t kClientsMax = 16;
@@ -40,7 +39,7 @@ class ControlServer : public EventSink {
   void publish(EventKind kind, const std::string& line) override;
 
   struct Counters {
-    std::uint64_t clients = 0, refused = 0, requests = 0, too_long = 0, too_slow = 0, events_dropped = 0;
+    std::uint64_t clients = 0, strangers = 0, refused = 0, requests = 0, too_long = 0, too_slow = 0, events_dropped = 0;
   };
   [[nodiscard]] const Counters& counters() const;
 

@@ -9,6 +9,9 @@ namespace {
 
 // The fastest of zstd's ordinary levels: VRML texts become a fifth, and a higher level gains a tenth of that.
 constexpr int kLevel = 1;
+// A block of a frame takes at least four bytes and unpacks to at most so many (RFC 8878, 3.1.1.2): a frame that says
+// that it has more lies, and gets no memory for it.
+constexpr unsigned long long kBlock_bytes = ZSTD_BLOCKSIZE_MAX, kBlockLeast_bytes = 4;
 
 }  // namespace
 
@@ -26,6 +29,8 @@ std::expected<std::string, std::string> decompress(std::string_view frame, std::
     return std::unexpected("it is no frame of zstd that says its size");
   }
   if (size > most) return std::unexpected("it would unpack to more than " + std::to_string(most) + " bytes");
+  if (size > kBlock_bytes * (frame.size() / kBlockLeast_bytes + 1))
+    return std::unexpected("it says that it is longer than it can be");
   if (ZSTD_findFrameCompressedSize(frame.data(), frame.size()) != frame.size()) {
     return std::unexpected("it is cut short, or something follows it");
   }

@@ -10,7 +10,7 @@
 namespace peerd::seal {
 namespace {
 
-constexpr std::string_view kInvitationBegin = "peerd-invite-1:", kRosterInvitationBegin = "peerd-invite-2:";
+constexpr std::string_view kKeyInvitationBegin = "peerd-invite-1:", kRosterInvitationBegin = "peerd-invite-2:";
 constexpr std::size_t kWorldMax_bytes = 255;
 // The first bytes of a hash of the rest end it, by which damage is noticed.
 constexpr std::size_t kCheck_bytes = 8;
@@ -44,15 +44,15 @@ std::string text_of(const std::string& world, const SymmetricKey& key) {
   bytes.insert(bytes.end(), world.begin(), world.end());
   const auto hash = hash_of(bytes.data(), bytes.size());
   bytes.insert(bytes.end(), hash.begin(), hash.begin() + kCheck_bytes);
-  std::string text = std::string(kInvitationBegin) + base64_of(bytes);
+  std::string text = std::string(kKeyInvitationBegin) + base64_of(bytes);
   sodium_memzero(bytes.data(), bytes.size());
   return text;
 }
 
 std::optional<Invitation> read_invitation(std::string_view text) {
   if (text.starts_with(kRosterInvitationBegin)) return roster_invitation(text.substr(kRosterInvitationBegin.size()));
-  if (!text.starts_with(kInvitationBegin)) return std::nullopt;
-  text.remove_prefix(kInvitationBegin.size());
+  if (!text.starts_with(kKeyInvitationBegin)) return std::nullopt;
+  text.remove_prefix(kKeyInvitationBegin.size());
   std::vector<std::uint8_t> bytes(SymmetricKey::kBytes + kWorldMax_bytes + kCheck_bytes);
   const auto read = read_base64(text, bytes);
   if (!read || *read <= SymmetricKey::kBytes + kCheck_bytes) return std::nullopt;

@@ -17,6 +17,9 @@ struct Invitation {
   std::optional<Roster> roster;
 };
 
+// What both begin with.
+inline constexpr std::string_view kInvitationBegin = "peerd-invite-";
+
 [[nodiscard]] std::string text_of(const std::string& world, const SymmetricKey& key);
 [[nodiscard]] std::string text_of(const Roster& roster);
 // None: it is not whole, or no invitation.

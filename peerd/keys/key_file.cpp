@@ -11,8 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-SecretFile key_at(const fs::path& file) { return {file, "key"}; }
-SecretFile identity_at(const fs::path& file) { return {file, "identity"}; }
+constexpr const char *kKey = "key", *kIdentity = "identity";
 
 bool is_missing(const fs::path& file) {
   std::error_code failed;
@@ -36,16 +35,16 @@ Result<fs::path> chosen_key_file(const fs::path& said, const std::string& world)
 }
 
 Result<SymmetricKey> read_key(const fs::path& file) {
-  const auto secret = read_secret(key_at(file));
-  if (!secret) return std::unexpected(secret.error());
-  const auto key = SymmetricKey::of_text(secret->line());
-  if (!key) return std::unexpected(key_at(file).wrong("has no key", 2));
+  const auto line = read_private_line(file, kKey);
+  if (!line) return std::unexpected(line.error());
+  const auto key = SymmetricKey::of_text(line->view());
+  if (!key) return std::unexpected(wrong_secret(file, kKey, "has no key", 2));
   return *key;
 }
 
 Result<SymmetricKey> read_or_make_key(const fs::path& file) {
   if (is_missing(file)) {
-    if (const auto made = make_secret(key_at(file), Secret(SymmetricKey::random().text())); !made) {
+    if (const auto made = make_private_line(file, kKey, SymmetricKey::random().text() + "\n"); !made) {
       return std::unexpected(made.error());
     }
   }
@@ -53,12 +52,12 @@ Result<SymmetricKey> read_or_make_key(const fs::path& file) {
 }
 
 Result<void> keep_key(const fs::path& file, const SymmetricKey& key) {
-  if (auto made = make_secret(key_at(file), Secret(key.text())); !made) return made;
+  if (auto made = make_private_line(file, kKey, key.text() + "\n"); !made) return made;
   const auto kept = read_key(file);
   if (!kept) return std::unexpected(kept.error());
   if (*kept != key) {
-    return std::unexpected(key_at(file).wrong(
-        "is another one than that of the invitation, of another world of this name; move that file away", 2));
+    return std::unexpected(wrong_secret(
+        file, kKey, "is another one than that of the invitation, of another world of this name; move that file away", 2));
   }
   return {};
 }
@@ -70,16 +69,16 @@ Result<fs::path> chosen_identity_file(const fs::path& said) {
 }
 
 Result<Identity> read_identity(const fs::path& file) {
-  const auto secret = read_secret(identity_at(file));
-  if (!secret) return std::unexpected(secret.error());
-  const auto identity = Identity::of_text(secret->line());
-  if (!identity) return std::unexpected(identity_at(file).wrong("has no identity", 2));
+  const auto line = read_private_line(file, kIdentity);
+  if (!line) return std::unexpected(line.error());
+  const auto identity = Identity::of_text(line->view());
+  if (!identity) return std::unexpected(wrong_secret(file, kIdentity, "has no identity", 2));
   return *identity;
 }
 
 Result<Identity> read_or_make_identity(const fs::path& file) {
   if (is_missing(file)) {
-    if (const auto made = make_secret(identity_at(file), Secret(Identity::random().text())); !made) {
+    if (const auto made = make_private_line(file, kIdentity, Identity::random().text() + "\n"); !made) {
       return std::unexpected(made.error());
     }
   }

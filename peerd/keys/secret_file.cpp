@@ -50,15 +50,13 @@ int write_whole(const fs::path& path, std::string_view text) {
 }
 
 // Gives the line to the file unless another process has been faster. 0, or an errno.
-int make_file(const fs::path& file, std::string line) {
+int make_file(const fs::path& file, const std::string& line) {
   std::error_code failed;
   fs::create_directories(file.parent_path(), failed);
   if (failed) return failed.value();
   fs::path draft = file;
-  line += '\n';
   draft += fmt::format(".{}.{}", ::getpid(), randombytes_random());  // each thread has its own
   int error = write_whole(draft, line);
-  sodium_memzero(line.data(), line.size());
   if (error == 0 && ::link(draft.c_str(), file.c_str()) != 0 && errno != EEXIST) error = errno;
   ::unlink(draft.c_str());
   return error;
@@ -66,37 +64,38 @@ int make_file(const fs::path& file, std::string line) {
 
 }  // namespace
 
-Secret::Secret(std::string text) : text_(std::move(text)) {}
-
-Secret::~Secret() { sodium_memzero(text_.data(), text_.size()); }
-
-InputError SecretFile::wrong(const std::string& predicate, int code) const {
-  return InputError{"error: the " + what + " " + path.string() + " " + predicate, code};
+InputError wrong_secret(const fs::path& file, const std::string& what, const std::string& predicate, int code) {
+  return {"error: the " + what + " " + file.string() + " " + predicate, code};
 }
 
-Result<Secret> read_secret(const SecretFile& file) {
-  const auto wrong = [&](const std::string& predicate, int code = kFailed) {
-    return std::unexpected(file.wrong(predicate, code));
+Result<SecretText> read_private_line(const fs::path& file, const std::string& what) {
+  const File opened(file, O_RDONLY);
+  const auto refused = [&](const std::string& predicate, int code = 2) {
+    return std::unexpected(wrong_secret(file, what, predicate, code));
   };
-  const File opened(file.path, O_RDONLY);
-  if (!opened.is_open()) return wrong("cannot be read: " + why(errno));
+  if (!opened.is_open()) return refused("cannot be read: " + why(errno), kFailed);
   struct stat found {};
-  if (::fstat(opened.get(), &found) != 0) return wrong("cannot be read: " + why(errno));
-  if (!S_ISREG(found.st_mode)) return wrong("is no file", 2);
+  if (::fstat(opened.get(), &found) != 0) return refused("cannot be read: " + why(errno), kFailed);
+  if (!S_ISREG(found.st_mode)) return refused("is no file");
   if ((found.st_mode & kOthers) != 0) {
-    return wrong("may be read by other users of this computer; chmod 600 mends that", 2);
+    return refused("may be read by other users of this computer; chmod 600 mends that");
   }
-  std::string text(kSecretMax_bytes + 1, '\0');
-  const ssize_t size = ::read(opened.get(), text.data(), text.size());
-  if (size < 0) return wrong("cannot be read: " + why(errno));
-  Secret secret(std::move(text));
-  secret.cut(static_cast<std::size_t>(size));
-  return secret;
+  SecretText text;
+  bool ends_line = false;
+  for (char c = 0;;) {
+    const ssize_t size = ::read(opened.get(), &c, 1);
+    if (size < 0) return refused("cannot be read: " + why(errno), kFailed);
+    if (size == 0) return text;
+    // The end of a line counts where something follows it.
+    if ((ends_line && !text.append('\n')) || (c != '\n' && !text.append(c))) return refused("is too long");
+    ends_line = c == '\n';
+  }
 }
 
-Result<void> make_secret(const SecretFile& file, const Secret& line) {
-  const int error = make_file(file.path, std::string(line.line()));
-  if (error != 0) return std::unexpected(file.wrong("cannot be made: " + why(error), kFailed));
+Result<void> make_private_line(const fs::path& file, const std::string& what, std::string line) {
+  const int error = make_file(file, line);
+  sodium_memzero(line.data(), line.size());
+  if (error != 0) return std::unexpected(wrong_secret(file, what, "cannot be made: " + why(error), kFailed));
   return {};
 }
 

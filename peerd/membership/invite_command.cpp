@@ -1,6 +1,8 @@
 #include "peerd/membership/invite_command.hpp"
 
-#include "peerd/commands/problems.hpp"
+#include <iostream>
+
+#include "peerd/commands/print.hpp"
 #include "peerd/keys/invitation.hpp"
 #include "peerd/keys/key_file.hpp"
 #include "peerd/running/roster_file.hpp"
@@ -25,6 +27,9 @@ int run_invite(const InviteOptions& options, std::ostream& out) {
                              key.error().exit_code});
   }
   out << "peerd join --invite " << seal::text_of(options.world, *key) << '\n';
+  std::cerr << "That line is as secret as the key: whoever has it is in. Where others use the other computer, too, run "
+               "there\n  peerd join --invite -\nand paste it, or say < FILE: then no list of processes and no shell's "
+               "history has it.\n";
   return 0;
 }
 

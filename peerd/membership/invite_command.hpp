@@ -5,9 +5,9 @@
 
 namespace peerd {
 
-// `peerd invite` prints the command that brings somebody else into a world: one line, as secret as the world's key; where
-// the world has a roster, the members that it names, for whom alone it is good, and no secret.
-// Returns the exit code: 0; 2 the key is refused; 3 this user has none of that world.
+// `peerd invite` prints the command that brings somebody else into a world: one line, as secret as the world's key, and
+// advice to standard error. Where the world has a roster the line has that, and is good for its members alone. Returns
+// the exit code: 0; 2 the key is refused; 3 this user has none of that world.
 struct InviteOptions {
   std::string world;
   std::filesystem::path key;  // of --key; empty: this user's own of the world

@@ -1,6 +1,6 @@
 #include "peerd/membership/keygen_command.hpp"
 
-#include "peerd/commands/problems.hpp"
+#include "peerd/commands/print.hpp"
 #include "peerd/keys/key_file.hpp"
 
 namespace peerd {

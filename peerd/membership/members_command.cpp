@@ -7,7 +7,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
-#include "peerd/commands/problems.hpp"
+#include "peerd/commands/print.hpp"
 #include "peerd/keys/key_file.hpp"
 #include "peerd/keys/roster.hpp"
 #include "peerd/running/roster_file.hpp"

@@ -57,7 +57,8 @@ class PeerNode {
     std::vector<replication::OperationPart> log{};
     const replication::LogSigner* signer = nullptr;  // of operations; it outlives the peer
     bool stores = false;
-    bool sealed = false;      // its driver seals what it sends: for who asks for its status
+    // By what its driver seals what it sends, for who asks for its status; empty: it does not.
+    std::string sealed_by{};
     LogRows* rows = nullptr;  // what takes the log's samples, updates and datagrams; null: the log keeps them
   };
 
@@ -82,7 +83,7 @@ class PeerNode {
   // The store could not be written: nothing of what has been made since is said to be stored.
   void note_store_failed() { ++store_failures_; }
   [[nodiscard]] bool stores() const { return options_.stores; }
-  [[nodiscard]] bool is_sealed() const { return options_.sealed; }
+  [[nodiscard]] const std::string& sealed_by() const { return options_.sealed_by; }
   // An external program sends poses of the objects that it moves. An update of each object whose ghost is beyond its
   // threshold leaves at once. Unix time + `host_minus_wall` is the time of this host.
   // So is what this peer has grabbed, from the first pose that is taken until it is released.

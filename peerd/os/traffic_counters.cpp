@@ -33,6 +33,7 @@ std::map<std::string, std::uint64_t> TrafficCounters::named() const {
       {"net.in_unsigned", in_unsigned},
       {"net.in_wrong_sender", in_wrong_sender},
       {"net.in_observer", in_observer},
+      {"net.in_flood", in_flood},
       {"net.out_queue_full", out_queue_full},
       {"net.out_unreachable", out_unreachable},
       {"net.out_blocked", out_blocked},
@@ -42,6 +43,8 @@ std::map<std::string, std::uint64_t> TrafficCounters::named() const {
       {"net.greetings_in", greetings_in},
       {"net.greetings_out", greetings_out},
       {"net.peers_refused", peers_refused},
+      {"net.greetings_unopened", greetings_unopened},
+      {"net.greetings_flood", greetings_flood},
   };
 }
 

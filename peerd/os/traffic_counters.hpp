@@ -41,6 +41,7 @@ struct TrafficCounters {
   std::uint64_t in_unsigned = 0;        // by somebody who has the session's key, and not by its sender
   std::uint64_t in_wrong_sender = 0;    // says another sender than it is sealed by
   std::uint64_t in_observer = 0;        // would change the world, by a member that may only look
+  std::uint64_t in_flood = 0;           // of strangers, beyond what they may cost (SourceBuckets)
 
   std::uint64_t out_queue_full = 0;   // send buffer or interface queue full
   std::uint64_t out_unreachable = 0;  // interface down or gone, no route, no source address
@@ -52,6 +53,8 @@ struct TrafficCounters {
   // Greetings are of unicast alone (unicast_frame.hpp). Greetings that leave are in packets_out, too.
   std::uint64_t greetings_in = 0, greetings_out = 0;
   std::uint64_t peers_refused = 0;  // greetings of peers beyond the limit of known peers
+  // That the session's key does not open, and those of strangers beyond what they may cost.
+  std::uint64_t greetings_unopened = 0, greetings_flood = 0;
 
   // The counters by name ("net.packets_in"), for reports.
   [[nodiscard]] std::map<std::string, std::uint64_t> named() const;

@@ -16,7 +16,8 @@ peerd.prefs.regions = Pref.string("Group of region 1", "",
 
 local VERSION = 9
 local MOST_BYTES = 1200
-local REGION_MARK, GREETING_MARK, SEALED_MARK, ANNOUNCEMENT_MARK = 0x52, 0x47, 0x80, 0xC0  -- the latter two of epoch 0
+local REGION_MARK, GREETING_MARK, SEALED_GREETING_MARK = 0x52, 0x47, 0x67
+local SEALED_MARK, ANNOUNCEMENT_MARK = 0x80, 0xC0  -- of epoch 0
 local DISCOVERY_PORT = 47473
 
 -- ---- fields -------------------------------------------------------------------------------------------------------
@@ -1630,7 +1631,7 @@ end
 
 -- ---- sealed ------------------------------------------------------------------------------------------------------
 
--- What can be read without the key: peerd record writes datagrams as they were before they were sealed.
+-- What can be read without the key: peerd record --opened writes datagrams as they were before they were sealed.
 local function dissect_sealed(tvb, tree, pinfo)
   local is_announcement = tvb(0, 1):uint() == ANNOUNCEMENT_MARK
   if tvb:len() < (is_announcement and 69 or 24) then refuse("a sealed datagram is cut short") end
@@ -1644,6 +1645,12 @@ local function dissect_sealed(tvb, tree, pinfo)
     tree:add_le(F.seal.counter, tvb(5, 3))
     pinfo.cols.info = string.format("sealed by peer %d, counter %d", sender, tvb(5, 3):le_uint())
   end
+end
+
+local function dissect_sealed_greeting(tvb, tree, pinfo)
+  if tvb:len() < 41 then refuse("a sealed greeting is cut short") end
+  tree:add(F.kind, tvb(0, 1), "sealed greeting")
+  pinfo.cols.info = "greeting, sealed"
 end
 
 -- ---- who is here --------------------------------------------------------------------------------------------------
@@ -1746,6 +1753,7 @@ function peerd.dissector(tvb, pinfo, root)
   local good = guarded(tree, malformed, function()
     if pinfo.dst_port == DISCOVERY_PORT then return dissect_discovery(tvb, tree, pinfo) end
     if first == GREETING_MARK then return dissect_greeting(tvb, tree, pinfo) end
+    if first == SEALED_GREETING_MARK then return dissect_sealed_greeting(tvb, tree, pinfo) end
     local region, datagram = region_of(pinfo.dst), tvb
     if first == REGION_MARK then
       if tvb:len() <= 5 then refuse("no datagram") end

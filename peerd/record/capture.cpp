@@ -1,5 +1,9 @@
 #include "peerd/record/capture.hpp"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -60,6 +64,20 @@ std::optional<decltype(Event::what)> input_from(std::string_view text) {
   return Poses{*host_minus_wall, text};
 }
 
+std::string comment_of(const Setup& setup) {
+  switch (setup.datagrams) {
+    case Setup::Datagrams::kSealed:
+      return "What peer " + setup.peer +
+             " heard and sent, datagrams sealed as they were on the network; peerd record --opened has what they say";
+    case Setup::Datagrams::kOpened:
+      return "All that peer " + setup.peer +
+             " heard, was told and sent, opened: as secret as the session's key; peerd replay runs it again";
+    case Setup::Datagrams::kOpen:
+      break;
+  }
+  return "All that peer " + setup.peer + " heard, was told and sent; peerd replay runs it again";
+}
+
 }  // namespace
 
 Result<std::unique_ptr<CaptureWriter>> CaptureWriter::open(const std::filesystem::path& path, const Setup& setup,
@@ -73,8 +91,7 @@ Result<std::unique_ptr<CaptureWriter>> CaptureWriter::open(const std::filesystem
 CaptureWriter::CaptureWriter(const std::filesystem::path& path, const Setup& setup, HostTime now,
                              const ip::address& own_address)
     : buffer_(kBuffer_bytes),
-      packets_(opened(path), "peerd",
-               "All that peer " + setup.peer + " heard, was told and sent; peerd replay runs it again"),
+      packets_(opened(path, setup.datagrams), "peerd", comment_of(setup)),
       groups_(setup.groups),
       own_(own_address, setup.groups.port),
       now_(now) {
@@ -83,7 +100,15 @@ CaptureWriter::CaptureWriter(const std::filesystem::path& path, const Setup& set
   input(now, "peer " + to_text(setup));
 }
 
-std::ostream& CaptureWriter::opened(const std::filesystem::path& path) {
+std::ostream& CaptureWriter::opened(const std::filesystem::path& path, Setup::Datagrams datagrams) {
+  // A file that is there already may have been made for others to read. Where this fails, so does what follows.
+  if (datagrams == Setup::Datagrams::kOpened) {
+    const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, S_IRUSR | S_IWUSR);
+    if (file >= 0) {
+      if (::fchmod(file, S_IRUSR | S_IWUSR) != 0) file_.setstate(std::ios::badbit);
+      ::close(file);
+    }
+  }
   file_.rdbuf()->pubsetbuf(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
   file_.open(path, std::ios::binary);
   return file_;
@@ -97,6 +122,11 @@ void CaptureWriter::on_packet(HostTime now, const ip::udp::endpoint& from, Regio
 
 void CaptureWriter::on_send(RegionId region, std::span<const std::byte> bytes) {
   datagram(Direction::kOut, own_, region, bytes);
+}
+
+void CaptureWriter::on_send(HostTime now, RegionId region, std::span<const std::byte> bytes) {
+  now_ = now;
+  on_send(region, bytes);
 }
 
 void CaptureWriter::on_control(HostTime now, Duration host_minus_wall, std::string_view line) {
@@ -141,6 +171,10 @@ std::expected<CaptureReader, std::string> CaptureReader::open(std::span<const st
   }
   auto setup = setup_from(text_of((*first)->bytes).substr(kWord.size()));
   if (!setup) return std::unexpected(setup.error());
+  if (setup->datagrams == Setup::Datagrams::kSealed) {
+    return std::unexpected(
+        "its datagrams are sealed as they were on the network, and it has no inputs; peerd record --opened has both");
+  }
   reader.setup_ = *std::move(setup);
   reader.begin_ = reader.last_ = (*first)->at;
   reader.count_ = 1;

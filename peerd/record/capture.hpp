@@ -17,7 +17,8 @@
 namespace peerd::record {
 
 // Writes a capture: every input of one PeerNode, in its order and with the times that the node got, and the datagrams
-// that the node sent. README.md in this folder specifies the file.
+// that the node sent; or, sealed, datagrams alone. README.md in this folder specifies the file. What was sealed and is
+// not any more only this user may read.
 //
 // Each call precedes the corresponding call of the node; on_send() is called where the node's outputs are polled. After
 // a write error the capture has ended for good, and good() is false.
@@ -35,8 +36,9 @@ class CaptureWriter {
   void on_control(HostTime now, Duration host_minus_wall, std::string_view line);
   void on_poses(HostTime now, Duration host_minus_wall, std::string_view datagram);
   void on_leave(HostTime now) { input(now, "leave"); }
-  // The datagram has the time of the last input, which has caused it.
+  // The datagram has the time of the last input, which has caused it; or, where no inputs are captured, the time given.
   void on_send(RegionId region, std::span<const std::byte> datagram);
+  void on_send(HostTime now, RegionId region, std::span<const std::byte> datagram);
   // Passes everything to the operating system, so that it outlives this process.
   void flush() { file_.flush(); }
   [[nodiscard]] bool good() const { return file_.good(); }
@@ -48,7 +50,7 @@ class CaptureWriter {
                 std::span<const std::byte> bytes);
   void input(HostTime now, std::string_view text);
 
-  std::ostream& opened(const std::filesystem::path& path);
+  std::ostream& opened(const std::filesystem::path& path, Setup::Datagrams datagrams);
 
   std::vector<char> buffer_;  // used by file_
   std::ofstream file_;

@@ -1,11 +1,16 @@
 #include "peerd/record/setup.hpp"
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+
 #include <nlohmann/json.hpp>
 
 namespace peerd::record {
 namespace {
 
 constexpr int kFormat = 1;
+constexpr std::array<std::string_view, 3> kDatagramWords{"open", "opened", "sealed"};  // by Setup::Datagrams
 
 }  // namespace
 
@@ -39,6 +44,7 @@ std::string to_text(const Setup& s) {
                                     {"keep_log", s.options.keep_log},
                                     {"sample_hz", s.options.sample_hz},
                                     {"groups", groups},
+                                    {"datagrams", kDatagramWords.at(static_cast<std::size_t>(s.datagrams))},
                                     {"world", s.world.string()},
                                     {"world_hash", s.world_hash},
                                     {"inlines_when_needed", s.reading.inlines_when_needed},
@@ -73,6 +79,11 @@ std::expected<Setup, std::string> setup_from(std::string_view text) {
     if (!plan) return std::unexpected(plan.error().sentence);
     s.groups = *plan;
     s.groups.offset = groups.value("offset", 0U);  // format 1 without "offset" means 0
+    const auto word =
+        std::ranges::find(kDatagramWords, json.value("datagrams", std::string("open")));  // older captures have none
+    if (word == kDatagramWords.end())
+      return std::unexpected("it says of its datagrams what this program does not know");
+    s.datagrams = static_cast<Setup::Datagrams>(word - kDatagramWords.begin());
     s.world = json.at("world").get<std::string>();
     s.world_hash = json.at("world_hash").get<std::uint64_t>();
     s.reading.inlines_when_needed = json.at("inlines_when_needed").get<bool>();

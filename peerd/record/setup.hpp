@@ -21,6 +21,9 @@ struct Setup {
   config::WorldReading reading;
   PeerNode::Options options;
   net::GroupPlan groups;  // the regions of the capture's groups
+  // The session's datagrams were never sealed; they were, and the capture has what they say; or it has them sealed.
+  enum class Datagrams : std::uint8_t { kOpen, kOpened, kSealed };
+  Datagrams datagrams = Datagrams::kOpen;
 };
 
 [[nodiscard]] Setup make_setup(const config::Scenario& scenario, const config::RunSettings& run,

@@ -39,11 +39,13 @@ InputError not_a_member(const std::filesystem::path& roster, const seal::Identit
 }
 
 Result<std::unique_ptr<SessionSeal>> SessionSeal::choose(const config::TransportSettings& settings,
-                                                         const std::string& world, const seal::Identity& identity) {
+                                                         const std::string& world, const seal::Identity& identity,
+                                                         const std::optional<seal::SessionKey>& given) {
   std::unique_ptr<SessionSeal> chosen(new SessionSeal(identity));
   if (!settings.sealed) return chosen;
   const auto roster_file = chosen_roster_file(settings.roster_file, world);
-  if (roster_file && settings.key_file.empty()) {
+  const seal::KeyChoice said{settings.key_file, settings.password_file};
+  if (roster_file && said.key_file.empty() && said.password_file.empty()) {
     auto roster = read_roster(*roster_file);
     if (!roster) return std::unexpected(roster.error());
     if (*roster) {
@@ -51,6 +53,7 @@ Result<std::unique_ptr<SessionSeal>> SessionSeal::choose(const config::Transport
       chosen->roster_ = **roster;
       chosen->earlier_ = read_earlier_rosters(*roster_file);
       chosen->key_ = (*roster)->session_key(identity);
+      chosen->by_ = "the roster " + roster_file->string();
       if (chosen->key_) return chosen;
       return std::unexpected(not_a_member(*roster_file, identity));
     }
@@ -58,21 +61,26 @@ Result<std::unique_ptr<SessionSeal>> SessionSeal::choose(const config::Transport
       return std::unexpected(InputError{"error: there is no roster " + settings.roster_file, 2});
     }
   }
-  const auto file = seal::chosen_key_file(settings.key_file, world);
-  if (!file) return std::unexpected(file.error());
-  auto key = settings.key_file.empty() ? seal::read_or_make_key(*file) : seal::read_key(*file);
+  auto key = given ? Result<seal::SessionKey>(*given) : seal::session_key(said, world, seal::IfMissing::kMake);
   if (!key) return std::unexpected(key.error());
-  chosen->file_ = *file;
-  chosen->key_ = *std::move(key);
+  chosen->by_ = key->by;
+  chosen->key_ = key->key;
   return chosen;
 }
 
 LogLine SessionSeal::line() const {
   if (!key_) return {LogLevel::kWarning, "open: whoever is on this network can listen, and speak as any peer"};
-  if (!roster_) return {LogLevel::kInfo, "sealed by the key " + file_.string()};
+  if (!roster_) return {LogLevel::kInfo, "sealed by " + by_};
   const seal::Member* const self = roster_->find(identity_.public_key());
-  return {LogLevel::kInfo, fmt::format("sealed by the roster {}, epoch {}; this is {}, {}", file_.string(),
-                                       roster_->epoch(), self->name, seal::name_of(self->role))};
+  return {LogLevel::kInfo, fmt::format("sealed by {}, epoch {}; this is {}, {}", by_, roster_->epoch(), self->name,
+                                       seal::name_of(self->role))};
+}
+
+std::shared_ptr<net::GreetingSeal> SessionSeal::greetings(const SayLine& say) {
+  if (!key_) return nullptr;
+  greetings_ = std::make_shared<seal::SealedGreetings>(
+      *key_, [say](const std::string& line) { say({LogLevel::kWarning, line}); });
+  return greetings_;
 }
 
 void SessionSeal::seal(asio::io_context& io, const net::HostClock& clock, PeerId self, net::OpenedTransport& reached,
@@ -106,6 +114,7 @@ void SessionSeal::adopt(const seal::Roster& roster, const SayLine& say) {
   if (!key) return;  // the transport has said so
   roster_ = roster;
   key_ = key;
+  if (greetings_) greetings_->rekey(*key);
   say(line());
 }
 

@@ -13,9 +13,11 @@
 #include "peerd/input/input_error.hpp"
 #include "peerd/keys/identity.hpp"
 #include "peerd/keys/roster.hpp"
+#include "peerd/keys/session_key.hpp"
 #include "peerd/keys/symmetric_key.hpp"
 #include "peerd/node/describe.hpp"
 #include "peerd/os/host_clock.hpp"
+#include "peerd/seal/sealed_greetings.hpp"
 #include "peerd/seal/sealed_transport.hpp"
 #include "peerd/transport/open_transport.hpp"
 
@@ -33,18 +35,22 @@ using SayLine = std::function<void(const LogLine&)>;
 // runs.
 class SessionSeal {
  public:
-  // By the settings and by what this user has of the world. Errors: the identity is no member's; files that are damaged
-  // or can't be read.
+  // By the settings and by what this user has of the world. `given`: a key that has been found already. Errors: the
+  // identity is no member's; files that are damaged or can't be read.
   [[nodiscard]] static Result<std::unique_ptr<SessionSeal>> choose(const config::TransportSettings& settings,
                                                                    const std::string& world,
-                                                                   const seal::Identity& identity);
-  // "sealed by the key FILE": for the log.
-  [[nodiscard]] LogLine line() const;
+                                                                   const seal::Identity& identity,
+                                                                   const std::optional<seal::SessionKey>& given);
+  // What it is sealed by: "the key FILE"; empty: it is open.
+  [[nodiscard]] const std::string& by() const { return by_; }
+  [[nodiscard]] LogLine line() const;  // for the log
   // The session's key at present; none: it is open.
   [[nodiscard]] const std::optional<seal::SymmetricKey>& key() const { return key_; }
   // Whether operations by that key count.
   [[nodiscard]] bool may_write(const seal::PublicKey& key) const { return !roster_ || roster_->may_write(key); }
 
+  // What seals the greetings of unicast, in this epoch and the next ones; null: they are open.
+  [[nodiscard]] std::shared_ptr<net::GreetingSeal> greetings(const SayLine& say);
   // What the transport carries is sealed from then on. Rosters that come, over the network or into the file, are
   // followed. All but the transport outlive it.
   void seal(boost::asio::io_context& io, const net::HostClock& clock, PeerId self, net::OpenedTransport& reached,
@@ -56,10 +62,12 @@ class SessionSeal {
   void watch_file(const SayLine& say);
 
   seal::Identity identity_;
-  std::filesystem::path file_;  // of the key, or of the roster
+  std::filesystem::path file_;  // of the roster
+  std::string by_;
   std::optional<seal::SymmetricKey> key_;
   std::optional<seal::Roster> roster_;
   std::vector<seal::Roster> earlier_;
+  std::shared_ptr<seal::SealedGreetings> greetings_;
   seal::SealedTransport* transport_ = nullptr;
   std::optional<boost::asio::steady_timer> timer_;
   std::filesystem::file_time_type seen_{};

@@ -93,7 +93,8 @@ std::vector<std::string> peer_command(const LiveRun& launch, const config::RunSe
                                    "--verbose",
                                    "--take-over"};
   const auto set = [&](const std::string& assignment) { command.insert(command.end(), {"--set", assignment}); };
-  if (run.transport.sealed && run.transport.key_file.empty()) set("transport.key_file=" + json_line(key_file.string()));
+  const bool has_key = !run.transport.key_file.empty() || !run.transport.password_file.empty();
+  if (run.transport.sealed && !has_key) set("transport.key_file=" + json_line(key_file.string()));
   for (const std::string& s : launch.sets) set(s);
   for (const auto& [key, value] : run.params.items()) set(key + "=" + toml_value(value));
   set("seed=" + std::to_string(run.seed));

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <utility>
 
+#include "peerd/transport/transport_options.hpp"
+
 namespace peerd::seal {
 namespace {
 
@@ -60,6 +62,7 @@ SealedTransport::SealedTransport(boost::asio::io_context& io, const net::HostClo
                                  Sealer::Self self, Examine examine, Warn warn)
     : clock_(clock),
       carrier_(std::move(carrier)),
+      strangers_(random_key(), {}),
       self_(std::move(self)),
       sealer_(session, self_),
       examine_(std::move(examine)),
@@ -73,6 +76,7 @@ SealedTransport::SealedTransport(boost::asio::io_context& io, const net::HostClo
                                  Examine examine, Warn warn)
     : clock_(clock),
       carrier_(std::move(carrier)),
+      strangers_(random_key(), {}),
       self_(std::move(self)),
       rosters_(std::move(rosters)),
       sealer_(sealer_of_roster()),
@@ -132,8 +136,15 @@ void SealedTransport::take_announcement(const net::Arrival& arrival) {
 }
 
 void SealedTransport::take(const net::Arrival& arrival) {
-  if (Sealer::is_announcement(arrival.datagram)) return take_announcement(arrival);
-  if (RosterExchange::is_part(arrival.datagram)) {
+  using Kind = net::SourceBuckets::Kind;
+  const bool announces = Sealer::is_announcement(arrival.datagram), is_part = RosterExchange::is_part(arrival.datagram);
+  const Kind kind = announces || is_part ? Kind::kAnnouncement : Kind::kDatagram;
+  if (!strangers_.admits(arrival.from.address(), kind, arrival.at)) {
+    ++flood_;
+    return;
+  }
+  if (announces) return take_announcement(arrival);
+  if (is_part) {
     ++announcements_in_;
     const auto roster = rosters_ ? rosters_->take(arrival.datagram) : std::nullopt;
     if (roster && on_roster_) on_roster_(*roster);
@@ -144,6 +155,7 @@ void SealedTransport::take(const net::Arrival& arrival) {
     if (opened.error() == Refusal::kOwn) say_findings();
     return refuse(opened.error(), arrival);
   }
+  strangers_.has_proven(arrival.from.address(), arrival.at);
   const auto contents = examine_(opened->datagram);
   if (!contents || contents->sender != opened->sender) return refuse(Refusal::kWrongSender, arrival);
   if (contents->must_be_signed && !opened->is_signed) return refuse(Refusal::kUnsigned, arrival);
@@ -200,7 +212,7 @@ void SealedTransport::wait() {
 const net::TrafficCounters& SealedTransport::counters() const {
   const auto refused = [&](Refusal why) { return refused_.at(static_cast<std::size_t>(why)); };
   counters_ = carrier_->counters();
-  counters_.packets_in -= std::accumulate(refused_.begin(), refused_.end(), announcements_in_);
+  counters_.packets_in -= std::accumulate(refused_.begin(), refused_.end(), announcements_in_ + flood_);
   counters_.announcements_in = announcements_in_;
   counters_.in_open = refused(Refusal::kOpen);
   counters_.in_own = refused(Refusal::kOwn);
@@ -213,6 +225,7 @@ const net::TrafficCounters& SealedTransport::counters() const {
   counters_.in_unsigned = refused(Refusal::kUnsigned);
   counters_.in_wrong_sender = refused(Refusal::kWrongSender);
   counters_.in_observer = refused(Refusal::kObserver);
+  counters_.in_flood = flood_;
   return counters_;
 }
 

@@ -14,6 +14,7 @@
 #include "peerd/keys/roster.hpp"
 #include "peerd/seal/roster_exchange.hpp"
 #include "peerd/seal/sealer.hpp"
+#include "peerd/transport/source_buckets.hpp"
 #include "peerd/transport/transport.hpp"
 
 namespace peerd::seal {
@@ -69,6 +70,7 @@ class SealedTransport final : public net::Transport {
 
   const net::HostClock& clock_;
   std::unique_ptr<net::Transport> carrier_;
+  net::SourceBuckets strangers_;
   Sealer::Self self_;
   std::optional<RosterExchange> rosters_;
   OnRoster on_roster_;
@@ -80,7 +82,7 @@ class SealedTransport final : public net::Transport {
   ReceiveHandler handler_;
   std::map<std::string, HostTime> warned_;  // by what, of a few kinds
   // The parts of what the carrier has passed on, the refused ones by Refusal.
-  std::uint64_t announcements_in_ = 0;
+  std::uint64_t announcements_in_ = 0, flood_ = 0;
   std::array<std::uint64_t, kRefusals> refused_{};
   mutable net::TrafficCounters counters_;
 };

@@ -1,5 +1,6 @@
 #include "peerd/snapshot/framed_stream.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cstdint>
 #include <utility>
@@ -50,9 +51,11 @@ void FramedStream::begin(OnDone done) {
   const auto& hello = seal_->hello();
   const std::string_view own(reinterpret_cast<const char*>(hello.data()), hello.size());
   write_frame(own, [this, done = std::move(done)] {
-    read_frame(seal::StreamSeal::kHello_bytes, [this, done](const std::string& others) {
-      if (!seal_->take_hello(others)) return fail("its first frame is no key: one side of the connection is open");
-      done();
+    // An open side answers that it does not understand, which is longer than a key.
+    read_frame(std::max(frame_max_bytes_, seal::StreamSeal::kHello_bytes), [this, done](const std::string& others) {
+      if (seal_->take_hello(others)) return done();
+      is_open_there_ = others.size() != seal::StreamSeal::kHello_bytes;
+      fail("its first frame is no key: one side of the connection is open");
     });
   });
 }

@@ -40,6 +40,8 @@ class FramedStream : public std::enable_shared_from_this<FramedStream> {
   void close();
   // It is sealed, and nothing that the other side has sent was opened: that may have another key, or none.
   [[nodiscard]] bool is_unproven() const { return seal_ && !is_proven_; }
+  // It is sealed, and the other side has begun with something else than a key: that is open.
+  [[nodiscard]] bool is_open_there() const { return is_open_there_; }
 
  private:
   // A handler that calls `next` unless there was an error or the stream is closed.
@@ -58,7 +60,7 @@ class FramedStream : public std::enable_shared_from_this<FramedStream> {
   std::optional<seal::StreamSeal> seal_;
   boost::asio::steady_timer deadline_;
   int under_way_ = 0;  // reads and writes
-  bool over_ = false, is_proven_ = false;
+  bool over_ = false, is_proven_ = false, is_open_there_ = false;
   std::array<unsigned char, 4> head_{};
   std::string in_, out_;
 };

@@ -169,6 +169,9 @@ class Fetch {
       connection->stream->read([this, connection, on_reply](const std::string& frame) {
         if (over_) return;
         auto reply = decode_reply(frame);
+        if (!reply && !options_.key && frame.size() == seal::StreamSeal::kHello_bytes) {
+          return give_up(connection, "it is sealed, and begins with a key: leave out --open");
+        }
         if (!reply) return on_failure(connection, reply.error());
         if (const auto* refusal = std::get_if<Refusal>(&*reply)) return give_up(connection, refusal->why);
         on_reply(*std::move(reply));
@@ -319,6 +322,7 @@ class Fetch {
   }
 
   void on_failure(const ConnectionPtr& connection, const std::string& why) {
+    if (connection->stream->is_open_there()) return give_up(connection, "it is open: say --open");
     if (connection->is_connected && connection->stream->is_unproven()) {
       return give_up(connection, why + ", as who has another key does; --key FILE says one, --open none");
     }

@@ -122,7 +122,7 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
     });
   }
   void take(asio::ip::tcp::socket socket) {
-    if (streams_.size() >= kConnectionsMax) return;  // which closes it: the joining peer asks elsewhere, or again
+    if (streams_.size() >= kConnectionsMax && !make_room()) return;  // which closes it: it asks elsewhere, or again
     error_code ignored;
     socket.set_option(asio::ip::tcp::no_delay(true), ignored);
     const auto number = ++taken_;
@@ -136,6 +136,14 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
     stream->begin([self = shared_from_this(), stream] {
       if (!self->over_) self->serve(stream);
     });
+  }
+  // Who has not proven the session's key for the longest time makes room. False: all have, or there is none.
+  [[nodiscard]] bool make_room() {
+    const auto oldest = std::ranges::find_if(streams_, [](const auto& each) { return each.second->is_unproven(); });
+    if (oldest == streams_.end()) return false;
+    oldest->second->close();
+    streams_.erase(oldest);
+    return true;
   }
   [[nodiscard]] std::optional<seal::StreamSeal> seal() const {
     const auto key = content_.key();

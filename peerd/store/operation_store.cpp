@@ -26,6 +26,8 @@ using replication::OperationPart;
 // The file says by this number whose it is ("peer", in ASCII).
 constexpr std::int64_t kApplication = 0x70656572;
 constexpr const char* kFile = "operations.sqlite";
+// A packed row has less: what is packed is read a part at a time, and a peer takes no world that is larger.
+constexpr std::int64_t kPackedMax_bytes = std::int64_t{1} << 30;
 // A store that is being made has this name until it is whole.
 constexpr const char* kUnfinished = "operations.sqlite.new";
 
@@ -257,6 +259,7 @@ Result<void> OperationStore::read_rows(std::string_view sql, replication::Operat
       packer_.note(part.author, bytes.size());
     } else {
       const std::string_view frame(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+      if (packed_size > kPackedMax_bytes) return damaged("its size is wrong");
       const auto unpacked = decompress(frame, static_cast<std::size_t>(packed_size));
       if (!unpacked) return damaged(unpacked.error());
       const auto whole = std::as_bytes(std::span(*unpacked));

@@ -17,7 +17,7 @@ constexpr Duration kMovesFirst = std::chrono::milliseconds(2'200), kMovesLater =
 
 // The bytes of an endpoint: port, address and, for a link-local IPv6 address, the link.
 struct EndpointBytes {
-  std::array<std::byte, 22> bytes{};
+  std::array<std::byte, 30> bytes{};  // of an endpoint, and a number after it
   std::size_t size = 0;
 
   void put(std::uint64_t value, int size_bytes) {
@@ -44,8 +44,13 @@ EndpointBytes bytes_of(const udp::endpoint& at) {
 KnownPeers::KnownPeers(Options options)
     : options_(std::move(options)), instance_(static_cast<std::uint32_t>(sip_hash(options_.key, {}))) {}
 
-std::uint64_t KnownPeers::number_for(const udp::endpoint& at) const {
-  const EndpointBytes input = bytes_of(at);
+bool KnownPeers::is_number_for(const udp::endpoint& at, std::uint64_t number) const {
+  return number == number_for(at, period_) || number == number_for(at, period_ - 1);
+}
+
+std::uint64_t KnownPeers::number_for(const udp::endpoint& at, std::int64_t period) const {
+  EndpointBytes input = bytes_of(at);
+  input.put(static_cast<std::uint64_t>(period), 8);
   return sip_hash(options_.key, std::span(input.bytes).first(input.size)) >> (64 - kAddressNumberBits) | 1;
 }
 
@@ -62,7 +67,7 @@ KnownPeers::Outcome KnownPeers::on_greeting(HostTime now, const udp::endpoint& f
     on_own(now, from, greeting);
     return Outcome::kOwn;
   }
-  if (greeting.echo != number_for(from)) return Outcome::kUnverified;
+  if (!is_number_for(from, greeting.echo)) return Outcome::kUnverified;
   auto known = std::ranges::find(peers_, greeting.instance, &Peer::instance);
   if (known != peers_.end() && known->at != from) {
     known->also = from;  // the peer may know us by another of our addresses, and send from there
@@ -101,7 +106,7 @@ KnownPeers::Outcome KnownPeers::on_greeting(HostTime now, const udp::endpoint& f
 // Only the process that receives at `from` can send our number for that address, and only candidates are remembered.
 void KnownPeers::on_own(HostTime now, const udp::endpoint& from, const Greeting& greeting) {
   const bool candidate = introduced_.contains(from) || std::ranges::find(options_.seeds, from) != options_.seeds.end();
-  if (greeting.number != number_for(from) || !candidate) return;
+  if (!is_number_for(from, greeting.number) || !candidate) return;
   if (own_.size() < options_.most || own_.contains(from)) own_[from] = now + options_.own;
   introduced_.erase(from);
 }
@@ -114,6 +119,7 @@ void KnownPeers::introduce(const udp::endpoint& at, HostTime until) {
 }
 
 void KnownPeers::forget(HostTime now) {
+  period_ = now.time_since_epoch() / options_.number;
   std::erase_if(introduced_, [&](const auto& entry) { return now > entry.second; });
   std::erase_if(own_, [&](const auto& entry) { return now > entry.second; });
   std::erase_if(peers_, [&](const Peer& peer) {

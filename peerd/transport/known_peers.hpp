@@ -27,6 +27,7 @@ class KnownPeers {
     Duration introduction = std::chrono::seconds(3);  // an address that others name is greeted for so long
     Duration again = std::chrono::minutes(10);        // a peer that has become silent is greeted for so long
     Duration own = std::chrono::seconds(60);          // an address of this process is not greeted for so long
+    Duration number = std::chrono::seconds(30);       // numbers are renewed so often, and the one before counts, too
     std::size_t most = 256;                           // limit of known peers, of introduced and of own addresses
   };
   struct Peer {
@@ -51,12 +52,14 @@ class KnownPeers {
   explicit KnownPeers(Options options);
 
   Outcome on_greeting(HostTime now, const asio::ip::udp::endpoint& from, const Greeting& greeting);
+  // To be called at least once in a period of numbers.
   void forget(HostTime now);
 
   [[nodiscard]] std::uint32_t instance() const { return instance_; }  // of this process
-  // The number that the receiver at `at` must echo. It is a keyed hash of the address, so that the number of one
-  // address reveals nothing about those of others. It is never 0.
-  [[nodiscard]] std::uint64_t number_for(const asio::ip::udp::endpoint& at) const;
+  // The number that the receiver at `at` must echo. It is a keyed hash of the address and of the period that forget()
+  // has begun, so that the number of one address reveals nothing about those of others, and that a recorded greeting
+  // is worth nothing after two periods. It is never 0.
+  [[nodiscard]] std::uint64_t number_for(const asio::ip::udp::endpoint& at) const { return number_for(at, period_); }
   // Whether a known peer has echoed from that address.
   [[nodiscard]] bool has_echoed(const asio::ip::udp::endpoint& from) const;
 
@@ -72,10 +75,13 @@ class KnownPeers {
  private:
   [[nodiscard]] bool is_known(const asio::ip::udp::endpoint& at) const;
   void introduce(const asio::ip::udp::endpoint& at, HostTime until);
+  [[nodiscard]] std::uint64_t number_for(const asio::ip::udp::endpoint& at, std::int64_t period) const;
+  [[nodiscard]] bool is_number_for(const asio::ip::udp::endpoint& at, std::uint64_t number) const;
   void on_own(HostTime now, const asio::ip::udp::endpoint& from, const Greeting& greeting);
 
   Options options_;
   std::uint32_t instance_;
+  std::int64_t period_ = 0;
   std::vector<Peer> peers_;
   std::map<asio::ip::udp::endpoint, HostTime> own_;         // candidates of this process, and until when
   std::map<asio::ip::udp::endpoint, HostTime> introduced_;  // addresses to greet, and until when

@@ -45,6 +45,7 @@ std::expected<std::unique_ptr<Transport>, NetError> open_unicast(asio::io_contex
                               .port = m.groups.port,
                               .seeds = *std::move(seeds),
                               .key = options.key,
+                              .seal = options.greetings,
                               .dscp = m.dscp,
                               .receive_buffer_bytes = m.receive_buffer_bytes});
 }

@@ -23,6 +23,7 @@ struct TransportOptions {
   MulticastUse use = MulticastUse::kAuto;
   std::vector<std::string> peers = {};  // "host:port", "[2001:db8::1]:port": the addresses that unicast greets first
   SipKey key = {};                      // secret and of this process alone, for unicast (KnownPeers)
+  std::shared_ptr<GreetingSeal> greetings = {};  // of unicast; null: they are open
 };
 
 struct OpenedTransport {

@@ -56,6 +56,7 @@ UnicastFanOut::UnicastFanOut(asio::io_context& io, const HostClock& clock, const
       receiver_(io, reading_),
       queue_(kMaxDatagramBytes + kRegionHeaderBytes),
       known_({.key = options.key, .seeds = options.seeds}),
+      strangers_(options.key, {}),
       timer_(io),
       hurried_rounds_(kShortRoundsAtStart) {}
 
@@ -163,12 +164,28 @@ void UnicastFanOut::take_datagram(const Received& received, HostTime at) {
   handler_({region, received.bytes.subspan(kRegionHeaderBytes), at, received.from});
 }
 
-void UnicastFanOut::on_greeting(const Received& received, HostTime at) {
-  const auto greeting = decode_greeting(received.bytes, options_.family == IpFamily::kV4);
-  if (!greeting) {
-    ++counters_.in_malformed;
-    return;
+std::optional<Greeting> UnicastFanOut::read_greeting(const Received& received, HostTime at) {
+  std::optional<std::vector<std::byte>> opened;
+  if (options_.seal) {
+    if (!strangers_.admits(received.from.address(), SourceBuckets::Kind::kAnnouncement, at)) {
+      ++counters_.greetings_flood;
+      return std::nullopt;
+    }
+    opened = options_.seal->open(received.bytes, at, received.from);
+    if (!opened) {
+      ++counters_.greetings_unopened;
+      return std::nullopt;
+    }
   }
+  auto greeting =
+      decode_greeting(opened ? std::span<const std::byte>(*opened) : received.bytes, options_.family == IpFamily::kV4);
+  if (!greeting) ++counters_.in_malformed;
+  return greeting;
+}
+
+void UnicastFanOut::on_greeting(const Received& received, HostTime at) {
+  const auto greeting = read_greeting(received, at);
+  if (!greeting) return;
   ++counters_.greetings_in;
   const std::size_t introduced = known_.introduced();
   const auto outcome = known_.on_greeting(at, received.from, *greeting);
@@ -179,6 +196,7 @@ void UnicastFanOut::on_greeting(const Received& received, HostTime at) {
   // A sender that echoes the number of an earlier process at this address gets a greeting of this process in any case.
   const bool unverified = outcome == Outcome::kUnverified && !greeting->leaving;
   const bool known = outcome == Outcome::kNew || outcome == Outcome::kKnown;
+  if (known) strangers_.has_proven(received.from.address(), at);
   const bool answered = outcome == Outcome::kKnown && !greeting->reply;  // it knows our regions
   if (!(known && !answered) && !(unverified && (greeting->reply || greeting->echo != 0))) return;
   Greeting reply{.echo = greeting->number, .reply = unverified};
@@ -191,7 +209,7 @@ void UnicastFanOut::greet(const udp::endpoint& to, Greeting greeting) {
   greeting.instance = known_.instance();
   greeting.number = known_.number_for(to);
   const auto bytes = encode(greeting, options_.family == IpFamily::kV4);
-  push(to, {}, bytes);
+  push(to, {}, options_.seal ? options_.seal->seal(bytes) : bytes);
   ++counters_.greetings_out;
 }
 

@@ -14,7 +14,9 @@
 
 #include "peerd/os/interfaces.hpp"
 #include "peerd/os/udp_receiver.hpp"
+#include "peerd/transport/greeting_seal.hpp"
 #include "peerd/transport/known_peers.hpp"
+#include "peerd/transport/source_buckets.hpp"
 #include "peerd/transport/transport.hpp"
 
 namespace peerd::net {
@@ -24,7 +26,8 @@ struct UnicastOptions {
   std::string interface = "";  // receives over this interface and lo; empty: over any
   std::uint16_t port = 0;      // of this peer alone; from 1
   std::vector<asio::ip::udp::endpoint> seeds = {};
-  SipKey key = {};  // KnownPeers::Options::key
+  SipKey key = {};                          // KnownPeers::Options::key
+  std::shared_ptr<GreetingSeal> seal = {};  // null: greetings are open
   int dscp = 0;
   int receive_buffer_bytes = 1024 * 1024;
 };
@@ -62,6 +65,7 @@ class UnicastFanOut final : public Transport {
 
   void take(const Received& received, HostTime at);
   void on_greeting(const Received& received, HostTime at);
+  [[nodiscard]] std::optional<Greeting> read_greeting(const Received& received, HostTime at);
   void take_datagram(const Received& received, HostTime at);
   void push(const asio::ip::udp::endpoint& to, std::span<const std::byte> header, std::span<const std::byte> datagram);
   void greet(const asio::ip::udp::endpoint& to, Greeting greeting);
@@ -76,6 +80,7 @@ class UnicastFanOut final : public Transport {
   UdpReceiver receiver_;
   SendQueue queue_;
   KnownPeers known_;
+  SourceBuckets strangers_;
   std::set<RegionId> joined_;
   ReceiveHandler handler_;
   asio::steady_timer timer_;

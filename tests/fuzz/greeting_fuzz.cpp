@@ -1,11 +1,12 @@
 // Sends any datagram to the port of a unicast peer: decode_greeting() accepts only whole greetings, in their one
-// encoding, and the table of peers stays within its bounds.
+// encoding, and the table of peers stays within its bounds. Nothing is a sealed greeting that the session's key opens.
 //
 // The first byte selects the family (its lowest bit) and the sender's port; the rest is the datagram.
 #include <cstdint>
 #include <cstdlib>
 #include <span>
 
+#include "peerd/seal/sealed_greetings.hpp"
 #include "peerd/transport/known_peers.hpp"
 
 namespace {
@@ -25,6 +26,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const bool v4 = (data[0] & 1) != 0;
   const auto datagram = std::as_bytes(std::span(data, size)).subspan(1);
   (void)read_region_header(datagram);
+  static seal::SealedGreetings sealed(seal::SymmetricKey::random(), [](const std::string&) {});
+  require(!sealed.open(datagram, HostTime{}, {}));
   auto greeting = decode_greeting(datagram, v4);
   if (!greeting) return 0;
   const auto again = encode(*greeting, v4);

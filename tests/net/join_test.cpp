@@ -3,13 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <thread>
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/control/control_client.hpp"
+#include "peerd/keys/key_file.hpp"
+#include "tests/net/controlled_peers.hpp"
 #include "tests/net/listener.hpp"
-#include "tests/net/process.hpp"
 
 namespace peerd::join_test {
 
@@ -17,12 +16,11 @@ using net::testing_support::own_port;
 using nlohmann::json;
 using testing::HasSubstr;
 using testing_support::Process;
-using testing_support::ScratchFolder;
 
 using Words = std::vector<std::string>;
 
 // The world is called as nobody else's on this computer.
-class Joining : public testing::Test {
+class Joining : public testing_support::ControlledPeers {
  protected:
   Joining() {
     folder.write("wheel.wrl", "#VRML V2.0 utf8\nTransform { translation 0 1 0 children Shape { geometry Box { } } }\n");
@@ -47,38 +45,7 @@ class Joining : public testing::Test {
   Process join(const std::string& name, const std::string& called, const Words& more = {}) const {
     return start(name, {"join", called}, more);
   }
-  [[nodiscard]] json ask(const std::string& name, const json& request) const {
-    const auto line = api::ask(folder / (name + ".sock"), request.dump());
-    return line ? json::parse(*line, nullptr, false) : json();
-  }
-  template <class Condition>
-  static bool wait_until(Condition holds) {
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (!holds()) {
-      if (std::chrono::steady_clock::now() > give_up) return false;
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    return true;
-  }
-  [[nodiscard]] bool is_in_session(const std::string& name) const {
-    return wait_until([&] {
-      const json status = ask(name, {{"do", "status"}});
-      return status.is_object() && status.at("session").at("joined").get<bool>();
-    });
-  }
-  // The world of a peer, as VRML.
-  [[nodiscard]] std::string world_of(const std::string& name) const {
-    const json reply = ask(name, {{"do", "world"}});
-    return reply.is_object() ? reply.value("world", std::string()) : std::string();
-  }
-  [[nodiscard]] bool add(const std::string& name, const std::string& def) const {
-    const std::string text = "DEF " + def + " Transform { children Shape { geometry Sphere { } } }";
-    const json reply = ask(name, {{"do", "add"}, {"text", text}});
-    EXPECT_TRUE(reply.is_object() && reply.value("done", false)) << name << " answers " << reply.dump();
-    return wait_until([&] { return world_of(name).find(def) != std::string::npos; });
-  }
 
-  ScratchFolder folder;
   const std::string world = "world-" + std::to_string(getpid());
 };
 
@@ -208,10 +175,86 @@ TEST_F(Joining, AnInvitationIsAllThatSomebodyElseNeeds) {
   ASSERT_TRUE(is_in_session("invited")) << invited.err();
   EXPECT_EQ(world_of("invited"), world_of("a"));
   EXPECT_THAT(invited.out() + invited.err(), testing::Not(HasSubstr(invitation))) << "it is in no log";
+  EXPECT_THAT(invited.command_line(), testing::AllOf(HasSubstr("--invite"), testing::Not(HasSubstr(invitation))));
   Process again = join_there("again", {world});
   ASSERT_TRUE(is_in_session("again")) << again.err() << "the key was kept";
   ASSERT_TRUE(add("invited", "BALL"));
   EXPECT_TRUE(wait_until([&] { return world_of("a") == world_of("invited") && world_of("a") == world_of("again"); }));
+}
+
+// As it was printed, with the command before it, from a file that no list of processes shows.
+TEST_F(Joining, AnInvitationMayComeByStandardInput) {
+  Process a = run("a", world);
+  ASSERT_TRUE(is_in_session("a"));
+  Process invite(folder, "invite", PEERD_PROGRAM, {"invite", world});
+  ASSERT_EQ(invite.exit_code(10), 0) << invite.err();
+  EXPECT_THAT(invite.err(), HasSubstr("peerd join --invite -"));
+  const auto join_by = [&](const std::string& name, const std::string& line) {
+    folder.write(name + ".txt", line);
+    return Process(
+        folder, name, "/bin/sh",
+        {"-c", "exec \"$0\" \"$@\" <" + (folder / (name + ".txt")).string(), PEERD_PROGRAM, "join", "--name", name,
+         "--interface", "lo", "--store", "", "--control", (folder / (name + ".sock")).string(), "--invite", "-"},
+        name);
+  };
+  Process nothing = join_by("nothing", ""), other = join_by("other", "peerd join --invite\n");
+  EXPECT_EQ(nothing.exit_code(10), 2);
+  EXPECT_THAT(nothing.err(), HasSubstr("nothing came"));
+  EXPECT_EQ(other.exit_code(10), 2);
+  EXPECT_THAT(other.err(), HasSubstr("no whole invitation"));
+  Process invited = join_by("invited", invite.out());
+  ASSERT_TRUE(is_in_session("invited")) << invited.err();
+  EXPECT_EQ(world_of("invited"), world_of("a"));
+}
+
+// A password, once typed and once in a file, is all that two users share. Another one is none.
+TEST_F(Joining, APasswordIsAllThatTwoUsersShare) {
+  const auto password = [&](const std::string& name, const std::string& text) {
+    folder.write(name, text + "\n");
+    std::filesystem::permissions(folder / name, std::filesystem::perms::owner_read);
+    return (folder / name).string();
+  };
+  const std::string right = password("right", "correct horse"), wrong = password("wrong", "correct mule");
+  Process a = run("a", world, {"--password-file", right});
+  ASSERT_TRUE(is_in_session("a")) << a.err();
+  EXPECT_THAT(a.out(), HasSubstr("sealed by a password\n"));
+  EXPECT_EQ(ask("a", {{"do", "status"}}).at("session").at("sealed_by"), "a password");
+  const auto join_there = [&](const std::string& name, const std::string& file, const std::string& input) {
+    return Process(folder, name, "/bin/sh",
+                   {"-c", "exec \"$0\" \"$@\" <" + input, PEERD_PROGRAM, "join", world, "--name", name, "--interface",
+                    "lo", "--store", "", "--control", (folder / (name + ".sock")).string(), "--password-file", file},
+                   "elsewhere");
+  };
+  Process stranger = join_there("stranger", wrong, "/dev/null");
+  EXPECT_EQ(stranger.exit_code(10), 3);
+  EXPECT_THAT(stranger.err(), HasSubstr("as who has another key does"));
+  Process b = join_there("b", "-", right);
+  ASSERT_TRUE(is_in_session("b")) << b.err();
+  ASSERT_TRUE(add("b", "BALL"));
+  EXPECT_TRUE(wait_until([&] { return world_of("a") == world_of("b"); }));
+  EXPECT_THAT(b.out() + b.err(), testing::Not(HasSubstr("correct"))) << "it is in no log";
+  EXPECT_FALSE(std::filesystem::exists(folder / "elsewhere")) << "and no key is kept";
+  Process both = start("both", {"join", world, "--password-file", right, "--key", right});
+  EXPECT_EQ(both.exit_code(10), 2);
+}
+
+// Nobody waits for what cannot be where one peer is asked by its address, either.
+TEST_F(Joining, WhoAsksOnePeerIsToldAtOnceHowItIsSealed) {
+  Process sealed = run("sealed", world, {"--set", "transport.snapshot_port=" + std::to_string(own_port(14))});
+  Process open =
+      run("open", world + "-open", {"--open", "--set", "transport.snapshot_port=" + std::to_string(own_port(15))});
+  ASSERT_TRUE(is_in_session("sealed") && is_in_session("open"));
+  const auto why_not = [&](unsigned slot, const Words& more) {
+    Words words{"join", world, "--store", "", "--control", "", "--from", "127.0.0.1:" + std::to_string(own_port(slot))};
+    words.insert(words.end(), more.begin(), more.end());
+    Process join(folder, "why", PEERD_PROGRAM, words);
+    EXPECT_EQ(join.exit_code(10), 3) << "it waits";
+    return join.err();
+  };
+  EXPECT_THAT(why_not(14, {"--open"}), HasSubstr("it is sealed, and begins with a key: leave out --open"));
+  EXPECT_THAT(why_not(15, {}), HasSubstr("it is open: say --open"));
+  ASSERT_TRUE(seal::read_or_make_key(folder / "other.key"));
+  EXPECT_THAT(why_not(14, {"--key", (folder / "other.key").string()}), HasSubstr("as who has another key does"));
 }
 
 // Both say how they are, so that nobody waits for what cannot be.

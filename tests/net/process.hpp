@@ -74,6 +74,10 @@ class Process {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
   }
+  // What the list of processes says of it.
+  [[nodiscard]] std::string command_line() const {
+    return text_of(std::filesystem::path("/proc") / std::to_string(pid_) / "cmdline");
+  }
   [[nodiscard]] std::string out() const { return text_of(out_); }
   [[nodiscard]] std::string err() const { return text_of(err_); }
 

@@ -43,7 +43,7 @@ class Record : public testing::TestWithParam<const char*> {
     std::filesystem::copy(PEERD_SOURCE_DIR "/configs/worlds/keys.wrl", folder / "keys.wrl");
     folder.write("s.toml", kScenario);
   }
-  Process start(const std::string& name, unsigned slot) {
+  Process start(const std::string& name, unsigned slot, const Words& more = {"--opened"}) {
     Words words{"record",
                 "--config",
                 (folder / "s.toml").string(),
@@ -59,6 +59,7 @@ class Record : public testing::TestWithParam<const char*> {
                 file(name, "sock"),
                 "--out",
                 file(name, "pcapng")};
+    words.insert(words.end(), more.begin(), more.end());
     std::string& port = words[8];
     if (std::string(GetParam()) == "Unicast") {
       port = std::to_string(own_port(slot));
@@ -142,6 +143,24 @@ TEST_P(Record, WhatARealPeerDidIsReplayed) {
   EXPECT_EQ(of_b["same"], true) << of_b;
   EXPECT_GT(of_b["datagrams_out"], 10) << of_b;
   EXPECT_GT(of_b["datagrams_in"], 20) << of_b;
+}
+// A sealed session's capture is so, too, unless somebody says otherwise.
+TEST_P(Record, WhatIsNotOpenedStaysSealed) {
+  Process a = start("a", 12, {}), b = start("b", 13);
+  ASSERT_TRUE(a.says("peer b (id 2) joined", 10)) << a.out() << a.err();
+  EXPECT_THAT(a.out(), HasSubstr("records datagrams as they are on the network, sealed"));
+  for (Process* each : {&a, &b}) {
+    each->signal(SIGTERM);
+    EXPECT_EQ(each->exit_code(5), 0) << each->out() << each->err();
+  }
+  const std::string sealed = text_of(file("a", "pcapng")), opened = text_of(file("b", "pcapng"));
+  EXPECT_THAT(sealed.substr(0, 300), HasSubstr("sealed as they were on the network"));
+  EXPECT_THAT(opened.substr(0, 300), HasSubstr("as secret as the session's key"));
+  using std::filesystem::perms;
+  EXPECT_EQ(std::filesystem::status(file("b", "pcapng")).permissions(), perms::owner_read | perms::owner_write);
+  Process replay(folder, "replay", PEERD_PROGRAM, {"replay", file("a", "pcapng")});
+  EXPECT_EQ(replay.exit_code(30), 1);
+  EXPECT_THAT(replay.err(), HasSubstr("peerd record --opened has both"));
 }
 INSTANTIATE_TEST_SUITE_P(Over, Record, testing::Values("Multicast", "Unicast"),
                          [](const auto& c) { return std::string(c.param); });

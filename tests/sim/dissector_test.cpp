@@ -8,6 +8,7 @@
 
 #include "peerd/record/capture.hpp"
 #include "peerd/record/udp_packet.hpp"
+#include "peerd/seal/sealed_greetings.hpp"
 #include "peerd/seal/sealer.hpp"
 #include "peerd/transport/unicast_frame.hpp"
 #include "replication/wire/codec.hpp"
@@ -131,12 +132,14 @@ Message of_identity() {
   return m;
 }
 
-// Two datagrams of a sealed session.
+// Two datagrams of a sealed session, and a greeting.
 std::vector<Bytes> sealed() {
   seal::Sealer sealer(seal::SymmetricKey::random(),
                       {.peer = PeerId{4'000'000'000}, .identity = seal::Identity::random()});
   const auto datagram = sealer.seal(HostTime{}, RegionId{4}, encode(of_identity()), true);
-  return {sealer.announcement_due(HostTime{}).value(), {datagram.begin(), datagram.end()}};
+  const auto announcement = sealer.announcement_due(HostTime{}).value();
+  seal::SealedGreetings greetings(seal::SymmetricKey::random(), [](const std::string&) {});
+  return {announcement, {datagram.begin(), datagram.end()}, greetings.seal(Bytes(20))};
 }
 
 class Dissector : public testing::Test {

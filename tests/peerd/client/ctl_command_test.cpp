@@ -90,8 +90,11 @@ TEST_F(Control, EveryStatusSaysThatAPeerIsOpen) {
   ASSERT_TRUE(sealed.says("listens for peerd ctl", 10) && open.says("listens for peerd ctl", 10));
   EXPECT_EQ(ask(socket("a"), "status")["session"]["sealed"], true);
   EXPECT_EQ(ask(socket("b"), "status")["session"]["sealed"], false);
+  EXPECT_THAT(ask(socket("a"), "status")["session"]["sealed_by"].get<std::string>(), testing::StartsWith("the key /"));
+  EXPECT_EQ(ask(socket("b"), "status")["session"]["sealed_by"], nullptr);
   constexpr const char* kOpen = "open: whoever is on this network can listen, and speak as any peer";
-  EXPECT_THAT(ctl({"--control", socket("a"), "status"}).out, testing::Not(HasSubstr(kOpen)));
+  EXPECT_THAT(ctl({"--control", socket("a"), "status"}).out,
+              testing::AllOf(HasSubstr("sealed by the key /"), testing::Not(HasSubstr(kOpen))));
   EXPECT_THAT(ctl({"--control", socket("b"), "status"}).out, HasSubstr(kOpen));
 }
 

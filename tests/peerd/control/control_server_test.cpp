@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -115,6 +116,38 @@ TEST_F(ControlServerTest, OnlyThisUserMayConnect) {
   struct stat found {};
   ASSERT_EQ(stat(path.c_str(), &found), 0);
   EXPECT_EQ(found.st_mode & 0777, 0600u);
+}
+
+// Whatever the file's mode says.
+TEST_F(ControlServerTest, AnotherUserGetsNoAnswer) {
+  if (geteuid() != 0) GTEST_SKIP() << "only the administrator can be another user";
+  constexpr uid_t kOther = 65534;
+  const auto server = open();
+  std::filesystem::permissions(folder.path(), std::filesystem::perms::all);
+  std::filesystem::permissions(path, std::filesystem::perms::all);
+  for (const bool is_other : {true, false}) {
+    const pid_t child = fork();
+    if (child == 0) {
+      asio::io_context own;
+      Protocol::socket socket(own);
+      boost::system::error_code failed;
+      if (is_other && setresuid(kOther, kOther, kOther) != 0) _exit(3);
+      socket.connect(Protocol::endpoint(path.string()), failed);
+      if (failed) _exit(2);
+      asio::write(socket, asio::buffer(std::string("one\n")), failed);
+      char answer = 0;
+      _exit(socket.read_some(asio::buffer(&answer, 1), failed) == 1 ? 1 : 0);
+    }
+    int status = -1;
+    for (int tries = 0; tries < 10'000 && waitpid(child, &status, WNOHANG) == 0; ++tries) {
+      io.restart();
+      io.run_for(std::chrono::milliseconds(1));
+    }
+    ASSERT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), is_other ? 0 : 1) << "1: it has an answer";
+  }
+  EXPECT_EQ(server->counters().clients, 2u);
+  EXPECT_EQ(server->counters().strangers, 1u);
 }
 
 TEST_F(ControlServerTest, IsGoneWithItsFile) {

@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <memory>
+#include <new>
 #include <set>
+#include <vector>
 
 namespace peerd::seal {
 namespace {
@@ -21,6 +25,15 @@ TEST(SymmetricKeys, NothingElseIsAKey) {
   for (const char* const more : {"A", "=", " ", "\n"}) EXPECT_FALSE(SymmetricKey::of_text(text + more)) << more;
   EXPECT_FALSE(SymmetricKey::of_text("peerd-key-2:" + text.substr(12)));
   EXPECT_FALSE(SymmetricKey::of_text("peerd-key-1:" + std::string(43, '*')));
+}
+
+TEST(SymmetricKeys, AreWipedWhereTheyEnd) {
+  alignas(SymmetricKey) std::array<std::uint8_t, sizeof(SymmetricKey)> place{};
+  auto* const key = new (place.data()) SymmetricKey(SymmetricKey::random());
+  const std::vector<std::uint8_t> bits(key->data(), key->data() + SymmetricKey::kBytes);
+  EXPECT_FALSE(std::ranges::search(place, bits).empty());
+  std::destroy_at(key);
+  EXPECT_TRUE(std::ranges::all_of(place, [](std::uint8_t byte) { return byte == 0; }));
 }
 
 TEST(SymmetricKeys, EachUseHasAKeyOfItsOwn) {

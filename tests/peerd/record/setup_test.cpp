@@ -36,6 +36,15 @@ TEST(CaptureSetup, IsReadAsItWasWritten) {
   EXPECT_EQ(read->groups.offset, s.groups.offset);
 }
 
+TEST(CaptureSetup, SaysHowItsDatagramsAre) {
+  using Datagrams = record::Setup::Datagrams;
+  for (const Datagrams each : {Datagrams::kOpen, Datagrams::kOpened, Datagrams::kSealed}) {
+    record::Setup s = some_setup();
+    s.datagrams = each;
+    EXPECT_EQ(setup_from(to_text(s)).value().datagrams, each);
+  }
+}
+
 TEST(CaptureSetup, WithoutAnOffsetTheGroupsBeginAtTheBase) {
   json text = json::parse(to_text(some_setup()));
   text["groups"].erase("offset");
@@ -54,7 +63,8 @@ TEST(CaptureSetup, EveryMemberIsNeededButThoseThatOlderCapturesLack) {
     json text = whole;
     text.erase(name);
     const auto read = setup_from(text.dump());
-    const bool is_newer = name == "late" || name == "watches" || name == "expansion" || name == "world_name";
+    const bool is_newer =
+        name == "late" || name == "watches" || name == "datagrams" || name == "expansion" || name == "world_name";
     ASSERT_EQ(read.has_value(), is_newer) << name;
     if (is_newer) continue;
     EXPECT_THAT(read.error(), HasSubstr("'" + name + "'"));
@@ -72,6 +82,7 @@ TEST(CaptureSetup, WrongValuesAreOneSentence) {
   EXPECT_EQ(error("/sample_hz", 0), "sample_hz is 0");
   EXPECT_THAT(error("/groups/base", "192.0.2.1"), HasSubstr("is not a multicast address"));
   EXPECT_THAT(error("/groups/port", 0), HasSubstr("port 0"));
+  EXPECT_THAT(error("/datagrams", "shut"), HasSubstr("what this program does not know"));
   EXPECT_THAT(error("/peer", 1), HasSubstr("can't be read"));
   EXPECT_THAT(setup_from("rubbish").error(), HasSubstr("can't be read"));
 }

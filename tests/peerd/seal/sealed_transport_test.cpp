@@ -119,6 +119,32 @@ TEST_F(SealedTransports, CountAndNameWhoeverSpeaksForAnother) {
   EXPECT_THAT(a.warnings, ElementsAre(HasSubstr("say another sender than they are sealed by")));
 }
 
+// A flood costs what strangers may cost. One of datagrams leaves the announcements of a joining peer at the same address.
+TEST_F(SealedTransports, AFloodOfAStrangerIsNotOpened) {
+  Speaker a(io, key, 1);
+  Listener forger(io, options());
+  const std::string announcement(1 + 4 + 24 + 24 + 16, static_cast<char>(0xC0)), datagram(40, static_cast<char>(0x80));
+  const auto flood = [&](const std::string& bytes) {
+    for (int i = 0; i < 40; ++i) forger.send(0, bytes);
+    a.transport.receive_pending();
+  };
+  for (const std::string& bytes : {announcement, datagram}) {
+    const std::uint64_t before = a.transport.counters().in_flood;
+    ASSERT_TRUE(run_until(io, [&] {
+      for (int i = 0; i < 50; ++i) flood(bytes);
+      return a.transport.counters().in_flood > before + 1'000;
+    }));
+  }
+  EXPECT_GE(a.transport.counters().in_forged, 1'000u);
+  EXPECT_EQ(a.transport.counters().packets_in, a.passed_on);
+  Speaker b(io, key, 2);
+  ASSERT_TRUE(run_until(io, [&] {
+    flood(datagram);
+    b.say("");
+    return !a.heard.empty();
+  }));
+}
+
 // Somebody listens, and sends all of it once more.
 TEST_F(SealedTransports, ARecordIsHeardOnce) {
   Speaker a(io, key, 1), b(io, key, 2);

@@ -45,6 +45,26 @@ TEST(KnownPeers, SeedsAreGreetedUntilTheyAnswerAndAgainWhenTheyAreGone) {
   EXPECT_THAT(known.candidates(), ElementsAre(kA, kB));
 }
 
+// Whoever records a greeting can send it once more, from the address of who made it.
+TEST(KnownPeers, ARecordedGreetingIsWorthNothingAfterTwoPeriods) {
+  KnownPeers known({.key = kKey});
+  known.forget(HostTime{1000s});
+  Greeting greeting = from(2);
+  greeting.echo = known.number_for(kA);
+  const auto outcome_at = [&](Duration time) {
+    known.forget(HostTime{time});
+    return known.on_greeting(HostTime{time}, kA, greeting);
+  };
+  EXPECT_EQ(outcome_at(1001s), Outcome::kNew);
+  EXPECT_EQ(outcome_at(1020s), Outcome::kNew) << "in the next period, from 1020 s on";
+  EXPECT_EQ(outcome_at(1049s), Outcome::kNew) << "it was silent for more than 5 s";
+  EXPECT_EQ(outcome_at(1050s), Outcome::kUnverified);
+  EXPECT_EQ(echoed(known, HostTime{1050s}, kA, from(2)), Outcome::kKnown) << "it has the new number by now";
+  known.forget(HostTime{1056s});
+  EXPECT_EQ(outcome_at(1057s), Outcome::kUnverified) << "and once it has left, nobody brings it back";
+  EXPECT_THAT(known.peers(), IsEmpty());
+}
+
 // A forged address does not receive its number, and the forger knows the numbers of other addresses only.
 TEST(KnownPeers, APeerThatDoesNotEchoItsNumberIsUnverified) {
   KnownPeers known({.key = kKey});

@@ -5,6 +5,7 @@
 
 #include <boost/asio/ip/udp.hpp>
 
+#include "peerd/seal/sealed_greetings.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/wire.hpp"
 
@@ -26,9 +27,14 @@ udp::endpoint address(unsigned slot) { return {asio::ip::address_v4::loopback(),
 
 // A peer on lo that records what it receives.
 struct UnicastPeer {
-  UnicastPeer(asio::io_context& io, unsigned slot, std::vector<udp::endpoint> seeds, std::uint64_t start = 1) {
-    auto opened = UnicastFanOut::open(
-        io, clock(), {.interface = "lo", .port = own_port(slot), .seeds = std::move(seeds), .key = {start, slot}});
+  UnicastPeer(asio::io_context& io, unsigned slot, std::vector<udp::endpoint> seeds, std::uint64_t start = 1,
+              std::shared_ptr<GreetingSeal> seal = nullptr) {
+    auto opened = UnicastFanOut::open(io, clock(),
+                                      {.interface = "lo",
+                                       .port = own_port(slot),
+                                       .seeds = std::move(seeds),
+                                       .key = {start, slot},
+                                       .seal = std::move(seal)});
     if (!opened) throw std::runtime_error(opened.error().sentence);
     transport = *std::move(opened);
     transport->on_receive([this](const Arrival& arrival) {
@@ -130,6 +136,48 @@ TEST_F(UnicastFanOutTest, ASeedThatAnswersFromAnotherAddressIsHeardAndHearsEvery
   run_until(io, [&] { return a.heard.size() == sent && b.heard.size() == sent; });
   EXPECT_EQ(a.heard.size(), sent);
   EXPECT_EQ(b.heard.size(), sent);
+}
+
+// Who has another key, or none, gets no answer and is known to nobody, whomever it greets.
+TEST_F(UnicastFanOutTest, SealedGreetingsMeetBySessionKeyAlone) {
+  const auto key = seal::SymmetricKey::random();
+  const auto by = [](const seal::SymmetricKey& session) {
+    return std::make_shared<seal::SealedGreetings>(session, [](const std::string&) {});
+  };
+  UnicastPeer a(io, 0, {}, 1, by(key)), b(io, 1, {address(0)}, 1, by(key));
+  UnicastPeer other(io, 2, {address(0), address(1)}, 1, by(seal::SymmetricKey::random()));
+  UnicastPeer open(io, 3, {address(0), address(1)});
+  for (auto* peer : {&a, &b, &other, &open}) peer->join(1);
+  ASSERT_TRUE(run_until(io, [&] {
+    return a.knows(1, 1) && b.knows(1, 1) && a.transport->counters().greetings_unopened >= 4 &&
+           b.transport->counters().greetings_unopened >= 4;
+  }));
+  a.send(1, "from a"), other.send(1, "by another key"), open.send(1, "in the clear");
+  ASSERT_TRUE(run_until(io, [&] { return !b.heard.empty(); }));
+  EXPECT_THAT(b.heard, ElementsAre(Pair(1, "from a")));
+  for (auto* peer : {&other, &open}) {
+    EXPECT_THAT(peer->transport->peers(), IsEmpty());
+    EXPECT_EQ(peer->transport->counters().greetings_in, 0u);
+    EXPECT_EQ(peer->transport->counters().greetings_unopened, 0u) << "nobody has answered";
+  }
+  for (auto* peer : {&a, &b}) EXPECT_EQ(peer->transport->peers().size(), 1u);
+}
+
+// What a stranger sends costs its share, and no more.
+TEST_F(UnicastFanOutTest, AFloodOfGreetingsIsNotOpened) {
+  const auto key = seal::SymmetricKey::random();
+  UnicastPeer a(io, 0, {}, 1, std::make_shared<seal::SealedGreetings>(key, [](const std::string&) {}));
+  udp::socket other(io, udp::endpoint(asio::ip::address_v4::loopback(), 0));
+  const std::vector<std::byte> forged(61, seal::SealedGreetings::kMark);
+  constexpr std::uint64_t kFlood = 20'000;
+  for (std::uint64_t i = 0; i < kFlood; ++i) {
+    other.send_to(asio::buffer(forged), address(0));
+    if (i % 50 == 49) a.transport->receive_pending();
+  }
+  const auto& counters = a.transport->counters();
+  ASSERT_TRUE(run_until(io, [&] { return counters.greetings_unopened + counters.greetings_flood == kFlood; }));
+  EXPECT_GE(counters.greetings_unopened, 1'000u);
+  EXPECT_GE(counters.greetings_flood, 1'000u);
 }
 
 // The sender filters by region, and the receiver drops datagrams that cross with its leaving.

@@ -350,6 +350,10 @@ Fields Readers::datagram(std::span<const std::byte> datagram, RegionId region, S
     if (is_sealed) out.add("seal.counter", number(5, 3));
     return out.fields();
   }
+  if (mark == 0x67 && datagram.size() >= 41) {
+    out.add("kind", "sealed greeting");
+    return out.fields();
+  }
   const auto m = decode(datagram, near);
   if (!m) {
     out.add("malformed", "");

@@ -1,0 +1,31 @@
+// What one user gets of another, or of a file: invitations, and texts of keys. An invitation that is read is the
+// one that its text is of.
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "peerd/keys/invitation.hpp"
+
+namespace {
+
+// Unlike assert(), this check is on in every build.
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace peerd::seal;
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  if (const auto invitation = read_invitation(text)) require(text_of(*invitation) == text);
+  if (const auto key = SymmetricKey::of_text(text)) require(key->text() == text);
+  // Its checksum is right for once, so that what it is of is read, too.
+  constexpr std::size_t kNameMax_bytes = 300;
+  const std::string name(text.substr(0, kNameMax_bytes));
+  const Invitation made{name, SymmetricKey::random()};
+  const auto again = read_invitation(text_of(made));
+  require(again.has_value() == (!name.empty() && name.size() <= 255));
+  if (again) require(again->world == name && again->key == made.key);
+  return 0;
+}

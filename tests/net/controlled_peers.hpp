@@ -1,0 +1,52 @@
+#pragma once
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <string>
+#include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include "peerd/control/control_client.hpp"
+#include "tests/net/process.hpp"
+
+namespace peerd::testing_support {
+
+// Peers whose control sockets stand in a folder of the test's own, each by its name.
+class ControlledPeers : public testing::Test {
+ protected:
+  [[nodiscard]] nlohmann::json ask(const std::string& name, const nlohmann::json& request) const {
+    const auto line = api::ask(folder / (name + ".sock"), request.dump());
+    return line ? nlohmann::json::parse(*line, nullptr, false) : nlohmann::json();
+  }
+  template <class Condition>
+  static bool wait_until(Condition holds) {
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (!holds()) {
+      if (std::chrono::steady_clock::now() > give_up) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return true;
+  }
+  [[nodiscard]] bool is_in_session(const std::string& name) const {
+    return wait_until([&] {
+      const nlohmann::json status = ask(name, {{"do", "status"}});
+      return status.is_object() && status.at("session").at("joined").get<bool>();
+    });
+  }
+  // The world of a peer, as VRML.
+  [[nodiscard]] std::string world_of(const std::string& name) const {
+    const nlohmann::json reply = ask(name, {{"do", "world"}});
+    return reply.is_object() ? reply.value("world", std::string()) : std::string();
+  }
+  [[nodiscard]] bool add(const std::string& name, const std::string& def) const {
+    const std::string text = "DEF " + def + " Transform { children Shape { geometry Sphere { } } }";
+    const nlohmann::json reply = ask(name, {{"do", "add"}, {"text", text}});
+    EXPECT_TRUE(reply.is_object() && reply.value("done", false)) << name << " answers " << reply.dump();
+    return wait_until([&] { return world_of(name).find(def) != std::string::npos; });
+  }
+
+  ScratchFolder folder;
+};
+
+}  // namespace peerd::testing_support
