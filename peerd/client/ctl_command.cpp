@@ -11,9 +11,9 @@
 #include "peerd/client/peer_tables.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/problems.hpp"
-#include "peerd/input/printable.hpp"
 #include "peerd/control/control_client.hpp"
 #include "peerd/control/control_path.hpp"
+#include "peerd/input/printable.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/node/counter_meanings.hpp"
 

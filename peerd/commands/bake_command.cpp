@@ -6,8 +6,8 @@
 
 #include "collision/scene/scene_query.hpp"
 #include "peerd/commands/problems.hpp"
-#include "peerd/input/printable.hpp"
 #include "peerd/input/hierarchy_files.hpp"
+#include "peerd/input/printable.hpp"
 
 namespace peerd {
 

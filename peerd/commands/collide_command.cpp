@@ -15,8 +15,8 @@
 #include "collision/scene/scene_query.hpp"
 #include "core/motion/scene_motion.hpp"
 #include "peerd/commands/problems.hpp"
-#include "peerd/input/printable.hpp"
 #include "peerd/input/hierarchy_files.hpp"
+#include "peerd/input/printable.hpp"
 
 namespace peerd {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/problems.hpp"
-#include "peerd/input/printable.hpp"
 #include "peerd/config/renamed_keys.hpp"
+#include "peerd/input/printable.hpp"
 #include "peerd/os/host_clock.hpp"
 #include "peerd/transport/multicast_probe.hpp"
 #include "peerd/transport/transport_options.hpp"

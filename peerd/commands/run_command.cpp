@@ -363,8 +363,8 @@ Result<void> fill_store(const PeerOptions& options, const seal::Identity& identi
   if (!opened) return std::unexpected(opened.error());
   parts.opened = *std::move(opened);
   const auto& store = parts.opened.store;
-  parts.author = store ? replication::Author(store->author(), store->author_salt())
-                       : seal::fresh_author(identity.public_key());
+  parts.author =
+      store ? replication::Author(store->author(), store->author_salt()) : seal::fresh_author(identity.public_key());
   parts.signer = std::make_unique<seal::OperationSigner>(
       world.hash, identity, parts.author.salt,
       [&session_seal](const seal::PublicKey& key) { return session_seal.may_write(key); });
@@ -440,6 +440,15 @@ JoinService::Options join_service_options(const PeerOptions& options, const Peer
           .key = [&session_seal] { return session_seal.key(); }};
 }
 
+// What somebody wants to have of a run that is over. `capture`: null where there is no sealed one.
+Result<void> keep_records(const PeerOptions& options, const PeerNode& node, const record::CaptureWriter* capture) {
+  if (!options.record.empty()) {
+    if (auto saved = save(node.log(), options.record); !saved) return saved;
+  }
+  if (capture != nullptr && !capture->good()) return std::unexpected(cut_off(options.capture));
+  return {};
+}
+
 }  // namespace
 
 int run_peer(const PeerOptions& options) {
@@ -455,6 +464,7 @@ int run_peer(const PeerOptions& options) {
   const auto chosen = SessionSeal::choose(run.transport, parts->world_name(options), *identity, options.key);
   if (!chosen) return failed(chosen.error());
   SessionSeal& session_seal = **chosen;
+  if (auto good = session_seal.check_owner(!settings.owns.empty()); !good) return failed(good.error());
   PeerNode::Options node_options = node_options_of(options, run, settings, clock);
   node_options.sealed_by = session_seal.by();
   Log log(settings.name, options.json, options.verbose);
@@ -481,8 +491,7 @@ int run_peer(const PeerOptions& options) {
                               reach->multicast.groups, clock.now());
   if (!capture) return failed(capture.error());
 
-  const auto sealed_capture =
-      capture_sealed(*capture, options, session_seal.key().has_value(), clock, *reached, log);
+  const auto sealed_capture = capture_sealed(*capture, options, session_seal.key().has_value(), clock, *reached, log);
   log_line(session_seal.line());
   session_seal.seal(io, clock, PeerId{settings.id}, *reached, log_line);
   log_beginning(settings, parts->scenario.world, run.transport, *reached, log);
@@ -518,12 +527,9 @@ int run_peer(const PeerOptions& options) {
   log_refused(control->get(), poses->get(), log);
   control->reset();
   gateway->reset();
-  const PeerLog& record = node->log();
-  log_totals(*node, record, *transport, daemon, log);
-  if (!options.record.empty()) {
-    if (const auto saved = save(record, options.record); !saved) return failed(saved.error());
-  }
-  return sealed_capture && !sealed_capture->good() ? failed(cut_off(options.capture)) : code;
+  log_totals(*node, node->log(), *transport, daemon, log);
+  const auto kept = keep_records(options, *node, sealed_capture.get());
+  return kept ? code : failed(kept.error());
 }
 
 }  // namespace peerd

@@ -25,7 +25,7 @@ class JoinService {
     std::uint64_t session = 0, incarnation = 0;
     std::string world, settings;  // as in snapshot::Offer
     std::uint64_t genesis = 0;
-    std::string_view archive;               // outlives it; empty: the world cannot be handed out
+    std::string_view archive;  // outlives it; empty: the world cannot be handed out
     snapshot::KeyNow key;
   };
 

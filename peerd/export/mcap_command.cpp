@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/commands/problems.hpp"
-#include "peerd/input/printable.hpp"
 #include "peerd/export/recording_export.hpp"
+#include "peerd/input/printable.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/recorded/record_capture.hpp"
 #include "peerd/recorded/record_run.hpp"

@@ -8,9 +8,9 @@
 
 namespace peerd::seal {
 
-// An Invitation brings somebody into a world: its name, and the key of its session, or the roster of its members. Its text
-// is one line of printable ASCII without spaces: "peerd-invite-1:" and name and key in base64 for URLs, as secret as the
-// key; or "peerd-invite-2:" and the roster, which its members alone can use.
+// An Invitation brings somebody into a world: its name, and the key of its session, or the roster of its members. Its
+// text is one line of printable ASCII without spaces: "peerd-invite-1:" and name and key in base64 for URLs, as secret
+// as the key; or "peerd-invite-2:" and the roster, which its members alone can use.
 struct Invitation {
   std::string world;
   std::optional<SymmetricKey> key;  // none: the roster has it

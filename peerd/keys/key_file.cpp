@@ -57,7 +57,8 @@ Result<void> keep_key(const fs::path& file, const SymmetricKey& key) {
   if (!kept) return std::unexpected(kept.error());
   if (*kept != key) {
     return std::unexpected(wrong_secret(
-        file, kKey, "is another one than that of the invitation, of another world of this name; move that file away", 2));
+        file, kKey, "is another one than that of the invitation, of another world of this name; move that file away",
+        2));
   }
   return {};
 }

@@ -137,7 +137,8 @@ std::expected<Roster, std::string> Roster::with(Member added, const Identity& by
   }
   if (members_.size() >= kMembersMax) return std::unexpected("there are too many members");
   if (find(added.key) != nullptr) {
-    return std::unexpected("that key is or was " + find(added.key)->name + "'s; a member that comes back, or gets another "
+    return std::unexpected("that key is or was " + find(added.key)->name +
+                           "'s; a member that comes back, or gets another "
                            "role, has a new key (peerd keygen)");
   }
   const auto same = [&](const Member& each) { return !each.is_former && each.name == added.name; };

@@ -33,8 +33,8 @@ struct Member {
 [[nodiscard]] bool is_world_name(std::string_view name);
 
 // A Roster says who the members of a world are. Each change of it is a new epoch of the session, with a new key, which
-// it has for each member in a box that only that one opens (X25519, XSalsa20-Poly1305). An administrator signs it. It is
-// a text of lines, and not secret but for the names.
+// it has for each member in a box that only that one opens (X25519, XSalsa20-Poly1305). An administrator signs it. It
+// is a text of lines, and not secret but for the names.
 class Roster {
  public:
   static constexpr std::size_t kMembersMax = 1000;

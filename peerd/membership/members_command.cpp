@@ -38,11 +38,13 @@ Result<Roster> changed(const std::optional<Roster>& before, const MembersOptions
                        const seal::Identity& identity) {
   if (before && !options.begin.empty()) return wrong_use("\"" + options.world + "\" has a roster already");
   if (!before && options.begin.empty()) {
-    return wrong_use("\"" + options.world + "\" has no roster: whoever has its key is in; --begin NAME begins one, with " +
+    return wrong_use("\"" + options.world +
+                     "\" has no roster: whoever has its key is in; --begin NAME begins one, with " +
                      "this user as its administrator");
   }
   if (!before && !seal::is_world_name(options.world)) return wrong_use("a world with a roster has a name of one line");
-  if (!before && !seal::is_member_name(options.begin)) return wrong_use("--begin " + options.begin + ": that is no name");
+  if (!before && !seal::is_member_name(options.begin))
+    return wrong_use("--begin " + options.begin + ": that is no name");
   Roster roster = before ? *before : Roster::first(options.world, options.begin, identity);
   for (const std::string& text : options.add) {
     auto member = member_of(text, options.role);

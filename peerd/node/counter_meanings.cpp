@@ -72,6 +72,7 @@ constexpr std::array kTexts{
     CounterText{"net.in_no_member", "announces a peer whose key is no member's"},
     CounterText{"net.in_observer", "would change the world, by a member that may only look"},
     CounterText{"net.in_open", "not sealed"},
+    CounterText{"net.in_other_epoch", "of another epoch: the sender has another roster, or none"},
     CounterText{"net.in_other_group", "to a group that is not joined"},
     CounterText{"net.in_other_interface", "over another interface"},
     CounterText{"net.in_other_region", "of a region that is not joined"},

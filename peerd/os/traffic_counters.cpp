@@ -33,6 +33,7 @@ std::map<std::string, std::uint64_t> TrafficCounters::named() const {
       {"net.in_unsigned", in_unsigned},
       {"net.in_wrong_sender", in_wrong_sender},
       {"net.in_observer", in_observer},
+      {"net.in_other_epoch", in_other_epoch},
       {"net.in_flood", in_flood},
       {"net.out_queue_full", out_queue_full},
       {"net.out_unreachable", out_unreachable},

@@ -41,6 +41,7 @@ struct TrafficCounters {
   std::uint64_t in_unsigned = 0;        // by somebody who has the session's key, and not by its sender
   std::uint64_t in_wrong_sender = 0;    // says another sender than it is sealed by
   std::uint64_t in_observer = 0;        // would change the world, by a member that may only look
+  std::uint64_t in_other_epoch = 0;     // of another epoch: its sender has another roster, or none
   std::uint64_t in_flood = 0;           // of strangers, beyond what they may cost (SourceBuckets)
 
   std::uint64_t out_queue_full = 0;   // send buffer or interface queue full

@@ -15,9 +15,10 @@ peerd.prefs.regions = Pref.string("Group of region 1", "",
   "as peers log it when they start: a datagram to the n-th group after it is of region n + 1. Empty: no grid has more than 1,023 regions")
 
 local VERSION = 9
-local MOST_BYTES = 1200
+local MOST_BYTES = 1136
 local REGION_MARK, GREETING_MARK, SEALED_GREETING_MARK = 0x52, 0x47, 0x67
-local SEALED_MARK, ANNOUNCEMENT_MARK = 0x80, 0xC0  -- of epoch 0
+-- The first bytes of what is sealed, without the epoch in their lowest five bits.
+local SEALED_MARK, SIGNED_MARK, ANNOUNCEMENT_MARK, ROSTER_MARK = 0x80, 0xA0, 0xC0, 0xE0
 local DISCOVERY_PORT = 47473
 
 -- ---- fields -------------------------------------------------------------------------------------------------------
@@ -146,6 +147,8 @@ local F = {
     stamp = field("int64", "operation.stamp_ns", "Holds from [ns]"),
     from = field("uint64", "operation.from", "From byte of the log"),
     bytes = field("uint32", "operation.bytes", "Bytes in the log"),
+    author_key = field("bytes", "operation.author_key", "Author's key"),
+    signature = field("bytes", "operation.signature", "Author's signature"),
     repeated = field("bool", "operation.repeated", "An earlier packet had it"),
     knows = {
       author = field("uint32", "operation.knows.author", "Knew the log of author"),
@@ -1129,7 +1132,8 @@ local function read_operation(tvb, tape)
   for number, _ in pairs(BODIES) do bodies[number] = "bytes" end
   each_field_of(tvb, tape, one_of(body, {
     peer_or(tape, O.number, got, "number"), stamp(tape, O.stamp, got, "stamp"),
-    [5] = numbers(authors), [6] = numbers(numbers_of),
+    [3] = any_bytes(tape, O.author_key), [5] = numbers(authors), [6] = numbers(numbers_of),
+    [100] = any_bytes(tape, O.signature),
   }, bodies))
   need(got.number ~= 0, "operation_number")
   need(body.number, "operation_kind")
@@ -1633,17 +1637,26 @@ end
 
 -- What can be read without the key: peerd record --opened writes datagrams as they were before they were sealed.
 local function dissect_sealed(tvb, tree, pinfo)
-  local is_announcement = tvb(0, 1):uint() == ANNOUNCEMENT_MARK
-  if tvb:len() < (is_announcement and 69 or 24) then refuse("a sealed datagram is cut short") end
-  tree:add(F.kind, tvb(0, 1), is_announcement and "announcement" or "sealed")
-  tree:add(F.seal.epoch, tvb(0, 1), tvb(0, 1):uint() % 64)
+  local first = tvb(0, 1):uint()
+  local epoch = first % 32
+  local mark = first - epoch
+  local kinds = {[SEALED_MARK] = {"sealed", 24}, [SIGNED_MARK] = {"sealed and signed", 88},
+                 [ANNOUNCEMENT_MARK] = {"announcement", 218}, [ROSTER_MARK] = {"part of a roster", 49}}
+  local kind, least = kinds[mark][1], kinds[mark][2]
+  if tvb:len() < least then refuse("a sealed datagram is cut short") end
+  tree:add(F.kind, tvb(0, 1), kind)
+  tree:add(F.seal.epoch, tvb(0, 1), epoch)
+  if mark == ROSTER_MARK then
+    pinfo.cols.info = "part of a roster, for epoch " .. epoch
+    return
+  end
   tree:add_le(F.seal.sender, tvb(1, 4))
   local sender = tvb(1, 4):le_uint()
-  if is_announcement then
+  if mark == ANNOUNCEMENT_MARK then
     pinfo.cols.info = "peer " .. sender .. " announces its boot"
   else
     tree:add_le(F.seal.counter, tvb(5, 3))
-    pinfo.cols.info = string.format("sealed by peer %d, counter %d", sender, tvb(5, 3):le_uint())
+    pinfo.cols.info = string.format("%s by peer %d, counter %d", kind, sender, tvb(5, 3):le_uint())
   end
 end
 
@@ -1763,8 +1776,7 @@ function peerd.dissector(tvb, pinfo, root)
       tree:add(F.region, first == REGION_MARK and tvb(1, 4) or tvb(0, 0), region)
       tree:append_text(", region " .. region)
     end
-    local mark = datagram:len() > 0 and datagram(0, 1):uint()
-    if mark == SEALED_MARK or mark == ANNOUNCEMENT_MARK then return dissect_sealed(datagram, tree, pinfo) end
+    if datagram:len() > 0 and datagram(0, 1):uint() >= SEALED_MARK then return dissect_sealed(datagram, tree, pinfo) end
     dissect_datagram(datagram, tree, pinfo, datagram())
   end)
   if not good then pinfo.cols.info = "malformed" end

@@ -79,8 +79,8 @@ Result<OpenedStore> open_store(const StoreOptions& options, std::uint64_t genesi
   return opened;
 }
 
-Result<void> add_joined(const std::vector<replication::OperationPart>& provided,
-                        const replication::LogSigner& signer, OpenedStore& opened) {
+Result<void> add_joined(const std::vector<replication::OperationPart>& provided, const replication::LogSigner& signer,
+                        OpenedStore& opened) {
   replication::OperationLogs logs(replication::kNoAuthor, &signer);
   for (const replication::OperationPart& part : opened.log) {
     const auto read = logs.restore(part);

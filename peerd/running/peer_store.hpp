@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "peerd/input/input_error.hpp"
-#include "peerd/node/describe.hpp"
 #include "peerd/keys/identity.hpp"
+#include "peerd/node/describe.hpp"
 #include "peerd/store/operation_store.hpp"
 #include "peerd/store/stored_world.hpp"
 #include "replication/operations/log_signer.hpp"

@@ -71,8 +71,8 @@ Result<void> save_roster(const fs::path& file, const Roster& roster) {
   std::error_code failed;
   fs::create_directories(file.parent_path(), failed);
   if (*before && !failed) {
-    fs::copy_file(file, file.string() + "." + std::to_string((*before)->epoch()),
-                  fs::copy_options::overwrite_existing, failed);
+    fs::copy_file(file, file.string() + "." + std::to_string((*before)->epoch()), fs::copy_options::overwrite_existing,
+                  failed);
   }
   if (failed) return wrong_roster(file, "cannot be kept: " + failed.message(), 3);
   return store::write_durably(file, roster.text());

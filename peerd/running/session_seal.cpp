@@ -68,6 +68,11 @@ Result<std::unique_ptr<SessionSeal>> SessionSeal::choose(const config::Transport
   return chosen;
 }
 
+Result<void> SessionSeal::check_owner(bool owns_something) const {
+  if (!owns_something || may_write(identity_.public_key())) return {};
+  return std::unexpected(InputError{"error: this peer is an observer, by the world's roster, and can own nothing", 2});
+}
+
 LogLine SessionSeal::line() const {
   if (!key_) return {LogLevel::kWarning, "open: whoever is on this network can listen, and speak as any peer"};
   if (!roster_) return {LogLevel::kInfo, "sealed by " + by_};
@@ -78,8 +83,9 @@ LogLine SessionSeal::line() const {
 
 std::shared_ptr<net::GreetingSeal> SessionSeal::greetings(const SayLine& say) {
   if (!key_) return nullptr;
-  greetings_ = std::make_shared<seal::SealedGreetings>(
-      *key_, [say](const std::string& line) { say({LogLevel::kWarning, line}); });
+  greetings_ = std::make_shared<seal::SealedGreetings>(*key_, [say](const std::string& line) {
+    say({LogLevel::kWarning, line});
+  });
   return greetings_;
 }
 

@@ -46,6 +46,8 @@ class SessionSeal {
   [[nodiscard]] LogLine line() const;  // for the log
   // The session's key at present; none: it is open.
   [[nodiscard]] const std::optional<seal::SymmetricKey>& key() const { return key_; }
+  // An observer owns nothing.
+  [[nodiscard]] Result<void> check_owner(bool owns_something) const;
   // Whether operations by that key count.
   [[nodiscard]] bool may_write(const seal::PublicKey& key) const { return !roster_ || roster_->may_write(key); }
 

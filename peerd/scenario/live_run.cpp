@@ -14,10 +14,10 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/input/json_line.hpp"
+#include "peerd/keys/key_file.hpp"
 #include "peerd/netem/lab.hpp"
 #include "peerd/scenario/child_process.hpp"
 #include "peerd/scenario/live_events.hpp"
-#include "peerd/keys/key_file.hpp"
 
 namespace peerd {
 namespace {

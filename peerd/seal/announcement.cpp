@@ -14,13 +14,15 @@ constexpr std::string_view kAnnouncementUse = "announcement";
 constexpr std::size_t kAnnouncementNonce_bytes = crypto_aead_xchacha20poly1305_ietf_NPUBBYTES;
 constexpr std::size_t kSealTag_bytes = crypto_aead_xchacha20poly1305_ietf_ABYTES;
 constexpr std::size_t kAnnouncedPeer_bytes = 4;
-constexpr std::size_t kClear_bytes = 1 + kAnnouncedPeer_bytes;  // the first bytes, which are authenticated and not encrypted
+constexpr std::size_t kClear_bytes =
+    1 + kAnnouncedPeer_bytes;  // the first bytes, which are authenticated and not encrypted
 constexpr std::size_t kHead_bytes = kClear_bytes + kAnnouncementNonce_bytes;
 // The contents: fields of these sizes in this order, the names, the signature.
-constexpr std::size_t kBoot_bytes = std::tuple_size_v<BootId>, kAnnouncedNumber_bytes = 8, kSent_bytes = 8, kFlags_bytes = 1;
+constexpr std::size_t kBoot_bytes = std::tuple_size_v<BootId>, kAnnouncedNumber_bytes = 8, kSent_bytes = 8,
+                      kFlags_bytes = 1;
 constexpr std::size_t kPrintSalt_bytes = 8, kCovers_bytes = 4;
-constexpr std::size_t kFixed_bytes = kBoot_bytes + kAnnouncedNumber_bytes + kSent_bytes + kFlags_bytes + PublicKey::kBytes +
-                                     kPrintSalt_bytes + kCovers_bytes + Checkpoint::kPrints_bytes;
+constexpr std::size_t kFixed_bytes = kBoot_bytes + kAnnouncedNumber_bytes + kSent_bytes + kFlags_bytes +
+                                     PublicKey::kBytes + kPrintSalt_bytes + kCovers_bytes + Checkpoint::kPrints_bytes;
 constexpr std::size_t kName_bytes = Named::kBytes + 1;
 constexpr std::size_t kLeast_bytes = kHead_bytes + kFixed_bytes + PublicKey::kSignature_bytes + kSealTag_bytes;
 static_assert(kLeast_bytes + kNamesMax * kName_bytes <= kAnnouncementMax_bytes);

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/ids.hpp"
-#include "peerd/seal/checkpoint.hpp"
 #include "peerd/keys/identity.hpp"
 #include "peerd/keys/symmetric_key.hpp"
+#include "peerd/seal/checkpoint.hpp"
 
 namespace peerd::seal {
 

@@ -43,7 +43,7 @@ class SentDatagrams {
   [[nodiscard]] std::uint64_t since_checkpoint() const { return count_ - last_; }
 
  private:
-  std::vector<std::uint64_t> tags_;  // a ring, by counter
+  std::vector<std::uint64_t> tags_;                       // a ring, by counter
   std::uint64_t count_ = 0, last_ = 0, before_last_ = 0;  // of all so far, and at the last two checkpoints
 };
 

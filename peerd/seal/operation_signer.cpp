@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
-#include "peerd/seal/little_endian.hpp"
 #include "peerd/keys/symmetric_key.hpp"
+#include "peerd/seal/little_endian.hpp"
 
 namespace peerd::seal {
 namespace {
@@ -89,6 +89,10 @@ std::array<std::byte, replication::kSignature_bytes> OperationSigner::sign(Autho
   std::array<std::byte, replication::kSignature_bytes> bytes{};
   std::ranges::copy(std::as_bytes(std::span(signature)), bytes.begin());
   return bytes;
+}
+
+const char* OperationSigner::why_not_write() const {
+  return may_write_(own_.public_key()) ? nullptr : "this peer is an observer, by the world's roster, and may only look";
 }
 
 const char* OperationSigner::refused(AuthorId author, std::span<const std::byte> key) const {

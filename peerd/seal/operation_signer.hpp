@@ -24,6 +24,7 @@ class OperationSigner final : public replication::LogSigner {
   [[nodiscard]] std::vector<std::byte> own_key() const override;
   [[nodiscard]] std::array<std::byte, replication::kSignature_bytes> sign(replication::AuthorId author,
                                                                           const Digest& digest) const override;
+  [[nodiscard]] const char* why_not_write() const override;
   [[nodiscard]] const char* refused(replication::AuthorId author, std::span<const std::byte> key) const override;
   [[nodiscard]] bool is_good(replication::AuthorId author, std::span<const std::byte> key, const Digest& digest,
                              Signature signature) const override;

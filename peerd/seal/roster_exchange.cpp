@@ -72,8 +72,8 @@ bool RosterExchange::is_part(std::span<const std::byte> datagram) {
 
 std::vector<std::vector<std::byte>> RosterExchange::answer(std::span<const std::byte> announcement, HostTime now) {
   for (auto& [number, epoch] : epochs_) {
-    const bool may_be = !announcement.empty() && (std::to_integer<std::uint8_t>(announcement.front()) & kEpochMask) ==
-                                                     epoch_bits(number);
+    const bool may_be = !announcement.empty() &&
+                        (std::to_integer<std::uint8_t>(announcement.front()) & kEpochMask) == epoch_bits(number);
     if (number == current_.epoch() || !may_be || (epoch.answered && now < *epoch.answered + kApart)) continue;
     if (!OpenedAnnouncement::open(announcement, epoch.announcing)) continue;
     epoch.answered = now;

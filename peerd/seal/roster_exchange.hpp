@@ -13,8 +13,8 @@
 namespace peerd::seal {
 
 // Brings the newest roster to members that have an older one, be it that they were away: whoever hears one of them
-// announce itself in an epoch that is over sends the roster, in parts that the key of that epoch seals. It has no socket
-// and no clock.
+// announce itself in an epoch that is over sends the roster, in parts that the key of that epoch seals. It has no
+// socket and no clock.
 class RosterExchange {
  public:
   static constexpr std::size_t kPart_bytes = 1000;

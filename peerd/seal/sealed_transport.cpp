@@ -36,6 +36,7 @@ std::string_view sentence_of(Refusal why) {
     case Refusal::kOwn:
     case Refusal::kUnproven:
     case Refusal::kReplayed:
+    case Refusal::kOtherEpoch:
       return "";
   }
   return "";
@@ -101,7 +102,8 @@ void SealedTransport::adopt(const Roster& roster) {
   RosterExchange next = *rosters_;
   if (!next.adopt(roster)) return;
   if (!next.key()) {
-    return warn_("this peer is no member of \"" + roster.world() + "\" any more: it goes on by itself");
+    return say("no member", clock_.now(),
+               "this peer is no member of \"" + roster.world() + "\" any more: it goes on by itself");
   }
   rosters_ = std::move(next);
   sealer_ = sealer_of_roster();
@@ -127,8 +129,8 @@ void SealedTransport::take_announcement(const net::Arrival& arrival) {
     ++announcements_in_;
     return wait();  // it may want an answer
   }
-  const auto parts = rosters_ && *refused == Refusal::kForged ? rosters_->answer(arrival.datagram, clock_.now())
-                                                              : std::vector<std::vector<std::byte>>{};
+  const auto parts = rosters_ && *refused == Refusal::kOtherEpoch ? rosters_->answer(arrival.datagram, clock_.now())
+                                                                  : std::vector<std::vector<std::byte>>{};
   for (const std::vector<std::byte>& part : parts) carrier_->send(kAll, part);
   if (parts.empty()) return refuse(*refused, arrival);
   carrier_->flush();
@@ -225,6 +227,7 @@ const net::TrafficCounters& SealedTransport::counters() const {
   counters_.in_unsigned = refused(Refusal::kUnsigned);
   counters_.in_wrong_sender = refused(Refusal::kWrongSender);
   counters_.in_observer = refused(Refusal::kObserver);
+  counters_.in_other_epoch = refused(Refusal::kOtherEpoch);
   counters_.in_flood = flood_;
   return counters_;
 }

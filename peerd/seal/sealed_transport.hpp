@@ -10,8 +10,8 @@
 #include <string_view>
 #include <utility>
 
-#include "peerd/os/host_clock.hpp"
 #include "peerd/keys/roster.hpp"
+#include "peerd/os/host_clock.hpp"
 #include "peerd/seal/roster_exchange.hpp"
 #include "peerd/seal/sealer.hpp"
 #include "peerd/transport/source_buckets.hpp"

@@ -23,8 +23,9 @@ constexpr Duration kForgotten = Seconds(10);
 constexpr Duration kUnsignedFor = Seconds(5);
 // Who sends much announces itself sooner, after so many datagrams, so that most of them have a print.
 constexpr std::uint64_t kAnnouncedAfter = 128;
-// A peer says that it signs each datagram for so long after somebody has spoken in its name, and twice as long each time
-// that it happens again. It goes on for a little after it has said that no more, for those who have not heard it yet.
+// A peer says that it signs each datagram for so long after somebody has spoken in its name, and twice as long each
+// time that it happens again. It goes on for a little after it has said that no more, for those who have not heard it
+// yet.
 constexpr Duration kSignsAllLeast = Seconds(60), kSignsAllMost = std::chrono::hours(1), kSignsOn = Seconds(3);
 // Answers before their time, and checks of signatures of boots that are new: at once, and in the long run.
 constexpr double kAnswersMost = 8.0, kAnswersPerSecond = 4.0, kChecksMost = 500.0, kChecksPerSecond = 200.0;
@@ -164,7 +165,8 @@ bool Sealer::decrypt(std::span<const std::byte> sealed, const Place& place, cons
 std::expected<Sealer::Opened, Refusal> Sealer::open(HostTime now, RegionId region, std::span<const std::byte> sealed) {
   const std::uint8_t first = sealed.empty() ? 0 : std::to_integer<std::uint8_t>(sealed.front());
   if ((first & kKind) != kDatagram) return std::unexpected(Refusal::kOpen);
-  if ((first & kEpochBits) != self_.epoch || sealed.size() < kAdded_bytes) return std::unexpected(Refusal::kForged);
+  if ((first & kEpochBits) != self_.epoch) return std::unexpected(Refusal::kOtherEpoch);
+  if (sealed.size() < kAdded_bytes) return std::unexpected(Refusal::kForged);
   const Header header = header_of(sealed);
   bool all_proven = true;
   if (const auto of_sender = boots_.find(header.sender); of_sender != boots_.end()) {
@@ -275,10 +277,8 @@ Sealer::Boot& Sealer::boot_of(const Announcement& says, HostTime now) {
   if (std::ranges::count(of_sender, false, &Boot::is_proven) >= std::ptrdiff_t{kBootsOfPeerMax}) {
     of_sender.erase(std::ranges::find(of_sender, false, &Boot::is_proven));
   }
-  of_sender.push_back({.id = says.boot,
-                       .owner = says.key,
-                       .key = datagram_key(says.sender, says.key, says.boot),
-                       .heard = now});
+  of_sender.push_back(
+      {.id = says.boot, .owner = says.key, .key = datagram_key(says.sender, says.key, says.boot), .heard = now});
   return of_sender.back();
 }
 
@@ -317,7 +317,7 @@ void Sealer::announce_early(HostTime now) {
 std::optional<Refusal> Sealer::hear(std::span<const std::byte> announcement, HostTime now) {
   assert(is_announcement(announcement));
   const std::uint8_t first = std::to_integer<std::uint8_t>(announcement.front());
-  if (first != (kAnnouncement | self_.epoch)) return Refusal::kForged;  // of another epoch
+  if (first != (kAnnouncement | self_.epoch)) return Refusal::kOtherEpoch;
   const auto opened = OpenedAnnouncement::open(announcement, announcing_);
   if (!opened) return Refusal::kForged;
   if (const auto why = refused(*opened, now)) return why;

@@ -12,12 +12,12 @@
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
+#include "peerd/keys/identity.hpp"
+#include "peerd/keys/symmetric_key.hpp"
 #include "peerd/seal/announcement.hpp"
 #include "peerd/seal/checkpoint.hpp"
-#include "peerd/keys/identity.hpp"
 #include "peerd/seal/refusal.hpp"
 #include "peerd/seal/replay_window.hpp"
-#include "peerd/keys/symmetric_key.hpp"
 
 namespace peerd::seal {
 
@@ -91,8 +91,8 @@ class Sealer {
     PublicKey owner;
     SymmetricKey key;
     HostTime heard;
-    std::uint64_t announcements = 0;  // the number of the last one
-    std::uint8_t flags = 0;           // those of Named
+    std::uint64_t announcements = 0;       // the number of the last one
+    std::uint8_t flags = 0;                // those of Named
     std::optional<HostTime> named_us{};    // when it last named this process's boot
     bool has_proven_us = false;            // as it said then
     bool signs_all = false;                // as it says
@@ -146,7 +146,7 @@ class Sealer {
     HostTime heard;
   };
   std::vector<RefusedBoot> refused_boots_;  // that should know it
-  std::size_t named_ = 0;                         // how many boots have been named, where not all fit
+  std::size_t named_ = 0;                   // how many boots have been named, where not all fit
   std::optional<HostTime> announced_;
   Bucket answers_, checks_;
   HostTime announce_at_{}, signs_all_until_{};

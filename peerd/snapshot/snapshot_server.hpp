@@ -11,8 +11,8 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/address.hpp>
 
-#include "peerd/os/net_error.hpp"
 #include "peerd/keys/symmetric_key.hpp"
+#include "peerd/os/net_error.hpp"
 #include "peerd/snapshot/snapshot_message.hpp"
 #include "replication/operations/operation_log.hpp"
 

@@ -128,7 +128,8 @@ Result<std::unique_ptr<OperationStore>> OperationStore::open(std::unique_ptr<Fil
   return opened;
 }
 
-Result<std::unique_ptr<OperationStore>> OperationStore::open(FolderLock folder, std::uint64_t genesis, replication::Author fresh) {
+Result<std::unique_ptr<OperationStore>> OperationStore::open(FolderLock folder, std::uint64_t genesis,
+                                                             replication::Author fresh) {
   return open(std::make_unique<DiskFolder>(std::move(folder)), genesis, fresh);
 }
 

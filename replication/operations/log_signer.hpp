@@ -37,6 +37,8 @@ class LogSigner {
   [[nodiscard]] virtual std::vector<std::byte> own_key() const = 0;
   [[nodiscard]] virtual std::array<std::byte, kSignature_bytes> sign(AuthorId author, const Digest& digest) const = 0;
 
+  // Why this peer may not write, in a sentence; null: it may.
+  [[nodiscard]] virtual const char* why_not_write() const = 0;
   // Why that key may not write a log, as the name of a drop reason; null: it may. kForgedOperation: it is not that
   // author's.
   [[nodiscard]] virtual const char* refused(AuthorId author, std::span<const std::byte> key) const = 0;

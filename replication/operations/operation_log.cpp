@@ -32,6 +32,7 @@ void OperationLogs::note_whole(Log& log, const Operation& operation, std::size_t
 
 std::expected<void, const char*> OperationLogs::append(const Operation& operation) {
   assert(own_ != kNoAuthor && operation.id.author == own_);
+  if (const char* const why = signer_ == nullptr ? nullptr : signer_->why_not_write()) return std::unexpected(why);
   Log& log = logs_[own_];
   std::vector<std::byte> bytes =
       signer_ == nullptr ? encode(operation) : encode_unsigned(operation, log.signatures.key_of_next(*signer_));

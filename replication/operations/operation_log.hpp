@@ -33,14 +33,15 @@ class OperationLogs {
 
   // Appends an operation of the own author, whose number and stamp follow those of the last one. Refuses what is larger
   // than kOperationMax_bytes ("operation_too_large") and what receivers could not read, by the names of
-  // decode_operation(); and everything where the store's log ends within an operation ("log_cut_short").
+  // decode_operation(); and everything where the store's log ends within an operation ("log_cut_short"), or where the
+  // signer may not write (a sentence).
   [[nodiscard]] std::expected<void, const char*> append(const Operation& operation);
 
   // Takes a part from another peer. Returns the operations that have become whole by it, in the order of the log.
   // Errors: "forked_log": it differs from what is held at that place; nothing is taken, and bytes behind a gap that
   // differ from it are dropped. "own_log": it adds to the own log. "operations_ahead": there is no room to keep it
-  // until the gap before it is filled. "too_many_authors". kForgedOperation, kUnsignedOperation, or why its author's key
-  // may not write (LogSigner::refused): the bytes from there on are dropped. Else the log is unreadable from an
+  // until the gap before it is filled. "too_many_authors". kForgedOperation, kUnsignedOperation, or why its author's
+  // key may not write (LogSigner::refused): the bytes from there on are dropped. Else the log is unreadable from an
   // operation on, and says why (unreadable()).
   [[nodiscard]] std::expected<std::vector<Operation>, const char*> receive(const OperationPart& part);
   // Takes a part from this peer's own store; it may add to the own log.

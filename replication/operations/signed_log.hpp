@@ -17,7 +17,7 @@ class SignedLog {
   [[nodiscard]] std::vector<std::byte> key_of_next(const LogSigner& signer) const;
 
   struct Checked {
-    std::size_t bytes = 0;       // of whole operations that their author has signed
+    std::size_t bytes = 0;        // of whole operations that their author has signed
     const char* wrong = nullptr;  // why the bytes behind these must go; null: they need not
   };
   // Checks the operations in these bytes, which follow those so far.

@@ -227,9 +227,9 @@ inline constexpr std::size_t kSignature_bytes = 64;
 
 // An operation as it stands in a log, of which nothing but the size has been read. All spans are into that log.
 struct SignedOperation {
-  std::span<const std::byte> entry;       // with its size
-  std::span<const std::byte> is_signed;   // what the signature is over, besides what precedes it in the log
-  std::span<const std::byte> signature;   // kSignature_bytes; empty: it has none
+  std::span<const std::byte> entry;      // with its size
+  std::span<const std::byte> is_signed;  // what the signature is over, besides what precedes it in the log
+  std::span<const std::byte> signature;  // kSignature_bytes; empty: it has none
 };
 // The operation at the beginning of these bytes; null: they are not the whole of it yet. The error says why nobody can
 // read on in this log.

@@ -10,10 +10,10 @@
 #include <regex>
 #include <system_error>
 
+#include "peerd/keys/key_file.hpp"
 #include "peerd/measure/summary.hpp"
 #include "peerd/os/interfaces.hpp"
 #include "peerd/scenario/assemble.hpp"
-#include "peerd/keys/key_file.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 

@@ -17,9 +17,7 @@ class Rosters : public testing::Test {
   [[nodiscard]] Roster with_bo(Role role = Role::kEditor) const {
     return begun.with({"bo", role, bo.public_key()}, anna).value();
   }
-  static std::string refusal(const std::expected<Roster, std::string>& roster) {
-    return roster ? "" : roster.error();
-  }
+  static std::string refusal(const std::expected<Roster, std::string>& roster) { return roster ? "" : roster.error(); }
 };
 
 TEST_F(Rosters, GiveEachMemberTheKeyOfTheEpochAndNobodyElse) {
@@ -91,12 +89,14 @@ TEST_F(Rosters, AreFollowedByThoseOfTheirAdministrators) {
   EXPECT_TRUE(begun.is_followed_by(three)) << "who was away";
   EXPECT_FALSE(two.is_followed_by(begun));
   EXPECT_FALSE(two.is_followed_by(two));
-  EXPECT_FALSE(begun.is_followed_by(Roster::first("town", "anna", anna).with({"bo", Role::kEditor, bo.public_key()}, anna)
+  EXPECT_FALSE(begun.is_followed_by(Roster::first("town", "anna", anna)
+                                        .with({"bo", Role::kEditor, bo.public_key()}, anna)
                                         ->with({"x", Role::kAdministrator, cy.public_key()}, anna)
                                         ->without("anna", cy)
                                         .value()))
       << "by somebody who was no administrator here";
-  const Roster elsewhere = Roster::first("city", "anna", anna).with({"bo", Role::kEditor, bo.public_key()}, anna).value();
+  const Roster elsewhere =
+      Roster::first("city", "anna", anna).with({"bo", Role::kEditor, bo.public_key()}, anna).value();
   EXPECT_FALSE(begun.is_followed_by(elsewhere));
   const Roster bos = Roster::first("town", "bo", bo).with({"cy", Role::kEditor, cy.public_key()}, bo).value();
   EXPECT_FALSE(begun.is_followed_by(bos)) << "anybody can sign a roster of their own";

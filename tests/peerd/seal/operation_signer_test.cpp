@@ -56,8 +56,10 @@ TEST(SignedLogs, AreTakenWholeAndInParts) {
     std::vector<OperationPart> parts;
     for (std::size_t from = 0; from < log.size();) {
       const std::size_t to = std::min(log.size(), from + 1 + random() % 700);
-      parts.push_back({writer.author.id, from,
-                       {log.begin() + static_cast<std::ptrdiff_t>(from), log.begin() + static_cast<std::ptrdiff_t>(to)}});
+      parts.push_back(
+          {writer.author.id,
+           from,
+           {log.begin() + static_cast<std::ptrdiff_t>(from), log.begin() + static_cast<std::ptrdiff_t>(to)}});
       from = to;
     }
     std::ranges::shuffle(parts, random);
@@ -104,8 +106,8 @@ TEST(SignedLogs, NoOperationIsLeftOutOrStandsElsewhere) {
     Writer reader;
     Bytes log;
     for (const std::size_t i : order) log.insert(log.end(), operations[i].begin(), operations[i].end());
-    const auto right = static_cast<std::size_t>(
-        std::ranges::mismatch(order, std::vector<std::size_t>{0, 1, 2, 3}).in1 - order.begin());
+    const auto right = static_cast<std::size_t>(std::ranges::mismatch(order, std::vector<std::size_t>{0, 1, 2, 3}).in1 -
+                                                order.begin());
     const auto read = reader.logs.receive({writer.author.id, 0, log});
     EXPECT_EQ(read ? read->size() : 0, right);
   } while (std::ranges::next_permutation(order).found);

@@ -91,8 +91,11 @@ TEST_F(RosterExchanges, ForgedPartsAndOlderRostersAreNotTaken) {
   }
   for (std::size_t size = 0; size < part.size(); ++size) EXPECT_FALSE(older.take({part.data(), size}));
   // A member signs a roster of its own, and sends it as the others would.
-  const Roster own = Roster::first("town", "bo", bo).with({"anna", Role::kObserver, anna.public_key()}, bo).value()
-                         .with({"cy", Role::kObserver, cy.public_key()}, bo).value();
+  const Roster own = Roster::first("town", "bo", bo)
+                         .with({"anna", Role::kObserver, anna.public_key()}, bo)
+                         .value()
+                         .with({"cy", Role::kObserver, cy.public_key()}, bo)
+                         .value();
   RosterExchange hostile(own, {one}, bo), honest(one, {}, anna);
   for (const Bytes& each : hostile.answer(announcement(one, anna), now)) EXPECT_FALSE(honest.take(each));
   EXPECT_FALSE(honest.adopt(own));

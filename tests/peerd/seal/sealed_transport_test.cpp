@@ -33,8 +33,8 @@ net::MulticastOptions options() {
 struct Speaker {
   Speaker(asio::io_context& io, const SymmetricKey& key, std::uint32_t id)
       : id(id),
-        transport(io, clock(), net::MulticastSocket::open(io, clock(), options()).value(),
-                  key, {.peer = PeerId{id}, .identity = Identity::random()}, contents_of,
+        transport(io, clock(), net::MulticastSocket::open(io, clock(), options()).value(), key,
+                  {.peer = PeerId{id}, .identity = Identity::random()}, contents_of,
                   [this](const std::string& line) { warnings.push_back(line); }) {
     EXPECT_TRUE(transport.join(RegionId{0}));
     transport.on_receive([this](const net::Arrival& arrival) {
@@ -119,7 +119,8 @@ TEST_F(SealedTransports, CountAndNameWhoeverSpeaksForAnother) {
   EXPECT_THAT(a.warnings, ElementsAre(HasSubstr("say another sender than they are sealed by")));
 }
 
-// A flood costs what strangers may cost. One of datagrams leaves the announcements of a joining peer at the same address.
+// A flood costs what strangers may cost. One of datagrams leaves the announcements of a joining peer at the same
+// address.
 TEST_F(SealedTransports, AFloodOfAStrangerIsNotOpened) {
   Speaker a(io, key, 1);
   Listener forger(io, options());

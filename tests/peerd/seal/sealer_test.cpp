@@ -64,6 +64,8 @@ class Sealing : public testing::Test {
         return "<wrong sender>";
       case Refusal::kObserver:
         return "<observer>";
+      case Refusal::kOtherEpoch:
+        return "<other epoch>";
     }
     return "";
   }
@@ -161,6 +163,9 @@ TEST_F(Sealing, NoFlippedByteAndNoPartOfAnAnnouncementIsHeard) {
     bad[at] ^= std::byte{0x10};
     ASSERT_EQ(b.hear(bad, now), Refusal::kForged) << at;
   }
+  Bytes of_another_epoch = good;
+  of_another_epoch[0] ^= std::byte{1};
+  EXPECT_EQ(b.hear(of_another_epoch, now), Refusal::kOtherEpoch);
   for (std::size_t size = 1; size < good.size(); ++size) {
     ASSERT_EQ(b.hear({good.data(), size}, now), Refusal::kForged) << size;
   }
@@ -214,8 +219,10 @@ TEST_F(Sealing, ARecordOfASessionIsNotHeardInTheNextOne) {
   for (const std::uint32_t id : {2u, 3u}) {
     Sealer later = make(key, id);
     for (const Bytes& each : announcements) {
-      if (id == 3u) EXPECT_EQ(later.hear(each, now), std::nullopt) << "they are of the session";
-      else (void)later.hear(each, now);
+      if (id == 3u)
+        EXPECT_EQ(later.hear(each, now), std::nullopt) << "they are of the session";
+      else
+        (void)later.hear(each, now);
     }
     for (const Bytes& each : datagrams) EXPECT_EQ(opened(later, each), "<unproven>");
   }

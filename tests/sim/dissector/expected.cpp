@@ -219,6 +219,8 @@ void add(Expected& out, const SeenOperations::Shown& shown) {
   out.add_unless_zero("operation.stamp_ns", o.stamp.time_since_epoch().count());
   out.add("operation.from", shown.from);
   out.add("operation.bytes", shown.to - shown.from);
+  if (!shown.key.empty()) out.add("operation.author_key", hex(shown.key));
+  if (!shown.signature.empty()) out.add("operation.signature", hex(shown.signature));
   if (shown.is_repeated) out.add("operation.repeated", 1);
   for (const OperationId& known : o.knows) {
     out.add("operation.knows.author", known.author.value);
@@ -306,7 +308,12 @@ void SeenOperations::receive(const OperationPart& part) {
   while (at < logs_.whole(part.author)) {
     const auto next = decode_operation(part.author, logs_.bytes({part.author, at, logs_.whole(part.author)}));
     ASSERT_TRUE(next && *next) << "whole operations that are none";
-    whole.push_back({(*next)->operation, at, at + (*next)->size_bytes});
+    const auto bytes = logs_.bytes({part.author, at, at + (*next)->size_bytes});
+    const auto as_signed = signed_operation(bytes);
+    ASSERT_TRUE(as_signed && *as_signed);
+    const auto signature = (*as_signed)->signature;
+    whole.push_back(
+        {(*next)->operation, at, at + bytes.size(), key_in(**as_signed), {signature.begin(), signature.end()}});
     at = whole.back().to;
   }
 }
@@ -336,18 +343,20 @@ SeenOperations::Said SeenOperations::take(const OperationPart& part) {
 Fields Readers::datagram(std::span<const std::byte> datagram, RegionId region, SimTime near) {
   Expected out;
   const auto mark = datagram.empty() ? 0 : std::to_integer<int>(datagram.front());
-  const bool is_announcement = mark == 0xC0 && datagram.size() >= 69, is_sealed = mark == 0x80 && datagram.size() >= 24;
-  if (is_announcement || is_sealed) {
+  const bool is_announcement = mark == 0xC0 && datagram.size() >= 218,
+             is_sealed = mark == 0x80 && datagram.size() >= 24;
+  const bool is_signed = mark == 0xA0 && datagram.size() >= 88;
+  if (is_announcement || is_sealed || is_signed) {
     const auto number = [&](std::size_t at, std::size_t size) {
       std::uint32_t value = 0;
       for (std::size_t i = 0; i < size; ++i) value |= std::to_integer<std::uint32_t>(datagram[at + i]) << (8 * i);
       return value;
     };
     out.add("region", region.value);
-    out.add("kind", is_announcement ? "announcement" : "sealed");
+    out.add("kind", is_announcement ? "announcement" : is_sealed ? "sealed" : "sealed and signed");
     out.add("seal.epoch", 0);
     out.add("seal.sender", number(1, 4));
-    if (is_sealed) out.add("seal.counter", number(5, 3));
+    if (!is_announcement) out.add("seal.counter", number(5, 3));
     return out.fields();
   }
   if (mark == 0x67 && datagram.size() >= 41) {

@@ -88,7 +88,8 @@ class SeenOperations {
   struct Shown {
     replication::Operation operation;
     std::uint64_t from = 0, to = 0;  // of its bytes in the log
-    bool is_repeated = false;        // an earlier part has shown it
+    std::vector<std::byte> key{}, signature{};
+    bool is_repeated = false;  // an earlier part has shown it
   };
   struct Said {
     std::vector<Shown> operations;
