@@ -78,7 +78,8 @@ int run_replay(const ReplayOptions& options) {
     return failed({options.file.string() + ": error: " + why, 1});
   };
   if (!capture) return unreadable(capture.error());
-  const auto recorded = recorded::make_recorded_peer(capture->setup(), options.file, options.world);
+  const auto recorded = recorded::make_recorded_peer(
+      capture->setup(), record::signatures_in(std::as_bytes(std::span(*file))), options.file, options.world);
   if (!recorded) return failed(recorded.error());
   const auto& node = recorded->node;
   if (!options.record.empty() && !capture->setup().options.keep_log) {

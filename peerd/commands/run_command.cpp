@@ -35,6 +35,7 @@
 #include "peerd/picture/picture_input.hpp"
 #include "peerd/record/capture.hpp"
 #include "peerd/record/recorded_transport.hpp"
+#include "peerd/record/recording_signer.hpp"
 #include "peerd/running/peer_store.hpp"
 #include "peerd/running/session_seal.hpp"
 #include "peerd/seal/operation_signer.hpp"
@@ -479,7 +480,8 @@ int run_peer(const PeerOptions& options) {
   if (auto filled = fill_store(options, *identity, session_seal, *parts); !filled) return failed(filled.error());
   node_options.author = parts->author.id;
   node_options.stores = parts->opened.store != nullptr;
-  node_options.signer = parts->signer.get();
+  record::RecordingSigner signer(*parts->signer);
+  node_options.signer = &signer;
   node_options.log = std::move(parts->opened.log);
   const auto node = PeerNode::make(settings, run.replication, *parts->shared, std::move(parts->objects), node_options);
   node_options.log = {};  // the peer has it
@@ -492,6 +494,7 @@ int run_peer(const PeerOptions& options) {
   if (!capture) return failed(capture.error());
 
   const auto sealed_capture = capture_sealed(*capture, options, session_seal.key().has_value(), clock, *reached, log);
+  signer.record_to(capture->get());
   log_line(session_seal.line());
   session_seal.seal(io, clock, PeerId{settings.id}, *reached, log_line);
   log_beginning(settings, parts->scenario.world, run.transport, *reached, log);

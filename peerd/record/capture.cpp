@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "peerd/record/hex.hpp"
 #include "peerd/record/udp_packet.hpp"
 #include "peerd/transport/unicast_frame.hpp"
 
@@ -56,6 +57,13 @@ std::optional<decltype(Event::what)> input_from(std::string_view text) {
     const auto minus_host = take_duration(text), error = take_duration(text);
     if (!minus_host || !error || !text.empty()) return std::nullopt;
     return OsClockRead{replication::OsClock{*minus_host, *error}};
+  }
+  if (word == "signed") {
+    const auto bytes = bytes_of_hex(text);
+    Signed by_peer;
+    if (!bytes || bytes->size() != by_peer.signature.size()) return std::nullopt;
+    std::ranges::copy(*bytes, by_peer.signature.begin());
+    return by_peer;
   }
   if (word != "control" && word != "poses") return std::nullopt;
   const auto host_minus_wall = take_duration(text);
@@ -135,6 +143,10 @@ void CaptureWriter::on_control(HostTime now, Duration host_minus_wall, std::stri
 
 void CaptureWriter::on_poses(HostTime now, Duration host_minus_wall, std::string_view datagram) {
   input(now, "poses " + std::to_string(host_minus_wall.count()) + " " + std::string(datagram));
+}
+
+void CaptureWriter::on_signed(std::span<const std::byte, replication::kSignature_bytes> signature) {
+  input(now_, "signed " + hex_of(signature));
 }
 
 void CaptureWriter::on_os_clock(HostTime now, const std::optional<replication::OsClock>& clock) {
@@ -219,6 +231,17 @@ std::expected<std::optional<Event>, std::string> CaptureReader::next() {
     if (auto what = input_from(text_of((*packet)->bytes))) return Event{(*packet)->at, *what};
   }
   return wrong("it is nothing that a peer can be told");
+}
+
+std::vector<Signed> signatures_in(std::span<const std::byte> file) {
+  std::vector<Signed> all;
+  auto reader = CaptureReader::open(file);
+  while (reader) {
+    const auto event = reader->next();
+    if (!event || !*event) break;
+    if (const auto* const by_peer = std::get_if<Signed>(&(*event)->what)) all.push_back(*by_peer);
+  }
+  return all;
 }
 
 }  // namespace peerd::record

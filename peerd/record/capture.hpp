@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <expected>
 #include <filesystem>
 #include <fstream>
@@ -7,12 +8,14 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
 #include "peerd/record/pcapng.hpp"
 #include "peerd/record/setup.hpp"
 #include "replication/session/session_clock.hpp"
+#include "replication/wire/operation.hpp"
 
 namespace peerd::record {
 
@@ -36,6 +39,8 @@ class CaptureWriter {
   void on_control(HostTime now, Duration host_minus_wall, std::string_view line);
   void on_poses(HostTime now, Duration host_minus_wall, std::string_view datagram);
   void on_leave(HostTime now) { input(now, "leave"); }
+  // The peer has signed an operation, which the last input has made.
+  void on_signed(std::span<const std::byte, replication::kSignature_bytes> signature);
   // The datagram has the time of the last input, which has caused it; or, where no inputs are captured, the time given.
   void on_send(RegionId region, std::span<const std::byte> datagram);
   void on_send(HostTime now, RegionId region, std::span<const std::byte> datagram);
@@ -82,9 +87,12 @@ struct Poses {  // one datagram of the pose port
   std::string_view datagram;
 };
 struct Left {};
+struct Signed {  // by the peer, whose secret no capture has
+  std::array<std::byte, replication::kSignature_bytes> signature{};
+};
 struct Event {
   HostTime at;
-  std::variant<DatagramIn, DatagramOut, Tick, OsClockRead, Control, Poses, Left> what;
+  std::variant<DatagramIn, DatagramOut, Tick, OsClockRead, Control, Poses, Left, Signed> what;
 };
 
 // Reads a capture, which is hostile input. Errors are sentences that say where.
@@ -110,5 +118,8 @@ class CaptureReader {
   HostTime begin_{}, last_{};
   std::size_t count_ = 0;  // packets
 };
+
+// All that the peer has signed, in its order, as far as the capture can be read.
+[[nodiscard]] std::vector<Signed> signatures_in(std::span<const std::byte> file);
 
 }  // namespace peerd::record

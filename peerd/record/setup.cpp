@@ -6,6 +6,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "peerd/record/hex.hpp"
+#include "replication/operations/log_signer.hpp"
+
 namespace peerd::record {
 namespace {
 
@@ -24,7 +27,8 @@ Setup make_setup(const config::Scenario& scenario, const config::RunSettings& ru
           .world_hash = shared.world.hash,
           .reading = scenario.reading,
           .options = options,
-          .groups = std::move(groups)};
+          .groups = std::move(groups),
+          .author_key = options.signer == nullptr ? std::vector<std::byte>() : options.signer->own_key()};
 }
 
 std::string to_text(const Setup& s) {
@@ -33,7 +37,7 @@ std::string to_text(const Setup& s) {
   const net::GroupPlan& g = s.groups;
   const nlohmann::ordered_json groups{
       {"base", g.base.to_string()}, {"port", g.port}, {"pool", g.pool}, {"offset", g.offset}};
-  const nlohmann::ordered_json json{{"format", kFormat},
+  nlohmann::ordered_json json{{"format", kFormat},
                                     {"peer", s.peer},
                                     {"boot", s.options.incarnation},
                                     {"wait_for", wait_for},
@@ -52,6 +56,8 @@ std::string to_text(const Setup& s) {
                                     {"world_name", s.reading.name},
                                     {"file", s.file.string()},
                                     {"configuration", s.configuration}};
+  if (s.options.author) json["author"] = s.options.author->value;
+  if (!s.author_key.empty()) json["author_key"] = hex_of(s.author_key);
   // Paths may not be UTF-8. A path with a replaced character will be reported as missing.
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
@@ -84,6 +90,15 @@ std::expected<Setup, std::string> setup_from(std::string_view text) {
     if (word == kDatagramWords.end())
       return std::unexpected("it says of its datagrams what this program does not know");
     s.datagrams = static_cast<Setup::Datagrams>(word - kDatagramWords.begin());
+    if (json.contains("author")) {
+      s.options.author = replication::AuthorId{json.at("author").get<std::uint32_t>()};
+      if (*s.options.author == replication::kNoAuthor || s.options.author->value > replication::kAuthorMax) {
+        return std::unexpected("it has no such author");
+      }
+    }
+    auto key = bytes_of_hex(json.value("author_key", ""));
+    if (!key) return std::unexpected("its author's key is damaged");
+    s.author_key = *std::move(key);
     s.world = json.at("world").get<std::string>();
     s.world_hash = json.at("world_hash").get<std::uint64_t>();
     s.reading.inlines_when_needed = json.at("inlines_when_needed").get<bool>();

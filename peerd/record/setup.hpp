@@ -3,6 +3,7 @@
 #include <expected>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "peerd/config/scenario.hpp"
 #include "peerd/node/peer_node.hpp"
@@ -21,6 +22,7 @@ struct Setup {
   config::WorldReading reading;
   PeerNode::Options options;
   net::GroupPlan groups;  // the regions of the capture's groups
+  std::vector<std::byte> author_key{};  // LogSigner::own_key(); empty: its operations are not signed
   // The session's datagrams were never sealed; they were, and the capture has what they say; or it has them sealed.
   enum class Datagrams : std::uint8_t { kOpen, kOpened, kSealed };
   Datagrams datagrams = Datagrams::kOpen;

@@ -1,6 +1,7 @@
 #include "peerd/recorded/replay.hpp"
 
 #include <algorithm>
+#include <array>
 #include <span>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "peerd/control/answer.hpp"
 #include "peerd/feed/pose_message.hpp"
 #include "peerd/node/describe.hpp"
+#include "peerd/seal/operation_signer.hpp"
 
 namespace peerd::recorded {
 namespace {
@@ -32,6 +34,29 @@ std::string compare(const replication::Send& sent, const record::DatagramOut& re
                      size_of(sent.datagram.size()), size_of(recorded.datagram.size()), here - sent.datagram.begin());
 }
 
+// Whoever may not write has not written in what was recorded.
+bool all_write(const seal::PublicKey& /*key*/) { return true; }
+
+// Repeats the signatures of a peer whose secret nobody has recorded, and checks those of the others.
+class SignatureRepeater final : public seal::OperationVerifier {
+ public:
+  SignatureRepeater(std::uint64_t world, std::vector<std::byte> own_key, std::vector<record::Signed> signatures)
+      : OperationVerifier(world, all_write), own_key_(std::move(own_key)), signatures_(std::move(signatures)) {}
+
+  [[nodiscard]] std::vector<std::byte> own_key() const override { return own_key_; }
+  // Zeros, where it signs more than it did: the datagram with it is a difference.
+  [[nodiscard]] std::array<std::byte, replication::kSignature_bytes> sign(replication::AuthorId /*author*/,
+                                                                          const Digest& /*digest*/) const override {
+    return next_ < signatures_.size() ? signatures_[next_++].signature : record::Signed{}.signature;
+  }
+  [[nodiscard]] const char* why_not_write() const override { return nullptr; }
+
+ private:
+  std::vector<std::byte> own_key_;
+  std::vector<record::Signed> signatures_;
+  mutable std::size_t next_ = 0;
+};
+
 }  // namespace
 
 Result<Replay::Outcome> Replay::run() {
@@ -42,6 +67,7 @@ Result<Replay::Outcome> Replay::run() {
     if (!event) return std::unexpected(InputError{event.error(), 1});
     if (!*event) break;
     outcome_.end = (*event)->at;
+    if (std::holds_alternative<record::Signed>((*event)->what)) continue;  // make_recorded_peer() has them
     if (const auto* recorded = std::get_if<record::DatagramOut>(&(*event)->what)) {
       ++outcome_.datagrams_out;
       differ(packet, (*event)->at, compare_next(*recorded));
@@ -114,8 +140,8 @@ void Replay::drain(HostTime at) {
   }
 }
 
-Result<RecordedPeer> make_recorded_peer(const record::Setup& setup, const std::filesystem::path& file,
-                                        const std::filesystem::path& world) {
+Result<RecordedPeer> make_recorded_peer(const record::Setup& setup, std::vector<record::Signed> signatures,
+                                        const std::filesystem::path& file, const std::filesystem::path& world) {
   config::ScenarioRequest request;
   request.file = setup.file;
   request.text = setup.configuration;
@@ -142,8 +168,13 @@ Result<RecordedPeer> make_recorded_peer(const record::Setup& setup, const std::f
   auto objects = config::resolve(recorded.run, recorded.shared->world.scene);
   if (!objects) return std::unexpected(objects.error());
   auto& own = (*objects)[static_cast<std::size_t>(recorded.peer - recorded.run.peers.data())];
-  recorded.node =
-      PeerNode::make(*recorded.peer, recorded.run.replication, *recorded.shared, std::move(own), setup.options);
+  PeerNode::Options node = setup.options;
+  if (!setup.author_key.empty()) {
+    recorded.signer =
+        std::make_unique<SignatureRepeater>(recorded.shared->world.hash, setup.author_key, std::move(signatures));
+    node.signer = recorded.signer.get();
+  }
+  recorded.node = PeerNode::make(*recorded.peer, recorded.run.replication, *recorded.shared, std::move(own), node);
   return recorded;
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "peerd/config/scenario.hpp"
 #include "peerd/input/input_error.hpp"
@@ -21,10 +22,14 @@ struct RecordedPeer {
   const config::PeerSettings* peer;
   std::filesystem::path world;
   std::unique_ptr<const SharedWorld> shared;
+  std::unique_ptr<const replication::LogSigner> signer;  // null: it signs nothing
   std::unique_ptr<PeerNode> node;  // as it was when the capture began
 };
-// `file`: the capture's, for errors. `world`: where the world is now; empty: where it was.
-[[nodiscard]] Result<RecordedPeer> make_recorded_peer(const record::Setup& setup, const std::filesystem::path& file,
+// `signatures`: those that it will repeat. `file`: the capture's, for errors. `world`: where the world is now; empty:
+// where it was.
+[[nodiscard]] Result<RecordedPeer> make_recorded_peer(const record::Setup& setup,
+                                                      std::vector<record::Signed> signatures,
+                                                      const std::filesystem::path& file,
                                                       const std::filesystem::path& world);
 
 // Sees what a replayed peer does.

@@ -62,10 +62,13 @@ replication::Author fresh_author(const PublicKey& key) {
   return author;
 }
 
-OperationSigner::OperationSigner(std::uint64_t world, const Identity& own, std::uint64_t salt, MayWrite may_write)
-    : world_(world), own_(own), salt_(salt), may_write_(std::move(may_write)) {}
+OperationVerifier::OperationVerifier(std::uint64_t world, MayWrite may_write)
+    : world_(world), may_write_(std::move(may_write)) {}
 
-replication::LogSigner::Digest OperationSigner::digest(const Digest& before, std::span<const std::byte> bytes) const {
+OperationSigner::OperationSigner(std::uint64_t world, const Identity& own, std::uint64_t salt, MayWrite may_write)
+    : OperationVerifier(world, std::move(may_write)), own_(own), salt_(salt) {}
+
+replication::LogSigner::Digest OperationVerifier::digest(const Digest& before, std::span<const std::byte> bytes) const {
   Digest digest{};
   crypto_generichash_state state;
   crypto_generichash_init(&state, nullptr, 0, digest.size());
@@ -85,23 +88,23 @@ std::vector<std::byte> OperationSigner::own_key() const {
 
 std::array<std::byte, replication::kSignature_bytes> OperationSigner::sign(AuthorId author,
                                                                            const Digest& digest) const {
-  const auto signature = own_.sign(kUse, signed_bytes(world_, author, digest));
+  const auto signature = own_.sign(kUse, signed_bytes(world(), author, digest));
   std::array<std::byte, replication::kSignature_bytes> bytes{};
   std::ranges::copy(std::as_bytes(std::span(signature)), bytes.begin());
   return bytes;
 }
 
 const char* OperationSigner::why_not_write() const {
-  return may_write_(own_.public_key()) ? nullptr : "this peer is an observer, by the world's roster, and may only look";
+  return may_write(own_.public_key()) ? nullptr : "this peer is an observer, by the world's roster, and may only look";
 }
 
-const char* OperationSigner::refused(AuthorId author, std::span<const std::byte> key) const {
+const char* OperationVerifier::refused(AuthorId author, std::span<const std::byte> key) const {
   const auto read = read_key(key);
   if (!read || author_of(read->key, read->salt) != author) return replication::kForgedOperation;
   return may_write_(read->key) ? nullptr : kObserversOperation;
 }
 
-bool OperationSigner::is_good(AuthorId author, std::span<const std::byte> key, const Digest& digest,
+bool OperationVerifier::is_good(AuthorId author, std::span<const std::byte> key, const Digest& digest,
                               Signature signature) const {
   const auto read = read_key(key);
   const auto bytes = as_octets(signature).first<PublicKey::kSignature_bytes>();

@@ -11,29 +11,43 @@ namespace peerd::seal {
 [[nodiscard]] replication::Author fresh_author(const PublicKey& key);
 [[nodiscard]] replication::AuthorId author_of(const PublicKey& key, std::uint64_t salt);
 
-// Signs a peer's operations by its identity, and checks those of others (docs/protocol.md, Operations).
-class OperationSigner final : public replication::LogSigner {
+// Checks operations (docs/protocol.md, Operations).
+class OperationVerifier : public replication::LogSigner {
  public:
   // Whether whoever has that key may change the world.
   using MayWrite = std::function<bool(const PublicKey&)>;
 
-  // `world`: the hash of its file, which each signature is for; `salt`: of the author of the own log.
-  OperationSigner(std::uint64_t world, const Identity& own, std::uint64_t salt, MayWrite may_write);
+  // `world`: the hash of its file, which each signature is for.
+  OperationVerifier(std::uint64_t world, MayWrite may_write);
 
   [[nodiscard]] Digest digest(const Digest& before, std::span<const std::byte> bytes) const override;
-  [[nodiscard]] std::vector<std::byte> own_key() const override;
-  [[nodiscard]] std::array<std::byte, replication::kSignature_bytes> sign(replication::AuthorId author,
-                                                                          const Digest& digest) const override;
-  [[nodiscard]] const char* why_not_write() const override;
   [[nodiscard]] const char* refused(replication::AuthorId author, std::span<const std::byte> key) const override;
   [[nodiscard]] bool is_good(replication::AuthorId author, std::span<const std::byte> key, const Digest& digest,
                              Signature signature) const override;
 
+ protected:
+  [[nodiscard]] std::uint64_t world() const { return world_; }
+  [[nodiscard]] bool may_write(const PublicKey& key) const { return may_write_(key); }
+
  private:
   std::uint64_t world_;
+  MayWrite may_write_;
+};
+
+// Signs a peer's operations by its identity besides.
+class OperationSigner final : public OperationVerifier {
+ public:
+  // `salt`: of the author of the own log.
+  OperationSigner(std::uint64_t world, const Identity& own, std::uint64_t salt, MayWrite may_write);
+
+  [[nodiscard]] std::vector<std::byte> own_key() const override;
+  [[nodiscard]] std::array<std::byte, replication::kSignature_bytes> sign(replication::AuthorId author,
+                                                                          const Digest& digest) const override;
+  [[nodiscard]] const char* why_not_write() const override;
+
+ private:
   Identity own_;
   std::uint64_t salt_;
-  MayWrite may_write_;
 };
 
 // The drop reason for operations of who may only look.

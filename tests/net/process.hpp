@@ -23,11 +23,20 @@ namespace peerd::testing_support {
 // destructor kills the child, and no other process.
 class Process {
  public:
+  // Stores are there by default, unless a test has said where.
+  static void keep_state_in(const std::string& state) {
+    static std::string chosen;
+    const char* const now = getenv("XDG_STATE_HOME");
+    if (now != nullptr && chosen != now) return;
+    chosen = state;
+    setenv("XDG_STATE_HOME", chosen.c_str(), 1);
+  }
   // `arguments` follow the program's name. Who has other `settings` is another user, with other keys.
   Process(const ScratchFolder& folder, const std::string& name, const std::string& program,
           std::vector<std::string> arguments, const std::string& settings = "settings")
       : out_(folder / (name + ".out")), err_(folder / (name + ".err")) {
     setenv("XDG_CONFIG_HOME", (folder / settings).c_str(), 1);
+    keep_state_in(folder / (settings + "-state"));
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, out_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);

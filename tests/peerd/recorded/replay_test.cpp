@@ -34,7 +34,7 @@ TEST(Replay, TellsWhoLooksOnOfEachInput) {
   const std::string bytes = text_of(folder.captures() / "a.pcapng");
   auto capture = record::CaptureReader::open(std::as_bytes(std::span(bytes)));
   ASSERT_TRUE(capture) << capture.error();
-  const RecordedPeer peer = must(make_recorded_peer(capture->setup(), "a.pcapng", {}));
+  const RecordedPeer peer = must(make_recorded_peer(capture->setup(), {}, "a.pcapng", {}));
   EXPECT_EQ(peer.node->name(), "a");
   Looker looker;
   const Replay::Outcome outcome = must(Replay(*peer.node, *capture, &looker).run());
@@ -49,7 +49,7 @@ TEST(Replay, NeedsTheWorldThatWasRecorded) {
   const std::string bytes = text_of(folder.captures() / "a.pcapng");
   const auto capture = record::CaptureReader::open(std::as_bytes(std::span(bytes)));
   ASSERT_TRUE(capture) << capture.error();
-  const auto other = make_recorded_peer(capture->setup(), "a.pcapng", PEERD_SOURCE_DIR "/configs/worlds/eq47.wrl");
+  const auto other = make_recorded_peer(capture->setup(), {}, "a.pcapng", PEERD_SOURCE_DIR "/configs/worlds/eq47.wrl");
   ASSERT_FALSE(other);
   EXPECT_THAT(other.error().text, HasSubstr("is not the world that was recorded"));
 }

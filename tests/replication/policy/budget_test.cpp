@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "replication/wire/codec.hpp"
 #include "tests/replication/worlds.hpp"
 
 namespace peerd::replication::budget_test {
@@ -46,6 +47,8 @@ TEST(UpdateBudget, BoundsWhatIsSentOfItsOwn) {
 
 // ---- the budget of bytes ----
 
+constexpr double kOne = static_cast<double>(kDatagramMax_bytes);
+
 TEST(ByteBudget, FillsAtItsRateUpToAQuarterOfASecond) {
   PublishPolicy policy;
   policy.bytes_per_s = 10'000.0;
@@ -57,16 +60,16 @@ TEST(ByteBudget, FillsAtItsRateUpToAQuarterOfASecond) {
   EXPECT_EQ(budget.left(policy, sim(20s)), 2500.0);
   EXPECT_EQ(budget.left(policy, sim(15s)), 2500.0) << "session time has stepped";
   policy.bytes_per_s = 1000.0;
-  EXPECT_EQ(ByteBudget().left(policy, sim(0s)), 1200.0) << "a datagram at least";
+  EXPECT_EQ(ByteBudget().left(policy, sim(0s)), kOne) << "a datagram at least";
 }
 
 TEST(ByteBudget, AQuarterIsForUpdatesWhateverIsOwed) {
   PublishPolicy policy;
   policy.bytes_per_s = 1000.0;
   ByteBudget budget;
-  EXPECT_EQ(budget.left(policy, sim(0s)), 1200.0);
+  EXPECT_EQ(budget.left(policy, sim(0s)), kOne);
   budget.spend(100'000, false);
-  EXPECT_EQ(budget.left(policy, sim(0s)), -1200.0) << "more is not owed";
+  EXPECT_EQ(budget.left(policy, sim(0s)), -kOne) << "more is not owed";
   EXPECT_EQ(budget.left(policy, sim(1s)), 250.0);
   budget.spend(1000, false);
   EXPECT_EQ(budget.left(policy, sim(2s)), 500.0);
@@ -74,7 +77,7 @@ TEST(ByteBudget, AQuarterIsForUpdatesWhateverIsOwed) {
   EXPECT_EQ(budget.left(policy, sim(2s)), 100.0);
   budget.spend(1000, true);
   EXPECT_EQ(budget.left(policy, sim(3s)), 250.0) << "of that share nothing is owed";
-  EXPECT_EQ(budget.left(policy, sim(60s)), 1200.0) << "a datagram at most";
+  EXPECT_EQ(budget.left(policy, sim(60s)), kOne) << "a datagram at most";
 }
 
 TEST(ByteBudget, AnHourOfOverloadIsMadeUpForWithinSeconds) {

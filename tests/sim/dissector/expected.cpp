@@ -354,9 +354,15 @@ Fields Readers::datagram(std::span<const std::byte> datagram, RegionId region, S
     };
     out.add("region", region.value);
     out.add("kind", is_announcement ? "announcement" : is_sealed ? "sealed" : "sealed and signed");
-    out.add("seal.epoch", 0);
+    out.add("seal.epoch", mark % 32);
     out.add("seal.sender", number(1, 4));
     if (!is_announcement) out.add("seal.counter", number(5, 3));
+    return out.fields();
+  }
+  if (mark >= 0xE0 && datagram.size() >= 49) {
+    out.add("region", region.value);
+    out.add("kind", "part of a roster");
+    out.add("seal.epoch", mark % 32);
     return out.fields();
   }
   if (mark == 0x67 && datagram.size() >= 41) {
