@@ -1,4 +1,4 @@
-// What one user gets of another, or of a file: invitations, and texts of keys. An invitation that is read is the
+// Texts that one user gets of another, or of a file: invitations and keys. An invitation that is read is the
 // one that its text is of.
 #include <cstdint>
 #include <cstdlib>

@@ -22,7 +22,7 @@ TEST(Base64, IsThatOfTheStandardForUrls) {
   }
 }
 
-// Of all texts of two characters.
+// All texts of two characters are tried.
 TEST(Base64, EachTextIsOfOtherBytes) {
   int read = 0;
   for (int pair = 0; pair < 1 << 16; ++pair) {
