@@ -2,6 +2,8 @@
 
 #include <sodium.h>
 
+#include <algorithm>
+
 namespace peerd::seal {
 namespace {
 
@@ -17,6 +19,8 @@ std::string base64_of(std::span<const std::uint8_t> bytes) {
 }
 
 std::optional<std::size_t> read_base64(std::string_view text, std::span<std::uint8_t> out) {
+  // libsodium 1.0.18 takes some bytes beyond ASCII for digits, so that several texts would be of the same bytes.
+  if (std::ranges::any_of(text, [](char c) { return static_cast<unsigned char>(c) > 0x7f; })) return std::nullopt;
   std::size_t size = 0;
   const char* end = nullptr;
   const int failed =

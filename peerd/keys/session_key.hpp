@@ -7,7 +7,7 @@
 
 namespace peerd::seal {
 
-// What somebody has said of the key that a session is sealed by: one of them, or neither.
+// A KeyChoice says by which key a session is to be sealed: one of the files is named, or neither.
 struct KeyChoice {
   std::filesystem::path key_file;
   std::filesystem::path password_file;  // "-": the password is in standard input

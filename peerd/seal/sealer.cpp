@@ -240,7 +240,11 @@ std::optional<Refusal> Sealer::refused(const OpenedAnnouncement& announcement, H
   if (given_up_.contains({says.sender, says.boot})) return Refusal::kTooMany;
   const Boot* known = find(says);
   if (known != nullptr && says.number <= known->announcements) return Refusal::kReplayed;
-  if (known == nullptr && !checks_.take(now)) return Refusal::kTooMany;
+  if (known == nullptr) {
+    first_heard_.note(says.boot, now);
+    if (!has_room(says, now)) return Refusal::kUnproven;
+    if (!checks_.take(now)) return Refusal::kTooMany;
+  }
   if (!announcement.is_signed()) return Refusal::kUnsigned;
   if (is_member_ && !is_member_(says.key)) return refuse(says, Named::kUnknown, now);
   const auto bound = bound_.find(says.sender);
@@ -265,6 +269,14 @@ const Sealer::Boot* Sealer::find(const Announcement& says) const {
   return boot == of_sender->second.end() ? nullptr : &*boot;
 }
 
+// Whether a boot may be kept that is not. Anybody can say recorded announcements once more: they take no room from
+// newer ones.
+bool Sealer::has_room(const Announcement& says, HostTime now) const {
+  const auto of_sender = boots_.find(says.sender);
+  if (of_sender == boots_.end() || !first_heard_.is_old(says.boot, now)) return true;
+  return std::ranges::count(of_sender->second, false, &Boot::is_proven) < std::ptrdiff_t{kBootsOfPeerMax};
+}
+
 // The boot is the last of its sender's from then on.
 Sealer::Boot& Sealer::boot_of(const Announcement& says, HostTime now) {
   std::vector<Boot>& of_sender = boots_[says.sender];
@@ -275,7 +287,9 @@ Sealer::Boot& Sealer::boot_of(const Announcement& says, HostTime now) {
   }
   // Anybody can say recorded announcements once more: what these are of never takes the place of a proven boot.
   if (std::ranges::count(of_sender, false, &Boot::is_proven) >= std::ptrdiff_t{kBootsOfPeerMax}) {
-    of_sender.erase(std::ranges::find(of_sender, false, &Boot::is_proven));
+    const auto old = std::ranges::find_if(
+        of_sender, [&](const Boot& each) { return !each.is_proven() && first_heard_.is_old(each.id, now); });
+    of_sender.erase(old != of_sender.end() ? old : std::ranges::find(of_sender, false, &Boot::is_proven));
   }
   of_sender.push_back(
       {.id = says.boot, .owner = says.key, .key = datagram_key(says.sender, says.key, says.boot), .heard = now});

@@ -16,6 +16,7 @@
 #include "peerd/keys/symmetric_key.hpp"
 #include "peerd/seal/announcement.hpp"
 #include "peerd/seal/checkpoint.hpp"
+#include "peerd/seal/first_heard.hpp"
 #include "peerd/seal/refusal.hpp"
 #include "peerd/seal/replay_window.hpp"
 
@@ -115,6 +116,7 @@ class Sealer {
   [[nodiscard]] std::optional<Refusal> refused(const OpenedAnnouncement& announcement, HostTime now);
   Refusal refuse(const Announcement& says, Named::Flag why, HostTime now);
   [[nodiscard]] const Boot* find(const Announcement& says) const;
+  [[nodiscard]] bool has_room(const Announcement& says, HostTime now) const;
   Boot& boot_of(const Announcement& says, HostTime now);
   bool prove(PeerId sender);
   void on_named(Boot& boot, const Announcement& says, const Named& us, HostTime now);
@@ -149,6 +151,7 @@ class Sealer {
   std::size_t named_ = 0;                   // how many boots have been named, where not all fit
   std::optional<HostTime> announced_;
   Bucket answers_, checks_;
+  FirstHeard first_heard_;
   HostTime announce_at_{}, signs_all_until_{};
   Duration signs_all_for_;  // the next time
   std::vector<Finding> findings_;

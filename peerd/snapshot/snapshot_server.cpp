@@ -137,7 +137,8 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
       if (!self->over_) self->serve(stream);
     });
   }
-  // Who has not proven the session's key for the longest time makes room. False: all have, or there is none.
+  // The connection that has not proven the session's key for the longest time makes room. False: all have, or there is
+  // none.
   [[nodiscard]] bool make_room() {
     const auto oldest = std::ranges::find_if(streams_, [](const auto& each) { return each.second->is_unproven(); });
     if (oldest == streams_.end()) return false;

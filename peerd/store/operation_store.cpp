@@ -210,7 +210,8 @@ Result<void> OperationStore::read() {
   if (!check) return std::unexpected(error(check.error()));
   const auto row = check->step();
   if (!row) return std::unexpected(error(row.error()));
-  if (const std::string found = check->text(0); found != "ok") {
+  if (std::string found = check->text(0); found != "ok") {
+    std::ranges::replace(found, '\n', ' ');
     return std::unexpected(damage(folder_->path(), found));
   }
   const auto genesis = database_.number("SELECT genesis FROM world");

@@ -35,7 +35,8 @@ using replication::AuthorId;
 constexpr std::uint64_t kWorld = 0xFEED;
 constexpr AuthorId kOwn{7};
 constexpr const char* kFile = "operations.sqlite";
-// Of a row: it is packed; its checksum is wrong; what it holds is not compressed; it says that it has kHugeSize bytes.
+// Flags of a row: it is packed; its checksum is wrong; what it holds is not compressed; it says that it has kHugeSize
+// bytes.
 constexpr unsigned kPacked = 1, kWrongSum = 2, kNoFrame = 4, kHuge = 8;
 constexpr std::int64_t kHugeSize = std::int64_t{1} << 62;
 

@@ -182,7 +182,7 @@ TEST_F(Joining, AnInvitationIsAllThatSomebodyElseNeeds) {
   EXPECT_TRUE(wait_until([&] { return world_of("a") == world_of("invited") && world_of("a") == world_of("again"); }));
 }
 
-// As it was printed, with the command before it, from a file that no list of processes shows.
+// The line comes as it was printed, with the command before it, from a file that no list of processes shows.
 TEST_F(Joining, AnInvitationMayComeByStandardInput) {
   Process a = run("a", world);
   ASSERT_TRUE(is_in_session("a"));

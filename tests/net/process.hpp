@@ -83,7 +83,7 @@ class Process {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
   }
-  // What the list of processes says of it.
+  // The words that the list of processes shows of it.
   [[nodiscard]] std::string command_line() const {
     return text_of(std::filesystem::path("/proc") / std::to_string(pid_) / "cmdline");
   }

@@ -74,7 +74,7 @@ class Terminal {
   void type(std::string_view text) const {
     EXPECT_EQ(write(keys, text.data(), text.size()), static_cast<ssize_t>(text.size()));
   }
-  // What it has shown, once there is something.
+  // The text that it has shown, once there is some.
   [[nodiscard]] std::string shown() const {
     pollfd awaited{keys, POLLIN, 0};
     std::string text(100, '\0');

@@ -22,6 +22,19 @@ TEST(Base64, IsThatOfTheStandardForUrls) {
   }
 }
 
+// All texts of two characters are tried.
+TEST(Base64, EachTextIsOfOtherBytes) {
+  int read = 0;
+  for (int pair = 0; pair < 1 << 16; ++pair) {
+    const std::string text{static_cast<char>(pair & 0xff), static_cast<char>(pair >> 8)};
+    std::array<std::uint8_t, 1> out{};
+    if (!read_base64(text, out)) continue;
+    EXPECT_EQ(base64_of(out), text);
+    ++read;
+  }
+  EXPECT_EQ(read, 256);
+}
+
 TEST(Base64, NothingElseIsRead) {
   std::array<std::uint8_t, 2> out{};
   for (const char* const text : {"Zg==", "Zh", "Z", "Zm9v", "+_8", " Zg", "Zg ", "Zg\n"}) {

@@ -301,6 +301,29 @@ TEST_F(Sealing, RecordedAnnouncementsTakeNobodysPlaceAndBringFewAnswers) {
   EXPECT_EQ(b.heard_count(), 1u) << "what is silent and unproven is forgotten";
 }
 
+// Somebody says records of a peer's earlier starts all the time, to it and to the other, who waits for it.
+TEST_F(Sealing, RecordsOfEarlierStartsKeepNobodyOut) {
+  std::vector<Bytes> recorded;
+  for (int i = 0; i < 300; ++i) recorded.push_back(make(key, 2).announcement_due(now).value());
+  std::size_t said = 0;
+  const auto flood = [&](Sealer& to) {
+    for (int i = 0; i < 5; ++i) (void)to.hear(recorded[said++ % recorded.size()], now);
+  };
+  now += seconds(100);
+  for (int ms = 0; ms < 12'000; ++ms, now += milliseconds(1)) {
+    flood(a);
+    (void)a.announcement_due(now);
+  }
+  for (int ms = 0; ms < 2'000; ++ms, now += milliseconds(1)) {
+    flood(a), flood(b);
+    const auto by_a = a.announcement_due(now), by_b = b.announcement_due(now);
+    if (by_a) (void)b.hear(*by_a, now);
+    if (by_b) (void)a.hear(*by_b, now);
+  }
+  EXPECT_EQ(opened(a, sealed(b, "hello")), "hello");
+  EXPECT_EQ(opened(b, sealed(a, "hello")), "hello");
+}
+
 TEST_F(Sealing, AnnouncementsOfManyFitADatagramAndNameAllInTurns) {
   constexpr std::uint32_t kPeers = 300;
   std::vector<Sealer> peers;

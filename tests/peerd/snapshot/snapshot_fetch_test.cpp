@@ -342,7 +342,7 @@ TEST(SnapshotServer, TakesFewConnectionsAndGoesOn) {
   expect_all_of(*snapshot, a);
 }
 
-// Who has no key holds as many connections as there can be, and more than one of whoever has.
+// Somebody without the key holds as many connections as there can be.
 TEST(SnapshotServer, WhoProvesNoKeyMakesRoom) {
   const auto key = seal::SymmetricKey::random();
   const ProvidingPeer a(OperationLogs{}, random_bytes(1'000'000, 1), kSession, key);

@@ -138,7 +138,7 @@ TEST_F(UnicastFanOutTest, ASeedThatAnswersFromAnotherAddressIsHeardAndHearsEvery
   EXPECT_EQ(b.heard.size(), sent);
 }
 
-// Who has another key, or none, gets no answer and is known to nobody, whomever it greets.
+// A peer with another key, or with none, gets no answer and is known to nobody, whomever it greets.
 TEST_F(UnicastFanOutTest, SealedGreetingsMeetBySessionKeyAlone) {
   const auto key = seal::SymmetricKey::random();
   const auto by = [](const seal::SymmetricKey& session) {
@@ -163,7 +163,7 @@ TEST_F(UnicastFanOutTest, SealedGreetingsMeetBySessionKeyAlone) {
   for (auto* peer : {&a, &b}) EXPECT_EQ(peer->transport->peers().size(), 1u);
 }
 
-// What a stranger sends costs its share, and no more.
+// The datagrams of a stranger cost their share, and no more.
 TEST_F(UnicastFanOutTest, AFloodOfGreetingsIsNotOpened) {
   const auto key = seal::SymmetricKey::random();
   UnicastPeer a(io, 0, {}, 1, std::make_shared<seal::SealedGreetings>(key, [](const std::string&) {}));

@@ -100,6 +100,8 @@ std::vector<std::string> fields_of_datagrams() {
                       "route.event_out",
                       "route.event_in",
                       "route.removes",
+                      "author_key",
+                      "signature",
                       "owner",
                       "owner_before",
                       "rotation.angle",
