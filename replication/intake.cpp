@@ -48,7 +48,7 @@ std::expected<void, Drop> Intake::on_packet(HostTime now, RegionId region, std::
                        !m.scene.states.empty() || !m.operations.empty() || !m.operation_requests.empty();
   if (for_all && region != kWholeScene) return dropped(region, Drop::kRegion);
   if (const auto admitted = admit(now, m); !admitted) return dropped(region, admitted.error());
-  if (!p_.limits.take(now, m.sender, MemberLimit::kDatagrams)) return std::unexpected(Drop::kMemberLimit);
+  if (!p_.limits.take(now, m.sender, MemberLimit::kDatagrams)) return dropped(region, Drop::kMemberLimit);
   ++p_.counters.datagrams_in;
   p_.counters.bytes_in += datagram.size();
   PeerCounters::Traffic& traffic = p_.counters.regions[region];
