@@ -441,7 +441,7 @@ JoinService::Options join_service_options(const PeerOptions& options, const Peer
 }
 
 // What somebody wants to have of a run that is over. `capture`: null where there is no sealed one.
-Result<void> keep_records(const PeerOptions& options, const PeerNode& node, const record::CaptureWriter* capture) {
+Result<void> keep_records(const PeerOptions& options, PeerNode& node, const record::CaptureWriter* capture) {
   if (!options.record.empty()) {
     if (auto saved = save(node.log(), options.record); !saved) return saved;
   }

@@ -18,14 +18,19 @@ void require(bool condition) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace peerd::seal;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
-  if (const auto invitation = read_invitation(text)) require(text_of(*invitation) == text);
+  if (const auto invitation = read_invitation(text)) {
+    require((invitation->roster ? text_of(*invitation->roster) : text_of(invitation->world, *invitation->key)) == text);
+  }
+  if (const auto roster = Roster::of_text(text)) require(roster->text() == text);
+  (void)PublicKey::of_text(text);
+  if (const auto identity = Identity::of_text(text)) require(identity->text() == text);
   if (const auto key = SymmetricKey::of_text(text)) require(key->text() == text);
   // Its checksum is right for once, so that what it is of is read, too.
   constexpr std::size_t kNameMax_bytes = 300;
   const std::string name(text.substr(0, kNameMax_bytes));
-  const Invitation made{name, SymmetricKey::random()};
-  const auto again = read_invitation(text_of(made));
+  const SymmetricKey key = SymmetricKey::random();
+  const auto again = read_invitation(text_of(name, key));
   require(again.has_value() == (!name.empty() && name.size() <= 255));
-  if (again) require(again->world == name && again->key == made.key);
+  if (again) require(again->world == name && *again->key == key);
   return 0;
 }

@@ -31,10 +31,10 @@ net::MulticastOptions options() {
 
 // A peer that keeps what it hears, and what a person was told.
 struct Speaker {
-  Speaker(asio::io_context& io, const SymmetricKey& key, std::uint32_t id)
-      : id(id),
+  Speaker(asio::io_context& io, const SymmetricKey& key, std::uint32_t number)
+      : id(number),
         transport(io, clock(), net::MulticastSocket::open(io, clock(), options()).value(), key,
-                  {.peer = PeerId{id}, .identity = Identity::random()}, contents_of,
+                  {.peer = PeerId{number}, .identity = Identity::random()}, contents_of,
                   [this](const std::string& line) { warnings.push_back(line); }) {
     EXPECT_TRUE(transport.join(RegionId{0}));
     transport.on_receive([this](const net::Arrival& arrival) {
