@@ -16,6 +16,9 @@ constexpr Duration kDecisionStands = std::chrono::seconds(2);
 // A decision may be of what happened up to 3 s ago (contact_decisions.cpp), and repeated where datagrams get lost.
 constexpr Duration kDecisionAgeMax = MotionWorld::kHistory;
 
+// A record of the future counts for so long against the next ones of its sender.
+constexpr Duration kAheadForgotten = std::chrono::minutes(1);
+
 // The delay of a hello, in session time; a negative one counts as 0, and one longer than any latency as kLatencyMax.
 Duration delay_of(SimTime sent, SimTime came) {
   if (sent >= came) return Duration{0};
@@ -48,7 +51,7 @@ std::expected<void, Drop> Intake::on_packet(HostTime now, RegionId region, std::
                        !m.scene.states.empty() || !m.operations.empty() || !m.operation_requests.empty();
   if (for_all && region != kWholeScene) return dropped(region, Drop::kRegion);
   if (const auto admitted = admit(now, m); !admitted) return dropped(region, admitted.error());
-  if (!p_.limits.take(now, m.sender, MemberLimit::kDatagrams)) return std::unexpected(Drop::kMemberLimit);
+  if (!p_.limits.take(now, m.sender, MemberLimit::kDatagrams)) return dropped(region, Drop::kMemberLimit);
   ++p_.counters.datagrams_in;
   p_.counters.bytes_in += datagram.size();
   PeerCounters::Traffic& traffic = p_.counters.regions[region];
@@ -199,11 +202,12 @@ void Intake::drop_of_the_future(HostTime now, PeerId sender, const char* reason)
   const auto clock = member.clock.at(now, kDrift_ppm + kSlew_ppm);
   const Duration own = p_.time.clock().session_minus_host(now);
   const bool shares_time = member.synchronised && clock && clock->most < own + kUpdateAheadMax / 2;
-  if (shares_time) {
-    p_.limits.refuse(now, sender, MemberLimit::kStampAhead);
-  } else {
-    p_.drop(sender, reason);
-  }
+  if (!shares_time) ahead_since_.erase(sender);
+  if (!shares_time) return p_.drop(sender, reason);
+  std::erase_if(ahead_since_, [&](const auto& each) { return now - each.second > kAheadForgotten; });
+  const HostTime since = ahead_since_.try_emplace(sender, now).first->second;
+  if (member.hello_rx - since <= kLatencyMax) return p_.drop(sender, reason);
+  p_.limits.refuse(now, sender, MemberLimit::kStampAhead);
 }
 
 void Intake::on_records(HostTime now, PeerId sender, Message& m, SimTime session_now) {
@@ -226,7 +230,7 @@ void Intake::on_records(HostTime now, PeerId sender, Message& m, SimTime session
   for (const DecisionRecord& d : m.decisions) on_decision(now, sender, m.number, d, session_now);
 }
 
-// What is refused for what this peer knows now may be taken when it comes again.
+// A decision that is refused for what this peer knows now may be taken when it comes again.
 void Intake::on_decision(HostTime now, PeerId sender, std::uint32_t number, const DecisionRecord& d,
                          SimTime session_now) {
   const auto come_again = [&] { p_.members.find(sender)->received[kWholeScene].mark_as_missing(number); };

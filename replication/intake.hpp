@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <expected>
+#include <map>
 #include <span>
 
 #include "core/ids.hpp"
@@ -36,7 +37,8 @@ class Intake {
   void on_records(HostTime now, PeerId sender, Message& message, SimTime session_now);
   void on_decision(HostTime now, PeerId sender, std::uint32_t number, const DecisionRecord& decision,
                    SimTime session_now);
-  // What is more than a second ahead of session time is dropped; by the clock of a member that shares it, it is false.
+  // A record more than a second ahead of session time is dropped. It is false where hellos that its sender has said
+  // since the first such record share this peer's time: until then the sender may have stepped into another session.
   void drop_of_the_future(HostTime now, PeerId sender, const char* reason);
   void on_update(PeerId sender, std::uint32_t number, UpdateRecord& update, SimTime session_now);
 
@@ -45,6 +47,7 @@ class Intake {
   SceneKeeper& scene_;
   OperationKeeper& operations_;
   Codec codec_;
+  std::map<PeerId, HostTime> ahead_since_;  // the first record of the future, of members whose clocks are not ahead
 };
 
 }  // namespace peerd::replication

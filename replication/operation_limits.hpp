@@ -15,8 +15,8 @@
 
 namespace peerd::replication {
 
-// What members may make this peer hold and send of operations. What comes too fast is left out, and comes again when it
-// is asked for: peers differ in when they have it, and not in what.
+// The limits of what members may make this peer hold and send of operations. A part that comes too fast is left out,
+// and comes again when it is asked for: peers differ in when they have it, and not in what.
 class OperationLimits {
  public:
   // The most authors that one member may name of whom nothing has come.
@@ -27,8 +27,8 @@ class OperationLimits {
 
   // Whether the logs may take a part from that sender. What is behind the greatest length of a log nobody takes.
   [[nodiscard]] bool admit(HostTime now, PeerId sender, const OperationPart& part);
-  // Those of the lengths that a member says which count: of few authors of whom nothing has come, or it could make this
-  // peer ask for any number of logs.
+  // Returns the lengths that count, of those that a member says: of few authors of whom nothing has come, or it could
+  // make this peer ask for any number of logs.
   [[nodiscard]] std::vector<LogLength> admit(HostTime now, PeerId sender, std::span<const LogLength> lengths);
   // Whether the sender may ask for these. False for none.
   [[nodiscard]] bool admit(HostTime now, PeerId sender, std::span<const OperationRange> ranges);

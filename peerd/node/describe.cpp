@@ -34,7 +34,7 @@ const char* verb(ContactKind kind) {
   return "?";
 }
 
-// What a member has done that met a limit.
+// The deed of a member that met a limit.
 const char* said_of(MemberLimit limit) {
   switch (limit) {
     case MemberLimit::kClockAhead:

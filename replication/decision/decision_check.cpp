@@ -61,7 +61,7 @@ std::optional<MemberLimit> DecisionCheck::broken_by(HostTime now, PeerId sender,
   const double apart_m = (d.collider_before.position - d.collidee_before.position).norm();
   if (apart_m > kApart_m + 2.0 * (collider_m + collidee_m)) return MemberLimit::kDecisionImpossible;
   const Belief collider = belief(d.collider, d.contact), collidee = belief(d.collidee, d.contact);
-  // What a decision says of the speeds before counts only as far as the two are believed to be that fast.
+  // The speeds before, as the decision says them, count only as far as the two are believed to be that fast.
   const double believed_m_s = collider.speed_m_s + collidee.speed_m_s;
   const double before_m_s = d.collider_before.velocity.norm() + d.collidee_before.velocity.norm();
   const double fastest_m_s =

@@ -40,7 +40,7 @@ class DecisionCheck {
   [[nodiscard]] std::optional<MemberLimit> broken_by(HostTime now, PeerId sender, const DecisionRecord& decision) const;
 
  private:
-  // What this peer believes of an object around the contact time.
+  // The places of an object around the contact time, and its speed, as this peer believes them.
   struct Belief;
 
   [[nodiscard]] bool knows(HostTime now, ObjectId object) const;

@@ -28,7 +28,7 @@ enum class Drop : std::uint8_t {
 };
 [[nodiscard]] const char* to_string(Drop);
 
-// What one member can do to the others has limits (session/member_limits.hpp). The name of a limit is the reason under
+// The limits of what one member can do to the others (session/member_limits.hpp). The name of a limit is the reason under
 // which what goes beyond is counted.
 enum class MemberLimit : std::uint8_t {
   kClockAhead,          // its session time is farther ahead than this peer follows anybody

@@ -9,13 +9,14 @@ namespace peerd::replication {
 // How far other members may move the session time of this peer, whatever they say: the bounds of session time minus
 // host time within which it follows anybody. A single member that says a false time moves nobody farther, nor do many.
 //
-// Who shares its time with nobody has nothing to lose, and its own clock may be the one that is wrong: it follows any
-// session that is less than a year ahead, and any at all where its own clock is surely wrong. Who shares its time with
-// others, or knows from its operating system how right its clock is, follows a session that is no more than `ahead_max`
-// ahead of what it knows by itself: of its time as it was when it entered, carried on by its host's clock, and of the
-// operating system's. Both are its own, so the bound holds however often and in how small steps others move it.
+// A peer that shares its time with nobody has nothing to lose, and its own clock may be the one that is wrong: it
+// follows any session that is less than a year ahead, and any at all where its own clock is surely wrong. Who shares
+// its time with others, or knows from its operating system how right its clock is, follows a session that is no more
+// than `ahead_max` ahead of what it knows by itself: of its time as it was when it entered, carried on by its host's
+// clock, and of the operating system's. Both are its own, so the bound holds however often and in how small steps
+// others move it.
 //
-// Of the peers of one session some may go a little farther than the others, where a member says a time that is just at
+// Some peers of one session may go a little farther than the others, where a member says a time that is just at
 // the bound. The bound widens as clocks may drift, and then the others go there, too.
 class ClockReach {
  public:

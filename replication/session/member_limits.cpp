@@ -10,7 +10,7 @@ namespace {
 // that.
 constexpr std::size_t kStatesMax = 4 * 4096;
 
-// What is left of the use of a bucket.
+// The use of a bucket after so long.
 double drained(double used, Duration since, const LimitRate& rate) {
   assert(since >= Duration{0});
   return std::max(0.0, used - rate.per_s * to_seconds(since));
@@ -51,7 +51,7 @@ std::optional<LimitRate> rate_of(MemberLimit limit) {
 MemberLimits::MemberLimits(Membership& members, Outbox& outbox, PeerCounters& counters)
     : members_(members), outbox_(outbox), counters_(counters) {}
 
-// Those of peers that are not here and have used up nothing, and were not named lately.
+// Forgets the states of peers that are not here, have used up nothing, and were not named lately.
 void MemberLimits::forget_idle(HostTime now) {
   std::erase_if(states_, [&](const auto& each) {
     const auto& [key, state] = each;

@@ -12,7 +12,7 @@
 
 namespace peerd::replication {
 
-// What a member may use up of a limit: a bucket that holds `burst` and fills at `per_s`.
+// A limit of a member's as a bucket that holds `burst` and fills at `per_s`.
 struct LimitRate {
   double per_s = 0.0, burst = 0.0;
 };
@@ -20,7 +20,7 @@ struct LimitRate {
 // to do at their busiest (docs/measurements/security.md).
 [[nodiscard]] std::optional<LimitRate> rate_of(MemberLimit limit);
 
-// What one member can do to the others, as far as that is limited: what goes beyond is counted by its reason, for the
+// The limits of what one member can do to the others: what goes beyond is counted by its reason, for the
 // member and in all, and named once a minute (LimitMet). What a member has used up outlives its restarts.
 class MemberLimits {
  public:
@@ -34,9 +34,9 @@ class MemberLimits {
   MemberLimits(Membership& members, Outbox& outbox, PeerCounters& counters);
 
   // The sender uses up so much of a limit that has a rate. False: it has not so much left, which is counted as refused.
-  // What is larger than the bucket takes a full one.
+  // An amount that is larger than the bucket takes a full one.
   [[nodiscard]] bool take(HostTime now, PeerId sender, MemberLimit limit, double amount = 1.0);
-  // What the sender said goes beyond the limit.
+  // The sender has gone beyond the limit.
   void refuse(HostTime now, PeerId sender, MemberLimit limit);
 
  private:

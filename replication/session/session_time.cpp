@@ -251,9 +251,9 @@ std::optional<PeerId> SessionTime::choose_leader(HostTime now) {
       const Duration least = member.clock.at(now, kDrift_ppm + kSlew_ppm)->least;
       if (!later || least < later->second - kOtherSession) later = {peer, least};
     }
-    // A followed peer stays followed while nothing surely speaks against it.
-    if (session == Session::kSame || (session == Session::kUnknown && peer == follows_))
-      lowest = std::min(lowest, peer);
+    // A followed peer stays followed while nothing surely speaks against it, and its time is known at all.
+    const bool stays = session == Session::kUnknown && peer == follows_ && member.clock.at(now, kDrift_ppm);
+    if (session == Session::kSame || stays) lowest = std::min(lowest, peer);
   }
   return later ? later->first : lowest;
 }
@@ -282,9 +282,11 @@ bool SessionTime::follow_leader(HostTime now, std::optional<PeerId> sender, bool
   if (!leader || (!new_leader && leader != sender)) return false;  // nothing new of its clock
   const SessionClock::Estimate leaders = estimate(now, *leader);
   clock_.follow(now, leaders, config_.lost_after + members_.longest_latency());
-  const OffsetBounds own = reach_.preferred(now, os_minus_host(now));
-  const bool enters = !reach_.has_entered() || leaders.likely < own.least || leaders.likely > own.most;
-  if (clock_.synchronised() && leaders.settled && enters) reach_.enter(now, leaders.likely);
+  if (clock_.synchronised() && leaders.bounds && leaders.settled) {
+    const OffsetBounds own = reach_.preferred(now, os_minus_host(now));
+    const bool is_far = leaders.likely < own.least || leaders.likely > own.most;
+    if (is_far || !reach_.has_entered()) reach_.enter(now, leaders.likely);
+  }
   if (!clock_.synchronised() || in_session) return false;
   outbox_.push(Synchronised{*leader, clock_.session_minus_host(now), *clock_.error_bound(now)});
   return true;
