@@ -450,6 +450,11 @@ Result<void> keep_records(const PeerOptions& options, PeerNode& node, const reco
   return {};
 }
 
+void log_findings(const PeerParts& parts, Log& log) {
+  for (const std::string& line : parts.shared->findings()) log(spdlog::level::warn, line);
+  for (const LogLine& line : parts.opened.lines) log(line);
+}
+
 }  // namespace
 
 int run_peer(const PeerOptions& options) {
@@ -498,8 +503,7 @@ int run_peer(const PeerOptions& options) {
   log_line(session_seal.line());
   session_seal.seal(io, clock, PeerId{settings.id}, *reached, log_line);
   log_beginning(settings, parts->scenario.world, run.transport, *reached, log);
-  for (const std::string& line : parts->shared->findings()) log(spdlog::level::warn, line);
-  for (const LogLine& line : parts->opened.lines) log(line);
+  log_findings(*parts, log);
 
   const auto cache_warmer = open_cache_warmer(run, log);
   Daemon daemon(io, *node, *transport, clock, log_line,

@@ -17,7 +17,7 @@ constexpr std::size_t kShort_letters = 8;
 static_assert(PublicKey::kBytes == crypto_sign_PUBLICKEYBYTES && PublicKey::kSignature_bytes == crypto_sign_BYTES);
 static_assert(Identity::kSeed_bytes == crypto_sign_SEEDBYTES);
 
-// What is signed: a digest of the use and the bytes, so that a signature for one use is none for another.
+// A signature is of a digest of the use and the bytes, so that a signature for one use is none for another.
 std::array<std::uint8_t, 32> digest_of(std::string_view use, std::span<const std::uint8_t> bytes) {
   std::array<std::uint8_t, 32> digest{};
   crypto_generichash_state state;

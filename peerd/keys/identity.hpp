@@ -11,7 +11,7 @@
 
 namespace peerd::seal {
 
-// Who somebody is: a public key of Ed25519 (RFC 8032). Whoever has the other half is it.
+// A public key of Ed25519 (RFC 8032) says who somebody is: whoever has the other half.
 class PublicKey {
  public:
   static constexpr std::size_t kBytes = 32, kSignature_bytes = 64;

@@ -17,7 +17,7 @@ struct Invitation {
   std::optional<Roster> roster;
 };
 
-// What both begin with.
+// Both begin with it.
 inline constexpr std::string_view kInvitationBegin = "peerd-invite-";
 
 [[nodiscard]] std::string text_of(const std::string& world, const SymmetricKey& key);

@@ -26,7 +26,7 @@ namespace peerd::seal {
 
 // The file of who this user is: the one that somebody has said, else one beside the folder of keys.
 [[nodiscard]] Result<std::filesystem::path> chosen_identity_file(const std::filesystem::path& said);
-// As read_key() and read_or_make_key(); the line is Identity::text().
+// These do what read_key() and read_or_make_key() do; the line is Identity::text().
 [[nodiscard]] Result<Identity> read_identity(const std::filesystem::path& file);
 [[nodiscard]] Result<Identity> read_or_make_identity(const std::filesystem::path& file);
 

@@ -11,8 +11,8 @@
 
 namespace peerd::seal {
 
-// What a member may do. It belongs to its key for good, so that all peers agree on it whenever they hear of it: who is
-// to have another role gets another key.
+// A role says what a member may do. It belongs to its key for good, so that all peers agree on it whenever they hear of
+// it: who is to have another role gets another key.
 enum class Role : std::uint8_t {
   kObserver,       // looks
   kEditor,         // changes the world

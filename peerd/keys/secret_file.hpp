@@ -11,7 +11,7 @@ namespace peerd::seal {
 [[nodiscard]] InputError wrong_secret(const std::filesystem::path& file, const std::string& what,
                                       const std::string& predicate, int code);
 
-// What is in a file that only this user may read and write, without the end of its last line.
+// Reads what is in a file that only this user may read and write, without the end of its last line.
 [[nodiscard]] Result<SecretText> read_private_line(const std::filesystem::path& file, const std::string& what);
 // Makes the file with that line. One that is there stays as it is.
 [[nodiscard]] Result<void> make_private_line(const std::filesystem::path& file, const std::string& what,

@@ -33,7 +33,7 @@ Result<Member> member_of(std::string_view text, const std::string& role_name) {
   return Member{std::string(text.substr(0, equals)), *role, *key};
 }
 
-// What the roster is to be; it is the same one where nothing is to change.
+// Makes the roster that is wanted; it is the same one where nothing is to change.
 Result<Roster> changed(const std::optional<Roster>& before, const MembersOptions& options,
                        const seal::Identity& identity) {
   if (before && !options.begin.empty()) return wrong_use("\"" + options.world + "\" has a roster already");

@@ -38,24 +38,24 @@ std::string to_text(const Setup& s) {
   const nlohmann::ordered_json groups{
       {"base", g.base.to_string()}, {"port", g.port}, {"pool", g.pool}, {"offset", g.offset}};
   nlohmann::ordered_json json{{"format", kFormat},
-                                    {"peer", s.peer},
-                                    {"boot", s.options.incarnation},
-                                    {"wait_for", wait_for},
-                                    {"late", s.options.late},
-                                    {"watches", s.options.watches},
-                                    {"start_lead_ns", s.options.start_lead.count()},
-                                    {"clock_offset_ns", s.options.clock_offset.count()},
-                                    {"keep_log", s.options.keep_log},
-                                    {"sample_hz", s.options.sample_hz},
-                                    {"groups", groups},
-                                    {"datagrams", kDatagramWords.at(static_cast<std::size_t>(s.datagrams))},
-                                    {"world", s.world.string()},
-                                    {"world_hash", s.world_hash},
-                                    {"inlines_when_needed", s.reading.inlines_when_needed},
-                                    {"expansion", s.reading.expansion},
-                                    {"world_name", s.reading.name},
-                                    {"file", s.file.string()},
-                                    {"configuration", s.configuration}};
+                              {"peer", s.peer},
+                              {"boot", s.options.incarnation},
+                              {"wait_for", wait_for},
+                              {"late", s.options.late},
+                              {"watches", s.options.watches},
+                              {"start_lead_ns", s.options.start_lead.count()},
+                              {"clock_offset_ns", s.options.clock_offset.count()},
+                              {"keep_log", s.options.keep_log},
+                              {"sample_hz", s.options.sample_hz},
+                              {"groups", groups},
+                              {"datagrams", kDatagramWords.at(static_cast<std::size_t>(s.datagrams))},
+                              {"world", s.world.string()},
+                              {"world_hash", s.world_hash},
+                              {"inlines_when_needed", s.reading.inlines_when_needed},
+                              {"expansion", s.reading.expansion},
+                              {"world_name", s.reading.name},
+                              {"file", s.file.string()},
+                              {"configuration", s.configuration}};
   if (s.options.author) json["author"] = s.options.author->value;
   if (!s.author_key.empty()) json["author_key"] = hex_of(s.author_key);
   // Paths may not be UTF-8. A path with a replaced character will be reported as missing.

@@ -21,7 +21,7 @@ struct Setup {
   std::uint64_t world_hash = 0;
   config::WorldReading reading;
   PeerNode::Options options;
-  net::GroupPlan groups;  // the regions of the capture's groups
+  net::GroupPlan groups;                // the regions of the capture's groups
   std::vector<std::byte> author_key{};  // LogSigner::own_key(); empty: its operations are not signed
   // The session's datagrams were never sealed; they were, and the capture has what they say; or it has them sealed.
   enum class Datagrams : std::uint8_t { kOpen, kOpened, kSealed };

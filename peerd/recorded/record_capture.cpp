@@ -72,8 +72,8 @@ Result<Recording> record_capture(const CaptureFile& file, const Recorder& how) {
   };
   auto capture = record::CaptureReader::open(std::as_bytes(std::span(*bytes)));
   if (!capture) return unreadable(capture.error());
-  const auto recorded = make_recorded_peer(
-      capture->setup(), record::signatures_in(std::as_bytes(std::span(*bytes))), file.path, file.world);
+  const auto recorded = make_recorded_peer(capture->setup(), record::signatures_in(std::as_bytes(std::span(*bytes))),
+                                           file.path, file.world);
   if (!recorded) return std::unexpected(recorded.error());
   PeerNode& node = *recorded->node;
   CaptureRecorder recorder(node, recorded->world, capture->begin(), how);

@@ -23,7 +23,7 @@ struct RecordedPeer {
   std::filesystem::path world;
   std::unique_ptr<const SharedWorld> shared;
   std::unique_ptr<const replication::LogSigner> signer;  // null: it signs nothing
-  std::unique_ptr<PeerNode> node;  // as it was when the capture began
+  std::unique_ptr<PeerNode> node;                        // as it was when the capture began
 };
 // `signatures`: those that it will repeat. `file`: the capture's, for errors. `world`: where the world is now; empty:
 // where it was.

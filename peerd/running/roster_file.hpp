@@ -16,7 +16,7 @@ namespace peerd {
 
 // The roster in a file; none: there is no such file. The error says that it is damaged, or can't be read.
 [[nodiscard]] Result<std::optional<seal::Roster>> read_roster(const std::filesystem::path& file);
-// Those that save_roster() has replaced, which are FILE.EPOCH, ascending.
+// Reads the ones that save_roster() has replaced, which are FILE.EPOCH, ascending.
 [[nodiscard]] std::vector<seal::Roster> read_earlier_rosters(const std::filesystem::path& file);
 // Puts the roster in place of the one that is there, which it must follow; that one stays as FILE.EPOCH.
 [[nodiscard]] Result<void> save_roster(const std::filesystem::path& file, const seal::Roster& roster);

@@ -25,23 +25,23 @@ namespace peerd {
 
 using SayLine = std::function<void(const LogLine&)>;
 
-// Who this peer's user is: by the settings' file, else the user's own, which is made where there is none.
+// Reads who this peer's user is: the settings' file, else the user's own, which is made where there is none.
 [[nodiscard]] Result<seal::Identity> peer_identity(const config::TransportSettings& settings);
 
 // The error of who has a roster that does not name them.
 [[nodiscard]] InputError not_a_member(const std::filesystem::path& roster, const seal::Identity& identity);
 
-// What a running peer's session is sealed by: nothing, a key, or the keys that a roster has, which may change while it
-// runs.
+// A SessionSeal is what a running peer's session is sealed by: nothing, a key, or the keys that a roster has, which may
+// change while it runs.
 class SessionSeal {
  public:
-  // By the settings and by what this user has of the world. `given`: a key that has been found already. Errors: the
-  // identity is no member's; files that are damaged or can't be read.
+  // Chooses by the settings and by what this user has of the world. `given`: a key that has been found already. Errors:
+  // the identity is no member's; files that are damaged or can't be read.
   [[nodiscard]] static Result<std::unique_ptr<SessionSeal>> choose(const config::TransportSettings& settings,
                                                                    const std::string& world,
                                                                    const seal::Identity& identity,
                                                                    const std::optional<seal::SessionKey>& given);
-  // What it is sealed by: "the key FILE"; empty: it is open.
+  // The words for what it is sealed by: "the key FILE"; empty: it is open.
   [[nodiscard]] const std::string& by() const { return by_; }
   [[nodiscard]] LogLine line() const;  // for the log
   // The session's key at present; none: it is open.
@@ -51,9 +51,9 @@ class SessionSeal {
   // Whether operations by that key count.
   [[nodiscard]] bool may_write(const seal::PublicKey& key) const { return !roster_ || roster_->may_write(key); }
 
-  // What seals the greetings of unicast, in this epoch and the next ones; null: they are open.
+  // The seal of the greetings of unicast, in this epoch and the next ones; null: they are open.
   [[nodiscard]] std::shared_ptr<net::GreetingSeal> greetings(const SayLine& say);
-  // What the transport carries is sealed from then on. Rosters that come, over the network or into the file, are
+  // The transport seals all that it carries from then on. Rosters that come, over the network or into the file, are
   // followed. All but the transport outlive it.
   void seal(boost::asio::io_context& io, const net::HostClock& clock, PeerId self, net::OpenedTransport& reached,
             const SayLine& say);

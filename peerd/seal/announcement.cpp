@@ -63,7 +63,7 @@ class Reader {
   std::span<const std::uint8_t> in_;
 };
 
-// What is signed: an announcement to another session is none to this one.
+// A signature is for one session: an announcement to another one is none to this one.
 std::vector<std::uint8_t> with_session(std::vector<std::uint8_t> text, const SymmetricKey& announcing) {
   const SymmetricKey session = announcing.derived("signatures", {});
   text.insert(text.end(), session.data(), session.data() + SymmetricKey::kBytes);

@@ -17,7 +17,7 @@ namespace peerd::seal {
 // A boot is one start of a peer: random bits, from which and from the session's key that of its datagrams is derived.
 using BootId = std::array<std::uint8_t, 16>;
 
-// What a peer says of a boot that it hears.
+// A peer names the boots that it hears.
 struct Named {
   static constexpr std::size_t kBytes = 8;
   enum Flag : std::uint8_t {

@@ -21,7 +21,7 @@ class Layout {
     put(checkpoint.salt, std::span(key_).first<8>());
   }
 
-  // Where the print of the datagram stands, the n-th of those that are covered; none: it has none.
+  // The place of the print of a datagram, the n-th of those that are covered; none: it has none.
   [[nodiscard]] std::optional<std::size_t> place(std::uint64_t n) const {
     if (n % stride_ != begin_) return std::nullopt;
     const std::size_t at = static_cast<std::size_t>(n / stride_) * bits_;

@@ -29,7 +29,7 @@ struct NumberedTag {
 };
 [[nodiscard]] NumberedTag numbered(std::uint64_t counter, Tag tag);
 
-// Those that this process has sent.
+// The datagrams that this process has sent.
 class SentDatagrams {
  public:
   static constexpr std::size_t kKept = 16'384;  // the last of them
@@ -47,7 +47,7 @@ class SentDatagrams {
   std::uint64_t count_ = 0, last_ = 0, before_last_ = 0;  // of all so far, and at the last two checkpoints
 };
 
-// Those that have been heard from another process, and await its checkpoints.
+// The datagrams that have been heard from another process, and await its checkpoints.
 class HeardDatagrams {
  public:
   static constexpr std::size_t kKept = 16'384;

@@ -105,7 +105,7 @@ const char* OperationVerifier::refused(AuthorId author, std::span<const std::byt
 }
 
 bool OperationVerifier::is_good(AuthorId author, std::span<const std::byte> key, const Digest& digest,
-                              Signature signature) const {
+                                Signature signature) const {
   const auto read = read_key(key);
   const auto bytes = as_octets(signature).first<PublicKey::kSignature_bytes>();
   return read && read->key.has_signed(kUse, signed_bytes(world_, author, digest), bytes);

@@ -19,7 +19,7 @@
 
 namespace peerd::seal {
 
-// What a datagram is, for those who carry it.
+// Contents say of a datagram what those need to know who carry it.
 struct Contents {
   PeerId sender;
   bool must_be_signed = true;  // no member may say it in another's name, not even once
@@ -30,7 +30,7 @@ struct Contents {
 class SealedTransport final : public net::Transport {
  public:
   using Warn = std::function<void(const std::string&)>;
-  // What a datagram is that a peer sends; none: nothing that a peer sends.
+  // Examines a datagram; none: peers send no such thing.
   using Examine = std::function<std::optional<Contents>(std::span<const std::byte>)>;
 
   // `io` and `clock` outlive it. `self`: of its first epoch.

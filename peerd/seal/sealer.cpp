@@ -21,7 +21,7 @@ constexpr Duration kAnnounced = Seconds(1), kAnnouncedSoon = Milliseconds(200), 
 constexpr Duration kForgotten = Seconds(10);
 // So long without an announcement, what is not signed is not taken any more: nothing shows whose it is.
 constexpr Duration kUnsignedFor = Seconds(5);
-// Who sends much announces itself sooner, after so many datagrams, so that most of them have a print.
+// A peer that sends much announces itself sooner, after so many datagrams, so that most of them have a print.
 constexpr std::uint64_t kAnnouncedAfter = 128;
 // A peer says that it signs each datagram for so long after somebody has spoken in its name, and twice as long each
 // time that it happens again. It goes on for a little after it has said that no more, for those who have not heard it
@@ -45,7 +45,7 @@ struct Header {
   PeerId sender;
   std::uint64_t lowest = 0;  // bytes of the counter
 };
-// Of a sealed datagram of this epoch, which is long enough.
+// Reads the header of a sealed datagram of this epoch, which is long enough.
 Header header_of(std::span<const std::byte> sealed) {
   const auto in = as_octets(sealed);
   return {(in[0] & kSigned) != 0, PeerId{static_cast<std::uint32_t>(get(in.subspan(1, kSender_bytes)))},

@@ -67,7 +67,7 @@ class Sealer {
   [[nodiscard]] std::optional<std::vector<std::byte>> announcement_due(HostTime now);
   [[nodiscard]] HostTime next_announcement() const { return announce_at_; }
 
-  // What somebody should know, once.
+  // A finding is what somebody should know, once.
   struct Finding {
     enum class Kind : std::uint8_t {
       kImpersonated,  // a member has spoken in the peer's name
@@ -81,7 +81,7 @@ class Sealer {
 
   [[nodiscard]] std::size_t proven_count() const;
   [[nodiscard]] std::size_t heard_count() const;  // of boots, proven or not
-  // Whose the peer is, as far as it has been proven.
+  // The key that a peer belongs to, as far as it has been proven.
   [[nodiscard]] std::optional<PublicKey> key_of(PeerId peer) const;
   // Whether it says that it signs each datagram.
   [[nodiscard]] bool signs_all(HostTime now) const { return now < signs_all_until_; }

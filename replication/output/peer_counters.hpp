@@ -28,8 +28,8 @@ enum class Drop : std::uint8_t {
 };
 [[nodiscard]] const char* to_string(Drop);
 
-// The limits of what one member can do to the others (session/member_limits.hpp). The name of a limit is the reason under
-// which what goes beyond is counted.
+// The limits of what one member can do to the others (session/member_limits.hpp). The name of a limit is the reason
+// under which what goes beyond is counted.
 enum class MemberLimit : std::uint8_t {
   kClockAhead,          // its session time is farther ahead than this peer follows anybody
   kStampAhead,          // updates or decisions of the future, by its own clock too

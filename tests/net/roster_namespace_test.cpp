@@ -24,7 +24,7 @@ class RosterOfAWorld : public testing_support::ControlledPeers {
     }
     return Process(folder, name, PEERD_PROGRAM, words, name);
   }
-  // What a command prints that ends well.
+  // Runs a command that ends well, and returns what it prints.
   std::string output(const std::string& user, const std::vector<std::string>& words) const {
     Process command(folder, "command", PEERD_PROGRAM, words, user);
     EXPECT_EQ(command.exit_code(10), 0) << command.err();
@@ -53,9 +53,9 @@ TEST_F(RosterOfAWorld, SaysWhoReadsAndWhoWrites) {
     wire.right.enter();
     Process bo = start("bo", {"join", "--invite", invitation}), cy = start("cy", {"join", "--invite", invitation});
     ASSERT_TRUE(is_in_session("bo") && is_in_session("cy")) << bo.out() << bo.err() << cy.out() << cy.err();
-    Process stranger(folder, "stranger", PEERD_PROGRAM, {"join", "--invite", invitation}, "dora");
-    EXPECT_EQ(stranger.exit_code(10), 2);
-    EXPECT_THAT(stranger.err(), HasSubstr("this user is no member"));
+    Process outsider(folder, "outsider", PEERD_PROGRAM, {"join", "--invite", invitation}, "dora");
+    EXPECT_EQ(outsider.exit_code(10), 2);
+    EXPECT_THAT(outsider.err(), HasSubstr("this user is no member"));
 
     ASSERT_TRUE(add("anna", "BALL") && add("bo", "CONE"));
     EXPECT_TRUE(wait_until([&] { return world_of("cy") == world_of("anna"); }));

@@ -1,5 +1,5 @@
-// What a member can do to others: it has the session's key, hears all, and follows docs/protocol.md where that serves
-// it.
+// A member tries what it can do to others: it has the session's key, hears all, and follows docs/protocol.md where that
+// serves it.
 #include <gtest/gtest.h>
 #include <sodium.h>
 

@@ -171,7 +171,7 @@ TEST(SignedLogs, UnfinishedForgeriesGiveWay) {
   EXPECT_EQ(taken(reader.logs, writer.author.id, log.size(), next), "1") << "it is asked for again";
 }
 
-// What comes back from the store is checked in the same way, and goes on.
+// A log that comes back from the store is checked in the same way, and goes on.
 TEST(SignedLogs, GoOnAfterARestart) {
   Writer writer(5);
   OperationLogs again(writer.author.id, &writer.signer);
