@@ -94,6 +94,11 @@ std::vector<std::vector<std::byte>> RosterExchange::answer(std::span<const std::
   return {};
 }
 
+bool RosterExchange::opens(std::span<const std::byte> part) const {
+  const auto own = epochs_.find(current_.epoch());
+  return own != epochs_.end() && open_part(part, own->second.parts).has_value();
+}
+
 std::optional<Roster> RosterExchange::take(std::span<const std::byte> part) {
   const auto own = epochs_.find(current_.epoch());
   if (own == epochs_.end()) return std::nullopt;

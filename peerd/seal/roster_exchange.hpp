@@ -34,6 +34,8 @@ class RosterExchange {
   // Somebody may have announced itself in an earlier epoch. Returns the datagrams that bring it the roster, if it is
   // time for them.
   [[nodiscard]] std::vector<std::vector<std::byte>> answer(std::span<const std::byte> announcement, HostTime now);
+  // Whether a member of this epoch, or whoever had a roster for it, has sealed the part.
+  [[nodiscard]] bool opens(std::span<const std::byte> part) const;
   // A part has come. The roster, once it is whole and follows the current one.
   [[nodiscard]] std::optional<Roster> take(std::span<const std::byte> part);
 

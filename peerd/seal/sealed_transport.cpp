@@ -147,8 +147,9 @@ void SealedTransport::take(const net::Arrival& arrival) {
   }
   if (announces) return take_announcement(arrival);
   if (is_part) {
+    if (!rosters_ || !rosters_->opens(arrival.datagram)) return refuse(Refusal::kForged, arrival);
     ++announcements_in_;
-    const auto roster = rosters_ ? rosters_->take(arrival.datagram) : std::nullopt;
+    const auto roster = rosters_->take(arrival.datagram);
     if (roster && on_roster_) on_roster_(*roster);
     return;
   }

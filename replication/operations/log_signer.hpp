@@ -9,13 +9,14 @@
 
 namespace peerd::replication {
 
-// Who writes a log. A signer makes the number of its key and of random bits, so that nobody else can begin a log in its
-// place; without a signer, it is any number.
+// An Author writes a log. A signer makes its number of its key and of random bits, so that nobody else can begin a log
+// in its place; without a signer, it is any number.
 struct Author {
   AuthorId id = kNoAuthor;
   std::uint64_t salt = 0;
 
   Author() = default;
+  // NOLINTNEXTLINE(google-explicit-constructor): any number is an author without a signer
   Author(AuthorId author, std::uint64_t bits = 0) : id(author), salt(bits) {}
 };
 

@@ -233,7 +233,7 @@ TEST_F(Joining, APasswordIsAllThatTwoUsersShare) {
   ASSERT_TRUE(add("b", "BALL"));
   EXPECT_TRUE(wait_until([&] { return world_of("a") == world_of("b"); }));
   EXPECT_THAT(b.out() + b.err(), testing::Not(HasSubstr("correct"))) << "it is in no log";
-  EXPECT_FALSE(std::filesystem::exists(folder / "elsewhere")) << "and no key is kept";
+  EXPECT_FALSE(std::filesystem::exists(folder / "elsewhere/peerd/keys")) << "and no key is kept";
   Process both = start("both", {"join", world, "--password-file", right, "--key", right});
   EXPECT_EQ(both.exit_code(10), 2);
 }

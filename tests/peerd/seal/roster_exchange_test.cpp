@@ -32,7 +32,8 @@ TEST_F(RosterExchanges, BringTheNewestToWhoHasAnOlderOne) {
   ASSERT_FALSE(parts.empty());
   std::optional<Roster> got;
   for (const Bytes& part : parts) {
-    EXPECT_TRUE(RosterExchange::is_part(part));
+    EXPECT_TRUE(RosterExchange::is_part(part) && older.opens(part));
+    EXPECT_FALSE(newer.opens(part)) << "it is for the epoch before";
     EXPECT_FALSE(Sealer::is_announcement(part));
     EXPECT_LE(part.size(), kAnnouncementMax_bytes);
     if (auto whole = older.take(part)) got = std::move(whole);

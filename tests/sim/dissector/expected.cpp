@@ -343,9 +343,9 @@ SeenOperations::Said SeenOperations::take(const OperationPart& part) {
 Fields Readers::datagram(std::span<const std::byte> datagram, RegionId region, SimTime near) {
   Expected out;
   const auto mark = datagram.empty() ? 0 : std::to_integer<int>(datagram.front());
-  const bool is_announcement = mark == 0xC0 && datagram.size() >= 218,
-             is_sealed = mark == 0x80 && datagram.size() >= 24;
-  const bool is_signed = mark == 0xA0 && datagram.size() >= 88;
+  const int kind = mark & 0xE0;
+  const bool is_announcement = kind == 0xC0 && datagram.size() >= 218;
+  const bool is_sealed = kind == 0x80 && datagram.size() >= 24, is_signed = kind == 0xA0 && datagram.size() >= 88;
   if (is_announcement || is_sealed || is_signed) {
     const auto number = [&](std::size_t at, std::size_t size) {
       std::uint32_t value = 0;
