@@ -28,7 +28,7 @@ std::optional<Invitation> roster_invitation(std::string_view text) {
   auto roster = Roster::of_text(std::string_view(reinterpret_cast<const char*>(bytes.data()), *read));
   if (!roster) return std::nullopt;
   std::string world = roster->world();
-  return Invitation{std::move(world), std::nullopt, *std::move(roster)};
+  return Invitation{std::move(world), std::nullopt, std::move(roster)};
 }
 
 }  // namespace
