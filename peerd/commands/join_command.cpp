@@ -159,7 +159,7 @@ Result<std::optional<seal::SessionKey>> key_by_roster(const std::string& world) 
   const auto roster = read_roster(*file);
   if (!roster) return std::unexpected(roster.error());
   if (!*roster) return std::nullopt;
-  const auto identity = peer_identity({});
+  const auto identity = peer_identity({}, [](const LogLine& line) { std::cerr << line.text << '\n'; });
   if (!identity) return std::unexpected(identity.error());
   const auto key = (*roster)->session_key(*identity);
   if (!key) return std::unexpected(not_a_member(*file, *identity));

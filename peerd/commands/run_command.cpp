@@ -464,7 +464,9 @@ int run_peer(const PeerOptions& options) {
   const config::PeerSettings& settings = *parts->settings;
 
   const net::HostClock clock(from_seconds(settings.clock_offset_s));
-  const auto identity = peer_identity(run.transport);
+  Log log(settings.name, options.json, options.verbose);
+  const auto log_line = [&log](const LogLine& line) { log(line); };
+  const auto identity = peer_identity(run.transport, log_line);
   if (!identity) return failed(identity.error());
   asio::io_context io(1);
   const auto chosen = SessionSeal::choose(run.transport, parts->world_name(options), *identity, options.key);
@@ -473,8 +475,6 @@ int run_peer(const PeerOptions& options) {
   if (auto good = session_seal.check_owner(!settings.owns.empty()); !good) return failed(good.error());
   PeerNode::Options node_options = node_options_of(options, run, settings, clock);
   node_options.sealed_by = session_seal.by();
-  Log log(settings.name, options.json, options.verbose);
-  const auto log_line = [&log](const LogLine& line) { log(line); };
   const auto reach = reach_of(*parts, session_seal, log_line);
   if (!reach) return failed(reach.error());
   auto reached = net::open_transport(io, clock, *reach);

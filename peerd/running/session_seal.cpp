@@ -26,10 +26,14 @@ std::optional<seal::Contents> contents_of(std::span<const std::byte> datagram) {
 
 }  // namespace
 
-Result<seal::Identity> peer_identity(const config::TransportSettings& settings) {
+Result<seal::Identity> peer_identity(const config::TransportSettings& settings, const SayLine& say) {
   const auto file = seal::chosen_identity_file(settings.identity_file);
-  if (!file) return std::unexpected(file.error());
-  return settings.identity_file.empty() ? seal::read_or_make_identity(*file) : seal::read_identity(*file);
+  if (!settings.identity_file.empty()) return seal::read_identity(*file);
+  auto own = file ? seal::read_or_make_identity(*file) : Result<seal::Identity>(std::unexpected(file.error()));
+  std::error_code failed;
+  if (own || (file && std::filesystem::exists(*file, failed))) return own;
+  say({LogLevel::kWarning, "has an identity of this start alone, by which nobody knows it again: " + own.error().text});
+  return seal::Identity::random();
 }
 
 InputError not_a_member(const std::filesystem::path& roster, const seal::Identity& identity) {

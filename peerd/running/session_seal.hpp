@@ -25,8 +25,9 @@ namespace peerd {
 
 using SayLine = std::function<void(const LogLine&)>;
 
-// Reads who this peer's user is: the settings' file, else the user's own, which is made where there is none.
-[[nodiscard]] Result<seal::Identity> peer_identity(const config::TransportSettings& settings);
+// Reads who this peer's user is: the settings' file, else the user's own, which is made where there is none. Where that
+// can't be made, the identity is one of this start alone, and somebody is told.
+[[nodiscard]] Result<seal::Identity> peer_identity(const config::TransportSettings& settings, const SayLine& say);
 
 // The error of who has a roster that does not name them.
 [[nodiscard]] InputError not_a_member(const std::filesystem::path& roster, const seal::Identity& identity);
