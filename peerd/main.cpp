@@ -20,6 +20,7 @@
 #include "core/motion/key_codes.hpp"
 #include "peerd/client/ctl_command.hpp"
 #include "peerd/client/top_command.hpp"
+#include "peerd/command_line/installed_files.hpp"
 #include "peerd/command_line/number_checks.hpp"
 #include "peerd/command_line/standard_streams.hpp"
 #include "peerd/command_line/stop_signals.hpp"
@@ -80,6 +81,12 @@ struct RunFlags {
   bool open = false;
 };
 
+// The scenarios and worlds that are installed with this program.
+const InstalledFiles& installed() {
+  static const InstalledFiles files = InstalledFiles::of_this_program(PEERD_SHARE);
+  return files;
+}
+
 // A number for a peer that was given none: peers that start at one instant have two, too. Configured peers have lower
 // numbers and therefore go first in decisions.
 std::uint32_t random_number() {
@@ -131,9 +138,12 @@ std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options
 }
 
 void add_scenario_options(CLI::App& command, ScenarioOptions& options) {
-  command.add_option("scenario", options.scenario, "the scenario, a TOML file")->required();
+  command.add_option("scenario", options.scenario, "the scenario, a TOML file, or the name of an installed one")
+      ->required()
+      ->transform(installed().scenario());
   command.add_option("--config", options.configs, "a TOML file whose settings replace the scenario's (repeatable)")
-      ->allow_extra_args(false);
+      ->allow_extra_args(false)
+      ->transform(installed().settings());
   command.add_option("--set", options.sets, "KEY=VALUE, such as network.latency_ms=100; a list sweeps (repeatable)")
       ->allow_extra_args(false);
   command.add_option("--seed", options.seed, "the first run's seed (default: the scenario's, else 1)")
@@ -184,16 +194,31 @@ void add_own_options(CLI::App& command, PeerOptions& peer, RunFlags& flags, cons
                   "the file of a password that makes the key, in place of --key; -: asks for it")
       ->excludes(open)
       ->excludes(key);
-  command.add_flag("--json", peer.json, "log lines as JSON");
+  auto* const json = command.add_flag_callback(
+      "--json", [&peer] { peer.log = LogFormat::kJson; }, "the same as --log json");
+  const auto set_format = [&peer](const std::string& word) {
+    peer.log = word == "json" ? LogFormat::kJson : word == "journal" ? LogFormat::kJournal : LogFormat::kText;
+  };
+  command
+      .add_option_function<std::string>(
+          "--log", set_format,
+          "what log lines are: text, json, or journal, which has priorities for systemd's (default: text)")
+      ->check(CLI::IsMember(std::vector<std::string>{"text", "json", "journal"}).description(""))
+      ->excludes(json);
   command.add_flag("-v,--verbose", peer.verbose, "log updates and predictions too");
 }
 
 void add_run_options(CLI::App& command, PeerOptions& peer, RunFlags& flags) {
-  command.add_option("-c,--config", peer.config, "a scenario file; --peer says which of its peers this is");
+  command
+      .add_option("-c,--config", peer.config,
+                  "a scenario file, or the name of an installed one; --peer says which of its peers this is")
+      ->transform(installed().scenario());
   command.add_option("--overlay", peer.overlays, "a TOML file whose settings replace the configuration's (repeatable)")
-      ->allow_extra_args(false);
+      ->allow_extra_args(false)
+      ->transform(installed().settings());
   command.add_option("--set", peer.sets, "KEY=VALUE over the configuration (repeatable)")->allow_extra_args(false);
-  command.add_option("--world", flags.world, "the VRML97 world");
+  command.add_option("--world", flags.world, "the VRML97 world, or the name of an installed one")
+      ->transform(installed().world());
   command.add_option("--peer", peer.peer, "which of the configuration's peers (default: its only one)");
   command.add_option("--world-name", flags.world_name,
                      "what peerd ls calls it; worlds of one file and two names are two (default: that of its file)");
@@ -427,7 +452,11 @@ template <class Options>
 CLI::App* add_world_command(CLI::App& app, const char* name, const char* what, WorldFlags<Options>& flags) {
   CLI::App* const command = app.add_subcommand(name, what);
   command->footer(exit_codes("the world has errors"));
-  command->add_option("world", flags.world, "the VRML97 world; - reads it from standard input")->required();
+  command
+      ->add_option("world", flags.world,
+                   "the VRML97 world, or the name of an installed one; - reads it from standard input")
+      ->required()
+      ->transform(installed().world());
   command->add_flag("--json", flags.options.json, "one JSON object");
   command
       ->add_option("--expansion", flags.options.reading.expansion,
@@ -791,7 +820,8 @@ Command add_doctor(CLI::App& app) {
   CLI::App* const command = app.add_subcommand("doctor", "whether a peer could reach others from here, and how");
   command->footer(
       "Exit codes: 0 a peer could reach others, 1 those on this computer only, 2 wrong use or configuration, 3 none");
-  command->add_option("-c,--config", flags->doctor.config, "a scenario file, of which the table [transport] counts");
+  command->add_option("-c,--config", flags->doctor.config, "a scenario file, of which the table [transport] counts")
+      ->transform(installed().scenario());
   command->add_option("--set", flags->doctor.sets, "KEY=VALUE over it, such as transport.ttl=4 (repeatable)")
       ->allow_extra_args(false);
   add_network_options(*command, flags->network);

@@ -7,8 +7,10 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 packages=(
   g++ cmake ninja-build ccache git
   libeigen3-dev libboost-dev libprotobuf-dev protobuf-compiler libspdlog-dev nlohmann-json3-dev libcli11-dev
-  libtomlplusplus-dev libmuparser-dev libsqlite3-dev zlib1g-dev libzstd-dev libsodium-dev libhwy-dev libgtest-dev libgmock-dev libgmp-dev iproute2
+  libtomlplusplus-dev libmuparser-dev libsqlite3-dev zlib1g-dev libzstd-dev libsodium-dev libhwy-dev libsystemd-dev libgtest-dev libgmock-dev libgmp-dev iproute2
 )
+# What scripts/package needs besides.
+packaging_packages=(debhelper dpkg-dev fakeroot lintian patchelf pkgconf python3 scdoc)
 
 install_missing() {
   local missing=() package

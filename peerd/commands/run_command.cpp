@@ -10,11 +10,10 @@
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
 #include <boost/asio/io_context.hpp>
 #include <nlohmann/json.hpp>
 
+#include "peerd/commands/peer_service.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/config/shared_settings.hpp"
 #include "peerd/control/control_path.hpp"
@@ -28,6 +27,7 @@
 #include "peerd/gateway/listen_address.hpp"
 #include "peerd/input/json_line.hpp"
 #include "peerd/input/world_file.hpp"
+#include "peerd/log/log.hpp"
 #include "peerd/node/describe.hpp"
 #include "peerd/node/peer_node.hpp"
 #include "peerd/os/host_clock.hpp"
@@ -46,41 +46,6 @@ namespace {
 
 namespace asio = boost::asio;
 
-// Writes one line for each fact: text with the time and the level, or one JSON object.
-class Log {
- public:
-  Log(std::string peer, bool json, bool verbose)
-      : logger_(json ? json_line(peer) : std::move(peer), std::make_shared<spdlog::sinks::stdout_sink_st>()),
-        json_(json) {
-    logger_.set_level(verbose ? spdlog::level::debug : spdlog::level::info);
-    logger_.flush_on(spdlog::level::trace);  // a reader may follow it
-    logger_.set_pattern(json ? R"({"time":"%Y-%m-%dT%H:%M:%S.%e%z","peer":%n,"level":"%l","text":%v})"
-                             : "%H:%M:%S.%e %-7l %n: %v");
-  }
-  void operator()(const LogLine& line) { (*this)(level_of(line.level), line.text); }
-  void operator()(spdlog::level::level_enum level, const std::string& text) {
-    logger_.log(level, json_ ? json_line(text) : text);
-  }
-
- private:
-  static spdlog::level::level_enum level_of(LogLevel level) {
-    switch (level) {
-      case LogLevel::kDebug:
-        return spdlog::level::debug;
-      case LogLevel::kInfo:
-        return spdlog::level::info;
-      case LogLevel::kWarning:
-        return spdlog::level::warn;
-      case LogLevel::kError:
-        return spdlog::level::err;
-    }
-    return spdlog::level::err;
-  }
-
-  spdlog::logger logger_;
-  bool json_;
-};
-
 struct ControlPlace {
   std::filesystem::path socket;       // empty: none
   bool requested_explicitly = false;  // the user asked for it, so a peer without it must not run
@@ -95,7 +60,7 @@ ControlPlace control_place(const PeerOptions& options, const config::ControlSett
     return {path, true};
   }
   if (const auto made = api::make_runtime_folder(); !made) {
-    log(spdlog::level::warn, "runs without peerd ctl: " + made.error().text);
+    log(LogLevel::kWarning, "runs without peerd ctl: " + made.error().text);
     return {};
   }
   return {api::default_socket(peer.name, peer.id), false};
@@ -140,10 +105,10 @@ Result<std::unique_ptr<api::ControlServer>> open_control(asio::io_context& io, c
       api::ControlServer::open(io, place.socket, [&daemon](std::string_view line) { return daemon.on_control(line); });
   if (!opened && place.requested_explicitly) return std::unexpected(opened.error());
   if (!opened) {
-    log(spdlog::level::warn, "runs without peerd ctl: " + opened.error().text);
+    log(LogLevel::kWarning, "runs without peerd ctl: " + opened.error().text);
     return nullptr;
   }
-  log(spdlog::level::info, fmt::format("listens for peerd ctl at {}", place.socket.string()));
+  log(LogLevel::kInfo, fmt::format("listens for peerd ctl at {}", place.socket.string()));
   return opened;
 }
 
@@ -167,14 +132,21 @@ Result<std::unique_ptr<gateway::Gateway>> open_gateway(asio::io_context& io, con
                                         .token = gateway::make_token(),
                                         .log = [&log](const LogLine& line) { log(line); }});
   if (!opened) return opened;
-  log(spdlog::level::info, "the viewer is at " + (*opened)->url());
-  if (gateway::built_viewer().empty()) log(spdlog::level::warn, "this program was built without the viewer's page");
+  log(LogLevel::kInfo, "the viewer is at " + (*opened)->url());
+  if (gateway::built_viewer().empty()) log(LogLevel::kWarning, "this program was built without the viewer's page");
   if (!at->address().is_loopback()) {
-    log(spdlog::level::warn,
+    log(LogLevel::kWarning,
         "other computers can reach it, and nothing is encrypted: whoever listens in gets the token and may then change "
         "everything that this peer may");
   }
   return opened;
+}
+
+// Events and counters of the peer reach the gateway's clients, and its control protocol says where the page is.
+void connect(Daemon& daemon, gateway::Gateway& gateway) {
+  daemon.publish_to(gateway);
+  daemon.serves_viewer_at(gateway.url());
+  daemon.count_in_status([&gateway] { return gateway.counters().named(); });
 }
 
 // The result is null where the peer takes no poses by UDP.
@@ -185,10 +157,10 @@ Result<std::unique_ptr<feed::UdpPort>> open_pose_port(asio::io_context& io, cons
                                     [&daemon](std::string_view datagram) { daemon.on_poses(datagram); });
   if (!opened) return opened;
   const auto endpoint = (*opened)->endpoint();
-  log(spdlog::level::info,
+  log(LogLevel::kInfo,
       fmt::format("takes poses by UDP at {} port {}", endpoint.address().to_string(), endpoint.port()));
   if (!endpoint.address().is_loopback()) {
-    log(spdlog::level::warn, "whoever reaches that port, from other computers too, moves this peer's objects");
+    log(LogLevel::kWarning, "whoever reaches that port, from other computers too, moves this peer's objects");
   }
   return opened;
 }
@@ -198,19 +170,18 @@ void log_refused(const api::ControlServer* control, const feed::UdpPort* poses, 
   if (control) {
     const api::ControlServer::Counters& c = control->counters();
     if (c.strangers > 0) {
-      log(spdlog::level::warn,
+      log(LogLevel::kWarning,
           fmt::format("control: {} clients were of other users, and got no answer: who may open the socket's file?",
                       c.strangers));
     }
     if (c.refused + c.too_long + c.too_slow > 0) {
-      log(spdlog::level::warn,
-          fmt::format("control: {} of {} clients were one too many, {} sent no end of line, {} did "
-                      "not read their reply",
-                      c.refused, c.clients, c.too_long, c.too_slow));
+      log(LogLevel::kWarning, fmt::format("control: {} of {} clients were one too many, {} sent no end of line, {} did "
+                                          "not read their reply",
+                                          c.refused, c.clients, c.too_long, c.too_slow));
     }
   }
   if (poses && poses->counters().lost + poses->counters().errors > 0) {
-    log(spdlog::level::warn,
+    log(LogLevel::kWarning,
         fmt::format("poses: {} of {} datagrams were lost for want of room, {} reads failed", poses->counters().lost,
                     poses->counters().datagrams + poses->counters().lost, poses->counters().errors));
   }
@@ -230,20 +201,20 @@ std::unique_ptr<record::CaptureWriter> capture_sealed(std::unique_ptr<record::Ca
   auto writer = std::move(capture);
   reached.transport = std::make_unique<record::RecordedTransport>(std::move(reached.transport), *writer,
                                                                   [&clock] { return clock.now(); });
-  log(spdlog::level::warn, "records datagrams as they are on the network, sealed; --opened records what they say");
+  log(LogLevel::kWarning, "records datagrams as they are on the network, sealed; --opened records what they say");
   return writer;
 }
 
 void log_beginning(const config::PeerSettings& peer, const std::filesystem::path& world,
                    const config::TransportSettings& settings, const net::OpenedTransport& reached, Log& log) {
-  log(spdlog::level::info, fmt::format("peer {} (id {}) in {}, {}", peer.name, peer.id, world.filename().string(),
-                                       reached.transport->describe()));
-  if (!reached.why_unicast.empty()) log(spdlog::level::warn, "no multicast: " + reached.why_unicast);
+  log(LogLevel::kInfo, fmt::format("peer {} (id {}) in {}, {}", peer.name, peer.id, world.filename().string(),
+                                   reached.transport->describe()));
+  if (!reached.why_unicast.empty()) log(LogLevel::kWarning, "no multicast: " + reached.why_unicast);
   if (!reached.why_only_here.empty()) {
-    log(spdlog::level::warn, "reaches this computer only, over " + reached.why_only_here + "; peerd doctor says more");
+    log(LogLevel::kWarning, "reaches this computer only, over " + reached.why_only_here + "; peerd doctor says more");
   }
   if (const std::string less = buffer_warning(settings, reached.transport->receive_buffer_bytes()); !less.empty()) {
-    log(spdlog::level::warn, less);
+    log(LogLevel::kWarning, less);
   }
 }
 
@@ -251,30 +222,28 @@ void log_totals(const PeerNode& node, const PeerLog& record, const net::Transpor
                 Log& log) {
   const net::ForwardTime& forward = daemon.forward();
   const auto count = [&](const char* name) { return record.counters.contains(name) ? record.counters.at(name) : 0; };
-  log(spdlog::level::info, fmt::format("sent {} datagrams with {} updates, got {} with {}; {} of {} ticks were late",
-                                       count("datagrams_out"), count("updates_out"), count("datagrams_in"),
-                                       count("updates_in"), count("ticks_missed"), count("ticks")));
+  log(LogLevel::kInfo, fmt::format("sent {} datagrams with {} updates, got {} with {}; {} of {} ticks were late",
+                                   count("datagrams_out"), count("updates_out"), count("datagrams_in"),
+                                   count("updates_in"), count("ticks_missed"), count("ticks")));
   if (const TickLateness& late = daemon.lateness(); late.count() > 0) {
-    log(spdlog::level::info, fmt::format("ticks ran late by {:.1f} ms at most but for one in a hundred, by {:.1f} at "
-                                         "the worst",
-                                         to_seconds(late.p99()) * 1e3, to_seconds(late.most()) * 1e3));
+    log(LogLevel::kInfo, fmt::format("ticks ran late by {:.1f} ms at most but for one in a hundred, by {:.1f} at "
+                                     "the worst",
+                                     to_seconds(late.p99()) * 1e3, to_seconds(late.most()) * 1e3));
   }
   if (record.counters.contains("poses_taken")) {
-    log(spdlog::level::info,
-        fmt::format("took {} poses, refused {} and {} messages; {} silences", count("poses_taken"),
-                    count("poses_refused"), count("pose_messages_refused"), count("feeds_silent")));
+    log(LogLevel::kInfo, fmt::format("took {} poses, refused {} and {} messages; {} silences", count("poses_taken"),
+                                     count("poses_refused"), count("pose_messages_refused"), count("feeds_silent")));
   }
   for (const auto& [reason, dropped] : node.peer().counters().drops) {
-    log(spdlog::level::info, fmt::format("dropped {}: {}", dropped, reason));
+    log(LogLevel::kInfo, fmt::format("dropped {}: {}", dropped, reason));
   }
   for (const auto& [name, n] : transport.counters().named()) {
     if (n > 0 && !(name.ends_with("_in") || name.ends_with("_out")))
-      log(spdlog::level::info, fmt::format("{}: {}", name, n));
+      log(LogLevel::kInfo, fmt::format("{}: {}", name, n));
   }
   if (forward.count() > 0) {
-    log(spdlog::level::info,
-        fmt::format("{} datagrams were read after a tick that they came before, by {:.1f} us at most", forward.count(),
-                    to_seconds(forward.most()) * 1e6));
+    log(LogLevel::kInfo, fmt::format("{} datagrams were read after a tick that they came before, by {:.1f} us at most",
+                                     forward.count(), to_seconds(forward.most()) * 1e6));
   }
 }
 
@@ -284,7 +253,7 @@ std::unique_ptr<CacheWarmer> open_cache_warmer(const config::RunSettings& run, L
   if (std::chrono::microseconds(run.transport.busy_poll_us) <= Daemon::kCacheWarmingPeriod) return nullptr;
   auto cache_warmer = CacheWarmer::make(run.replication.policy);
   if (cache_warmer) return *std::move(cache_warmer);
-  log(spdlog::level::warn, "polls without cache warming: " + cache_warmer.error().sentence);
+  log(LogLevel::kWarning, "polls without cache warming: " + cache_warmer.error().sentence);
   return nullptr;
 }
 
@@ -450,8 +419,37 @@ Result<void> keep_records(const PeerOptions& options, PeerNode& node, const reco
   return {};
 }
 
+Log::Options log_options(const PeerOptions& options, const config::LogSettings& settings) {
+  return {.format = options.log,
+          .verbose = options.verbose || settings.verbose,
+          .limits = PeerService::limits_of(settings)};
+}
+
+// Reads the configuration of a peer that runs; empty: it has none.
+std::function<Result<config::RunSettings>()> rereading(const PeerOptions& options) {
+  if (options.joined || options.config.empty()) return {};
+  return [&options]() -> Result<config::RunSettings> {
+    auto scenario = read_configuration(options);
+    if (!scenario) return std::unexpected(scenario.error());
+    return std::move(scenario->runs.front());
+  };
+}
+
+PeerService serve(const PeerOptions& options, const PeerParts& parts, asio::io_context& io, Daemon& daemon,
+                  const PeerNode& node, Log& log) {
+  return PeerService({.io = io,
+                      .daemon = daemon,
+                      .node = node,
+                      .log = log,
+                      .verbose = options.verbose,
+                      .peer = parts.settings->name,
+                      .world = parts.scenario.world.filename().string(),
+                      .settings = parts.run(),
+                      .read = rereading(options)});
+}
+
 void log_findings(const PeerParts& parts, Log& log) {
-  for (const std::string& line : parts.shared->findings()) log(spdlog::level::warn, line);
+  for (const std::string& line : parts.shared->findings()) log(LogLevel::kWarning, line);
   for (const LogLine& line : parts.opened.lines) log(line);
 }
 
@@ -464,7 +462,7 @@ int run_peer(const PeerOptions& options) {
   const config::PeerSettings& settings = *parts->settings;
 
   const net::HostClock clock(from_seconds(settings.clock_offset_s));
-  Log log(settings.name, options.json, options.verbose);
+  Log log(settings.name, log_options(options, run.log), [&clock] { return clock.now(); });
   const auto log_line = [&log](const LogLine& line) { log(line); };
   const auto identity = peer_identity(run.transport, log_line);
   if (!identity) return failed(identity.error());
@@ -518,11 +516,7 @@ int run_peer(const PeerOptions& options) {
   ViewedPeer viewed(io, daemon, *node, parts->world_name(options), images_for(options, parts->scenario));
   auto gateway = open_gateway(io, options, run.gateway, viewed, log);
   if (!gateway) return failed(gateway.error());
-  if (*gateway) {
-    daemon.publish_to(**gateway);
-    daemon.serves_viewer_at((*gateway)->url());
-    daemon.count_in_status([&gateway = **gateway] { return gateway.counters().named(); });
-  }
+  if (*gateway) connect(daemon, **gateway);
   const auto poses = open_pose_port(io, settings, daemon, log);
   if (!poses) return failed(poses.error());
   std::optional<JoinService> join_service;
@@ -530,6 +524,7 @@ int run_peer(const PeerOptions& options) {
     join_service.emplace(io, clock, *node,
                          join_service_options(options, *parts, node_options, *reach, *reached, session_seal), log_line);
   }
+  const PeerService service = serve(options, *parts, io, daemon, *node, log);
   const int code = daemon.run();
   log_refused(control->get(), poses->get(), log);
   control->reset();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "peerd/keys/session_key.hpp"
+#include "peerd/log/log.hpp"
 #include "peerd/running/peer_store.hpp"
 
 namespace peerd {
@@ -28,8 +29,8 @@ struct PeerOptions {
   std::optional<std::string> view;     // ADDRESS:PORT of --view; none: the configuration's, if it has one
   bool take_over = false;              // do not ask whether this peer is running already
   bool once = false;                   // leave when the scenario's duration is over
-  bool json = false;                   // log lines as JSON
-  bool verbose = false;                // debug lines too
+  LogFormat log = LogFormat::kText;
+  bool verbose = false;  // debug lines too
 };
 
 // `peerd run`, and with a capture `peerd record`: runs one peer in the foreground, until SIGTERM or SIGINT.

@@ -329,6 +329,15 @@ ControlSettings read_control(TomlReader reader) {
   return s;
 }
 
+LogSettings read_log(TomlReader reader) {
+  LogSettings s;
+  reader.read("verbose", s.verbose);
+  reader.read("burst", s.burst, 1, 1'000'000);
+  reader.read("per_second", s.per_second, 0.001, 1e6);
+  reader.finish();
+  return s;
+}
+
 GatewaySettings read_gateway(TomlReader reader) {
   GatewaySettings s;
   reader.read("listen", s.listen);

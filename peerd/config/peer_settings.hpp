@@ -124,6 +124,14 @@ struct ControlSettings {
 };
 [[nodiscard]] ControlSettings read_control(TomlReader reader);
 
+// The table [log].
+struct LogSettings {
+  bool verbose = false;       // debug lines too
+  std::uint32_t burst = 100;  // lines of one kind that go out at once
+  double per_second = 1.0;    // lines of one kind after that
+};
+[[nodiscard]] LogSettings read_log(TomlReader reader);
+
 struct GatewaySettings {
   std::string listen;            // ADDRESS:PORT; empty: there is none
   bool beyond_loopback = false;  // other computers may reach it, though nothing is encrypted

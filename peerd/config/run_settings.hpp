@@ -29,6 +29,7 @@ struct RunSettings {
   std::map<std::pair<std::string, std::string>, LinkSettings> links;
   TransportSettings transport;
   ControlSettings control;
+  LogSettings log;
   GatewaySettings gateway;
 };
 

@@ -128,6 +128,7 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   if (run.control.socket && !run.control.socket->empty()) {
     run.control.socket = (file.parent_path() / *run.control.socket).string();
   }
+  run.log = read_log(TomlReader(table_or_empty(reader, "log"), "log", error));
   run.gateway = read_gateway(TomlReader(table_or_empty(reader, "gateway"), "gateway", error));
   run.transport = read_transport(TomlReader(table_or_empty(reader, "transport"), "transport", error));
   run.events = read_events(reader, run.peers, run.duration_s, file.parent_path());

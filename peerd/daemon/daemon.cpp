@@ -137,11 +137,7 @@ void Daemon::on_poses(std::span<const feed::FedPose> poses) {
 
 int Daemon::run() {
   (void)now();  // no datagram counts as having come before the peer was made
-  signals_.async_wait([this](const boost::system::error_code& error, int signal) {
-    if (error) return;
-    log_({LogLevel::kInfo, fmt::format("leaving: got {}", name_of(signal))});
-    leave();
-  });
+  await_signal();
   transport_.on_receive([this](const net::Arrival& arrival) { on_datagram(arrival); });
   if (question_) {
     check(transport_.join(replication::kWholeScene));
@@ -153,11 +149,25 @@ int Daemon::run() {
   return exit_code_;
 }
 
+void Daemon::await_signal() {
+  signals_.async_wait([this](const boost::system::error_code& error, int signal) {
+    if (error || over_) return;
+    if (signal == SIGHUP && hangup_handler_) {
+      hangup_handler_();
+      return await_signal();
+    }
+    log_({LogLevel::kInfo, fmt::format("leaving: got {}", name_of(signal))});
+    leave();
+  });
+}
+
 void Daemon::take_part() {
   if (over_) return;
   question_.reset();
   drain();
-  if (exit_code_ == 0) wake();
+  if (exit_code_ != 0) return;
+  wake();
+  if (begin_handler_ && !over_) begin_handler_();
 }
 
 void Daemon::ask(HostTime until) {
@@ -261,6 +271,7 @@ void Daemon::log_missing() {
 
 void Daemon::leave() {
   if (over_) return;
+  if (leave_handler_) leave_handler_();
   if (question_) return stop();  // its goodbye would be another's
   const HostTime at = now();
   if (capture_) capture_->on_leave(at);

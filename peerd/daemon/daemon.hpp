@@ -73,6 +73,12 @@ class Daemon {
   // afterwards.
   void on_received(std::function<void()> handler) { received_handler_ = std::move(handler); }
 
+  // Calls `handler` once the peer takes part in the session, and the other one when it begins to leave.
+  void on_begin(std::function<void()> handler) { begin_handler_ = std::move(handler); }
+  void on_leave(std::function<void()> handler) { leave_handler_ = std::move(handler); }
+  // SIGHUP calls `handler` and is no reason to leave any more. To be called before run().
+  void on_hangup(std::function<void()> handler) { hangup_handler_ = std::move(handler); }
+
   // The growth of logs that LogGrown says goes to the store from now on.
   void keep(store::OperationStore& store) {
     store_ = &store;
@@ -97,6 +103,7 @@ class Daemon {
   [[nodiscard]] const TickLateness& lateness() const { return lateness_; }
 
  private:
+  void await_signal();
   void take_part();
   void ask(HostTime until);
   void on_datagram(const net::Arrival& arrival);
@@ -129,7 +136,7 @@ class Daemon {
   std::vector<api::MoreCounters> more_counters_;
   std::string viewer_url_;          // empty: it has no page
   record::CaptureWriter* capture_;  // null: none, or it has failed
-  std::function<void()> received_handler_;
+  std::function<void()> received_handler_, begin_handler_, leave_handler_, hangup_handler_;
   net::ForwardTime forward_;
   TickLateness lateness_;
   std::optional<HostTime> due_;  // expiry of the timer

@@ -65,6 +65,7 @@ const Section kSections[] = {
      "peer.a.key.0.",
      {{"peer.a.key=[{at_s = 1, key = \"w\"}]"}, {"peer.a.key=[{at_s = 1, value = 87}]"}}},
     {"### `[control]`", "control."},
+    {"### `[log]`", "log."},
     {"### `[gateway]`", "gateway."},
     {"### `[network]`", "network."},
     {"### `[transport]`", "transport."},

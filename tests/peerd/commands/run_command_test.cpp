@@ -354,19 +354,6 @@ TEST_F(PeerProcess, APeerSaysForWhomItWaits) {
   EXPECT_TRUE(a.says("all peers are here, and motions begin", 10)) << a.out() << a.err();
 }
 
-// Its terminal is closed.
-TEST_F(PeerProcess, AHangUpIsAReasonToLeave) {
-  const std::string socket = (folder / "a.sock").string();
-  Process a = start_peer("a", 0, {"--record", record_of("a"), "--control", socket});
-  ASSERT_TRUE(a.says("in session", 10)) << a.out() << a.err();
-  a.signal(SIGHUP);
-  EXPECT_EQ(a.exit_code(5), 0) << a.err();
-  EXPECT_THAT(a.out(), HasSubstr("leaving: got SIGHUP"));
-  EXPECT_TRUE(load_peer_log(record_of("a"))) << "its record is whole";
-  EXPECT_FALSE(std::filesystem::exists(socket));
-  EXPECT_FALSE(std::filesystem::exists(socket + ".lock"));
-}
-
 TEST_F(PeerProcess, ALogThatNobodyReadsIsAReasonToLeave) {
   const std::string socket = (folder / "a.sock").string();
   const std::string command = std::string(PEERD_PROGRAM) + " run --config " + (folder / "s.toml").string() +
