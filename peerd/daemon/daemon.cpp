@@ -78,11 +78,7 @@ Daemon::Daemon(boost::asio::io_context& io, PeerNode& node, net::Transport& tran
       clock_(clock),
       log_(std::move(log)),
       leave_after_(leave_after),
-      capture_(capture) {
-  for (const int signal : kLeaveOn) {
-    if (!is_ignored(signal)) signals_.add(signal);
-  }
-}
+      capture_(capture) {}
 
 api::Answer Daemon::on_control(std::string_view line) {
   if (over_) return {api::refusal("this peer is leaving")};
@@ -136,8 +132,17 @@ void Daemon::on_poses(std::span<const feed::FedPose> poses) {
 }
 
 int Daemon::run() {
-  (void)now();  // no datagram counts as having come before the peer was made
+  for (const int signal : kLeaveOn) {
+    if (!is_ignored(signal)) signals_.add(signal);
+  }
   await_signal();
+  begin();
+  serve();
+  return exit_code_;
+}
+
+void Daemon::begin() {
+  (void)now();  // no datagram counts as having come before the peer was made
   transport_.on_receive([this](const net::Arrival& arrival) { on_datagram(arrival); });
   if (question_) {
     check(transport_.join(replication::kWholeScene));
@@ -145,8 +150,14 @@ int Daemon::run() {
   } else {
     take_part();
   }
-  serve();
-  return exit_code_;
+}
+
+bool Daemon::poll(Duration at_most) {
+  if (!over_ && io_.poll() == 0 && at_most > Duration{0}) {
+    io_.run_one_for(at_most);
+    io_.poll();
+  }
+  return !over_;
 }
 
 void Daemon::await_signal() {

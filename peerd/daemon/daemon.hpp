@@ -92,6 +92,13 @@ class Daemon {
 
   // Runs until a signal, a request to leave or the end of the scenario. Returns the exit code.
   int run();
+  // The same for a program that has a loop of its own, and the signals of its process: the peer takes part from begin()
+  // on, as far as poll() is called. That does what is due, and where nothing is, waits for it, at most for so long.
+  // False: the peer has left.
+  void begin();
+  bool poll(Duration at_most);
+  void leave();
+  [[nodiscard]] int exit_code() const { return exit_code_; }
 
   // The time of an input that the peer gets now.
   [[nodiscard]] HostTime now() { return forward_(clock_.now()); }
@@ -112,7 +119,6 @@ class Daemon {
   void read_os_clock_into_node(HostTime now);
   void follow_interface();
   void log_missing();
-  void leave();
   void stop();
   void drain();
   void keep_capture();

@@ -60,6 +60,7 @@ Log::Log(std::string peer, const Options& options, std::function<HostTime()> now
     : logger_(options.format == LogFormat::kJson ? json_line(peer) : std::move(peer),
               std::make_shared<spdlog::sinks::stdout_sink_st>()),
       format_(options.format),
+      sink_(options.sink),
       now_(std::move(now)),
       limiter_(options.limits) {
   logger_.set_level(least_level(options.verbose));
@@ -89,6 +90,7 @@ void Log::write_left_out(const std::vector<LineLimiter::LeftOut>& left_out) {
 }
 
 void Log::write(const LogLine& line) {
+  if (sink_) return sink_(line);
   switch (format_) {
     case LogFormat::kText:
       return logger_.log(level_of(line.level), line.text);

@@ -18,7 +18,7 @@ enum class LogFormat : std::uint8_t {
   kJournal,  // the fact behind its priority, as sd-daemon(3) says: systemd's journal knows the rest
 };
 
-// Writes one line for each fact to standard output, but not too many of a kind. Debug lines, which somebody must ask
+// Writes one line for each fact to standard output, or gives it to a program, but not too many of a kind. Debug lines, which somebody must ask
 // for, have no limit.
 class Log {
  public:
@@ -26,6 +26,7 @@ class Log {
     LogFormat format = LogFormat::kText;
     bool verbose = false;  // debug lines too
     LineLimiter::Limits limits{};
+    std::function<void(const LogLine&)> sink{};  // a program's; empty: standard output
   };
 
   // `now` is the time of a line, and does not run backwards.
@@ -48,6 +49,7 @@ class Log {
 
   spdlog::logger logger_;
   LogFormat format_;
+  std::function<void(const LogLine&)> sink_;
   std::function<HostTime()> now_;
   LineLimiter limiter_;
 };

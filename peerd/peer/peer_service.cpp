@@ -1,4 +1,4 @@
-#include "peerd/commands/peer_service.hpp"
+#include "peerd/peer/peer_service.hpp"
 
 #include <utility>
 

@@ -1,5 +1,5 @@
 // The real program, as a service manager and a terminal start it.
-#include "peerd/commands/peer_service.hpp"
+#include "peerd/peer/peer_service.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,0 +1,22 @@
+#pragma once
+#include <filesystem>
+
+#include "peerd/config/peer_settings.hpp"
+#include "peerd/daemon/daemon.hpp"
+#include "peerd/log/log.hpp"
+#include "peerd/node/peer_node.hpp"
+#include "peerd/peer/peer_parts.hpp"
+#include "peerd/transport/open_transport.hpp"
+
+namespace peerd {
+
+// What the log says of a run at its beginning: who this is, where, and whom it reaches ..
+void log_beginning(const config::PeerSettings& peer, const std::filesystem::path& world,
+                   const config::TransportSettings& settings, const net::OpenedTransport& reached, Log& log);
+// .. what is odd about the world and the store ..
+void log_findings(const PeerParts& parts, Log& log);
+// .. and what has come and gone, at its end.
+void log_totals(const PeerNode& node, const PeerLog& record, const net::Transport& transport, const Daemon& daemon,
+                Log& log);
+
+}  // namespace peerd
