@@ -7,7 +7,6 @@
 #include <iostream>
 #include <limits>
 #include <memory>
-#include <random>
 #include <span>
 #include <string_view>
 
@@ -34,6 +33,7 @@
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/replay_command.hpp"
 #include "peerd/commands/run_command.hpp"
+#include "peerd/peer/run_flags.hpp"
 #include "peerd/commands/scenario_command.hpp"
 #include "peerd/commands/scenario_options.hpp"
 #include "peerd/commands/sim_command.hpp"
@@ -73,25 +73,10 @@ constexpr std::int64_t kPeerIdMax = std::numeric_limits<std::uint32_t>::max();
 const InputError kFreshWithoutStore{"error: --fresh begins a store anew, and this peer has none; say --store DIR",
                                     kWrongUse};
 
-// The options of `peerd run` that stand for settings, in place of a configuration file or over it.
-struct RunFlags {
-  std::string world, world_name, name, interface, group, key, password;
-  std::optional<std::uint32_t> id, port;
-  std::vector<std::string> owns, enslaves;  // two names of one option
-  bool open = false;
-};
-
 // The scenarios and worlds that are installed with this program.
 const InstalledFiles& installed() {
   static const InstalledFiles files = InstalledFiles::of_this_program(PEERD_SHARE);
   return files;
-}
-
-// A number for a peer that was given none: peers that start at one instant have two, too. Configured peers have lower
-// numbers and therefore go first in decisions.
-std::uint32_t random_number() {
-  std::random_device random;
-  return std::uniform_int_distribution<std::uint32_t>(1'000'000'000, 3'999'999'999)(random);
 }
 
 // The defaults are those of config::TransportSettings.
@@ -103,38 +88,6 @@ void add_network_options(CLI::App& command, RunFlags& flags) {
                      "multicast group of region 0, IPv4 or IPv6 (default: the configuration's, else 239.192.80.0)");
   command.add_option("--port", flags.port, "UDP port (default: the configuration's, else 47474)")
       ->transform(whole_number_in(1, 65535));
-}
-
-std::vector<std::string> network_settings(const RunFlags& flags) {
-  std::vector<std::string> sets;
-  if (!flags.interface.empty()) sets.push_back("transport.interface=" + json_line(flags.interface));
-  if (!flags.group.empty()) sets.push_back("transport.group=" + json_line(flags.group));
-  if (flags.port) sets.push_back("transport.port=" + std::to_string(*flags.port));
-  return sets;
-}
-
-// The settings that the options stand for. Without a configuration there is one peer, which the options describe.
-std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options) {
-  std::vector<std::string> sets;
-  if (!flags.world.empty()) sets.push_back("world=" + json_line(std::filesystem::absolute(flags.world).string()));
-  if (!flags.world_name.empty()) sets.push_back("world_name=" + json_line(flags.world_name));
-  if (options.config.empty()) {
-    options.peer = flags.name.empty() ? "peer" : flags.name;
-    sets.push_back("peer." + options.peer + ".id=" + std::to_string(flags.id ? *flags.id : random_number()));
-    sets.push_back("peer." + options.peer + ".owns=" + json_line(flags.owns));
-    options.keeps_id = !flags.id;
-  }
-  for (const std::string& set : network_settings(flags)) sets.push_back(set);
-  if (flags.open) sets.emplace_back("transport.sealed=false");
-  if (!flags.key.empty()) {
-    sets.push_back("transport.key_file=" + json_line(std::filesystem::absolute(flags.key).string()));
-  }
-  if (!flags.password.empty()) {
-    const auto file = flags.password == "-" ? flags.password : std::filesystem::absolute(flags.password).string();
-    sets.push_back("transport.password_file=" + json_line(file));
-  }
-  sets.insert(sets.end(), options.sets.begin(), options.sets.end());
-  return sets;
 }
 
 void add_scenario_options(CLI::App& command, ScenarioOptions& options) {

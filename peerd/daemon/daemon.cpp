@@ -121,14 +121,15 @@ void Daemon::on_poses(std::string_view datagram) {
   drain();
 }
 
-void Daemon::on_poses(std::span<const feed::FedPose> poses) {
-  assert(capture_ == nullptr && !question_);
-  if (over_) return;
+feed::Outcome Daemon::on_poses(std::span<const feed::FedPose> poses) {
+  assert(capture_ == nullptr);
+  if (over_ || question_) return {};
   // Reading the difference costs 0.5 us (two dozen clock readings), so only poses that name a Unix time pay for it.
   const bool stamped = std::ranges::any_of(poses, [](const feed::FedPose& fed) { return fed.time_s.has_value(); });
   const Duration host_minus_wall = stamped ? clock_.minus_wall() : Duration{0};
-  (void)node_.on_poses(now(), host_minus_wall, poses);  // a refused pose is counted, and may become a notice
+  const feed::Outcome outcome = node_.on_poses(now(), host_minus_wall, poses);
   drain();
+  return outcome;
 }
 
 int Daemon::run() {
@@ -335,6 +336,7 @@ void Daemon::drain() {
       stop();
     }
     publish(out);
+    if (event_handler_) event_handler_(out);
     if (const auto line = describe(out, node_.scene())) log_(*line);
   }
   while (const auto key = node_.poll_key_report()) {

@@ -51,14 +51,17 @@ class Daemon {
   api::Answer on_control(std::string_view line);
   // Events go to the clients of this server, too, that have subscribed. It outlives the run.
   void publish_to(api::EventSink& clients) { event_sinks_.push_back(&clients); }
+  // Calls `handler` with each thing that happens at the peer, after the datagrams that say so have left.
+  void on_event(std::function<void(const replication::Output&)> handler) { event_handler_ = std::move(handler); }
   // The "status" of the control protocol has these counters, too. The function outlives the run.
   void count_in_status(api::MoreCounters more) { more_counters_.push_back(std::move(more)); }
   // The control protocol says that the peer's page is there.
   void serves_viewer_at(std::string url) { viewer_url_ = std::move(url); }
   // Takes one datagram of an external program.
   void on_poses(std::string_view datagram);
-  // Takes poses of a program in this process; there must be no capture, which could not record them.
-  void on_poses(std::span<const feed::FedPose> poses);
+  // Takes poses of a program in this process; there must be no capture, which could not record them. Before the peer
+  // has begun, and after it has left, it takes none.
+  feed::Outcome on_poses(std::span<const feed::FedPose> poses);
   // Logs each update from now on. Updates are many, so without this call their lines are not even composed.
   void log_updates() { logs_updates_ = true; }
   // After each event the daemon polls for this long before it sleeps, so that the next event need not wake it. The time
@@ -139,6 +142,7 @@ class Daemon {
   store::OperationStore* store_ = nullptr;                 // null: none, and no keeper
   std::optional<store::StoreKeeper> keeper_;
   std::vector<api::EventSink*> event_sinks_;
+  std::function<void(const replication::Output&)> event_handler_;
   std::vector<api::MoreCounters> more_counters_;
   std::string viewer_url_;          // empty: it has no page
   record::CaptureWriter* capture_;  // null: none, or it has failed

@@ -37,6 +37,7 @@ class OpenedPeer {
   // What a peer does that has left: its last lines, and what it was to record.
   [[nodiscard]] Result<void> close();
 
+  [[nodiscard]] boost::asio::io_context& io() { return io_; }
   [[nodiscard]] Daemon& daemon() { return *daemon_; }
   [[nodiscard]] PeerNode& node() { return *node_; }
   [[nodiscard]] const net::HostClock& clock() const { return clock_; }

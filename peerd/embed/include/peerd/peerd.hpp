@@ -1,0 +1,262 @@
+// A peer of a shared world inside a program: the C++17 interface of libpeerd, over the C interface, peerd.h, which says
+// what each function means. It needs no other header.
+//
+//   using namespace peerd::embed;
+//   Peer peer(Options().set("world", "town.wrl").set("name", "ada").set("own", "CAR"));
+//   const Object car = peer.find("CAR").value();
+//   peer.take(car);
+//   while (peer.poll(0.005)) {
+//     peer.move(car, my_pose());
+//     while (const auto event = peer.next_event()) ..
+//   }
+//
+// What can't be done throws peerd::embed::Error, but for what is often asked in vain, which returns an optional.
+#ifndef PEERD_HPP
+#define PEERD_HPP
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "peerd.h"
+
+namespace peerd::embed {
+
+class Error : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+using Vector = std::array<double, 3>;      // x, y, z
+using Quaternion = std::array<double, 4>;  // x, y, z, w; turns the object's axes into the world's
+
+struct Pose {
+  Vector position{};                  // [m]
+  Quaternion orientation{0, 0, 0, 1};
+};
+
+// An instance of a node of the scene, the same at all peers.
+using Object = peerd_object;
+using Operation = peerd_operation;
+
+struct Event {
+  peerd_event_kind kind{};
+  double time = 0.0;  // session time [s]
+  std::uint32_t peer = 0;
+  Object object = 0, other = 0;
+  Pose pose{}, other_pose{};                     // a contact: of both then
+  Vector velocity_before{}, velocity_after{};    // .. of object [m/s]
+  Vector normal{};                               // .. of the other's surface, facing object
+  Operation operation{};
+  std::optional<std::string> name{}, text{};
+  std::uint64_t count = 0;
+};
+
+// What a peer is opened with, by the names that peerd_options_set() knows.
+class Options {
+ public:
+  Options& set(const std::string& name, const std::string& value) {
+    if (!peerd_options_set(options_.get(), name.c_str(), value.c_str())) {
+      throw Error("there is no option " + name + ", or it does not take \"" + value + "\"");
+    }
+    return *this;
+  }
+  // Lines of the log go there, from debug (0) to error (3); peerd_options_log() says what it may do.
+  using Log = std::function<void(int level, const std::string& text)>;
+  Options& log_to(Log log) {
+    log_ = std::make_shared<Log>(std::move(log));
+    peerd_options_log(
+        options_.get(), [](void* user, int level, const char* text) { (*static_cast<Log*>(user))(level, text); },
+        log_.get());
+    return *this;
+  }
+
+ private:
+  friend class Peer;
+  std::shared_ptr<peerd_options> options_{peerd_options_new(), peerd_options_free};
+  std::shared_ptr<Log> log_{};
+};
+
+class Peer {
+ public:
+  explicit Peer(const Options& options) : log_(options.log_) {
+    std::array<char, 1024> why{};
+    peer_.reset(peerd_open(options.options_.get(), why.data(), why.size()));
+    if (!peer_) throw Error(why.data());
+  }
+
+  // -- driving
+  bool poll(double at_most_s) { return peerd_poll(peer_.get(), at_most_s) != 0; }
+  void start() { check(peerd_start(peer_.get())); }
+  void leave() { peerd_leave(peer_.get()); }
+
+  // Keeps the peer's thread waiting for as long as it lives.
+  class Hold {
+   public:
+    explicit Hold(Peer& peer) : peer_(peer.peer_.get()) { peerd_hold(peer_); }
+    ~Hold() { peerd_release(peer_); }
+    Hold(const Hold&) = delete;
+    Hold& operator=(const Hold&) = delete;
+
+   private:
+    peerd_peer* peer_;
+  };
+
+  // -- the session
+  std::uint32_t id() const { return peerd_id(peer_.get()); }
+  bool in_session() const { return peerd_in_session(peer_.get()) != 0; }
+  std::optional<double> session_time() const {
+    const double now = peerd_session_time(peer_.get());
+    return std::isnan(now) ? std::nullopt : std::optional(now);
+  }
+  std::size_t member_count() const { return peerd_member_count(peer_.get()); }
+
+  // -- what there is
+  std::optional<Object> find(const std::string& path) const {
+    const Object found = peerd_find(peer_.get(), path.c_str());
+    return found == PEERD_NO_OBJECT ? std::nullopt : std::optional(found);
+  }
+  std::optional<std::string> path(Object object) const { return optional(peerd_path(peer_.get(), object)); }
+  std::uint32_t owner(Object object) const { return peerd_owner(peer_.get(), object); }
+  std::vector<Object> owned_objects() const {
+    std::vector<Object> all;
+    for (std::size_t count = peerd_owned_objects(peer_.get(), nullptr, 0); count > all.size();) {
+      all.resize(count);
+      count = peerd_owned_objects(peer_.get(), all.data(), all.size());
+      if (count < all.size()) all.resize(count);
+    }
+    return all;
+  }
+  std::string world() const { return text(peerd_world(peer_.get())); }
+
+  // -- where it is
+  std::optional<Pose> pose(Object object) const {
+    peerd_pose out{};
+    if (peerd_poses(peer_.get(), &object, 1, &out) == 0) return std::nullopt;
+    return from(out);
+  }
+  // NaN where there is no such object. Returns how many there are.
+  std::size_t poses(const Object* objects, std::size_t count, peerd_pose* out) const {
+    return peerd_poses(peer_.get(), objects, count, out);
+  }
+
+  // -- moving what this peer owns
+  void take(Object object) { check(peerd_take(peer_.get(), object)); }
+  void release(Object object) { check(peerd_release_object(peer_.get(), object)); }
+  // False: this program may not move it, now.
+  bool move(Object object, const Pose& pose, const std::optional<Vector>& velocity = {}, bool jumps = false) {
+    peerd_motion motion{};
+    motion.object = object;
+    motion.jumps = jumps ? 1 : 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      motion.pose.position[i] = pose.position[i];
+      motion.velocity[i] = velocity ? (*velocity)[i] : std::numeric_limits<double>::quiet_NaN();
+    }
+    for (std::size_t i = 0; i < 4; ++i) motion.pose.orientation[i] = pose.orientation[i];
+    return move(&motion, 1) == 1;
+  }
+  std::size_t move(const peerd_motion* motions, std::size_t count) { return peerd_move(peer_.get(), motions, count); }
+
+  // -- changing the world
+  Operation add(const std::string& vrml, Object under = PEERD_NO_OBJECT) {
+    return edit([&](peerd_operation* o) { return peerd_add(peer_.get(), under, vrml.c_str(), o); });
+  }
+  Operation remove(Object object) {
+    return edit([&](peerd_operation* o) { return peerd_remove(peer_.get(), object, o); });
+  }
+  Operation reparent(Object object, Object under) {
+    return edit([&](peerd_operation* o) { return peerd_reparent(peer_.get(), object, under, o); });
+  }
+  Operation set(const std::string& path, const std::string& field, const std::string& value) {
+    return edit([&](peerd_operation* o) {
+      return peerd_set(peer_.get(), path.c_str(), field.c_str(), value.c_str(), o);
+    });
+  }
+  // No value: the key is removed.
+  Operation set_data(const std::string& path, const std::string& key, const std::optional<std::string>& value) {
+    return edit([&](peerd_operation* o) {
+      return peerd_set_data(peer_.get(), path.c_str(), key.c_str(), value ? value->c_str() : nullptr, o);
+    });
+  }
+  std::optional<std::string> data(const std::string& path, const std::string& key) const {
+    return optional(peerd_data(peer_.get(), path.c_str(), key.c_str()));
+  }
+  Operation send(const std::string& topic, const std::string& message) {
+    return edit([&](peerd_operation* o) { return peerd_send(peer_.get(), topic.c_str(), message.c_str(), o); });
+  }
+  Operation undo() {
+    return edit([&](peerd_operation* o) { return peerd_undo(peer_.get(), o); });
+  }
+  Operation redo() {
+    return edit([&](peerd_operation* o) { return peerd_redo(peer_.get(), o); });
+  }
+  std::string ask(const std::string& request) { return text(peerd_ask(peer_.get(), request.c_str())); }
+
+  // -- events
+  std::optional<Event> next_event() {
+    // Two calls with another thread's between them would see that one's texts.
+    const Hold held(*this);
+    peerd_event next{};
+    if (!peerd_next_event(peer_.get(), &next, sizeof(next))) return std::nullopt;
+    Event event;
+    event.kind = static_cast<peerd_event_kind>(next.kind);
+    event.time = next.time;
+    event.peer = next.peer;
+    event.object = next.object;
+    event.other = next.other;
+    event.pose = from(next.pose);
+    event.other_pose = from(next.other_pose);
+    for (std::size_t i = 0; i < 3; ++i) {
+      event.velocity_before[i] = next.velocity_before[i];
+      event.velocity_after[i] = next.velocity_after[i];
+      event.normal[i] = next.normal[i];
+    }
+    event.operation = next.operation;
+    event.name = optional(next.name);
+    event.text = optional(next.text);
+    event.count = next.count;
+    return event;
+  }
+
+ private:
+  struct Close {
+    void operator()(peerd_peer* peer) const { peerd_close(peer); }
+  };
+  static Pose from(const peerd_pose& pose) {
+    Pose out;
+    for (std::size_t i = 0; i < 3; ++i) out.position[i] = pose.position[i];
+    for (std::size_t i = 0; i < 4; ++i) out.orientation[i] = pose.orientation[i];
+    return out;
+  }
+  static std::optional<std::string> optional(const char* text) {
+    return text == nullptr ? std::nullopt : std::optional<std::string>(text);
+  }
+  std::string text(const char* text) const {
+    if (text == nullptr) throw Error(peerd_error(peer_.get()));
+    return text;
+  }
+  void check(int done) const {
+    if (!done) throw Error(peerd_error(peer_.get()));
+  }
+  template <class Edit>
+  Operation edit(Edit&& edit) const {
+    Operation operation{};
+    check(edit(&operation));
+    return operation;
+  }
+
+  std::shared_ptr<Options::Log> log_;  // outlives the peer
+  std::unique_ptr<peerd_peer, Close> peer_;
+};
+
+}  // namespace peerd::embed
+
+#endif

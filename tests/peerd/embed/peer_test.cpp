@@ -1,0 +1,200 @@
+// Two peers in one program, by the interface that strangers have, over multicast on lo.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <thread>
+
+#include <peerd/peerd.hpp>
+#include "tests/peerd/scratch_folder.hpp"
+
+namespace peerd::embed::peer_test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr const char* kWorld = R"(#VRML V2.0 utf8
+DEF CAR Transform { children Shape { geometry Box { } } }
+DEF CUBE Transform { translation 8 0 0 children Shape { geometry Box { } } }
+DEF TOWER Transform { translation 0 0 30 children Shape { geometry Box { } } }
+CollisionInterest { objectPath "CAR" interests "CUBE" collisionType 1 }
+)";
+
+// A port that no other test process uses, as in tests/net/listener.hpp, which needs the inside of the house.
+std::string own_port() { return std::to_string(10'000 + getpid() % 1400 * 16); }
+
+class Embedded : public testing::Test {
+ protected:
+  Embedded() {
+    folder.write("w.wrl", kWorld);
+    setenv("XDG_CONFIG_HOME", (folder / "settings").c_str(), 1);
+  }
+  [[nodiscard]] Options options(const std::string& name, const std::string& own) const {
+    return Options()
+        .set("world", (folder / "w.wrl").string())
+        .set("name", name)
+        .set("own", own)
+        .set("interface", "lo")
+        .set("port", own_port())
+        .set("take-over", "yes");
+  }
+  // Drives both until the condition holds.
+  static bool run_until(Peer& a, Peer& b, const std::function<bool()>& holds) {
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (!holds()) {
+      if (std::chrono::steady_clock::now() > give_up || !a.poll(0.002) || !b.poll(0.002)) return false;
+    }
+    return true;
+  }
+  static bool are_together(const Peer& a, const Peer& b) {
+    return a.in_session() && b.in_session() && a.member_count() == 1 && b.member_count() == 1;
+  }
+  static bool meet(Peer& a, Peer& b) {
+    return run_until(a, b, [&] { return are_together(a, b); });
+  }
+
+  testing_support::ScratchFolder folder;
+};
+
+TEST_F(Embedded, SeesWhatTheOtherMovesAndBothSeeTheContact) {
+  Peer a(options("a", "CAR")), b(options("b", "CUBE"));
+  ASSERT_TRUE(meet(a, b));
+  const Object car = a.find("CAR").value(), cube = b.find("CUBE").value();
+  EXPECT_EQ(b.find("CAR"), car) << "it is the same number at all peers";
+  EXPECT_EQ(b.path(car), "CAR");
+  EXPECT_EQ(a.find("HORSE"), std::nullopt);
+  ASSERT_TRUE(run_until(a, b, [&] { return b.owner(car) == a.id() && a.owner(cube) == b.id(); }));
+  EXPECT_THAT(a.owned_objects(), ElementsAre(car, cube));
+
+  a.take(car);  // from then on this program moves what a configuration gave to this peer
+  const double begin = a.session_time().value();
+  const auto drive = [&] {
+    const double x = 4.0 * (a.session_time().value() - begin);
+    a.move(car, Pose{{x, 0.0, 0.0}}, Vector{4.0, 0.0, 0.0});
+  };
+  ASSERT_TRUE(run_until(a, b, [&] {
+    drive();
+    const auto seen = b.pose(car);
+    return seen && seen->position[0] > 3.0;
+  }));
+  EXPECT_NEAR(b.pose(car)->position[1], 0.0, 1e-6);
+
+  std::optional<Event> at_a, at_b;
+  const auto note = [&](Peer& peer, std::optional<Event>& contact) {
+    while (const auto event = peer.next_event()) {
+      if (event->kind == PEERD_CONTACT) contact = event;
+    }
+  };
+  ASSERT_TRUE(run_until(a, b, [&] {
+    drive();
+    note(a, at_a);
+    note(b, at_b);
+    return at_a && at_b;
+  }));
+  for (const auto& contact : {*at_a, *at_b}) {
+    EXPECT_THAT((std::array{contact.object, contact.other}), testing::UnorderedElementsAre(car, cube));
+    EXPECT_NEAR(std::abs(contact.normal[0]), 1.0, 1e-9);
+  }
+  EXPECT_EQ(at_a->time, at_b->time) << "one outcome";
+  EXPECT_EQ(at_a->peer, at_b->peer);
+}
+
+TEST_F(Embedded, EditsDataAndMessagesReachTheOther) {
+  Peer a(options("a", "CAR")), b(options("b", "CUBE"));
+  ASSERT_TRUE(meet(a, b));
+  const Operation added = a.add("DEF BALL Transform { children Shape { geometry Sphere { } } }");
+  EXPECT_GT(added.number, 0u);
+  ASSERT_TRUE(run_until(a, b, [&] { return b.find("BALL") && a.find("BALL"); }));
+  EXPECT_THAT(b.world(), HasSubstr("BALL"));
+  b.set("BALL", "translation", "1 2 3");
+  a.set_data("BALL", "colour", "red");
+  a.send("chat", "hello");
+  std::optional<Event> message, data;
+  ASSERT_TRUE(run_until(a, b, [&] {
+    while (const auto event = b.next_event()) {
+      if (event->kind == PEERD_MESSAGE) message = event;
+      if (event->kind == PEERD_DATA) data = event;
+    }
+    return message && data;
+  }));
+  EXPECT_EQ(message->name, "chat");
+  EXPECT_EQ(message->text, "hello");
+  EXPECT_EQ(message->peer, a.id());
+  EXPECT_EQ(data->text, "red");
+  EXPECT_EQ(b.data("BALL", "colour"), "red");
+  EXPECT_EQ(b.data("BALL", "size"), std::nullopt);
+  const Object ball = a.find("BALL").value();
+  ASSERT_TRUE(run_until(a, b, [&] { return a.pose(ball)->position == Vector{1.0, 2.0, 3.0}; }));
+  b.undo();
+  ASSERT_TRUE(run_until(a, b, [&] { return a.pose(ball)->position == Vector{}; }));
+  b.reparent(ball, b.find("CAR").value());
+  ASSERT_TRUE(run_until(a, b, [&] { return a.path(ball) == "CAR/BALL"; }));
+  a.remove(ball);
+  ASSERT_TRUE(run_until(a, b, [&] { return !b.find("BALL"); }));
+  EXPECT_EQ(b.pose(ball), std::nullopt);
+}
+
+TEST_F(Embedded, WithThreadsTheProgramOnlyAsks) {
+  Peer a(options("a", "CAR")), b(options("b", "CUBE"));
+  a.start();
+  b.start();
+  EXPECT_THROW(a.start(), Error) << "it has a thread";
+  EXPECT_FALSE(a.poll(0.0)) << "its thread does that";
+  const auto waits = [](const std::function<bool()>& holds) {
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (!holds()) {
+      if (std::chrono::steady_clock::now() > give_up) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return true;
+  };
+  ASSERT_TRUE(waits([&] { return are_together(a, b); }));
+  // Several threads ask at once.
+  std::vector<std::thread> askers;
+  for (int i = 0; i < 4; ++i) {
+    askers.emplace_back([&] {
+      for (int n = 0; n < 200; ++n) {
+        const Peer::Hold held(a);
+        const auto one = a.session_time(), other = a.session_time();
+        EXPECT_TRUE(one && other);
+        (void)a.pose(a.find("CAR").value());
+      }
+    });
+  }
+  for (std::thread& asker : askers) asker.join();
+  a.send("chat", "by a");
+  ASSERT_TRUE(waits([&] {
+    const auto event = b.next_event();
+    return event && event->kind == PEERD_MESSAGE;
+  }));
+  b.leave();
+  ASSERT_TRUE(waits([&] { return a.member_count() == 0; })) << "it has said goodbye";
+  EXPECT_EQ(b.find("CAR"), a.find("CAR")) << "what has left may still be asked";
+}
+
+TEST_F(Embedded, SaysWhyNot) {
+  const auto why = [](const std::function<void()>& work) -> std::string {
+    try {
+      work();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(why([] { Options().set("colour", "red"); }), HasSubstr("no option colour"));
+  EXPECT_THAT(why([] { Options().set("id", "first"); }), HasSubstr("does not take \"first\""));
+  EXPECT_THAT(why([] { Peer peer(Options().set("name", "a")); }), HasSubstr("a configuration or a world"));
+  EXPECT_THAT(why([] { Peer peer(Options().set("world", "/nowhere.wrl")); }), HasSubstr("/nowhere.wrl"));
+  std::vector<std::string> lines;
+  Peer peer(options("a", "CAR").log_to([&](int, const std::string& text) { lines.push_back(text); }));
+  EXPECT_THAT(lines, testing::Contains(HasSubstr("peer a")));
+  EXPECT_THAT(why([&] { peer.remove(PEERD_NO_OBJECT); }), HasSubstr("no such object"));
+  EXPECT_THAT(why([&] { peer.set("HORSE", "translation", "1 2 3"); }), HasSubstr("HORSE"));
+  EXPECT_FALSE(peer.move(peer.find("TOWER").value(), Pose{})) << "it is not this peer's";
+  EXPECT_THAT(peer.ask("{\"do\":\"dance\"}"), HasSubstr("\"ok\":false"));
+}
+
+}  // namespace
+}  // namespace peerd::embed::peer_test
