@@ -1,0 +1,120 @@
+"""Peers in this program, by the Python package, over multicast on lo."""
+import asyncio
+import os
+import random
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+import peerd
+
+WORLD = """#VRML V2.0 utf8
+DEF CAR Transform { children Shape { geometry Box { } } }
+DEF CUBE Transform { translation 8 0 0 children Shape { geometry Box { } } }
+CollisionInterest { objectPath "CAR" interests "CUBE" collisionType 1 }
+"""
+GIVES_UP_S = 20.0
+
+
+class PeerTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        os.environ["XDG_CONFIG_HOME"] = self.folder.name
+        self.world = Path(self.folder.name, "w.wrl")
+        self.world.write_text(WORLD)
+        self.port = random.SystemRandom().randrange(20_000, 30_000)
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def open(self, name, own, **more):
+        return peerd.Peer(world=self.world, name=name, own=[own], interface="lo", port=self.port, take_over=True, **more)
+
+    def run_until(self, peers, holds):
+        give_up = time.monotonic() + GIVES_UP_S
+        while not holds():
+            self.assertLess(time.monotonic(), give_up)
+            for peer in peers:
+                self.assertTrue(peer.poll(0.002))
+
+    def test_two_peers_move_meet_and_edit(self):
+        with self.open("a", "CAR") as a, self.open("b", "CUBE") as b:
+            self.run_until([a, b], lambda: a.in_session and b.in_session and a.member_count == b.member_count == 1)
+            car, cube = a.find("CAR"), a.find("CUBE")
+            self.run_until([a, b], lambda: b.owner(car) == a.id and a.owner(cube) == b.id)
+            np.testing.assert_array_equal(b.owned_objects(), [car, cube])
+            a.take(car)
+            began, contacts = a.session_time, {}
+
+            def meet():
+                x = 4.0 * (a.session_time - began)
+                self.assertIn(a.move(car, [x, 0, 0, 0, 0, 0, 1], [4, 0, 0]), (0, 1))
+                for peer in (a, b):
+                    for event in peer.events():
+                        if event.kind == peerd.EventKind.CONTACT:
+                            contacts[peer.id] = event
+                return len(contacts) == 2
+
+            self.run_until([a, b], meet)
+            at_a, at_b = contacts[a.id], contacts[b.id]
+            self.assertEqual((at_a.time, at_a.peer), (at_b.time, at_b.peer))
+            self.assertEqual({at_a.object, at_a.other}, {car, cube})
+
+            out = np.empty((2, 7))
+            self.assertIs(b.poses([car, cube], out), out)
+            self.assertGreater(out[0, 0], 3.0)
+            self.assertEqual(out[1, 0], 8.0)
+            self.assertTrue(np.isnan(b.poses([peerd.NO_OBJECT])).all())
+            self.assertIsNone(b.find("HORSE"))
+
+            b.add("DEF BALL Transform { children Shape { geometry Sphere { } } }")
+            self.run_until([a, b], lambda: a.find("BALL") is not None)
+            a.set("BALL", "translation", [1, 2, 3])
+            self.run_until([a, b], lambda: list(b.pose(b.find("BALL"))[:3]) == [1, 2, 3])
+            a.set_data("BALL", "colour", "red")
+            self.run_until([a, b], lambda: b.data("BALL", "colour") == "red")
+            self.assertEqual(a.ask(do="status")["peer"]["name"], "a")
+
+    def test_a_stream_of_a_peer_with_a_thread(self):
+        async def heard(peer):
+            async for event in peer.stream():
+                if event.kind == peerd.EventKind.MESSAGE:
+                    return event
+
+        lines = []
+        with self.open("a", "CAR", log=lambda level, text: lines.append(text)).start() as a, \
+                self.open("b", "CUBE").start() as b:
+            give_up = time.monotonic() + GIVES_UP_S
+            while not (a.in_session and b.in_session and a.member_count == b.member_count == 1):
+                self.assertLess(time.monotonic(), give_up)
+                time.sleep(0.01)
+            a.send("chat", "hello")
+            event = asyncio.run(asyncio.wait_for(heard(b), GIVES_UP_S))
+            self.assertEqual((event.name, event.text, event.peer), ("chat", "hello", a.id))
+        self.assertTrue(any("peer a" in line for line in lines))
+
+    def test_says_why_not(self):
+        with self.assertRaisesRegex(peerd.Error, "no option colour"):
+            peerd.Peer(colour="red")
+        with self.assertRaisesRegex(peerd.Error, "nowhere"):
+            peerd.Peer(world="/nowhere.wrl")
+        peer = self.open("a", "CAR")
+        with self.assertRaisesRegex(peerd.Error, "no such object"):
+            peer.remove(peerd.NO_OBJECT)
+        with self.assertRaisesRegex(peerd.Error, "must be one of"):
+            peer.ask(do="dance")
+        with self.assertRaisesRegex(ValueError, "7 numbers"):
+            peer.move(peer.find("CAR"), [1, 2, 3])
+        with self.assertRaises(TypeError):
+            peer.poses([peer.find("CAR")], np.empty((1, 7), dtype=np.float32))
+        peer.close()
+        peer.close()
+        with self.assertRaisesRegex(peerd.Error, "closed"):
+            peer.poll()
+
+
+if __name__ == "__main__":
+    unittest.main()
