@@ -33,7 +33,6 @@
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/replay_command.hpp"
 #include "peerd/commands/run_command.hpp"
-#include "peerd/peer/run_flags.hpp"
 #include "peerd/commands/scenario_command.hpp"
 #include "peerd/commands/scenario_options.hpp"
 #include "peerd/commands/sim_command.hpp"
@@ -48,6 +47,7 @@
 #include "peerd/membership/invite_command.hpp"
 #include "peerd/membership/keygen_command.hpp"
 #include "peerd/membership/members_command.hpp"
+#include "peerd/peer/run_flags.hpp"
 #include "peerd/view/view_command.hpp"
 
 namespace peerd {

@@ -14,8 +14,8 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/embed/embedded_peer.hpp"
-#include "peerd/embed/option_values.hpp"
 #include "peerd/embed/include/peerd/peerd.h"
+#include "peerd/embed/option_values.hpp"
 
 struct peerd_options {
   peerd::embed::OptionValues values;
@@ -261,11 +261,13 @@ size_t peerd_poses(peerd_peer* peer, const peerd_object* objects, size_t count, 
 }
 
 int peerd_take(peerd_peer* peer, peerd_object object) {
-  return edited(peer, [&](EmbeddedPeer& held) { return about(held, "grab", object); }, nullptr);
+  return edited(
+      peer, [&](EmbeddedPeer& held) { return about(held, "grab", object); }, nullptr);
 }
 
 int peerd_release_object(peerd_peer* peer, peerd_object object) {
-  return edited(peer, [&](EmbeddedPeer& held) { return about(held, "release", object); }, nullptr);
+  return edited(
+      peer, [&](EmbeddedPeer& held) { return about(held, "release", object); }, nullptr);
 }
 
 size_t peerd_move(peerd_peer* peer, const peerd_motion* motions, size_t count) {
@@ -278,27 +280,30 @@ int peerd_add(peerd_peer* peer, peerd_object under, const char* vrml, peerd_oper
 }
 
 int peerd_remove(peerd_peer* peer, peerd_object object, peerd_operation* operation) {
-  return edited(peer, [&](EmbeddedPeer& held) { return about(held, "remove", object); }, operation);
+  return edited(
+      peer, [&](EmbeddedPeer& held) { return about(held, "remove", object); }, operation);
 }
 
 int peerd_reparent(peerd_peer* peer, peerd_object object, peerd_object under, peerd_operation* operation) {
-  return edited(peer, [&](EmbeddedPeer& held) { return below(held, about(held, "move", object), under); }, operation);
+  return edited(
+      peer, [&](EmbeddedPeer& held) { return below(held, about(held, "move", object), under); }, operation);
 }
 
 int peerd_set(peerd_peer* peer, const char* path, const char* field, const char* value, peerd_operation* operation) {
   const json request{{"do", "set"}, {"path", text_of(path)}, {"field", text_of(field)}, {"value", text_of(value)}};
-  return edited(peer, [&](EmbeddedPeer&) { return request; }, operation);
+  return edited(
+      peer, [&](EmbeddedPeer&) { return request; }, operation);
 }
 
-int peerd_set_data(peerd_peer* peer, const char* path, const char* key, const char* value,
-                   peerd_operation* operation) {
+int peerd_set_data(peerd_peer* peer, const char* path, const char* key, const char* value, peerd_operation* operation) {
   json request{{"do", "data"}, {"path", text_of(path)}, {"key", text_of(key)}};
   if (value == nullptr) {
     request["remove"] = true;
   } else {
     request["value"] = value;
   }
-  return edited(peer, [&](EmbeddedPeer&) { return request; }, operation);
+  return edited(
+      peer, [&](EmbeddedPeer&) { return request; }, operation);
 }
 
 const char* peerd_data(peerd_peer* peer, const char* path, const char* key) {
@@ -312,15 +317,26 @@ const char* peerd_data(peerd_peer* peer, const char* path, const char* key) {
 
 int peerd_send(peerd_peer* peer, const char* topic, const char* text, peerd_operation* operation) {
   const json request{{"do", "send"}, {"topic", text_of(topic)}, {"text", text_of(text)}};
-  return edited(peer, [&](EmbeddedPeer&) { return request; }, operation);
+  return edited(
+      peer, [&](EmbeddedPeer&) { return request; }, operation);
 }
 
 int peerd_undo(peerd_peer* peer, peerd_operation* operation) {
-  return edited(peer, [](EmbeddedPeer&) { return json{{"do", "undo"}}; }, operation);
+  return edited(
+      peer,
+      [](EmbeddedPeer&) {
+        return json{{"do", "undo"}};
+      },
+      operation);
 }
 
 int peerd_redo(peerd_peer* peer, peerd_operation* operation) {
-  return edited(peer, [](EmbeddedPeer&) { return json{{"do", "redo"}}; }, operation);
+  return edited(
+      peer,
+      [](EmbeddedPeer&) {
+        return json{{"do", "redo"}};
+      },
+      operation);
 }
 
 const char* peerd_ask(peerd_peer* peer, const char* request) {

@@ -34,9 +34,9 @@ OptionValues::OptionValues() {
 
 bool OptionValues::set(const std::string& name, const std::string& value) {
   const std::map<std::string, std::string*> texts{
-      {"world", &flags_.world},         {"world-name", &flags_.world_name}, {"name", &flags_.name},
-      {"peer", &options_.peer},         {"interface", &flags_.interface},   {"group", &flags_.group},
-      {"key", &flags_.key},             {"password-file", &flags_.password}};
+      {"world", &flags_.world}, {"world-name", &flags_.world_name}, {"name", &flags_.name},
+      {"peer", &options_.peer}, {"interface", &flags_.interface},   {"group", &flags_.group},
+      {"key", &flags_.key},     {"password-file", &flags_.password}};
   const std::map<std::string, std::optional<std::uint32_t>*> numbers{{"id", &flags_.id}, {"port", &flags_.port}};
   const std::map<std::string, bool*> flags{{"open", &flags_.open},
                                            {"fresh", &options_.store.fresh},

@@ -18,8 +18,8 @@ enum class LogFormat : std::uint8_t {
   kJournal,  // the fact behind its priority, as sd-daemon(3) says: systemd's journal knows the rest
 };
 
-// Writes one line for each fact to standard output, or gives it to a program, but not too many of a kind. Debug lines, which somebody must ask
-// for, have no limit.
+// Writes one line for each fact to standard output, or gives it to a program, but not too many of a kind. Debug lines,
+// which somebody must ask for, have no limit.
 class Log {
  public:
   struct Options {

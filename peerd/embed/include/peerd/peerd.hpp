@@ -39,7 +39,7 @@ using Vector = std::array<double, 3>;      // x, y, z
 using Quaternion = std::array<double, 4>;  // x, y, z, w; turns the object's axes into the world's
 
 struct Pose {
-  Vector position{};                  // [m]
+  Vector position{};  // [m]
   Quaternion orientation{0, 0, 0, 1};
 };
 
@@ -52,9 +52,9 @@ struct Event {
   double time = 0.0;  // session time [s]
   std::uint32_t peer = 0;
   Object object = 0, other = 0;
-  Pose pose{}, other_pose{};                     // a contact: of both then
-  Vector velocity_before{}, velocity_after{};    // .. of object [m/s]
-  Vector normal{};                               // .. of the other's surface, facing object
+  Pose pose{}, other_pose{};                   // a contact: of both then
+  Vector velocity_before{}, velocity_after{};  // .. of object [m/s]
+  Vector normal{};                             // .. of the other's surface, facing object
   Operation operation{};
   std::optional<std::string> name{}, text{};
   std::uint64_t count = 0;
@@ -176,9 +176,8 @@ class Peer {
     return edit([&](peerd_operation* o) { return peerd_reparent(peer_.get(), object, under, o); });
   }
   Operation set(const std::string& path, const std::string& field, const std::string& value) {
-    return edit([&](peerd_operation* o) {
-      return peerd_set(peer_.get(), path.c_str(), field.c_str(), value.c_str(), o);
-    });
+    return edit(
+        [&](peerd_operation* o) { return peerd_set(peer_.get(), path.c_str(), field.c_str(), value.c_str(), o); });
   }
   // No value: the key is removed.
   Operation set_data(const std::string& path, const std::string& key, const std::optional<std::string>& value) {

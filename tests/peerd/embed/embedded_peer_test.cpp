@@ -9,7 +9,7 @@
 #include <peerd/peerd.hpp>
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd::embed::peer_test {
+namespace peerd::embed::embedded_peer_test {
 namespace {
 
 using testing::ElementsAre;
@@ -197,4 +197,4 @@ TEST_F(Embedded, SaysWhyNot) {
 }
 
 }  // namespace
-}  // namespace peerd::embed::peer_test
+}  // namespace peerd::embed::embedded_peer_test
