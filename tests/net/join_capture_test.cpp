@@ -8,9 +8,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/control/control_client.hpp"
 #include "peerd/record/capture.hpp"
 #include "replication/wire/codec.hpp"
+#include "tests/net/controlled_peers.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 #include "tests/net/wire.hpp"
