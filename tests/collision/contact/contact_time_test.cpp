@@ -191,6 +191,12 @@ TEST(ContactTime, EarliestOfSeveralPieces) {
   ASSERT_EQ(c.state, ContactState::kContact);
   EXPECT_EQ(c.time_s, 7.5);
   EXPECT_EQ(c.collidee_shape, ObjectId{2});
+  Scene turned = scene_of({box_mesh(4, 1, 1), box_mesh(1, 1, 1)});
+  const Body first = make_body(turned, ObjectId{0});
+  const Contact same = meet(cube, moving({10, 0, 0}, {-1, 0, 0}), first, moving(Vec3::Zero()));
+  ASSERT_EQ(same.state, ContactState::kContact) << "the later piece is met later, or not at all";
+  EXPECT_EQ(same.time_s, 7.5);
+  EXPECT_EQ(same.collidee_shape, ObjectId{1});
 }
 
 TEST(ContactTime, TurnedBoxesHaveTheirWorldBoxes) {

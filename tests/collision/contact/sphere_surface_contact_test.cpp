@@ -165,6 +165,22 @@ TEST(SphereSurfaceContact, TwoFacesAtAnEdgeGiveOneNormal) {
   }
 }
 
+// Whichever triangle comes first: the two see one point of their edge, though they go along it in opposite directions.
+TEST(SphereSurfaceContact, OfAnEdgeTheTrianglesOnBothSidesSayTheSameToTheBit) {
+  const std::string points =
+      "IndexedFaceSet { solid FALSE coord Coordinate { point [0.1 0.3 -2, -0.3 0.2 2.1, -2 -1.7 0, 2 -1.6 0.1] } ";
+  const Two left(points + "coordIndex [0 2 1 -1] }"), right(points + "coordIndex [0 1 3 -1] }");
+  for (int i = 0; i < 200; ++i) {
+    const double z = -1.5 + 0.015 * i;
+    const KinematicState falls = moving({-0.1 - 0.0975 * z, 3, z}, {0.01, -1.3, 0.02});
+    const Contact of_left = left.meet(falls, 5.0), of_right = right.meet(falls, 5.0);
+    ASSERT_EQ(of_left.state, ContactState::kContact);
+    ASSERT_EQ(of_right.state, ContactState::kContact);
+    EXPECT_EQ(of_left.time_s, of_right.time_s) << i;
+    EXPECT_EQ(of_left.normal_world, of_right.normal_world) << i;
+  }
+}
+
 TEST(SphereSurfaceContact, InASolidOrAcrossAFaceItOverlaps) {
   const Two two(kBox);
   const Contact inside = two.meet(moving({0.1, 0.3, 0.2}, {0, 0, 0}), 1.0);
