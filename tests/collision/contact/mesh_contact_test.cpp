@@ -163,6 +163,14 @@ TEST(MeshContact, AnOverlapFacesTheMiddleOfTheCollider) {
   }
 }
 
+// A polygon without an area faces nowhere: the normal is along the line between the middles.
+TEST(MeshContact, AnOverlapWithALineFacesTheMiddleOfTheCollider) {
+  const Body cube = box(1, 1, 1), line = body_of(make_mesh({{-1, 0, 0}, {0, 0, 0}, {1, 0, 0}}, {{0, 1, 2}}));
+  const Contact c = mesh_contact({cube, moving({7, 0.3, 0.4})}, {line, moving({6, 0, 0.4})}, 1.0);
+  ASSERT_EQ(c.state, ContactState::kOverlapped);
+  EXPECT_LT((c.normal_world - Vec3(1, 0.3, 0).normalized()).norm(), 1e-12);
+}
+
 TEST(MeshContact, IsUnsupportedOnlyWhereAMeshIsBeyondAllMeasure) {
   const Body crate = box(1, 1, 1), tray_body = body_of(tray()), half_space = box(1e30F, 1, 1);
   EXPECT_TRUE(has_exact_answer(crate, half_space));

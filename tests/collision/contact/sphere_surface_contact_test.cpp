@@ -181,6 +181,28 @@ TEST(SphereSurfaceContact, OfAnEdgeTheTrianglesOnBothSidesSayTheSameToTheBit) {
   }
 }
 
+// Where the object that has the ball is beside it, and turned, the ball is where that puts it.
+TEST(SphereSurfaceContact, OfABallBesideItsObjectItIsTheBalls) {
+  const std::string text =
+      std::string("#VRML V2.0 utf8\nDEF A Transform { children Transform { translation 0.25 0.5 -0.75 ") +
+      "children Shape { geometry Sphere { radius 0.5 } } } }\n";
+  const Scene scene = std::move(read_world(text).scene.value());
+  const Body beside = make_body(scene, scene.find("A").value());
+  const Two two(kBox);
+  for (const double angle : {0.0, 0.5, 2.0}) {
+    KinematicState s = moving({0.25, 4.5, 0.5}, {0.1, -4, 0.2});
+    s.orientation = Quat(Eigen::AngleAxisd(angle, Vec3(1, 2, -2) / 3.0));
+    const KinematicState of_ball = moving(s.pose() * Vec3(0.25, 0.5, -0.75), s.velocity);
+    ASSERT_TRUE(meet_as_sphere_and_surface({beside, s}, {two.b, {}}));
+    const Contact c = first_contact({beside, s}, {two.b, {}}, CollisionType::kWitness, 2.0),
+                  same = two.meet(of_ball, 2.0);
+    ASSERT_EQ(same.state, ContactState::kContact);
+    ASSERT_EQ(c.state, ContactState::kContact) << angle;
+    EXPECT_NEAR(c.time_s, same.time_s, 1e-14);
+    EXPECT_LT((c.normal_world - same.normal_world).norm(), 1e-14);
+  }
+}
+
 TEST(SphereSurfaceContact, InASolidOrAcrossAFaceItOverlaps) {
   const Two two(kBox);
   const Contact inside = two.meet(moving({0.1, 0.3, 0.2}, {0, 0, 0}), 1.0);
