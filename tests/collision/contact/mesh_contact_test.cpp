@@ -118,6 +118,22 @@ TEST(MeshContact, ABallBouncesOnGroundThatIsManyPolygons) {
   }
 }
 
+// The normal is the polygon's own, and not the direction between two near points, which rounding turns.
+TEST(MeshContact, OnATiltedFloorTheNormalIsThePolygons) {
+  std::mt19937_64 rng(8);
+  const Body ball = body_of(random_polyhedron(rng, 40)), floor = body_of(ground(12));
+  for (int i = 0; i < 20; ++i) {
+    KinematicState tilted = moving(random_vector(rng, 3.0));
+    tilted.orientation = random_rotation(rng);
+    const Vec3 n = tilted.orientation * Vec3(0, 1, 0);
+    KinematicState s = moving(tilted.pose() * Vec3(0.2, 5, 0.3), -n);
+    s.orientation = random_rotation(rng);
+    const Contact c = contact(ball, s, floor, tilted, 10.0);
+    ASSERT_EQ(c.state, ContactState::kContact) << i;
+    EXPECT_LT((c.normal_world - n).norm(), 1e-14) << i;
+  }
+}
+
 TEST(MeshContact, SlidingOverSeamsMeetsNothing) {
   const Body crate = box(1, 1, 1), floor = body_of(ground(40));
   const KinematicState still = moving(Vec3::Zero());

@@ -203,6 +203,16 @@ TEST(SphereSurfaceContact, OfABallBesideItsObjectItIsTheBalls) {
   }
 }
 
+// A polygon without an area has no normal of its own.
+TEST(SphereSurfaceContact, OfALineTheNormalIsTheLineToTheCentre) {
+  const Two two(
+      "IndexedFaceSet { solid FALSE coord Coordinate { point [-1 0 0, 0 0 0, 1 0 0] } coordIndex [0 1 2 -1] }");
+  const Contact c = two.meet(moving({0.25, 3, 0}, {0, -1, 0}), 3.0);
+  ASSERT_EQ(c.state, ContactState::kContact);
+  EXPECT_NEAR(c.time_s, 2.5, 1e-14);
+  EXPECT_EQ(c.normal_world, Vec3::UnitY());
+}
+
 TEST(SphereSurfaceContact, InASolidOrAcrossAFaceItOverlaps) {
   const Two two(kBox);
   const Contact inside = two.meet(moving({0.1, 0.3, 0.2}, {0, 0, 0}), 1.0);
