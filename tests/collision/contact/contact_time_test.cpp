@@ -210,6 +210,22 @@ TEST(ContactTime, TurnedBoxesHaveTheirWorldBoxes) {
   EXPECT_NEAR(c.time_s, 9.0 - std::sqrt(2.0), 1e-13);
 }
 
+TEST(ContactTime, BoxesTouchWhereNoAxisKeepsThemApart) {
+  const Body a = box(1, 1, 1);
+  for (const Vec3& place : {Vec3(0, 0, 0), Vec3(5, -7, 9), Vec3(-5, 7, -9), Vec3(100, 3, -100)}) {
+    for (int k = 0; k < 3; ++k) {
+      for (const double side : {1.0, -1.0}) {
+        const auto apart = [&](double distance) {
+          return touching({a, moving(place)}, {a, moving(place + side * distance * Vec3::Unit(k))}, kBox);
+        };
+        EXPECT_TRUE(apart(0.3)) << k;
+        EXPECT_TRUE(apart(1.0)) << k;
+        EXPECT_FALSE(apart(1.001)) << k;
+      }
+    }
+  }
+}
+
 TEST(ContactTime, UnsupportedIsSaidAndBoxAnswersAllTheSame) {
   Faces open = kBoxFaces;
   open.pop_back();
