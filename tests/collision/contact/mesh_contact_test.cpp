@@ -169,6 +169,20 @@ TEST(MeshContact, WhatStandsInATrayMeetsItsWalls) {
   EXPECT_EQ(contact(crate, moving({0, 0, 0}, {0, 2, 0}), around, still, 9.0).state, ContactState::kSeparated);
 }
 
+// Polygon 2 of the crate is its bottom, which alone comes towards the polygon that it meets.
+TEST(MeshContact, ATrayIsMetByTheBottomOfTheCrateThatFallsIntoIt) {
+  const Body crate = box(1, 1, 1), around = body_of(tray());
+  for (const double x : {-2.0, 2.0}) {
+    for (const double z : {-2.0, 2.0}) {
+      const Contact c = contact(around, moving(Vec3::Zero()), crate, moving({0, 0, 0}, {x, -1, z}), 2.0);
+      ASSERT_EQ(c.state, ContactState::kContact);
+      EXPECT_NEAR(c.time_s, 0.5, 1e-6);
+      EXPECT_EQ(c.normal_world, Vec3(0, -1, 0));
+      EXPECT_EQ(c.collidee_polygon, 2U);
+    }
+  }
+}
+
 TEST(MeshContact, AnOverlapFacesTheMiddleOfTheCollider) {
   const Body crate = box(1, 1, 1), floor = body_of(ground(6));
   const KinematicState still = moving(Vec3::Zero());

@@ -104,7 +104,7 @@ TEST_F(SignedLogs, AnUnsignedOperationIsNamed) {
   OperationMaker make(2);
   const Bytes unsigned_one = encode(make.operation({kOne, 4}));
   log.insert(log.end(), unsigned_one.begin(), unsigned_one.end());
-  expect(reads.check(signer, kOne, log), ends[2], nullptr);
+  expect(reads.check(signer, kOne, log), ends[2], kUnsignedOperation);
   expect(reads.check(signer, kOne, std::span(log).subspan(ends[2])), 0, kUnsignedOperation);
 }
 

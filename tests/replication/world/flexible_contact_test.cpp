@@ -12,8 +12,10 @@ namespace peerd::replication::flexible_contact_test {
 using namespace test;
 
 // GROWS is a cube of 1 m whose scale along x goes from 1 to 4 in 2 s and back; WALL's face is at x = `face`.
-std::string grows(double face, int type, const std::string& wall_fields = "") {
-  return box("GROWS", "1 1 1", "0 0 0") + box("WALL", "1 4 4", std::to_string(face + 0.5) + " 0 0", wall_fields) +
+std::string grows(double face, int type, const std::string& wall_fields = "", bool carried = false) {
+  const std::string cube = box("GROWS", "1 1 1", "0 0 0");
+  return (carried ? "DEF CART Transform { children " + cube + "}\n" : cube) +
+         box("WALL", "1 4 4", std::to_string(face + 0.5) + " 0 0", wall_fields) +
          "CollisionInterest { objectPath \"GROWS\" interests [\"WALL\"] collisionType " + std::to_string(type) +
          " }\n" +
          R"(DEF T TimeSensor { cycleInterval 4 loop TRUE }
@@ -93,14 +95,14 @@ ROUTE T.fraction_changed TO O.set_fraction ROUTE O.value_changed TO ARM.set_rota
   EXPECT_GE(times[0], expected_s - 4e-6);
 }
 
-// It goes there and back at 2 m/s, and turns round at 0.5 s, where it is 1.875 m wide.
-TEST(FlexibleContact, WhatMovesMeetsAWallOnTheWay) {
+// Its cart goes there and back at 2 m/s, and turns round at 0.5 s, where the cube ends at 1.875 m.
+TEST(FlexibleContact, WhatACartBringsMeetsAWallOnTheWay) {
   for (const double face : {1.2, 1.6, 1.874}) {
-    Flexing f(grows(face, 1), {"GROWS"});
-    const ObjectId grows = f.world["GROWS"];
-    f.motion.declare(grows, Role::kDriven);
-    f.motion.set_base(grows, sim(0s), moving({0, 0, 0}, {2, 0, 0}));
-    f.motion.set_base(grows, sim(500ms), moving({1, 0, 0}, {-2, 0, 0}));
+    Flexing f(grows(face, 1, "", true), {"CART"});
+    const ObjectId cart = f.world["CART"];
+    f.motion.declare(cart, Role::kDriven);
+    f.motion.set_base(cart, sim(0s), moving({0, 0, 0}, {2, 0, 0}));
+    f.motion.set_base(cart, sim(500ms), moving({1, 0, 0}, {-2, 0, 0}));
     f.motion.advance(sim(2s));
     const auto times = f.contacts_s();
     ASSERT_EQ(times.size(), 1u) << face;
