@@ -8,7 +8,7 @@ namespace peerd::chaos {
 
 Result<HostStore::Opened> HostStore::open(std::uint64_t genesis, replication::AuthorId fresh) {
   assert(!store_);
-  auto store = store::OperationStore::open(std::make_unique<SimulatedFolder>(files_, path_), genesis, fresh);
+  auto store = store::OperationStore::open(std::make_unique<SimulatedFolder>(files_, path_), genesis, {fresh});
   if (!store) return std::unexpected(std::move(store.error()));
   store_ = *std::move(store);
   Opened opened{store_->author(), store_->take_log(), std::nullopt};

@@ -365,7 +365,7 @@ Result<void> fill_store(const PeerOptions& options, const seal::Identity& identi
   parts.opened = *std::move(opened);
   const auto& store = parts.opened.store;
   parts.author =
-      store ? replication::Author(store->author(), store->author_salt()) : seal::fresh_author(identity.public_key());
+      store ? replication::Author{store->author(), store->author_salt()} : seal::fresh_author(identity.public_key());
   parts.signer = std::make_unique<seal::OperationSigner>(
       world.hash, identity, parts.author.salt,
       [&session_seal](const seal::PublicKey& key) { return session_seal.may_write(key); });
@@ -374,8 +374,10 @@ Result<void> fill_store(const PeerOptions& options, const seal::Identity& identi
     if (!id) return std::unexpected(id.error());
     settings.id = id->value;
   }
-  const auto& provided = options.joined ? options.joined->logs : std::vector<replication::OperationPart>{};
-  if (auto added = add_joined(provided, *parts.signer, parts.opened); !added) return added;
+  if (auto good = check_signatures(parts.opened, *parts.signer); !good) return good;
+  if (options.joined && !options.joined->logs.empty()) {
+    if (auto added = add_joined(options.joined->logs, *parts.signer, parts.opened); !added) return added;
+  }
   if (!store || world.archive.empty()) return {};
   const store::StoredWorld stored{parts.world_name(options), world.hash, config::shared_settings(parts.run()),
                                   world.archive};
@@ -441,7 +443,7 @@ JoinService::Options join_service_options(const PeerOptions& options, const Peer
           .key = [&session_seal] { return session_seal.key(); }};
 }
 
-// What somebody wants to have of a run that is over. `capture`: null where there is no sealed one.
+// Keeps what somebody wants to have of a run that is over. `capture`: null where there is no sealed one.
 Result<void> keep_records(const PeerOptions& options, PeerNode& node, const record::CaptureWriter* capture) {
   if (!options.record.empty()) {
     if (auto saved = save(node.log(), options.record); !saved) return saved;

@@ -94,21 +94,21 @@ Roster Roster::first(const std::string& world, const std::string& name, const Id
   return roster;
 }
 
+void Roster::add(Member member, std::string box) {
+  by_key_.emplace(member.key, members_.size());
+  members_.push_back(std::move(member));
+  boxes_.push_back(std::move(box));
+}
+
 // Draws the epoch's key, boxes it for each member, and signs the whole.
 void Roster::close(const Identity& by) {
   const SymmetricKey key = SymmetricKey::random();
   text_ = fmt::format("{}{} {}\n", kRosterBegin, epoch_, world_);
-  boxes_.clear();
-  for (const Member& member : members_) {
-    text_ += fmt::format("{} {} {} {}", member.is_former ? "former" : "member", member.name, name_of(member.role),
-                         member.key.text());
-    if (!member.is_former) {
-      boxes_.push_back(boxed(key, member.key).value_or("-"));
-      text_ += " " + boxes_.back();
-    } else {
-      boxes_.emplace_back();
-    }
-    text_ += '\n';
+  for (Member& member : std::exchange(members_, {})) {
+    const std::string box = member.is_former ? "" : boxed(key, member.key).value_or("-");
+    text_ += fmt::format("{} {} {} {}{}{}\n", member.is_former ? "former" : "member", member.name, name_of(member.role),
+                         member.key.text(), box.empty() ? "" : " ", box);
+    add(std::move(member), box);
   }
   const std::span bytes(reinterpret_cast<const std::uint8_t*>(text_.data()), text_.size());
   signed_by_ = by.public_key();
@@ -172,8 +172,7 @@ std::optional<Roster> Roster::of_text(std::string_view text) {
     std::string box;
     const auto member = read_member(take(rest, '\n'), box);
     if (!member || roster.find(member->key) != nullptr || roster.members_.size() >= kMembersMax) return std::nullopt;
-    roster.members_.push_back(*member);
-    roster.boxes_.push_back(std::move(box));
+    roster.add(*member, std::move(box));
   }
   const std::string_view is_signed = text.substr(0, text.size() - rest.size());
   std::string_view line = take(rest, '\n');
@@ -197,8 +196,8 @@ bool Roster::is_followed_by(const Roster& next) const {
 }
 
 const Member* Roster::find(const PublicKey& key) const {
-  const auto member = std::ranges::find(members_, key, &Member::key);
-  return member == members_.end() ? nullptr : &*member;
+  const auto place = by_key_.find(key);
+  return place == by_key_.end() ? nullptr : &members_[place->second];
 }
 
 bool Roster::has_member(const PublicKey& key) const {
@@ -212,10 +211,9 @@ bool Roster::may_write(const PublicKey& key) const {
 }
 
 std::optional<SymmetricKey> Roster::session_key(const Identity& of) const {
-  const auto member = std::ranges::find(members_, of.public_key(), &Member::key);
+  const auto place = by_key_.find(of.public_key());
   std::array<std::uint8_t, kBox_bytes> box{};
-  if (member == members_.end() || member->is_former) return std::nullopt;
-  if (read_base64(boxes_[static_cast<std::size_t>(member - members_.begin())], box) != kBox_bytes) return std::nullopt;
+  if (place == by_key_.end() || read_base64(boxes_[place->second], box) != kBox_bytes) return std::nullopt;
   return of.open_box(box);
 }
 

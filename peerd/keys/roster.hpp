@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <expected>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -67,11 +68,13 @@ class Roster {
   Roster() = default;
   [[nodiscard]] std::expected<Roster, std::string> next(std::vector<Member> members, const Identity& by) const;
   void close(const Identity& by);
+  void add(Member member, std::string box);
 
   std::string world_, text_;
   std::uint32_t epoch_ = 1;
   std::vector<Member> members_;
-  std::vector<std::string> boxes_;  // in base64, of each member that is no former one
+  std::map<PublicKey, std::size_t> by_key_;  // their places
+  std::vector<std::string> boxes_;           // in base64, of each member that is no former one
   PublicKey signed_by_;
 };
 

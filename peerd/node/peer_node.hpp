@@ -57,7 +57,7 @@ class PeerNode {
     std::vector<replication::OperationPart> log{};
     const replication::LogSigner* signer = nullptr;  // of operations; it outlives the peer
     bool stores = false;
-    // By what its driver seals what it sends, for who asks for its status; empty: it does not.
+    // The driver seals by this what it sends, as the status says; empty: it does not.
     std::string sealed_by{};
     LogRows* rows = nullptr;  // what takes the log's samples, updates and datagrams; null: the log keeps them
   };

@@ -10,7 +10,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "peerd/record/hex.hpp"
+#include "peerd/keys/base64.hpp"
+#include "peerd/keys/little_endian.hpp"
 #include "peerd/record/udp_packet.hpp"
 #include "peerd/transport/unicast_frame.hpp"
 
@@ -59,11 +60,9 @@ std::optional<decltype(Event::what)> input_from(std::string_view text) {
     return OsClockRead{replication::OsClock{*minus_host, *error}};
   }
   if (word == "signed") {
-    const auto bytes = bytes_of_hex(text);
     Signed by_peer;
-    if (!bytes || bytes->size() != by_peer.signature.size()) return std::nullopt;
-    std::ranges::copy(*bytes, by_peer.signature.begin());
-    return by_peer;
+    const auto size = seal::read_base64(text, seal::as_octets(std::span<std::byte>(by_peer.signature)));
+    return size == by_peer.signature.size() ? std::optional(by_peer) : std::nullopt;
   }
   if (word != "control" && word != "poses") return std::nullopt;
   const auto host_minus_wall = take_duration(text);
@@ -146,7 +145,7 @@ void CaptureWriter::on_poses(HostTime now, Duration host_minus_wall, std::string
 }
 
 void CaptureWriter::on_signed(std::span<const std::byte, replication::kSignature_bytes> signature) {
-  input(now_, "signed " + hex_of(signature));
+  input(now_, "signed " + seal::base64_of(seal::as_octets(signature)));
 }
 
 void CaptureWriter::on_os_clock(HostTime now, const std::optional<replication::OsClock>& clock) {

@@ -6,7 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/record/hex.hpp"
+#include "peerd/keys/base64.hpp"
+#include "peerd/keys/little_endian.hpp"
 #include "replication/operations/log_signer.hpp"
 
 namespace peerd::record {
@@ -57,7 +58,8 @@ std::string to_text(const Setup& s) {
                               {"file", s.file.string()},
                               {"configuration", s.configuration}};
   if (s.options.author) json["author"] = s.options.author->value;
-  if (!s.author_key.empty()) json["author_key"] = hex_of(s.author_key);
+  if (!s.author_key.empty())
+    json["author_key"] = seal::base64_of(seal::as_octets(std::span<const std::byte>(s.author_key)));
   // Paths may not be UTF-8. A path with a replaced character will be reported as missing.
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
@@ -96,9 +98,11 @@ std::expected<Setup, std::string> setup_from(std::string_view text) {
         return std::unexpected("it has no such author");
       }
     }
-    auto key = bytes_of_hex(json.value("author_key", ""));
-    if (!key) return std::unexpected("its author's key is damaged");
-    s.author_key = *std::move(key);
+    const auto key = json.value("author_key", "");
+    s.author_key.resize(key.size());
+    const auto key_bytes = seal::read_base64(key, seal::as_octets(std::span<std::byte>(s.author_key)));
+    if (!key_bytes) return std::unexpected("its author's key is damaged");
+    s.author_key.resize(*key_bytes);
     s.world = json.at("world").get<std::string>();
     s.world_hash = json.at("world_hash").get<std::uint64_t>();
     s.reading.inlines_when_needed = json.at("inlines_when_needed").get<bool>();

@@ -1,7 +1,9 @@
 #include "peerd/running/peer_store.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <iterator>
+#include <map>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
@@ -10,6 +12,7 @@
 #include "peerd/seal/operation_signer.hpp"
 #include "peerd/store/store_folder.hpp"
 #include "replication/operations/operation_log.hpp"
+#include "replication/operations/signed_log.hpp"
 
 namespace peerd {
 namespace {
@@ -79,17 +82,26 @@ Result<OpenedStore> open_store(const StoreOptions& options, std::uint64_t genesi
   return opened;
 }
 
-Result<void> add_joined(const std::vector<replication::OperationPart>& provided, const replication::LogSigner& signer,
-                        OpenedStore& opened) {
-  replication::OperationLogs logs(replication::kNoAuthor, &signer);
-  for (const replication::OperationPart& part : opened.log) {
-    const auto read = logs.restore(part);
-    if (read && logs.whole(part.author) == part.from + part.bytes.size()) continue;
+Result<void> check_signatures(const OpenedStore& opened, const replication::LogSigner& signer) {
+  std::map<replication::AuthorId, replication::SignedLog> logs;
+  for (const replication::OperationPart& part : opened.log) {  // each of whole operations
+    const auto checked = logs[part.author].check(signer, part.author, part.bytes);
+    if (checked.wrong == nullptr && checked.bytes == part.bytes.size()) continue;
     return std::unexpected(InputError{
         fmt::format("error: the store {} has operations of author {} that their author has not signed; --fresh puts "
                     "the store aside",
                     opened.folder.string(), part.author.value),
         1});
+  }
+  return {};
+}
+
+Result<void> add_joined(const std::vector<replication::OperationPart>& provided, const replication::LogSigner& signer,
+                        OpenedStore& opened) {
+  replication::OperationLogs logs(replication::kNoAuthor, &signer);
+  for (const replication::OperationPart& part : opened.log) {
+    [[maybe_unused]] const auto read = logs.restore(part);
+    assert(read);
   }
   std::vector<replication::OperationPart> added;
   for (const replication::OperationPart& part : provided) {

@@ -43,8 +43,11 @@ struct OpenedStore {
 [[nodiscard]] Result<OpenedStore> open_store(const StoreOptions& options, std::uint64_t genesis,
                                              const std::string& peer, const seal::Identity& identity);
 
-// Adds the logs that other peers have provided to those of the store, and to the store. All are read first: a log that
-// is damaged, that its author has not signed, or that contradicts the store's, is refused.
+// Whether authors have signed all that the store has of theirs. Else somebody has put it there.
+[[nodiscard]] Result<void> check_signatures(const OpenedStore& opened, const replication::LogSigner& signer);
+
+// Adds the logs that other peers have provided to those of the store, whose signatures are right, and to the store. All
+// are read first: a log that is damaged, that its author has not signed, or that contradicts the store's, is refused.
 [[nodiscard]] Result<void> add_joined(const std::vector<replication::OperationPart>& provided,
                                       const replication::LogSigner& signer, OpenedStore& opened);
 

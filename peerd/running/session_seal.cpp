@@ -17,14 +17,14 @@ namespace asio = boost::asio;
 
 constexpr std::chrono::seconds kFileChecked{1};
 
+}  // namespace
+
 // Dead reckoning is too frequent to be signed, and is checked afterwards.
 std::optional<seal::Contents> contents_of(std::span<const std::byte> datagram) {
   const auto envelope = replication::envelope_of(datagram);
   if (!envelope) return std::nullopt;
   return seal::Contents{envelope->sender, !envelope->has_only_updates, envelope->changes_world};
 }
-
-}  // namespace
 
 Result<seal::Identity> peer_identity(const config::TransportSettings& settings, const SayLine& say) {
   const auto file = seal::chosen_identity_file(settings.identity_file);
@@ -54,11 +54,9 @@ Result<std::unique_ptr<SessionSeal>> SessionSeal::choose(const config::Transport
     if (!roster) return std::unexpected(roster.error());
     if (*roster) {
       chosen->file_ = *roster_file;
-      chosen->roster_ = **roster;
-      chosen->earlier_ = read_earlier_rosters(*roster_file);
-      chosen->key_ = (*roster)->session_key(identity);
+      chosen->rosters_.emplace(**roster, read_earlier_rosters(*roster_file), identity);
       chosen->by_ = "the roster " + roster_file->string();
-      if (chosen->key_) return chosen;
+      if (chosen->key()) return chosen;
       return std::unexpected(not_a_member(*roster_file, identity));
     }
     if (!settings.roster_file.empty()) {
@@ -78,16 +76,17 @@ Result<void> SessionSeal::check_owner(bool owns_something) const {
 }
 
 LogLine SessionSeal::line() const {
-  if (!key_) return {LogLevel::kWarning, "open: whoever is on this network can listen, and speak as any peer"};
-  if (!roster_) return {LogLevel::kInfo, "sealed by " + by_};
-  const seal::Member* const self = roster_->find(identity_.public_key());
-  return {LogLevel::kInfo, fmt::format("sealed by {}, epoch {}; this is {}, {}", by_, roster_->epoch(), self->name,
+  if (!key()) return {LogLevel::kWarning, "open: whoever is on this network can listen, and speak as any peer"};
+  if (!rosters_) return {LogLevel::kInfo, "sealed by " + by_};
+  const seal::Roster& roster = rosters_->current();
+  const seal::Member* const self = roster.find(identity_.public_key());
+  return {LogLevel::kInfo, fmt::format("sealed by {}, epoch {}; this is {}, {}", by_, roster.epoch(), self->name,
                                        seal::name_of(self->role))};
 }
 
 std::shared_ptr<net::GreetingSeal> SessionSeal::greetings(const SayLine& say) {
-  if (!key_) return nullptr;
-  greetings_ = std::make_shared<seal::SealedGreetings>(*key_, [say](const std::string& line) {
+  if (!key()) return nullptr;
+  greetings_ = std::make_shared<seal::SealedGreetings>(*key(), [say](const std::string& line) {
     say({LogLevel::kWarning, line});
   });
   return greetings_;
@@ -95,36 +94,35 @@ std::shared_ptr<net::GreetingSeal> SessionSeal::greetings(const SayLine& say) {
 
 void SessionSeal::seal(asio::io_context& io, const net::HostClock& clock, PeerId self, net::OpenedTransport& reached,
                        const SayLine& say) {
-  if (!key_) return;
+  if (!key()) return;
   const auto warn = [say](const std::string& line) { say({LogLevel::kWarning, line}); };
   seal::Sealer::Self as{.peer = self, .identity = identity_};
-  if (!roster_) {
+  if (!rosters_) {
     reached.transport = std::make_unique<seal::SealedTransport>(io, clock, std::move(reached.transport), *key_,
                                                                 std::move(as), contents_of, warn);
     return;
   }
-  auto transport = std::make_unique<seal::SealedTransport>(io, clock, std::move(reached.transport),
-                                                           seal::RosterExchange(*roster_, earlier_, identity_),
-                                                           std::move(as), contents_of, warn);
-  transport_ = transport.get();
-  transport->on_roster([this, say](const seal::Roster& roster) {
+  const auto on_roster = [this, say](const seal::Roster& roster) {
     if (const auto saved = save_roster(file_, roster); !saved) say({LogLevel::kWarning, saved.error().text});
     adopt(roster, say);
-  });
+  };
+  auto transport = std::make_unique<seal::SealedTransport>(io, clock, std::move(reached.transport), *rosters_,
+                                                           on_roster, std::move(as), contents_of, warn);
+  transport_ = transport.get();
   reached.transport = std::move(transport);
   timer_.emplace(io);
   watch_file(say);
 }
 
 void SessionSeal::adopt(const seal::Roster& roster, const SayLine& say) {
-  assert(transport_ != nullptr && roster_);
-  if (!roster_->is_followed_by(roster)) return;
-  transport_->adopt(roster);
-  const auto key = roster.session_key(identity_);
-  if (!key) return;  // the transport has said so
-  roster_ = roster;
-  key_ = key;
-  if (greetings_) greetings_->rekey(*key);
+  assert(transport_ != nullptr);
+  if (!rosters_->current().is_followed_by(roster)) return;
+  if (!rosters_->adopt(roster)) {
+    return say(
+        {LogLevel::kWarning, "this peer is no member of \"" + roster.world() + "\" any more: it goes on by itself"});
+  }
+  transport_->follow_roster();
+  if (greetings_) greetings_->rekey(*key());
   say(line());
 }
 

@@ -1,12 +1,13 @@
 #pragma once
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
-#include <vector>
 
 #include "core/ids.hpp"
 #include "peerd/config/peer_settings.hpp"
@@ -29,6 +30,9 @@ using SayLine = std::function<void(const LogLine&)>;
 // can't be made, the identity is one of this start alone, and somebody is told.
 [[nodiscard]] Result<seal::Identity> peer_identity(const config::TransportSettings& settings, const SayLine& say);
 
+// What the seal needs to know of a peer's datagram; none: peers send no such thing.
+[[nodiscard]] std::optional<seal::Contents> contents_of(std::span<const std::byte> datagram);
+
 // The error of who has a roster that does not name them.
 [[nodiscard]] InputError not_a_member(const std::filesystem::path& roster, const seal::Identity& identity);
 
@@ -46,16 +50,18 @@ class SessionSeal {
   [[nodiscard]] const std::string& by() const { return by_; }
   [[nodiscard]] LogLine line() const;  // for the log
   // The session's key at present; none: it is open.
-  [[nodiscard]] const std::optional<seal::SymmetricKey>& key() const { return key_; }
+  [[nodiscard]] const std::optional<seal::SymmetricKey>& key() const { return rosters_ ? rosters_->key() : key_; }
   // An observer owns nothing.
   [[nodiscard]] Result<void> check_owner(bool owns_something) const;
   // Whether operations by that key count.
-  [[nodiscard]] bool may_write(const seal::PublicKey& key) const { return !roster_ || roster_->may_write(key); }
+  [[nodiscard]] bool may_write(const seal::PublicKey& key) const {
+    return !rosters_ || rosters_->current().may_write(key);
+  }
 
   // The seal of the greetings of unicast, in this epoch and the next ones; null: they are open.
   [[nodiscard]] std::shared_ptr<net::GreetingSeal> greetings(const SayLine& say);
   // The transport seals all that it carries from then on. Rosters that come, over the network or into the file, are
-  // followed. All but the transport outlive it.
+  // followed. This and all else that is given outlive it.
   void seal(boost::asio::io_context& io, const net::HostClock& clock, PeerId self, net::OpenedTransport& reached,
             const SayLine& say);
 
@@ -67,9 +73,8 @@ class SessionSeal {
   seal::Identity identity_;
   std::filesystem::path file_;  // of the roster
   std::string by_;
-  std::optional<seal::SymmetricKey> key_;
-  std::optional<seal::Roster> roster_;
-  std::vector<seal::Roster> earlier_;
+  std::optional<seal::SymmetricKey> key_;        // of a session without a roster
+  std::optional<seal::RosterExchange> rosters_;  // of one with it
   std::shared_ptr<seal::SealedGreetings> greetings_;
   seal::SealedTransport* transport_ = nullptr;
   std::optional<boost::asio::steady_timer> timer_;

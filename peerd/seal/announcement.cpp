@@ -1,22 +1,18 @@
 #include "peerd/seal/announcement.hpp"
 
-#include <sodium.h>
-
 #include <algorithm>
 #include <cassert>
 
-#include "peerd/seal/little_endian.hpp"
+#include "peerd/keys/little_endian.hpp"
+#include "peerd/seal/nonce_seal.hpp"
 
 namespace peerd::seal {
 namespace {
 
 constexpr std::string_view kAnnouncementUse = "announcement";
-constexpr std::size_t kAnnouncementNonce_bytes = crypto_aead_xchacha20poly1305_ietf_NPUBBYTES;
-constexpr std::size_t kSealTag_bytes = crypto_aead_xchacha20poly1305_ietf_ABYTES;
 constexpr std::size_t kAnnouncedPeer_bytes = 4;
 constexpr std::size_t kClear_bytes =
     1 + kAnnouncedPeer_bytes;  // the first bytes, which are authenticated and not encrypted
-constexpr std::size_t kHead_bytes = kClear_bytes + kAnnouncementNonce_bytes;
 // The contents: fields of these sizes in this order, the names, the signature.
 constexpr std::size_t kBoot_bytes = std::tuple_size_v<BootId>, kAnnouncedNumber_bytes = 8, kSent_bytes = 8,
                       kFlags_bytes = 1;
@@ -24,7 +20,7 @@ constexpr std::size_t kPrintSalt_bytes = 8, kCovers_bytes = 4;
 constexpr std::size_t kFixed_bytes = kBoot_bytes + kAnnouncedNumber_bytes + kSent_bytes + kFlags_bytes +
                                      PublicKey::kBytes + kPrintSalt_bytes + kCovers_bytes + Checkpoint::kPrints_bytes;
 constexpr std::size_t kName_bytes = Named::kBytes + 1;
-constexpr std::size_t kLeast_bytes = kHead_bytes + kFixed_bytes + PublicKey::kSignature_bytes + kSealTag_bytes;
+constexpr std::size_t kLeast_bytes = kClear_bytes + kFixed_bytes + PublicKey::kSignature_bytes + kNonceSealAdded_bytes;
 static_assert(kLeast_bytes + kNamesMax * kName_bytes <= kAnnouncementMax_bytes);
 static_assert(kLeast_bytes + (kNamesMax + 1) * kName_bytes > kAnnouncementMax_bytes);
 constexpr std::uint8_t kSignsAll = 1;
@@ -100,15 +96,7 @@ std::vector<std::byte> seal_announcement(const Announcement& says, std::uint8_t 
     write.number(name.flags, 1);
   }
   write.bytes(by.sign(kAnnouncementUse, with_session(text, announcing)));
-  const auto contents = std::span(text).subspan(kClear_bytes);
-
-  std::vector<std::byte> announcement(kHead_bytes + contents.size() + kSealTag_bytes);
-  const auto out = as_octets(std::span(announcement));
-  std::copy_n(text.begin(), kClear_bytes, out.begin());
-  randombytes_buf(out.data() + kClear_bytes, kAnnouncementNonce_bytes);
-  crypto_aead_xchacha20poly1305_ietf_encrypt(out.data() + kHead_bytes, nullptr, contents.data(), contents.size(),
-                                             out.data(), kClear_bytes, nullptr, out.data() + kClear_bytes,
-                                             announcing.data());
+  auto announcement = seal_by_nonce(text, kClear_bytes, announcing);
   assert(announcement.size() <= kAnnouncementMax_bytes);
   return announcement;
 }
@@ -116,21 +104,16 @@ std::vector<std::byte> seal_announcement(const Announcement& says, std::uint8_t 
 std::optional<OpenedAnnouncement> OpenedAnnouncement::open(std::span<const std::byte> sealed,
                                                            const SymmetricKey& announcing) {
   if (sealed.size() < kLeast_bytes || sealed.size() > kAnnouncementMax_bytes) return std::nullopt;
-  const auto in = as_octets(sealed);
-  std::vector<std::uint8_t> text(in.size() - kAnnouncementNonce_bytes - kSealTag_bytes);
-  std::copy_n(in.begin(), kClear_bytes, text.begin());
-  const int failed = crypto_aead_xchacha20poly1305_ietf_decrypt(
-      text.data() + kClear_bytes, nullptr, nullptr, in.data() + kHead_bytes, in.size() - kHead_bytes, in.data(),
-      kClear_bytes, in.data() + kClear_bytes, announcing.data());
-  const std::size_t signed_bytes = text.size() - PublicKey::kSignature_bytes;
-  if (failed != 0 || (signed_bytes - kClear_bytes - kFixed_bytes) % kName_bytes != 0) return std::nullopt;
+  auto text = open_by_nonce(sealed, kClear_bytes, announcing);
+  if (!text) return std::nullopt;
+  const std::size_t signed_bytes = text->size() - PublicKey::kSignature_bytes;
+  if ((signed_bytes - kClear_bytes - kFixed_bytes) % kName_bytes != 0) return std::nullopt;
 
   OpenedAnnouncement opened;
-  std::copy_n(text.begin() + static_cast<std::ptrdiff_t>(signed_bytes), PublicKey::kSignature_bytes,
-              opened.signature_.begin());
-  text.resize(signed_bytes);
+  std::ranges::copy(std::span(*text).subspan(signed_bytes), opened.signature_.begin());
+  text->resize(signed_bytes);
   Announcement& says = opened.says_;
-  Reader read{std::span(text).subspan(1)};
+  Reader read{std::span(*text).subspan(1)};
   says.sender = PeerId{static_cast<std::uint32_t>(read.number(kAnnouncedPeer_bytes))};
   read.bytes(says.boot);
   says.number = read.number(kAnnouncedNumber_bytes);
@@ -147,7 +130,7 @@ std::optional<OpenedAnnouncement> OpenedAnnouncement::open(std::span<const std::
     read.bytes(name.boot);
     name.flags = static_cast<std::uint8_t>(read.number(1));
   }
-  opened.signed_ = with_session(std::move(text), announcing);
+  opened.signed_ = with_session(*std::move(text), announcing);
   return opened;
 }
 

@@ -46,6 +46,7 @@ struct Announcement {
   std::vector<Named> names{};
 };
 
+inline constexpr std::uint8_t kEpochBits = 0x1F;  // of the first byte of all that is sealed: the session's epoch
 inline constexpr std::size_t kAnnouncementMax_bytes = 1200;
 inline constexpr std::size_t kNamesMax = 109;
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "peerd/seal/little_endian.hpp"
+#include "peerd/keys/little_endian.hpp"
 
 namespace peerd::seal {
 namespace {

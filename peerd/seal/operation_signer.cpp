@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "peerd/keys/little_endian.hpp"
 #include "peerd/keys/symmetric_key.hpp"
-#include "peerd/seal/little_endian.hpp"
 
 namespace peerd::seal {
 namespace {

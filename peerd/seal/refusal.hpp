@@ -11,7 +11,7 @@ enum class Refusal : std::uint8_t {
   kUnproven,     // nothing shows that its sender runs at present: no announcement of its boot has named this process's
   kForged,       // no key opens it: another session's, or damaged, or forged
   kReplayed,     // it has come before, or is older than kWidth counters of its region
-  kTooMany,      // of a boot in whose place so many others of its peer came that it was given up; or too many new ones
+  kTooMany,      // of a boot in whose place so many others of its peer came that it was given up
   kNoMember,     // its sender's key is no member's
   kImpostor,     // its sender's number is another key's
   kUnsigned,     // by somebody who has the session's key, and not by its sender

@@ -1,54 +1,58 @@
 #include "peerd/seal/roster_exchange.hpp"
 
-#include <sodium.h>
-
 #include <algorithm>
-#include <array>
 #include <numeric>
 #include <utility>
 
+#include "peerd/keys/little_endian.hpp"
 #include "peerd/seal/announcement.hpp"
-#include "peerd/seal/little_endian.hpp"
+#include "peerd/seal/nonce_seal.hpp"
 
 namespace peerd::seal {
 namespace {
 
-constexpr std::uint8_t kRosterPart = 0xE0, kKindOfPart = 0xE0, kEpochMask = 0x1F;
-constexpr std::size_t kPartNonce_bytes = crypto_aead_xchacha20poly1305_ietf_NPUBBYTES;
-constexpr std::size_t kPartTag_bytes = crypto_aead_xchacha20poly1305_ietf_ABYTES;
-// The contents: the roster's epoch, the number of the part and of all parts, and the part.
-constexpr std::size_t kEpoch_bytes = 4, kCount_bytes = 2, kPartHeader_bytes = kEpoch_bytes + 2 * kCount_bytes;
+constexpr std::uint8_t kRosterPart = 0xE0, kKindOfPart = 0xE0;
+// A part in clear: the first byte, the roster's epoch, the number of the part and of all parts, and its piece.
+constexpr std::size_t kMark_bytes = 1, kEpoch_bytes = 4, kCount_bytes = 2,
+                      kPartHeader_bytes = kMark_bytes + kEpoch_bytes + 2 * kCount_bytes;
 constexpr std::size_t kPartsMax = (Roster::kText_bytes + RosterExchange::kPart_bytes - 1) / RosterExchange::kPart_bytes;
 
-std::vector<std::byte> seal_part(std::span<const std::uint8_t> contents, std::uint8_t first, const SymmetricKey& key) {
-  std::vector<std::byte> part(1 + kPartNonce_bytes + contents.size() + kPartTag_bytes);
-  const auto out = as_octets(std::span(part));
-  out[0] = first;
-  randombytes_buf(out.data() + 1, kPartNonce_bytes);
-  crypto_aead_xchacha20poly1305_ietf_encrypt(out.data() + 1 + kPartNonce_bytes, nullptr, contents.data(),
-                                             contents.size(), out.data(), 1, nullptr, out.data() + 1, key.data());
-  return part;
-}
-
-std::optional<std::vector<std::uint8_t>> open_part(std::span<const std::byte> part, const SymmetricKey& key) {
-  if (part.size() < 1 + kPartNonce_bytes + kPartHeader_bytes + kPartTag_bytes) return std::nullopt;
-  const auto in = as_octets(part);
-  std::vector<std::uint8_t> contents(part.size() - 1 - kPartNonce_bytes - kPartTag_bytes);
-  const int failed = crypto_aead_xchacha20poly1305_ietf_decrypt(
-      contents.data(), nullptr, nullptr, in.data() + 1 + kPartNonce_bytes, in.size() - 1 - kPartNonce_bytes, in.data(),
-      1, in.data() + 1, key.data());
-  return failed == 0 ? std::optional(std::move(contents)) : std::nullopt;
+std::uint8_t first_of(std::span<const std::byte> datagram) {
+  return datagram.empty() ? 0 : std::to_integer<std::uint8_t>(datagram.front());
 }
 
 }  // namespace
 
-std::uint8_t epoch_bits(std::uint32_t epoch) { return static_cast<std::uint8_t>(epoch & kEpochMask); }
+struct RosterExchange::Part {
+  std::uint32_t epoch = 0;
+  std::size_t number = 0, count = 0;
+  std::string piece;
+
+  [[nodiscard]] std::vector<std::byte> sealed(std::uint8_t first, const SymmetricKey& key) const {
+    std::vector<std::uint8_t> text(kPartHeader_bytes);
+    text[0] = first;
+    put(epoch, std::span(text).subspan(kMark_bytes, kEpoch_bytes));
+    put(number, std::span(text).subspan(kMark_bytes + kEpoch_bytes, kCount_bytes));
+    put(count, std::span(text).last(kCount_bytes));
+    text.insert(text.end(), piece.begin(), piece.end());
+    return seal_by_nonce(text, kMark_bytes, key);
+  }
+  static std::optional<Part> opened(std::span<const std::byte> sealed, const SymmetricKey& key) {
+    const auto text = open_by_nonce(sealed, kMark_bytes, key);
+    if (!text || text->size() < kPartHeader_bytes) return std::nullopt;
+    const std::span header = std::span(*text).first(kPartHeader_bytes);
+    return Part{static_cast<std::uint32_t>(get(header.subspan(kMark_bytes, kEpoch_bytes))),
+                get(header.subspan(kMark_bytes + kEpoch_bytes, kCount_bytes)), get(header.last(kCount_bytes)),
+                std::string(text->begin() + kPartHeader_bytes, text->end())};
+  }
+};
+
+std::uint8_t epoch_bits(std::uint32_t epoch) { return static_cast<std::uint8_t>(epoch & kEpochBits); }
 
 RosterExchange::RosterExchange(Roster current, const std::vector<Roster>& earlier, const Identity& self)
-    : self_(self), current_(std::move(current)) {
+    : self_(self), current_(std::move(current)), key_(current_.session_key(self_)) {
   for (const Roster& each : earlier) learn(each);
   learn(current_);
-  key_ = current_.session_key(self_);
 }
 
 void RosterExchange::learn(const Roster& roster) {
@@ -59,61 +63,100 @@ void RosterExchange::learn(const Roster& roster) {
 
 bool RosterExchange::adopt(const Roster& next) {
   if (!current_.is_followed_by(next)) return false;
+  const auto key = next.session_key(self_);
+  if (!key) {
+    refused_epoch_ = std::max(refused_epoch_, next.epoch());
+    return false;
+  }
   current_ = next;
+  key_ = key;
   learn(current_);
-  key_ = current_.session_key(self_);
+  for (auto& [number, epoch] : epochs_) epoch.heard.clear();
   coming_.clear();
   return true;
 }
 
 bool RosterExchange::is_part(std::span<const std::byte> datagram) {
-  return !datagram.empty() && (std::to_integer<std::uint8_t>(datagram.front()) & kKindOfPart) == kRosterPart;
+  return (first_of(datagram) & kKindOfPart) == kRosterPart;
 }
 
-std::vector<std::vector<std::byte>> RosterExchange::answer(std::span<const std::byte> announcement, HostTime now) {
+bool RosterExchange::hear(std::span<const std::byte> announcement, HostTime now) {
   for (auto& [number, epoch] : epochs_) {
-    const bool may_be = !announcement.empty() &&
-                        (std::to_integer<std::uint8_t>(announcement.front()) & kEpochMask) == epoch_bits(number);
-    if (number == current_.epoch() || !may_be || (epoch.answered && now < *epoch.answered + kApart)) continue;
-    if (!OpenedAnnouncement::open(announcement, epoch.announcing)) continue;
-    epoch.answered = now;
-    const std::string& text = current_.text();
-    const std::size_t count = (text.size() + kPart_bytes - 1) / kPart_bytes;
-    std::vector<std::vector<std::byte>> parts;
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::string_view part = std::string_view(text).substr(i * kPart_bytes, kPart_bytes);
-      std::vector<std::uint8_t> contents(kPartHeader_bytes);
-      put(current_.epoch(), std::span(contents).first<kEpoch_bytes>());
-      put(i, std::span(contents).subspan<kEpoch_bytes, kCount_bytes>());
-      put(count, std::span(contents).last<kCount_bytes>());
-      contents.insert(contents.end(), part.begin(), part.end());
-      parts.push_back(seal_part(contents, kRosterPart | epoch_bits(number), epoch.parts));
+    if (number == current_.epoch() || (first_of(announcement) & kEpochBits) != epoch_bits(number)) continue;
+    const auto opened = OpenedAnnouncement::open(announcement, epoch.announcing);
+    if (!opened) continue;
+    const Duration apart = current_.has_member(opened->says().key) ? kApart : kApartFormer;
+    const bool is_early = epoch.answer_at || (epoch.answered && now < *epoch.answered + apart);
+    if (!is_early && opened->is_signed()) {
+      epoch.answer_at = now + kTurn * (self_.public_key().bytes().front() % kTurns);
+      epoch.heard.clear();
     }
-    return parts;
+    return true;
   }
-  return {};
+  return false;
 }
 
-bool RosterExchange::opens(std::span<const std::byte> part) const {
-  const auto own = epochs_.find(current_.epoch());
-  return own != epochs_.end() && open_part(part, own->second.parts).has_value();
+std::optional<HostTime> RosterExchange::next_answer() const {
+  std::optional<HostTime> next;
+  for (const auto& [number, epoch] : epochs_) {
+    if (epoch.answer_at && (!next || *epoch.answer_at < *next)) next = epoch.answer_at;
+  }
+  return next;
 }
 
-std::optional<Roster> RosterExchange::take(std::span<const std::byte> part) {
-  const auto own = epochs_.find(current_.epoch());
-  if (own == epochs_.end()) return std::nullopt;
-  const auto contents = open_part(part, own->second.parts);
-  if (!contents) return std::nullopt;
-  const std::span<const std::uint8_t> all(*contents);
-  const auto epoch = static_cast<std::uint32_t>(get(all.first<kEpoch_bytes>()));
-  const std::size_t number = get(all.subspan<kEpoch_bytes, kCount_bytes>());
-  const std::size_t count = get(all.subspan<kEpoch_bytes + kCount_bytes, kCount_bytes>());
-  if (epoch <= current_.epoch() || count == 0 || count > kPartsMax || number >= count) return std::nullopt;
-  if (coming_.size() != count || coming_epoch_ != epoch) {
-    coming_.assign(count, {});
-    coming_epoch_ = epoch;
+std::vector<std::string> RosterExchange::pieces() const {
+  std::vector<std::string> pieces;
+  for (std::size_t at = 0; at < current_.text().size(); at += kPart_bytes) {
+    pieces.push_back(current_.text().substr(at, kPart_bytes));
   }
-  coming_[number].assign(all.begin() + kPartHeader_bytes, all.end());
+  return pieces;
+}
+
+std::vector<std::vector<std::byte>> RosterExchange::answers(HostTime now) {
+  std::vector<std::vector<std::byte>> parts;
+  for (auto& [number, epoch] : epochs_) {
+    if (!epoch.answer_at || now < *epoch.answer_at) continue;
+    epoch.answer_at.reset();
+    epoch.answered = now;
+    const auto all = pieces();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      parts.push_back(
+          Part{current_.epoch(), i, all.size(), all[i]}.sealed(kRosterPart | epoch_bits(number), epoch.parts));
+    }
+  }
+  return parts;
+}
+
+std::expected<std::optional<Roster>, Refusal> RosterExchange::take(std::span<const std::byte> sealed, HostTime now) {
+  for (auto& [number, epoch] : epochs_) {
+    if ((first_of(sealed) & kEpochBits) != epoch_bits(number)) continue;
+    auto part = Part::opened(sealed, epoch.parts);
+    if (!part) continue;
+    if (number == current_.epoch()) return add(*std::move(part));
+    on_answer_of_another(epoch, *part, now);
+    return std::nullopt;
+  }
+  return std::unexpected(Refusal::kForged);
+}
+
+// Only the very roster that this one would send spares it that: a former member may send others.
+void RosterExchange::on_answer_of_another(Epoch& epoch, const Part& part, HostTime now) {
+  const auto all = pieces();
+  if (!epoch.answer_at || part.number >= all.size() || part.piece != all[part.number]) return;
+  epoch.heard.insert(part.number);
+  if (epoch.heard.size() < all.size()) return;
+  epoch.answer_at.reset();
+  epoch.answered = now;
+}
+
+std::optional<Roster> RosterExchange::add(Part part) {
+  const bool is_news = part.epoch > std::max(current_.epoch(), refused_epoch_);
+  if (!is_news || part.count > kPartsMax || part.number >= part.count) return std::nullopt;
+  if (coming_.size() != part.count || coming_epoch_ != part.epoch) {
+    coming_.assign(part.count, {});
+    coming_epoch_ = part.epoch;
+  }
+  coming_[part.number] = std::move(part.piece);
   if (std::ranges::any_of(coming_, &std::string::empty)) return std::nullopt;
   const auto roster = Roster::of_text(std::accumulate(coming_.begin(), coming_.end(), std::string()));
   coming_.clear();

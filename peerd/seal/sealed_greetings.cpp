@@ -1,21 +1,15 @@
 #include "peerd/seal/sealed_greetings.hpp"
 
-#include <sodium.h>
-
-#include <algorithm>
 #include <cassert>
+
+#include "peerd/keys/little_endian.hpp"
+#include "peerd/seal/nonce_seal.hpp"
 
 namespace peerd::seal {
 namespace {
 
 constexpr Duration kGreeterNamedApart = std::chrono::minutes(1);
-constexpr std::size_t kGreetingNonce_bytes = crypto_aead_xchacha20poly1305_ietf_NPUBBYTES;
-constexpr std::size_t kGreetingTag_bytes = crypto_aead_xchacha20poly1305_ietf_ABYTES;
-constexpr std::size_t kGreetingHeader_bytes = 1 + kGreetingNonce_bytes;
-static_assert(SealedGreetings::kAdded_bytes == kGreetingHeader_bytes + kGreetingTag_bytes);
-
-std::uint8_t* octets_of(std::byte* bytes) { return reinterpret_cast<std::uint8_t*>(bytes); }
-const std::uint8_t* octets_of(const std::byte* bytes) { return reinterpret_cast<const std::uint8_t*>(bytes); }
+static_assert(SealedGreetings::kAdded_bytes == 1 + kNonceSealAdded_bytes);
 
 }  // namespace
 
@@ -27,24 +21,18 @@ SealedGreetings::SealedGreetings(const SymmetricKey& session, Warn warn)
 void SealedGreetings::rekey(const SymmetricKey& session) { key_ = session.derived("greetings", {}); }
 
 std::vector<std::byte> SealedGreetings::seal(std::span<const std::byte> greeting) {
-  std::vector<std::byte> sealed(greeting.size() + kAdded_bytes);
-  std::uint8_t* const out = octets_of(sealed.data());
-  sealed[0] = kMark;
-  randombytes_buf(out + 1, kGreetingNonce_bytes);
-  crypto_aead_xchacha20poly1305_ietf_encrypt(out + kGreetingHeader_bytes, nullptr, octets_of(greeting.data()),
-                                             greeting.size(), out, 1, nullptr, out + 1, key_.data());
-  return sealed;
+  std::vector<std::uint8_t> text{std::to_integer<std::uint8_t>(kMark)};
+  const auto octets = as_octets(greeting);
+  text.insert(text.end(), octets.begin(), octets.end());
+  return seal_by_nonce(text, 1, key_);
 }
 
 std::optional<std::vector<std::byte>> SealedGreetings::opened(std::span<const std::byte> sealed) const {
-  if (sealed.size() < kAdded_bytes || sealed.front() != kMark) return std::nullopt;
-  std::vector<std::byte> greeting(sealed.size() - kAdded_bytes);
-  const std::uint8_t* const in = octets_of(sealed.data());
-  const int failed = crypto_aead_xchacha20poly1305_ietf_decrypt(
-      octets_of(greeting.data()), nullptr, nullptr, in + kGreetingHeader_bytes, sealed.size() - kGreetingHeader_bytes,
-      in, 1, in + 1, key_.data());
-  if (failed != 0) return std::nullopt;
-  return greeting;
+  if (sealed.empty() || sealed.front() != kMark) return std::nullopt;
+  const auto text = open_by_nonce(sealed, 1, key_);
+  if (!text) return std::nullopt;
+  const auto greeting = std::as_bytes(std::span(*text)).subspan(1);
+  return std::vector<std::byte>(greeting.begin(), greeting.end());
 }
 
 std::optional<std::vector<std::byte>> SealedGreetings::open(std::span<const std::byte> sealed, HostTime at,

@@ -47,7 +47,7 @@ std::string sentence_of(Sealer::Finding::Kind kind, PeerId peer) {
   switch (kind) {
     case Sealer::Finding::Kind::kImpersonated:
       return "somebody who has the session's key speaks in the name of " + name +
-             ", which signs each datagram until that has stopped for a minute";
+             ", which signs each datagram for some time now";
     case Sealer::Finding::Kind::kNumberTaken:
       return name + " does not hear this peer, whose number it knows as somebody else's; --id says another one";
     case Sealer::Finding::Kind::kNoMember:
@@ -73,23 +73,24 @@ SealedTransport::SealedTransport(boost::asio::io_context& io, const net::HostClo
 }
 
 SealedTransport::SealedTransport(boost::asio::io_context& io, const net::HostClock& clock,
-                                 std::unique_ptr<net::Transport> carrier, RosterExchange rosters, Sealer::Self self,
-                                 Examine examine, Warn warn)
+                                 std::unique_ptr<net::Transport> carrier, RosterExchange& rosters, OnRoster on_roster,
+                                 Sealer::Self self, Examine examine, Warn warn)
     : clock_(clock),
       carrier_(std::move(carrier)),
       strangers_(random_key(), {}),
       self_(std::move(self)),
-      rosters_(std::move(rosters)),
+      rosters_(&rosters),
+      on_roster_(std::move(on_roster)),
       sealer_(sealer_of_roster()),
       examine_(std::move(examine)),
       warn_(std::move(warn)),
       timer_(io) {
-  assert(carrier_ && examine_ && warn_);
+  assert(carrier_ && on_roster_ && examine_ && warn_);
 }
 
 // A boot of its own for each epoch: nothing of the one before holds in it.
 Sealer SealedTransport::sealer_of_roster() const {
-  assert(rosters_ && rosters_->key());
+  assert(rosters_ != nullptr && rosters_->key());
   Sealer::Self self = self_;
   self.boot = Sealer::random_boot();
   self.epoch = epoch_bits(rosters_->current().epoch());
@@ -97,23 +98,15 @@ Sealer SealedTransport::sealer_of_roster() const {
           [roster = rosters_->current()](const PublicKey& key) { return roster.has_member(key); }};
 }
 
-void SealedTransport::adopt(const Roster& roster) {
-  assert(rosters_);
-  RosterExchange next = *rosters_;
-  if (!next.adopt(roster)) return;
-  if (!next.key()) {
-    return say("no member", clock_.now(),
-               "this peer is no member of \"" + roster.world() + "\" any more: it goes on by itself");
-  }
-  rosters_ = std::move(next);
+void SealedTransport::follow_roster() {
   sealer_ = sealer_of_roster();
-  if (handler_) announce();
+  if (handler_) send_due();
 }
 
 void SealedTransport::on_receive(ReceiveHandler handler) {
   handler_ = std::move(handler);
   carrier_->on_receive([this](const net::Arrival& arrival) { take(arrival); });
-  announce();
+  send_due();
 }
 
 void SealedTransport::send(RegionId region, std::span<const std::byte> datagram) {
@@ -129,12 +122,19 @@ void SealedTransport::take_announcement(const net::Arrival& arrival) {
     ++announcements_in_;
     return wait();  // it may want an answer
   }
-  const auto parts = rosters_ && *refused == Refusal::kOtherEpoch ? rosters_->answer(arrival.datagram, clock_.now())
-                                                                  : std::vector<std::vector<std::byte>>{};
-  for (const std::vector<std::byte>& part : parts) carrier_->send(kAll, part);
-  if (parts.empty()) return refuse(*refused, arrival);
-  carrier_->flush();
+  const bool wants_roster =
+      rosters_ != nullptr && *refused == Refusal::kOtherEpoch && rosters_->hear(arrival.datagram, clock_.now());
+  if (!wants_roster) return refuse(*refused, arrival);
   ++announcements_in_;
+  wait();
+}
+
+void SealedTransport::take_roster_part(const net::Arrival& arrival) {
+  if (rosters_ == nullptr) return refuse(Refusal::kForged, arrival);
+  const auto roster = rosters_->take(arrival.datagram, clock_.now());
+  if (!roster) return refuse(roster.error(), arrival);
+  ++announcements_in_;
+  if (*roster) on_roster_(**roster);
 }
 
 void SealedTransport::take(const net::Arrival& arrival) {
@@ -146,13 +146,7 @@ void SealedTransport::take(const net::Arrival& arrival) {
     return;
   }
   if (announces) return take_announcement(arrival);
-  if (is_part) {
-    if (!rosters_ || !rosters_->opens(arrival.datagram)) return refuse(Refusal::kForged, arrival);
-    ++announcements_in_;
-    const auto roster = rosters_->take(arrival.datagram);
-    if (roster && on_roster_) on_roster_(*roster);
-    return;
-  }
+  if (is_part) return take_roster_part(arrival);
   const auto opened = sealer_.open(arrival.at, arrival.region, arrival.datagram);
   if (!opened) {
     if (opened.error() == Refusal::kOwn) say_findings();
@@ -162,53 +156,59 @@ void SealedTransport::take(const net::Arrival& arrival) {
   const auto contents = examine_(opened->datagram);
   if (!contents || contents->sender != opened->sender) return refuse(Refusal::kWrongSender, arrival);
   if (contents->must_be_signed && !opened->is_signed) return refuse(Refusal::kUnsigned, arrival);
-  const auto owner = rosters_ && contents->changes_world ? sealer_.key_of(opened->sender) : std::nullopt;
+  const auto owner = rosters_ != nullptr && contents->changes_world ? sealer_.key_of(opened->sender) : std::nullopt;
   if (owner && !rosters_->current().may_write(*owner)) return refuse(Refusal::kObserver, arrival);
   handler_({.region = arrival.region, .datagram = opened->datagram, .at = arrival.at, .from = arrival.from});
 }
 
 void SealedTransport::refuse(Refusal why, const net::Arrival& arrival) {
-  ++refused_.at(static_cast<std::size_t>(why));
+  const auto kind = static_cast<std::size_t>(why);
+  ++refused_.at(kind);
+  std::optional<HostTime>& said = refusal_said_.at(kind);
+  if (said && arrival.at - *said < kWarnedApart) return;
   const std::string_view sentence = sentence_of(why);
-  if (!sentence.empty()) {
-    say(std::to_string(static_cast<int>(why)), arrival.at,
-        arrival.from.address().to_string() + " " + std::string(sentence));
-  }
-}
-
-// Says a line, but not what was said less than a minute ago.
-void SealedTransport::say(const std::string& what, HostTime now, std::string_view line) {
-  const auto [at, is_first] = warned_.try_emplace(what, now);
-  if (!is_first && now - at->second < kWarnedApart) return;
-  at->second = now;
-  warn_(std::string(line));
+  if (sentence.empty()) return;
+  said = arrival.at;
+  warn_(arrival.from.address().to_string() + " " + std::string(sentence));
 }
 
 void SealedTransport::say_findings() {
   for (const auto& [kind, peer] : sealer_.take_findings()) {
     const std::string line = sentence_of(kind, peer);
-    say(line, clock_.now(), line);
+    const HostTime now = clock_.now();
+    const auto [said, is_first] = finding_said_.try_emplace(line, now);
+    if (!is_first && now - said->second < kWarnedApart) continue;
+    said->second = now;
+    warn_(line);
   }
 }
 
-void SealedTransport::announce() {
-  if (const auto announcement = sealer_.announcement_due(clock_.now())) {
-    carrier_->send(kAll, *announcement);
-    carrier_->flush();
-  }
+void SealedTransport::send_due() {
+  const HostTime now = clock_.now();
+  const auto announcement = sealer_.announcement_due(now);
+  if (announcement) carrier_->send(kAll, *announcement);
+  const auto parts = rosters_ == nullptr ? std::vector<std::vector<std::byte>>{} : rosters_->answers(now);
+  for (const std::vector<std::byte>& part : parts) carrier_->send(kAll, part);
+  if (announcement || !parts.empty()) carrier_->flush();
   wait();
 }
 
 void SealedTransport::flush() {
   carrier_->flush();
-  if (handler_ && sealer_.next_announcement() < waits_until_) wait();
+  if (handler_ && next_due() < waits_until_) wait();
+}
+
+HostTime SealedTransport::next_due() const {
+  const HostTime announcement = sealer_.next_announcement();
+  const auto answer = rosters_ == nullptr ? std::nullopt : rosters_->next_answer();
+  return answer ? std::min(announcement, *answer) : announcement;
 }
 
 void SealedTransport::wait() {
-  waits_until_ = sealer_.next_announcement();
+  waits_until_ = next_due();
   timer_.expires_after(std::max(Duration{0}, waits_until_ - clock_.now()));
   timer_.async_wait([this](const boost::system::error_code& cancelled) {
-    if (!cancelled) announce();
+    if (!cancelled) send_due();
   });
 }
 

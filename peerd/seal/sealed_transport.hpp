@@ -33,17 +33,15 @@ class SealedTransport final : public net::Transport {
   // Examines a datagram; none: peers send no such thing.
   using Examine = std::function<std::optional<Contents>(std::span<const std::byte>)>;
 
-  // `io` and `clock` outlive it. `self`: of its first epoch.
+  // `io`, `clock` and `rosters` outlive it. `self`: of its first epoch.
   SealedTransport(boost::asio::io_context& io, const net::HostClock& clock, std::unique_ptr<net::Transport> carrier,
                   const SymmetricKey& session, Sealer::Self self, Examine examine, Warn warn);
   // The same for a session whose members a roster names, of whom this one is one. A newer roster that comes from others
-  // is passed to `on_roster`, which may keep it and adopt() it.
+  // is passed to `on_roster`. Who lets `rosters` adopt one calls follow_roster() then.
   using OnRoster = std::function<void(const Roster&)>;
   SealedTransport(boost::asio::io_context& io, const net::HostClock& clock, std::unique_ptr<net::Transport> carrier,
-                  RosterExchange rosters, Sealer::Self self, Examine examine, Warn warn);
-  void on_roster(OnRoster handler) { on_roster_ = std::move(handler); }
-  // Goes over to the epoch of a roster, where that follows the current one and this one is still a member.
-  void adopt(const Roster& roster);
+                  RosterExchange& rosters, OnRoster on_roster, Sealer::Self self, Examine examine, Warn warn);
+  void follow_roster();
 
   void on_receive(ReceiveHandler handler) override;
   bool receive_pending() override { return carrier_->receive_pending(); }
@@ -61,18 +59,19 @@ class SealedTransport final : public net::Transport {
  private:
   [[nodiscard]] Sealer sealer_of_roster() const;
   void take_announcement(const net::Arrival& arrival);
+  void take_roster_part(const net::Arrival& arrival);
   void take(const net::Arrival& arrival);
   void refuse(Refusal why, const net::Arrival& arrival);
-  void announce();
+  void send_due();
+  [[nodiscard]] HostTime next_due() const;
   void wait();
   void say_findings();
-  void say(const std::string& what, HostTime now, std::string_view line);
 
   const net::HostClock& clock_;
   std::unique_ptr<net::Transport> carrier_;
   net::SourceBuckets strangers_;
   Sealer::Self self_;
-  std::optional<RosterExchange> rosters_;
+  RosterExchange* rosters_ = nullptr;  // null: there is one key for all
   OnRoster on_roster_;
   Sealer sealer_;
   Examine examine_;
@@ -80,7 +79,9 @@ class SealedTransport final : public net::Transport {
   boost::asio::steady_timer timer_;
   HostTime waits_until_{};
   ReceiveHandler handler_;
-  std::map<std::string, HostTime> warned_;  // by what, of a few kinds
+  // When a person was last told.
+  std::array<std::optional<HostTime>, kRefusals> refusal_said_{};
+  std::map<std::string, HostTime> finding_said_;  // by its sentence
   // The parts of what the carrier has passed on, the refused ones by Refusal.
   std::uint64_t announcements_in_ = 0, flood_ = 0;
   std::array<std::uint64_t, kRefusals> refused_{};

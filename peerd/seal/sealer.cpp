@@ -7,7 +7,7 @@
 #include <cassert>
 #include <ranges>
 
-#include "peerd/seal/little_endian.hpp"
+#include "peerd/keys/little_endian.hpp"
 
 namespace peerd::seal {
 namespace {
@@ -28,12 +28,12 @@ constexpr std::uint64_t kAnnouncedAfter = 128;
 // yet.
 constexpr Duration kSignsAllLeast = Seconds(60), kSignsAllMost = std::chrono::hours(1), kSignsOn = Seconds(3);
 // Answers before their time, and checks of signatures of boots that are new: at once, and in the long run.
-constexpr double kAnswersMost = 8.0, kAnswersPerSecond = 4.0, kChecksMost = 500.0, kChecksPerSecond = 200.0;
+constexpr net::TokenRate kAnswers{8.0, 4.0}, kChecks{500.0, 200.0};
 constexpr std::size_t kRefusedBootsMax = 8;
 
 // The first byte: what it is, in two bits that no open datagram, region header or greeting begins with; whether it is
 // signed; the epoch.
-constexpr std::uint8_t kDatagram = 0x80, kAnnouncement = 0xC0, kKind = 0xC0, kSigned = 0x20, kEpochBits = 0x1F;
+constexpr std::uint8_t kDatagram = 0x80, kAnnouncement = 0xC0, kKind = 0xC0, kSigned = 0x20;
 constexpr std::size_t kTag_bytes = crypto_aead_chacha20poly1305_ietf_ABYTES;
 constexpr std::size_t kSender_bytes = 4, kCounter_bytes = 3;
 constexpr std::string_view kDatagramUse = "datagram";
@@ -84,8 +84,8 @@ Sealer::Sealer(const SymmetricKey& session, Self self, IsMember is_member)
       self_(std::move(self)),
       is_member_(std::move(is_member)),
       key_(datagram_key(self_.peer, self_.identity.public_key(), self_.boot)),
-      answers_{kAnswersMost, kAnswersPerSecond},
-      checks_{kChecksMost, kChecksPerSecond},
+      answers_(kAnswers),
+      checks_(kChecks),
       signs_all_for_(kSignsAllLeast) {
   assert(self_.epoch <= kEpochBits);
   bound_.emplace(self_.peer, self_.identity.public_key());
@@ -96,15 +96,6 @@ BootId Sealer::random_boot() {
   BootId boot;
   randombytes_buf(boot.data(), boot.size());
   return boot;
-}
-
-bool Sealer::Bucket::take(HostTime now) {
-  const double since_s = filled ? to_seconds(now - *filled) : 0.0;
-  left = std::min(most, left + since_s * per_s);
-  filled = now;
-  if (left < 1.0) return false;
-  left -= 1.0;
-  return true;
 }
 
 SymmetricKey Sealer::datagram_key(PeerId sender, const PublicKey& owner, const BootId& boot) const {
@@ -242,8 +233,7 @@ std::optional<Refusal> Sealer::refused(const OpenedAnnouncement& announcement, H
   if (known != nullptr && says.number <= known->announcements) return Refusal::kReplayed;
   if (known == nullptr) {
     first_heard_.note(says.boot, now);
-    if (!has_room(says, now)) return Refusal::kUnproven;
-    if (!checks_.take(now)) return Refusal::kTooMany;
+    if (!has_room(says, now) || !checks_.take(kChecks, now)) return Refusal::kUnproven;
   }
   if (!announcement.is_signed()) return Refusal::kUnsigned;
   if (is_member_ && !is_member_(says.key)) return refuse(says, Named::kUnknown, now);
@@ -325,7 +315,7 @@ void Sealer::announce_early(HostTime now) {
   if (!announced_) return;
   const HostTime at = std::max(now, *announced_ + kAnswersApart);
   // Announcements that were recorded want answers, too, and these may be longer.
-  if (at < announce_at_ && answers_.take(now)) announce_at_ = at;
+  if (at < announce_at_ && answers_.take(kAnswers, now)) announce_at_ = at;
 }
 
 std::optional<Refusal> Sealer::hear(std::span<const std::byte> announcement, HostTime now) {

@@ -19,6 +19,7 @@
 #include "peerd/seal/first_heard.hpp"
 #include "peerd/seal/refusal.hpp"
 #include "peerd/seal/replay_window.hpp"
+#include "peerd/transport/token_bucket.hpp"
 
 namespace peerd::seal {
 
@@ -126,14 +127,6 @@ class Sealer {
   void forget_silent(HostTime now);
   [[nodiscard]] std::vector<Named> names(HostTime now, bool& all_proven);
 
-  // So many at once, and so many a second in the long run.
-  struct Bucket {
-    double most, per_s;
-    double left = most;
-    std::optional<HostTime> filled{};
-    bool take(HostTime now);
-  };
-
   SymmetricKey session_, announcing_, signing_;
   Self self_;
   IsMember is_member_;  // none: whoever has the session's key is one
@@ -150,7 +143,7 @@ class Sealer {
   std::vector<RefusedBoot> refused_boots_;  // that should know it
   std::size_t named_ = 0;                   // how many boots have been named, where not all fit
   std::optional<HostTime> announced_;
-  Bucket answers_, checks_;
+  net::TokenBucket answers_, checks_;
   FirstHeard first_heard_;
   HostTime announce_at_{}, signs_all_until_{};
   Duration signs_all_for_;  // the next time

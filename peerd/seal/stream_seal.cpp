@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cassert>
 
+#include "peerd/keys/little_endian.hpp"
+
 namespace peerd::seal {
 namespace {
 
@@ -16,7 +18,7 @@ const std::uint8_t* bytes_of(std::string_view text) { return reinterpret_cast<co
 
 std::array<std::uint8_t, crypto_aead_chacha20poly1305_ietf_NPUBBYTES> nonce_of(std::uint64_t number) {
   std::array<std::uint8_t, crypto_aead_chacha20poly1305_ietf_NPUBBYTES> nonce{};
-  for (std::size_t i = 0; i < sizeof(number); ++i) nonce.at(i) = static_cast<std::uint8_t>(number >> (8 * i));
+  put(number, std::span(nonce).first<sizeof(number)>());
   return nonce;
 }
 

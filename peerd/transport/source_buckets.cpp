@@ -7,7 +7,7 @@ namespace peerd::net {
 
 SourceBuckets::SourceBuckets(const SipKey& key, const Limits& limits)
     : key_(key), limits_(limits), sources_(kSets * kWays) {
-  for (Bucket& bucket : all_) bucket.tokens = limits_.of_all.most;
+  for (TokenBucket& bucket : all_) bucket = TokenBucket(limits_.of_all);
 }
 
 bool SourceBuckets::admits(const boost::asio::ip::address& from, Kind kind, HostTime now) {
@@ -15,9 +15,9 @@ bool SourceBuckets::admits(const boost::asio::ip::address& from, Kind kind, Host
   if (Source* const source = source_of(hash_of(from), now)) {
     source->came = now;
     if (now < source->known_until) return true;
-    if (!take(source->buckets.at(of_kind), limits_.of_address, now)) return false;
+    if (!source->buckets.at(of_kind).take(limits_.of_address, now)) return false;
   }
-  return take(all_.at(of_kind), limits_.of_all, now);
+  return all_.at(of_kind).take(limits_.of_all, now);
 }
 
 void SourceBuckets::has_proven(const boost::asio::ip::address& from, HostTime now) {
@@ -34,22 +34,13 @@ SourceBuckets::Source* SourceBuckets::source_of(std::uint64_t address, HostTime 
   Source& oldest = *std::ranges::min_element(set, {}, order);
   if (now < oldest.known_until) return nullptr;
   oldest = {.address = address, .came = now};
-  for (Bucket& bucket : oldest.buckets) bucket = {limits_.of_address.most, now};
+  oldest.buckets.fill(TokenBucket(limits_.of_address, now));
   return &oldest;
 }
 
 std::uint64_t SourceBuckets::hash_of(const boost::asio::ip::address& address) const {
   const auto hash = [&](const auto& bytes) { return sip_hash(key_, std::as_bytes(std::span(bytes))); };
   return address.is_v4() ? hash(address.to_v4().to_bytes()) : hash(address.to_v6().to_bytes());
-}
-
-bool SourceBuckets::take(Bucket& bucket, const Rate& rate, HostTime now) {
-  const double since_s = std::max(0.0, to_seconds(now - bucket.counted));
-  bucket.tokens = std::min(rate.most, bucket.tokens + since_s * rate.per_second);
-  bucket.counted = now;
-  if (bucket.tokens < 1.0) return false;
-  bucket.tokens -= 1.0;
-  return true;
 }
 
 }  // namespace peerd::net

@@ -7,6 +7,7 @@
 
 #include "core/time.hpp"
 #include "peerd/transport/sip_hash.hpp"
+#include "peerd/transport/token_bucket.hpp"
 
 namespace peerd::net {
 
@@ -18,12 +19,8 @@ class SourceBuckets {
   // Each kind has tokens of its own, so that a flood of one leaves another through.
   enum class Kind : std::uint8_t { kDatagram, kAnnouncement };
 
-  struct Rate {
-    double most = 0.0;  // tokens, which is how many datagrams may come at once
-    double per_second = 0.0;
-  };
-  struct Limits {
-    Rate of_address{1'000.0, 5'000.0}, of_all{4'000.0, 20'000.0};
+  struct Limits {  // in datagrams
+    TokenRate of_address{1'000.0, 5'000.0}, of_all{4'000.0, 20'000.0};
     Duration known = std::chrono::seconds(10);  // so long after something authentic
   };
 
@@ -39,23 +36,18 @@ class SourceBuckets {
   static constexpr std::size_t kKinds = 2;
   static constexpr std::size_t kWays = 8, kSets = 256;
 
-  struct Bucket {
-    double tokens = 0.0;
-    HostTime counted{};
-  };
   struct Source {
     std::uint64_t address = 0;  // its hash
     HostTime known_until{}, came{};
-    std::array<Bucket, kKinds> buckets{};
+    std::array<TokenBucket, kKinds> buckets{};
   };
 
   [[nodiscard]] Source* source_of(std::uint64_t address, HostTime now);
   [[nodiscard]] std::uint64_t hash_of(const boost::asio::ip::address& address) const;
-  [[nodiscard]] static bool take(Bucket& bucket, const Rate& rate, HostTime now);
 
   SipKey key_;
   Limits limits_;
-  std::array<Bucket, kKinds> all_{};
+  std::array<TokenBucket, kKinds> all_{};
   std::vector<Source> sources_;  // kSets of kWays each
 };
 

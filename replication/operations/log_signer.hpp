@@ -14,10 +14,6 @@ namespace peerd::replication {
 struct Author {
   AuthorId id = kNoAuthor;
   std::uint64_t salt = 0;
-
-  Author() = default;
-  // NOLINTNEXTLINE(google-explicit-constructor): any number is an author without a signer
-  Author(AuthorId author, std::uint64_t bits = 0) : id(author), salt(bits) {}
 };
 
 // Signs the operations of an author's log, and checks those of others. A signature is over all of the log before it:

@@ -93,7 +93,7 @@ bool OperationLogs::differs(Log& log, const OperationPart& part) {
     found = true;
     drop_ahead(log, here);
   }
-  // Of signed operations those that are whole are right: what is not yet may be the wrong bytes of the two.
+  // Signed operations that are whole are right: what is not yet may be the wrong bytes of the two.
   if (found && signer_ != nullptr) drop_behind_whole(log);
   return found;
 }

@@ -7,8 +7,8 @@
 
 namespace peerd::replication {
 
-// What is known of the signatures of one author's log: the digest of all operations that have been checked or signed,
-// and the key that they are by.
+// A SignedLog knows of the signatures of one author's log: the digest of all operations that have been checked or
+// signed, and the key that they are by.
 class SignedLog {
  public:
   // Signs an operation, which follows those so far. The bytes are those of encode_unsigned(), with its key.

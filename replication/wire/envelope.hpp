@@ -7,7 +7,7 @@
 
 namespace peerd::replication {
 
-// What can be told of a datagram without reading what it says.
+// An Envelope tells of a datagram what can be known without reading what it says.
 struct Envelope {
   PeerId sender;
   bool has_only_updates = false;  // or nothing: no hello, decision, operation or farewell

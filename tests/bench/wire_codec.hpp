@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -13,11 +14,12 @@ struct CodecRates {
   std::vector<std::string> wrong;     // why the figures prove nothing; empty if they do
 };
 
-// Datagrams of `batch` updates each, of `objects` that all have had an update, through Peer::on_packet; ticks run
-// between rounds, untimed. In the end every ghost must be what its last update says.
-[[nodiscard]] CodecRates decode_and_apply(std::size_t objects, std::size_t batch, bool quick);
-// The same of sealed datagrams, which are opened first.
-[[nodiscard]] CodecRates open_decode_and_apply(std::size_t objects, std::size_t batch, bool quick);
+enum class Sealing : std::uint8_t { kNone, kSealed, kSigned };
+
+// Datagrams of `batch` updates each, of `objects` that all have had an update, through Peer::on_packet, which are
+// opened first where they are sealed; ticks run between rounds, untimed. In the end every ghost must be what its last
+// update says.
+[[nodiscard]] CodecRates decode_and_apply(std::size_t objects, std::size_t batch, bool quick, Sealing sealing);
 
 // Batches of forty records of `objects`, each of which must be decoded as it was encoded.
 [[nodiscard]] CodecRates encode_batches(std::size_t objects, bool quick);

@@ -1,5 +1,5 @@
-// What one user gets of another, or of a file: invitations, and texts of keys. An invitation that is read is the
-// one that its text is of.
+// Users get invitations and texts of keys from others, or from files. An invitation that is read is the one that its
+// text is of.
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>

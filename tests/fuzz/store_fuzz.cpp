@@ -56,7 +56,7 @@ class Disk {
     return folder()->read(name, std::size_t{1} << 30).value_or("");
   }
   [[nodiscard]] Result<std::unique_ptr<OperationStore>> open() const {
-    return OperationStore::open(folder(), kWorld, kOwn);
+    return OperationStore::open(folder(), kWorld, {kOwn});
   }
 
  private:

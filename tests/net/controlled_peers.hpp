@@ -4,6 +4,7 @@
 #include <chrono>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -15,6 +16,13 @@ namespace peerd::testing_support {
 // Peers whose control sockets stand in a folder of the test's own, each by its name.
 class ControlledPeers : public testing::Test {
  protected:
+  // Each user has settings of their own.
+  [[nodiscard]] Process start(const std::string& name, std::vector<std::string> words,
+                              const std::string& user = "settings") const {
+    const std::string socket = (folder / (name + ".sock")).string();
+    words.insert(words.end(), {"--name", name, "--control", socket});
+    return Process(folder, name, PEERD_PROGRAM, words, user);
+  }
   [[nodiscard]] nlohmann::json ask(const std::string& name, const nlohmann::json& request) const {
     const auto line = api::ask(folder / (name + ".sock"), request.dump());
     return line ? nlohmann::json::parse(*line, nullptr, false) : nlohmann::json();
@@ -33,6 +41,10 @@ class ControlledPeers : public testing::Test {
       const nlohmann::json status = ask(name, {{"do", "status"}});
       return status.is_object() && status.at("session").at("joined").get<bool>();
     });
+  }
+  [[nodiscard]] std::size_t members_of(const std::string& name) const {
+    const nlohmann::json status = ask(name, {{"do", "status"}});
+    return status.is_object() ? status.at("members").size() : 0;
   }
   // The world of a peer, as VRML.
   [[nodiscard]] std::string world_of(const std::string& name) const {

@@ -17,21 +17,10 @@ using testing_support::Process;
 
 class InvitationOverAWire : public testing_support::ControlledPeers {
  protected:
-  // Whoever `user` is, nobody else has their settings. The process is in the calling thread's namespace.
-  Process start(const std::string& name, const std::string& user, std::vector<std::string> words) const {
-    for (const std::string& word : {std::string("--name"), name, std::string("--store"), std::string(),
-                                    std::string("--control"), (folder / (name + ".sock")).string()}) {
-      words.push_back(word);
-    }
-    return Process(folder, name, PEERD_PROGRAM, words, user);
-  }
   Process run(const std::string& name, const std::string& user) const {
-    return start(name, user,
-                 {"run", "--world", (folder / "town.wrl").string(), "--port", std::to_string(own_port(13))});
-  }
-  [[nodiscard]] std::size_t members_of(const std::string& name) const {
-    const nlohmann::json status = ask(name, {{"do", "status"}});
-    return status.is_object() ? status.at("members").size() : 0;
+    return start(
+        name, {"run", "--store", "", "--world", (folder / "town.wrl").string(), "--port", std::to_string(own_port(13))},
+        user);
   }
 };
 
@@ -48,7 +37,7 @@ TEST_F(InvitationOverAWire, BringsSomebodyInByTwoCommandsAndNobodyElse) {
     const std::string invitation = invite.out().substr(begin.size(), invite.out().size() - begin.size() - 1);
 
     wire.right.enter();
-    Process b = start("b", "bob", {"join", "--invite", invitation});
+    Process b = start("b", {"join", "--store", "", "--invite", invitation}, "bob");
     ASSERT_TRUE(is_in_session("b")) << b.out() << b.err();
     // Somebody has the world's file, and a key of their own.
     Process c = run("c", "carol");

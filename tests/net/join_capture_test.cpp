@@ -29,44 +29,21 @@ using Words = std::vector<std::string>;
 
 constexpr const char* kDumpcap = "/usr/bin/dumpcap";
 
-class CapturedJoin : public testing::Test {
+class CapturedJoin : public testing_support::ControlledPeers {
  protected:
   CapturedJoin() {
     folder.write("w.wrl", "#VRML V2.0 utf8\nDEF CAR Transform { children Shape { geometry Box { } } }\n");
   }
 
   // A peer with a capture.
-  Process record(const std::string& name, const Words& more) const {
-    Words words{"record",       "--open", "--world", (folder / "w.wrl").string(),
-                "--world-name", world,    "--out",   file(name, "pcapng")};
+  [[nodiscard]] Process record(const std::string& name, const Words& more) const {
+    Words words{"record", "--open", "--interface",       "lo", "--world", (folder / "w.wrl").string(), "--world-name",
+                world,    "--out",  file(name, "pcapng")};
     words.insert(words.end(), more.begin(), more.end());
     return start(name, words);
   }
-  Process join(const std::string& name) const {
-    return start(name, {"join", world, "--open", "--store", file(name, "store")});
-  }
-  [[nodiscard]] json ask(const std::string& name, const json& request) const {
-    const auto line = api::ask(file(name, "sock"), request.dump());
-    return line ? json::parse(*line, nullptr, false) : json();
-  }
-  template <class Condition>
-  static bool wait_until(Condition holds) {
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (!holds()) {
-      if (std::chrono::steady_clock::now() > give_up) return false;
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    return true;
-  }
-  [[nodiscard]] bool is_in_session(const std::string& name) const {
-    return wait_until([&] {
-      const json status = ask(name, {{"do", "status"}});
-      return status.is_object() && status.at("session").at("joined").get<bool>();
-    });
-  }
-  [[nodiscard]] std::string world_of(const std::string& name) const {
-    const json reply = ask(name, {{"do", "world"}});
-    return reply.is_object() ? reply.value("world", std::string()) : std::string();
+  [[nodiscard]] Process join(const std::string& name) const {
+    return start(name, {"join", world, "--open", "--interface", "lo"});
   }
   [[nodiscard]] bool have_the_same(const std::string& a, const std::string& b) const {
     return wait_until([&] { return !world_of(a).empty() && world_of(a) == world_of(b); });
@@ -129,14 +106,7 @@ class CapturedJoin : public testing::Test {
     return (folder / (name + "." + kind)).string();
   }
 
-  testing_support::ScratchFolder folder;
   const std::string world = "captured-" + std::to_string(getpid());
-
- private:
-  Process start(const std::string& name, Words words) const {
-    words.insert(words.end(), {"--name", name, "--interface", "lo", "--control", file(name, "sock")});
-    return Process(folder, name, PEERD_PROGRAM, words);
-  }
 };
 
 struct Seen {

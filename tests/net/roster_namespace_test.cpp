@@ -17,12 +17,13 @@ using testing_support::Process;
 // Anna leads, bo edits, cy looks. Each is a user of their own.
 class RosterOfAWorld : public testing_support::ControlledPeers {
  protected:
-  Process start(const std::string& name, std::vector<std::string> words) const {
-    for (const std::string& word : {std::string("--name"), name, std::string("--store"), std::string(),
-                                    std::string("--control"), (folder / (name + ".sock")).string()}) {
-      words.push_back(word);
-    }
-    return Process(folder, name, PEERD_PROGRAM, words, name);
+  [[nodiscard]] Process run(const std::string& name) const {
+    return start(
+        name, {"run", "--store", "", "--world", (folder / "town.wrl").string(), "--port", std::to_string(own_port(14))},
+        name);
+  }
+  [[nodiscard]] Process join(const std::string& name, const std::string& invitation) const {
+    return start(name, {"join", "--store", "", "--invite", invitation}, name);
   }
   // Runs a command that ends well, and returns what it prints.
   std::string output(const std::string& user, const std::vector<std::string>& words) const {
@@ -31,10 +32,6 @@ class RosterOfAWorld : public testing_support::ControlledPeers {
     std::string out = command.out();
     if (out.ends_with('\n')) out.pop_back();
     return out;
-  }
-  [[nodiscard]] std::size_t members_of(const std::string& name) const {
-    const nlohmann::json status = ask(name, {{"do", "status"}});
-    return status.is_object() ? status.at("members").size() : 0;
   }
 };
 
@@ -47,11 +44,10 @@ TEST_F(RosterOfAWorld, SaysWhoReadsAndWhoWrites) {
     const std::string invitation =
         output("anna", {"invite", "town"}).substr(std::string("peerd join --invite ").size());
     wire.left.enter();
-    Process anna =
-        start("anna", {"run", "--world", (folder / "town.wrl").string(), "--port", std::to_string(own_port(14))});
+    Process anna = run("anna");
     ASSERT_TRUE(is_in_session("anna")) << anna.out() << anna.err();
     wire.right.enter();
-    Process bo = start("bo", {"join", "--invite", invitation}), cy = start("cy", {"join", "--invite", invitation});
+    Process bo = join("bo", invitation), cy = join("cy", invitation);
     ASSERT_TRUE(is_in_session("bo") && is_in_session("cy")) << bo.out() << bo.err() << cy.out() << cy.err();
     Process outsider(folder, "outsider", PEERD_PROGRAM, {"join", "--invite", invitation}, "dora");
     EXPECT_EQ(outsider.exit_code(10), 2);
@@ -81,12 +77,9 @@ TEST_F(RosterOfAWorld, SaysWhoReadsAndWhoWrites) {
     const std::string key = dora_key.out().substr(0, dora_key.out().size() - 1);
     (void)output("anna", {"members", "town", "--add", "dora=" + key});
     EXPECT_TRUE(anna.says("epoch 5", 10)) << anna.out();
-    Process back(folder, "back", PEERD_PROGRAM,
-                 {"run", "--world", (folder / "town.wrl").string(), "--port", std::to_string(own_port(14)), "--name",
-                  "cy", "--store", "", "--control", (folder / "back.sock").string()},
-                 "cy");
+    Process back = run("cy");
     EXPECT_TRUE(back.says("epoch 5", 10)) << back.out();
-    EXPECT_TRUE(wait_until([&] { return world_of("back").find("SECRET") != std::string::npos; })) << back.out();
+    EXPECT_TRUE(wait_until([&] { return world_of("cy").find("SECRET") != std::string::npos; })) << back.out();
   });
 }
 

@@ -1,4 +1,4 @@
-// What one member can do to the others, against the limits of it (docs/security.md, What a member can do).
+// One member does to the others what it can, against the limits of it (docs/security.md, What a member can do).
 #include <gtest/gtest.h>
 
 #include "replication/operation_limits.hpp"

@@ -121,7 +121,7 @@ TEST(HostStore, AStoreOfTheFormatBeforeHasAllAfterAnEndAtEveryWrite) {
       SimulatedDisk disk(Random(write, power_is_cut ? 1 : 0));
       SimulatedFileSystem files(disk);
       const auto open = [&] {
-        return store::OperationStore::open(std::make_unique<SimulatedFolder>(files, "p1"), kGenesis, kAuthor);
+        return store::OperationStore::open(std::make_unique<SimulatedFolder>(files, "p1"), kGenesis, {kAuthor});
       };
       ASSERT_TRUE(open());
       std::uint64_t size = 0;

@@ -31,7 +31,7 @@ class StoreCommand : public testing::Test {
   }
   // A store in which author 7 has added BOX.
   void begin(std::uint64_t genesis) {
-    auto store = store::OperationStore::open(folder / "store", genesis, AuthorId{7});
+    auto store = store::OperationStore::open(folder / "store", genesis, {AuthorId{7}});
     ASSERT_TRUE(store) << store.error().text;
     const replication::Operation add{{AuthorId{7}, 1},
                                      SimTime{std::chrono::milliseconds(2500)},

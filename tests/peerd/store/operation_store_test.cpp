@@ -37,7 +37,7 @@ constexpr AuthorId kOwn{7}, kOther{99};
 class Store : public testing::Test {
  protected:
   Result<std::unique_ptr<OperationStore>> open(std::uint64_t world = kWorld) {
-    return OperationStore::open(at, world, kOwn);
+    return OperationStore::open(at, world, {kOwn});
   }
   // So many more operations of the author, as one part.
   OperationPart part(AuthorId author, std::uint32_t count) {
@@ -87,7 +87,7 @@ TEST_F(Store, BeginsEmptyAndKeepsWhatIsAppended) {
     all.push_back(part(kOwn, 2));
     append(**store, {all.back()});
   }
-  const auto again = OperationStore::open(at, kWorld, AuthorId{1234});
+  const auto again = OperationStore::open(at, kWorld, {AuthorId{1234}});
   ASSERT_TRUE(again) << again.error().text;
   EXPECT_EQ((*again)->author(), kOwn) << "the author that the store began with";
   EXPECT_EQ(bytes_of((*again)->log()), bytes_of(all));
@@ -282,7 +282,7 @@ TEST_F(Store, WhatIsRefusedOrCheckedStaysAsItIs) {
   const auto before = all();
   ASSERT_GT(before.at("operations.sqlite-wal").size(), 4096U);
   {
-    const auto refused = OperationStore::open(killed, kWorld + 1, kOwn);
+    const auto refused = OperationStore::open(killed, kWorld + 1, {kOwn});
     ASSERT_FALSE(refused);
     EXPECT_THAT(refused.error().text, HasSubstr("another world"));
   }
@@ -300,7 +300,7 @@ TEST_F(Store, WhatIsRefusedOrCheckedStaysAsItIs) {
   }
   const auto newer = all();
   {
-    const auto refused = OperationStore::open(killed, kWorld, kOwn);
+    const auto refused = OperationStore::open(killed, kWorld, {kOwn});
     ASSERT_FALSE(refused);
     EXPECT_THAT(refused.error().text, HasSubstr("has format 3"));
   }
@@ -424,7 +424,7 @@ TEST_F(Store, AFullDiskIsSaidAndLosesNothing) {
     EXPECT_FALSE((*store)->must_stop());
   }
   {
-    const auto again = OperationStore::open(at, kWorld, AuthorId{55});
+    const auto again = OperationStore::open(at, kWorld, {AuthorId{55}});
     ASSERT_TRUE(again) << again.error().text;
     EXPECT_EQ(bytes_of((*again)->log()), bytes_of({first}));
     EXPECT_EQ((*again)->author(), AuthorId{55});
@@ -446,7 +446,7 @@ TEST_F(Store, WhatAFullDiskRefusedCanBeWrittenLater) {
     std::signal(SIGXFSZ, handler);
     append(**store, {late});
   }
-  const auto again = OperationStore::open(at, kWorld, AuthorId{55});
+  const auto again = OperationStore::open(at, kWorld, {AuthorId{55}});
   ASSERT_TRUE(again) << again.error().text;
   EXPECT_EQ(bytes_of((*again)->log()), bytes_of({late}));
   EXPECT_EQ((*again)->author(), kOwn);
@@ -461,7 +461,7 @@ class Copy : public Store {
     append(**store, {part(kOwn, 2)});
   }
   static void expect_author(const std::filesystem::path& where, AuthorId author, bool is_copy) {
-    const auto store = OperationStore::open(where, kWorld, AuthorId{55});
+    const auto store = OperationStore::open(where, kWorld, {AuthorId{55}});
     ASSERT_TRUE(store) << store.error().text;
     EXPECT_EQ((*store)->author(), author);
     EXPECT_EQ((*store)->is_copy(), is_copy);
@@ -531,7 +531,7 @@ class Disk : public Store {
 
 TEST_F(Disk, HasTheNamesOfAllFoldersThatLeadToAStore) {
   const auto deep = folder / "a" / "b" / "store";
-  ASSERT_TRUE(OperationStore::open(deep, kWorld, kOwn));
+  ASSERT_TRUE(OperationStore::open(deep, kWorld, {kOwn}));
   EXPECT_THAT(fsyncs.done(), testing::IsSupersetOf({folder.path(), folder / "a", folder / "a" / "b", deep}));
 }
 
@@ -550,7 +550,7 @@ TEST_F(Disk, AnAuthorThatIsNotWrittenForGoodGoesWithTheNextFailure) {
     ASSERT_FALSE(append_on_full_disk(**store, second));
     EXPECT_FALSE((*store)->must_stop());
   }
-  const auto again = OperationStore::open(at, kWorld, AuthorId{55});
+  const auto again = OperationStore::open(at, kWorld, {AuthorId{55}});
   ASSERT_TRUE(again) << again.error().text;
   EXPECT_EQ((*again)->author(), AuthorId{55}) << "the second part may be at other peers";
 }
@@ -586,7 +586,7 @@ TEST_F(Store, OfManyWhoBeginItAtOnceOneHasIt) {
       for (std::uint32_t i = 1; i <= kUsers; ++i) {
         threads.emplace_back([&, i] {
           begin.arrive_and_wait();
-          const auto store = OperationStore::open(where, kWorld, AuthorId{i});
+          const auto store = OperationStore::open(where, kWorld, {AuthorId{i}});
           if (store) {
             ++users;
           } else if (store.error().text.find("in use by another process") == std::string::npos) {

@@ -25,7 +25,7 @@ class StoreFolder : public testing::Test {
  protected:
   void SetUp() override { setenv("XDG_STATE_HOME", folder.path().c_str(), 1); }
   void TearDown() override { unsetenv("XDG_STATE_HOME"); }
-  static auto open(const std::filesystem::path& at) { return OperationStore::open(at, 1, AuthorId{7}); }
+  static auto open(const std::filesystem::path& at) { return OperationStore::open(at, 1, {AuthorId{7}}); }
 
   ScratchFolder folder;
 };
