@@ -117,6 +117,7 @@ bool is_tree(const Header& header, std::span<const WideTree::Node> nodes, std::s
       auto& seen = ref.kind() == Ref::kNode ? node_seen : leaf_seen;
       if (ref.index() >= seen.size() || seen[ref.index()]) return false;
       if (ref.kind() == Ref::kNode && ref.index() <= n) return false;
+      assert(ref.index() < seen.size());
       seen[ref.index()] = true;
     }
   }

@@ -6,6 +6,8 @@
 #include <tuple>
 #include <utility>
 
+#include "replication/decision/decision.hpp"
+
 namespace peerd::replication {
 namespace {
 

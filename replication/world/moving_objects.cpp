@@ -217,6 +217,7 @@ SweptBound MovingObjects::make_bound(std::uint32_t part, std::uint32_t common, S
   const OwnChain chain = chain_of(model_->frame_of(part), common);
   const MovingPart moving = moving_part(part, chain);
   if (moving.flexible != nullptr || chain.empty()) return swept_bound_of_way(moving, s, end);
+  assert(moving.body != nullptr);
   if (chain.size() == 1) return swept_bound(*chain.front(), body(part), s, begin, end);
   const ComposedPiece piece = composed_piece(moving.chain, s, moving.body->extent_m(), kCoarseError_m);
   return swept_bound(piece, body(part), s, begin, end);

@@ -146,6 +146,21 @@ TEST_F(HostileMember, PublishesNothingOfTheFuture) {
   EXPECT_EQ(lan.peer(0).ghost(world["CAR"], lan.session_now(0)).position, Vec3(2, 0, 0));
 }
 
+// What was ahead long ago may have been a step into a later session.
+TEST_F(HostileMember, AMinuteAgoIsNotForgottenAndLongerAgoIs) {
+  const auto forge = [&] {
+    Message m = from_hostile();
+    m.updates.push_back({world["CAR"], 1000, lan.session_now(0) + 5s, moving({99, 0, 0})});
+    (void)inject(m);
+    return met(MemberLimit::kStampAhead);
+  };
+  EXPECT_EQ(forge(), 0u) << "at 15 s";
+  lan.run_until(75s);
+  EXPECT_EQ(forge(), 1u);
+  lan.run_until(75s + 1ns);
+  EXPECT_EQ(forge(), 1u) << "the first of a new minute";
+}
+
 TEST_F(HostileMember, OperationsOfTheFutureAreNamedAndWait) {
   Message m = from_hostile();
   const Operation operation{{AuthorId{77}, 1}, lan.session_now(0) + 1h, RemoveObject{world["CAR"]}};
@@ -218,6 +233,17 @@ TEST_F(HostileMember, ALogHasAGreatestLength) {
   m.operations.push_back({AuthorId{77}, MemberLimits::kLogMax_bytes, std::vector<std::byte>(10)});
   (void)inject(m);
   EXPECT_EQ(met(MemberLimit::kLogLength), 1u);
+}
+
+TEST_F(HostileMember, TwoDifferentLogsOfOneAuthorAreCounted) {
+  const std::uint64_t operations = lan.peer(0).counters().operations_in;
+  for (const std::byte third : {std::byte{5}, std::byte{6}}) {  // of an operation of 255 bytes
+    Message m = from_hostile();
+    m.operations.push_back({AuthorId{77}, 0, {std::byte{0xFF}, std::byte{0x01}, third}});
+    ASSERT_TRUE(inject(m));
+  }
+  EXPECT_EQ(lan.drops(0, "forked_log"), 1u);
+  EXPECT_EQ(lan.peer(0).counters().operations_in, operations);
 }
 
 TEST_F(HostileMember, NamesOnlySoManyAuthors) {

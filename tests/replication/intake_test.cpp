@@ -291,6 +291,25 @@ TEST(Intake, RecordsBeforeTheSessionAreNotUsed) {
   EXPECT_EQ(intake.on_packet(host(0s), kWholeScene, encode(m)), std::unexpected(Drop::kNotYetInSession));
 }
 
+// A peer without a session knows no time of it.
+TEST(Intake, AWorldsZeroCountsOnlyWithASession) {
+  const World world(field(2));
+  PeerParts p{config(5), *world.model};
+  SceneKeeper scene{p};
+  SessionKeeper keeper{p, scene};
+  OperationKeeper operations{p, keeper};
+  Intake intake{p, keeper, scene, operations};
+  Message hello = hello_of(7, host(0s));
+  hello.hello->introduction->world_zero = sim(3s);
+  hello.hello->session_tx.reset();
+  ASSERT_TRUE(intake.on_packet(host(0s), kWholeScene, encode(hello)));
+  EXPECT_EQ(p.world_time.zero(), std::nullopt);
+  hello.number = 2;
+  hello.hello->session_tx = sim(0s);
+  ASSERT_TRUE(intake.on_packet(host(0s), kWholeScene, encode(hello)));
+  EXPECT_EQ(p.world_time.zero(), sim(3s));
+}
+
 TEST(Intake, AnUnintroducedPeerIsAskedForItsIntroduction) {
   const World world(field(2));
   PeerParts p{config(5), *world.model};

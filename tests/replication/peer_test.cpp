@@ -446,4 +446,25 @@ TEST(Peer, CallingEarlyIsHarmless) {
   }
 }
 
+// ---- driving ----
+
+TEST(Driving, BeginsWhereTheObjectIsNowAndNotWhereItWasAtTheLastTick) {
+  const World world(box("O0", "1 1 1", "0 0 0", "velocityVector 3 0 0") + box("O1", "1 1 1", "0 9 0"));
+  Lan lan(world);
+  lan.add(config(1, {{world["O0"], false}}));
+  lan.run_until(3s);
+  for (const Duration later : {1ms, 3ms, 7ms}) {
+    lan.skip(later);
+    Peer& peer = lan.peer(0);
+    const SimTime now = lan.session_now(0);
+    const Vec3 here = peer.truth(world["O0"], now).position;
+    ASSERT_GT(here.x(), 1.0);
+    ASSERT_TRUE(peer.begin_driving(lan.host_now(0), world["O0"]));
+    EXPECT_EQ(peer.truth(world["O0"], now).velocity, Vec3(0, 0, 0));
+    EXPECT_LT((peer.truth(world["O0"], now).position - here).norm(), 1e-9) << later.count();
+    peer.end_driving(lan.host_now(0), world["O0"], moving(here, {3, 0, 0}));
+    lan.run_until(4s + 100 * later);
+  }
+}
+
 }  // namespace peerd::replication::peer_test

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <random>
+
 #include "tests/collision/broad_phase/overlap_finder_check.hpp"
 
 namespace peerd::collision::dynamic_tree_test {
@@ -50,6 +53,26 @@ TEST(DynamicTree, IsEmptyAgainWhenAllAreGone) {
     for (const BroadIndex i : all) tree.erase(i);
     EXPECT_EQ(tree.height(), 0u);
   }
+}
+
+// The tests of boxes that a tree of many costs: what a rotation that makes the surface less is for.
+TEST(DynamicTree, AsksFewBoxes) {
+  std::mt19937_64 random(83);
+  const auto place = [&] { return 100.0 * std::ldexp(static_cast<double>(random() >> 11), -53); };
+  std::vector<FatBox> boxes;
+  for (int i = 0; i < 4000; ++i) {
+    const Vec3 p(place(), place(), 0.1 * place());
+    boxes.push_back(fattened(ExactBox::of({p, Vec3(p + Vec3(1, 1, 1))}), 0.0));
+  }
+  DynamicTree tree(boxes);
+  std::vector<BroadIndex> all;
+  for (BroadIndex i = 0; i < boxes.size(); ++i) {
+    tree.insert(i);
+    all.push_back(i);
+  }
+  std::vector<OverlapFinder::Found> found;
+  tree.update(all, found);
+  EXPECT_LT(tree.box_tests(), 132'000u) << "129,516 were enough";
 }
 
 }  // namespace peerd::collision::dynamic_tree_test

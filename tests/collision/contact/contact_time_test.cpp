@@ -191,6 +191,12 @@ TEST(ContactTime, EarliestOfSeveralPieces) {
   ASSERT_EQ(c.state, ContactState::kContact);
   EXPECT_EQ(c.time_s, 7.5);
   EXPECT_EQ(c.collidee_shape, ObjectId{2});
+  Scene turned = scene_of({box_mesh(4, 1, 1), box_mesh(1, 1, 1)});
+  const Body first = make_body(turned, ObjectId{0});
+  const Contact same = meet(cube, moving({10, 0, 0}, {-1, 0, 0}), first, moving(Vec3::Zero()));
+  ASSERT_EQ(same.state, ContactState::kContact) << "the later piece is met later, or not at all";
+  EXPECT_EQ(same.time_s, 7.5);
+  EXPECT_EQ(same.collidee_shape, ObjectId{1});
 }
 
 TEST(ContactTime, TurnedBoxesHaveTheirWorldBoxes) {
@@ -202,6 +208,22 @@ TEST(ContactTime, TurnedBoxesHaveTheirWorldBoxes) {
   const Contact c = meet(cube, turned, cube, moving(Vec3::Zero()), 100, kBox);
   ASSERT_EQ(c.state, ContactState::kContact);
   EXPECT_NEAR(c.time_s, 9.0 - std::sqrt(2.0), 1e-13);
+}
+
+TEST(ContactTime, BoxesTouchWhereNoAxisKeepsThemApart) {
+  const Body a = box(1, 1, 1);
+  for (const Vec3& place : {Vec3(0, 0, 0), Vec3(5, -7, 9), Vec3(-5, 7, -9), Vec3(100, 3, -100)}) {
+    for (int k = 0; k < 3; ++k) {
+      for (const double side : {1.0, -1.0}) {
+        const auto apart = [&](double distance) {
+          return touching({a, moving(place)}, {a, moving(place + side * distance * Vec3::Unit(k))}, kBox);
+        };
+        EXPECT_TRUE(apart(0.3)) << k;
+        EXPECT_TRUE(apart(1.0)) << k;
+        EXPECT_FALSE(apart(1.001)) << k;
+      }
+    }
+  }
 }
 
 TEST(ContactTime, UnsupportedIsSaidAndBoxAnswersAllTheSame) {

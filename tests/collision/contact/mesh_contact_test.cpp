@@ -118,6 +118,22 @@ TEST(MeshContact, ABallBouncesOnGroundThatIsManyPolygons) {
   }
 }
 
+// The normal is the polygon's own, and not the direction between two near points, which rounding turns.
+TEST(MeshContact, OnATiltedFloorTheNormalIsThePolygons) {
+  std::mt19937_64 rng(8);
+  const Body ball = body_of(random_polyhedron(rng, 40)), floor = body_of(ground(12));
+  for (int i = 0; i < 20; ++i) {
+    KinematicState tilted = moving(random_vector(rng, 3.0));
+    tilted.orientation = random_rotation(rng);
+    const Vec3 n = tilted.orientation * Vec3(0, 1, 0);
+    KinematicState s = moving(tilted.pose() * Vec3(0.2, 5, 0.3), -n);
+    s.orientation = random_rotation(rng);
+    const Contact c = contact(ball, s, floor, tilted, 10.0);
+    ASSERT_EQ(c.state, ContactState::kContact) << i;
+    EXPECT_LT((c.normal_world - n).norm(), 1e-14) << i;
+  }
+}
+
 TEST(MeshContact, SlidingOverSeamsMeetsNothing) {
   const Body crate = box(1, 1, 1), floor = body_of(ground(40));
   const KinematicState still = moving(Vec3::Zero());
@@ -153,6 +169,20 @@ TEST(MeshContact, WhatStandsInATrayMeetsItsWalls) {
   EXPECT_EQ(contact(crate, moving({0, 0, 0}, {0, 2, 0}), around, still, 9.0).state, ContactState::kSeparated);
 }
 
+// Polygon 2 of the crate is its bottom, which alone comes towards the polygon that it meets.
+TEST(MeshContact, ATrayIsMetByTheBottomOfTheCrateThatFallsIntoIt) {
+  const Body crate = box(1, 1, 1), around = body_of(tray());
+  for (const double x : {-2.0, 2.0}) {
+    for (const double z : {-2.0, 2.0}) {
+      const Contact c = contact(around, moving(Vec3::Zero()), crate, moving({0, 0, 0}, {x, -1, z}), 2.0);
+      ASSERT_EQ(c.state, ContactState::kContact);
+      EXPECT_NEAR(c.time_s, 0.5, 1e-6);
+      EXPECT_EQ(c.normal_world, Vec3(0, -1, 0));
+      EXPECT_EQ(c.collidee_polygon, 2U);
+    }
+  }
+}
+
 TEST(MeshContact, AnOverlapFacesTheMiddleOfTheCollider) {
   const Body crate = box(1, 1, 1), floor = body_of(ground(6));
   const KinematicState still = moving(Vec3::Zero());
@@ -161,6 +191,14 @@ TEST(MeshContact, AnOverlapFacesTheMiddleOfTheCollider) {
     EXPECT_EQ(c.state, ContactState::kOverlapped);
     EXPECT_EQ(c.normal_world, Vec3(0, y > 0 ? 1 : -1, 0));
   }
+}
+
+// A polygon without an area faces nowhere: the normal is along the line between the middles.
+TEST(MeshContact, AnOverlapWithALineFacesTheMiddleOfTheCollider) {
+  const Body cube = box(1, 1, 1), line = body_of(make_mesh({{-1, 0, 0}, {0, 0, 0}, {1, 0, 0}}, {{0, 1, 2}}));
+  const Contact c = mesh_contact({cube, moving({7, 0.3, 0.4})}, {line, moving({6, 0, 0.4})}, 1.0);
+  ASSERT_EQ(c.state, ContactState::kOverlapped);
+  EXPECT_LT((c.normal_world - Vec3(1, 0.3, 0).normalized()).norm(), 1e-12);
 }
 
 TEST(MeshContact, IsUnsupportedOnlyWhereAMeshIsBeyondAllMeasure) {

@@ -165,6 +165,54 @@ TEST(SphereSurfaceContact, TwoFacesAtAnEdgeGiveOneNormal) {
   }
 }
 
+// Whichever triangle comes first: the two see one point of their edge, though they go along it in opposite directions.
+TEST(SphereSurfaceContact, OfAnEdgeTheTrianglesOnBothSidesSayTheSameToTheBit) {
+  const std::string points =
+      "IndexedFaceSet { solid FALSE coord Coordinate { point [0.1 0.3 -2, -0.3 0.2 2.1, -2 -1.7 0, 2 -1.6 0.1] } ";
+  const Two left(points + "coordIndex [0 2 1 -1] }"), right(points + "coordIndex [0 1 3 -1] }");
+  for (int i = 0; i < 200; ++i) {
+    const double z = -1.5 + 0.015 * i;
+    const KinematicState falls = moving({-0.1 - 0.0975 * z, 3, z}, {0.01, -1.3, 0.02});
+    const Contact of_left = left.meet(falls, 5.0), of_right = right.meet(falls, 5.0);
+    ASSERT_EQ(of_left.state, ContactState::kContact);
+    ASSERT_EQ(of_right.state, ContactState::kContact);
+    EXPECT_EQ(of_left.time_s, of_right.time_s) << i;
+    EXPECT_EQ(of_left.normal_world, of_right.normal_world) << i;
+  }
+}
+
+// Where the object that has the ball is beside it, and turned, the ball is where that puts it.
+TEST(SphereSurfaceContact, OfABallBesideItsObjectItIsTheBalls) {
+  const std::string text =
+      std::string("#VRML V2.0 utf8\nDEF A Transform { children Transform { translation 0.25 0.5 -0.75 ") +
+      "children Shape { geometry Sphere { radius 0.5 } } } }\n";
+  const Scene scene = std::move(read_world(text).scene.value());
+  const Body beside = make_body(scene, scene.find("A").value());
+  const Two two(kBox);
+  for (const double angle : {0.0, 0.5, 2.0}) {
+    KinematicState s = moving({0.25, 4.5, 0.5}, {0.1, -4, 0.2});
+    s.orientation = Quat(Eigen::AngleAxisd(angle, Vec3(1, 2, -2) / 3.0));
+    const KinematicState of_ball = moving(s.pose() * Vec3(0.25, 0.5, -0.75), s.velocity);
+    ASSERT_TRUE(meet_as_sphere_and_surface({beside, s}, {two.b, {}}));
+    const Contact c = first_contact({beside, s}, {two.b, {}}, CollisionType::kWitness, 2.0),
+                  same = two.meet(of_ball, 2.0);
+    ASSERT_EQ(same.state, ContactState::kContact);
+    ASSERT_EQ(c.state, ContactState::kContact) << angle;
+    EXPECT_NEAR(c.time_s, same.time_s, 1e-14);
+    EXPECT_LT((c.normal_world - same.normal_world).norm(), 1e-14);
+  }
+}
+
+// A polygon without an area has no normal of its own.
+TEST(SphereSurfaceContact, OfALineTheNormalIsTheLineToTheCentre) {
+  const Two two(
+      "IndexedFaceSet { solid FALSE coord Coordinate { point [-1 0 0, 0 0 0, 1 0 0] } coordIndex [0 1 2 -1] }");
+  const Contact c = two.meet(moving({0.25, 3, 0}, {0, -1, 0}), 3.0);
+  ASSERT_EQ(c.state, ContactState::kContact);
+  EXPECT_NEAR(c.time_s, 2.5, 1e-14);
+  EXPECT_EQ(c.normal_world, Vec3::UnitY());
+}
+
 TEST(SphereSurfaceContact, InASolidOrAcrossAFaceItOverlaps) {
   const Two two(kBox);
   const Contact inside = two.meet(moving({0.1, 0.3, 0.2}, {0, 0, 0}), 1.0);

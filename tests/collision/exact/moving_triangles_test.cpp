@@ -349,6 +349,23 @@ TEST(MovingTriangles, AreNeverLateAtAnyScale) {
   }
 }
 
+// The steps of the advancement, and at most one iteration of each of the 15 inclusion tests.
+TEST(MovingTriangles, IterationsAreThoseOfBothSearches) {
+  constexpr std::uint32_t kSteps = 16;
+  MovingTriangleQuery query;
+  Numbers numbers(105);
+  std::uint32_t most = 0;
+  for (const Family& family : kFamilies) {
+    for (int i = 0; i < 60; ++i) {
+      const Pair pair = family.make(numbers);
+      const LinearImpact impact = query.first_impact(pair.a, pair.b, {.max_steps = kSteps, .max_iterations = 1});
+      ASSERT_LE(impact.iterations, kSteps + 15) << family.name << ", " << i;
+      most = std::max(most, impact.iterations);
+    }
+  }
+  EXPECT_GT(most, kSteps);
+}
+
 TEST(FirstBoxContact, IsWhereBoxesMeet) {
   const MovingTriangle floor = still(kFloor);
   const auto time = first_box_contact(floor, moved(kTipDown, {0, 0, -2}));

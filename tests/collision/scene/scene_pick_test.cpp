@@ -27,6 +27,7 @@ using ::testing::HasSubstr;
 struct Nearest {
   double t = 0.0;
   ShapePolygon at;
+  Vec3 side_u, side_v;  // of the triangle, in the world
 };
 
 // Every triangle of every Shape that is drawn, by rational numbers, after the documented operations written out again.
@@ -46,7 +47,11 @@ std::optional<Nearest> expected_pick(const Scene& scene, const Vec3& origin, con
       }
       const auto t = oracle::first_parameter({o[0], o[1], o[2]}, {d[0], d[1], d[2]}, triangle);
       const ShapePolygon polygon{ObjectId{i}, soup->faces[f].polygon};
-      if (t && *t <= longest && (!best || std::pair(*t, polygon) < std::pair(best->t, best->at))) best = {*t, polygon};
+      if (t && *t <= longest && (!best || std::pair(*t, polygon) < std::pair(best->t, best->at))) {
+        const auto corners = soup->triangle(f);
+        best = {*t, polygon, at.pose.orientation * Vec3(corners[1] - corners[0]),
+                at.pose.orientation * Vec3(corners[2] - corners[0])};
+      }
     }
   }
   return best;
@@ -83,6 +88,8 @@ TEST(ScenePick, IsTheNearestPolygonOfWhatIsDrawn) {
     EXPECT_LT((found.point_world - (origin + expected->t * direction)).norm(), 1e-12);
     EXPECT_NEAR(found.normal_world.norm(), 1.0, 1e-12);
     EXPECT_LT(found.normal_world.dot(direction), 0.0);
+    EXPECT_NEAR(found.normal_world.dot(expected->side_u.normalized()), 0.0, 1e-9);
+    EXPECT_NEAR(found.normal_world.dot(expected->side_v.normalized()), 0.0, 1e-9);
     shapes.insert(found.at.shape.number);
     ++hits;
   }

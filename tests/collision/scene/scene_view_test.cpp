@@ -98,6 +98,16 @@ TEST(SceneView, SaysOfAnObjectThatNoPolygonOfItIsSeen) {
   EXPECT_TRUE(query.may_be_in_view(id(scene, "RIGHT"), wide).value());
 }
 
+// Its corners are on both sides of the frustum's border, but there is no polygon between them.
+TEST(SceneView, NothingIsSeenOfAShapeWithoutAPolygon) {
+  const Scene scene = scene_of(R"(
+    DEF POINTS Shape { geometry IndexedFaceSet { coord Coordinate { point [-50 0 0, 50 0 0, 0 1 0] } } })");
+  SceneQuery query(scene);
+  const auto frustum = make_frustum({Pose{Vec3(0, 0, 10), Quat::Identity()}, 0.8, 1.5, 0.1, 20.0}).value();
+  EXPECT_FALSE(query.may_be_in_view(id(scene, "POINTS"), frustum).value());
+  EXPECT_TRUE(query.in_view(frustum, 3).value().empty());
+}
+
 #if PEERD_COUNTS_ALLOCATIONS
 TEST(SceneView, PickingAndLookingAllocateNothingOnceAllIsBuilt) {
   const Scene scene = scene_of(std::string(kGroups));

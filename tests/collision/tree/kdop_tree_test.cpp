@@ -166,4 +166,17 @@ TYPED_TEST(KdopTreeTest, RefitFollowsVerticesThatMove) {
   EXPECT_THAT(all_pairs(moving, still, motion, counters), ElementsAreArray(expected));
 }
 
+// What a tree needs at least, and vectors that grow have at most twice that.
+TYPED_TEST(KdopTreeTest, CountsItsMemory) {
+  constexpr int K = TypeParam::kFaces;
+  const TriangleSoup soup = random_soup(300, 0.1, 1);
+  KdopTree<K> tree(soup, {});
+  tree.build_all();
+  constexpr std::size_t kFourths = (K / 2 + 3) / 4;  // of a vertex's projections, in fours of binary32
+  const std::size_t least =
+      tree.nodes().size_bytes() + tree.order().size_bytes() + 16 * kFourths * soup.vertices.size();
+  EXPECT_GE(tree.memory_bytes(), least);
+  EXPECT_LE(tree.memory_bytes(), 2 * least + 16 * soup.faces.size());
+}
+
 }  // namespace peerd::collision::kdop_tree_test

@@ -44,6 +44,17 @@ TEST(RealignedBox, IsTightWithoutRotation) {
   }
 }
 
+// A corner that is far along the diagonal is no farther along the axes.
+TEST(RealignedBox, ItsPaddingIsThatOfTheLargestCoordinate) {
+  const auto box = [](float sign) {
+    const Mesh mesh = make_mesh({{0.9F, 0.9F * sign, 0}, {0.3F, 0.2F * sign, 0.1F}, {0, 0, 0}}, {{0, 1, 2}});
+    return realigned_box(dop_of(mesh, Mat3::Identity()), Pose{});
+  };
+  EXPECT_EQ(box(1.0F).hi[0], box(-1.0F).hi[0]);
+  EXPECT_EQ(box(1.0F).lo[0], box(-1.0F).lo[0]);
+  EXPECT_EQ(box(1.0F).hi[2], box(-1.0F).hi[2]);
+}
+
 TEST(RealignedBox, OfNoPolygonIsEmpty) {
   EXPECT_TRUE(realigned_box(dop_of(make_mesh({{1, 2, 3}}, {}), Mat3::Identity()), Pose{}).is_empty());
 }

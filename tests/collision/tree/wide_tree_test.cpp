@@ -184,4 +184,19 @@ TEST(WideTree, HugeSoupsAreScaledByAPowerOfTwo) {
   EXPECT_EQ(WideTree(small).scale(), 1.0);
 }
 
+TEST(WideTree, TheBoxOfAllIsNoLargerFarFromTheOrigin) {
+  const TriangleSoup soup = random_soup(100, 0.1, 7);
+  for (const Vec3& away : {Vec3(0, 0, 0), Vec3(100, -50, 7)}) {
+    TriangleSoup there = soup;
+    there.box = {};
+    for (Vec3& v : there.vertices) there.box.merge(v += away);
+    const WideTree tree(there);
+    const OrientedBox whole = tree.box(WideTree::kRoot);
+    for (int k = 0; k < 3; ++k) {
+      const double half = 0.5 * (there.box.hi[k] - there.box.lo[k]);
+      EXPECT_NEAR(static_cast<double>(whole.half[static_cast<std::size_t>(k)]) / tree.scale(), half, 1e-3 * half);
+    }
+  }
+}
+
 }  // namespace peerd::collision::wide_tree_test

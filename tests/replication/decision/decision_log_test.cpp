@@ -47,6 +47,20 @@ TEST(DecisionLog, ACopyChangesNothing) {
   EXPECT_EQ(log.find(sim(1s), PeerId{2}, kLorry, kCar), nullptr);
 }
 
+TEST(DecisionLog, AnotherDecidesAContactAtItsOwnInstantAlone) {
+  DecisionLog log;
+  ASSERT_TRUE(log.add(decision(2s), PeerId{2}));
+  const auto decided = [&](Duration contact, std::uint32_t author, DecisionRule rule = DecisionRule::kVelocity) {
+    return log.is_decided_by_another(sim(contact), PeerId{author}, kCube, kCar, rule);
+  };
+  EXPECT_TRUE(decided(2s, 3));
+  EXPECT_FALSE(decided(2s, 2)) << "its own";
+  EXPECT_FALSE(decided(2s, 3, DecisionRule::kId));
+  EXPECT_FALSE(decided(1s, 3)) << "a later contact of the two";
+  EXPECT_FALSE(decided(2s + 1ns, 3));
+  EXPECT_FALSE(log.is_decided_by_another(sim(2s), PeerId{3}, kCube, kLorry, DecisionRule::kVelocity));
+}
+
 TEST(DecisionLog, TheLastThatMovesAnObjectMayNotBeTheLastOnIt) {
   DecisionLog log;
   DecisionRecord moves = decision(1s);

@@ -120,6 +120,38 @@ TEST(SweptBound, WhatIsApartNeverMeets) {
   EXPECT_GT(met, 200);
 }
 
+// The margin grows with the body, not only with its way.
+TEST(SweptBound, ALargeBodyAtRestHasAMarginOfItsSize) {
+  const World w("DEF MOON Transform { children Shape { geometry Sphere { radius 1e6 } } }\n" +
+                box("ROCK", "1 1 1", "0 0 0") + interest("ROCK", "\"MOON\""));
+  const collision::Body& moon = w.model->bodies[w.model->index_of(w["MOON"])];
+  ASSERT_TRUE(moon.sphere);
+  const Timeline line(sim(0s), moving({0, 0, 0}));
+  const SweptBound bound = swept_bound(line, moon, sim(1s), sim(1s), sim(2s));
+  EXPECT_LT(bound.low.maxCoeff(), -0.9e6 * 0x1p-30);
+  EXPECT_GT(bound.high.minCoeff(), 0.9e6 * 0x1p-30);
+}
+
+TEST(SweptBound, OfTwoTogetherHoldsBothAndAnswersWhileBothDo) {
+  SweptBound a, b;
+  a.low = {-1, -9, 0}, a.high = {1, 0, 1};
+  b.low = {-2, -3, 0}, b.high = {0, 4, 2};
+  a.from = sim(1s), a.until = sim(3s);
+  b.from = sim(2s), b.until = sim(4s);
+  a.still = true;
+  a.last_change = sim(1s), b.last_change = sim(500ms);
+  b.next_change = sim(9s);
+  for (const SweptBound& both : {merged(a, b), merged(b, a)}) {
+    EXPECT_EQ(both.low, Vec3(-2, -9, 0));
+    EXPECT_EQ(both.high, Vec3(1, 4, 2));
+    EXPECT_EQ(both.from, sim(2s));
+    EXPECT_EQ(both.until, sim(3s));
+    EXPECT_FALSE(both.still);
+    EXPECT_EQ(both.last_change, sim(1s));
+    EXPECT_EQ(both.next_change, sim(9s));
+  }
+}
+
 TEST(SweptBound, NaNIsNotApart) {
   const World w = bodies();
   const Timeline here(sim(0s), moving({0, 0, 0})), there(sim(0s), moving({100, 0, 0}));

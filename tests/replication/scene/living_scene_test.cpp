@@ -74,6 +74,18 @@ TEST(LivingScene, TakesOneInstantAfterTheOtherButWhatIsPastAtOnce) {
   EXPECT_EQ(text_of(in_time), text_of(late));
 }
 
+TEST(LivingScene, TheNextIdsOfAnAuthorFollowThoseItHasUsed) {
+  const Scene file = read(kHead + kWall);
+  LivingScene living(file);
+  const auto used = static_cast<std::uint32_t>(read(kHead + kFloor).instances.size());
+  ASSERT_GT(used, 1u);
+  living.add({{kAda, 1}, at_ms(100), adding(kFloor, 5)});
+  EXPECT_EQ(living.next_ids(kAda).object, 5 + used) << "before it is done";
+  ASSERT_EQ(apply_all(living, at_ms(300)).size(), 1u);
+  EXPECT_EQ(living.next_ids(kAda).object, 5 + used);
+  EXPECT_EQ(living.next_ids(kBob).object, LivingScene::NextIds{}.object);
+}
+
 TEST(LivingScene, SaysWhatAnOperationCannotDo) {
   const Scene file = read(kHead + kWall);
   LivingScene living(file);

@@ -122,6 +122,22 @@ TEST(UnseenPairs, WhatReachesAKeptObjectByAnotherOneIsNotMissed) {
   EXPECT_GT(twins.some.at(mine, twins.now).velocity.x(), 1.0) << "it was hit";
 }
 
+// All of it happens within one step: the body between them stands until it is hit.
+TEST(UnseenPairs, WhatReachesAKeptObjectByAnotherOneWithinAStepIsNotMissed) {
+  const World world(box("FIRST", "1 1 1", "-4 0 0", kImpulse) + box("NEXT", "1 1 1", "0 0 0", kImpulse) +
+                    box("MINE", "1 1 1", "9 0 0", kImpulse) + interest("FIRST", "\"NEXT\"") +
+                    interest("NEXT", "\"FIRST\" \"MINE\"") + interest("MINE", "\"NEXT\""));
+  const ObjectId mine = world["MINE"];
+  Twins twins(world, [&](ObjectId object) { return object == mine ? kKept : kRemote; });
+  twins.declare(mine, Role::kAuthoritative);
+  for (const char* name : {"FIRST", "NEXT"}) twins.declare(world[name], Role::kPredicted);
+  twins.advance(sim(10ms));
+  twins.set_base(world["FIRST"], sim(10ms), moving({-4, 0, 0}, {20, 0, 0}));
+  twins.advance(sim(1s));
+  EXPECT_TRUE(twins.agree_on(mine));
+  EXPECT_GT(twins.some.at(mine, twins.now).velocity.x(), 1.0) << "it was hit";
+}
+
 // What nobody saw bounce comes back, and its ghost does not.
 TEST(UnseenPairs, WhatReachesAKeptObjectOffItsGhostsWayIsNotMissed) {
   const World world(box("BODY", "1 1 1", "0 0 0", kImpulse) + box("MINE", "1 1 1", "-9 0 0", kImpulse) +

@@ -121,6 +121,23 @@ INSTANTIATE_TEST_SUITE_P(Table, ContactRange,
                                          ContactRangeCase{"UntrackedFasterRemote", false, 0.0, 20.0, 1.0}),
                          [](const auto& c) { return std::string(c.param.name); });
 
+// The way of the question and of the answer, and three ticks.
+TEST(RegionSubscriptions, WithoutALookaheadAPeerLooksAsFarAheadAsAnAnswerTakes) {
+  for (const bool beyond : {true, false}) {
+    RegionSettings settings = cut();
+    settings.lookahead.reset();
+    Subscribing s(settings);
+    s.conf.tick_hz = 10;
+    s.conf.policy.track_proximity = false;
+    const double ahead_s = 2.0 * to_seconds(s.members.longest_latency()) + 0.3;
+    const double range_m = 2.0 * std::sqrt(0.75) + (3.0 + 5.0) * ahead_s + 0.5;
+    s.place(100.0 - range_m + (beyond ? -1e-6 : 1e-6), 3.0);
+    s.part().measure_contact_ranges(std::vector{0u}, true);
+    s.part().follow_interest(sim(0s), sim(0s));
+    EXPECT_EQ(s.joined().contains(RegionId{2}), !beyond);
+  }
+}
+
 TEST(RegionSubscriptions, OnlyPairsOfTwoOwnersAskForReach) {
   Subscribing s;
   s.part().measure_contact_ranges(std::vector{0u}, true);

@@ -154,6 +154,32 @@ TEST(UnknownModel, IsLeftOutAndCounted) {
   EXPECT_FALSE(received(with_records(good, {0x00, 2, 1, 1}, {}), good));  // no kind
 }
 
+// Of a scene that has only such records nothing is left, not even its time.
+TEST(UnknownModel, ASceneOfNothingElseIsNone) {
+  Message m = updating([](auto&) {});
+  m.scene.since = SimTime{Duration{0x0102'0304'0506'0708}};
+  m.scene.states = {m.updates[0]};
+  m.scene.states[0].position_step_log2.reset();
+  const Bytes bytes = encode(m);
+  const std::vector since{std::byte{8}, std::byte{7}, std::byte{6}, std::byte{5},
+                          std::byte{4}, std::byte{3}, std::byte{2}, std::byte{1}};
+  const auto at = std::ranges::search(bytes, since).begin();
+  ASSERT_NE(at, bytes.end());
+  const auto size = std::to_integer<long>(at[-1]);
+  ASSERT_LT(size, 128);
+  const std::vector unknown{std::byte{8}, std::byte{3}, std::byte{1}, std::byte{2}, std::byte{3}};
+  Bytes out(bytes.begin(), at - 1);
+  out.push_back(static_cast<std::byte>(16 + unknown.size()));  // behind two times
+  out.insert(out.end(), at, at + 16);
+  out.insert(out.end(), unknown.begin(), unknown.end());
+  out.insert(out.end(), at + size, bytes.end());
+  const auto decoded = received(out, m);
+  ASSERT_TRUE(decoded);
+  EXPECT_EQ(decoded->unknown_models, 1u);
+  EXPECT_TRUE(decoded->scene.states.empty());
+  EXPECT_EQ(decoded->scene.since, SimTime{});
+}
+
 constexpr std::int64_t kFarthest_ns = std::int64_t{1} << 62;
 INSTANTIATE_TEST_SUITE_P(
     Update, Value,

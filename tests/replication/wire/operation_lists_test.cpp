@@ -110,10 +110,12 @@ TEST(OperationLists, RefuseWhatNobodySends) {
   EXPECT_FALSE(logs_are_good({0xFF, 0xFF, 0xFF, 0xFF, 0x07, 1, 1, 1}));  // behind it
   EXPECT_FALSE(logs_are_good({1, 0x81, 0x80, 0x80, 0x80, 0x80, 0x20}));  // 2^40 + 1 bytes
   EXPECT_TRUE(parts_are_good({1, 0, 2, 9, 9, 1, 5, 1, 9}));
-  EXPECT_FALSE(parts_are_good({1, 0, 2, 9}));                                   // cut short
-  EXPECT_FALSE(parts_are_good({1, 0, 0}));                                      // empty
-  EXPECT_FALSE(parts_are_good({0, 0, 1, 9}));                                   // nobody
-  EXPECT_FALSE(parts_are_good({1, 0x80, 0x80, 0x80, 0x80, 0x80, 0x20, 1, 9}));  // behind 2^40
+  EXPECT_FALSE(parts_are_good({1, 0, 2, 9}));                                      // cut short
+  EXPECT_FALSE(parts_are_good({1, 0, 0}));                                         // empty
+  EXPECT_FALSE(parts_are_good({0, 0, 1, 9}));                                      // nobody
+  EXPECT_FALSE(parts_are_good({1, 0x80, 0x80, 0x80, 0x80, 0x80, 0x20, 1, 9}));     // behind 2^40
+  EXPECT_TRUE(parts_are_good({1, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x1F, 1, 9}));      // the last byte of the longest log
+  EXPECT_FALSE(parts_are_good({1, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x1F, 2, 9, 9}));  // and one behind it
   EXPECT_TRUE(ranges_are_good({1, 0, 1}));
   EXPECT_FALSE(ranges_are_good({1, 0, 0}));
   EXPECT_FALSE(ranges_are_good({1, 0}));

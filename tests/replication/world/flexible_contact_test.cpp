@@ -12,8 +12,10 @@ namespace peerd::replication::flexible_contact_test {
 using namespace test;
 
 // GROWS is a cube of 1 m whose scale along x goes from 1 to 4 in 2 s and back; WALL's face is at x = `face`.
-std::string grows(double face, int type, const std::string& wall_fields = "") {
-  return box("GROWS", "1 1 1", "0 0 0") + box("WALL", "1 4 4", std::to_string(face + 0.5) + " 0 0", wall_fields) +
+std::string grows(double face, int type, const std::string& wall_fields = "", bool carried = false) {
+  const std::string cube = box("GROWS", "1 1 1", "0 0 0");
+  return (carried ? "DEF CART Transform { children " + cube + "}\n" : cube) +
+         box("WALL", "1 4 4", std::to_string(face + 0.5) + " 0 0", wall_fields) +
          "CollisionInterest { objectPath \"GROWS\" interests [\"WALL\"] collisionType " + std::to_string(type) +
          " }\n" +
          R"(DEF T TimeSensor { cycleInterval 4 loop TRUE }
@@ -23,12 +25,16 @@ ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO GROWS.set_sc
 }
 
 struct Flexing {
-  explicit Flexing(const std::string& text) : world(text), flexible(*world.model), motion(*world.model, sim(0s)) {
+  explicit Flexing(const std::string& text, const std::vector<const char*>& moved = {})
+      : world(text, moved), flexible(*world.model), motion(*world.model, sim(0s)) {
     flexible.set_world_zero(sim(0s));
     motion.set_flexible(flexible);
   }
   std::vector<double> contacts_until_s(double until_s) {
     for (double t = 0.1; t <= until_s; t += 0.1) motion.advance(sim(seconds(t)));
+    return contacts_s();
+  }
+  std::vector<double> contacts_s() {
     std::vector<double> times;
     while (const auto event = motion.poll_event()) {
       const auto* const contact = std::get_if<ContactEvent>(&*event);
@@ -87,6 +93,23 @@ ROUTE T.fraction_changed TO O.set_fraction ROUTE O.value_changed TO ARM.set_rota
   const double expected_s = std::asin(6.0 / 9.0) / (3.0 / 8.0);
   EXPECT_LE(times[0], expected_s + 1e-6) << "the wall and the arm are binary32";
   EXPECT_GE(times[0], expected_s - 4e-6);
+}
+
+// Its cart goes there and back at 2 m/s, and turns round at 0.5 s, where the cube ends at 1.875 m.
+TEST(FlexibleContact, WhatACartBringsMeetsAWallOnTheWay) {
+  for (const double face : {1.2, 1.6, 1.874}) {
+    Flexing f(grows(face, 1, "", true), {"CART"});
+    const ObjectId cart = f.world["CART"];
+    f.motion.declare(cart, Role::kDriven);
+    f.motion.set_base(cart, sim(0s), moving({0, 0, 0}, {2, 0, 0}));
+    f.motion.set_base(cart, sim(500ms), moving({1, 0, 0}, {-2, 0, 0}));
+    f.motion.advance(sim(2s));
+    const auto times = f.contacts_s();
+    ASSERT_EQ(times.size(), 1u) << face;
+    const double expected_s = (static_cast<double>(static_cast<float>(face + 0.5)) - 1.0) / 2.75;
+    EXPECT_LE(times[0], expected_s + 1e-9) << face;
+    EXPECT_GE(times[0], expected_s - 4e-6) << face;
+  }
 }
 
 // A touch that lasts is checked by how deep it is, and not at every millisecond.

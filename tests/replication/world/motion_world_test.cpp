@@ -50,6 +50,22 @@ std::vector<SimTime> standing(MotionWorld& world) {
 
 // ---- contact time, not contact tick ----
 
+TEST(MotionCounters, OfTwoWorldsAddUp) {
+  using C = MotionCounters;
+  constexpr std::uint64_t C::*kAll[] = {&C::contact_searches, &C::searches_far, &C::searches_skipped,
+                                        &C::searches_put_off, &C::contacts,     &C::contacts_undone,
+                                        &C::came_to_rest,     &C::jammed,       &C::overlapped,
+                                        &C::unsupported,      &C::failed,       &C::capped};
+  static_assert(sizeof(C) == std::size(kAll) * sizeof(std::uint64_t));
+  MotionCounters sum, other;
+  for (std::size_t i = 0; i < std::size(kAll); ++i) {
+    sum.*kAll[i] = 100 + i;
+    other.*kAll[i] = 10 * i + 1;
+  }
+  sum += other;
+  for (std::size_t i = 0; i < std::size(kAll); ++i) EXPECT_EQ(sum.*kAll[i], 101 + 11 * i) << i;
+}
+
 TEST(MotionWorld, BouncesAtTheContactTimeWhereverTicksLie) {
   const World w(corridor());
   MotionWorld world(*w.model, sim(0s));
@@ -655,6 +671,21 @@ TEST(MotionWorld, OneAdvanceDoesBoundedWork) {
   world.advance(sim(3s));
   EXPECT_EQ(world.counters().capped, 1u);
   EXPECT_EQ(world.at(w["BALL"], sim(3s)).position, stopped);
+}
+
+// What gives up is the advance: two balls that it stops are one.
+TEST(MotionWorld, AnAdvanceGivesUpOnce) {
+  const World w(corridor() + box("TWIN", "0.5 0.5 0.5", "0 9 0", kBounces) + interest("TWIN", "\"LEFT\" \"RIGHT\""));
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* name : {"BALL", "TWIN"}) {
+    world.declare(w[name], Role::kAuthoritative);
+    world.set_base(w[name], sim(0s), moving({0, name[0] == 'T' ? 9.0 : 0.0, 0}, {3'000'000, 0, 0}));
+  }
+  world.advance(sim(1s));
+  EXPECT_EQ(world.counters().capped, 1u);
+  for (const char* name : {"BALL", "TWIN"}) {
+    EXPECT_LE(std::abs(world.at(w[name], sim(1s)).position.x()), 3.0 + 1e-9) << name;
+  }
 }
 
 // Between a wall and a press that does not give way there is no room for an answer: the box stands at the wall, and the

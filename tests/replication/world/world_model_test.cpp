@@ -191,6 +191,25 @@ TEST(WorldModel, BoxesAreThoseOfWholeEndsInTheWorld) {
   EXPECT_THAT(turns.model->moved_part_pairs[index_of(turns, "CURB")], ElementsAre(0));
 }
 
+// What moves the wheel does not move the car's own body; it does move a part of the car's box.
+TEST(WorldModel, APartIsMovedByItsOwnChainAndAWholeEndByThatOfAnyPart) {
+  const World parts(car_and_curb() + interest("CAR", "\"CURB\""), {"WHEEL"}),
+      boxes(car_and_curb() + interest("CAR", "\"CURB\"", 0), {"WHEEL"});
+  const auto moved = [](const World& w, const PartPair& pair, const char* by) {
+    return w.model->any_mover(pair, true, [&](std::uint32_t i) { return i == w.model->index_of(w[by]); });
+  };
+  int of_car = 0, of_wheel = 0;
+  for (const PartPair& pair : parts.model->part_pairs) {
+    const bool wheel = pair.a == parts.model->index_of(parts["WHEEL"]);
+    ++(wheel ? of_wheel : of_car);
+    EXPECT_EQ(moved(parts, pair, "WHEEL"), wheel);
+    EXPECT_TRUE(moved(parts, pair, "CAR"));
+  }
+  EXPECT_EQ(of_car, 1);
+  EXPECT_EQ(of_wheel, 1);
+  EXPECT_TRUE(moved(boxes, boxes.model->part_pairs[0], "WHEEL"));
+}
+
 TEST(WorldModel, WhatPeersOwnCarries) {
   const std::string text = car_and_curb() + box("ALONE", "1 1 1", "0 9 0") + interest("WHEEL", "\"CURB\"");
   const World nobodys(text);
