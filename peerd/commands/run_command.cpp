@@ -119,12 +119,13 @@ Result<std::unique_ptr<record::CaptureWriter>> open_capture(const PeerOptions& o
                                                             const config::PeerSettings& peer, const SharedWorld& shared,
                                                             const PeerNode::Options& node,
                                                             const net::OpenedTransport& reached, net::GroupPlan groups,
-                                                            HostTime now) {
+                                                            const SessionSeal& session_seal, HostTime now) {
   if (options.capture.empty()) return nullptr;
   // A unicast datagram goes to many addresses but stands in the capture once, as if all regions had one group.
   if (reached.unicast()) groups.pool = 1;
   auto setup =
       record::make_setup(scenario, scenario.runs.front(), peer, options.config, shared, node, std::move(groups));
+  setup.roster = session_seal.roster();
   using Datagrams = record::Setup::Datagrams;
   setup.datagrams = node.sealed_by.empty() ? Datagrams::kOpen
                     : options.opened       ? Datagrams::kOpened
@@ -368,7 +369,8 @@ Result<void> fill_store(const PeerOptions& options, const seal::Identity& identi
       store ? replication::Author{store->author(), store->author_salt()} : seal::fresh_author(identity.public_key());
   parts.signer = std::make_unique<seal::OperationSigner>(
       world.hash, identity, parts.author.salt,
-      [&session_seal](const seal::PublicKey& key) { return session_seal.may_write(key); });
+      [&session_seal](const seal::PublicKey& key) { return session_seal.may_write(key); },
+      [&session_seal](const seal::PublicKey& key) { return session_seal.writer(key); });
   if (store && options.keeps_id) {
     const auto id = store::identity_in(parts.opened.folder, PeerId{settings.id}, store->author());
     if (!id) return std::unexpected(id.error());
@@ -452,6 +454,15 @@ Result<void> keep_records(const PeerOptions& options, PeerNode& node, const reco
   return {};
 }
 
+// The peer and its capture hear of each roster that is followed from now on. All outlive the session's seal.
+void follow_rosters(SessionSeal& session_seal, PeerNode& node, const net::HostClock& clock,
+                    record::CaptureWriter* capture) {
+  session_seal.on_roster([&node, &clock, capture](const std::string& roster) {
+    if (capture != nullptr) capture->on_roster(clock.now(), roster);
+    node.follow_writers();
+  });
+}
+
 void log_findings(const PeerParts& parts, Log& log) {
   for (const std::string& line : parts.shared->findings()) log(spdlog::level::warn, line);
   for (const LogLine& line : parts.opened.lines) log(line);
@@ -497,11 +508,11 @@ int run_peer(const PeerOptions& options) {
     if (const auto saved = save(node->log(), options.record); !saved) return failed(saved.error());
   }
   auto capture = open_capture(options, parts->scenario, settings, *parts->shared, node_options, *reached,
-                              reach->multicast.groups, clock.now());
+                              reach->multicast.groups, session_seal, clock.now());
   if (!capture) return failed(capture.error());
-
   const auto sealed_capture = capture_sealed(*capture, options, session_seal.key().has_value(), clock, *reached, log);
   signer.record_to(capture->get());
+  follow_rosters(session_seal, *node, clock, capture->get());
   log_line(session_seal.line());
   session_seal.seal(io, clock, PeerId{settings.id}, *reached, log_line);
   log_beginning(settings, parts->scenario.world, run.transport, *reached, log);
