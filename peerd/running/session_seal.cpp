@@ -17,14 +17,14 @@ namespace asio = boost::asio;
 
 constexpr std::chrono::seconds kFileChecked{1};
 
+}  // namespace
+
 // Dead reckoning is too frequent to be signed, and is checked afterwards.
 std::optional<seal::Contents> contents_of(std::span<const std::byte> datagram) {
   const auto envelope = replication::envelope_of(datagram);
   if (!envelope) return std::nullopt;
   return seal::Contents{envelope->sender, !envelope->has_only_updates, envelope->changes_world};
 }
-
-}  // namespace
 
 Result<seal::Identity> peer_identity(const config::TransportSettings& settings, const SayLine& say) {
   const auto file = seal::chosen_identity_file(settings.identity_file);

@@ -1,10 +1,12 @@
 #pragma once
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "core/ids.hpp"
@@ -28,6 +30,9 @@ using SayLine = std::function<void(const LogLine&)>;
 // Reads who this peer's user is: the settings' file, else the user's own, which is made where there is none. Where that
 // can't be made, the identity is one of this start alone, and somebody is told.
 [[nodiscard]] Result<seal::Identity> peer_identity(const config::TransportSettings& settings, const SayLine& say);
+
+// What the seal needs to know of a peer's datagram; none: peers send no such thing.
+[[nodiscard]] std::optional<seal::Contents> contents_of(std::span<const std::byte> datagram);
 
 // The error of who has a roster that does not name them.
 [[nodiscard]] InputError not_a_member(const std::filesystem::path& roster, const seal::Identity& identity);

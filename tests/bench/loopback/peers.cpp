@@ -11,6 +11,7 @@
 
 #include "peerd/daemon/cache_warmer.hpp"
 #include "peerd/daemon/daemon.hpp"
+#include "peerd/running/session_seal.hpp"
 #include "peerd/seal/sealed_transport.hpp"
 #include "peerd/transport/open_transport.hpp"
 #include "peerd/transport/transport_options.hpp"
@@ -154,8 +155,9 @@ class Side {
     auto opened = net::open_transport(io_, clock_, *options);
     if (!opened) throw std::runtime_error(opened.error().sentence);
     if (!key) return std::move(opened->transport);
-    return std::make_unique<seal::SealedTransport>(io_, clock_, std::move(opened->transport), *key,
-                                                   PeerId{own_ == 'a' ? 1U : 2U}, [](const std::string&) {});
+    const seal::Sealer::Self self{.peer = PeerId{own_ == 'a' ? 1U : 2U}, .identity = seal::Identity::random()};
+    return std::make_unique<seal::SealedTransport>(io_, clock_, std::move(opened->transport), *key, self, contents_of,
+                                                   [](const std::string&) {});
   }
 
   char own_;
