@@ -217,11 +217,12 @@ struct EditFlags {
 
 struct CtlCommands {
   CLI::App *status, *peers, *objects, *key, *pose, *add, *remove, *move, *set, *own, *grab, *steal, *release, *data;
+  CLI::App *lock, *unlock;
   CLI::App *send, *undo, *redo, *conflicts, *subscribe, *save, *leave;
 
   // The one of those whose only argument is a path; null: it is another one.
   [[nodiscard]] const CLI::App* with_path_alone() const {
-    for (const CLI::App* const command : {remove, own, grab, steal, release}) {
+    for (const CLI::App* const command : {remove, own, grab, steal, release, lock, unlock}) {
       if (*command) return command;
     }
     return nullptr;
@@ -252,6 +253,8 @@ void add_edit_commands(CLI::App& ctl, CtlCommands& commands, CtlOptions& options
   commands.grab = add_owning("grab", "the same, and then this peer gives it to nobody who asks");
   commands.steal = add_owning("steal", "takes an object without asking its owner, where the world's settings allow it");
   commands.release = add_owning("release", "makes an object of this peer nobody's");
+  commands.lock = add_owning("lock", "keeps all others from changing an object and what is below it");
+  commands.unlock = add_owning("unlock", "lets them change it again");
   commands.data = ctl.add_subcommand("data", "a value that applications keep at a node: prints it, or sets it for all");
   commands.data->add_option("path", edit.path, "the node's path, or its DEF name")->required();
   commands.data->add_option("key", edit.key, "which one (default: prints the keys that it has)");

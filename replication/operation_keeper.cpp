@@ -181,8 +181,13 @@ void OperationKeeper::place_left_behind(HostTime now, SimTime t) {
     return p_.owners.of(each.first) != kNobody || t - each.second.at > kPlacedWithin;
   });
   const auto is_earlier = [&](const auto& other) { return other.second.synchronised && other.first < p_.config.id; };
-  if (std::ranges::any_of(p_.members.all(), is_earlier)) return;
-  for (const auto& [object, left] : std::exchange(p_.left_behind, {})) {
+  const bool is_first = std::ranges::none_of(p_.members.all(), is_earlier);
+  if (!is_first && p_.living.locks().empty()) return;
+  for (const auto& [object, left] : LeftObjects(p_.left_behind)) {
+    // Of what is locked those say it who may.
+    const bool is_locked = p_.living.lock_around(object).has_value();
+    if (is_locked ? !p_.living.why_locked(object, p_.author).empty() : !is_first) continue;
+    p_.left_behind.erase(object);
     p_.replica.compute_ghost(object);
     const auto placement = placement_of_state(object, p_.replica.ghosts().relative_at(object, t));
     if (!placement) continue;  // it stands where the scene has it, or is of a node that has no place of its own

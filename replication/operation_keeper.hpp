@@ -32,6 +32,8 @@ class OperationKeeper {
   // Takes the object where it is nobody's or its owner is not here; else asks its owner for it.
   [[nodiscard]] std::expected<Taking, std::string> own(HostTime now, ObjectId object, bool steals);
 
+  // Some writers may do more than they might (LogSigner::writer()).
+  void follow_writers() { p_.living.follow_writers(); }
   // A datagram of a member has come.
   void on_message(HostTime now, PeerId sender, const Message& message);
   // Says where what owners have left behind stands: the peer of the lowest id that is here does.

@@ -248,6 +248,8 @@ std::expected<UndoneEdit, std::string> Peer::undo(HostTime now, bool redoes) {
   return impl_->operations.undo(now, redoes);
 }
 
+void Peer::follow_writers() { impl_->operations.follow_writers(); }
+
 std::vector<std::byte> Peer::log_bytes(const OperationRange& range) const { return impl_->parts.logs.bytes(range); }
 
 void Peer::leave(HostTime now) {
@@ -273,6 +275,21 @@ PeerId Peer::id() const { return impl_->parts.config.id; }
 const Scene& Peer::scene() const { return *impl_->parts.model->scene; }
 const WorldModel& Peer::model() const { return *impl_->parts.model; }
 const NodeData& Peer::data() const { return impl_->parts.living.data(); }
+std::vector<Lock> Peer::locks() const {
+  const LivingScene& living = impl_->parts.living;
+  std::vector<Lock> all;
+  for (const auto& [object, author] : living.locks()) all.push_back({object, author, living.name_of_writer(author)});
+  return all;
+}
+
+std::optional<Lock> Peer::lock_around(ObjectId object) const {
+  const LivingScene& living = impl_->parts.living;
+  const auto locked = living.lock_around(object);
+  if (!locked) return std::nullopt;
+  const AuthorId author = living.locks().at(*locked);
+  return Lock{*locked, author, living.name_of_writer(author)};
+}
+
 const Conflicts& Peer::conflicts() const { return impl_->parts.living.conflicts(); }
 std::optional<OperationBody> Peer::find(const OperationKey& operation) const {
   return impl_->parts.living.find(operation);

@@ -17,6 +17,7 @@
 #include "replication/replica/own_sample.hpp"
 #include "replication/replica/owners.hpp"
 #include "replication/scene/conflicts.hpp"
+#include "replication/scene/locks.hpp"
 #include "replication/scene/node_data.hpp"
 #include "replication/session/membership.hpp"
 #include "replication/session/session_clock.hpp"
@@ -82,22 +83,22 @@ class Peer {
   // Undoes the last edit of this author that it has not undone, or redoes the one that it has undone last, by another
   // operation; what others have overwritten is passed over. The error says why there is none.
   std::expected<UndoneEdit, std::string> undo(HostTime now, bool redoes);
-  // Says goodbye. The peer is over after this.
-  void leave(HostTime now);
+  void follow_writers();     // some may do more than they might (LogSigner::writer())
+  void leave(HostTime now);  // says goodbye; the peer is over after this
 
   [[nodiscard]] std::optional<Output> poll_output();
   // Takes back the memory of a datagram that has been sent, so that sending need not allocate.
   void reuse(Bytes&& datagram);
-  // The time at which to call on_tick() next.
-  [[nodiscard]] HostTime next_deadline() const;
+  [[nodiscard]] HostTime next_deadline() const;  // the time at which to call on_tick() next
 
   // ---- what this peer knows
   [[nodiscard]] PeerId id() const;
   [[nodiscard]] const PeerConfig& config() const;  // with the viewpoint that it has now
   [[nodiscard]] const Scene& scene() const;        // as all operations until the last tick have made it
   [[nodiscard]] const WorldModel& model() const;   // of that scene
-  // The data of applications at nodes, as all operations until the last tick have made them.
-  [[nodiscard]] const NodeData& data() const;
+  [[nodiscard]] const NodeData& data() const;      // of applications at its nodes
+  [[nodiscard]] std::vector<Lock> locks() const;   // all that are in force
+  [[nodiscard]] std::optional<Lock> lock_around(ObjectId object) const;  // its own, or the nearest one's above it
   // The losses of operations by others that did not know them, and an operation; none: it is not known.
   [[nodiscard]] const Conflicts& conflicts() const;
   [[nodiscard]] std::optional<OperationBody> find(const OperationKey& operation) const;
@@ -126,8 +127,7 @@ class Peer {
   [[nodiscard]] KinematicState ghost(ObjectId object, SimTime t) const;
   // Whether this peer listens to the object's region. What it says of others is void; they meet nothing here.
   [[nodiscard]] bool receives(ObjectId object) const;
-  // The last update of a remote object that was applied; null before the first.
-  [[nodiscard]] const UpdateRecord* last_update_of(ObjectId object) const;
+  [[nodiscard]] const UpdateRecord* last_update_of(ObjectId object) const;  // applied, of a remote one; null: none
   [[nodiscard]] const Interest& interest() const;
   // Brings the ghosts to t, which may lie between two ticks, for a viewer's frame. Other peers can't notice it.
   void advance_ghosts(SimTime t);

@@ -26,6 +26,12 @@ AuthorId author_of(PeerId peer, std::uint64_t incarnation) {
   return AuthorId{1 + static_cast<std::uint32_t>(bits % kAuthorMax)};
 }
 
+Writer writer_of(AuthorId author, const OperationLogs& logs, const PeerConfig& config, bool is_own) {
+  if (config.signer == nullptr) return writer_without_key(author);
+  const auto key = logs.key(author);
+  return config.signer->writer(key.empty() && is_own ? config.signer->own_key() : key);
+}
+
 PeerConfig without_log(PeerConfig config) {
   config.log = {};
   return config;
@@ -67,7 +73,8 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
       author(config.author.value_or(author_of(config.id, config.incarnation))),
       logs(author, config.signer),
       living(*world_model.scene, config.rare,
-             OperationBodies([this](OperationId id) { return logs.operation(id).body; })),
+             OperationBodies([this](OperationId id) { return logs.operation(id).body; }),
+             [this](AuthorId of) { return writer_of(of, logs, config, of == author); }),
       stored_until(restore(peer_config.log, logs, living, model)),
       ticks(config.tick_hz),
       outbox(config.id, config.incarnation, counters),

@@ -230,6 +230,14 @@ SceneEditor::Below SceneEditor::below(ObjectId id) const {
   return below;
 }
 
+bool SceneEditor::is_within(ObjectId id, ObjectId above) const {
+  const auto draft = draft_of(id), end = draft_of(above);
+  if (!draft || !end) return false;
+  std::uint32_t up = *draft;
+  while (up != *end && up != kNone) up = drafts_[up].parent;
+  return up != kNone;
+}
+
 void SceneEditor::mark_removed(std::uint32_t draft) {
   drafts_[draft].removed = true;
   --instances_of_[drafts_[draft].node];

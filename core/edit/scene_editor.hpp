@@ -54,6 +54,8 @@ class SceneEditor {
     std::vector<NodeId> nodes;
   };
   [[nodiscard]] Below below(ObjectId id) const;
+  // Whether the one is the other, or stands anywhere below it. False where one of them is not there.
+  [[nodiscard]] bool is_within(ObjectId id, ObjectId above) const;
   // Removes an instance with all below it; ROUTEs and interests that lead to it go with it.
   [[nodiscard]] std::expected<void, std::string> remove(ObjectId id);
   // Removes a node that is no instance, such as a CollisionInterest or a TimeSensor, wherever it stands.

@@ -520,7 +520,8 @@ class ChaosRun {
     Host& host = hosts_[planned.peer];
     if (!host.node || host.runs_from > now_) return;
     const replication::Peer& peer = host.node->peer();
-    const EditView view{peer.scene(), peer.owners(), peer.id()};
+    EditView view{peer.scene(), peer.owners(), peer.id()};
+    for (const replication::Lock& lock : peer.locks()) view.locked.push_back(lock.object);
     const auto key = make_key(planned, view);
     const std::vector<config::SceneEdit> edits = make_edits(planned, view);
     if (key) {

@@ -55,6 +55,9 @@ class EditMaker {
       if (owner != kNobody) (owner == view.self ? own_ : others_).push_back(transforms_.back());
       if (is_free(each.def)) free_.push_back(transforms_.back());
     }
+    for (const ObjectId object : view.locked) {
+      if (scene.contains(object)) locked_.push_back(scene.path_of(object));
+    }
     for (const vrml::Node& node : scene.document->nodes) {
       if (node.def.ends_with(kInterestEnd)) interests_.emplace_back(node.def);
     }
@@ -63,7 +66,7 @@ class EditMaker {
   }
 
   std::vector<SceneEdit> any() {
-    switch (random_.below(22)) {
+    switch (random_.below(25)) {
       case 0:
       case 1:
         return {adding(block() + interest())};
@@ -102,6 +105,12 @@ class EditMaker {
         return {datum(some_object())};
       case 19:
         return {message()};
+      case 20:
+        return {about(SceneEdit::Kind::kLock, some_object())};
+      case 21:
+      case 22:  // what is locked does not stay so for long, or edits would do little else than be refused
+        return {
+            about(SceneEdit::Kind::kUnlock, locked_.empty() ? some_object() : locked_[random_.below(locked_.size())])};
       default:
         return undoing();
     }
@@ -255,7 +264,7 @@ class EditMaker {
   }
 
   Random random_;
-  std::vector<std::string> transforms_, own_, others_, free_, interests_;
+  std::vector<std::string> transforms_, own_, others_, free_, interests_, locked_;
   std::string name_;
 };
 

@@ -22,6 +22,7 @@ struct EditView {
   const Scene& scene;
   const replication::Owners& owners;
   PeerId self = kNobody;
+  std::vector<ObjectId> locked{};
 };
 
 // The edits that a planned one means for what its peer sees: a function of the two.

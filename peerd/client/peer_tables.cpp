@@ -26,6 +26,11 @@ std::string remark_on(const Json& object) {
   return object.at("driven").get<bool>() ? "by a formula" : "";
 }
 
+std::string with_lock(const Json& object, const std::string& remark) {
+  if (!object.contains("locked_by")) return remark;
+  return (remark.empty() ? "" : remark + ", ") + "locked by " + object.at("locked_by").get<std::string>();
+}
+
 }  // namespace
 
 std::vector<Column> object_columns(const Json& objects, const PeerNames& names) {
@@ -40,7 +45,7 @@ std::vector<Column> object_columns(const Json& objects, const PeerNames& names) 
     speed.cells.push_back(fixed(vector_of(object.at("velocity_m_s")).norm(), 2));
     position.cells.push_back(fmt::format("{:.2f} {:.2f} {:.2f}", at.x(), at.y(), at.z()));
     error.cells.push_back(number_or_dash(object.value("ghost_error_m", Json(nullptr)), 4));
-    remark.cells.push_back(remark_on(object));
+    remark.cells.push_back(with_lock(object, remark_on(object)));
   }
   return {path, owner, speed, position, error, remark};
 }

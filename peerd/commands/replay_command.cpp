@@ -88,7 +88,7 @@ int run_replay(const ReplayOptions& options) {
          "it with --record"});
   }
   Printer printer(*node, capture->begin());
-  const auto outcome = Replay(*node, *capture, options.verbose ? &printer : nullptr).run();
+  const auto outcome = Replay(*recorded, *capture, options.verbose ? &printer : nullptr).run();
   if (!outcome) return unreadable(outcome.error().text);
   if (!options.record.empty()) {
     if (const auto saved = save(node->log(), options.record); !saved) return failed(saved.error());

@@ -12,6 +12,8 @@
 #include "peerd/commands/problems.hpp"
 #include "peerd/input/printable.hpp"
 #include "peerd/input/text_file.hpp"
+#include "peerd/running/roster_file.hpp"
+#include "peerd/seal/operation_signer.hpp"
 #include "peerd/store/operation_store.hpp"
 #include "peerd/store/stored_world.hpp"
 #include "replication/operations/operation_log.hpp"
@@ -46,10 +48,21 @@ nlohmann::ordered_json store_json(const StoreCheckOptions& options, const Operat
           {"logs", std::move(logs)}};
 }
 
+// The roster that this user has of the world; none: it has none.
+Result<std::optional<seal::Roster>> roster_of(const std::string& world) {
+  const auto file = chosen_roster_file({}, world);
+  return file ? read_roster(*file) : Result<std::optional<seal::Roster>>(std::nullopt);
+}
+
 // The scene that the operations of the store make.
-std::shared_ptr<const Scene> living_scene(const OperationStore& store, const Scene& file) {
-  replication::LivingScene living(file);
+std::shared_ptr<const Scene> living_scene(const OperationStore& store, const Scene& file,
+                                          const std::optional<seal::Roster>& roster) {
   replication::OperationLogs logs;
+  replication::LivingScene living(file, {}, {}, [&](replication::AuthorId author) {
+    const auto key = seal::public_key_in(logs.key(author));
+    if (!key) return replication::writer_without_key(author);
+    return roster ? seal::writer_by(*roster, *key) : seal::writer_without_roster(*key);
+  });
   for (const replication::OperationPart& part : store.log()) {
     auto operations = logs.restore(part);
     assert(operations);  // the store has read them
@@ -107,7 +120,11 @@ int run_store_export(const StoreExportOptions& options, std::ostream& out) {
   if (!store) return failed(store.error());
   const auto world = first_world(options, (*store)->genesis());
   if (!world) return failed(world.error());
-  const auto written = write_world(*living_scene(**store, world->scene));
+  const auto kept = store::read_world_of_store(options.folder);
+  if (!kept) return failed(kept.error());
+  const auto roster = roster_of(*kept ? (*kept)->name : options.world.stem().string());
+  if (!roster) return failed(roster.error());
+  const auto written = write_world(*living_scene(**store, world->scene, *roster));
   if (!written) return failed({"error: " + written.error(), 1});
   if (options.file.empty()) {
     out << written->text;

@@ -28,7 +28,9 @@ const std::initializer_list<std::string_view> kKinds{"join",
                                                      to_string(SceneEdit::Kind::kData),
                                                      to_string(SceneEdit::Kind::kSend),
                                                      to_string(SceneEdit::Kind::kUndo),
-                                                     to_string(SceneEdit::Kind::kRedo)};
+                                                     to_string(SceneEdit::Kind::kRedo),
+                                                     to_string(SceneEdit::Kind::kLock),
+                                                     to_string(SceneEdit::Kind::kUnlock)};
 constexpr SizeLimit kAddedText{kMiB, "no operation is so long", 2};
 constexpr std::size_t kFirstEdit = static_cast<std::size_t>(EventKind::kEdit);
 

@@ -5,8 +5,8 @@
 
 namespace peerd::config {
 
-// A change of the scene, of data at its nodes, or of who owns what in it, or a message to all, as people and scripts
-// ask for it: paths are as in a world file (Scene::find).
+// A change of the scene, of data at its nodes, or of who owns or has locked what in it, or a message to all, as people
+// and scripts ask for it: paths are as in a world file (Scene::find).
 struct SceneEdit {
   enum class Kind : std::uint8_t {
     kAdd,
@@ -20,11 +20,13 @@ struct SceneEdit {
     kData,
     kSend,
     kUndo,
-    kRedo
+    kRedo,
+    kLock,
+    kUnlock
   };
   Kind kind{};
-  // The thing to remove, move, set, own or release, or that has the data: an instance, or, to be removed or set, or for
-  // data, a node by its DEF name.
+  // The thing to remove, move, set, own, release, lock or unlock, or that has the data: an instance, or, to be removed
+  // or set, or for data, a node by its DEF name.
   std::string path;
   std::string text;          // kAdd: VRML, with or without its first line
   std::string under;         // kAdd, kMove: the new parent; empty: the top level
@@ -60,6 +62,10 @@ struct SceneEdit {
       return "undo";
     case SceneEdit::Kind::kRedo:
       return "redo";
+    case SceneEdit::Kind::kLock:
+      return "lock";
+    case SceneEdit::Kind::kUnlock:
+      return "unlock";
   }
   return "?";
 }

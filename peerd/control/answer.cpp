@@ -9,6 +9,7 @@
 #include "peerd/control/conflict_rows.hpp"
 #include "peerd/control/request.hpp"
 #include "peerd/feed/json_members.hpp"
+#include "peerd/node/edit_operation.hpp"
 #include "replication/decision/decision.hpp"
 
 namespace peerd::api {
@@ -46,6 +47,7 @@ ordered_json object_row(const PeerNode& node, SimTime t, ObjectId object, PeerId
       {"velocity_m_s", numbers(s.velocity)},
       {"angular_velocity_rad_s", numbers(s.angular_velocity_body)}};
   if (own) row["ghost_error_m"] = (s.position - peer.ghost(object, t).position).norm();
+  if (const auto lock = peer.lock_around(object)) row["locked_by"] = lock->by;
   if (!peer.receives(object)) row["heard"] = false;
   return row;
 }
@@ -93,6 +95,10 @@ ordered_json status(PeerNode& node, HostTime now, const MoreCounters& more) {
   reply["members"] = ordered_json::array();
   for (const auto& [id, member] : peer.members().all()) {
     reply["members"].push_back({{"id", id.value}, {"name", member.name}, {"joined", member.synchronised}});
+  }
+  reply["locks"] = ordered_json::array();
+  for (const replication::Lock& lock : peer.locks()) {
+    reply["locks"].push_back({{"path", path_or_id(node.scene(), lock.object)}, {"by", lock.by}});
   }
   add_objects(reply, node, now, {}, /*own=*/true);
   reply["counters"] = node.log().counters;

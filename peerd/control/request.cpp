@@ -129,7 +129,7 @@ Request read_operation(feed::JsonMembers& members) {
 
 std::optional<config::SceneEdit::Kind> edit_kind(std::string_view word) {
   using enum config::SceneEdit::Kind;
-  for (const auto kind : {kAdd, kRemove, kMove, kSet, kOwn, kGrab, kSteal, kRelease, kUndo, kRedo}) {
+  for (const auto kind : {kAdd, kRemove, kMove, kSet, kOwn, kGrab, kSteal, kRelease, kUndo, kRedo, kLock, kUnlock}) {
     if (word == config::to_string(kind)) return kind;
   }
   return std::nullopt;
@@ -188,8 +188,8 @@ std::expected<Request, std::string> parse_request(std::string_view line) {
     members.fail("do",
                  "must be one of \"key\", \"status\", \"peers\", \"objects\", \"pose\", \"let_go\", \"viewpoint\", "
                  "\"add\", \"remove\", \"move\", \"set\", \"own\", \"grab\", \"steal\", \"release\", \"data\", "
-                 "\"send\", \"undo\", \"redo\", \"conflicts\", \"subscribe\", \"operation\", \"world\", \"viewer\", "
-                 "\"leave\"");
+                 "\"send\", \"undo\", \"redo\", \"lock\", \"unlock\", \"conflicts\", \"subscribe\", \"operation\", "
+                 "\"world\", \"viewer\", \"leave\"");
   }
   if (std::string error = members.finish(); !error.empty()) return std::unexpected(std::move(error));
   return *request;

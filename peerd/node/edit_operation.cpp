@@ -80,6 +80,12 @@ std::expected<OperationBody, std::string> operation_of(const SceneEdit& edit, co
       if (!node) return std::unexpected(node.error());
       return SetData{*node, edit.key, edit.removes ? std::nullopt : std::optional(edit.data)};
     }
+    case SceneEdit::Kind::kLock:
+    case SceneEdit::Kind::kUnlock: {
+      const auto object = find(scene, edit.path);
+      if (!object) return std::unexpected(object.error());
+      return LockObject{*object, edit.kind == SceneEdit::Kind::kUnlock};
+    }
     case SceneEdit::Kind::kSend:
       return SendMessage{self, edit.key, edit.data};
     case SceneEdit::Kind::kOwn:
@@ -103,6 +109,8 @@ std::string name_of(const SceneEdit& edit) {
     case SceneEdit::Kind::kGrab:
     case SceneEdit::Kind::kSteal:
     case SceneEdit::Kind::kRelease:
+    case SceneEdit::Kind::kLock:
+    case SceneEdit::Kind::kUnlock:
       return fmt::format("{} {}", kind, edit.path);
     case SceneEdit::Kind::kMove:
       return fmt::format("{} {} {}{}", kind, edit.path, edit.under.empty() ? "to the top level" : "below ", edit.under);

@@ -70,6 +70,7 @@ class PeerNode {
 
   void on_packet(HostTime now, RegionId region, std::span<const std::byte> datagram);
   void on_tick(HostTime now);
+  void follow_writers() { peer_.follow_writers(); }
   void on_os_clock(HostTime now, std::optional<replication::OsClock> clock) { peer_.on_os_clock(now, clock); }
   // A key is pressed at this peer: its KeySensors change the velocity of objects that it owns. Releases have no effect.
   // Each automatic repeat that the caller passes on counts as a press, as in the toolkit of Ohlenburg 2003.

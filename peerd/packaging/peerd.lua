@@ -187,6 +187,7 @@ local F = {
     undone_number = field("uint32", "operation.undone.number", "Number of the undone operation"),
     undone_stamp = field("int64", "operation.undone.stamp_ns", "Its stamp [ns]"),
     redoes = field("bool", "operation.redoes", "Redoes it"),
+    unlocks = field("bool", "operation.unlocks", "Unlocks it"),
   },
   identity = {
     asker = field("uint64", "identity.asker", "Incarnation of the program that asks", base.HEX),
@@ -1109,6 +1110,9 @@ local BODIES = {
     })
     need(got.owner ~= 0, "operation_id")
     add_placement(tree, translation, rotation)
+  end },
+  [21] = { "lock_object", function(tvb, tree, O)
+    each_field_of(tvb, tree, { id_of_author(tree, O.object), flag(tree, O.unlocks) })
   end },
 }
 

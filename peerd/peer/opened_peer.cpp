@@ -1,6 +1,7 @@
 #include "peerd/peer/opened_peer.hpp"
 
 #include <chrono>
+#include <string>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
@@ -132,6 +133,10 @@ Result<void> OpenedPeer::open_node() {
     if (auto saved = save(node_->log(), options_.record); !saved) return saved;
   }
   if (auto opened = open_capture(node); !opened) return opened;
+  session_seal_->on_roster([this](const std::string& roster) {
+    if (capture_) capture_->on_roster(clock_.now(), roster);
+    node_->follow_writers();
+  });
   log_(session_seal_->line());
   session_seal_->seal(io_, clock_, PeerId{parts_.settings->id}, *reached_, say_);
   log_beginning(*parts_.settings, parts_.scenario.world, run.transport, *reached_, log_);
@@ -148,6 +153,7 @@ Result<void> OpenedPeer::open_capture(PeerNode::Options& node) {
   if (reached_->unicast()) groups.pool = 1;
   auto setup = record::make_setup(parts_.scenario, parts_.run(), *parts_.settings, options_.config, *parts_.shared,
                                   node, std::move(groups));
+  setup.roster = session_seal_->roster();
   using Datagrams = record::Setup::Datagrams;
   setup.datagrams = node.sealed_by.empty() ? Datagrams::kOpen
                     : options_.opened      ? Datagrams::kOpened

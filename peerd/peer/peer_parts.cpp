@@ -68,7 +68,8 @@ Result<void> fill_store(const PeerOptions& options, const seal::Identity& identi
       store ? replication::Author{store->author(), store->author_salt()} : seal::fresh_author(identity.public_key());
   parts.signer = std::make_unique<seal::OperationSigner>(
       world.hash, identity, parts.author.salt,
-      [&session_seal](const seal::PublicKey& key) { return session_seal.may_write(key); });
+      [&session_seal](const seal::PublicKey& key) { return session_seal.may_write(key); },
+      [&session_seal](const seal::PublicKey& key) { return session_seal.writer(key); });
   if (store && options.keeps_id) {
     const auto id = store::identity_in(parts.opened.folder, PeerId{settings.id}, store->author());
     if (!id) return std::unexpected(id.error());

@@ -62,6 +62,7 @@ ordered_json inspect(const PeerNode& node, ObjectId object) {
   const PeerId owner = peer.owner(object);
   const bool own = owner == peer.id();
   const auto threshold_m = peer.threshold_m(object);
+  const auto lock = peer.lock_around(object);
   ordered_json out = {{"id", std::to_string(object.packed())},
                       {"path", scene.path_of(object)},
                       {"def", instance.def},
@@ -70,6 +71,7 @@ ordered_json inspect(const PeerNode& node, ObjectId object) {
                       {"own", own},
                       {"driven", own && node.drives(object)},
                       {"threshold_m", threshold_m ? ordered_json(*threshold_m) : ordered_json(nullptr)},
+                      {"locked_by", lock ? ordered_json(lock->by) : ordered_json(nullptr)},
                       {"fields", ordered_json::object()},
                       {"data", ordered_json::object()}};
   for (const vrml::Field& field : document.nodes[instance.node].given()) {

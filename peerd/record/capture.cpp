@@ -64,6 +64,7 @@ std::optional<decltype(Event::what)> input_from(std::string_view text) {
     const auto size = seal::read_base64(text, seal::as_octets(std::span<std::byte>(by_peer.signature)));
     return size == by_peer.signature.size() ? std::optional(by_peer) : std::nullopt;
   }
+  if (word == "roster") return RosterRead{text};
   if (word != "control" && word != "poses") return std::nullopt;
   const auto host_minus_wall = take_duration(text);
   if (!host_minus_wall) return std::nullopt;

@@ -38,6 +38,8 @@ class CaptureWriter {
   void on_os_clock(HostTime now, const std::optional<replication::OsClock>& clock);
   void on_control(HostTime now, Duration host_minus_wall, std::string_view line);
   void on_poses(HostTime now, Duration host_minus_wall, std::string_view datagram);
+  // The members are those of that roster from now on.
+  void on_roster(HostTime now, std::string_view roster) { input(now, "roster " + std::string(roster)); }
   void on_leave(HostTime now) { input(now, "leave"); }
   // The peer has signed an operation, which the last input has made.
   void on_signed(std::span<const std::byte, replication::kSignature_bytes> signature);
@@ -86,13 +88,16 @@ struct Poses {  // one datagram of the pose port
   Duration host_minus_wall;
   std::string_view datagram;
 };
+struct RosterRead {
+  std::string_view text;
+};
 struct Left {};
 struct Signed {  // by the peer, whose secret no capture has
   std::array<std::byte, replication::kSignature_bytes> signature{};
 };
 struct Event {
   HostTime at;
-  std::variant<DatagramIn, DatagramOut, Tick, OsClockRead, Control, Poses, Left, Signed> what;
+  std::variant<DatagramIn, DatagramOut, Tick, OsClockRead, Control, Poses, RosterRead, Left, Signed> what;
 };
 
 // Reads a capture, which is hostile input. Errors are sentences that say where.

@@ -30,6 +30,9 @@ class RecordingSigner final : public replication::LogSigner {
                              Signature signature) const override {
     return signer_.is_good(author, key, digest, signature);
   }
+  [[nodiscard]] replication::Writer writer(std::span<const std::byte> key) const override {
+    return signer_.writer(key);
+  }
 
  private:
   const LogSigner& signer_;

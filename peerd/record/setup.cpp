@@ -60,6 +60,7 @@ std::string to_text(const Setup& s) {
   if (s.options.author) json["author"] = s.options.author->value;
   if (!s.author_key.empty())
     json["author_key"] = seal::base64_of(seal::as_octets(std::span<const std::byte>(s.author_key)));
+  if (!s.roster.empty()) json["roster"] = s.roster;
   // Paths may not be UTF-8. A path with a replaced character will be reported as missing.
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
@@ -103,6 +104,7 @@ std::expected<Setup, std::string> setup_from(std::string_view text) {
     const auto key_bytes = seal::read_base64(key, seal::as_octets(std::span<std::byte>(s.author_key)));
     if (!key_bytes) return std::unexpected("its author's key is damaged");
     s.author_key.resize(*key_bytes);
+    s.roster = json.value("roster", "");
     s.world = json.at("world").get<std::string>();
     s.world_hash = json.at("world_hash").get<std::uint64_t>();
     s.reading.inlines_when_needed = json.at("inlines_when_needed").get<bool>();

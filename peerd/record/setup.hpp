@@ -23,6 +23,7 @@ struct Setup {
   PeerNode::Options options;
   net::GroupPlan groups;                // the regions of the capture's groups
   std::vector<std::byte> author_key{};  // LogSigner::own_key(); empty: its operations are not signed
+  std::string roster{};                 // the text of the one that names its members; empty: there is none
   // The session's datagrams were never sealed; they were, and the capture has what they say; or it has them sealed.
   enum class Datagrams : std::uint8_t { kOpen, kOpened, kSealed };
   Datagrams datagrams = Datagrams::kOpen;

@@ -77,7 +77,7 @@ Result<Recording> record_capture(const CaptureFile& file, const Recorder& how) {
   if (!recorded) return std::unexpected(recorded.error());
   PeerNode& node = *recorded->node;
   CaptureRecorder recorder(node, recorded->world, capture->begin(), how);
-  const auto outcome = Replay(node, *capture, &recorder).run();
+  const auto outcome = Replay(*recorded, *capture, &recorder).run();
   if (!outcome) return unreadable(outcome.error().text);
   recorder.before(outcome->end);
   Recording recording{.kind = Recording::Kind::kCapture,

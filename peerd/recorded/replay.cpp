@@ -41,7 +41,16 @@ bool all_write(const seal::PublicKey& /*key*/) { return true; }
 class SignatureRepeater final : public seal::OperationVerifier {
  public:
   SignatureRepeater(std::uint64_t world, std::vector<std::byte> own_key, std::vector<record::Signed> signatures)
-      : OperationVerifier(world, all_write), own_key_(std::move(own_key)), signatures_(std::move(signatures)) {}
+      : OperationVerifier(world, all_write,
+                          [this](const seal::PublicKey& key) {
+                            return roster_ ? seal::writer_by(*roster_, key) : seal::writer_without_roster(key);
+                          }),
+        own_key_(std::move(own_key)),
+        signatures_(std::move(signatures)) {}
+  [[nodiscard]] bool follow(std::string_view roster) {
+    roster_ = seal::Roster::of_text(roster);
+    return roster_.has_value();
+  }
 
   [[nodiscard]] std::vector<std::byte> own_key() const override { return own_key_; }
   // Zeros, where it signs more than it did: the datagram with it is a difference.
@@ -55,6 +64,7 @@ class SignatureRepeater final : public seal::OperationVerifier {
   std::vector<std::byte> own_key_;
   std::vector<record::Signed> signatures_;
   mutable std::size_t next_ = 0;
+  std::optional<seal::Roster> roster_;
 };
 
 }  // namespace
@@ -76,7 +86,7 @@ Result<Replay::Outcome> Replay::run() {
              "before that it sends a datagram of " + size_of(sent_.front().datagram.size()) + " that it did not send");
     } else {
       if (watch_ != nullptr) watch_->before((*event)->at);
-      apply_input(**event);
+      apply_input(packet, **event);
       drain((*event)->at);
     }
     if (outcome_.difference) return outcome_;
@@ -100,7 +110,7 @@ std::string Replay::compare_next(const record::DatagramOut& recorded) {
   return compare(sent, recorded);
 }
 
-void Replay::apply_input(const record::Event& event) {
+void Replay::apply_input(std::size_t packet, const record::Event& event) {
   ++outcome_.inputs;
   if (const auto* in = std::get_if<record::DatagramIn>(&event.what)) {
     ++outcome_.datagrams_in;
@@ -117,6 +127,11 @@ void Replay::apply_input(const record::Event& event) {
     } else {
       node_.refuse_poses(message.error());
     }
+  } else if (const auto* roster = std::get_if<record::RosterRead>(&event.what)) {
+    if (!follow_roster_ || !follow_roster_(roster->text)) {
+      return differ(packet, event.at, "the roster that it gets is none by this program");
+    }
+    node_.follow_writers();
   } else if (std::holds_alternative<record::Left>(event.what)) {
     node_.leave(event.at);
   }
@@ -170,8 +185,13 @@ Result<RecordedPeer> make_recorded_peer(const record::Setup& setup, std::vector<
   auto& own = (*objects)[static_cast<std::size_t>(recorded.peer - recorded.run.peers.data())];
   PeerNode::Options node = setup.options;
   if (!setup.author_key.empty()) {
-    recorded.signer =
+    auto signer =
         std::make_unique<SignatureRepeater>(recorded.shared->world.hash, setup.author_key, std::move(signatures));
+    if (!setup.roster.empty() && !signer->follow(setup.roster)) {
+      return std::unexpected(InputError{file.string() + ": error: its roster is damaged", 1});
+    }
+    recorded.follow_roster = [signer = signer.get()](std::string_view roster) { return signer->follow(roster); };
+    recorded.signer = std::move(signer);
     node.signer = recorded.signer.get();
   }
   recorded.node = PeerNode::make(*recorded.peer, recorded.run.replication, *recorded.shared, std::move(own), node);

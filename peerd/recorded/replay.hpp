@@ -2,9 +2,11 @@
 #include <cstddef>
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "peerd/config/scenario.hpp"
@@ -23,7 +25,9 @@ struct RecordedPeer {
   std::filesystem::path world;
   std::unique_ptr<const SharedWorld> shared;
   std::unique_ptr<const replication::LogSigner> signer;  // null: it signs nothing
-  std::unique_ptr<PeerNode> node;                        // as it was when the capture began
+  // The signer knows the members by that roster from then on. False: it is none.
+  std::function<bool(std::string_view)> follow_roster;
+  std::unique_ptr<PeerNode> node;  // as it was when the capture began
 };
 // `signatures`: those that it will repeat. `file`: the capture's, for errors. `world`: where the world is now; empty:
 // where it was.
@@ -58,8 +62,8 @@ class Replay {
   };
 
   // All outlive it; `watch` may be null.
-  Replay(PeerNode& node, record::CaptureReader& capture, ReplayWatch* watch)
-      : node_(node), capture_(capture), watch_(watch) {}
+  Replay(const RecordedPeer& peer, record::CaptureReader& capture, ReplayWatch* watch)
+      : node_(*peer.node), follow_roster_(peer.follow_roster), capture_(capture), watch_(watch) {}
 
   // Runs to the end, or to the first difference. The error says why the capture can't be read on.
   Result<Outcome> run();
@@ -67,10 +71,11 @@ class Replay {
  private:
   void differ(std::size_t packet, HostTime at, std::string what);
   std::string compare_next(const record::DatagramOut& recorded);
-  void apply_input(const record::Event& event);
+  void apply_input(std::size_t packet, const record::Event& event);
   void drain(HostTime at);
 
   PeerNode& node_;
+  const std::function<bool(std::string_view)>& follow_roster_;
   record::CaptureReader& capture_;
   ReplayWatch* watch_;
   std::deque<replication::Send> sent_;  // not yet compared

@@ -122,6 +122,7 @@ void SessionSeal::adopt(const seal::Roster& roster, const SayLine& say) {
         {LogLevel::kWarning, "this peer is no member of \"" + roster.world() + "\" any more: it goes on by itself"});
   }
   transport_->follow_roster();
+  if (followed_) followed_(roster.text());
   if (greetings_) greetings_->rekey(*key());
   say(line());
 }

@@ -18,6 +18,7 @@
 #include "peerd/keys/symmetric_key.hpp"
 #include "peerd/node/describe.hpp"
 #include "peerd/os/host_clock.hpp"
+#include "peerd/seal/operation_signer.hpp"
 #include "peerd/seal/sealed_greetings.hpp"
 #include "peerd/seal/sealed_transport.hpp"
 #include "peerd/transport/open_transport.hpp"
@@ -57,6 +58,15 @@ class SessionSeal {
   [[nodiscard]] bool may_write(const seal::PublicKey& key) const {
     return !rosters_ || rosters_->current().may_write(key);
   }
+  // Who a user is, and what it may do to locks: administrators lock, or where there is no roster everybody.
+  [[nodiscard]] replication::Writer writer(const seal::PublicKey& key) const {
+    return rosters_ ? seal::writer_by(rosters_->current(), key) : seal::writer_without_roster(key);
+  }
+
+  // The text of the roster by which the session is sealed; empty: by none.
+  [[nodiscard]] std::string roster() const { return rosters_ ? rosters_->current().text() : std::string(); }
+  // Called with the text of each roster that is followed from now on: members may do more than they might.
+  void on_roster(std::function<void(const std::string&)> followed) { followed_ = std::move(followed); }
 
   // The seal of the greetings of unicast, in this epoch and the next ones; null: they are open.
   [[nodiscard]] std::shared_ptr<net::GreetingSeal> greetings(const SayLine& say);
@@ -77,6 +87,7 @@ class SessionSeal {
   std::optional<seal::RosterExchange> rosters_;  // of one with it
   std::shared_ptr<seal::SealedGreetings> greetings_;
   seal::SealedTransport* transport_ = nullptr;
+  std::function<void(const std::string&)> followed_;
   std::optional<boost::asio::steady_timer> timer_;
   std::filesystem::file_time_type seen_{};
 };

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "peerd/keys/little_endian.hpp"
@@ -62,11 +64,35 @@ replication::Author fresh_author(const PublicKey& key) {
   return author;
 }
 
-OperationVerifier::OperationVerifier(std::uint64_t world, MayWrite may_write)
-    : world_(world), may_write_(std::move(may_write)) {}
+std::optional<PublicKey> public_key_in(std::span<const std::byte> key) {
+  const auto read = read_key(key);
+  return read ? std::optional(read->key) : std::nullopt;
+}
 
-OperationSigner::OperationSigner(std::uint64_t world, const Identity& own, std::uint64_t salt, MayWrite may_write)
-    : OperationVerifier(world, std::move(may_write)), own_(own), salt_(salt) {}
+replication::Writer writer_without_roster(const PublicKey& key) {
+  return {.user = std::string(key.bytes().begin(), key.bytes().end())};
+}
+
+replication::Writer writer_by(const Roster& roster, const PublicKey& key) {
+  replication::Writer writer = writer_without_roster(key);
+  const Member* const member = roster.find(key);
+  if (member != nullptr) writer.name = member->name;
+  writer.may_lock = writer.overrules = member != nullptr && member->role == Role::kAdministrator;
+  return writer;
+}
+
+OperationVerifier::OperationVerifier(std::uint64_t world, MayWrite may_write, WriterOfKey writer_of)
+    : world_(world), may_write_(std::move(may_write)), writer_of_(std::move(writer_of)) {}
+
+OperationSigner::OperationSigner(std::uint64_t world, const Identity& own, std::uint64_t salt, MayWrite may_write,
+                                 WriterOfKey writer_of)
+    : OperationVerifier(world, std::move(may_write), std::move(writer_of)), own_(own), salt_(salt) {}
+
+replication::Writer OperationVerifier::writer(std::span<const std::byte> key) const {
+  const auto of = public_key_in(key);
+  assert(of);  // refused() has passed it
+  return writer_of_(*of);
+}
 
 replication::LogSigner::Digest OperationVerifier::digest(const Digest& before, std::span<const std::byte> bytes) const {
   Digest digest{};

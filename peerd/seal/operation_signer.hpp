@@ -1,8 +1,11 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <optional>
+#include <span>
 
 #include "peerd/keys/identity.hpp"
+#include "peerd/keys/roster.hpp"
 #include "replication/operations/log_signer.hpp"
 
 namespace peerd::seal {
@@ -11,19 +14,31 @@ namespace peerd::seal {
 [[nodiscard]] replication::Author fresh_author(const PublicKey& key);
 [[nodiscard]] replication::AuthorId author_of(const PublicKey& key, std::uint64_t salt);
 
+// The public key in the key that the first operation of a log has; none: it is no such key.
+[[nodiscard]] std::optional<PublicKey> public_key_in(std::span<const std::byte> key);
+
+// The user who has that key, where no roster says more: one like all others.
+[[nodiscard]] replication::Writer writer_without_roster(const PublicKey& key);
+// The same by a roster, to which all agree in the end: whom it names as an administrator is one for good.
+[[nodiscard]] replication::Writer writer_by(const Roster& roster, const PublicKey& key);
+
 // Checks operations (docs/protocol.md, Operations).
 class OperationVerifier : public replication::LogSigner {
  public:
   // Whether whoever has that key may change the world.
   using MayWrite = std::function<bool(const PublicKey&)>;
 
+  // Who a user is as a writer, and what it may do to locks.
+  using WriterOfKey = std::function<replication::Writer(const PublicKey&)>;
+
   // `world`: the hash of its file, which each signature is for.
-  OperationVerifier(std::uint64_t world, MayWrite may_write);
+  OperationVerifier(std::uint64_t world, MayWrite may_write, WriterOfKey writer_of = writer_without_roster);
 
   [[nodiscard]] Digest digest(const Digest& before, std::span<const std::byte> bytes) const override;
   [[nodiscard]] const char* refused(replication::AuthorId author, std::span<const std::byte> key) const override;
   [[nodiscard]] bool is_good(replication::AuthorId author, std::span<const std::byte> key, const Digest& digest,
                              Signature signature) const override;
+  [[nodiscard]] replication::Writer writer(std::span<const std::byte> key) const override;
 
  protected:
   [[nodiscard]] std::uint64_t world() const { return world_; }
@@ -32,13 +47,15 @@ class OperationVerifier : public replication::LogSigner {
  private:
   std::uint64_t world_;
   MayWrite may_write_;
+  WriterOfKey writer_of_;
 };
 
 // Signs a peer's operations by its identity besides.
 class OperationSigner final : public OperationVerifier {
  public:
   // `salt`: of the author of the own log.
-  OperationSigner(std::uint64_t world, const Identity& own, std::uint64_t salt, MayWrite may_write);
+  OperationSigner(std::uint64_t world, const Identity& own, std::uint64_t salt, MayWrite may_write,
+                  WriterOfKey writer_of = writer_without_roster);
 
   [[nodiscard]] std::vector<std::byte> own_key() const override;
   [[nodiscard]] std::array<std::byte, replication::kSignature_bytes> sign(replication::AuthorId author,

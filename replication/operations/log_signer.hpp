@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "replication/policy/writer.hpp"
 #include "replication/wire/operation.hpp"
 
 namespace peerd::replication {
@@ -41,6 +42,8 @@ class LogSigner {
   [[nodiscard]] virtual const char* refused(AuthorId author, std::span<const std::byte> key) const = 0;
   [[nodiscard]] virtual bool is_good(AuthorId author, std::span<const std::byte> key, const Digest& digest,
                                      Signature signature) const = 0;
+  // The user whose key that is, and what it may do to locks.
+  [[nodiscard]] virtual Writer writer(std::span<const std::byte> key) const = 0;
 };
 
 // Drop reasons. What is forged or unsigned is not kept, and the log goes on with other bytes in its place.

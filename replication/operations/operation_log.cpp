@@ -225,6 +225,16 @@ std::vector<std::byte> OperationLogs::bytes(const OperationRange& range) const {
   return find(range.author)->bytes.copy(range.from, range.from + held, unpacked_);
 }
 
+std::vector<std::byte> OperationLogs::key(AuthorId author) const {
+  const Log* const log = find(author);
+  if (log == nullptr || log->whole == 0) return {};
+  const std::uint64_t end = log->marks.size() > 1 ? log->marks[1].from : log->whole;
+  const auto first = bytes({author, 0, end});
+  const auto read = signed_operation(first);
+  assert(read && *read);  // it has been decoded
+  return (*read)->signature.empty() ? std::vector<std::byte>{} : key_in(**read);
+}
+
 Operation OperationLogs::operation(OperationId id) const {
   const Log* log = find(id.author);
   assert(log != nullptr && id.number > 0 && id.number <= log->last_number);

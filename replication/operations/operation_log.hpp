@@ -62,6 +62,8 @@ class OperationLogs {
   [[nodiscard]] std::uint64_t held_bytes(const OperationRange& range) const;
   // A whole operation that is held.
   [[nodiscard]] Operation operation(OperationId id) const;
+  // The key in the first operation of a log; empty: it has none, or is not held.
+  [[nodiscard]] std::vector<std::byte> key(AuthorId author) const;
   // Returns what is missing here of the logs that are so long, as ascending ranges: the first ones, so many at most.
   // Unreadable logs and the own one miss nothing.
   [[nodiscard]] std::vector<OperationRange> missing(std::span<const LogLength> of_another,

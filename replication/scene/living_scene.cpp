@@ -53,7 +53,7 @@ constexpr std::uint32_t kOfRefusedValue = ReadLimits{}.nodes;
 
 }  // namespace
 
-LivingScene::LivingScene(const Scene& file, RareBranches rare, OperationBodies bodies)
+LivingScene::LivingScene(const Scene& file, RareBranches rare, OperationBodies bodies, WriterOf writer_of)
     : file_(std::shared_ptr<void>(), &file),
       begin_{file_, {}, std::make_shared<const NodeData>()},
       bodies_(std::move(bodies)),
@@ -64,7 +64,8 @@ LivingScene::LivingScene(const Scene& file, RareBranches rare, OperationBodies b
             return at != entries_.end() && at->second.applied && !at->second.refused && !at->second.undone;
           },
           [this](const Key& key) { return bodies_(key); }),
-      rare_(std::move(rare)) {}
+      rare_(std::move(rare)),
+      writer_of_(std::move(writer_of)) {}
 
 bool LivingScene::add(Operation operation) {
   assert(operation.id.author != kNoAuthor);
@@ -73,6 +74,11 @@ bool LivingScene::add(Operation operation) {
   const auto [at, is_new] = entries_.try_emplace({operation.stamp, operation.id},
                                                  Entry{.kind = static_cast<std::uint8_t>(operation.body.index())});
   if (!is_new) return false;
+  if (at->second.is<UndoOperation>()) undos_.insert(at->first);
+  if (const auto* const lock = std::get_if<LockObject>(&operation.body)) {
+    at->second.unlocks = lock->unlocks;
+    lockings_.emplace(at->first, *lock);
+  }
   bodies_.keep(at->first, std::move(operation.body));
   conflicts_.add(known);
   due_.insert(at->first);
@@ -123,6 +129,7 @@ std::expected<LivingScene::UsedIds, std::string> LivingScene::apply_to(Editing& 
                  [](const RefuseRequest&) { return Result(UsedIds{}); },
                  [&](const PlaceObject& place) { return done(place_in(editing, place)); },
                  [&](const SetData& data) { return done(set_data(editing, data)); },
+                 [&](const LockObject& lock) { return done(lock_in(editing, lock, author)); },
                  [&](const SendMessage& message) { return done(check(message)); },
                  [](const UndoOperation&) { return Result(UsedIds{}); }},  // it chooses what else is applied
       body);
@@ -169,6 +176,7 @@ std::expected<LivingScene::State, std::string> LivingScene::finish(Editing editi
   const auto is_gone = [&](const auto& each) { return !editing.state.scene->contains(each.first); };
   std::erase_if(editing.state.owners, is_gone);
   std::erase_if(editing.state.left, is_gone);
+  std::erase_if(editing.state.locks, is_gone);
   const auto is_kept = [&](NodeId node) { return contains(*editing.state.scene, node); };
   if (!editing.state.data->are_all(is_kept)) editing.data().keep(is_kept);
   return std::move(editing.state);
@@ -181,13 +189,17 @@ LivingScene::Applied LivingScene::applied(const State& base, std::span<const Ent
   return all;
 }
 
-LivingScene::Effect LivingScene::apply_one(Editing& editing, Entries::const_iterator at) const {
+LivingScene::Effect LivingScene::apply_one(Editing& editing, Entries::const_iterator at, const Undone& undone) const {
   assert(at != entries_.end());
   const Key& key = at->first;
   const OperationBody body = bodies_(key);
   if (const auto* const undo = std::get_if<UndoOperation>(&body)) {
+    const auto locked = undone.locked.find(key);
+    if (locked != undone.locked.end()) return Effect{locked->second, {}};
     return target_of(key, *undo) ? Effect{} : Effect{"its author has made no such edit", {}};
   }
+  if (std::string why = why_locked(editing, body, key.second.author, {}); !why.empty())
+    return Effect{std::move(why), {}};
   const auto* const add = std::get_if<AddNodes>(&body);
   const auto find = [&](std::string_view path) { return meaning(add->names, path); };
   RemovedIds removed;
@@ -198,6 +210,9 @@ LivingScene::Effect LivingScene::apply_one(Editing& editing, Entries::const_iter
     removed.nodes.push_back(node->node);
   }
   const auto used = apply_to(editing, body, key.second.author, add != nullptr ? Find(find) : Find());
+  const bool moves_nodes =
+      add != nullptr || std::holds_alternative<RemoveObject>(body) || std::holds_alternative<MoveObject>(body);
+  if (moves_nodes) editing.locked_nodes.clear();  // a SceneEditor that has set nodes is used for nothing else
   // A node that is used elsewhere, too, is not gone.
   std::erase_if(removed.nodes, [&](NodeId each) { return editing.contains(each); });
   return used ? Effect{{}, *used, std::move(removed)} : Effect{used.error(), {}};
@@ -209,10 +224,10 @@ void LivingScene::apply_run(std::span<const Entries::const_iterator> entries, co
   std::vector<Effect> effects;
   while (effects.size() < entries.size() && !(editing.scene && editing.scene->may_fail())) {
     const auto at = entries[effects.size()];
-    if (undone.contains(at->first)) {
+    if (undone.edits.contains(at->first)) {
       effects.push_back(Effect{{}, {}, {}, true});
     } else {
-      effects.push_back(apply_one(editing, at));
+      effects.push_back(apply_one(editing, at, undone));
     }
   }
   if (std::ranges::any_of(effects, &std::string::empty, &Effect::refused)) {
@@ -234,9 +249,15 @@ LivingScene::Checkpoint LivingScene::checkpoint_before(const Key& key) const {
   return after == checkpoints_.begin() ? Checkpoint{{SimTime::min(), {}}, begin_, 0} : *std::prev(after);
 }
 
+std::optional<LivingScene::Key> LivingScene::first_to_apply(SimTime until) const {
+  if (due_.empty() || due_.begin()->first > until) return anew_;
+  return anew_ ? std::min(*anew_, *due_.begin()) : *due_.begin();
+}
+
 std::optional<LivingScene::Change> LivingScene::apply(SimTime until, SimTime known) {
-  if (due_.empty() || due_.begin()->first > until) return std::nullopt;
-  const Key first = *due_.begin();
+  const auto first_anew = first_to_apply(until);
+  if (!first_anew) return std::nullopt;
+  const Key first = *first_anew;
   const SimTime last = std::max(first.first, std::min(known, until));
   Undone undone = undone_;
   const Key from = follow_undos(last, undone).value_or(first);
@@ -250,6 +271,7 @@ std::optional<LivingScene::Change> LivingScene::apply(SimTime until, SimTime kno
   Applied next = applied(base.state, entries, undone);
   assert(next.effects.size() == entries.size() && !entries.empty());
   undone_ = std::move(undone);
+  anew_.reset();
   Change change{first.first, next.state.scene == now_.scene ? nullptr : next.state.scene};
   for (const auto& [object, owner] : next.state.owners) {
     const auto before = now_.owners.find(object);
@@ -345,9 +367,10 @@ const LivingScene::State& LivingScene::with_all(SimTime until) {
   const auto next = first_due(with_all_ ? with_all_until_ : SimTime::min());
   if (with_all_ && (next == due_.end() || next->first > until)) return *with_all_;
   with_all_until_ = until;
-  if (due_.empty() || due_.begin()->first > until) return with_all_.emplace(now_);
+  const auto first_anew = first_to_apply(until);
+  if (!first_anew) return with_all_.emplace(now_);
   Undone undone = undone_;
-  const Key first = follow_undos(until, undone).value_or(*due_.begin());
+  const Key first = follow_undos(until, undone).value_or(*first_anew);
   return with_all_.emplace(all_until(until, first, undone));
 }
 
@@ -356,6 +379,7 @@ std::expected<LivingScene::Draft, std::string> LivingScene::draft(OperationBody 
   const Scene& scene = *all.scene;
   Editing editing{all};
   std::vector<Name> names;
+  if (std::string why = why_locked(editing, body, author, {}); !why.empty()) return std::unexpected(std::move(why));
   const auto used = apply_to(editing, body, author, [&](std::string_view path) {
     const auto found = scene.find(path);
     if (found) names.emplace_back(path, *found);

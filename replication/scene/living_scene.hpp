@@ -16,7 +16,9 @@
 #include "core/scene/scene.hpp"
 #include "core/time.hpp"
 #include "replication/policy/rare_branches.hpp"
+#include "replication/policy/writer.hpp"
 #include "replication/scene/conflicts.hpp"
+#include "replication/scene/locks.hpp"
 #include "replication/scene/node_data.hpp"
 #include "replication/wire/operation.hpp"
 
@@ -40,11 +42,13 @@ using LeftObjects = std::map<ObjectId, LeftObject>;
 // all of them, applied to the file's scene in the order of their stamps and ids, whenever they came. So peers that know
 // the same operations have the same scene. An operation that what is before it in this order makes impossible (it sets
 // a field of a node that is gone) changes nothing, until another one that comes later allows it. From an UndoOperation
-// on, all is as if the operation that it undoes had never been, and others' later ones are applied without it.
+// on, all is as if the operation that it undoes had never been, and others' later ones are applied without it. What a
+// writer has locked, the operations of other writers do not change, nor their undos.
 class LivingScene {
  public:
-  // The scene of the world's file outlives this.
-  explicit LivingScene(const Scene& file, RareBranches rare = {}, OperationBodies bodies = {});
+  // The scene of the world's file outlives this. `writer_of`: of each author with operations.
+  explicit LivingScene(const Scene& file, RareBranches rare = {}, OperationBodies bodies = {},
+                       WriterOf writer_of = writer_without_key);
   LivingScene(const LivingScene&) = delete;
   LivingScene& operator=(const LivingScene&) = delete;
 
@@ -68,6 +72,10 @@ class LivingScene {
   // Applies the operations that take effect first of those that do until `until`, and with them all others until
   // `known`, up to which the world has been computed already. None: there are none.
   [[nodiscard]] std::optional<Change> apply(SimTime until, SimTime known);
+
+  // Some writers may do more than they might. Where that matters, all from the first lock on is found anew, with the
+  // next apply().
+  void follow_writers();
 
   // An operation of the author as it would be in the scene that all known operations until `until` make, which is not
   // before what has been applied: with the names of its text, and how many ids it uses. The error says why it would
@@ -106,6 +114,13 @@ class LivingScene {
   [[nodiscard]] const OwnersByOperation& owners() const { return now_.owners; }
   [[nodiscard]] const LeftObjects& left() const { return now_.left; }
   [[nodiscard]] const NodeData& data() const { return *now_.data; }
+  [[nodiscard]] const Locks& locks() const { return now_.locks; }
+  // The object whose lock holds for another one: that one, or the one nearest above it; none: nobody has locked it.
+  [[nodiscard]] std::optional<ObjectId> lock_around(ObjectId object) const;
+  // Why a lock keeps the author from changing the object; empty: none does.
+  [[nodiscard]] std::string why_locked(ObjectId object, AuthorId author) const;
+  // The words for an author's writer, for people.
+  [[nodiscard]] std::string name_of_writer(AuthorId author) const;
   // The last stamp of all operations until then; min(): there is none.
   [[nodiscard]] SimTime last_stamp(SimTime until) const;
 
@@ -116,13 +131,22 @@ class LivingScene {
     std::uint32_t objects = 0, nodes = 0;
   };
   using Key = OperationKey;
-  using Undone = std::set<Key>;
+  // The edits that are not in force, and the undos that change nothing because of a lock, each with the reason.
+  struct Undone {
+    std::set<Key> edits;
+    std::map<Key, std::string> locked;
+    // Returns whether the undo changes anything.
+    bool follow(const Key& target, bool redoes) {
+      return redoes ? edits.erase(target) > 0 : edits.insert(target).second;
+    }
+  };
   // There is one for each operation: what few of them have is in maps of its own.
   struct Entry {
     std::uint8_t kind = 0;  // OperationBody::index()
     bool applied = false, undone = false;
     bool refused = false;   // reasons_ says why
     bool has_done = false;  // what it says, once at least: by the ids in used_, or by none
+    bool unlocks = false;   // a LockObject
     template <class Kind>
     [[nodiscard]] bool is() const {
       return kind == kIndexOf<Kind>;
@@ -135,6 +159,7 @@ class LivingScene {
     OwnersByOperation owners;
     std::shared_ptr<const NodeData> data;
     LeftObjects left{};
+    Locks locks{};
   };
   // The outcome of all operations up to a key.
   struct Checkpoint {
@@ -158,6 +183,10 @@ class LivingScene {
       return *new_data;
     }
     [[nodiscard]] bool contains(NodeId node);
+    // The scene as it is by now, to be looked at: that costs a pass over it, too, where nothing edits it yet.
+    const SceneEditor& structure() { return scene ? *scene : unedited ? *unedited : unedited.emplace(*state.scene); }
+    std::optional<SceneEditor> unedited{};
+    std::map<ObjectId, std::vector<NodeId>> locked_nodes{};  // the nodes below locked objects, as far as somebody asked
   };
   // Applies one operation; the error says why it cannot be.
   [[nodiscard]] static std::expected<void, std::string> set_data(Editing& editing, const SetData& set);
@@ -165,6 +194,8 @@ class LivingScene {
                                                              AuthorId author, const Find& find) const;
   [[nodiscard]] static std::expected<void, std::string> give_to(Editing& editing, const GiveObject& give);
   [[nodiscard]] static std::expected<void, std::string> place_in(Editing& editing, const PlaceObject& place);
+  [[nodiscard]] std::expected<void, std::string> lock_in(Editing& editing, const LockObject& lock,
+                                                         AuthorId author) const;
   // The error says what the edits together make impossible.
   [[nodiscard]] static std::expected<State, std::string> finish(Editing editing);
   // An Effect says what an operation does.
@@ -184,12 +215,29 @@ class LivingScene {
   // Applies the first of them by one editor: as many as cannot make what it cannot finish, and the next one. So the
   // outcome is that of one operation after the other, and a thousand that move things cost one new scene.
   void apply_run(std::span<const Entries::const_iterator> entries, const Undone& undone, Applied& all) const;
-  [[nodiscard]] Effect apply_one(Editing& editing, Entries::const_iterator at) const;
+  [[nodiscard]] Effect apply_one(Editing& editing, Entries::const_iterator at, const Undone& undone) const;
   // The edit that an operation at that key undoes or redoes; none: there is no such edit.
   [[nodiscard]] std::optional<Key> target_of(const Key& key, const UndoOperation& undo) const;
   // Adds to what is undone, or takes from it, by the operations that are due until then. Returns the first operation
   // from which on all is to be applied anew.
   [[nodiscard]] std::optional<Key> follow_undos(SimTime until, Undone& undone) const;
+  // The first operation that an apply() until then has anew.
+  [[nodiscard]] std::optional<Key> first_to_apply(SimTime until) const;
+  // Locks (living_scene_locks.cpp).
+  // Why a lock keeps the author from an operation; empty: none does. `added`: ids of what the operation has added,
+  // where it is one of before that is undone or redone.
+  [[nodiscard]] std::string why_locked(Editing& editing, const OperationBody& body, AuthorId author,
+                                       const UsedIds& added) const;
+  [[nodiscard]] static bool is_inside(Editing& editing, ObjectId locked, NodeId node);
+  [[nodiscard]] static bool touches(Editing& editing, ObjectId locked, const OperationBody& body, AuthorId author,
+                                    const UsedIds& added);
+  // Undos as follow_undos() follows them, with locks that may keep some from what they do.
+  void follow_checked_undos(SimTime until, const Key& first, Undone& undone) const;
+  [[nodiscard]] std::string why_undo_locked(const Key& target, const State& before, const State& after) const;
+  [[nodiscard]] bool may_be_locked(const Key& at, const Undone& undone) const;
+  [[nodiscard]] State all_before(const Key& end, SimTime until, const Key& first, const Undone& undone) const;
+  [[nodiscard]] const Writer& writer(AuthorId author) const;
+  [[nodiscard]] bool is_one_writer(AuthorId a, AuthorId b) const { return writer(a).user == writer(b).user; }
   void note_effect(Entries::iterator at, Effect effect, Change& change);
   // Why the operation changes nothing; empty: it does what it says.
   [[nodiscard]] const std::string& reason_of(Entries::const_iterator at) const;
@@ -197,7 +245,7 @@ class LivingScene {
   // The outcome of all operations until then. `first`: the first of those that the checkpoints do not have so.
   [[nodiscard]] State all_until(SimTime until, const Key& first, const Undone& undone) const;
   [[nodiscard]] const State& with_all(SimTime until);
-  [[nodiscard]] std::vector<Key> undo_candidates(AuthorId author, bool redoes) const;
+  [[nodiscard]] std::vector<Key> undo_candidates(AuthorId author, bool redoes, const Undone& all) const;
   [[nodiscard]] std::string why_not_undo(const Key& target, bool redoes, const State& before,
                                          const std::optional<std::string>& text_before, const State& after) const;
   // The last checkpoint before a key; the file's scene where there is none.
@@ -211,6 +259,9 @@ class LivingScene {
   std::map<Key, std::string> reasons_;
   std::map<Key, UsedIds> used_;
   std::set<Key> due_;                    // not applied yet
+  std::set<Key> undos_;                  // of all
+  std::map<Key, LockObject> lockings_;   // of all, and what unlocks
+  std::optional<Key> anew_{};            // all from there on is to be applied once more
   Undone undone_;                        // of those that are applied
   std::vector<Checkpoint> checkpoints_;  // in order
   State now_;                            // by the last apply()
@@ -218,6 +269,8 @@ class LivingScene {
   SimTime with_all_until_ = SimTime::min();
   Conflicts conflicts_;
   RareBranches rare_;
+  WriterOf writer_of_;
+  mutable std::map<AuthorId, Writer> writers_;  // as writer_of_ has answered
 };
 
 }  // namespace peerd::replication

@@ -15,7 +15,7 @@ constexpr std::size_t kPassedOverMax = 16;
 bool can_be_undone(std::uint8_t kind) {
   return kind == kIndexOf<AddNodes> || kind == kIndexOf<RemoveObject> || kind == kIndexOf<RemoveNode> ||
          kind == kIndexOf<MoveObject> || kind == kIndexOf<SetField> || kind == kIndexOf<ChangeRoute> ||
-         kind == kIndexOf<SetData>;
+         kind == kIndexOf<SetData> || kind == kIndexOf<LockObject>;
 }
 
 // Whether the scene looks to people as one of that text does, which a file of it would have.
@@ -30,20 +30,29 @@ std::optional<LivingScene::Key> LivingScene::target_of(const Key& key, const Und
   const Key target{undo.stamp, {key.second.author, undo.number}};
   const auto at = entries_.find(target);
   if (!(target < key) || at == entries_.end() || !can_be_undone(at->second.kind)) return std::nullopt;
+  // What others have done since would be void if it were locked again from then on.
+  if (at->second.is<LockObject>() && (at->second.unlocks || undo.redoes)) return std::nullopt;
   return target;
 }
 
 // Undos of one operation are all by its author, so that they come, and are due, in the order of its log.
 std::optional<LivingScene::Key> LivingScene::follow_undos(SimTime until, Undone& undone) const {
-  std::optional<Key> first;
+  std::optional<Key> first = first_to_apply(until);
+  const bool is_checked = !lockings_.empty() && !undos_.empty() && lockings_.begin()->first < *undos_.rbegin();
+  if (first && is_checked) {
+    const std::set<Key> before = undone.edits;
+    follow_checked_undos(until, *first, undone);
+    const auto [was, is] = std::ranges::mismatch(before, undone.edits);
+    if (was != before.end()) first = std::min(*first, *was);
+    if (is != undone.edits.end()) first = std::min(*first, *is);
+    return first;
+  }
   for (auto key = due_.begin(); key != due_.end() && key->first <= until; ++key) {
-    first = std::min(first.value_or(*key), *key);
     if (!entries_.at(*key).is<UndoOperation>()) continue;
     const auto undo = std::get<UndoOperation>(bodies_(*key));
     const auto target = target_of(*key, undo);
     if (!target) continue;
-    const bool changes = undo.redoes ? undone.erase(*target) > 0 : undone.insert(*target).second;
-    if (changes) first = std::min(*first, *target);
+    if (undone.follow(*target, undo.redoes)) first = std::min(*first, *target);
   }
   return first;
 }
@@ -53,10 +62,10 @@ std::optional<OperationBody> LivingScene::find(const OperationKey& key) const {
 }
 
 // Returns the author's edits that can be undone or redone, the last one first.
-std::vector<LivingScene::Key> LivingScene::undo_candidates(AuthorId author, bool redoes) const {
+std::vector<LivingScene::Key> LivingScene::undo_candidates(AuthorId author, bool redoes, const Undone& all) const {
   std::vector<Key> done, undone;
   for (const auto& [key, entry] : entries_) {
-    if (key.second.author != author) continue;
+    if (key.second.author != author || all.locked.contains(key) || entry.unlocks) continue;
     if (entry.is<UndoOperation>()) {
       const auto undo = std::get<UndoOperation>(bodies_(key));
       const auto target = target_of(key, undo);
@@ -69,6 +78,7 @@ std::vector<LivingScene::Key> LivingScene::undo_candidates(AuthorId author, bool
     }
   }
   std::vector<Key>& chosen = redoes ? undone : done;
+  if (redoes) std::erase_if(chosen, [&](const Key& key) { return entries_.at(key).is<LockObject>(); });
   if (!redoes) std::ranges::sort(chosen);  // what was redone counts as old as it is
   std::ranges::reverse(chosen);
   assert(std::ranges::all_of(chosen, [&](const Key& key) { return key.second.author == author; }));
@@ -86,7 +96,7 @@ std::string LivingScene::why_not_undo(const Key& target, bool redoes, const Stat
       if (!after.scene->contains(before.scene->id_of(i))) return "where it stood is not in the scene any more";
     }
   }
-  const bool same_data = after.data->changes_since(*before.data).empty();
+  const bool same_data = after.data->changes_since(*before.data).empty() && after.locks == before.locks;
   return same_data && is_alike(*after.scene, text_before) ? "others have changed since what it had changed" : "";
 }
 
@@ -98,13 +108,18 @@ std::expected<LivingScene::Undoing, std::string> LivingScene::next_undo(AuthorId
   std::size_t tries = 0;
   const auto written = write_world(*before.scene);
   const std::optional<std::string> text_before = written ? std::optional(written->text) : std::nullopt;
-  for (const Key& target : undo_candidates(author, redoes)) {
+  for (const Key& target : undo_candidates(author, redoes, all_undone)) {
     if (++tries > kPassedOverMax) break;
     Undone undone = all_undone;
-    redoes ? void(undone.erase(target)) : void(undone.insert(target));
+    (void)undone.follow(target, redoes);
     const State after = all_until(until, first_due ? std::min(*first_due, target) : target, undone);
     const std::string refused = why_not_undo(target, redoes, before, text_before, after);
-    if (refused.empty()) return Undoing{{target.second.number, target.first, redoes}, bodies_(target)};
+    if (refused.empty()) {
+      // Not passed over: who undoes means this edit, and can have that once it is unlocked.
+      std::string locked = why_undo_locked(target, before, after);
+      if (!locked.empty()) return std::unexpected(std::move(locked));
+      return Undoing{{target.second.number, target.first, redoes}, bodies_(target)};
+    }
     if (tries == 1) why = refused;
   }
   return std::unexpected(why);

@@ -135,6 +135,15 @@ struct SetData {
   friend bool operator==(const SetData&, const SetData&) = default;
 };
 
+// From the stamp on nobody but its writer (Writer) changes the object and what is below it, until an operation unlocks
+// it.
+struct LockObject {
+  ObjectId object;
+  bool unlocks = false;  // else it locks
+
+  friend bool operator==(const LockObject&, const LockObject&) = default;
+};
+
 // A message of an application to all peers. It changes nothing.
 struct SendMessage {
   PeerId by;
@@ -153,8 +162,9 @@ struct UndoOperation {
   friend bool operator==(const UndoOperation&, const UndoOperation&) = default;
 };
 
-using OperationBody = std::variant<AddNodes, RemoveObject, RemoveNode, MoveObject, SetField, ChangeRoute, GiveObject,
-                                   RequestObject, RefuseRequest, SetData, SendMessage, UndoOperation, PlaceObject>;
+using OperationBody =
+    std::variant<AddNodes, RemoveObject, RemoveNode, MoveObject, SetField, ChangeRoute, GiveObject, RequestObject,
+                 RefuseRequest, SetData, SendMessage, UndoOperation, PlaceObject, LockObject>;
 
 // An edit that a peer has just undone or redone: by which operation, which one, and what that was (kind_of()).
 struct UndoneEdit {
@@ -171,7 +181,7 @@ inline constexpr std::size_t kIndexOf = []<class... Kinds>(std::type_identity<st
   return is_found ? index : std::variant_npos;
 }(std::type_identity<OperationBody>{});
 
-// The word for it in logs and listings: add, remove, set, ..
+// The word for it in logs and listings: add, remove, set, lock, unlock, ..
 [[nodiscard]] const char* kind_of(const OperationBody& body);
 
 struct Operation {

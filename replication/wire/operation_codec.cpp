@@ -107,6 +107,12 @@ void put(const SendMessage& m, proto::Operation* out) {
   message.set_text(m.text);
 }
 
+void put(const LockObject& l, proto::Operation* out) {
+  proto::LockObject& lock = *out->mutable_lock_object();
+  lock.set_object(l.object.packed());
+  lock.set_unlocks(l.unlocks);
+}
+
 void put(const UndoOperation& u, proto::Operation* out) {
   proto::UndoOperation& undo = *out->mutable_undo_operation();
   undo.set_number(u.number);
@@ -285,6 +291,11 @@ const char* take(proto::Operation& in, OperationBody& body) {
       return take(in.undo_operation(), body.emplace<UndoOperation>());
     case proto::Operation::kPlaceObject:
       return take(in.place_object(), body.emplace<PlaceObject>());
+    case proto::Operation::kLockObject: {
+      LockObject& lock = body.emplace<LockObject>();
+      lock.unlocks = in.lock_object().unlocks();
+      return take_id(in.lock_object().object(), lock.object) ? nullptr : kWrongId;
+    }
     case proto::Operation::BODY_NOT_SET:
       break;
   }
@@ -349,10 +360,12 @@ std::vector<std::byte> to_bytes(const proto::Operation& message) {
 
 const char* kind_of(const OperationBody& body) {
   constexpr std::array kKinds{"add",     "remove", "remove", "move", "set",  "route", "give",
-                              "request", "refuse", "data",   "send", "undo", "place"};
+                              "request", "refuse", "data",   "send", "undo", "place", "lock"};
   static_assert(kKinds.size() == std::variant_size_v<OperationBody>);
   const auto* const undo = std::get_if<UndoOperation>(&body);
-  return undo != nullptr && undo->redoes ? "redo" : kKinds[body.index()];
+  if (undo != nullptr && undo->redoes) return "redo";
+  const auto* const lock = std::get_if<LockObject>(&body);
+  return lock != nullptr && lock->unlocks ? "unlock" : kKinds[body.index()];
 }
 
 std::vector<std::byte> encode(const Operation& operation) { return to_bytes(to_message(operation)); }

@@ -27,7 +27,7 @@ class OperationMaker {
     return o;
   }
   OperationBody body() {
-    switch (random_() % 13) {
+    switch (random_() % 14) {
       case 0: {
         AddNodes a{place(), place(), text(300), number(), number(), {}};
         for (auto i = random_() % 3; i > 0; --i) a.names.emplace_back(text(12), object());
@@ -59,6 +59,8 @@ class OperationMaker {
         return SendMessage{PeerId{number() | 1}, text(20), text(90)};
       case 10:
         return UndoOperation{number() | 1, SimTime{Duration{number()}}, random_() % 2 == 0};
+      case 12:
+        return LockObject{object(), random_() % 2 == 0};
       default:
         return RefuseRequest{{AuthorId{number() % kAuthorMax + 1}, number() | 1}, text(60)};
     }

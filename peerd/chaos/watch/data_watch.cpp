@@ -86,7 +86,20 @@ void DataWatch::finish(double now_s, std::span<const WatchedPeer> all, const Sce
   for (const WatchedPeer& peer : all) known.until = std::min(known.until, session_now(peer));
   const OperationLogs& logs = all.front().node->peer().logs();
   for (const LogLength& log : logs.lengths()) known.book.follow(logs, log.author);
-  known.undone = known.book.undone(known.until);
+  const auto refused = [&](const WatchedPeer& peer, OperationId id) {
+    const auto known_why = refused_[peer.life].find(id);
+    return known_why != refused_[peer.life].end() && !known_why->second.empty();
+  };
+  known.undone = known.book.undone(known.until, [&](OperationId id) { return refused(all.front(), id); });
+  for (const auto& [id, operation] : known.book.operations()) {
+    if (!std::holds_alternative<UndoOperation>(operation.body) || operation.stamp > known.until) continue;
+    for (const WatchedPeer& peer : all) {
+      if (refused(peer, id) == refused(all.front(), id)) continue;
+      findings_.violate(now_s, fmt::format("{} and {} do not agree on whether the undo {} counts", name_of(all.front()),
+                                           name_of(peer), name_of(id)));
+    }
+    if (refused(all.front(), id)) findings_.count("undo that a lock keeps from its effect, or of nothing");
+  }
   for (const auto& [id, operation] : known.book.operations()) {
     findings_.count(fmt::format("operation: {}", kind_of(operation.body)));
   }
@@ -99,6 +112,16 @@ void DataWatch::finish(double now_s, std::span<const WatchedPeer> all, const Sce
 
 void DataWatch::check_same(double now_s, std::span<const WatchedPeer> all) {
   const Peer& first = all.front().node->peer();
+  const auto locks_of = [](const Peer& peer) {
+    std::map<ObjectId, AuthorId> locks;
+    for (const Lock& lock : peer.locks()) locks.emplace(lock.object, lock.author);
+    return locks;
+  };
+  findings_.count("object locked at the end", first.locks().size());
+  for (const WatchedPeer& peer : all) {
+    if (locks_of(peer.node->peer()) == locks_of(first)) continue;
+    findings_.violate(now_s, fmt::format("{} has other locks than {}", name_of(peer), name_of(all.front())));
+  }
   const Losses losses = losses_of(first.conflicts(), session_now(all.front()));
   for (const auto& [loser, winner] : losses) {
     const Operation* const lost = book_.find(loser);

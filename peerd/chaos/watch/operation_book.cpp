@@ -41,11 +41,11 @@ const Operation* OperationBook::find(OperationId id) const {
 }
 
 // An author's undos come in the order of its log, which is that of their stamps.
-std::set<OperationId> OperationBook::undone(SimTime until) const {
+std::set<OperationId> OperationBook::undone(SimTime until, const std::function<bool(OperationId)>& refused) const {
   std::set<OperationId> all;
   for (const auto& [id, operation] : operations_) {
     const auto* const undo = std::get_if<UndoOperation>(&operation.body);
-    if (undo == nullptr || operation.stamp > until) continue;
+    if (undo == nullptr || operation.stamp > until || (refused && refused(id))) continue;
     const OperationId target{id.author, undo->number};
     const Operation* const undone = find(target);
     if (undone == nullptr || undone->stamp != undo->stamp) continue;

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -28,8 +29,10 @@ class OperationBook {
   [[nodiscard]] const std::map<replication::OperationId, replication::Operation>& operations() const {
     return operations_;
   }
-  // The operations with stamps until then that their authors have undone until then, and not redone.
-  [[nodiscard]] std::set<replication::OperationId> undone(SimTime until) const;
+  // The operations with stamps until then that their authors have undone until then, and not redone. `refused`: undos
+  // that change nothing.
+  [[nodiscard]] std::set<replication::OperationId> undone(
+      SimTime until, const std::function<bool(replication::OperationId)>& refused = {}) const;
 
  private:
   void forget(replication::AuthorId author);

@@ -9,7 +9,7 @@ namespace peerd::peer_tables_test {
 using nlohmann::ordered_json;
 
 const ordered_json kObjects = ordered_json::parse(R"([
-  {"id":0,"path":"CAR","owner":1,"own":true,"driven":true,"outside":false,"position_m":[1,2.5,-3],
+  {"id":0,"path":"CAR","owner":1,"own":true,"driven":true,"outside":false,"locked_by":"anna","position_m":[1,2.5,-3],
    "velocity_m_s":[3,0,4],"ghost_error_m":0.0125},
   {"id":1,"path":"TOWN/BOX","owner":22,"own":false,"driven":false,"outside":false,"position_m":[0,0,0],
    "velocity_m_s":[0,0,0],"heard":false}])");
@@ -17,7 +17,7 @@ const ordered_json kObjects = ordered_json::parse(R"([
 TEST(PeerTables, AnObjectHasItsOwnersNameOrNumber) {
   EXPECT_EQ(table_of(object_columns(kObjects, {{1, "ada"}})),
             "object    owner   m/s  at [m]           ghost error [m]\n"
-            "CAR       ada    5.00  1.00 2.50 -3.00           0.0125  by a formula\n"
+            "CAR       ada    5.00  1.00 2.50 -3.00           0.0125  by a formula, locked by anna\n"
             "TOWN/BOX  22     0.00  0.00 0.00 0.00                 -  not received here\n");
   EXPECT_EQ(object_columns(kObjects)[1].cells, (std::vector<std::string>{"1", "22"}));
 }

@@ -119,6 +119,30 @@ TEST_F(ControlAnswer, AKeysReplySaysWhatItDid) {
   EXPECT_THAT(reply["changes"][1]["refused"].get<std::string>(), HasSubstr("a motion"));
 }
 
+TEST_F(ControlAnswer, LocksAndUnlocks) {
+  make();
+  run(1);
+  EXPECT_TRUE(ask(R"({"do":"status"})")["locks"].empty());
+  const json locked = ask(R"({"do":"lock","path":"A"})");
+  ASSERT_EQ(locked["done"], true) << locked;
+  EXPECT_EQ(locked["edit"], "lock A");
+  run(2);
+  const json status = ask(R"({"do":"status"})");
+  ASSERT_EQ(status["locks"].size(), 1u);
+  EXPECT_EQ(status["locks"][0]["path"], "A");
+  const std::string by = status["locks"][0]["by"];
+  EXPECT_EQ(by, "author " + std::to_string(locked["operation"]["author"].get<int>()));
+  EXPECT_EQ(ask(R"({"do":"objects"})")["objects"][0]["locked_by"], by);
+  EXPECT_FALSE(ask(R"({"do":"objects"})")["objects"][1].contains("locked_by"));
+  EXPECT_EQ(ask(R"({"do":"lock","path":"A"})")["refused"], "it is locked already");
+  EXPECT_EQ(ask(R"({"do":"unlock","path":"B"})")["refused"], "it is not locked");
+  EXPECT_EQ(ask(R"({"do":"lock","path":"D"})")["refused"], "the scene has no D");
+  EXPECT_FALSE(ask(R"({"do":"unlock"})")["ok"]);
+  EXPECT_EQ(ask(R"({"do":"unlock","path":"A"})")["done"], true);
+  run(3);
+  EXPECT_TRUE(ask(R"({"do":"status"})")["locks"].empty());
+}
+
 TEST_F(ControlAnswer, OwnsAndReleases) {
   make();
   run(1);

@@ -37,7 +37,7 @@ TEST(Replay, TellsWhoLooksOnOfEachInput) {
   const RecordedPeer peer = must(make_recorded_peer(capture->setup(), {}, "a.pcapng", {}));
   EXPECT_EQ(peer.node->name(), "a");
   Looker looker;
-  const Replay::Outcome outcome = must(Replay(*peer.node, *capture, &looker).run());
+  const Replay::Outcome outcome = must(Replay(peer, *capture, &looker).run());
   EXPECT_FALSE(outcome.difference);
   EXPECT_EQ(looker.inputs, outcome.inputs);
   EXPECT_GT(looker.outputs, outcome.datagrams_out);

@@ -98,6 +98,9 @@ TEST(OperationCodec, NamesWhatIsWrong) {
   EXPECT_EQ(error_of(with(SendMessage{kNobody, "topic", "text"})), "operation_id");
   EXPECT_EQ(error_of(with(UndoOperation{1, SimTime{}, false})), "none");
   EXPECT_EQ(error_of(with(UndoOperation{0, SimTime{}, true})), "operation_id");
+  EXPECT_EQ(error_of(with(LockObject{good})), "none");
+  EXPECT_EQ(error_of(with(LockObject{bad})), "operation_id");
+  EXPECT_EQ(error_of(with(LockObject{bad, true})), "operation_id");
   Operation knows = with(RemoveObject{good});
   knows.knows = {{AuthorId{1}, 1}, {AuthorId{kAuthorMax}, 1}};
   EXPECT_EQ(error_of(knows), "none");

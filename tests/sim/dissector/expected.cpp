@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::array kKinds{"add_nodes",    "remove_object",  "remove_node",    "move_object",    "set_field",
                             "change_route", "give_object",    "request_object", "refuse_request", "set_data",
-                            "send_message", "undo_operation", "place_object"};
+                            "send_message", "undo_operation", "place_object",   "lock_object"};
 static_assert(kKinds.size() == std::variant_size_v<OperationBody>, "a kind of operation that the dissector lacks?");
 
 bool is_identity(const Quat& q) { return q.coeffs() == Quat::Identity().coeffs(); }
@@ -208,6 +208,11 @@ void add(Expected& out, const UndoOperation& u) {
   out.add("operation.undone.number", u.number);
   out.add_unless_zero("operation.undone.stamp_ns", u.stamp.time_since_epoch().count());
   if (u.redoes) out.add("operation.redoes", 1);
+}
+
+void add(Expected& out, const LockObject& l) {
+  out.add_unless_zero("operation.object", l.object.packed());
+  if (l.unlocks) out.add("operation.unlocks", 1);
 }
 
 void add(Expected& out, const SeenOperations::Shown& shown) {

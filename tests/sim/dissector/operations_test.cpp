@@ -52,7 +52,9 @@ std::vector<OperationBody> one_of_each() {
           SendMessage{PeerId{3}, "", any},
           UndoOperation{3, earlier, true},
           UndoOperation{4'000'000'000},
-          PlaceObject{car, PeerId{5}, earlier, placement}};
+          PlaceObject{car, PeerId{5}, earlier, placement},
+          LockObject{car},
+          LockObject{ball, true}};
 }
 
 using Log = std::vector<Bytes>;  // operation by operation
