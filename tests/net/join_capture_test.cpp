@@ -11,6 +11,7 @@
 #include "peerd/control/control_client.hpp"
 #include "peerd/record/capture.hpp"
 #include "replication/wire/codec.hpp"
+#include "tests/net/controlled_peers.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 #include "tests/net/wire.hpp"
