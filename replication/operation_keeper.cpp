@@ -184,7 +184,7 @@ void OperationKeeper::place_left_behind(HostTime now, SimTime t) {
   const bool is_first = std::ranges::none_of(p_.members.all(), is_earlier);
   if (!is_first && p_.living.locks().empty()) return;
   for (const auto& [object, left] : LeftObjects(p_.left_behind)) {
-    // Of what is locked those say it who may.
+    // A locked object is placed by those who may.
     const bool is_locked = p_.living.lock_around(object).has_value();
     if (is_locked ? !p_.living.why_locked(object, p_.author).empty() : !is_first) continue;
     p_.left_behind.erase(object);

@@ -34,7 +34,7 @@ class OpenedPeer {
 
   // Runs until the peer leaves, and closes it. Returns the exit code.
   [[nodiscard]] Result<int> run();
-  // What a peer does that has left: its last lines, and what it was to record.
+  // Closes a peer that has left: writes its last lines, and what it was to record.
   [[nodiscard]] Result<void> close();
 
   [[nodiscard]] boost::asio::io_context& io() { return io_; }

@@ -10,7 +10,8 @@ namespace peerd {
 
 // The options of `peerd run` that stand for settings, in place of a configuration file or over it.
 struct RunFlags {
-  std::string world{}, world_name{}, name{}, interface{}, group{}, key{}, password{};
+  std::string world{}, world_name{}, name{}, interface {
+  }, group{}, key{}, password{};
   std::optional<std::uint32_t> id{}, port{};
   std::vector<std::string> owns{}, enslaves{};  // two names of one option
   bool open = false;

@@ -10,12 +10,12 @@
 
 namespace peerd {
 
-// What the log says of a run at its beginning: who this is, where, and whom it reaches ..
+// Logs at the beginning of a run who this is, where, and whom it reaches.
 void log_beginning(const config::PeerSettings& peer, const std::filesystem::path& world,
                    const config::TransportSettings& settings, const net::OpenedTransport& reached, Log& log);
-// .. what is odd about the world and the store ..
+// Logs what is odd about the world and the store.
 void log_findings(const PeerParts& parts, Log& log);
-// .. and what has come and gone, at its end.
+// Logs at the end of a run what has come and gone.
 void log_totals(const PeerNode& node, const PeerLog& record, const net::Transport& transport, const Daemon& daemon,
                 Log& log);
 

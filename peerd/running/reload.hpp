@@ -6,7 +6,7 @@
 
 namespace peerd {
 
-// What a changed configuration asks of a peer that runs already.
+// A Reload is what a changed configuration asks of a peer that runs already.
 struct Reload {
   std::vector<std::string> requests;  // lines of the control protocol, which the peer is to be asked
   std::vector<std::string> now;       // keys that count from now on, by dotted name

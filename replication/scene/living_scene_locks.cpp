@@ -127,7 +127,7 @@ bool LivingScene::may_be_locked(const Key& at, const Undone& undone) const {
   return std::ranges::any_of(locked, &std::pair<const ObjectId, bool>::second);
 }
 
-// What is undone may be gone, and what is redone not there yet: both scenes are asked.
+// An undone thing may be gone, and a redone one not there yet: both scenes are asked.
 std::string LivingScene::why_undo_locked(const Key& target, const State& before, const State& after) const {
   if (lockings_.empty()) return {};
   const OperationBody body = bodies_(target);

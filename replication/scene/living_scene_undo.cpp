@@ -30,7 +30,7 @@ std::optional<LivingScene::Key> LivingScene::target_of(const Key& key, const Und
   const Key target{undo.stamp, {key.second.author, undo.number}};
   const auto at = entries_.find(target);
   if (!(target < key) || at == entries_.end() || !can_be_undone(at->second.kind)) return std::nullopt;
-  // What others have done since would be void if it were locked again from then on.
+  // Others' work since would be void if it were locked again from then on.
   if (at->second.is<LockObject>() && (at->second.unlocks || undo.redoes)) return std::nullopt;
   return target;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What tests/mutants builds into sources: each wrong line has a number N, and wrong_N stands where it differs. A
+// tests/mutants builds this into sources: each wrong line has a number N, and wrong_N stands where it differs. A
 // program has the wrong line whose number is in WRONG_LINE, none if the variable is not set. What a program reached of
 // them is written to the file that WRONG_LINES_REACHED names.
 //

@@ -116,7 +116,7 @@ TEST_F(Locks, TheOwnerGoesOnMovingIt) {
   EXPECT_THAT(taken ? "" : taken.error(), HasSubstr("it is locked by"));
 }
 
-// What happens apart from each other has its place in the order, when the two meet.
+// Edits that were made apart have their place in the order, when the two meet.
 TEST_F(Locks, WhoWasApartGetsThemByTheirStamps) {
   begin();
   lan->part({2});

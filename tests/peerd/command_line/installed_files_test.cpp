@@ -24,7 +24,7 @@ class Installed : public testing::Test {
     fs::current_path(folder / "here");
   }
   ~Installed() override { fs::current_path(before); }
-  // What becomes of a word.
+  // Returns what becomes of a word.
   std::string as_scenario(std::string word) const { return changed(files.scenario(), std::move(word)); }
   std::string as_world(std::string word) const { return changed(files.world(), std::move(word)); }
   std::string as_settings(std::string word) const { return changed(files.settings(), std::move(word)); }

@@ -13,7 +13,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-// What a log of these options writes of these lines.
+// Returns what a log of these options writes of these lines.
 std::string written(const Log::Options& options, const std::vector<LogLine>& lines) {
   testing::internal::CaptureStdout();
   {

@@ -59,7 +59,7 @@ class ServedPeer : public testing_support::ControlledPeers {
     if (!terminal.empty()) line += " <" + terminal;
     return {folder, "a", "/bin/sh", {"-c", line}};
   }
-  // What the peer says of what it owns.
+  // The peer says this of what it owns.
   [[nodiscard]] std::string owned() const {
     const nlohmann::json status = ask("a", {{"do", "status"}});
     return status.is_object() ? status.at("objects").dump() : std::string();

@@ -20,7 +20,7 @@ class RosterExchanges : public testing::Test {
                   {.peer = PeerId{7}, .identity = who, .epoch = epoch_bits(roster.epoch())});
     return sealer.announcement_due(now).value();
   }
-  // What it answers to an announcement, and at once.
+  // Returns what it answers to an announcement, at once.
   static std::vector<Bytes> answer(RosterExchange& to, const Bytes& announcement, HostTime now) {
     to.hear(announcement, now);
     return to.answers(now + kLongestTurn);

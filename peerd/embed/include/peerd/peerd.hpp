@@ -60,7 +60,7 @@ struct Event {
   std::uint64_t count = 0;
 };
 
-// What a peer is opened with, by the names that peerd_options_set() knows.
+// Options open a peer, by the names that peerd_options_set() knows.
 class Options {
  public:
   Options& set(const std::string& name, const std::string& value) {
