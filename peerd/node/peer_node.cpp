@@ -357,8 +357,8 @@ EditReport PeerNode::change_owner(HostTime now, const config::SceneEdit& edit) {
   return report;
 }
 
-// Another peer asks for an object of this one, which keeps what something drives here, what it holds, and what it cannot
-// give, because an edit has removed it, or somebody has locked it.
+// Another peer asks for an object of this one, which keeps what something drives here, what it holds, and what it
+// cannot give, because an edit has removed it, or somebody has locked it.
 void PeerNode::on_request(HostTime now, const replication::ObjectRequested& asked) {
   const char* const why_not = peer_.owner(asked.object) != config_.id ? "its owner has it no more"
                               : drives(asked.object)                  ? "its owner drives it"
