@@ -290,7 +290,7 @@ int peerd_reparent(peerd_peer* peer, peerd_object object, peerd_object under, pe
 }
 
 int peerd_set(peerd_peer* peer, const char* path, const char* field, const char* value, peerd_operation* operation) {
-  const json request{{"do", "set"}, {"path", text_of(path)}, {"field", text_of(field)}, {"value", text_of(value)}};
+  json request{{"do", "set"}, {"path", text_of(path)}, {"field", text_of(field)}, {"value", text_of(value)}};
   return edited(
       peer, [&](EmbeddedPeer&) { return request; }, operation);
 }
@@ -316,7 +316,7 @@ const char* peerd_data(peerd_peer* peer, const char* path, const char* key) {
 }
 
 int peerd_send(peerd_peer* peer, const char* topic, const char* text, peerd_operation* operation) {
-  const json request{{"do", "send"}, {"topic", text_of(topic)}, {"text", text_of(text)}};
+  json request{{"do", "send"}, {"topic", text_of(topic)}, {"text", text_of(text)}};
   return edited(
       peer, [&](EmbeddedPeer&) { return request; }, operation);
 }
