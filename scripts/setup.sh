@@ -10,7 +10,7 @@ packages=(
   libtomlplusplus-dev libmuparser-dev libsqlite3-dev zlib1g-dev libzstd-dev libsodium-dev libhwy-dev libsystemd-dev libgtest-dev libgmock-dev libgmp-dev iproute2
 )
 # What scripts/package needs besides.
-packaging_packages=(debhelper dpkg-dev fakeroot lintian patchelf pkgconf python3 scdoc)
+packaging_packages=(debhelper dh-python dpkg-dev fakeroot lintian patchelf pkgconf pybind11-dev python3 python3-dev python3-numpy scdoc)
 
 install_missing() {
   local missing=() package

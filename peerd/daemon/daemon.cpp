@@ -132,10 +132,13 @@ feed::Outcome Daemon::on_poses(std::span<const feed::FedPose> poses) {
   return outcome;
 }
 
-int Daemon::run() {
+void Daemon::take_signals() {
   for (const int signal : kLeaveOn) {
     if (!is_ignored(signal)) signals_.add(signal);
   }
+}
+
+int Daemon::run() {
   await_signal();
   begin();
   serve();

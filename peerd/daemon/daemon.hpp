@@ -93,11 +93,12 @@ class Daemon {
   void ask_first(const replication::IdentityQuestion& question) { question_ = question; }
   static constexpr Duration kIdentityIsAskedFor = std::chrono::seconds(1);
 
-  // Runs until a signal, a request to leave or the end of the scenario. Returns the exit code.
+  // From now on the process's signals are the peer's: on those that end a process it leaves.
+  void take_signals();
+  // Runs until such a signal, a request to leave or the end of the scenario. Returns the exit code.
   int run();
-  // The same for a program that has a loop of its own, and the signals of its process: the peer takes part from begin()
-  // on, as far as poll() is called. That does what is due, and where nothing is, waits for it, at most for so long.
-  // False: the peer has left.
+  // The same for a program that has a loop of its own: the peer takes part from begin() on, as far as poll() is called.
+  // That does what is due, and where nothing is, waits for it, at most for so long. False: the peer has left.
   void begin();
   bool poll(Duration at_most);
   void leave();

@@ -86,6 +86,7 @@ Result<PeerOptions> OptionValues::peer_options() const {
   }
   PeerOptions options = options_;
   options.sets = as_settings(flags_, options);
+  options.embedded = true;
   options.log_to = log_to ? log_to : [](const LogLine&) {};
   return options;
 }

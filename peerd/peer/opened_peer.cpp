@@ -178,6 +178,7 @@ Result<void> OpenedPeer::open_daemon(const PeerNode::Options& node) {
   daemon_ = std::make_unique<Daemon>(io_, *node_, *reached_->transport, clock_, say_,
                                      options_.once ? std::optional(from_seconds(run.duration_s + 0.2)) : std::nullopt,
                                      capture_.get());
+  if (!options_.embedded) daemon_->take_signals();
   if (options_.verbose) daemon_->log_updates();
   if (!options_.take_over) daemon_->ask_first({PeerId{parts_.settings->id}, node.incarnation, parts_.session});
   if (parts_.opened.store) daemon_->keep(*parts_.opened.store);

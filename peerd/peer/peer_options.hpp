@@ -31,8 +31,10 @@ struct PeerOptions {
   bool take_over = false;              // do not ask whether this peer is running already
   bool once = false;                   // leave when the scenario's duration is over
   LogFormat log = LogFormat::kText;
-  bool verbose = false;                          // debug lines too
-  std::function<void(const LogLine&)> log_to{};  // of a program that has this peer in itself; empty: standard output
+  bool verbose = false;  // debug lines too
+  // Another program has this peer in itself, takes its log, and keeps the process's signals.
+  bool embedded = false;
+  std::function<void(const LogLine&)> log_to{};  // empty: standard output
 };
 
 }  // namespace peerd

@@ -116,7 +116,8 @@ std::vector<std::string> fields_of_datagrams() {
                       "message",
                       "undone.number",
                       "undone.stamp_ns",
-                      "redoes"});
+                      "redoes",
+                      "unlocks"});
   with("", {"operation"});
   with("identity.", {"asker", "world_hash", "answers"});
   with("", {"kind"});
