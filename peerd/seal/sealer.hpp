@@ -19,7 +19,7 @@
 #include "peerd/seal/first_heard.hpp"
 #include "peerd/seal/refusal.hpp"
 #include "peerd/seal/replay_window.hpp"
-#include "peerd/transport/token_bucket.hpp"
+#include "peerd/os/token_bucket.hpp"
 
 namespace peerd::seal {
 

@@ -7,7 +7,7 @@
 
 #include "core/time.hpp"
 #include "peerd/transport/sip_hash.hpp"
-#include "peerd/transport/token_bucket.hpp"
+#include "peerd/os/token_bucket.hpp"
 
 namespace peerd::net {
 
