@@ -42,7 +42,9 @@ PEERD_API void peerd_options_free(peerd_options* options);
 /* Sets an option by its name, which is that of `peerd run` without the dashes: world, world-name, name, id, own, config,
    peer, set, interface, group, port, store, control, view, key, password-file; open, fresh, take-over and verbose take
    "yes" or "no". own and set may be given several times. Without them there is no store, no control socket and no
-   viewer. 0: there is no such option, or it does not take that value. */
+   viewer. In place of a world's file, those of `peerd join` get it from peers that are in it: join (the world's name;
+   "": the only one), from (HOST:PORT of a peer), invite (a line of `peerd invite`). 0: there is no such option, or it
+   does not take that value. */
 PEERD_API int peerd_options_set(peerd_options* options, const char* name, const char* value);
 
 /* Lines of the peer's log go there, from debug (0) over info (1) and warning (2) to error (3); without it they are lost.
@@ -50,7 +52,7 @@ PEERD_API int peerd_options_set(peerd_options* options, const char* name, const 
 typedef void (*peerd_log)(void* user, int level, const char* text);
 PEERD_API void peerd_options_log(peerd_options* options, peerd_log log, void* user);
 
-/* Reads the world, opens the network and all else. Null: it can't, and a sentence that says why is written to `error`,
+/* Reads the world, or gets it from others, which takes a second or more; opens the network and all else. Null: it can't, and a sentence that says why is written to `error`,
    as far as it fits into `size` bytes, with its terminating zero. */
 PEERD_API peerd_peer* peerd_open(const peerd_options* options, char* error, size_t size);
 
