@@ -90,8 +90,8 @@ def ghost(runs):
     runs.make("replication.error_threshold_m=2", "replication.order=1", "duration_s=13")
     samples = runs.rows("errors.csv")
     updates = runs.updates()
-    p = Picture(720, 400)
-    chart = Chart(p, 40, 40, 640, 300, (-24, 24), (-11.25, 11.25))
+    p = Picture(720, 430)
+    chart = Chart(p, 40, 40, 640, 330, (-25.6, 25.6), (-13.2, 13.2))
 
     def path(what, rows):
         return [(float(row[f"{what}_x"]), -float(row[f"{what}_z"])) for row in rows]
@@ -110,7 +110,7 @@ def ghost(runs):
     legend(p, 290, 18, [(ORANGE, "its ghost, at bo", "7,4")])
     p.dot(496, 18, 5, INK)
     p.text(508, 23, "an update", size=13, anchor="start")
-    p.text(360, 372, f"13 s from above, threshold 2 m, first order: {len(updates)} updates. The area is 48 m wide.", size=13)
+    p.text(360, 402, f"13 s from above, threshold 2 m, first order: {len(updates)} updates. The area is 51 m wide.", size=13)
     p.save("tutorial-ghost.svg", "A car's path from above, its ghost, and the updates")
 
 
