@@ -185,7 +185,7 @@ TEST_F(Embedded, SaysWhyNot) {
   };
   EXPECT_THAT(why([] { Options().set("colour", "red"); }), HasSubstr("no option colour"));
   EXPECT_THAT(why([] { Options().set("id", "first"); }), HasSubstr("does not take \"first\""));
-  EXPECT_THAT(why([] { Peer peer(Options().set("name", "a")); }), HasSubstr("a configuration or a world"));
+  EXPECT_THAT(why([] { Peer peer(Options().set("name", "a")); }), HasSubstr("a configuration, a world"));
   EXPECT_THAT(why([] { Peer peer(Options().set("world", "/nowhere.wrl")); }), HasSubstr("/nowhere.wrl"));
   std::vector<std::string> lines;
   Peer peer(options("a", "CAR").log_to([&](int, const std::string& text) { lines.push_back(text); }));

@@ -47,7 +47,7 @@ TEST(ChooseWorld, AsksWhichOfSeveral) {
 
 TEST(LineOf, NamesAnotherProtocolAndAnOpenSession) {
   World old = world("town", 0xabc);
-  EXPECT_THAT(line_of(old), HasSubstr("town  (session 0000000000000abc, open): ada (id 0) at "));
+  EXPECT_THAT(line_of(old), HasSubstr("town  (session 0000000000000abc, open): ada (id 1) at "));
   old.peers.front().beacon.protocol = 1;
   old.peers.front().beacon.sealed = true;
   EXPECT_THAT(line_of(old), HasSubstr("it speaks version 1 of the protocol"));
