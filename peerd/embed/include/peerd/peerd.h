@@ -124,8 +124,8 @@ PEERD_API size_t peerd_poses(peerd_peer* peer, const peerd_object* objects, size
 
 /* ---- moving what this peer owns ---- */
 
-/* Asks for an object, or says of one that a configuration gave to this peer that this program moves it. 1: it was asked
-   for. What is nobody's is this peer's a little later; another peer may give it; PEERD_OBJECT_GIVEN and peerd_owner()
+/* Asks for an object, or says of one that a configuration gave to this peer that this program moves it; needs a session
+   (peerd_in_session()). 1: it was asked for. What is nobody's is this peer's a little later; another peer may give it; PEERD_OBJECT_GIVEN and peerd_owner()
    say so. The first peerd_move() then ends what physics or a formula did with it: it answers no contact by itself, and
    PEERD_CONTACT says what it meets. */
 PEERD_API int peerd_take(peerd_peer* peer, peerd_object object);
