@@ -230,5 +230,6 @@ def scene():
     p.save("scene.svg", "A scene, its objects and one collision interest")
 
 
-for draw in (peers, ghost, prediction, decision, regions, clock, scene):
-    draw()
+if __name__ == "__main__":
+    for draw in (peers, ghost, prediction, decision, regions, clock, scene):
+        draw()

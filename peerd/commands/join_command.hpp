@@ -1,13 +1,10 @@
 #pragma once
-#include <filesystem>
-#include <optional>
 #include <ostream>
 #include <string>
-#include <vector>
 
-#include "peerd/commands/run_command.hpp"
 #include "peerd/config/peer_settings.hpp"
-#include "peerd/keys/session_key.hpp"
+#include "peerd/joining/join_world.hpp"
+#include "peerd/peer/peer_options.hpp"
 
 namespace peerd {
 
@@ -27,11 +24,7 @@ struct LsOptions {
 // where none answers, from this user's store of it. Blocks as run_peer() does, and returns what that returns; 3 where
 // there is no such world.
 struct JoinOptions {
-  std::string world;  // its name; empty: the only one
-  std::string from;   // "HOST:PORT" of a peer, in place of asking who is here; empty: none
-  config::TransportSettings transport;
-  seal::KeyChoice key;     // of --key and --password-file; neither: this user's own of the world
-  bool open = false;       // of --open
+  JoinRequest request;
   std::string invitation;  // of --invite: the world's name and its key; "-": in standard input; empty: none
   PeerOptions peer;        // without a configuration; its `sets` are those of its own
 };

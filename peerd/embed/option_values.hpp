@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "peerd/input/input_error.hpp"
@@ -16,14 +17,21 @@ class OptionValues {
 
   // False: there is no such option, or it does not take that value.
   bool set(const std::string& name, const std::string& value);
-  // The error says which options don't go together.
+  // The options of the peer. With join, from or invite it gets the world from others first, which takes a second at
+  // least. Errors: options that don't go together, a world that can't be joined.
   [[nodiscard]] Result<PeerOptions> peer_options() const;
 
   std::function<void(const LogLine&)> log_to{};  // empty: lines are lost
 
  private:
+  [[nodiscard]] bool joins() const { return join_ || !from_.empty() || !invitation_.empty(); }
+  [[nodiscard]] Result<void> check() const;
+  [[nodiscard]] Result<void> join(PeerOptions& options) const;
+
   PeerOptions options_;
   RunFlags flags_;
+  std::optional<std::string> join_{};  // a world's name; empty: the only one
+  std::string from_{}, invitation_{};
 };
 
 }  // namespace peerd::embed

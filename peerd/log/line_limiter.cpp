@@ -1,7 +1,5 @@
 #include "peerd/log/line_limiter.hpp"
 
-#include <algorithm>
-#include <cassert>
 #include <cctype>
 
 namespace peerd {
@@ -31,44 +29,33 @@ std::string kind_of_line(std::string_view text) {
   return kind;
 }
 
-double LineLimiter::tokens_at(const Bucket& bucket, HostTime now) const {
-  const double gained = to_seconds(now - bucket.filled) * limits_.per_second;
-  return std::min<double>(limits_.burst, bucket.tokens + gained);
-}
-
-LineLimiter::Bucket& LineLimiter::bucket_of(HostTime now, std::string_view text) {
-  const std::string kind = kind_of_line(text);
-  const auto known = buckets_.find(kind);
-  if (known != buckets_.end()) return known->second;
-  if (buckets_.size() >= kKindsMax) {  // a kind whose bucket is full again is as one that never came
-    std::erase_if(buckets_, [&](const auto& entry) {
-      return entry.second.left_out == 0 && tokens_at(entry.second, now) >= limits_.burst;
+LineLimiter::Kind& LineLimiter::kind_of(HostTime now, std::string_view text) {
+  const std::string name = kind_of_line(text);
+  const auto known = kinds_.find(name);
+  if (known != kinds_.end()) return known->second;
+  if (kinds_.size() >= kKindsMax) {  // a kind whose bucket is full again is as one that never came
+    std::erase_if(kinds_, [&](const auto& entry) {
+      return entry.second.left_out == 0 && entry.second.bucket.tokens(limits_, now) >= limits_.most;
     });
   }
-  const std::string& name = buckets_.size() >= kKindsMax ? kOtherKinds : kind;
-  return buckets_.try_emplace(name, Bucket{.tokens = static_cast<double>(limits_.burst), .filled = now}).first->second;
+  const std::string counts_as = kinds_.size() >= kKindsMax ? kOtherKinds : name;
+  return kinds_.try_emplace(counts_as, Kind{.bucket = net::TokenBucket(limits_, now)}).first->second;
 }
 
 bool LineLimiter::admits(HostTime now, std::string_view text) {
-  Bucket& bucket = bucket_of(now, text);
-  assert(now >= bucket.filled);
-  bucket.tokens = tokens_at(bucket, now);
-  bucket.filled = now;
-  if (bucket.tokens >= 1.0) {
-    bucket.tokens -= 1.0;
-    return true;
-  }
-  if (bucket.left_out == 0) bucket.since = now;
-  ++bucket.left_out;
+  Kind& kind = kind_of(now, text);
+  if (kind.bucket.take(limits_, now)) return true;
+  if (kind.left_out == 0) kind.since = now;
+  ++kind.left_out;
   return false;
 }
 
 std::vector<LineLimiter::LeftOut> LineLimiter::take_left_out(HostTime now) {
   std::vector<LeftOut> taken;
-  for (auto& [kind, bucket] : buckets_) {
-    if (bucket.left_out == 0 || now - bucket.since < kReportAfter) continue;
-    taken.push_back({kind, bucket.left_out});
-    bucket.left_out = 0;
+  for (auto& [name, kind] : kinds_) {
+    if (kind.left_out == 0 || now - kind.since < kReportAfter) continue;
+    taken.push_back({name, kind.left_out});
+    kind.left_out = 0;
   }
   return taken;
 }

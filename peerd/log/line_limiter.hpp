@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/time.hpp"
+#include "peerd/os/token_bucket.hpp"
 
 namespace peerd {
 
@@ -16,10 +17,8 @@ namespace peerd {
 // out (a token bucket for each kind). It reads no clock.
 class LineLimiter {
  public:
-  struct Limits {
-    std::uint32_t burst = 100;
-    double per_second = 1.0;
-  };
+  using Limits = net::TokenRate;  // in lines
+  static constexpr Limits kLimits{100.0, 1.0};
   // Lines of one kind that were left out since the last report.
   struct LeftOut {
     std::string kind;
@@ -41,17 +40,15 @@ class LineLimiter {
   static constexpr std::size_t kKindsMax = 1000;
 
  private:
-  struct Bucket {
-    double tokens = 0.0;
-    HostTime filled{};  // when `tokens` was right
+  struct Kind {
+    net::TokenBucket bucket;
     std::uint64_t left_out = 0;
     HostTime since{};  // of the first line left out
   };
-  [[nodiscard]] double tokens_at(const Bucket& bucket, HostTime now) const;
-  Bucket& bucket_of(HostTime now, std::string_view text);
+  Kind& kind_of(HostTime now, std::string_view text);
 
   Limits limits_;
-  std::map<std::string, Bucket> buckets_;  // by kind
+  std::map<std::string, Kind> kinds_;  // by kind_of_line()
 };
 
 }  // namespace peerd

@@ -25,7 +25,7 @@ class Log {
   struct Options {
     LogFormat format = LogFormat::kText;
     bool verbose = false;  // debug lines too
-    LineLimiter::Limits limits{};
+    LineLimiter::Limits limits = LineLimiter::kLimits;
     std::function<void(const LogLine&)> sink{};  // a program's; empty: standard output
   };
 

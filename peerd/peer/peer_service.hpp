@@ -36,7 +36,7 @@ class PeerService {
 
   // The limits of a configuration, for the log.
   [[nodiscard]] static LineLimiter::Limits limits_of(const config::LogSettings& settings) {
-    return {settings.burst, settings.per_second};
+    return {static_cast<double>(settings.burst), settings.per_second};
   }
 
  private:

@@ -1,38 +1,21 @@
 // The program itself, as a shell starts it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <cstdlib>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
-#include "tests/peerd/scratch_folder.hpp"
+#include "tests/peerd/program/program.hpp"
 
 namespace peerd::main_test {
 
 using testing::HasSubstr;
-using testing_support::ScratchFolder;
+using testing_support::kMovingBox;
+using testing_support::kStillWorld;
+using testing_support::Program;
+using testing_support::Said;
 using testing_support::text_of;
-
-struct Said {
-  int exit_code;  // -1: a signal has ended it
-  std::string out, err;
-};
-
-class Program : public testing::Test {
- protected:
-  // `words` are a shell's, so they may redirect the program's input and outputs.
-  Said run(const std::string& words) {
-    const std::string out = folder / "said.out", err = folder / "said.err";
-    const std::string line =
-        "cd '" + folder.path().string() + "' && '" PEERD_PROGRAM "' >'" + out + "' 2>'" + err + "' " + words;
-    const int status = std::system(line.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(out), text_of(err)};
-  }
-  ScratchFolder folder;
-};
 
 constexpr std::string_view kMoving = R"(#VRML V2.0 utf8
 DEF CLOCK TimeSensor { loop TRUE }
@@ -86,21 +69,12 @@ INSTANTIATE_TEST_SUITE_P(
         NumberCase{"ctl pose CAR 0 0 1e10", "position: 1e10 is out of range: -1000000000 to 1000000000"},
         NumberCase{"ctl pose CAR 0 0 0 --orientation 0 0 0 inf", "--orientation: inf is no finite number"}));
 
-TEST_F(Program, HexadecimalNumbersAreKeys) {
-  const Said said = run("ctl --control '" + (folder / "none").string() + "' key --value 0x1000013");
-  EXPECT_THAT(said.err, testing::Not(HasSubstr("--value"))) << "it gets as far as the socket";
-}
-
-constexpr std::string_view kStill = "#VRML V2.0 utf8\nDEF A Transform { children Shape { geometry Box {} } }\n";
-const std::string kScenario =
-    "world = \"w.wrl\"\nduration_s = 0.1\n[peer.a]\nid = 1\nowns = [\"A\"]\n[motion.A]\nx = \"t\"\n";
-
 // Each line prints something.
 class Printing : public Program, public testing::WithParamInterface<const char*> {
  protected:
   Printing() {
-    folder.write("w.wrl", kStill);
-    folder.write("s.toml", kScenario);
+    folder.write("w.wrl", kStillWorld);
+    folder.write("s.toml", kMovingBox);
   }
 };
 
@@ -122,7 +96,7 @@ INSTANTIATE_TEST_SUITE_P(Table, Printing,
                                          "run --json"));
 
 TEST_F(Program, AClosedOutputIsNoFile) {
-  folder.write("w.wrl", kStill);
+  folder.write("w.wrl", kStillWorld);
   EXPECT_EQ(run("check w.wrl --write copy.wrl >&-").exit_code, 3);
   EXPECT_EQ(run("check copy.wrl").exit_code, 0) << "nothing else got into the file: " << text_of(folder / "copy.wrl");
   EXPECT_EQ(run("bake none.wrl >&-").exit_code, 2) << "nothing was to be printed";
@@ -136,8 +110,8 @@ struct WrongUse {
 class WrongUses : public Program, public testing::WithParamInterface<WrongUse> {};
 
 TEST_P(WrongUses, AreExplained) {
-  folder.write("w.wrl", kStill);
-  folder.write("s.toml", kScenario);
+  folder.write("w.wrl", kStillWorld);
+  folder.write("s.toml", kMovingBox);
   const Said said = run(GetParam().words);
   EXPECT_EQ(said.exit_code, 2);
   EXPECT_EQ(said.out, "");
@@ -158,22 +132,6 @@ INSTANTIATE_TEST_SUITE_P(
                     WrongUse{"sim s.toml --set network.latency=5",
                              "unknown key network.latency; did you mean network.latency_ms?"},
                     WrongUse{"collide --at 1 --until 0 w.wrl", "--until 0 is before --at 1"}));
-
-TEST_F(Program, HelpAndVersionAreCommands) {
-  EXPECT_EQ(run("help").out, run("--help").out);
-  EXPECT_EQ(run("help ctl pose").out, run("ctl pose --help").out);
-  EXPECT_EQ(run("version").out, run("--version").out);
-  EXPECT_EQ(run("version").exit_code, 0);
-}
-
-TEST_F(Program, HelpNamesDefaultsAndExitCodes) {
-  EXPECT_THAT(run("collide --help").out, HasSubstr("ticks a second (default: 60)"));
-  EXPECT_THAT(run("run --help").out, HasSubstr("else 47474)"));
-  for (const char* words :
-       {"", "run", "record", "replay", "sim", "scenario", "check", "collide", "bake", "doctor", "ctl", "store"}) {
-    EXPECT_THAT(run(std::string("help ") + words).out, HasSubstr("Exit codes: 0 ")) << words;
-  }
-}
 
 class JsonErrors : public Program, public testing::WithParamInterface<const char*> {};
 
@@ -202,42 +160,5 @@ INSTANTIATE_TEST_SUITE_P(Table, JsonErrors,
                                          "doctor --json -c none.toml", "doctor --json --set transport.ttl=nan",
                                          "ctl --json --control none status", "ctl --json leav", "check --json",
                                          "rnu --json", "check --json --at nan bad.wrl"));
-
-TEST_F(Program, AWorldMayComeFromStandardInput) {
-  folder.write("part.wrl", kStill);
-  folder.write("w.wrl", "#VRML V2.0 utf8\nInline { url \"part.wrl\" }\n");
-  EXPECT_THAT(run("check - <w.wrl").out, HasSubstr("in 2 files")) << "URLs start from the current folder";
-  EXPECT_EQ(run("collide - <w.wrl").exit_code, 0);
-  const Said bad = run("collide - </dev/null");
-  EXPECT_EQ(bad.exit_code, 1);
-  EXPECT_THAT(bad.err, HasSubstr("<stdin>:1:1: error: "));
-  EXPECT_EQ(run("check - <&-").exit_code, 3);
-}
-
-TEST_F(Program, EndlessFilesAreRefused) {
-  for (const char* words : {"sim", "scenario", "run -c", "doctor -c", "replay --size-max 1"}) {
-    const Said said = run(std::string(words) + " /dev/zero");
-    EXPECT_THAT(said.exit_code, testing::AnyOf(1, 2)) << words;
-    EXPECT_THAT(said.err, HasSubstr("/dev/zero: error: it is larger than ")) << words;
-  }
-  EXPECT_THAT(run("replay --size-max 1 /dev/zero").err, HasSubstr("--size-max allows more"));
-}
-
-TEST_F(Program, MotionsWithoutEffectAreNamed) {
-  folder.write("w.wrl", std::string(kStill) + "DEF FLOOR Transform { }\n");
-  folder.write("s.toml", kScenario + "[motion.FLOOR]\nx = \"t\"\n");
-  const Said said = run("sim s.toml");
-  EXPECT_EQ(said.exit_code, 0) << said.err;
-  EXPECT_THAT(said.err, HasSubstr("s.toml:8:1: warning: motion.FLOOR has no effect: no peer owns what it names"));
-  EXPECT_THAT(said.out, HasSubstr("0 s of 1 run in "));
-}
-
-TEST_F(Program, DoctorNamesSettingsWithoutEffect) {
-  const Said said = run("doctor --interface lo --set foo=1 --set ttl=4 --set transport.ttl=4");
-  EXPECT_THAT(said.err, HasSubstr("warning: --set foo has no effect: the table [transport] alone counts here\n"));
-  EXPECT_THAT(said.err, HasSubstr("warning: --set ttl has no effect"));
-  EXPECT_THAT(said.err, HasSubstr("did you mean transport.ttl?\n"));
-  EXPECT_THAT(said.err, testing::Not(HasSubstr("--set transport.ttl")));
-}
 
 }  // namespace peerd::main_test

@@ -70,9 +70,14 @@ TEST(OptionValues, SayWhichDoNotGoTogether) {
     const auto options = values.peer_options();
     return options ? "" : options.error().text;
   };
-  EXPECT_THAT(why({{"name", "a"}}), HasSubstr("a configuration or a world"));
+  EXPECT_THAT(why({{"name", "a"}}), HasSubstr("a configuration, a world"));
   EXPECT_THAT(why({{"world", "w"}, {"open", "yes"}, {"key", "k"}}), HasSubstr("open has no key"));
   EXPECT_THAT(why({{"config", "c"}, {"name", "a"}}), HasSubstr("without a configuration"));
+  EXPECT_THAT(why({{"join", "town"}, {"world", "w"}}), HasSubstr("no file and no configuration"));
+  EXPECT_THAT(why({{"from", "host:1"}, {"config", "c"}}), HasSubstr("no file and no configuration"));
+  EXPECT_THAT(why({{"join", "town"}, {"world-name", "w"}}), HasSubstr("has its name"));
+  EXPECT_THAT(why({{"invite", "peerd-invite-1:half"}}), HasSubstr("no whole invitation"));
+  EXPECT_THAT(why({{"invite", "peerd-invite-1:half"}, {"open", "yes"}}), HasSubstr("no invitation"));
   EXPECT_EQ(why({{"config", "c"}, {"peer", "a"}}), "");
 }
 

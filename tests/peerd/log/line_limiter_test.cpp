@@ -27,7 +27,7 @@ INSTANTIATE_TEST_SUITE_P(Table, Kind,
                          [](const auto& tested) { return std::string(tested.param.name); });
 
 TEST(LineLimiter, LetsABurstThroughAndThenSoManyASecond) {
-  LineLimiter limiter({.burst = 3, .per_second = 2.0});
+  LineLimiter limiter({.most = 3, .per_second = 2.0});
   int admitted = 0;
   for (int i = 0; i < 10; ++i) admitted += limiter.admits(kStart, "contact " + std::to_string(i)) ? 1 : 0;
   EXPECT_EQ(admitted, 3);
@@ -39,13 +39,13 @@ TEST(LineLimiter, LetsABurstThroughAndThenSoManyASecond) {
 }
 
 TEST(LineLimiter, AFloodOfOneKindHidesNoOther) {
-  LineLimiter limiter({.burst = 2, .per_second = 1.0});
+  LineLimiter limiter({.most = 2, .per_second = 1.0});
   for (int i = 0; i < 1000; ++i) (void)limiter.admits(kStart, "contact " + std::to_string(i));
   EXPECT_TRUE(limiter.admits(kStart, "the disk is full"));
 }
 
 TEST(LineLimiter, CountsWhatItLeavesOutOnce) {
-  LineLimiter limiter({.burst = 1, .per_second = 0.001});
+  LineLimiter limiter({.most = 1, .per_second = 0.001});
   for (int i = 0; i < 5; ++i) (void)limiter.admits(kStart, "a 1");
   for (int i = 0; i < 3; ++i) (void)limiter.admits(kStart + seconds(5), "b 1");
   EXPECT_TRUE(limiter.take_left_out(kStart + LineLimiter::kReportAfter - milliseconds(1)).empty());
@@ -61,16 +61,16 @@ TEST(LineLimiter, CountsWhatItLeavesOutOnce) {
 }
 
 TEST(LineLimiter, ChangesItsLimitsMeanwhile) {
-  LineLimiter limiter({.burst = 1, .per_second = 0.001});
+  LineLimiter limiter({.most = 1, .per_second = 0.001});
   EXPECT_TRUE(limiter.admits(kStart, "a"));
   EXPECT_FALSE(limiter.admits(kStart, "a"));
-  limiter.limit({.burst = 5, .per_second = 10.0});
+  limiter.limit({.most = 5, .per_second = 10.0});
   EXPECT_TRUE(limiter.admits(kStart + milliseconds(100), "a"));
 }
 
 // Whoever can cause lines with a name of their own can cause as many kinds.
 TEST(LineLimiter, KeepsNoMoreKindsThanItsLimit) {
-  LineLimiter limiter({.burst = 1, .per_second = 0.001});
+  LineLimiter limiter({.most = 1, .per_second = 0.001});
   std::size_t admitted = 0;
   const auto name = [](std::size_t i) { return std::string(1 + i / 26, 'x') + static_cast<char>('a' + i % 26); };
   for (std::size_t i = 0; i < 3 * LineLimiter::kKindsMax; ++i) admitted += limiter.admits(kStart, name(i)) ? 1 : 0;

@@ -48,13 +48,13 @@ TEST(Log, TheJournalGetsPriorities) {
 TEST(Log, SaysHowManyLinesItLeftOut) {
   std::vector<LogLine> lines(7, {LogLevel::kInfo, "ball 8 hits ball 9"});
   EXPECT_EQ(
-      written({.format = LogFormat::kJournal, .limits = {.burst = 2, .per_second = 1.0}}, lines),
+      written({.format = LogFormat::kJournal, .limits = {.most = 2, .per_second = 1.0}}, lines),
       "<6>ball 8 hits ball 9\n<6>ball 8 hits ball 9\n<4>5 lines like this one were left out: ball # hits ball #\n");
 }
 
 TEST(Log, LeavesNoDebugLineOutAndCountsNoneThatNobodyWants) {
   std::vector<LogLine> lines(5, {LogLevel::kDebug, "update"});
-  const LineLimiter::Limits one{.burst = 1, .per_second = 1.0};
+  const LineLimiter::Limits one{.most = 1, .per_second = 1.0};
   EXPECT_EQ(written({.format = LogFormat::kJournal, .verbose = true, .limits = one}, lines),
             "<7>update\n<7>update\n<7>update\n<7>update\n<7>update\n");
   EXPECT_EQ(written({.format = LogFormat::kJournal, .limits = one}, lines), "");
@@ -63,9 +63,9 @@ TEST(Log, LeavesNoDebugLineOutAndCountsNoneThatNobodyWants) {
 TEST(Log, ChangesWhileItIsUsed) {
   testing::internal::CaptureStdout();
   {
-    Log log("a", {.format = LogFormat::kJournal, .limits = {.burst = 1, .per_second = 1.0}}, [] { return HostTime{}; });
+    Log log("a", {.format = LogFormat::kJournal, .limits = {.most = 1, .per_second = 1.0}}, [] { return HostTime{}; });
     log({LogLevel::kDebug, "before"});
-    log.change(true, {.burst = 5, .per_second = 1.0});
+    log.change(true, {.most = 5, .per_second = 1.0});
     log({LogLevel::kDebug, "after"});
   }
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "<7>after\n");

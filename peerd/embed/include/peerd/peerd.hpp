@@ -10,7 +10,7 @@
 //     while (const auto event = peer.next_event()) ..
 //   }
 //
-// What can't be done throws peerd::embed::Error, but for what is often asked in vain, which returns an optional.
+// Errors throw peerd::embed::Error; questions that are often asked in vain return an optional. All texts are copies.
 #ifndef PEERD_HPP
 #define PEERD_HPP
 
@@ -52,9 +52,10 @@ struct Event {
   double time = 0.0;  // session time [s]
   std::uint32_t peer = 0;
   Object object = 0, other = 0;
-  Pose pose{}, other_pose{};                   // a contact: of both then
-  Vector velocity_before{}, velocity_after{};  // .. of object [m/s]
-  Vector normal{};                             // .. of the other's surface, facing object
+  // Of a contact: where both were, their velocities [m/s], and the normal of the other's surface, which faces object.
+  Pose pose{}, other_pose{};
+  Vector velocity_before{}, velocity_after{}, other_velocity_before{}, other_velocity_after{};
+  Vector normal{};
   Operation operation{};
   std::optional<std::string> name{}, text{};
   std::uint64_t count = 0;
@@ -95,14 +96,16 @@ class Peer {
 
   // -- driving
   bool poll(double at_most_s) { return peerd_poll(peer_.get(), at_most_s) != 0; }
-  void start() { check(peerd_start(peer_.get())); }
+  void start() {
+    if (!peerd_start(peer_.get())) fail();
+  }
   void leave() { peerd_leave(peer_.get()); }
 
-  // Keeps the peer's thread waiting for as long as it lives.
+  // Keeps the peer's thread, and other threads' calls, waiting for as long as it lives.
   class Hold {
    public:
-    explicit Hold(Peer& peer) : peer_(peer.peer_.get()) { peerd_hold(peer_); }
-    ~Hold() { peerd_release(peer_); }
+    explicit Hold(const Peer& peer) : peer_(peer.peer_.get()) { peerd_hold(peer_); }
+    ~Hold() { peerd_unhold(peer_); }
     Hold(const Hold&) = delete;
     Hold& operator=(const Hold&) = delete;
 
@@ -124,7 +127,10 @@ class Peer {
     const Object found = peerd_find(peer_.get(), path.c_str());
     return found == PEERD_NO_OBJECT ? std::nullopt : std::optional(found);
   }
-  std::optional<std::string> path(Object object) const { return optional(peerd_path(peer_.get(), object)); }
+  std::optional<std::string> path(Object object) const {
+    const Hold held(*this);
+    return optional(peerd_path(peer_.get(), object));
+  }
   std::uint32_t owner(Object object) const { return peerd_owner(peer_.get(), object); }
   std::vector<Object> owned_objects() const {
     std::vector<Object> all;
@@ -135,7 +141,10 @@ class Peer {
     }
     return all;
   }
-  std::string world() const { return text(peerd_world(peer_.get())); }
+  std::string world() const {
+    const Hold held(*this);
+    return text(peerd_world(peer_.get()));
+  }
 
   // -- where it is
   std::optional<Pose> pose(Object object) const {
@@ -149,8 +158,14 @@ class Peer {
   }
 
   // -- moving what this peer owns
-  void take(Object object) { check(peerd_take(peer_.get(), object)); }
-  void release(Object object) { check(peerd_release_object(peer_.get(), object)); }
+  void take(Object object) {
+    const Hold held(*this);
+    check(peerd_take(peer_.get(), object));
+  }
+  void release(Object object) {
+    const Hold held(*this);
+    check(peerd_release(peer_.get(), object));
+  }
   // False: this program may not move it, now.
   bool move(Object object, const Pose& pose, const std::optional<Vector>& velocity = {}, bool jumps = false) {
     peerd_motion motion{};
@@ -186,6 +201,7 @@ class Peer {
     });
   }
   std::optional<std::string> data(const std::string& path, const std::string& key) const {
+    const Hold held(*this);
     return optional(peerd_data(peer_.get(), path.c_str(), key.c_str()));
   }
   Operation send(const std::string& topic, const std::string& message) {
@@ -197,11 +213,13 @@ class Peer {
   Operation redo() {
     return edit([&](peerd_operation* o) { return peerd_redo(peer_.get(), o); });
   }
-  std::string ask(const std::string& request) { return text(peerd_ask(peer_.get(), request.c_str())); }
+  std::string ask(const std::string& request) {
+    const Hold held(*this);
+    return text(peerd_ask(peer_.get(), request.c_str()));
+  }
 
   // -- events
   std::optional<Event> next_event() {
-    // Two calls with another thread's between them would see that one's texts.
     const Hold held(*this);
     peerd_event next{};
     if (!peerd_next_event(peer_.get(), &next, sizeof(next))) return std::nullopt;
@@ -216,6 +234,8 @@ class Peer {
     for (std::size_t i = 0; i < 3; ++i) {
       event.velocity_before[i] = next.velocity_before[i];
       event.velocity_after[i] = next.velocity_after[i];
+      event.other_velocity_before[i] = next.other_velocity_before[i];
+      event.other_velocity_after[i] = next.other_velocity_after[i];
       event.normal[i] = next.normal[i];
     }
     event.operation = next.operation;
@@ -238,15 +258,20 @@ class Peer {
   static std::optional<std::string> optional(const char* text) {
     return text == nullptr ? std::nullopt : std::optional<std::string>(text);
   }
+  [[noreturn]] void fail() const {
+    const Hold held(*this);
+    throw Error(peerd_error(peer_.get()));
+  }
   std::string text(const char* text) const {
-    if (text == nullptr) throw Error(peerd_error(peer_.get()));
+    if (text == nullptr) fail();
     return text;
   }
   void check(int done) const {
-    if (!done) throw Error(peerd_error(peer_.get()));
+    if (!done) fail();
   }
   template <class Edit>
   Operation edit(Edit&& edit) const {
+    const Hold held(*this);
     Operation operation{};
     check(edit(&operation));
     return operation;

@@ -15,8 +15,9 @@ class TokenBucket {
   TokenBucket() = default;  // an empty one
   explicit TokenBucket(const TokenRate& rate, HostTime now = {}) : tokens_(rate.most), counted_(now) {}
 
-  // Takes a token; false: there is none. The rate is the same each time.
+  // Takes a token; false: there is none. What has come since the last time came at that rate.
   bool take(const TokenRate& rate, HostTime now);
+  [[nodiscard]] double tokens(const TokenRate& rate, HostTime now) const;
 
  private:
   double tokens_ = 0.0;

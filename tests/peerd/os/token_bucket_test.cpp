@@ -1,4 +1,4 @@
-#include "peerd/transport/token_bucket.hpp"
+#include "peerd/os/token_bucket.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,107 @@
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "peerd/command_line/number_checks.hpp"
+#include "peerd/command_line/wrong_use.hpp"
+#include "peerd/commands/chaos_command.hpp"
+#include "peerd/commands/print.hpp"
+#include "peerd/commands/scenario_command.hpp"
+#include "peerd/commands/scenario_options.hpp"
+#include "peerd/commands/sim_command.hpp"
+#include "peerd/config/scenario.hpp"
+#include "peerd/program/commands.hpp"
+
+namespace peerd {
+namespace {
+
+constexpr NumberRange kChaosSeconds{kChaosSecondsMin, 3600.0};
+constexpr std::int64_t kChaosSeedsMax = 1'000'000, kChaosPeersMax = 9;
+
+void add_scenario_options(CLI::App& command, ScenarioOptions& options) {
+  command.add_option("scenario", options.scenario, "the scenario, a TOML file, or the name of an installed one")
+      ->required()
+      ->transform(installed().scenario());
+  command.add_option("--config", options.configs, "a TOML file whose settings replace the scenario's (repeatable)")
+      ->allow_extra_args(false)
+      ->transform(installed().settings());
+  command.add_option("--set", options.sets, "KEY=VALUE, such as network.latency_ms=100; a list sweeps (repeatable)")
+      ->allow_extra_args(false);
+  command.add_option("--seed", options.seed, "the first run's seed (default: the scenario's, else 1)")
+      ->transform(whole_number_in(0, config::kSeedMax));
+  command
+      .add_option("--repeat", options.repeat,
+                  "run everything with so many seeds, from that one on (default: the scenario's, else 1)")
+      ->transform(whole_number_in(1, config::kRepeatMax));
+  command.add_option("--out", options.out, "where the outputs go (default: out/NAME)");
+  command.add_option("--samples", options.samples,
+                     "rows of errors.csv, and of traffic.csv: all, none or N at most (default: 40000)");
+  command.add_flag("--json", options.json, "print summary.json instead of the table");
+}
+
+void add_chaos_options(CLI::App& command, ChaosOptions& options) {
+  auto* const chaos = command.add_option("--chaos", options.seeds,
+                                         "no scenario: a generated world, peers that edit it, and faults of all kinds, "
+                                         "by a seed or by each of FIRST..LAST");
+  command.add_option("--count", options.count, "with --chaos: so many seeds from that one on (default: 1)")
+      ->transform(whole_number_in(1, kChaosSeedsMax))
+      ->needs(chaos);
+  command.add_option("--chaos-seconds", options.seconds, "how long each run is [s], 22 at least (default: 60)")
+      ->transform(number_in(kChaosSeconds))
+      ->needs(chaos);
+  command.add_option("--chaos-peers", options.peers, "the first peers only")
+      ->transform(whole_number_in(1, kChaosPeersMax))
+      ->needs(chaos);
+  command.add_option("--chaos-without", options.without, "faults and edits to leave out, such as f3,e7,e10-20")
+      ->needs(chaos);
+  command.add_flag("!--no-shrink", options.shrinks, "do not look for a smaller run that fails, too")->needs(chaos);
+}
+
+// A run is of a scenario, or of chaos.
+int run_sim_or_chaos(const CLI::App& command, const ScenarioOptions& options, ChaosOptions& chaos) {
+  if (chaos.seeds.empty()) {
+    if (options.scenario.empty()) {
+      return failed({"error: scenario is required; see " + full_name(command) + " --help", kWrongUse});
+    }
+    return run_sim(options);
+  }
+  for (const char* other : {"scenario", "--config", "--set", "--seed", "--repeat", "--out", "--samples", "--capture"}) {
+    if (command.get_option(other)->count() > 0) {
+      return failed({std::string("error: ") + other + " is of a scenario; --chaos has none", kWrongUse});
+    }
+  }
+  chaos.json = options.json;
+  return run_chaos_seeds(chaos);
+}
+
+}  // namespace
+
+Command add_sim(CLI::App& app) {
+  const auto options = std::make_shared<ScenarioOptions>();
+  const auto chaos = std::make_shared<ChaosOptions>();
+  CLI::App* const command = app.add_subcommand("sim", "a scenario on a simulated network, as fast as it goes");
+  command->footer(exit_codes("an expectation failed, or the world has errors"));
+  add_scenario_options(*command, *options);
+  command->add_option("--capture", options->captures,
+                      "a folder for all that each peer hears and sends: PEER.pcapng, of a sweep in run-NNN");
+  command->add_flag("-v,--verbose", options->verbose, "print the peers' logs");
+  command->get_option("scenario")->required(false);
+  add_chaos_options(*command, *chaos);
+  return {command, [command, options, chaos] { return run_sim_or_chaos(*command, *options, *chaos); }};
+}
+
+Command add_scenario(CLI::App& app) {
+  const auto options = std::make_shared<ScenarioOptions>();
+  CLI::App* const command = app.add_subcommand("scenario", "a scenario between real processes over real multicast");
+  command->footer(exit_codes("an expectation failed, or the world has errors"));
+  add_scenario_options(*command, *options);
+  command->add_option("--interface", options->interface, "network interface (default: the scenario's, else lo)");
+  auto* const netem =
+      command->add_flag("--netem", options->netem,
+                        "over the scenario's [network], by the kernel's netem, in namespaces of its own (as root)");
+  command->add_flag("--capture", options->tcpdump, "what each peer sent and got, by tcpdump, as run-NNN.PEER.pcap")
+      ->needs(netem);
+  return {command, [options] { return run_scenario(*options, std::filesystem::read_symlink("/proc/self/exe")); }};
+}
+
+}  // namespace peerd

@@ -1,0 +1,130 @@
+#include <iostream>
+#include <memory>
+#include <utility>
+
+#include "peerd/command_line/number_checks.hpp"
+#include "peerd/commands/doctor_command.hpp"
+#include "peerd/commands/join_command.hpp"
+#include "peerd/commands/store_command.hpp"
+#include "peerd/membership/invite_command.hpp"
+#include "peerd/membership/keygen_command.hpp"
+#include "peerd/membership/members_command.hpp"
+#include "peerd/program/commands.hpp"
+#include "peerd/program/shared_options.hpp"
+
+namespace peerd {
+namespace {
+
+constexpr NumberRange kAskedSeconds{0.1, 60.0};
+
+}  // namespace
+
+Command add_invite(CLI::App& app) {
+  const auto options = std::make_shared<InviteOptions>();
+  CLI::App* const command =
+      app.add_subcommand("invite", "prints the command that brings somebody else into a world; it has the world's key");
+  command->footer("Exit codes: 0 good, 2 wrong use, 3 there is no key of that world");
+  command->add_option("world", options->world, "the world's name, as peerd ls says")->required();
+  command->add_option("--key", options->key, "the file of its key (default: this user's own of that world)");
+  return {command, [options] { return run_invite(*options, std::cout); }};
+}
+
+Command add_keygen(CLI::App& app) {
+  const auto options = std::make_shared<KeygenOptions>();
+  CLI::App* const command = app.add_subcommand(
+      "keygen", "prints who this user is, for the administrator of a world; makes that where there is none yet");
+  command->footer("Exit codes: 0 good, 2 the file is refused, 3 it can't be read or made");
+  command->add_option("--identity", options->identity, "the file of the identity (default: this user's own)");
+  return {command, [options] { return run_keygen(*options, std::cout); }};
+}
+
+Command add_members(CLI::App& app) {
+  const auto options = std::make_shared<MembersOptions>();
+  CLI::App* const command =
+      app.add_subcommand("members", "lists the members of a world, begins their roster, and changes it");
+  command->footer("Exit codes: 0 good, 1 the roster is damaged, 2 wrong use or not allowed, 3 the environment");
+  command->add_option("world", options->world, "the world's name, as peerd ls says")->required();
+  command->add_option("--begin", options->begin,
+                      "begin a roster, in place of a key that all share, with this user under that name as its "
+                      "administrator");
+  command->add_option("--add", options->add, "NAME=KEY: a new member, with what peerd keygen has printed there")
+      ->allow_extra_args(false);
+  command->add_option("--role", options->role,
+                      "of those that are added: observer (looks), editor or administrator (default: editor)");
+  command
+      ->add_option("--remove", options->remove,
+                   "a member that is none from now on: it reads nothing that is sent after the others know it")
+      ->allow_extra_args(false);
+  command->add_option("--roster", options->roster, "the roster's file (default: this user's own of the world)");
+  command->add_option("--identity", options->identity, "the file of who this user is (default: this user's own)");
+  command->add_flag("--json", options->json, "one JSON object");
+  return {command, [options] { return run_members(*options, std::cout); }};
+}
+
+Command add_ls(CLI::App& app) {
+  struct Flags {
+    LsOptions ls;
+    AskFlags ask;
+  };
+  const auto flags = std::make_shared<Flags>();
+  CLI::App* const command = app.add_subcommand("ls", "which worlds and peers there are in this network");
+  command->footer("Exit codes: 0 good, also where there are none, 2 wrong use, 3 the environment");
+  add_ask_options(*command, flags->ask);
+  command->add_option("--seconds", flags->ls.seconds, "how long it asks (default: 1)")
+      ->transform(number_in(kAskedSeconds));
+  command->add_flag("--json", flags->ls.json, "one JSON object");
+  return {command, [flags] {
+            flags->ls.transport = flags->ask.transport();
+            return run_ls(flags->ls, std::cout);
+          }};
+}
+
+Command add_doctor(CLI::App& app) {
+  struct Flags {
+    DoctorOptions doctor;
+    RunFlags network;
+  };
+  const auto flags = std::make_shared<Flags>();
+  CLI::App* const command = app.add_subcommand("doctor", "whether a peer could reach others from here, and how");
+  command->footer(
+      "Exit codes: 0 a peer could reach others, 1 those on this computer only, or something will hurt, 2 wrong use or "
+      "configuration, 3 none");
+  command->add_option("-c,--config", flags->doctor.config, "a scenario file, of which the table [transport] counts")
+      ->transform(installed().scenario());
+  command->add_option("--set", flags->doctor.sets, "KEY=VALUE over it, such as transport.ttl=4 (repeatable)")
+      ->allow_extra_args(false);
+  add_network_options(*command, flags->network);
+  command->add_flag("--json", flags->doctor.json, "one JSON object");
+  return {command, [flags] {
+            auto sets = network_settings(flags->network);
+            sets.insert(sets.end(), flags->doctor.sets.begin(), flags->doctor.sets.end());
+            flags->doctor.sets = std::move(sets);
+            return run_doctor(flags->doctor);
+          }};
+}
+
+Command add_store(CLI::App& app) {
+  struct Flags {
+    StoreCheckOptions check;
+    StoreExportOptions written;
+  };
+  const auto flags = std::make_shared<Flags>();
+  CLI::App* const command = app.add_subcommand("store", "what a peer's store of edits holds (peerd run --store)");
+  command->require_subcommand(1);
+  command->footer(exit_codes("it is damaged"));
+  CLI::App* const check = command->add_subcommand("check", "read all of it: is it whole, and what has it of whom?");
+  check->footer(exit_codes("it is damaged"));
+  check->add_option("folder", flags->check.folder, "the folder of peerd run --store")->required();
+  check->add_flag("--json", flags->check.json, "one JSON object");
+  CLI::App* const written = command->add_subcommand("export", "the world as all edits have made it, as VRML");
+  written->footer(exit_codes("it is damaged, or the world has errors"));
+  written->add_option("folder", flags->written.folder, "the folder of peerd run --store")->required();
+  written->add_option("--world", flags->written.world,
+                      "the VRML97 world that it began with (default: what the store keeps of it)");
+  written->add_option("--out", flags->written.file, "the file to write (default: standard output)");
+  return {command, [flags, check] {
+            return *check ? run_store_check(flags->check, std::cout) : run_store_export(flags->written, std::cout);
+          }};
+}
+
+}  // namespace peerd

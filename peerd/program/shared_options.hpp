@@ -1,0 +1,35 @@
+#pragma once
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "peerd/config/peer_settings.hpp"
+#include "peerd/peer/peer_options.hpp"
+#include "peerd/peer/run_flags.hpp"
+
+namespace peerd {
+
+// The network of a peer. The defaults are those of config::TransportSettings.
+void add_network_options(CLI::App& command, RunFlags& flags);
+
+// The options of a peer that no configuration describes, and of all others. `described` says of which peers --name is.
+void add_own_options(CLI::App& command, PeerOptions& peer, RunFlags& flags, const std::string& described);
+
+// The store of a peer; `by_default` says which it is without them.
+void add_store_options(CLI::App& command, StoreOptions& store, const std::string& by_default);
+
+// The network that `peerd ls` and `peerd join` ask.
+struct AskFlags {
+  std::string interface;
+  bool ipv6 = false;
+
+  [[nodiscard]] config::TransportSettings transport() const {
+    config::TransportSettings settings;
+    settings.interface = interface;
+    if (ipv6) settings.group = "ff15::50:0";  // of which the family counts
+    return settings;
+  }
+};
+void add_ask_options(CLI::App& command, AskFlags& flags);
+
+}  // namespace peerd
