@@ -95,7 +95,8 @@ PYBIND11_MODULE(_peerd, module) {
       .value("MESSAGE", PEERD_MESSAGE)
       .value("DATA", PEERD_DATA)
       .value("EDIT", PEERD_EDIT)
-      .value("EVENTS_LOST", PEERD_EVENTS_LOST);
+      .value("EVENTS_LOST", PEERD_EVENTS_LOST)
+      .value("CONTACT_OVERRULED", PEERD_CONTACT_OVERRULED);
   py::class_<Pose>(module, "Pose")
       .def_readonly("position", &Pose::position)
       .def_readonly("orientation", &Pose::orientation);
@@ -109,6 +110,8 @@ PYBIND11_MODULE(_peerd, module) {
       .def_readonly("other_pose", &Event::other_pose)
       .def_readonly("velocity_before", &Event::velocity_before)
       .def_readonly("velocity_after", &Event::velocity_after)
+      .def_readonly("other_velocity_before", &Event::other_velocity_before)
+      .def_readonly("other_velocity_after", &Event::other_velocity_after)
       .def_readonly("normal", &Event::normal)
       .def_readonly("operation", &Event::operation)
       .def_readonly("name", &Event::name)

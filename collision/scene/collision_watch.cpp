@@ -14,14 +14,17 @@ constexpr std::uint32_t kNoObject = ~0u;
 
 }  // namespace
 
-CollisionWatch::CollisionWatch(const Scene& scene, HierarchyLoader load_hierarchy, const CoherenceOptions& options)
+CollisionWatch::CollisionWatch(const Scene& scene, HierarchyLoader load_hierarchy, const CoherenceOptions& options,
+                               const WatchEngine& engine)
     : scene_(scene),
       query_(scene, std::move(load_hierarchy)),
       coherence_(options.witnesses),
-      broad_(make_broad_phase()),
+      broad_(make_broad_phase(engine.broad_phase)),
       object_of_(scene.instances.size(), kNoObject),
       pending_transforms_(scene.transforms),
-      options_(options) {
+      options_(engine.narrow_phase == nullptr ? options : CoherenceOptions{false, false}),
+      has_narrow_phase_(engine.narrow_phase != nullptr) {
+  query_.set_narrow_phase(engine.narrow_phase);
   for (const CollisionInterest& interest : scene.interests) {
     for (const ObjectId collidee : interest.collidees) {
       assert(collidee != interest.collider);
@@ -277,6 +280,10 @@ bool CollisionWatch::boxes_collide(std::uint32_t interest) {
 // All close pairs are visited for kAllPairs, since one may be refused; but pairs are tested only until two touch.
 bool CollisionWatch::shapes_collide(std::uint32_t interest, NearPair& near) {
   const auto& [collider, collidee, type] = interests_[interest];
+  if (has_narrow_phase_) {
+    const auto found = query_.collide(collider, collidee, type);
+    return found ? found->colliding : refuse(interest, found.error());
+  }
   bool touching = false;
   const bool all = type == CollisionType::kAllPairs;
   const auto visit = [&](const SceneQuery::ClosePair& close) {

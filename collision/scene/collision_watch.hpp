@@ -27,6 +27,12 @@ struct CoherenceOptions {
   bool gaps = true;       // a certified gap: nothing is tested until the objects may have closed it
 };
 
+// Another way to find collisions than ours. With a narrow phase of its own nothing is kept from tick to tick.
+struct WatchEngine {
+  NarrowPhase* narrow_phase = nullptr;  // null: ours; it outlives the watch
+  BroadPhaseMethod broad_phase = BroadPhaseMethod::kInterestLists;
+};
+
 // Work done since the beginning.
 struct CollisionWatchCounters {
   std::uint64_t ticks = 0;
@@ -53,8 +59,8 @@ struct CollisionWatchCounters {
 // nothing moved costs nothing. Memory grows with the pairs of objects that are, or lately were, near. Not thread-safe.
 class CollisionWatch {
  public:
-  explicit CollisionWatch(const Scene& scene, HierarchyLoader load_hierarchy = {},
-                          const CoherenceOptions& options = {});
+  explicit CollisionWatch(const Scene& scene, HierarchyLoader load_hierarchy = {}, const CoherenceOptions& options = {},
+                          const WatchEngine& engine = {});
 
   // All interests, in file order; an interest is named by its index in this list.
   [[nodiscard]] std::span<const WatchedInterest> interests() const { return interests_; }
@@ -149,6 +155,7 @@ class CollisionWatch {
   CollisionChanges changes_;
   std::uint64_t tick_ = 0;
   CoherenceOptions options_;
+  bool has_narrow_phase_;
   CollisionWatchCounters counters_;
 };
 

@@ -9,6 +9,13 @@
 
 namespace peerd::collision {
 
+namespace {
+
+NumberedSoup soup_of_a(const ClosePair& close) { return {close.version_a, &close.tree_a->soup()}; }
+NumberedSoup soup_of_b(const ClosePair& close) { return {close.version_b, &close.tree_b->soup()}; }
+
+}  // namespace
+
 SceneCollide::SceneCollide(const Scene& scene, ShapePlacement& placement, ShapeBoxes& boxes)
     : scene_(scene), placement_(placement), boxes_(boxes) {}
 
@@ -92,6 +99,14 @@ std::expected<Collision, std::string> SceneCollide::collide(ObjectId collider, O
     found.colliding = overlap(*a, *b);
     return found;
   }
+  const auto find_pair = [&](const ClosePair& close, PolygonPair& pair) {
+    if (narrow_phase_ == nullptr) return query_.find_pair(*close.tree_a, *close.tree_b, close.a_from_b, pair);
+    return narrow_phase_->find_pair(soup_of_a(close), soup_of_b(close), close.a_from_b, pair);
+  };
+  const auto all_pairs = [&](const ClosePair& close) {
+    if (narrow_phase_ == nullptr) return query_.all_pairs(*close.tree_a, *close.tree_b, close.a_from_b);
+    return narrow_phase_->all_pairs(soup_of_a(close), soup_of_b(close), close.a_from_b);
+  };
   const auto searched = visit_close_pairs(collider, collidee, [&](const ClosePair& close) {
     const auto report = [&](const PolygonPair& pair) {
       const ShapePolygon of_a{scene_.id_of(close.a), pair.a}, of_b{scene_.id_of(close.b), pair.b};
@@ -99,10 +114,10 @@ std::expected<Collision, std::string> SceneCollide::collide(ObjectId collider, O
     };
     if (type == CollisionType::kWitness) {
       PolygonPair pair{};
-      if (query_.find_pair(*close.tree_a, *close.tree_b, close.a_from_b, pair)) report(pair);
+      if (find_pair(close, pair)) report(pair);
       return !found.pairs.empty();
     }
-    for (const PolygonPair& pair : query_.all_pairs(*close.tree_a, *close.tree_b, close.a_from_b)) report(pair);
+    for (const PolygonPair& pair : all_pairs(close)) report(pair);
     return false;
   });
   if (!searched) return std::unexpected(searched.error());

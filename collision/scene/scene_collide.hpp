@@ -7,6 +7,7 @@
 
 #include "collision/exact/relative_motion.hpp"
 #include "collision/query/wide_query.hpp"
+#include "collision/scene/narrow_phase.hpp"
 #include "collision/scene/shape_boxes.hpp"
 #include "collision/scene/shape_placement.hpp"
 #include "core/shape_polygon.hpp"
@@ -45,7 +46,12 @@ class SceneCollide {
                                                                    const std::function<bool(const ClosePair&)>& visit);
   [[nodiscard]] bool separated_by(ObjectId a, ObjectId b, double gap_m);
 
-  [[nodiscard]] const QueryCounters& counters() const { return query_.counters(); }
+  // Lets `narrow_phase` answer about pairs of Shapes in place of the wide trees; null: those. It outlives this object.
+  void set_narrow_phase(NarrowPhase* narrow_phase) { narrow_phase_ = narrow_phase; }
+
+  [[nodiscard]] const QueryCounters& counters() const {
+    return narrow_phase_ != nullptr ? narrow_phase_->counters() : query_.counters();
+  }
 
  private:
   struct Search;
@@ -54,6 +60,7 @@ class SceneCollide {
   ShapePlacement& placement_;
   ShapeBoxes& boxes_;
   WideQuery query_;
+  NarrowPhase* narrow_phase_ = nullptr;
 };
 
 }  // namespace peerd::collision

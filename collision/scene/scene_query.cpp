@@ -40,6 +40,8 @@ SceneQuery::~SceneQuery() = default;
 
 void SceneQuery::set_box_bound(BoxBound bound) { parts_->boxes.set_box_bound(bound); }
 
+void SceneQuery::set_narrow_phase(NarrowPhase* narrow_phase) { parts_->collide.set_narrow_phase(narrow_phase); }
+
 bool SceneQuery::move(std::uint32_t transform, const TransformFields& fields) {
   return parts_->placement.move(transform, fields);
 }

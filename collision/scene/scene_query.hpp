@@ -57,6 +57,10 @@ class SceneQuery {
   // Sets what kBox compares from now on.
   void set_box_bound(BoxBound bound);
 
+  // Lets another way answer about pairs of Shapes from now on (collision/baselines); null: ours. It outlives this
+  // object.
+  void set_narrow_phase(NarrowPhase* narrow_phase);
+
   // Sets where a Transform is from now on, by its index in Scene::transforms; before, it is where the file puts it. The
   // cost is that of the subtree below it, when a question comes to that. What is built stays, but for scaled geometries
   // that no Shape has any more. False, and nothing is done, where the Transform is there already.

@@ -11,6 +11,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
+#include "collision/baselines/engine.hpp"
 #include "collision/scene/collision_watch.hpp"
 #include "collision/scene/scene_query.hpp"
 #include "core/motion/scene_motion.hpp"
@@ -22,6 +23,7 @@ namespace peerd {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using collision::baselines::Engine;
 
 collision::BoxBound box_bound(const CollideOptions& options) {
   return options.realigned_boxes ? collision::BoxBound::kRealigned : collision::BoxBound::kVertices;
@@ -195,6 +197,7 @@ Json to_json(const std::string& path, const CollideOptions& options, Watched& wa
                {"counters", std::move(counted)},
                {"micros", micros},
                {"warnings", warnings}};
+  if (options.engine != CollideOptions{}.engine) json["engine"] = options.engine;
   if (watched.interrupted) json["partial"] = true;
   return json;
 }
@@ -223,14 +226,19 @@ Result<Watched> watch_ticks(const std::string& path, const Scene& scene, const C
   return watched;
 }
 
-int watch_collisions(const std::string& path, const Scene& scene, const CollideOptions& options, std::ostream& out,
-                     std::ostream& err) {
+// A world's hierarchyFiles are those of our trees.
+collision::HierarchyLoader loader_for(const std::string& path, const Engine& engine) {
+  return engine.narrow_phase == nullptr ? config::mapped_hierarchies(path) : collision::HierarchyLoader{};
+}
+
+int watch_collisions(const std::string& path, const Scene& scene, const CollideOptions& options, const Engine& engine,
+                     std::ostream& out, std::ostream& err) {
   std::ostream* const json = options.json ? &out : nullptr;
   if (const auto error = why_no_ticks(options)) return print_error(*error, err, json);
   const std::vector<std::string> warnings = warnings_about(scene);
   for (const std::string& warning : warnings) err << path << ": warning: " << warning << '\n';
   const auto start = std::chrono::steady_clock::now();
-  collision::CollisionWatch watch(scene, config::mapped_hierarchies(path));
+  collision::CollisionWatch watch(scene, loader_for(path, engine), {}, {engine.narrow_phase.get(), engine.broad_phase});
   watch.set_box_bound(box_bound(options));
   auto watched = watch_ticks(path, scene, options, watch, out);
   if (!watched) return print_error(watched.error(), err, json);
@@ -258,14 +266,30 @@ int watch_collisions(const std::string& path, const Scene& scene, const CollideO
 
 }  // namespace
 
+int list_engines(bool json, std::ostream& out) {
+  Json list = Json::array();
+  for (const auto& [name, is_exact, reference, about] : collision::baselines::engines()) {
+    list.push_back({{"name", name}, {"exact", is_exact}, {"reference", reference}, {"about", about}});
+    if (!json) out << fmt::format("{:<12} {} ({}; {})\n", name, about, is_exact ? "exact" : "approximate", reference);
+  }
+  if (json) out << list.dump(2) << '\n';
+  return 0;
+}
+
 int run_collide(const std::string& path, const CollideOptions& options, std::ostream& out, std::ostream& err) {
   std::ostream* const json_errors = options.json ? &out : nullptr;
   const auto file = open_world(path, options.reading, err, json_errors);
   if (!file) return file.error();
   const Scene& scene = *(*file)->result.scene;
-  if (options.until_s) return watch_collisions(path, scene, options, out, err);
+  const auto engine = collision::baselines::make_engine(options.engine);
+  if (!engine) return print_error({"error: --engine: " + engine.error()}, err, json_errors);
+  if (!engine->description.is_exact) {
+    err << path << ": warning: the engine " << engine->description.name << " is not exact: near is taken for a touch\n";
+  }
+  if (options.until_s) return watch_collisions(path, scene, options, *engine, out, err);
   const auto start = std::chrono::steady_clock::now();
-  collision::SceneQuery query(scene, config::mapped_hierarchies(path));
+  collision::SceneQuery query(scene, loader_for(path, *engine));
+  query.set_narrow_phase(engine->narrow_phase.get());
   query.set_box_bound(box_bound(options));
   SceneMotion motion(scene);
   go_to(query, motion, options.at_s);
@@ -283,11 +307,12 @@ int run_collide(const std::string& path, const CollideOptions& options, std::ost
   if (options.json) {
     Json interests = Json::array();
     for (const Answer& answer : answers) interests.push_back(to_json(scene, answer));
-    const Json json = {{"world", path},
-                       {"time_s", options.at_s},
-                       {"interests", std::move(interests)},
-                       {"counters", to_json(counters)},
-                       {"micros", micros.count()}};
+    Json json = {{"world", path},
+                 {"time_s", options.at_s},
+                 {"interests", std::move(interests)},
+                 {"counters", to_json(counters)},
+                 {"micros", micros.count()}};
+    if (options.engine != CollideOptions{}.engine) json["engine"] = options.engine;
     out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
     return 0;
   }

@@ -39,6 +39,7 @@ inline constexpr int kInterrupted = 130;
 //                   their boxes are apart; neither moved; neither has gone as far as they were apart), pairs_asked,
 //                   pairs_witnessed (of Shapes: still touching where they did), pairs_tested
 //   micros          as above; evaluating the motion counts, too
+//   engine          the words of another engine than ours, where one was chosen; also without `until_s`
 //   warnings        [sentence]: what the movement leaves out
 //   partial         only if interrupted: true. `ticks` says how far it has come
 struct CollideOptions {
@@ -50,7 +51,11 @@ struct CollideOptions {
   std::function<bool()> interrupted{};  // asked before each tick: whether to stop with what there is; none: never
   std::ostream* progress = nullptr;     // a terminal that shows how far it has come; null: none
   bool realigned_boxes = false;         // type box by the thesis's larger boxes: collision::BoxBound
+  std::string engine = "ours";          // collision::baselines::make_engine(); another one is named in the answer
 };
+// `peerd collide --engines` prints the engines that there are; with `json` [{name, exact, reference, about}].
+[[nodiscard]] int list_engines(bool json, std::ostream& out);
+
 [[nodiscard]] int run_collide(const std::string& path, const CollideOptions& options, std::ostream& out,
                               std::ostream& err);
 

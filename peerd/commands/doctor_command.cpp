@@ -1,5 +1,6 @@
 #include "peerd/commands/doctor_command.hpp"
 
+#include <algorithm>
 #include <iostream>
 #include <optional>
 
@@ -10,6 +11,8 @@
 #include "peerd/commands/print.hpp"
 #include "peerd/commands/problems.hpp"
 #include "peerd/config/renamed_keys.hpp"
+#include "peerd/discovery/discovery.hpp"
+#include "peerd/doctor/host_findings.hpp"
 #include "peerd/input/printable.hpp"
 #include "peerd/os/host_clock.hpp"
 #include "peerd/transport/multicast_probe.hpp"
@@ -61,81 +64,116 @@ Result<config::TransportSettings> read_settings(const DoctorOptions& options) {
   return settings;
 }
 
-constexpr int kFinding = 1;
-
-// How peers of several computers meet without multicast. Each lists the others.
-constexpr std::string_view kUnicastRecipe =
-    "name the interface (--interface NAME), or list the other computers' peers by HOST:PORT: "
-    "--set 'transport.peers=[\"192.0.2.7:47474\"]'";
-
 // The results of trying what a peer with these settings would do.
-struct Findings {
+struct Tried {
   std::optional<std::expected<net::ProbeResult, net::NetError>> probe;  // none: multicast is switched off
   std::string transport;  // transport that a peer would use, in words; empty: it could not run
   std::string kind;       // "multicast", "unicast" or empty
   std::string problem;    // reason why it could not run
-  std::string only_here;  // reason why it would reach no other computer; empty: it may
+  int problem_exit_code = 0;
   int receive_buffer_bytes = 0;
-  int exit_code = 0;
+
+  [[nodiscard]] bool multicast_works() const { return probe && *probe; }
+  void fail(const net::NetError& error) {
+    problem = error.sentence;
+    problem_exit_code = input_error(error).exit_code;
+  }
 };
 
-Findings examine(const net::TransportOptions& options) {
-  Findings f;
-  const net::HostClock clock;
+Tried try_transport(const net::HostClock& clock, const net::TransportOptions& options) {
+  Tried t;
   boost::asio::io_context io(1);
-  if (options.use != net::MulticastUse::kNever) f.probe = net::probe_multicast(clock, options.multicast);
-  if (f.probe && !*f.probe && options.use == net::MulticastUse::kAlways) {
-    f.problem = f.probe->error().sentence;
-    f.exit_code = input_error(f.probe->error()).exit_code;
-    return f;
+  if (options.use != net::MulticastUse::kNever) t.probe = net::probe_multicast(clock, options.multicast);
+  if (t.probe && !*t.probe && options.use == net::MulticastUse::kAlways) {
+    t.fail(t.probe->error());
+    return t;
   }
   const auto opened = net::open_transport(io, clock, options);
   if (!opened) {
-    f.problem = opened.error().sentence;
-    f.exit_code = input_error(opened.error()).exit_code;
-    return f;
+    t.fail(opened.error());
+    return t;
   }
-  f.transport = opened->transport->describe();
-  f.kind = opened->why_unicast.empty() ? "multicast" : "unicast";
-  f.receive_buffer_bytes = opened->transport->receive_buffer_bytes();
-  f.only_here = opened->why_only_here;
-  if (!f.only_here.empty()) f.exit_code = kFinding;
-  return f;
+  t.transport = opened->transport->describe();
+  t.kind = opened->unicast() ? "unicast" : "multicast";
+  t.receive_buffer_bytes = opened->transport->receive_buffer_bytes();
+  return t;
 }
 
-ordered_json as_json(const Findings& f, const config::TransportSettings& settings) {
-  ordered_json multicast = {{"tried", f.probe.has_value()}, {"works", f.probe && *f.probe}};
+doctor::Examined examined(const Tried& tried, const net::TransportOptions& options,
+                          const config::TransportSettings& settings) {
+  using Transport = doctor::Examined::Transport;
+  const net::GroupPlan& groups = options.multicast.groups;
+  doctor::Examined e{.ipv6 = groups.base.is_v6(),
+                     .ttl = options.multicast.ttl,
+                     .port = groups.port,
+                     .snapshot_port = settings.snapshot_port};
+  if (settings.discoverable) e.discovery_port = discovery::group_for(groups.base).port;
+  e.problem = tried.problem;
+  if (!tried.kind.empty()) e.transport = tried.kind == "multicast" ? Transport::kMulticast : Transport::kUnicast;
+  if (tried.multicast_works()) {
+    e.interface = (*tried.probe)->over.interface.name;
+    e.why_interface = (*tried.probe)->over.why;
+  }
+  return e;
+}
+
+// The facts of this computer; routes where a peer would use unicast.
+std::expected<doctor::HostFacts, net::NetError> facts_of(const net::HostClock& clock, const Tried& tried,
+                                                         const net::TransportOptions& options) {
+  std::vector<doctor::NamedPeer> peers;
+  if (tried.kind == "unicast") {
+    const auto family = options.multicast.groups.base.is_v4() ? net::IpFamily::kV4 : net::IpFamily::kV6;
+    const auto addresses = net::resolve_peers(options.peers, family);
+    if (!addresses) return std::unexpected(addresses.error());
+    for (std::size_t i = 0; i < addresses->size(); ++i) peers.push_back({options.peers[i], (*addresses)[i]});
+  }
+  return doctor::read_host_facts(clock, peers);
+}
+
+// Whether a peer would run, and reach this computer only.
+bool only_here(const Tried& tried, const std::vector<doctor::Finding>& findings) {
+  return !tried.kind.empty() && std::ranges::any_of(findings, [](const doctor::Finding& f) {
+    return f.name == "reach" && f.level == doctor::Level::kWarning;
+  });
+}
+
+ordered_json as_json(const Tried& t, const config::TransportSettings& settings,
+                     const std::vector<doctor::Finding>& findings) {
+  ordered_json multicast = {{"tried", t.probe.has_value()}, {"works", t.multicast_works()}};
   ordered_json interface = nullptr, memberships = nullptr;
-  if (f.probe && *f.probe) {
-    const net::ProbeResult& p = **f.probe;
+  if (t.multicast_works()) {
+    const net::ProbeResult& p = **t.probe;
     interface = {{"name", p.over.interface.name}, {"why", p.over.why}};
     multicast["took_us"] = to_seconds(p.took) * 1e6;
     multicast["kernel_stamps"] = p.stamped;
     if (p.memberships_max) memberships = *p.memberships_max;
-  } else if (f.probe) {
-    multicast["problem"] = f.probe->error().sentence;
+  } else if (t.probe) {
+    multicast["problem"] = t.probe->error().sentence;
   }
+  const bool here = only_here(t, findings);
   ordered_json all = {
       {"interface", interface},
       {"multicast", multicast},
       {"memberships_of_a_socket", memberships},
-      {"receive_buffer_bytes", {{"asked", settings.receive_buffer_bytes}, {"granted", f.receive_buffer_bytes}}},
-      {"unicast_needed", !(f.probe && *f.probe) || !f.only_here.empty()},
-      {"only_this_computer", !f.only_here.empty()},
+      {"receive_buffer_bytes", {{"asked", settings.receive_buffer_bytes}, {"granted", t.receive_buffer_bytes}}},
+      {"unicast_needed", !t.multicast_works() || here},
+      {"only_this_computer", here},
       {"unicast_peers", settings.peers},
-      {"transport", f.kind.empty() ? ordered_json(nullptr) : ordered_json(f.kind)}};
-  if (!f.problem.empty()) all["problem"] = f.problem;
+      {"transport", t.kind.empty() ? ordered_json(nullptr) : ordered_json(t.kind)},
+      {"findings", doctor::as_json(findings)}};
+  if (!t.problem.empty()) all["problem"] = t.problem;
   return all;
 }
 
-std::string as_text(const Findings& f, const config::TransportSettings& settings) {
+std::string as_text(const Tried& t, const config::TransportSettings& settings,
+                    const std::vector<doctor::Finding>& findings) {
   std::string text;
   const auto line = [&](std::string_view what, const std::string& found) {
     text += fmt::format("{:<16}{}\n", what, found);
   };
-  const bool works = f.probe && *f.probe;
+  const bool works = t.multicast_works();
   if (works) {
-    const net::ProbeResult& p = **f.probe;
+    const net::ProbeResult& p = **t.probe;
     line("interface", p.over.why);
     line("multicast", fmt::format("works on this computer: heard after {:.0f} us, {}stamped by the kernel",
                                   to_seconds(p.took) * 1e6, p.stamped ? "" : "not "));
@@ -144,20 +182,18 @@ std::string as_text(const Findings& f, const config::TransportSettings& settings
                        : "as many for each socket as its memory holds; more sockets are opened for more");
   } else {
     line("multicast",
-         f.probe ? "doesn't work: " + f.probe->error().sentence : "not tried: transport.multicast says so");
+         t.probe ? "doesn't work: " + t.probe->error().sentence : "not tried: transport.multicast says so");
   }
-  if (!f.kind.empty()) {
-    const std::string less = buffer_warning(settings, f.receive_buffer_bytes);
-    line("receive buffer", less.empty() ? fmt::format("{} bytes, as asked", f.receive_buffer_bytes) : less);
+  if (!t.kind.empty()) {
+    const std::string less = buffer_warning(settings, t.receive_buffer_bytes);
+    line("receive buffer", less.empty() ? fmt::format("{} bytes, as asked", t.receive_buffer_bytes) : less);
   }
-  const std::string configured = counted(settings.peers.size(), "peer");
-  if (!f.only_here.empty()) {
-    line("warning", "peers on other computers will not be heard: " + f.only_here);
-    line("unicast", fmt::format("needed for other computers: {}", kUnicastRecipe));
-  } else {
-    line("unicast", works ? "not needed" : fmt::format("needed; {} configured (transport.peers)", configured));
-  }
-  line("a peer", f.problem.empty() ? "would run: " + f.transport : "could not run: " + f.problem);
+  const std::string needed = works ? "needed for other computers" : "needed";
+  line("unicast", works && !only_here(t, findings) ? "not needed"
+                                                   : fmt::format("{}; {} configured (transport.peers)", needed,
+                                                                 counted(settings.peers.size(), "peer")));
+  text += doctor::as_text(findings);
+  if (t.problem.empty()) line("a peer", "would run: " + t.transport);
   return text;
 }
 
@@ -168,13 +204,18 @@ int run_doctor(const DoctorOptions& options) {
   if (!settings) return failed(settings.error());
   const auto reach = transport_options(*settings, random_key());
   if (!reach) return failed(reach.error());
-  const Findings found = examine(*reach);
+  const net::HostClock clock;
+  const Tried tried = try_transport(clock, *reach);
+  const auto facts = facts_of(clock, tried, *reach);
+  if (!facts) return failed(input_error(facts.error()));
+  const auto findings = doctor::host_findings(*facts, examined(tried, *reach, *settings));
   if (options.json) {
-    std::cout << as_json(found, *settings).dump(2, ' ', false, ordered_json::error_handler_t::replace) << '\n';
+    const ordered_json all = as_json(tried, *settings, findings);
+    std::cout << all.dump(2, ' ', false, ordered_json::error_handler_t::replace) << '\n';
   } else {
-    std::cout << as_text(found, *settings);
+    std::cout << as_text(tried, *settings, findings);
   }
-  return found.exit_code;
+  return tried.problem.empty() ? doctor::exit_code_of(findings) : tried.problem_exit_code;
 }
 
 }  // namespace peerd

@@ -11,11 +11,12 @@ struct DoctorOptions {
   bool json = false;
 };
 
-// `peerd doctor`: tries whether a peer could reach others from here, and how. Returns 3 when it could not, and 1 when
-// it would reach this computer only, although no configuration says so. As JSON: interface {name, why} (null: none),
-// multicast {tried, works, took_us, kernel_stamps | problem}, memberships_of_a_socket (null: not limited by number),
-// receive_buffer_bytes {asked, granted}, unicast_needed, only_this_computer, unicast_peers, transport ("multicast",
-// "unicast", null), problem.
+// `peerd doctor`: tries whether a peer could reach others from here, and how. Returns 0 when it could reach other
+// computers by what was seen, 1 when it would reach this computer only or something will hurt, and 3 when it could not
+// run. As JSON: interface {name, why} (null: none), multicast {tried, works, took_us, kernel_stamps | problem},
+// memberships_of_a_socket (null: not limited by number), receive_buffer_bytes {asked, granted}, unicast_needed,
+// only_this_computer, unicast_peers, transport ("multicast", "unicast", null), findings [{name, level, sentence,
+// advice}] (peerd/doctor), problem.
 [[nodiscard]] int run_doctor(const DoctorOptions& options);
 
 }  // namespace peerd

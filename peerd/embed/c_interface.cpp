@@ -153,7 +153,9 @@ peerd_peer* peerd_open(const peerd_options* options, char* error, size_t size) {
 
 void peerd_close(peerd_peer* peer) { delete reinterpret_cast<EmbeddedPeer*>(peer); }
 
-const char* peerd_error(peerd_peer* peer) { return peer_of(peer).error.c_str(); }
+const char* peerd_error(peerd_peer* peer) {
+  return with(peer, "", [](EmbeddedPeer& held) { return held.error.c_str(); });
+}
 
 int peerd_poll(peerd_peer* handle, double at_most_s) {
   return with(handle, 0, [&](EmbeddedPeer& peer) {
@@ -172,7 +174,7 @@ int peerd_start(peerd_peer* peer) {
 }
 
 void peerd_hold(peerd_peer* peer) { peer_of(peer).hold(); }
-void peerd_release(peerd_peer* peer) { peer_of(peer).release(); }
+void peerd_unhold(peerd_peer* peer) { peer_of(peer).release(); }
 
 void peerd_leave(peerd_peer* peer) {
   with(peer, 0, [](EmbeddedPeer& held) {
@@ -265,7 +267,7 @@ int peerd_take(peerd_peer* peer, peerd_object object) {
       peer, [&](EmbeddedPeer& held) { return about(held, "grab", object); }, nullptr);
 }
 
-int peerd_release_object(peerd_peer* peer, peerd_object object) {
+int peerd_release(peerd_peer* peer, peerd_object object) {
   return edited(
       peer, [&](EmbeddedPeer& held) { return about(held, "release", object); }, nullptr);
 }

@@ -51,7 +51,15 @@ struct EventOf {
     event.other_pose = pose_of(contact.collidee_before.pose());
     put(contact.collider_before.velocity, event.velocity_before);
     put(contact.collider_after.velocity, event.velocity_after);
+    put(contact.collidee_before.velocity, event.other_velocity_before);
+    put(contact.collidee_after.velocity, event.other_velocity_after);
     put(contact.normal, event.normal);
+    return stored;
+  }
+  Event operator()(const replication::Overruled& overruled) const {
+    StoredEvent stored = event_of(PEERD_CONTACT_OVERRULED, overruled.contact);
+    stored.event.object = overruled.collider.packed();
+    stored.event.other = overruled.collidee.packed();
     return stored;
   }
   Event operator()(const replication::ObjectGiven& given) const {

@@ -87,7 +87,8 @@ Command add_doctor(CLI::App& app) {
   const auto flags = std::make_shared<Flags>();
   CLI::App* const command = app.add_subcommand("doctor", "whether a peer could reach others from here, and how");
   command->footer(
-      "Exit codes: 0 a peer could reach others, 1 those on this computer only, 2 wrong use or configuration, 3 none");
+      "Exit codes: 0 a peer could reach others, 1 those on this computer only, or something will hurt, 2 wrong use or "
+      "configuration, 3 none");
   command->add_option("-c,--config", flags->doctor.config, "a scenario file, of which the table [transport] counts")
       ->transform(installed().scenario());
   command->add_option("--set", flags->doctor.sets, "KEY=VALUE over it, such as transport.ttl=4 (repeatable)")

@@ -86,8 +86,15 @@ Command add_collide(CLI::App& app) {
       ->transform(number_in(kTicksPerSecond));
   command->add_flag("--realigned-boxes", options.realigned_boxes,
                     "type box by the thesis's larger boxes, which no vertex is read for");
-  return {command, [flags] {
+  command->add_option("--engine", options.engine,
+                      "the way to find collisions, NAME[,option=value..], such as kdop,k=14 (default: ours)");
+  const auto lists = std::make_shared<bool>(false);
+  command->add_flag("--engines", *lists, "lists these ways, and asks nothing of a world");
+  command->get_option("world")->required(false);
+  return {command, [flags, lists] {
             CollideOptions& asked = flags->options;
+            if (*lists) return list_engines(asked.json, std::cout);
+            if (flags->world.empty()) return failed({"error: world is required; see peerd collide --help", kWrongUse});
             if (!asked.until_s) return run_collide(flags->world, asked, std::cout, std::cerr);
             const std::string nothing = "stopped at once: no result is complete";
             StopSignals signals(nothing);

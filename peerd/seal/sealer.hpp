@@ -14,12 +14,12 @@
 #include "core/time.hpp"
 #include "peerd/keys/identity.hpp"
 #include "peerd/keys/symmetric_key.hpp"
+#include "peerd/os/token_bucket.hpp"
 #include "peerd/seal/announcement.hpp"
 #include "peerd/seal/checkpoint.hpp"
 #include "peerd/seal/first_heard.hpp"
 #include "peerd/seal/refusal.hpp"
 #include "peerd/seal/replay_window.hpp"
-#include "peerd/os/token_bucket.hpp"
 
 namespace peerd::seal {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/time.hpp"
-#include "peerd/transport/sip_hash.hpp"
 #include "peerd/os/token_bucket.hpp"
+#include "peerd/transport/sip_hash.hpp"
 
 namespace peerd::net {
 

@@ -330,4 +330,46 @@ TEST(Collide, ATerminalShowsHowFarItIs) {
   EXPECT_TRUE(terminal.str().ends_with("\r\033[K")) << "the line is gone in the end";
 }
 
+// A tilted plate that turns through a ball's box and, later, the ball.
+constexpr std::string_view kTurning = R"(
+    DEF A Transform { rotation 0 0 1 0.8 children Shape { geometry Box { size 4 0.2 0.2 } } }
+    DEF B Transform { translation 1.3 -0.4 0 children Shape { geometry Sphere { radius 0.5 } } }
+    DEF T TimeSensor { cycleInterval 4 loop TRUE startTime 0 }
+    DEF R OrientationInterpolator { key [ 0 0.5 1 ] keyValue [ 0 0 1 0.8, 0 0 1 -0.9, 0 0 1 0.8 ] }
+    ROUTE T.fraction_changed TO R.set_fraction
+    ROUTE R.value_changed TO A.set_rotation
+    CollisionInterest { objectPath "A" interests "B" collisionType 1 })";
+
+TEST(Collide, ExactEnginesSayTheSameAndSpheresMore) {
+  const ScratchFolder folder;
+  const auto turning = folder.write("turning.wrl", std::string(kHeader) + std::string(kTurning));
+  const auto events_of = [](const std::filesystem::path& of, const std::string& engine) {
+    const Outcome outcome = watch(of, {.json = true, .until_s = 9.0, .hz = 20.0, .engine = engine});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(outcome.json().contains("engine"), engine != "ours");
+    return outcome.json()["events"];
+  };
+  const Json ours = events_of(turning, "ours");
+  EXPECT_GE(ours.size(), 8u);
+  for (const char* engine : {"kdop,k=6", "kdop,k=18,threshold=8", "quickcd", "obb", "aabb", "rapid-world"}) {
+    EXPECT_EQ(events_of(turning, engine), ours) << engine;
+  }
+  const Json spheres = events_of(turning, "sphere");
+  ASSERT_FALSE(spheres.empty());
+  EXPECT_LT(spheres[0]["time_s"], ours[0]["time_s"]) << "near is taken for a touch";
+  const Outcome once = watch(turning, {.json = true, .at_s = 2.0, .until_s = 2.0, .engine = "obbb"});
+  EXPECT_EQ(once.exit_code, 2);
+  EXPECT_THAT(once.err, HasSubstr("did you mean obb?"));
+  EXPECT_THAT(watch(turning, {.until_s = 0.0, .engine = "sphere"}).err, HasSubstr("is not exact"));
+}
+
+TEST(Collide, ListsItsEngines) {
+  std::ostringstream out;
+  EXPECT_EQ(list_engines(true, out), 0);
+  const Json list = Json::parse(out.str());
+  ASSERT_GE(list.size(), 7u);
+  EXPECT_THAT(keys_of(list[0]), ElementsAre("name", "exact", "reference", "about"));
+  EXPECT_EQ(list[0]["name"], "ours");
+}
+
 }  // namespace peerd::collide_command_test

@@ -96,6 +96,10 @@ TEST_F(Embedded, SeesWhatTheOtherMovesAndBothSeeTheContact) {
   for (const auto& contact : {*at_a, *at_b}) {
     EXPECT_THAT((std::array{contact.object, contact.other}), testing::UnorderedElementsAre(car, cube));
     EXPECT_NEAR(std::abs(contact.normal[0]), 1.0, 1e-9);
+    const bool is_car = contact.object == car;
+    EXPECT_NEAR((is_car ? contact.velocity_before : contact.other_velocity_before)[0], 4.0, 1e-3);
+    EXPECT_NEAR((is_car ? contact.velocity_after : contact.other_velocity_after)[0], 4.0, 1e-3) << "it is driven";
+    EXPECT_EQ((is_car ? contact.other_velocity_before : contact.velocity_before), Vector{});
   }
   EXPECT_EQ(at_a->time, at_b->time) << "one outcome";
   EXPECT_EQ(at_a->peer, at_b->peer);
@@ -111,13 +115,16 @@ TEST_F(Embedded, EditsDataAndMessagesReachTheOther) {
   b.set("BALL", "translation", "1 2 3");
   a.set_data("BALL", "colour", "red");
   a.send("chat", "hello");
-  std::optional<Event> message, data;
+  std::optional<Event> message, data, own_message;
   ASSERT_TRUE(run_until(a, b, [&] {
+    while (const auto event = a.next_event()) {
+      if (event->kind == PEERD_MESSAGE) own_message = event;
+    }
     while (const auto event = b.next_event()) {
       if (event->kind == PEERD_MESSAGE) message = event;
       if (event->kind == PEERD_DATA) data = event;
     }
-    return message && data;
+    return message && data && own_message;
   }));
   EXPECT_EQ(message->name, "chat");
   EXPECT_EQ(message->text, "hello");
@@ -134,6 +141,34 @@ TEST_F(Embedded, EditsDataAndMessagesReachTheOther) {
   a.remove(ball);
   ASSERT_TRUE(run_until(a, b, [&] { return !b.find("BALL"); }));
   EXPECT_EQ(b.pose(ball), std::nullopt);
+}
+
+TEST_F(Embedded, JoinsAWorldOfAnotherWithoutItsFile) {
+  const std::string world = "embed-test-" + own_port();
+  Peer a(options("a", "CAR").set("world-name", world).set("set", "transport.snapshot_port=" + own_port()));
+  a.start();  // it answers while others ask
+  while (!a.in_session()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  a.add("DEF BALL Transform { children Shape { geometry Sphere { } } }");
+  const auto joining = [](const std::string& name) {
+    return Options().set("name", name).set("interface", "lo").set("take-over", "yes");
+  };
+  const auto has_ball = [&](Peer& peer) {
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (!peer.find("BALL") || !are_together(a, peer)) {
+      if (std::chrono::steady_clock::now() > give_up || !peer.poll(0.002)) return false;
+    }
+    return true;
+  };
+  {
+    Peer by_name(joining("b").set("join", world));
+    ASSERT_TRUE(has_ball(by_name));
+    EXPECT_EQ(by_name.find("CAR"), a.find("CAR"));
+  }
+  Peer by_address(joining("c").set("join", world).set("from", "127.0.0.1:" + own_port()));
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (a.member_count() > 1 && std::chrono::steady_clock::now() < give_up) by_address.poll(0.002);
+  EXPECT_TRUE(has_ball(by_address));
+  EXPECT_THROW(Peer(joining("d").set("join", world + "-elsewhere")), Error) << "there is no such world";
 }
 
 TEST_F(Embedded, WithThreadsTheProgramOnlyAsks) {

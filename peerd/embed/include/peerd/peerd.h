@@ -9,7 +9,8 @@
 
    Functions that return an int return 1 where it was done, 0 where it was not; peerd_error() then says why. All of one
    peer's functions are called from one thread at a time; after peerd_start() any threads may call them at once. Texts
-   that a function returns are valid until the next call for that peer. */
+   that a function returns, and those of an event, are valid until the next call for that peer: where other threads call
+   it, too, hold the peer (peerd_hold()) for as long as you read them, and from a call to its peerd_error(). */
 #ifndef PEERD_H
 #define PEERD_H
 
@@ -22,8 +23,9 @@ extern "C" {
 
 #define PEERD_API __attribute__((visibility("default")))
 
-/* The version of this interface. A program that is built against MAJOR.MINOR runs with each library of that MAJOR and
-   of that MINOR or a later one; below 1.0 a MINOR is what a MAJOR will be. */
+/* The version of this interface, which is part of the library's soname. Below 1.0 each MINOR is an interface of its own:
+   a program that is built against 0.1 runs with every library of 0.1, however much newer. From 1.0 on that holds for
+   each MAJOR, and a MINOR only adds. */
 #define PEERD_API_MAJOR 0
 #define PEERD_API_MINOR 1
 
@@ -52,29 +54,32 @@ PEERD_API int peerd_options_set(peerd_options* options, const char* name, const 
 typedef void (*peerd_log)(void* user, int level, const char* text);
 PEERD_API void peerd_options_log(peerd_options* options, peerd_log log, void* user);
 
-/* Reads the world, or gets it from others, which takes a second or more; opens the network and all else. Null: it can't, and a sentence that says why is written to `error`,
-   as far as it fits into `size` bytes, with its terminating zero. */
+/* Reads the world, or gets it from others, which takes a second or more; opens the network and all else. Null: it can't,
+   and a sentence that says why is written to `error`, as far as it fits into `size` bytes, with its terminating zero.
+   The options may be freed then, or opened with again. */
 PEERD_API peerd_peer* peerd_open(const peerd_options* options, char* error, size_t size);
 
 /* Says goodbye to the others, if that was not said before, and ends the peer. Null is no peer. */
 PEERD_API void peerd_close(peerd_peer* peer);
 
-/* Why the last call that was not done was not; "" where there was none. */
+/* Why the last call that failed did; "" where none has. A call that succeeds leaves it as it is. */
 PEERD_API const char* peerd_error(peerd_peer* peer);
 
 /* ---- driving ---- */
 
-/* Does what is due: takes datagrams, ticks, sends. Where nothing is due it waits for that, at most so long. 0: the peer
-   has left. Call it at least some sixty times a second. */
+/* Does what is due: takes datagrams, ticks, sends. Where nothing is due it waits for that, at most so long, and then
+   returns, having done one thing or none. 0: the peer has left, or has a thread. Call it some sixty times a second or
+   more often: updates wait for it, and so do contacts. */
 PEERD_API int peerd_poll(peerd_peer* peer, double at_most_s);
 
 /* From now on the peer runs in a thread of its own, until it is closed; nobody calls peerd_poll(). */
 PEERD_API int peerd_start(peerd_peer* peer);
 
-/* Keeps the peer's thread waiting, so that several calls see one moment, and cost one wait in place of one each. Pairs
-   may nest. Without a thread these do nothing. */
+/* From peerd_hold() to peerd_unhold(), in one thread, the peer's own thread and all others that call it wait, so that
+   several calls see one moment, and cost one wait in place of one each. Pairs may nest. Without a thread these do
+   nothing. */
 PEERD_API void peerd_hold(peerd_peer* peer);
-PEERD_API void peerd_release(peerd_peer* peer);
+PEERD_API void peerd_unhold(peerd_peer* peer);
 
 /* Leaves the session. The peer's thread ends; peerd_poll() returns 0. */
 PEERD_API void peerd_leave(peerd_peer* peer);
@@ -89,7 +94,8 @@ PEERD_API size_t peerd_member_count(peerd_peer* peer); /* the other peers that a
 
 /* ---- what there is ---- */
 
-/* An instance of a node of the scene, the same number at all peers for as long as the world lives. */
+/* A node of the scene, in one of the places where it stands: the same number at all peers for as long as the world
+   lives. */
 typedef uint64_t peerd_object;
 #define PEERD_NO_OBJECT UINT64_MAX
 
@@ -111,29 +117,34 @@ typedef struct peerd_pose {
   double orientation[4]; /* x, y, z, w */
 } peerd_pose;
 
-/* Where they are now, as a viewer of this peer shows them. NaN: there is no such object. Returns how many there are. 0
-   also before there is a session. */
+/* Where they are now, at the time of peerd_session_time(), as a viewer of this peer shows them: own objects where they
+   are, those of others where they are predicted to be. NaN: there is no such object, or no session yet. Returns how many
+   there are. */
 PEERD_API size_t peerd_poses(peerd_peer* peer, const peerd_object* objects, size_t count, peerd_pose* out);
 
 /* ---- moving what this peer owns ---- */
 
-/* Asks for an object: what is nobody's is this peer's a little later, and another peer may give it. See
-   PEERD_OBJECT_GIVEN. From then on its poses are this program's to give. */
+/* Asks for an object, or says of one that a configuration gave to this peer that this program moves it; needs a session
+   (peerd_in_session()). 1: it was asked for. What is nobody's is this peer's a little later; another peer may give it; PEERD_OBJECT_GIVEN and peerd_owner()
+   say so. The first peerd_move() then ends what physics or a formula did with it: it answers no contact by itself, and
+   PEERD_CONTACT says what it meets. */
 PEERD_API int peerd_take(peerd_peer* peer, peerd_object object);
-/* The object is nobody's from then on, and stays where it is. */
-PEERD_API int peerd_release_object(peerd_peer* peer, peerd_object object);
+/* Gives an object back: it is nobody's a little later. What answers contacts goes on with the velocity that it was
+   given, and all else stands. */
+PEERD_API int peerd_release(peerd_peer* peer, peerd_object object);
 
 typedef struct peerd_motion {
   peerd_object object;
   peerd_pose pose;
-  /* Of the object; NaN: found from its poses, which is less exact. */
+  /* Of the object's origin. NaN: found from its poses, which is less exact; 0 says that it stands. */
   double velocity[3];
-  int32_t jumps; /* 1: it was placed, and has not moved there */
-  int32_t reserved;
+  int32_t jumps;    /* 1: it was placed, and has not moved there */
+  int32_t reserved; /* 0 */
 } peerd_motion;
 
-/* Where own objects are now. Others are told where they can't foresee it. Returns how many were taken: of others this
-   program may not move them, or their numbers are wrong, and peerd_error() says so of the last one. */
+/* Where objects that were taken are now; call it each frame, for all of them at once. An update goes out to other peers
+   only where they could not predict it; an object without a motion for half a second stands still. Returns how many motions were used: of the others this program may not move the
+   object, or their numbers are wrong, and peerd_error() says so of the last one. */
 PEERD_API size_t peerd_move(peerd_peer* peer, const peerd_motion* motions, size_t count);
 
 /* ---- changing the world ---- */
@@ -145,20 +156,22 @@ typedef struct peerd_operation {
   uint32_t number; /* 0: none */
 } peerd_operation;
 
-/* `operation` may be null in all of these. */
-/* Adds the nodes of a VRML text below an object, or at the top level (PEERD_NO_OBJECT). */
+/* All of these need a session (peerd_in_session()); `operation` may be null. 0: it was refused, and nothing changes. An
+   edit that changes nothing because others have edited meanwhile is named by PEERD_EDIT.
+
+   Adds the nodes of a VRML text below an object, or at the top level (PEERD_NO_OBJECT). */
 PEERD_API int peerd_add(peerd_peer* peer, peerd_object under, const char* vrml, peerd_operation* operation);
 PEERD_API int peerd_remove(peerd_peer* peer, peerd_object object, peerd_operation* operation);
 PEERD_API int peerd_reparent(peerd_peer* peer, peerd_object object, peerd_object under, peerd_operation* operation);
-/* A field of the node at the path, by a value in the notation of VRML. */
+/* Sets a field of the node at the path to a value in the notation of VRML, such as "translation" to "1 2 3". */
 PEERD_API int peerd_set(peerd_peer* peer, const char* path, const char* field, const char* value,
                         peerd_operation* operation);
-/* Data of an application at a node, by key: any UTF-8. Null: the key is removed. */
+/* Keeps data of an application at a node, by key: any UTF-8. A null value removes the key. */
 PEERD_API int peerd_set_data(peerd_peer* peer, const char* path, const char* key, const char* value,
                              peerd_operation* operation);
 /* Null: there is none. */
 PEERD_API const char* peerd_data(peerd_peer* peer, const char* path, const char* key);
-/* A message to all. */
+/* Sends a message to all peers, this one too. */
 PEERD_API int peerd_send(peerd_peer* peer, const char* topic, const char* text, peerd_operation* operation);
 PEERD_API int peerd_undo(peerd_peer* peer, peerd_operation* operation);
 PEERD_API int peerd_redo(peerd_peer* peer, peerd_operation* operation);
@@ -171,23 +184,32 @@ PEERD_API const char* peerd_ask(peerd_peer* peer, const char* request);
 typedef enum peerd_event_kind {
   PEERD_PEER_JOINED = 1, /* peer, name */
   PEERD_PEER_LEFT = 2,   /* peer, name: it has said goodbye, or nothing for a while */
-  PEERD_CONTACT = 3,     /* object has met other; peer has decided it, 0: nobody owns them */
+  /* object, the collider of an interest, has met other at that time; peer has found or decided it, 0: nobody owns them.
+     Two objects that are both each other's collider meet once. */
+  PEERD_CONTACT = 3,
   PEERD_OBJECT_GIVEN = 4, /* object is peer's from now on; 0: nobody's */
   PEERD_MESSAGE = 5,      /* name (the topic), text, peer */
   PEERD_DATA = 6,         /* name (the key) at a node, text; text is null: it is gone */
   PEERD_EDIT = 7,         /* operation has taken effect; text: why it changes nothing, else null */
-  PEERD_EVENTS_LOST = 8   /* count events were not taken in time */
+  PEERD_EVENTS_LOST = 8,  /* count events were not taken in time */
+  /* The contact of object and other at that time, which this peer has told of, does not count: another peer had decided
+     it otherwise, and a PEERD_CONTACT with its decision came before this or comes next. */
+  PEERD_CONTACT_OVERRULED = 9
 } peerd_event_kind;
 
-/* Later versions add members at the end. What an event's kind does not name is 0 or null. */
+/* Later versions add members at the end. What an event's kind does not name is 0 or null. The velocities after a contact
+   are what the world's CollisionResponse nodes make of it; an object that a program moves does not answer by itself, so
+   of it both are the same, and what it does then is the program's to say. */
 typedef struct peerd_event {
   uint32_t kind;
   uint32_t peer;
   double time; /* session time of it */
   peerd_object object, other;
-  peerd_pose pose, other_pose;                  /* PEERD_CONTACT: of both then */
-  double velocity_before[3], velocity_after[3]; /* .. of object */
-  double normal[3];                             /* .. of the other's surface, facing object */
+  /* PEERD_CONTACT: where both were, their velocities, and the normal of the other's surface, which faces object */
+  peerd_pose pose, other_pose;
+  double velocity_before[3], velocity_after[3];
+  double other_velocity_before[3], other_velocity_after[3];
+  double normal[3];
   peerd_operation operation;
   const char* name;
   const char* text;

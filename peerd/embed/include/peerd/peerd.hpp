@@ -52,9 +52,10 @@ struct Event {
   double time = 0.0;  // session time [s]
   std::uint32_t peer = 0;
   Object object = 0, other = 0;
-  Pose pose{}, other_pose{};                   // a contact: of both then
-  Vector velocity_before{}, velocity_after{};  // .. of object [m/s]
-  Vector normal{};                             // .. of the other's surface, facing object
+  // Of a contact: where both were, their velocities [m/s], and the normal of the other's surface, which faces object.
+  Pose pose{}, other_pose{};
+  Vector velocity_before{}, velocity_after{}, other_velocity_before{}, other_velocity_after{};
+  Vector normal{};
   Operation operation{};
   std::optional<std::string> name{}, text{};
   std::uint64_t count = 0;
@@ -104,7 +105,7 @@ class Peer {
   class Hold {
    public:
     explicit Hold(const Peer& peer) : peer_(peer.peer_.get()) { peerd_hold(peer_); }
-    ~Hold() { peerd_release(peer_); }
+    ~Hold() { peerd_unhold(peer_); }
     Hold(const Hold&) = delete;
     Hold& operator=(const Hold&) = delete;
 
@@ -163,7 +164,7 @@ class Peer {
   }
   void release(Object object) {
     const Hold held(*this);
-    check(peerd_release_object(peer_.get(), object));
+    check(peerd_release(peer_.get(), object));
   }
   // False: this program may not move it, now.
   bool move(Object object, const Pose& pose, const std::optional<Vector>& velocity = {}, bool jumps = false) {
@@ -233,6 +234,8 @@ class Peer {
     for (std::size_t i = 0; i < 3; ++i) {
       event.velocity_before[i] = next.velocity_before[i];
       event.velocity_after[i] = next.velocity_after[i];
+      event.other_velocity_before[i] = next.other_velocity_before[i];
+      event.other_velocity_after[i] = next.other_velocity_after[i];
       event.normal[i] = next.normal[i];
     }
     event.operation = next.operation;

@@ -1,0 +1,43 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "collision/query/tree_query.hpp"
+#include "collision/scene/narrow_phase.hpp"
+
+namespace peerd::collision::baselines {
+
+// The hierarchies of the thesis's chapter 3 (KdopTree), built as far as queries go.
+template <int K>
+class KdopQuery : public NarrowPhase {
+ public:
+  explicit KdopQuery(const TreeOptions& options) : options_(options) {}
+
+  bool find_pair(const NumberedSoup& a, const NumberedSoup& b, const RelativeMotion& a_from_b,
+                 PolygonPair& pair) override {
+    drop_old_trees();
+    return collision::find_pair(tree(a), tree(b), a_from_b, counters_, pair);
+  }
+  std::vector<PolygonPair> all_pairs(const NumberedSoup& a, const NumberedSoup& b,
+                                     const RelativeMotion& a_from_b) override {
+    drop_old_trees();
+    return collision::all_pairs(tree(a), tree(b), a_from_b, counters_);
+  }
+  [[nodiscard]] const QueryCounters& counters() const override { return counters_; }
+
+ private:
+  // Soups whose vertices move get a new number each time; the trees of old ones are dropped together.
+  static constexpr std::size_t kTreesMax = 4096;
+  void drop_old_trees() {
+    if (trees_.size() >= kTreesMax) trees_.clear();
+  }
+  KdopTree<K>& tree(const NumberedSoup& of) { return trees_.try_emplace(of.number, *of.soup, options_).first->second; }
+
+  TreeOptions options_;
+  std::map<std::uint64_t, KdopTree<K>> trees_;  // by a soup's number
+  QueryCounters counters_;
+};
+
+}  // namespace peerd::collision::baselines

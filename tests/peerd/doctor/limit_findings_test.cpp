@@ -1,0 +1,28 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/peerd/doctor/made_up_facts.hpp"
+
+namespace peerd::doctor::limit_findings_test {
+
+using testing::HasSubstr;
+using testing_support::code;
+using testing_support::ethernet;
+using testing_support::facts_with;
+using testing_support::find;
+using testing_support::multicast_over;
+
+TEST(LimitFindings, LimitsAndTheClockAreHints) {
+  HostFacts facts = facts_with({ethernet("eth0", 2)});
+  facts.clock_error.reset();
+  facts.memberships_max = 4;
+  facts.optmem_bytes = 1000;
+  Examined examined = multicast_over("eth0");
+  EXPECT_EQ(code(facts, examined), 0);
+  EXPECT_EQ(find(host_findings(facts, examined), "clock").level, Level::kHint);
+  EXPECT_THAT(find(host_findings(facts, examined), "memberships").advice, HasSubstr("igmp_max_memberships=20"));
+  examined.ipv6 = true;
+  EXPECT_THAT(find(host_findings(facts, examined), "memberships").advice, HasSubstr("optmem_max"));
+}
+
+}  // namespace peerd::doctor::limit_findings_test
