@@ -96,7 +96,8 @@ owns = ["BALL"]
 [motion.CAR]
 x = "-6 + 3*sin(t)"
 before_start = "hold"
-#What a run must show; `peerd sim` ends with exit code 1 where it does not .
+
+# What a run must show; `peerd sim` ends with exit code 1 where it does not.
 [expect.one-outcome]
 that = "collisions.shared.disagreed"
 equals = 0

@@ -1,5 +1,6 @@
 #include "peerd/transport/multicast_probe.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "peerd/os/udp_socket.hpp"
@@ -10,12 +11,12 @@ namespace {
 constexpr int kTries = 6;
 constexpr std::chrono::milliseconds kWait{50};  // for each try
 
-}  // namespace
+// Beside the group of who is here (peerd/discovery), and outside of those that regions begin with.
+constexpr const char *kProbeGroupV4 = "239.192.79.254", *kProbeGroupV6 = "ff15::7065:6572:65";
+constexpr std::array<std::byte, 4> kProbe{std::byte{'p'}, std::byte{'e'}, std::byte{'e'}, std::byte{'r'}};
 
-std::expected<ProbeResult, NetError> probe_multicast(const HostClock& clock, MulticastOptions options) {
+std::expected<ProbeResult, NetError> probe_port(const HostClock& clock, const MulticastOptions& options) {
   asio::io_context io(1);
-  options.any_port = true;  // no peer receives the probe
-  options.receives_own_datagrams = true;
   const auto opened = MulticastSocket::open(io, clock, options);
   if (!opened) return std::unexpected(opened.error());
   MulticastSocket& socket = **opened;
@@ -27,8 +28,7 @@ std::expected<ProbeResult, NetError> probe_multicast(const HostClock& clock, Mul
   ProbeResult result{.over = socket.chosen_interface(),
                      .receive_buffer_bytes = socket.receive_buffer_bytes(),
                      .memberships_max = memberships_limit(options.groups.base.is_v4() ? IpFamily::kV4 : IpFamily::kV6)};
-  socket.on_receive([&](const Arrival&) { received = true; });
-  constexpr std::array<std::byte, 4> kProbe{std::byte{'p'}, std::byte{'e'}, std::byte{'e'}, std::byte{'r'}};
+  socket.on_receive([&](const Arrival& a) { received = received || std::ranges::equal(a.datagram, kProbe); });
   for (int tries = 0; tries < kTries && !received; ++tries) {
     sent = clock.now();
     socket.send(kFirst, kProbe);
@@ -46,6 +46,20 @@ std::expected<ProbeResult, NetError> probe_multicast(const HostClock& clock, Mul
   result.took = clock.now() - sent;
   result.stamped = socket.counters().in_unstamped == 0;
   return result;
+}
+
+}  // namespace
+
+std::expected<ProbeResult, NetError> probe_multicast(const HostClock& clock, MulticastOptions options) {
+  options.receives_own_datagrams = true;
+  options.any_port = true;  // no peer receives the probe
+  auto found = probe_port(clock, options);
+  if (found || found.error().kind != NetError::Kind::kNoMulticast) return found;
+  // A firewall may let through the peers' port alone. No peer is in the probe's own group.
+  options.any_port = false;
+  options.groups.base = asio::ip::make_address(options.groups.base.is_v4() ? kProbeGroupV4 : kProbeGroupV6);
+  auto by_peers_port = probe_port(clock, options);
+  return by_peers_port ? by_peers_port : found;
 }
 
 }  // namespace peerd::net

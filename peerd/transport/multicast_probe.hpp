@@ -14,8 +14,9 @@ struct ProbeResult {
 };
 
 // Checks whether a datagram to the first group of the plan comes back through this computer's kernel, on a port that no
-// peer uses. The check takes as long as a datagram does, and at most 0.3 s where none comes. It says nothing about the
-// network beyond: it does not notice an access point or a switch that discards multicast.
+// peer uses; where none does, whether one to a group that no peer joins comes back on the peers' port. The check takes
+// as long as a datagram does, and at most 0.3 s for each port. It says nothing about the network beyond: it does not
+// notice an access point or a switch that discards multicast.
 [[nodiscard]] std::expected<ProbeResult, NetError> probe_multicast(const HostClock& clock, MulticastOptions options);
 
 }  // namespace peerd::net

@@ -9,6 +9,7 @@
 #include <set>
 #include <vector>
 
+#include "peerd/transport/multicast_probe.hpp"
 #include "peerd/transport/multicast_socket.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/wire.hpp"
@@ -310,6 +311,28 @@ TEST(OverLo, NoTwoSendersHaveOnePort) {
     }
     EXPECT_GE(*ports.begin(), 40000);
     EXPECT_LE(*ports.rbegin(), 40013);
+  });
+}
+
+// A firewall that lets the peers' port through, as docs/how-to/firewall.md says, keeps the first probe back.
+TEST(OverAWireWithAFirewall, TheProbeFindsThatThePeersPortIsOpen) {
+  with_wire([](const Wire& wire) {
+    wire.left.enter();
+    const std::string rules =
+        "nft 'table inet f { chain in { type filter hook input priority 0; policy drop; udp dport " +
+        std::to_string(own_port(3)) + " accept; }; }'";
+    if (!shell(rules)) GTEST_SKIP() << "there is no nft here";
+    MulticastOptions options{.interface = "va", .groups = {asio::ip::make_address("239.192.4.0"), own_port(3)}};
+    asio::io_context io;
+    Listener peer(io, options);
+    peer.join(0);
+    const auto probe = probe_multicast(testing_support::clock(), options);
+    EXPECT_TRUE(probe) << probe.error().sentence;
+    peer.send(0, "marker");
+    ASSERT_TRUE(run_until(io, [&] { return !peer.heard.empty(); }));
+    EXPECT_EQ(peer.heard.front().second, "marker");  // no peer receives the probe
+    options.groups.port = own_port(4);
+    EXPECT_FALSE(probe_multicast(testing_support::clock(), options));
   });
 }
 
