@@ -3,6 +3,7 @@ export { Peer, type PeerOptions, type WatchOptions } from './peer.js';
 export { Watch, type Instant, type ObjectPose } from './watch.js';
 export { EventStream } from './event_stream.js';
 export { PeerdError } from './errors.js';
+export { unixTime_s } from './unix_time.js';
 export * from './messages.js';
 
 export { gatewayAddress, type GatewayAddress } from './address.js';

@@ -246,7 +246,7 @@ export interface PoseOut {
   readonly acceleration_m_s2?: Numbers3;
   /** In the body's frame. */
   readonly angular_velocity_rad_s?: Numbers3;
-  /** When it holds, in Unix time of the peer's computer (`Date.now() / 1000`), at most 1 s ago; without it, when it arrives. */
+  /** When it holds, in Unix time of the peer's computer (`unixTime_s()`, where this is it), at most 1 s ago; without it, when it arrives. */
   readonly time_s?: number;
   /** The object was placed there: the poses before say nothing of its motion. */
   readonly jump?: boolean;

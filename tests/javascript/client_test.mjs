@@ -21,7 +21,7 @@ if (which === 'own' && globalThis.WebSocket === undefined) {
   const { status } = spawnSync(process.execPath, [kFlag, ...process.argv.slice(1)], { stdio: 'inherit' });
   process.exit(status ?? 1);
 }
-const { Peer, PeerdError } = await import(pathToFileURL(resolve(folder, 'index.js')));
+const { Peer, PeerdError, unixTime_s } = await import(pathToFileURL(resolve(folder, 'index.js')));
 const kOptions = which === 'ws' ? { WebSocket: createRequire(join(resolve(packages), 'package.json'))('ws').WebSocket } : {};
 
 const connect = (address, options = {}) => Peer.connect(address, { ...kOptions, ...options });
@@ -77,9 +77,9 @@ async function meeting(a, b) {
   const met = Promise.all(contacts.map((stream) => first(stream, ({ event, kind }) => event === 'contact' && kind !== 'predicted')));
   let ends = false;
   void met.finally(() => (ends = true)).catch(() => undefined);
-  for (const begin = Date.now(); !ends; await sleep(15)) {
-    const now = Date.now();
-    await a.pose({ object: 'PUCK', position_m: [Math.min(-4 + 0.004 * (now - begin), 4), 0, 0], velocity_m_s: [4, 0, 0], time_s: now / 1000 });
+  for (const begin_s = unixTime_s(); !ends; await sleep(15)) {
+    const time_s = unixTime_s();
+    await a.pose({ object: 'PUCK', position_m: [Math.min(-4 + 4 * (time_s - begin_s), 4), 0, 0], velocity_m_s: [4, 0, 0], time_s });
   }
   const [at_a, at_b] = await met;
   assert.deepEqual([at_a, at_b].map(({ collider, collidee }) => [collider, collidee].sort()), [['PUCK', 'STONE'], ['PUCK', 'STONE']]);

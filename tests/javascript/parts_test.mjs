@@ -4,7 +4,7 @@ import { test } from 'node:test';
 import { resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 
-const { EventStream, gatewayAddress, sceneNodes, kKindOfEvent } = await import(pathToFileURL(resolve(process.argv[2], 'index.js')));
+const { EventStream, gatewayAddress, sceneNodes, kKindOfEvent, unixTime_s } = await import(pathToFileURL(resolve(process.argv[2], 'index.js')));
 
 test('an address has the page, the WebSocket and the token', () => {
   assert.deepEqual(gatewayAddress('http://127.0.0.1:80/#token=a-_b'), { page: 'http://127.0.0.1/', live: 'ws://127.0.0.1/api/v1/live', token: 'a-_b' });
@@ -78,6 +78,17 @@ test('the nodes of a scene are those that have an id', () => {
   assert.deepEqual(read.nodes, [{ index: 1, path: 'CAR' }, { index: 3, path: 'CAR/WHEEL' }]);
   assert.equal(read.byPath.get('CAR/WHEEL').index, 3);
   for (const wrong of [new ArrayBuffer(0), new ArrayBuffer(64), glb({}, 1), glb({ nodes }).slice(0, 30)]) assert.throws(() => sceneNodes(wrong), /the scene is/);
+});
+
+test('the time of poses grows with each call, within a millisecond of the clock', () => {
+  let before_s = 0;
+  for (let i = 0; i < 10000; ++i) {
+    const least_ms = Date.now();
+    const time_s = unixTime_s();
+    assert.ok(time_s > before_s);
+    assert.ok(time_s * 1000 > least_ms - 1 && time_s * 1000 < Date.now() + 12, 'ten thousand steps of a microsecond are ten milliseconds');
+    before_s = time_s;
+  }
 });
 
 test('each event has a kind, or is everybody’s', () => {
