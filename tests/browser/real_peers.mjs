@@ -39,10 +39,10 @@ export async function freePort() {
 
 // A real peer with its gateway; `address` is where its page is.
 export class Peer {
-  constructor(program, configuration, name, port) {
+  constructor(program, configuration, name, port, more = []) {
     this.name = name;
     this.log = '';
-    const words = ['run', '-c', configuration, '--peer', name, '--interface', 'lo', '--port', String(port), '--control', '', '--take-over', '--view', '127.0.0.1:0'];
+    const words = ['run', '-c', configuration, '--peer', name, '--interface', 'lo', '--port', String(port), '--control', '', '--take-over', '--view', '127.0.0.1:0', ...more];
     this.process = spawn(program, words, { stdio: ['ignore', 'pipe', 'pipe'] });
     this.ended = new Promise((done) => {
       this.process.on('exit', (code, signal) => done(code ?? signal));
