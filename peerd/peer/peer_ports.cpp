@@ -69,7 +69,7 @@ Result<std::unique_ptr<gateway::Gateway>> open_gateway(asio::io_context& io, con
   if (!at) return std::unexpected(at.error());
   for (const std::string& origin : settings.origins) {
     if (gateway::is_origin(origin)) continue;
-    return std::unexpected(InputError{"error: gateway.origins has \"" + printable(origin) +
+    return std::unexpected(InputError{"error: gateway.origins has \"" + printable(origin, 80) +
                                       "\", which is no origin such as \"http://localhost:5173\""});
   }
   auto opened = gateway::Gateway::open(io, source,
