@@ -116,6 +116,7 @@ PYBIND11_MODULE(_peerd, module) {
       .def_readonly("operation", &Event::operation)
       .def_readonly("name", &Event::name)
       .def_readonly("text", &Event::text)
+      .def_readonly("path", &Event::path)
       .def_readonly("count", &Event::count);
   py::class_<Options>(module, "Options")
       .def(py::init<>())

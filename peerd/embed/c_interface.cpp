@@ -355,6 +355,7 @@ int peerd_next_event(peerd_peer* peer, peerd_event* event, size_t size) {
     held.event = *std::move(next);
     held.event.event.name = held.event.name ? held.event.name->c_str() : nullptr;
     held.event.event.text = held.event.text ? held.event.text->c_str() : nullptr;
+    held.event.event.path = held.event.path ? held.event.path->c_str() : nullptr;
     std::memset(event, 0, size);
     std::memcpy(event, &held.event.event, std::min(size, sizeof(peerd_event)));
     return 1;

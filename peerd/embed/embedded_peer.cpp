@@ -7,6 +7,8 @@
 
 #include <boost/asio/post.hpp>
 
+#include "peerd/node/edit_operation.hpp"
+
 namespace peerd::embed {
 namespace {
 
@@ -26,6 +28,7 @@ StoredEvent event_of(peerd_event_kind kind, std::optional<SimTime> at = {}) {
 
 struct EventOf {
   using Event = std::optional<StoredEvent>;
+  const Scene& scene;
 
   Event operator()(const replication::PeerJoined& joined) const {
     StoredEvent stored = event_of(PEERD_PEER_JOINED);
@@ -77,6 +80,7 @@ struct EventOf {
   }
   Event operator()(const replication::DataChanged& data) const {
     StoredEvent stored = event_of(PEERD_DATA, data.at);
+    stored.path = path_or_id(scene, data.node);
     stored.name = data.key;
     stored.text = data.value;
     return stored;
@@ -216,7 +220,7 @@ std::size_t EmbeddedPeer::move(std::span<const peerd_motion> motions) {
 }
 
 void EmbeddedPeer::note(const replication::Output& output) {
-  auto seen = std::visit(EventOf{}, output);
+  auto seen = std::visit(EventOf{node().scene()}, output);
   if (!seen) return;
   if (events_.size() >= kEventsMax) {
     events_.pop_front();

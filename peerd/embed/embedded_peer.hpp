@@ -27,7 +27,7 @@ namespace peerd::embed {
 // An event with its texts, to which its pointers point when it is taken.
 struct StoredEvent {
   peerd_event event{};
-  std::optional<std::string> name{}, text{};
+  std::optional<std::string> name{}, text{}, path{};
 };
 
 // An EmbeddedPeer is a peer in a program of somebody else's, which drives it in its own loop or lets it have a thread.

@@ -129,6 +129,8 @@ TEST_F(Embedded, EditsDataAndMessagesReachTheOther) {
   EXPECT_EQ(message->name, "chat");
   EXPECT_EQ(message->text, "hello");
   EXPECT_EQ(message->peer, a.id());
+  EXPECT_EQ(data->path, "BALL");
+  EXPECT_EQ(data->name, "colour");
   EXPECT_EQ(data->text, "red");
   EXPECT_EQ(b.data("BALL", "colour"), "red");
   EXPECT_EQ(b.data("BALL", "size"), std::nullopt);

@@ -189,7 +189,7 @@ typedef enum peerd_event_kind {
   PEERD_CONTACT = 3,
   PEERD_OBJECT_GIVEN = 4, /* object is peer's from now on; 0: nobody's */
   PEERD_MESSAGE = 5,      /* name (the topic), text, peer */
-  PEERD_DATA = 6,         /* name (the key) at a node, text; text is null: it is gone */
+  PEERD_DATA = 6,         /* name (the key) at path, a node's; text; text is null: it is gone */
   PEERD_EDIT = 7,         /* operation has taken effect; text: why it changes nothing, else null */
   PEERD_EVENTS_LOST = 8,  /* count events were not taken in time */
   /* The contact of object and other at that time, which this peer has told of, does not count: another peer had decided
@@ -213,6 +213,7 @@ typedef struct peerd_event {
   peerd_operation operation;
   const char* name;
   const char* text;
+  const char* path;
   uint64_t count;
 } peerd_event;
 

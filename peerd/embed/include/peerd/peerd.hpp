@@ -57,7 +57,7 @@ struct Event {
   Vector velocity_before{}, velocity_after{}, other_velocity_before{}, other_velocity_after{};
   Vector normal{};
   Operation operation{};
-  std::optional<std::string> name{}, text{};
+  std::optional<std::string> name{}, text{}, path{};
   std::uint64_t count = 0;
 };
 
@@ -241,6 +241,7 @@ class Peer {
     event.operation = next.operation;
     event.name = optional(next.name);
     event.text = optional(next.text);
+    event.path = optional(next.path);
     event.count = next.count;
     return event;
   }
