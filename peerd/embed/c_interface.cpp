@@ -183,6 +183,10 @@ void peerd_leave(peerd_peer* peer) {
   });
 }
 
+int peerd_has_left(peerd_peer* peer) {
+  return with(peer, 0, [](EmbeddedPeer& held) { return held.has_left() ? 1 : 0; });
+}
+
 uint32_t peerd_id(peerd_peer* peer) {
   return with(peer, 0U, [](EmbeddedPeer& held) { return held.node().peer().id().value; });
 }
@@ -361,5 +365,7 @@ int peerd_next_event(peerd_peer* peer, peerd_event* event, size_t size) {
     return 1;
   });
 }
+
+int peerd_event_descriptor(peerd_peer* peer) { return peer_of(peer).signal().descriptor(); }
 
 }  // extern "C"

@@ -83,6 +83,8 @@ PEERD_API void peerd_unhold(peerd_peer* peer);
 
 /* Leaves the session. The peer's thread ends; peerd_poll() returns 0. */
 PEERD_API void peerd_leave(peerd_peer* peer);
+/* Whether it has left, by itself too, as where another peer of its number is running. */
+PEERD_API int peerd_has_left(peerd_peer* peer);
 
 /* ---- the session ---- */
 
@@ -220,6 +222,11 @@ typedef struct peerd_event {
 /* Takes the next event; `size` is sizeof(peerd_event) as the program knows it. 0: there is none now. Of more than 65,536
    that wait the oldest are lost. */
 PEERD_API int peerd_next_event(peerd_peer* peer, peerd_event* event, size_t size);
+
+/* A file descriptor for a program that waits in a loop of its own, by poll() or epoll: it is readable while events wait,
+   until peerd_next_event() has said that there is none, and for ever once the peer has left. It is the peer's: a program
+   neither reads nor closes it. */
+PEERD_API int peerd_event_descriptor(peerd_peer* peer);
 
 #ifdef __cplusplus
 }

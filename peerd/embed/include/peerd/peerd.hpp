@@ -94,12 +94,16 @@ class Peer {
     if (!peer_) throw Error(why.data());
   }
 
+  // For functions of the C interface; the peer stays this object's.
+  peerd_peer* handle() const { return peer_.get(); }
+
   // -- driving
   bool poll(double at_most_s) { return peerd_poll(peer_.get(), at_most_s) != 0; }
   void start() {
     if (!peerd_start(peer_.get())) fail();
   }
   void leave() { peerd_leave(peer_.get()); }
+  bool has_left() const { return peerd_has_left(peer_.get()) != 0; }
 
   // Keeps the peer's thread, and other threads' calls, waiting for as long as it lives.
   class Hold {
@@ -245,6 +249,7 @@ class Peer {
     event.count = next.count;
     return event;
   }
+  int event_descriptor() const { return peerd_event_descriptor(peer_.get()); }
 
  private:
   struct Close {
