@@ -121,7 +121,8 @@ doctor::Examined examined(const Tried& tried, const net::TransportOptions& optio
 
 // The facts of this computer; routes where a peer would use unicast.
 std::expected<doctor::HostFacts, net::NetError> facts_of(const net::HostClock& clock, const Tried& tried,
-                                                         const net::TransportOptions& options) {
+                                                         const net::TransportOptions& options,
+                                                         const doctor::OtherPorts& ports) {
   std::vector<doctor::NamedPeer> peers;
   if (tried.kind == "unicast") {
     const auto family = options.multicast.groups.base.is_v4() ? net::IpFamily::kV4 : net::IpFamily::kV6;
@@ -129,7 +130,7 @@ std::expected<doctor::HostFacts, net::NetError> facts_of(const net::HostClock& c
     if (!addresses) return std::unexpected(addresses.error());
     for (std::size_t i = 0; i < addresses->size(); ++i) peers.push_back({options.peers[i], (*addresses)[i]});
   }
-  return doctor::read_host_facts(clock, peers);
+  return doctor::read_host_facts(clock, peers, ports);
 }
 
 // All that is printed.
@@ -239,9 +240,9 @@ int run_doctor(const DoctorOptions& options) {
   if (!reach) return failed(reach.error());
   const net::HostClock clock;
   Report report{try_transport(clock, *reach), {}, {}};
-  const auto facts = facts_of(clock, report.tried, *reach);
-  if (!facts) return failed(input_error(facts.error()));
   doctor::Examined seen = examined(report.tried, *reach, *settings);
+  const auto facts = facts_of(clock, report.tried, *reach, {seen.discovery_port, seen.snapshot_port});
+  if (!facts) return failed(input_error(facts.error()));
   seen.with_another = !options.with.empty();
   report.findings = doctor::host_findings(*facts, seen);
   int exit_code = report.tried.problem.empty() ? doctor::exit_code_of(report.findings) : report.tried.problem_exit_code;
