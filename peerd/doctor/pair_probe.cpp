@@ -109,7 +109,7 @@ void PairProbe::on_tick(HostTime now) {
     send_due_lengths(now);
     if (!connected_ && other_tcp_port_ != 0) {
       connected_ = true;
-      outputs_.push(Connect{other_tcp_port_});
+      outputs_.push_back(Connect{other_tcp_port_});
     }
   }
   check_end(now);
@@ -167,15 +167,10 @@ void PairProbe::send(HostTime now, Path path, std::size_t size_bytes, std::uint1
   m.complete = complete();
   m.unicast = result_.unicast_in;
   m.multicast = result_.multicast_in;
-  outputs_.push(Send{path, encode(m, size_bytes)});
+  outputs_.push_back(Send{path, encode(m, size_bytes)});
 }
 
-std::optional<PairProbe::Output> PairProbe::poll_output() {
-  if (outputs_.empty()) return std::nullopt;
-  Output output = std::move(outputs_.front());
-  outputs_.pop();
-  return output;
-}
+std::vector<PairProbe::Output> PairProbe::take_outputs() { return std::exchange(outputs_, {}); }
 
 HostTime PairProbe::next_deadline() const {
   HostTime next = met_at_ ? *met_at_ + kMost : std::min(next_report_, started_ + settings_.wait);

@@ -3,7 +3,6 @@
 #include <bitset>
 #include <cstdint>
 #include <optional>
-#include <queue>
 #include <span>
 #include <variant>
 #include <vector>
@@ -50,7 +49,7 @@ class PairProbe {
   void on_datagram(HostTime at, Path path, std::span<const std::byte> datagram);
   void on_tcp(TcpState state) { result_.tcp_out = state; }
   void on_tick(HostTime now);
-  [[nodiscard]] std::optional<Output> poll_output();  // drain until empty after on_tick()
+  [[nodiscard]] std::vector<Output> take_outputs();  // in their order; to be called after on_tick()
   [[nodiscard]] HostTime next_deadline() const;
 
   [[nodiscard]] bool ended() const { return ended_; }
@@ -83,7 +82,7 @@ class PairProbe {
   std::optional<HostTime> both_complete_at_;
   bool ended_ = false;
   PairResult result_;
-  std::queue<Output> outputs_;
+  std::vector<Output> outputs_;
 };
 
 }  // namespace peerd::doctor

@@ -160,7 +160,7 @@ class PairRun {
     bool met = false;
     while (!probe_->ended()) {
       probe_->on_tick(clock_.now());
-      while (const auto output = probe_->poll_output()) std::visit([this](const auto& o) { apply(o); }, *output);
+      for (const auto& output : probe_->take_outputs()) std::visit([this](const auto& o) { apply(o); }, output);
       if (multicast_) multicast_->flush();
       if (probe_->met() && !std::exchange(met, true)) options_.say(options_.host + " is here; this takes some 6 s");
       const HostTime now = clock_.now();
