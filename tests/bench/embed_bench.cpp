@@ -226,7 +226,7 @@ class Benchmark {
     if (rests_) boxes_.rest();
   }
 
-  // What the library does inside: where the object is now.
+  // The same as the library does it inside: where the object is now.
   Pose seen_inside(Object object) {
     PeerNode& node = boxes_.inside().opened().node();
     seen_at_ = node.advance_view(boxes_.inside().opened().daemon().now(), seen_at_);

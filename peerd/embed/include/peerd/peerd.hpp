@@ -52,7 +52,7 @@ struct Event {
   double time = 0.0;  // session time [s]
   std::uint32_t peer = 0;
   Object object = 0, other = 0;
-  // Of a contact: where both were, their velocities [m/s], and the normal of the other's surface, which faces object.
+  // A contact's: where both were, their velocities [m/s], the normal of the other's surface, which faces object.
   Pose pose{}, other_pose{};
   Vector velocity_before{}, velocity_after{}, other_velocity_before{}, other_velocity_after{};
   Vector normal{};
