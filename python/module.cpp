@@ -5,7 +5,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -25,6 +25,17 @@ static_assert(sizeof(peerd_pose) == kPoseColumns * sizeof(double));
 using Objects = py::array_t<Object, py::array::c_style | py::array::forcecast>;
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using OwnNumbers = py::array_t<double, py::array::c_style>;  // no copy: it is written to
+
+Objects owned_objects(const Peer& peer) {
+  auto owned = [&] {
+    const py::gil_scoped_release others_may_run;
+    return std::make_unique<std::vector<Object>>(peer.owned_objects());
+  }();
+  const Object* const first = owned->data();
+  const auto count = static_cast<py::ssize_t>(owned->size());
+  const py::capsule owner(owned.release(), [](void* of) { delete static_cast<std::vector<Object>*>(of); });
+  return Objects(count, first, owner);
+}
 
 // Throws where the array is none of so many rows and columns.
 void check_shape(const py::array& array, py::ssize_t rows, py::ssize_t columns, const char* name) {
@@ -46,7 +57,9 @@ std::size_t move(Peer& peer, const Objects& objects, const Numbers& poses, const
                  bool jumps) {
   check_shape(poses, objects.size(), kPoseColumns, "poses");
   if (velocities) check_shape(*velocities, objects.size(), kVelocityColumns, "velocities");
-  std::vector<peerd_motion> motions(static_cast<std::size_t>(objects.size()));
+  // A thread keeps its memory: that of 10,000 objects is a megabyte, to be had from the system each time.
+  static thread_local std::vector<peerd_motion> motions;
+  motions.resize(static_cast<std::size_t>(objects.size()));
   const double* const rows = poses.data();
   const double* const speeds = velocities ? velocities->data() : nullptr;
   for (std::size_t i = 0; i < motions.size(); ++i) {
@@ -116,6 +129,7 @@ PYBIND11_MODULE(_peerd, module) {
       .def_readonly("operation", &Event::operation)
       .def_readonly("name", &Event::name)
       .def_readonly("text", &Event::text)
+      .def_readonly("path", &Event::path)
       .def_readonly("count", &Event::count);
   py::class_<Options>(module, "Options")
       .def(py::init<>())
@@ -124,6 +138,13 @@ PYBIND11_MODULE(_peerd, module) {
 
   py::class_<Peer, std::unique_ptr<Peer, Close>>(module, "Peer")
       .def(py::init<const Options&>(), Call())
+      .def("handle", [](const Peer& peer) { return reinterpret_cast<std::uintptr_t>(peer.handle()); })
+      .def(
+          "hold", [](const Peer& peer) { peerd_hold(peer.handle()); }, Call())
+      .def(
+          "end_hold", [](const Peer& peer) { peerd_release(peer.handle()); }, Call())
+      .def("event_descriptor", &Peer::event_descriptor)
+      .def("has_left", &Peer::has_left, Call())
       .def("poll", &Peer::poll, py::arg("at_most_s"), Call())
       .def("start", &Peer::start, Call())
       .def("leave", &Peer::leave, Call())
@@ -134,7 +155,7 @@ PYBIND11_MODULE(_peerd, module) {
       .def("find", &Peer::find, py::arg("path"), Call())
       .def("path", &Peer::path, py::arg("object"), Call())
       .def("owner", &Peer::owner, py::arg("object"), Call())
-      .def("owned_objects", &Peer::owned_objects, Call())
+      .def("owned_objects", &owned_objects)
       .def("world", &Peer::world, Call())
       .def("poses", &poses, py::arg("objects"), py::arg("out").noconvert())
       .def("take", &Peer::take, py::arg("object"), Call())

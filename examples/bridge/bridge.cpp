@@ -29,7 +29,7 @@ constexpr double kRestitution = 0.9;                    // as in bridge.wrl
 // meeting again; for so long after a contact that is the same one.
 constexpr double kSameContact_s = 0.1;
 
-// As in bridge.wrl, so that all engines have the same.
+// The balls are as in bridge.wrl, so that all engines have the same.
 double mass_of(const std::string& path) { return path == "TARGET" ? 2.0 : 1.0; }
 
 class Bridge {
@@ -56,7 +56,7 @@ class Bridge {
   std::size_t contacts() const { return impulses_.size(); }
 
  private:
-  // What a contact has done to an own body, to be taken back if another peer had decided it otherwise.
+  // The change that a contact has made to an own body, to be taken back if another peer had decided it otherwise.
   struct Impulse {
     double at;
     Object object, other;

@@ -38,7 +38,7 @@ struct Bird {
 
 std::string name_of(std::size_t index) { return "BIRD_" + std::to_string(index); }
 
-// Where they begin is part of the world's file, so that all peers agree on it before the first update.
+// Their first places are part of the world's file, so that all peers agree on it before the first update.
 std::vector<Bird> make_world(const std::string& file, std::size_t count) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> place(-kHome_m / 2.0, kHome_m / 2.0), speed(-kSpeedLeast, kSpeedLeast);
@@ -108,7 +108,7 @@ std::vector<peerd_motion> motions_of(const std::vector<Bird>& birds) {
   return motions;
 }
 
-// What the frames since the last line have cost.
+// The costs of the frames since the last line.
 struct Cost {
   std::size_t frames = 0, late = 0;
   double flying_s = 0.0, moving_s = 0.0;

@@ -146,7 +146,7 @@ class Progress {
   bool visible_ = false;
 };
 
-// What goes wrong before the first tick; none: nothing.
+// The error before the first tick, if any.
 std::optional<InputError> why_no_ticks(const CollideOptions& options) {
   if (*options.until_s < options.at_s) {
     return InputError{fmt::format("error: --until {} is before --at {}: there is no tick between them",
@@ -171,7 +171,7 @@ std::vector<std::string> warnings_about(const Scene& scene) {
           "peerd run answer contacts"};
 }
 
-// What a watch has found, and how far it has come.
+// The findings of a watch, and how far it has come.
 struct Watched {
   std::uint64_t ticks = 0;
   bool interrupted = false;

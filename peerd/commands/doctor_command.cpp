@@ -1,6 +1,7 @@
 #include "peerd/commands/doctor_command.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <iostream>
 #include <optional>
 
@@ -13,6 +14,7 @@
 #include "peerd/config/renamed_keys.hpp"
 #include "peerd/discovery/discovery.hpp"
 #include "peerd/doctor/host_findings.hpp"
+#include "peerd/doctor/pair_findings.hpp"
 #include "peerd/input/printable.hpp"
 #include "peerd/os/host_clock.hpp"
 #include "peerd/transport/multicast_probe.hpp"
@@ -119,7 +121,8 @@ doctor::Examined examined(const Tried& tried, const net::TransportOptions& optio
 
 // The facts of this computer; routes where a peer would use unicast.
 std::expected<doctor::HostFacts, net::NetError> facts_of(const net::HostClock& clock, const Tried& tried,
-                                                         const net::TransportOptions& options) {
+                                                         const net::TransportOptions& options,
+                                                         const doctor::OtherPorts& ports) {
   std::vector<doctor::NamedPeer> peers;
   if (tried.kind == "unicast") {
     const auto family = options.multicast.groups.base.is_v4() ? net::IpFamily::kV4 : net::IpFamily::kV6;
@@ -127,18 +130,29 @@ std::expected<doctor::HostFacts, net::NetError> facts_of(const net::HostClock& c
     if (!addresses) return std::unexpected(addresses.error());
     for (std::size_t i = 0; i < addresses->size(); ++i) peers.push_back({options.peers[i], (*addresses)[i]});
   }
-  return doctor::read_host_facts(clock, peers);
+  return doctor::read_host_facts(clock, peers, ports);
 }
 
-// Whether a peer would run, and reach this computer only.
-bool only_here(const Tried& tried, const std::vector<doctor::Finding>& findings) {
-  return !tried.kind.empty() && std::ranges::any_of(findings, [](const doctor::Finding& f) {
-    return f.name == "reach" && f.level == doctor::Level::kWarning;
-  });
-}
+// All that is printed.
+struct Report {
+  Tried tried;
+  std::vector<doctor::Finding> findings;
+  std::optional<doctor::PairOutcome> with;
 
-ordered_json as_json(const Tried& t, const config::TransportSettings& settings,
-                     const std::vector<doctor::Finding>& findings) {
+  // Whether a peer would run, and reach this computer only.
+  [[nodiscard]] bool only_here() const {
+    if (with) return !doctor::any_path_works(*with);
+    return !tried.kind.empty() && std::ranges::any_of(findings, [](const doctor::Finding& f) {
+      return f.name == "reach" && f.level == doctor::Level::kWarning;
+    });
+  }
+  [[nodiscard]] bool unicast_needed() const {
+    return !tried.multicast_works() || only_here() || (with && !doctor::multicast_works(*with));
+  }
+};
+
+ordered_json as_json(const Report& report, const config::TransportSettings& settings) {
+  const Tried& t = report.tried;
   ordered_json multicast = {{"tried", t.probe.has_value()}, {"works", t.multicast_works()}};
   ordered_json interface = nullptr, memberships = nullptr;
   if (t.multicast_works()) {
@@ -150,23 +164,23 @@ ordered_json as_json(const Tried& t, const config::TransportSettings& settings,
   } else if (t.probe) {
     multicast["problem"] = t.probe->error().sentence;
   }
-  const bool here = only_here(t, findings);
   ordered_json all = {
       {"interface", interface},
       {"multicast", multicast},
       {"memberships_of_a_socket", memberships},
       {"receive_buffer_bytes", {{"asked", settings.receive_buffer_bytes}, {"granted", t.receive_buffer_bytes}}},
-      {"unicast_needed", !t.multicast_works() || here},
-      {"only_this_computer", here},
+      {"unicast_needed", report.unicast_needed()},
+      {"only_this_computer", report.only_here()},
       {"unicast_peers", settings.peers},
       {"transport", t.kind.empty() ? ordered_json(nullptr) : ordered_json(t.kind)},
-      {"findings", doctor::as_json(findings)}};
+      {"findings", doctor::as_json(report.findings)}};
   if (!t.problem.empty()) all["problem"] = t.problem;
+  if (report.with) all["with"] = doctor::as_json(*report.with);
   return all;
 }
 
-std::string as_text(const Tried& t, const config::TransportSettings& settings,
-                    const std::vector<doctor::Finding>& findings) {
+std::string as_text(const Report& report, const config::TransportSettings& settings) {
+  const Tried& t = report.tried;
   std::string text;
   const auto line = [&](std::string_view what, const std::string& found) {
     text += fmt::format("{:<16}{}\n", what, found);
@@ -189,12 +203,32 @@ std::string as_text(const Tried& t, const config::TransportSettings& settings,
     line("receive buffer", less.empty() ? fmt::format("{} bytes, as asked", t.receive_buffer_bytes) : less);
   }
   const std::string needed = works ? "needed for other computers" : "needed";
-  line("unicast", works && !only_here(t, findings) ? "not needed"
-                                                   : fmt::format("{}; {} configured (transport.peers)", needed,
-                                                                 counted(settings.peers.size(), "peer")));
-  text += doctor::as_text(findings);
+  line("unicast", report.unicast_needed() ? fmt::format("{}; {} configured (transport.peers)", needed,
+                                                        counted(settings.peers.size(), "peer"))
+                                          : "not needed");
+  text += doctor::as_text(report.findings);
   if (t.problem.empty()) line("a peer", "would run: " + t.transport);
   return text;
+}
+
+std::uint64_t random_session() {
+  std::uint64_t session = 0;
+  while (session == 0) {
+    const net::SipKey key = random_key();
+    std::memcpy(&session, &key, sizeof session);
+  }
+  return session;
+}
+
+std::expected<doctor::PairOutcome, net::NetError> try_with(const net::HostClock& clock, const DoctorOptions& options,
+                                                           const net::TransportOptions& transport,
+                                                           const config::TransportSettings& settings) {
+  return doctor::run_pair(clock, {.transport = transport,
+                                  .snapshot_port = settings.snapshot_port,
+                                  .host = options.with,
+                                  .wait = from_seconds(options.wait_s),
+                                  .session = random_session(),
+                                  .say = [](const std::string& text) { std::cerr << text << std::endl; }});
 }
 
 }  // namespace
@@ -205,17 +239,28 @@ int run_doctor(const DoctorOptions& options) {
   const auto reach = transport_options(*settings, random_key());
   if (!reach) return failed(reach.error());
   const net::HostClock clock;
-  const Tried tried = try_transport(clock, *reach);
-  const auto facts = facts_of(clock, tried, *reach);
+  Report report{try_transport(clock, *reach), {}, {}};
+  doctor::Examined seen = examined(report.tried, *reach, *settings);
+  const auto facts = facts_of(clock, report.tried, *reach, {seen.discovery_port, seen.snapshot_port});
   if (!facts) return failed(input_error(facts.error()));
-  const auto findings = doctor::host_findings(*facts, examined(tried, *reach, *settings));
-  if (options.json) {
-    const ordered_json all = as_json(tried, *settings, findings);
-    std::cout << all.dump(2, ' ', false, ordered_json::error_handler_t::replace) << '\n';
-  } else {
-    std::cout << as_text(tried, *settings, findings);
+  seen.with_another = !options.with.empty();
+  report.findings = doctor::host_findings(*facts, seen);
+  int exit_code = report.tried.problem.empty() ? doctor::exit_code_of(report.findings) : report.tried.problem_exit_code;
+  if (seen.with_another) {
+    auto outcome = try_with(clock, options, *reach, *settings);
+    if (!outcome) return failed(input_error(outcome.error()));
+    report.with = *std::move(outcome);
+    // What was seen between the two decides, and not what this computer alone could guess.
+    std::erase_if(report.findings, [](const doctor::Finding& f) { return f.name == "reach"; });
+    std::ranges::move(doctor::pair_findings(*report.with), std::back_inserter(report.findings));
+    exit_code = doctor::exit_code_of(report.findings);
   }
-  return tried.problem.empty() ? doctor::exit_code_of(findings) : tried.problem_exit_code;
+  if (options.json) {
+    std::cout << as_json(report, *settings).dump(2, ' ', false, ordered_json::error_handler_t::replace) << '\n';
+  } else {
+    std::cout << as_text(report, *settings);
+  }
+  return exit_code;
 }
 
 }  // namespace peerd

@@ -342,6 +342,7 @@ GatewaySettings read_gateway(TomlReader reader) {
   GatewaySettings s;
   reader.read("listen", s.listen);
   reader.read("beyond_loopback", s.beyond_loopback);
+  reader.read("origins", s.origins);
   reader.finish();
   return s;
 }

@@ -133,8 +133,9 @@ struct LogSettings {
 [[nodiscard]] LogSettings read_log(TomlReader reader);
 
 struct GatewaySettings {
-  std::string listen;            // ADDRESS:PORT; empty: there is none
-  bool beyond_loopback = false;  // other computers may reach it, though nothing is encrypted
+  std::string listen;                // ADDRESS:PORT; empty: there is none
+  bool beyond_loopback = false;      // other computers may reach it, though nothing is encrypted
+  std::vector<std::string> origins;  // whose pages may ask, beside its own
 };
 [[nodiscard]] GatewaySettings read_gateway(TomlReader reader);
 

@@ -102,6 +102,7 @@ class Daemon {
   void begin();
   bool poll(Duration at_most);
   void leave();
+  [[nodiscard]] bool has_left() const { return over_; }
   [[nodiscard]] int exit_code() const { return exit_code_; }
 
   // The time of an input that the peer gets now.

@@ -43,6 +43,12 @@ struct Firewall {
   bool older_tables = false;               // tables of iptables-legacy, whose rules are not read
 };
 
+// The ports beside that of the session, which is tried by a peer's own socket.
+struct OtherPorts {
+  std::uint16_t discovery = 0;  // UDP, shared by all peers; 0: not used
+  std::uint16_t snapshot = 0;   // TCP, of one peer; 0: the system chooses one
+};
+
 struct HostFacts {
   std::vector<Link> links;
   std::vector<Route> routes;                   // to the configured peers
@@ -51,6 +57,7 @@ struct HostFacts {
   std::optional<Duration> clock_error;         // the bound that the kernel knows; none: nothing steers the clock
   std::string container;                       // "docker", "podman", "systemd-nspawn"; empty: none
   Firewall firewall;
+  OtherPorts taken;  // those that another program keeps from a peer; 0: none
 };
 
 // Reads what the kernel says. `peers` are the configured ones with their addresses.
@@ -59,11 +66,13 @@ struct NamedPeer {
   boost::asio::ip::udp::endpoint address;
 };
 [[nodiscard]] std::expected<HostFacts, net::NetError> read_host_facts(const net::HostClock& clock,
-                                                                      const std::vector<NamedPeer>& peers);
+                                                                      const std::vector<NamedPeer>& peers,
+                                                                      const OtherPorts& ports);
 
 // The parts of read_host_facts() that have files of their own.
 [[nodiscard]] std::expected<std::vector<Link>, net::NetError> read_links();
 [[nodiscard]] Firewall read_firewall();
 [[nodiscard]] Route route_to(const NamedPeer& peer);
+[[nodiscard]] OtherPorts taken_of(const OtherPorts& ports);
 
 }  // namespace peerd::doctor

@@ -39,6 +39,21 @@ std::vector<Finding> limit_findings(const HostFacts& facts, const Examined& exam
                                *facts.optmem_bytes),
                    fmt::format("sysctl -w net.core.optmem_max={}, or transport.group_pool", kOptmem_bytes)});
   }
+  if (facts.taken.discovery != 0) {
+    all.push_back(
+        {"port", Level::kWarning,
+         fmt::format("UDP port {} is held by a program that does not share it: peerd ls and peerd join will not "
+                     "find a peer here",
+                     facts.taken.discovery),
+         fmt::format("stop it (ss -ulnp \"sport = :{}\" names it)", facts.taken.discovery)});
+  }
+  if (facts.taken.snapshot != 0) {
+    all.push_back(
+        {"port", Level::kHint,
+         fmt::format("TCP port {} (transport.snapshot_port) is in use, by a peer that runs or another program",
+                     facts.taken.snapshot),
+         fmt::format("ss -tlnp \"sport = :{}\" names it", facts.taken.snapshot)});
+  }
   all.push_back(clock_of(facts.clock_error));
   return all;
 }

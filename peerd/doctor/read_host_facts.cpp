@@ -3,6 +3,7 @@
 #include <ifaddrs.h>
 #include <netinet/in.h>
 
+#include <boost/asio/ip/tcp.hpp>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -15,6 +16,7 @@ namespace peerd::doctor {
 namespace {
 
 using boost::asio::ip::address;
+using boost::asio::ip::tcp;
 using boost::asio::ip::udp;
 
 std::optional<std::size_t> number_in(const char* file) {
@@ -71,8 +73,25 @@ Route route_to(const NamedPeer& peer) {
   return {peer.text, Route::Way::kOutwards, interface_with(from)};
 }
 
+// Peers share the port for questions, and a port that TCP has just left can be used again: both need SO_REUSEADDR.
+OtherPorts taken_of(const OtherPorts& ports) {
+  boost::asio::io_context io(1);
+  const auto is_taken = [](auto& socket, std::uint16_t port) {
+    boost::system::error_code ec;
+    socket.set_option(boost::asio::socket_base::reuse_address(true), ec);
+    if (!ec) socket.bind({boost::asio::ip::address_v4::any(), port}, ec);
+    return ec == boost::asio::error::address_in_use;
+  };
+  OtherPorts taken;
+  udp::socket questions(io, udp::v4());
+  tcp::acceptor joins(io, tcp::v4());
+  if (ports.discovery != 0 && is_taken(questions, ports.discovery)) taken.discovery = ports.discovery;
+  if (ports.snapshot != 0 && is_taken(joins, ports.snapshot)) taken.snapshot = ports.snapshot;
+  return taken;
+}
+
 std::expected<HostFacts, net::NetError> read_host_facts(const net::HostClock& clock,
-                                                        const std::vector<NamedPeer>& peers) {
+                                                        const std::vector<NamedPeer>& peers, const OtherPorts& ports) {
   HostFacts facts;
   auto links = read_links();
   if (!links) return std::unexpected(links.error());
@@ -83,6 +102,7 @@ std::expected<HostFacts, net::NetError> read_host_facts(const net::HostClock& cl
   if (const auto os_clock = net::read_os_clock(clock)) facts.clock_error = os_clock->error;
   facts.container = container_here();
   facts.firewall = read_firewall();
+  facts.taken = taken_of(ports);
   return facts;
 }
 

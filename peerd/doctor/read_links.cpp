@@ -56,6 +56,8 @@ Link link_of(std::span<const std::byte> message) {
     if (a.type == IFLA_MTU) link.mtu_bytes = a.number<std::uint32_t>();
     if (a.type == IFLA_MASTER) link.bridge_index = a.number<std::uint32_t>();
     if (a.type == IFLA_LINK_NETNSID) link.other_end_elsewhere = true;
+    // The flag follows a lost carrier up to a second later.
+    if (a.type == IFLA_CARRIER && a.number<std::uint8_t>() == 0) link.has_carrier = false;
     if (a.type == IFLA_LINKINFO) read_kind(link, a.value);
   });
   return link;

@@ -183,6 +183,10 @@ void peerd_leave(peerd_peer* peer) {
   });
 }
 
+int peerd_has_left(peerd_peer* peer) {
+  return with(peer, 0, [](EmbeddedPeer& held) { return held.has_left() ? 1 : 0; });
+}
+
 uint32_t peerd_id(peerd_peer* peer) {
   return with(peer, 0U, [](EmbeddedPeer& held) { return held.node().peer().id().value; });
 }
@@ -355,10 +359,13 @@ int peerd_next_event(peerd_peer* peer, peerd_event* event, size_t size) {
     held.event = *std::move(next);
     held.event.event.name = held.event.name ? held.event.name->c_str() : nullptr;
     held.event.event.text = held.event.text ? held.event.text->c_str() : nullptr;
+    held.event.event.path = held.event.path ? held.event.path->c_str() : nullptr;
     std::memset(event, 0, size);
     std::memcpy(event, &held.event.event, std::min(size, sizeof(peerd_event)));
     return 1;
   });
 }
+
+int peerd_event_descriptor(peerd_peer* peer) { return peer_of(peer).signal().descriptor(); }
 
 }  // extern "C"

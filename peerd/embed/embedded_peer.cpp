@@ -7,11 +7,14 @@
 
 #include <boost/asio/post.hpp>
 
+#include "peerd/node/edit_operation.hpp"
+
 namespace peerd::embed {
 namespace {
 
 // A thread that nobody polls looks after its peer at least so often.
 constexpr Duration kThreadWaits = std::chrono::milliseconds(100);
+constexpr int kEnvironment = 3;  // exit code
 
 void put(const Vec3& v, double (&out)[3]) {
   for (int i = 0; i < 3; ++i) out[i] = v[i];
@@ -26,6 +29,7 @@ StoredEvent event_of(peerd_event_kind kind, std::optional<SimTime> at = {}) {
 
 struct EventOf {
   using Event = std::optional<StoredEvent>;
+  const Scene& scene;
 
   Event operator()(const replication::PeerJoined& joined) const {
     StoredEvent stored = event_of(PEERD_PEER_JOINED);
@@ -77,6 +81,7 @@ struct EventOf {
   }
   Event operator()(const replication::DataChanged& data) const {
     StoredEvent stored = event_of(PEERD_DATA, data.at);
+    stored.path = path_or_id(scene, data.node);
     stored.name = data.key;
     stored.text = data.value;
     return stored;
@@ -108,10 +113,13 @@ Result<std::unique_ptr<EmbeddedPeer>> EmbeddedPeer::open(const PeerOptions& opti
   };
   auto peer = OpenedPeer::open(options, warn);
   if (!peer) return std::unexpected(peer.error());
-  return std::unique_ptr<EmbeddedPeer>(new EmbeddedPeer(*std::move(peer)));
+  auto signal = EventSignal::open();
+  if (!signal) return std::unexpected(InputError{"error: no signal for events: " + signal.error(), kEnvironment});
+  return std::unique_ptr<EmbeddedPeer>(new EmbeddedPeer(*std::move(peer), *std::move(signal)));
 }
 
-EmbeddedPeer::EmbeddedPeer(std::unique_ptr<OpenedPeer> peer) : peer_(std::move(peer)) {
+EmbeddedPeer::EmbeddedPeer(std::unique_ptr<OpenedPeer> peer, EventSignal signal)
+    : peer_(std::move(peer)), signal_(std::move(signal)) {
   peer_->daemon().on_event([this](const replication::Output& output) { note(output); });
   peer_->daemon().begin();
 }
@@ -156,7 +164,11 @@ void EmbeddedPeer::release() {
   door_.unlock();
 }
 
-bool EmbeddedPeer::poll(Duration at_most) { return peer_->daemon().poll(at_most); }
+bool EmbeddedPeer::poll(Duration at_most) {
+  const bool goes_on = peer_->daemon().poll(at_most);
+  if (!goes_on) signal_.raise();
+  return goes_on;
+}
 
 bool EmbeddedPeer::start() {
   const std::lock_guard inside(door_);
@@ -166,12 +178,16 @@ bool EmbeddedPeer::start() {
     }
     const std::lock_guard lock(mutex_);
     has_ended_ = true;
+    signal_.raise();
     changed_.notify_all();
   });
   return true;
 }
 
-void EmbeddedPeer::leave() { peer_->daemon().leave(); }
+void EmbeddedPeer::leave() {
+  peer_->daemon().leave();
+  signal_.raise();
+}
 
 std::optional<SimTime> EmbeddedPeer::session_now() {
   const auto& clock = node().peer().clock();
@@ -216,12 +232,13 @@ std::size_t EmbeddedPeer::move(std::span<const peerd_motion> motions) {
 }
 
 void EmbeddedPeer::note(const replication::Output& output) {
-  auto seen = std::visit(EventOf{}, output);
+  auto seen = std::visit(EventOf{node().scene()}, output);
   if (!seen) return;
   if (events_.size() >= kEventsMax) {
     events_.pop_front();
     ++lost_;
   }
+  if (events_.empty()) signal_.raise();
   events_.push_back(*std::move(seen));
 }
 
@@ -231,7 +248,10 @@ std::optional<StoredEvent> EmbeddedPeer::next_event() {
     lost.event.count = std::exchange(lost_, 0);
     return lost;
   }
-  if (events_.empty()) return std::nullopt;
+  if (events_.empty()) {
+    if (!has_left()) signal_.clear();
+    return std::nullopt;
+  }
   StoredEvent next = std::move(events_.front());
   events_.pop_front();
   return next;

@@ -13,6 +13,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "peerd/embed/event_signal.hpp"
 #include "peerd/embed/include/peerd/peerd.h"
 #include "peerd/feed/pose_message.hpp"
 #include "peerd/input/input_error.hpp"
@@ -27,7 +28,7 @@ namespace peerd::embed {
 // An event with its texts, to which its pointers point when it is taken.
 struct StoredEvent {
   peerd_event event{};
-  std::optional<std::string> name{}, text{};
+  std::optional<std::string> name{}, text{}, path{};
 };
 
 // An EmbeddedPeer is a peer in a program of somebody else's, which drives it in its own loop or lets it have a thread.
@@ -52,8 +53,10 @@ class EmbeddedPeer {
   bool start();
   [[nodiscard]] bool has_thread() const { return thread_.joinable(); }
   void leave();
+  [[nodiscard]] bool has_left() const { return peer_->daemon().has_left(); }
 
   [[nodiscard]] const PeerNode& node() const { return peer_->node(); }
+  [[nodiscard]] OpenedPeer& opened() { return *peer_; }
   [[nodiscard]] std::optional<SimTime> session_now();
   // Brings what poses() reads to the present. None: there is no session yet.
   [[nodiscard]] std::optional<SimTime> look();
@@ -63,13 +66,15 @@ class EmbeddedPeer {
   // Returns how many were taken.
   [[nodiscard]] std::size_t move(std::span<const peerd_motion> motions);
   [[nodiscard]] std::optional<StoredEvent> next_event();
+  // It is raised while events wait, and from when the peer has left.
+  [[nodiscard]] const EventSignal& signal() const { return signal_; }
 
   // For the C interface, whose texts are valid until the next call.
   std::string error{}, text{};
   StoredEvent event{};
 
  private:
-  explicit EmbeddedPeer(std::unique_ptr<OpenedPeer> peer);
+  EmbeddedPeer(std::unique_ptr<OpenedPeer> peer, EventSignal signal);
   void note(const replication::Output& output);
   [[nodiscard]] const std::string& path_of(ObjectId object);
 
@@ -77,6 +82,7 @@ class EmbeddedPeer {
   std::optional<SimTime> looked_at_;
   std::deque<StoredEvent> events_;
   std::uint64_t lost_ = 0;
+  EventSignal signal_;
   std::vector<feed::FedPose> fed_;
   std::unordered_map<ObjectId, std::string> paths_;  // of this scene
   std::uint64_t paths_of_ = 0;                       // .. PeerCounters::scene_changes then

@@ -60,4 +60,14 @@ bool is_own_origin(std::string_view origin, std::string_view host) {
   return origin.starts_with(kScheme) && same_letters(origin.substr(kScheme.size()), host);
 }
 
+bool is_origin(std::string_view text) {
+  const std::string_view scheme = text.starts_with("https://") ? "https://" : "http://";
+  if (!text.starts_with(scheme) || text.size() == scheme.size()) return false;
+  const auto in_host = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ||
+           std::string_view(".-_:[]").find(c) != std::string_view::npos;
+  };
+  return std::ranges::all_of(text.substr(scheme.size()), in_host);
+}
+
 }  // namespace peerd::gateway

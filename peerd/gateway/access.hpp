@@ -19,5 +19,8 @@ namespace peerd::gateway {
 [[nodiscard]] bool is_own_host(std::string_view host, std::uint16_t port);
 // Whether a page of the server that "Host" names asks.
 [[nodiscard]] bool is_own_origin(std::string_view origin, std::string_view host);
+// Whether a browser could send that as "Origin": a scheme, a host and, unless it is the scheme's own, a port. "null",
+// which pages of files and sandboxes send, names nobody.
+[[nodiscard]] bool is_origin(std::string_view text);
 
 }  // namespace peerd::gateway

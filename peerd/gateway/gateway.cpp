@@ -60,7 +60,7 @@ class Gateway::Impl : public std::enable_shared_from_this<Impl> {
       : acceptor_(io),
         again_(io),
         state_(std::make_shared<GatewayState>(io, source, options.assets, std::move(options.token),
-                                              std::move(options.log))) {}
+                                              std::move(options.origins), std::move(options.log))) {}
 
   Result<void> listen(const tcp::endpoint& at) {
     allow_descriptors();

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -24,6 +25,7 @@ class Gateway : public api::EventSink {
     boost::asio::ip::tcp::endpoint at;  // port 0: the system chooses one
     ViewerAssets assets{};
     std::string token;
+    std::vector<std::string> origins{};  // whose pages may ask, too
     std::function<void(const LogLine&)> log;
   };
 

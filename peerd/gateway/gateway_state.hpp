@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <boost/asio/io_context.hpp>
 
@@ -39,10 +40,11 @@ class Connection {
 class GatewayState {
  public:
   GatewayState(boost::asio::io_context& io, GatewaySource& peer, ViewerAssets files, std::string secret,
-               std::function<void(const LogLine&)> to_log)
+               std::vector<std::string> let_in, std::function<void(const LogLine&)> to_log)
       : source(peer),
         assets(files),
         token(std::move(secret)),
+        origins(std::move(let_in)),
         turns(std::make_shared<Turns>(io)),
         log_(std::move(to_log)) {}
 
@@ -66,6 +68,7 @@ class GatewayState {
   GatewaySource& source;
   const ViewerAssets assets;
   const std::string token;
+  const std::vector<std::string> origins;         // whose pages may ask, beside its own
   const std::string start_number = make_token();  // revisions of another start are other scenes
   std::uint16_t port = 0;
   std::shared_ptr<Turns> turns;

@@ -1,5 +1,6 @@
 #include "peerd/gateway/http_connection.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -36,13 +37,15 @@ constexpr const char* kPolicy =
 
 std::string_view view(beast::string_view text) { return {text.data(), text.size()}; }
 
-Response response_of(const HttpReply& reply, unsigned version, bool keeps_alive) {
+// `origin`: of another server's page that is let in; empty: none.
+Response response_of(const HttpReply& reply, const std::string& origin, unsigned version, bool keeps_alive) {
   Response response(static_cast<http::status>(reply.status), version);
   response.set(http::field::content_type, beast::string_view(reply.content_type.data(), reply.content_type.size()));
   response.set(http::field::cache_control, reply.immutable ? "public, max-age=31536000, immutable" : "no-cache");
   if (!reply.etag.empty()) response.set(http::field::etag, reply.etag);
   if (reply.gzipped) response.set(http::field::content_encoding, "gzip");
-  response.set(http::field::vary, "Accept-Encoding");
+  response.set(http::field::vary, "Accept-Encoding, Origin");
+  if (!origin.empty()) response.set(http::field::access_control_allow_origin, origin);
   response.set("Content-Security-Policy", kPolicy);
   response.set("X-Content-Type-Options", "nosniff");
   response.set("Cross-Origin-Resource-Policy", "same-origin");
@@ -126,11 +129,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     const auto& request = parser_->get();
     const std::string_view host = view(request[http::field::host]);
     if (request.count(http::field::host) != 1 || !is_own_host(host, state_->port)) return refuse(RefusalKind::kHost);
-    const bool has_origin = request.count(http::field::origin) > 0;
-    if (has_origin &&
-        (request.count(http::field::origin) > 1 || !is_own_origin(view(request[http::field::origin]), host))) {
-      return refuse(RefusalKind::kOrigin);
-    }
+    if (request.count(http::field::origin) > 0 && !let_in(host)) return refuse(RefusalKind::kOrigin);
     auto route = find_route(view(request.method_string()), view(request.target()));
     if (!route) return refuse(route.error());
     if (std::holds_alternative<LiveRoute>(*route)) return become_live();
@@ -144,6 +143,17 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
       parser_->body_limit(kStrangersBodyMax_bytes);  // of a body in chunks
     }
     read_body();
+  }
+
+  // Whether a page of that origin may ask: the gateway's own, or one that the configuration names.
+  bool let_in(std::string_view host) {
+    const auto& request = parser_->get();
+    if (request.count(http::field::origin) > 1) return false;
+    const std::string_view origin = view(request[http::field::origin]);
+    if (is_own_origin(origin, host)) return true;
+    if (std::ranges::find(state_->origins, origin) == state_->origins.end()) return false;
+    other_origin_ = origin;
+    return true;
   }
 
   void read_body() {
@@ -254,7 +264,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     late_ = false;
     const unsigned version = parser_->get().version();
     reply_ = std::move(reply);
-    response_.emplace(response_of(reply_, version == 0 ? kHttp11 : version, keeps_alive));
+    response_.emplace(response_of(reply_, other_origin_, version == 0 ? kHttp11 : version, keeps_alive));
     end_within(time_to_read(reply_.body.size()), [this] {
       state_->note(RefusalKind::kTooSlow);
       drop();
@@ -264,6 +274,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
       self->deadline_.cancel();
       if (failed || !self->response_->keep_alive()) return self->finish();
       self->may_change_ = false;
+      self->other_origin_.clear();
       self->response_.reset();
       self->reply_ = {};
       self->wait();
@@ -296,8 +307,9 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
   std::optional<http::request_parser<http::string_body>> parser_;
   HttpReply reply_;  // whose body the response refers to
   std::optional<Response> response_;
-  bool late_ = false;        // the request has taken too long
-  bool may_change_ = false;  // the request has the token
+  std::string other_origin_;  // of the page that asks, where it is another server's and let in
+  bool late_ = false;         // the request has taken too long
+  bool may_change_ = false;   // the request has the token
 };
 
 }  // namespace

@@ -135,12 +135,14 @@ class LiveConnection : public Connection, public std::enable_shared_from_this<Li
 
   std::string reply_to(const std::string& message) {
     auto request = parse_live_request(message);
-    if (!request) {
+    std::string reply;
+    if (request.what) {
+      reply = std::visit([this](auto& asked) { return answer(asked); }, *request.what);
+    } else {
       state_->note(RefusalKind::kMalformed);
-      return api::refusal(request.error());
+      reply = api::refusal(request.what.error());
     }
-    std::string reply = std::visit([this](auto& asked) { return answer(asked); }, request->what);
-    return reply.empty() ? reply : with_sequence(std::move(reply), request->sequence);
+    return reply.empty() ? reply : with_sequence(std::move(reply), request.sequence);
   }
 
   std::string answer(const TokenRequest& shown) {

@@ -80,49 +80,60 @@ WalkRequest read_walk(feed::JsonMembers& members) {
   return request;
 }
 
+std::expected<LiveRequest::What, std::string> read_what(const nlohmann::json& object) {
+  feed::JsonMembers members(object);
+  if (const auto ours = members.check_version(); !ours) return std::unexpected(ours.error());
+  const std::string name = members.text("do").value_or("");
+  LiveRequest::What what;
+  if (name == "token") {
+    what = TokenRequest{members.required(members.text("token"), "token")};
+  } else if (name == "watch") {
+    what = read_watch(members);
+  } else if (name == "unwatch") {
+    what = UnwatchRequest{};
+  } else if (name == "pick") {
+    const Vec3 origin = members.required(members.numbers<3>("origin_m"), "origin_m");
+    what = PickRequest{origin, members.required(members.numbers<3>("direction"), "direction")};
+  } else if (name == "walk") {
+    what = read_walk(members);
+  } else if (name == "avatar") {
+    what = AvatarRequest{members.text("path").value_or("")};
+  } else if (name == "inspect") {
+    if (!members.has("node")) members.fail("node", "is missing");
+    what = InspectRequest{static_cast<std::uint32_t>(members.whole("node", 0, 0, kNodeMax))};
+  } else if (name == "surroundings") {
+    what = SurroundingsRequest{};
+  } else if (name == "hierarchy") {
+    HierarchyRequest asked{members.required(members.text("path"), "path"), 0};
+    asked.level = static_cast<std::uint32_t>(members.whole("level", 0, 0, kLevelMax));
+    what = std::move(asked);
+  } else {
+    return PlainRequest{json_line(object)};
+  }
+  if (std::string error = members.finish(); !error.empty()) return std::unexpected(std::move(error));
+  return what;
+}
+
 }  // namespace
 
-std::expected<LiveRequest, std::string> parse_live_request(std::string_view message) {
-  auto object = feed::parse_json_object(message);
-  if (!object) return std::unexpected(object.error());
+LiveRequest parse_live_request(std::string_view message) {
   LiveRequest request;
+  auto object = feed::parse_json_object(message);
+  if (!object) {
+    request.what = std::unexpected(object.error());
+    return request;
+  }
   if (object->contains("seq")) {
     const nlohmann::json sequence = object->at("seq");
     const bool is_whole = sequence.is_number_integer() && sequence >= 0 && sequence <= kSequenceMax;
-    if (!is_whole) return std::unexpected("\"seq\" must be a whole number from 0 to 2^53 - 1");
+    if (!is_whole) {
+      request.what = std::unexpected("\"seq\" must be a whole number from 0 to 2^53 - 1");
+      return request;
+    }
     request.sequence = sequence.get<std::int64_t>();
     object->erase("seq");
   }
-  feed::JsonMembers members(*object);
-  if (const auto ours = members.check_version(); !ours) return std::unexpected(ours.error());
-  const std::string what = members.text("do").value_or("");
-  if (what == "token") {
-    request.what = TokenRequest{members.required(members.text("token"), "token")};
-  } else if (what == "watch") {
-    request.what = read_watch(members);
-  } else if (what == "unwatch") {
-    request.what = UnwatchRequest{};
-  } else if (what == "pick") {
-    const Vec3 origin = members.required(members.numbers<3>("origin_m"), "origin_m");
-    request.what = PickRequest{origin, members.required(members.numbers<3>("direction"), "direction")};
-  } else if (what == "walk") {
-    request.what = read_walk(members);
-  } else if (what == "avatar") {
-    request.what = AvatarRequest{members.text("path").value_or("")};
-  } else if (what == "inspect") {
-    if (!members.has("node")) members.fail("node", "is missing");
-    request.what = InspectRequest{static_cast<std::uint32_t>(members.whole("node", 0, 0, kNodeMax))};
-  } else if (what == "surroundings") {
-    request.what = SurroundingsRequest{};
-  } else if (what == "hierarchy") {
-    HierarchyRequest asked{members.required(members.text("path"), "path"), 0};
-    asked.level = static_cast<std::uint32_t>(members.whole("level", 0, 0, kLevelMax));
-    request.what = std::move(asked);
-  } else {
-    request.what = PlainRequest{json_line(*object)};
-    return request;
-  }
-  if (std::string error = members.finish(); !error.empty()) return std::unexpected(std::move(error));
+  request.what = read_what(*object);
   return request;
 }
 

@@ -48,14 +48,15 @@ struct HierarchyRequest {
   std::uint32_t level = 0;
 };
 struct LiveRequest {
-  std::optional<std::int64_t> sequence;  // which the reply repeats
-  std::variant<PlainRequest, TokenRequest, WatchRequest, UnwatchRequest, PickRequest, InspectRequest, WalkRequest,
-               AvatarRequest, SurroundingsRequest, HierarchyRequest>
-      what;
+  using What = std::variant<PlainRequest, TokenRequest, WatchRequest, UnwatchRequest, PickRequest, InspectRequest,
+                            WalkRequest, AvatarRequest, SurroundingsRequest, HierarchyRequest>;
+
+  std::optional<std::int64_t> sequence;   // which the reply repeats, also where it is a refusal
+  std::expected<What, std::string> what;  // the error is one sentence for its sender
 };
 
-// Parses one message of hostile input. The error is one sentence for its sender.
-[[nodiscard]] std::expected<LiveRequest, std::string> parse_live_request(std::string_view message);
+// Parses one message of hostile input.
+[[nodiscard]] LiveRequest parse_live_request(std::string_view message);
 
 // A reply, with "seq" where its request had that.
 [[nodiscard]] std::string with_sequence(std::string reply, std::optional<std::int64_t> sequence);

@@ -10,6 +10,7 @@
 #include "peerd/control/control_path.hpp"
 #include "peerd/gateway/access.hpp"
 #include "peerd/gateway/listen_address.hpp"
+#include "peerd/input/printable.hpp"
 #include "peerd/picture/picture_input.hpp"
 
 namespace peerd {
@@ -66,10 +67,16 @@ Result<std::unique_ptr<gateway::Gateway>> open_gateway(asio::io_context& io, con
   if (listen.empty()) return nullptr;
   const auto at = gateway::listen_address(listen, settings.beyond_loopback);
   if (!at) return std::unexpected(at.error());
+  for (const std::string& origin : settings.origins) {
+    if (gateway::is_origin(origin)) continue;
+    return std::unexpected(InputError{"error: gateway.origins has \"" + printable(origin) +
+                                      "\", which is no origin such as \"http://localhost:5173\""});
+  }
   auto opened = gateway::Gateway::open(io, source,
                                        {.at = *at,
                                         .assets = gateway::built_viewer(),
                                         .token = gateway::make_token(),
+                                        .origins = settings.origins,
                                         .log = [&log](const LogLine& line) { log(line); }});
   if (!opened) return opened;
   log(LogLevel::kInfo, "the viewer is at " + (*opened)->url());

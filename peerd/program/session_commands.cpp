@@ -16,6 +16,7 @@ namespace peerd {
 namespace {
 
 constexpr NumberRange kAskedSeconds{0.1, 60.0};
+constexpr NumberRange kWaitedSeconds{1.0, 3600.0};
 
 }  // namespace
 
@@ -88,12 +89,18 @@ Command add_doctor(CLI::App& app) {
   CLI::App* const command = app.add_subcommand("doctor", "whether a peer could reach others from here, and how");
   command->footer(
       "Exit codes: 0 a peer could reach others, 1 those on this computer only, or something will hurt, 2 wrong use or "
-      "configuration, 3 none");
+      "configuration, 3 none. With --with: 0 multicast works both ways, 1 only unicast does, or something will hurt, 3 "
+      "neither");
   command->add_option("-c,--config", flags->doctor.config, "a scenario file, of which the table [transport] counts")
       ->transform(installed().scenario());
   command->add_option("--set", flags->doctor.sets, "KEY=VALUE over it, such as transport.ttl=4 (repeatable)")
       ->allow_extra_args(false);
   add_network_options(*command, flags->network);
+  command->add_option("--with", flags->doctor.with,
+                      "HOST or HOST:PORT of another computer, where it runs with this one at the same time: tries "
+                      "multicast, unicast and TCP between the two, both ways");
+  command->add_option("--wait", flags->doctor.wait_s, "how long it waits for the other one to start [s] (default: 60)")
+      ->transform(number_in(kWaitedSeconds));
   command->add_flag("--json", flags->doctor.json, "one JSON object");
   return {command, [flags] {
             auto sets = network_settings(flags->network);

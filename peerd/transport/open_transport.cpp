@@ -15,7 +15,7 @@ struct HostAndPort {
 };
 
 // Splits "host:port", or "[address]:port" where the address itself has colons.
-std::expected<HostAndPort, NetError> split(const std::string& text) {
+std::expected<HostAndPort, NetError> split(const std::string& text, const std::string& named_by) {
   const auto colon = text.rfind(':');
   HostAndPort parts{text.substr(0, colon), colon == std::string::npos ? "" : text.substr(colon + 1)};
   if (parts.host.size() > 2 && parts.host.front() == '[' && parts.host.back() == ']') {
@@ -28,7 +28,7 @@ std::expected<HostAndPort, NetError> split(const std::string& text) {
   const auto read = std::from_chars(parts.port.data(), end, number);
   if (parts.host.empty() || read.ec != std::errc{} || read.ptr != end || number == 0) {
     return failure(NetError::Kind::kBadSetting,
-                   "transport.peers: \"" + text + "\" is no HOST:PORT, such as 192.0.2.7:47474 or [2001:db8::7]:47474");
+                   named_by + ": \"" + text + "\" is no HOST:PORT, such as 192.0.2.7:47474 or [2001:db8::7]:47474");
   }
   return parts;
 }
@@ -53,19 +53,19 @@ std::expected<std::unique_ptr<Transport>, NetError> open_unicast(asio::io_contex
 }  // namespace
 
 std::expected<std::vector<udp::endpoint>, NetError> resolve_peers(const std::vector<std::string>& peers,
-                                                                  IpFamily family) {
+                                                                  IpFamily family, const std::string& named_by) {
   asio::io_context io(1);
   udp::resolver resolver(io);
   std::vector<udp::endpoint> found;
   for (const std::string& peer : peers) {
-    const auto parts = split(peer);
+    const auto parts = split(peer, named_by);
     if (!parts) return std::unexpected(parts.error());
     boost::system::error_code ec;
     const auto addresses = resolver.resolve(family == IpFamily::kV4 ? udp::v4() : udp::v6(), parts->host, parts->port,
                                             udp::resolver::numeric_service, ec);
     if (ec || addresses.empty()) {
       return failure(NetError::Kind::kOther,
-                     "transport.peers: \"" + peer + "\" has no " + (family == IpFamily::kV4 ? "IPv4" : "IPv6") +
+                     named_by + ": \"" + peer + "\" has no " + (family == IpFamily::kV4 ? "IPv4" : "IPv6") +
                          " address: " + ec.message() + "; unicast takes the family of transport.group");
     }
     found.push_back(addresses.begin()->endpoint());

@@ -39,7 +39,8 @@ struct OpenedTransport {
                                                                       const TransportOptions& options);
 
 // Resolves the addresses of configured peers, host names by the system's resolver. kBadSetting: one is not HOST:PORT.
+// `named_by` is the setting, for errors.
 [[nodiscard]] std::expected<std::vector<asio::ip::udp::endpoint>, NetError> resolve_peers(
-    const std::vector<std::string>& peers, IpFamily family);
+    const std::vector<std::string>& peers, IpFamily family, const std::string& named_by = "transport.peers");
 
 }  // namespace peerd::net

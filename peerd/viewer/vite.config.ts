@@ -4,6 +4,7 @@ import { defineConfig } from 'vite';
 // inlined as a data: address and nothing is loaded from elsewhere, because the page's policy allows its own origin alone.
 export default defineConfig({
   base: './',
+  resolve: { alias: { peerd: '/client/index.ts' } },
   build: {
     target: 'es2022',
     assetsInlineLimit: 0,

@@ -1,5 +1,6 @@
 """Peers in this program, by the Python package, over multicast on lo."""
 import asyncio
+import ctypes
 import os
 import random
 import tempfile
@@ -77,6 +78,106 @@ class PeerTest(unittest.TestCase):
             a.set_data("BALL", "colour", "red")
             self.run_until([a, b], lambda: b.data("BALL", "colour") == "red")
             self.assertEqual(a.ask(do="status")["peer"]["name"], "a")
+
+    def meet(self, a, b):
+        """Both have threads, and see each other."""
+        for peer in (a, b):
+            peer.wait_until(lambda: peer.in_session and peer.member_count == 1, GIVES_UP_S)
+
+    def test_a_peer_joins_a_world_without_its_file(self):
+        name = f"joined-{self.port}"  # other tests of this computer are not joined
+        with self.open("a", "CAR", world_name=name).start() as a:
+            a.wait_until(lambda: a.in_session, GIVES_UP_S)
+            a.add("DEF BALL Transform { translation 1 2 3 children Shape { geometry Sphere { } } }")
+            a.wait_until(lambda: a.find("BALL") is not None, GIVES_UP_S)
+            with peerd.Peer(join=name, name="b", interface="lo").start() as b:
+                self.meet(a, b)
+                self.assertEqual(b.find("CAR"), a.find("CAR"))
+                b.wait_until(lambda: b.find("BALL") is not None, GIVES_UP_S)
+                self.assertEqual(list(b.pose(b.find("BALL"))[:3]), [1, 2, 3])
+
+    def test_a_loop_sleeps_until_there_is_an_event(self):
+        async def talk():
+            async with self.open("a", "CAR") as a, self.open("b", "CUBE") as b:
+                await asyncio.to_thread(self.meet, a, b)
+                messages = asyncio.create_task(self.messages(b))
+                await asyncio.sleep(0.1)
+                self.assertFalse(messages.done())
+                began = time.monotonic()
+                a.send("chat", "hello")
+                a.send("chat", "goodbye")
+                while len(messages_of_b) < 2:
+                    await asyncio.wait_for(heard.wait(), GIVES_UP_S)
+                    heard.clear()
+                self.assertEqual([(e.name, e.text, e.peer) for e in messages_of_b], [("chat", "hello", a.id), ("chat", "goodbye", a.id)])
+                self.assertLess(time.monotonic() - began, GIVES_UP_S)
+                b.leave()
+                self.assertEqual(await asyncio.wait_for(messages, GIVES_UP_S), 2)  # the stream has ended
+                self.assertTrue(b.has_left)
+                with self.assertRaisesRegex(peerd.Error, "has left"):
+                    b.wait_until(lambda: False)
+
+        messages_of_b, heard = [], asyncio.Event()
+        self.note = lambda event: (messages_of_b.append(event), heard.set())
+        asyncio.run(talk())
+
+    async def messages(self, peer):
+        count = 0
+        async for event in peer.stream():
+            if event.kind == peerd.EventKind.MESSAGE:
+                count += 1
+                self.note(event)
+        return count
+
+    def test_a_stream_ends_when_the_peer_is_closed_in_it(self):
+        async def first(peer):
+            async for event in peer.stream():
+                peer.close()
+
+        async def run():
+            peer = self.open("a", "CAR").start()
+            await asyncio.to_thread(peer.wait_until, lambda: peer.in_session, GIVES_UP_S)
+            peer.send("chat", "to myself")
+            await asyncio.wait_for(first(peer), GIVES_UP_S)
+
+        asyncio.run(run())
+
+    def test_a_hold_is_one_moment(self):
+        with self.open("a", "CAR").start() as a:
+            a.wait_until(lambda: a.in_session, GIVES_UP_S)
+            ticks = lambda: a.ask(do="status")["counters"]["ticks"]
+            a.wait_until(lambda: ticks() > 0, GIVES_UP_S)
+            with a.hold(), a.hold():
+                before = ticks()
+                time.sleep(0.2)
+                self.assertEqual(ticks(), before)
+            a.wait_until(lambda: ticks() > before, GIVES_UP_S)
+        with self.assertRaises(TimeoutError), self.open("a", "CAR") as a:
+            a.wait_until(lambda: False, 0.05)
+
+    def test_poses_are_written_and_read_where_they_are(self):
+        with self.open("a", "CAR") as a:
+            self.run_until([a], lambda: a.in_session and len(a.owned_objects()) == 1)
+            car = a.owned_objects()
+            self.assertEqual((car.dtype, car.shape), (np.uint64, (1,)))
+            a.take(int(car[0]))
+            frames = np.full((3, 1, 7), 5.0)
+            self.run_until([a], lambda: a.move(car, [[1, 2, 3, 0, 0, 0, 1]], [[0, 0, 0]], jumps=True) == 1)
+            self.assertIs(a.poses(car, out=frames[1]).base, frames)
+            np.testing.assert_allclose(frames[1, 0], [1, 2, 3, 0, 0, 0, 1], atol=1e-9)
+            self.assertTrue((frames[[0, 2]] == 5.0).all())
+            with self.assertRaises(TypeError):
+                a.poses(car, out=np.empty((1, 14))[:, ::2])  # not contiguous
+            with self.assertRaises(ValueError):
+                a.poses(car, out=np.empty((2, 7)))
+            with self.assertRaises(ValueError):
+                a.move(car, np.zeros((2, 7)))
+
+    def test_the_handle_is_that_of_the_c_interface(self):
+        with self.open("a", "CAR") as a, open("/proc/self/maps") as maps:
+            library = ctypes.CDLL(next(line.split()[-1] for line in maps if "/libpeerd.so" in line))
+            library.peerd_id.argtypes, library.peerd_id.restype = [ctypes.c_void_p], ctypes.c_uint32
+            self.assertEqual(library.peerd_id(a.handle), a.id)
 
     def test_a_stream_of_a_peer_with_a_thread(self):
         async def heard(peer):

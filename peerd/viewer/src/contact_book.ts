@@ -1,5 +1,5 @@
-import type { DaemonEvent } from './live/live_connection';
-import type { ContactEvent } from './live/replies';
+import type { ContactEvent, DaemonEvent } from 'peerd';
+
 import type { KnownContact } from './scene/contact_marks';
 
 // The contacts of the last minute, or of a recording, in order of time, and whether they still hold.

@@ -1,5 +1,6 @@
-import type { Ask } from './live/edits';
-import { SurroundingsWatch, type HierarchyReply } from './live/surroundings';
+import type { Ask, HierarchyReply } from 'peerd';
+
+import { SurroundingsWatch } from './live/surroundings';
 import type { Options } from './page/toolbar';
 import { HierarchyMarks } from './scene/hierarchy_marks';
 import { ProximityMarks } from './scene/proximity_marks';

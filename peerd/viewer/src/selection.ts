@@ -1,5 +1,6 @@
+import type { Inspected } from 'peerd';
+
 import type { PeerLink } from './live/peer_link';
-import type { Inspected } from './live/replies';
 import type { InspectorPanel } from './panels/inspector_panel';
 import { hasNode, type SceneFile } from './scene/scene_file';
 

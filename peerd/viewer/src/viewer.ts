@@ -1,4 +1,5 @@
 import { Box3, Vector3 } from 'three';
+import { type DaemonEvent, gatewayAddress, type Hit, type Outcome, PoseFlag, type PoseFrame } from 'peerd';
 
 import { ContactBook } from './contact_book';
 import { Avatar, sizesOf } from './hand/avatar';
@@ -9,12 +10,8 @@ import { Proximity } from './hand/proximity';
 import { Sensors } from './hand/sensors';
 import { PointerTools, type Tool } from './hand/pointer_tools';
 import { Insight } from './insight';
-import type { Outcome } from './live/edits';
-import type { DaemonEvent } from './live/live_connection';
-import { PeerLink, tokenOf } from './live/peer_link';
-import { PoseFlag, type PoseFrame } from './live/pose_frame';
+import { PeerLink } from './live/peer_link';
 import { askForRecording, type Recording } from './live/recording';
-import type { Hit } from './live/replies';
 import { AnchorOffer, anchorAround } from './page/anchor_offer';
 import { Header } from './page/header';
 import { Help } from './page/help';
@@ -115,7 +112,7 @@ export class Viewer {
   private readonly pose = new Float64Array(7);
 
   constructor(root: HTMLElement) {
-    this.link = new PeerLink(tokenOf(location.hash), {
+    this.link = new PeerLink(gatewayAddress(location.href), {
       onFrame: (frame) => this.onFrame(frame),
       onEvent: (event) => this.onEvent(event),
       onFault: (sentence) => this.say('fault', sentence),

@@ -1,7 +1,5 @@
 import { describe, expect, it } from 'vitest';
-
-import { edit } from '../src/live/edits';
-import type { Reply } from '../src/live/live_connection';
+import { edit, type Reply } from 'peerd';
 
 // A daemon's replies, in order; what the page asked stands in `asked`.
 function daemon(replies: Reply[]): { ask: (request: Record<string, unknown>) => Promise<Reply>; asked: Record<string, unknown>[] } {

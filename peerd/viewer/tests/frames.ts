@@ -1,4 +1,4 @@
-import { readPoseFrame, type PoseFrame } from '../src/live/pose_frame';
+import { type PoseFrame, readPoseFrame } from 'peerd';
 
 // Pose frames as the gateway writes them, made here byte by byte from the contract.
 export interface Row {

@@ -1,9 +1,9 @@
 import { PerspectiveCamera, Ray, Vector3 } from 'three';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import type { Outcome } from 'peerd';
 
 import { Hand } from '../src/hand/hand';
 import type { PeerLink } from '../src/live/peer_link';
-import type { Outcome } from '../src/live/edits';
 import type { SceneView } from '../src/scene/scene_view';
 
 type Request = Record<string, unknown>;

@@ -1,7 +1,6 @@
 import { describe, expect, it } from 'vitest';
+import { LookKind, type PoseFrame, readPoseFrame } from 'peerd';
 
-import { LookKind } from '../src/live/look_records';
-import { readPoseFrame, type PoseFrame } from '../src/live/pose_frame';
 import { LookBook } from '../src/time/look_book';
 import { PoseHistory } from '../src/time/pose_history';
 import { frameBytes } from './frames';

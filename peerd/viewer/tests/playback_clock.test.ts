@@ -1,6 +1,5 @@
 import { describe, expect, it } from 'vitest';
-
-import { PlaybackClock } from '../src/live/playback_clock';
+import { PlaybackClock } from 'peerd';
 
 describe('the clock of the picture', () => {
   it('stays behind the newest frame and goes on evenly while frames come unevenly', () => {

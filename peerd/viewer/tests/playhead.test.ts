@@ -1,7 +1,7 @@
 import { Object3D } from 'three';
 import { describe, expect, it } from 'vitest';
+import { PoseKind } from 'peerd';
 
-import { PoseKind } from '../src/live/pose_frame';
 import type { SceneFile, SceneNode } from '../src/scene/scene_file';
 import type { Frames, KeptFrame } from '../src/time/frames';
 import { Playhead } from '../src/time/playhead';

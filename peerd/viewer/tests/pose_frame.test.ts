@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
+import { PoseFlag, PoseRow, readPoseFrame } from 'peerd';
 
-import { PoseFlag, PoseRow, readPoseFrame } from '../src/live/pose_frame';
 import { frame, frameBytes } from './frames';
 
 describe('a pose frame', () => {

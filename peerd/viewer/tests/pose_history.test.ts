@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
+import { PoseBook } from 'peerd';
 
-import { PoseBook } from '../src/time/pose_book';
 import { PoseHistory } from '../src/time/pose_history';
 import { frame, type Row } from './frames';
 

@@ -1,7 +1,6 @@
 import { describe, expect, it } from 'vitest';
+import { PoseRow, PoseTable } from 'peerd';
 
-import { PoseRow } from '../src/live/pose_frame';
-import { PoseTable } from '../src/live/pose_table';
 import { frame, type Row } from './frames';
 
 function take(table: PoseTable, row: Row, time_s: number, drawn_s: number): void {

@@ -1,11 +1,11 @@
 import { BoxGeometry, Frustum, Matrix4, MeshBasicMaterial, PerspectiveCamera } from 'three';
 import { expect, it } from 'vitest';
+import { PoseBook } from 'peerd';
 
 import { MovingScene } from '../src/scene/moving_scene';
 import { OwnerColours } from '../src/scene/owner_colours';
 import { RigidFrames } from '../src/scene/rigid_frames';
 import type { SceneNode } from '../src/scene/scene_file';
-import { PoseBook } from '../src/time/pose_book';
 import { PoseHistory } from '../src/time/pose_history';
 import { frame } from './frames';
 

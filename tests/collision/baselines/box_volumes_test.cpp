@@ -35,7 +35,7 @@ TriangleSoup plate(const Quat& turn) {
   return soup;
 }
 
-// What makes it an OBB: it lies along what it is around, however that is turned (Gottschalk 1996, section 4).
+// An OBB lies along what it is around, however that is turned (Gottschalk 1996, section 4).
 TEST(OrientedBox, FitsATurnedPlate) {
   const TriangleSoup soup = plate(Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized())));
   const auto faces = all_faces(soup);

@@ -25,4 +25,14 @@ TEST(LimitFindings, LimitsAndTheClockAreHints) {
   EXPECT_THAT(find(host_findings(facts, examined), "memberships").advice, HasSubstr("optmem_max"));
 }
 
+TEST(LimitFindings, PortsOfOtherProgramsAreNamed) {
+  HostFacts facts = facts_with({ethernet("eth0", 2)});
+  facts.taken.snapshot = 4000;
+  EXPECT_THAT(find(host_findings(facts, multicast_over("eth0")), "port").sentence, HasSubstr("TCP port 4000"));
+  EXPECT_EQ(code(facts, multicast_over("eth0")), 0) << "it may be a peer that runs";
+  facts.taken.discovery = 47473;
+  EXPECT_THAT(find(host_findings(facts, multicast_over("eth0")), "port").sentence, HasSubstr("UDP port 47473"));
+  EXPECT_EQ(code(facts, multicast_over("eth0")), 1);
+}
+
 }  // namespace peerd::doctor::limit_findings_test

@@ -1,6 +1,7 @@
 // Two peers in one program, by the interface that strangers have, over multicast on lo.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 
 #include <cmath>
 #include <functional>
@@ -129,6 +130,8 @@ TEST_F(Embedded, EditsDataAndMessagesReachTheOther) {
   EXPECT_EQ(message->name, "chat");
   EXPECT_EQ(message->text, "hello");
   EXPECT_EQ(message->peer, a.id());
+  EXPECT_EQ(data->path, "BALL");
+  EXPECT_EQ(data->name, "colour");
   EXPECT_EQ(data->text, "red");
   EXPECT_EQ(b.data("BALL", "colour"), "red");
   EXPECT_EQ(b.data("BALL", "size"), std::nullopt);
@@ -169,6 +172,37 @@ TEST_F(Embedded, JoinsAWorldOfAnotherWithoutItsFile) {
   while (a.member_count() > 1 && std::chrono::steady_clock::now() < give_up) by_address.poll(0.002);
   EXPECT_TRUE(has_ball(by_address));
   EXPECT_THROW(Peer(joining("d").set("join", world + "-elsewhere")), Error) << "there is no such world";
+}
+
+// The loop of a program waits for the descriptor and for whatever else it waits for.
+TEST_F(Embedded, ItsDescriptorIsReadableWhileEventsWaitAndOnceItHasLeft) {
+  const auto is_readable = [](const Peer& peer, int at_most_ms) {
+    pollfd waits{peer.event_descriptor(), POLLIN, 0};
+    return ::poll(&waits, 1, at_most_ms) == 1;
+  };
+  Peer a(options("a", "CAR")), b(options("b", "CUBE"));
+  EXPECT_FALSE(is_readable(a, 0));
+  ASSERT_TRUE(meet(a, b));
+  a.start();
+  b.start();
+  ASSERT_TRUE(is_readable(a, 20'000)) << "the other has joined";
+  EXPECT_TRUE(is_readable(a, 0)) << "until the event is taken";
+  while (a.next_event()) {
+  }
+  b.send("chat", "hello");
+  std::optional<Event> message;
+  while (!message && is_readable(a, 20'000)) {
+    message = a.next_event();
+    if (message && message->kind != PEERD_MESSAGE) message.reset();
+  }
+  ASSERT_TRUE(message);
+  EXPECT_EQ(message->text, "hello");
+  EXPECT_FALSE(a.has_left());
+  a.leave();
+  EXPECT_TRUE(a.has_left());
+  while (a.next_event()) {
+  }
+  EXPECT_TRUE(is_readable(a, 20'000)) << "who waits for it would wait for ever";
 }
 
 TEST_F(Embedded, WithThreadsTheProgramOnlyAsks) {
@@ -220,7 +254,8 @@ TEST_F(Embedded, SaysWhyNot) {
   };
   EXPECT_THAT(why([] { Options().set("colour", "red"); }), HasSubstr("no option colour"));
   EXPECT_THAT(why([] { Options().set("id", "first"); }), HasSubstr("does not take \"first\""));
-  EXPECT_THAT(why([] { Peer peer(Options().set("name", "a")); }), HasSubstr("a configuration, a world"));
+  EXPECT_THAT(why([] { Peer peer(Options().set("name", "a")); }),
+              HasSubstr("give a configuration, a world, or one to join"));
   EXPECT_THAT(why([] { Peer peer(Options().set("world", "/nowhere.wrl")); }), HasSubstr("/nowhere.wrl"));
   std::vector<std::string> lines;
   Peer peer(options("a", "CAR").log_to([&](int, const std::string& text) { lines.push_back(text); }));

@@ -42,6 +42,16 @@ TEST(OwnOrigin, IsThePageOfThatHost) {
   }
 }
 
+TEST(Origin, IsASchemeAHostAndAPort) {
+  for (const char* good : {"http://localhost:5173", "https://a.example", "http://[::1]:80"}) {
+    EXPECT_TRUE(is_origin(good)) << good;
+  }
+  for (const char* wrong : {"", "null", "*", "http://", "https://", "localhost:5173", "http://localhost:5173/",
+                            "file://", "http://A.example", "http://a b", "http://a?b", "http://*.example"}) {
+    EXPECT_FALSE(is_origin(wrong)) << wrong;
+  }
+}
+
 TEST(Token, IsRandomAndCompared) {
   std::set<std::string> tokens;
   for (int i = 0; i < 100; ++i) tokens.insert(make_token());

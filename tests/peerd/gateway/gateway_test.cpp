@@ -200,6 +200,22 @@ TEST_F(GatewayTest, ItsOwnPageMayAsk) {
   EXPECT_EQ(client.get("/api/v1/status", {{"Origin", "http://127.0.0.1:1"}}).result_int(), 403U);
 }
 
+// A page of an origin that the configuration names may read what it asks for; the next request of the connection is
+// anew.
+TEST_F(GatewayTest, APageOfANamedOriginMayAsk) {
+  WebClient client(peer);
+  const auto answer = client.get("/api/v1/scene.glb", {{"Origin", ServedPeer::kOtherOrigin}});
+  EXPECT_EQ(answer.result_int(), 200U);
+  EXPECT_EQ(header(answer, "Access-Control-Allow-Origin"), ServedPeer::kOtherOrigin);
+  EXPECT_THAT(header(answer, "Vary"), HasSubstr("Origin"));
+  EXPECT_EQ(header(client.get("/api/v1/status"), "Access-Control-Allow-Origin"), "");
+  EXPECT_EQ(header(client.get("/api/v1/status", {{"Origin", "http://" + peer.host()}}), "Access-Control-Allow-Origin"),
+            "");
+  const auto other = client.get("/api/v1/status", {{"Origin", std::string(ServedPeer::kOtherOrigin) + "0"}});
+  EXPECT_EQ(other.result_int(), 403U);
+  EXPECT_EQ(header(other, "Access-Control-Allow-Origin"), "");
+}
+
 TEST_F(GatewayTest, ALongBodyNeedsTheToken) {
   const json request{{"do", "send"}, {"topic", "t"}, {"text", std::string(100'000, 'x')}};
   WebClient without(peer), with(peer);

@@ -74,6 +74,7 @@ TEST_F(GatewayLive, RepliesRepeatTheNumberOfTheirRequest) {
   LiveClient client(peer);
   EXPECT_EQ(client.ask({{"do", "status"}})["peer"]["name"], "a");
   EXPECT_EQ(client.ask({{"do", "nonsense"}})["ok"], false);
+  EXPECT_EQ(client.ask({{"do", "watch"}, {"hz", 1e9}})["ok"], false);
   client.send_text(R"({"do":"objects"})");
   ASSERT_TRUE(client.read());
 }

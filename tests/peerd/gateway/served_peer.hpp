@@ -27,6 +27,7 @@ namespace peerd::testing_support {
 class ServedPeer {
  public:
   static constexpr const char* kToken = "0123456789abcdefghijkl";
+  static constexpr const char* kOtherOrigin = "http://localhost:5173";  // whose pages are let in
 
   ServedPeer(const std::string& vrml, const std::vector<std::string>& owns) {
     shared_ = std::move(*share_world(folder_.write("w.wrl", vrml)));
@@ -50,8 +51,12 @@ class ServedPeer {
     };
     daemon_ = std::make_unique<Daemon>(io_, *node_, *transport_, clock_, log, std::nullopt);
     viewed_ = std::make_unique<ViewedPeer>(io_, *daemon_, *node_, "w", picture::ImageLoader());
-    auto opened = gateway::Gateway::open(
-        io_, *viewed_, {.at = {boost::asio::ip::address_v4::loopback(), 0}, .assets = {}, .token = kToken, .log = log});
+    auto opened = gateway::Gateway::open(io_, *viewed_,
+                                         {.at = {boost::asio::ip::address_v4::loopback(), 0},
+                                          .assets = {},
+                                          .token = kToken,
+                                          .origins = {kOtherOrigin},
+                                          .log = log});
     if (!opened) throw std::runtime_error(opened.error().text);
     gateway_ = *std::move(opened);
     port_ = gateway_->endpoint().port();

@@ -83,6 +83,8 @@ PEERD_API void peerd_unhold(peerd_peer* peer);
 
 /* Leaves the session. The peer's thread ends; peerd_poll() returns 0. */
 PEERD_API void peerd_leave(peerd_peer* peer);
+/* Whether it has left, by itself too, as where another peer of its number is running. */
+PEERD_API int peerd_has_left(peerd_peer* peer);
 
 /* ---- the session ---- */
 
@@ -189,7 +191,7 @@ typedef enum peerd_event_kind {
   PEERD_CONTACT = 3,
   PEERD_OBJECT_GIVEN = 4, /* object is peer's from now on; 0: nobody's */
   PEERD_MESSAGE = 5,      /* name (the topic), text, peer */
-  PEERD_DATA = 6,         /* name (the key) at a node, text; text is null: it is gone */
+  PEERD_DATA = 6,         /* name (the key) at path, a node's; text; text is null: it is gone */
   PEERD_EDIT = 7,         /* operation has taken effect; text: why it changes nothing, else null */
   PEERD_EVENTS_LOST = 8,  /* count events were not taken in time */
   /* The contact of object and other at that time, which this peer has told of, does not count: another peer had decided
@@ -213,12 +215,18 @@ typedef struct peerd_event {
   peerd_operation operation;
   const char* name;
   const char* text;
+  const char* path;
   uint64_t count;
 } peerd_event;
 
 /* Takes the next event; `size` is sizeof(peerd_event) as the program knows it. 0: there is none now. Of more than 65,536
    that wait the oldest are lost. */
 PEERD_API int peerd_next_event(peerd_peer* peer, peerd_event* event, size_t size);
+
+/* A file descriptor for a program that waits in a loop of its own, by poll() or epoll: it is readable while events wait,
+   until peerd_next_event() has said that there is none, and for ever once the peer has left. It is the peer's: a program
+   neither reads nor closes it. */
+PEERD_API int peerd_event_descriptor(peerd_peer* peer);
 
 #ifdef __cplusplus
 }

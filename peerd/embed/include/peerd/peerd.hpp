@@ -52,12 +52,12 @@ struct Event {
   double time = 0.0;  // session time [s]
   std::uint32_t peer = 0;
   Object object = 0, other = 0;
-  // Of a contact: where both were, their velocities [m/s], and the normal of the other's surface, which faces object.
+  // A contact's: where both were, their velocities [m/s], the normal of the other's surface, which faces object.
   Pose pose{}, other_pose{};
   Vector velocity_before{}, velocity_after{}, other_velocity_before{}, other_velocity_after{};
   Vector normal{};
   Operation operation{};
-  std::optional<std::string> name{}, text{};
+  std::optional<std::string> name{}, text{}, path{};
   std::uint64_t count = 0;
 };
 
@@ -94,12 +94,16 @@ class Peer {
     if (!peer_) throw Error(why.data());
   }
 
+  // For functions of the C interface; the peer stays this object's.
+  peerd_peer* handle() const { return peer_.get(); }
+
   // -- driving
   bool poll(double at_most_s) { return peerd_poll(peer_.get(), at_most_s) != 0; }
   void start() {
     if (!peerd_start(peer_.get())) fail();
   }
   void leave() { peerd_leave(peer_.get()); }
+  bool has_left() const { return peerd_has_left(peer_.get()) != 0; }
 
   // Keeps the peer's thread, and other threads' calls, waiting for as long as it lives.
   class Hold {
@@ -241,9 +245,11 @@ class Peer {
     event.operation = next.operation;
     event.name = optional(next.name);
     event.text = optional(next.text);
+    event.path = optional(next.path);
     event.count = next.count;
     return event;
   }
+  int event_descriptor() const { return peerd_event_descriptor(peer_.get()); }
 
  private:
   struct Close {

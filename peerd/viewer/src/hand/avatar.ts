@@ -1,8 +1,7 @@
 import { Euler, Quaternion, Vector3, type PerspectiveCamera } from 'three';
+import { refusalIn, type Reply } from 'peerd';
 
-import { refusalIn } from '../live/edits';
 import type { PeerLink } from '../live/peer_link';
-import type { Reply } from '../live/live_connection';
 import type { SceneExtras } from '../scene/scene_file';
 
 // Somebody who walks through the world with this page's camera as eye: an object of this peer's like any other, which all

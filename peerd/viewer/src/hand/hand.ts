@@ -1,8 +1,7 @@
 import { Vector3 } from 'three';
+import { type Hit, refusalIn } from 'peerd';
 
 import type { PeerLink } from '../live/peer_link';
-import type { Hit } from '../live/replies';
-import { refusalIn } from '../live/edits';
 import type { SceneView } from '../scene/scene_view';
 import { DragPlane } from './drag_plane';
 import { HandMotion } from './hand_motion';

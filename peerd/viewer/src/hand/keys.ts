@@ -1,5 +1,5 @@
-import type { Ask } from '../live/edits';
-import { refusalIn } from '../live/edits';
+import { type Ask, refusalIn } from 'peerd';
+
 import type { CameraRig } from '../scene/camera_rig';
 
 // Keys that are pressed while the picture has the focus: to the world's KeySensors, or, with Alt or by a switch, to the

@@ -1,7 +1,5 @@
 import type { Vector3 } from 'three';
-
-import type { Ask } from '../live/edits';
-import type { Hit } from '../live/replies';
+import type { Ask, Hit } from 'peerd';
 
 // What the daemon says that a ray meets first, by its own exact query on the world as it is now.
 export async function pick(ask: Ask, origin: Vector3, direction: Vector3): Promise<Hit | null | string> {

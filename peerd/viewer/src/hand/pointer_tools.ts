@@ -1,7 +1,7 @@
 import { Vector3 } from 'three';
+import type { Hit } from 'peerd';
 
 import type { PeerLink } from '../live/peer_link';
-import type { Hit } from '../live/replies';
 import type { SceneView } from '../scene/scene_view';
 import type { Hand } from './hand';
 import { pick } from './picking';

@@ -1,6 +1,6 @@
 import { Vector3 } from 'three';
+import type { Outcome } from 'peerd';
 
-import type { Outcome } from '../live/edits';
 import type { RigidFrames } from '../scene/rigid_frames';
 import { worldFromSensor } from './sensor_frames';
 import { editsOf, keyOf, type EventValue, type SensorExtras } from './sensor_rules';

@@ -1,6 +1,6 @@
 import { Ray, type Matrix4, type Vector3 } from 'three';
+import type { Outcome } from 'peerd';
 
-import type { Outcome } from '../live/edits';
 import type { SceneView } from '../scene/scene_view';
 import { dragOf, type SensorDrag } from './sensor_drag';
 import { previewsOf, worldFromSensor } from './sensor_frames';

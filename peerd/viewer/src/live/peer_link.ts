@@ -1,8 +1,6 @@
+import { Connection, type DaemonEvent, edit, type GatewayAddress, type LinkState, type Outcome, type PeersReply, type PoseFrame, type Reply, type Status } from 'peerd';
+
 import { Setting } from '../page/setting';
-import { edit, type Outcome } from './edits';
-import { LiveConnection, type DaemonEvent, type LinkState, type Reply } from './live_connection';
-import type { PoseFrame } from './pose_frame';
-import type { PeersReply, Status } from './replies';
 
 // The page's peer: the connection to it, whether the page may change its world, and what it says of itself every second.
 const kPoll_ms = 1000;
@@ -19,16 +17,16 @@ export class PeerLink {
   readonly mayEdit = new Setting<boolean>(false);
   readonly status = new Setting<Status | null>(null);
   readonly peers = new Setting<PeersReply | null>(null);
-  readonly connection: LiveConnection;
+  readonly connection: Connection;
   private recorded: { id: number; names: ReadonlyMap<number, string> } | null = null;
 
-  constructor(private readonly token: string | null, private readonly listener: PeerListener) {
-    this.connection = new LiveConnection(liveAddress(), {
+  constructor(private readonly address: GatewayAddress, private readonly listener: PeerListener) {
+    this.connection = new Connection(address.live, {
       onState: (state) => this.onState(state),
       onFrame: (frame) => listener.onFrame(frame),
       onEvent: (event) => listener.onEvent(event),
       onFault: (sentence) => listener.onFault(sentence),
-    });
+    }, { reopens: true });
   }
 
   open(): void {
@@ -68,7 +66,8 @@ export class PeerLink {
   }
 
   private async begin(): Promise<void> {
-    this.mayEdit.value = this.token !== null && (await this.isAccepted(this.token));
+    const { token } = this.address;
+    this.mayEdit.value = token !== null && (await this.isAccepted(token));
     await this.poll();
     await this.listener.onOpen();
   }
@@ -87,16 +86,4 @@ export class PeerLink {
     const peers = await this.ask({ do: 'peers' });
     if (peers.ok) this.peers.value = peers as unknown as PeersReply;
   }
-}
-
-function liveAddress(): string {
-  const address = new URL('api/v1/live', location.href);
-  address.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
-  address.hash = '';
-  return address.href;
-}
-
-// The token is in the address's fragment, which a browser sends to nobody.
-export function tokenOf(fragment: string): string | null {
-  return new URLSearchParams(fragment.replace(/^#/, '')).get('token');
 }

@@ -1,6 +1,6 @@
+import { type DaemonEvent, readPoseFrame } from 'peerd';
+
 import type { KeptFrame } from '../time/frames';
-import type { DaemonEvent } from './live_connection';
-import { readPoseFrame } from './pose_frame';
 
 // What the gateway of `peerd view` serves in place of a peer (docs/reference/gateway.md): what each peer of a run, or the
 // peer of a capture, had in view, over the whole time. Times are in seconds from the recording's begin.

@@ -1,10 +1,7 @@
 import { Vector3 } from 'three';
+import { type ContactEvent, PoseFlag, type PoseTable, type Reply } from 'peerd';
 
 import type { SensorExtras } from '../hand/sensor_rules';
-import { PoseFlag } from '../live/pose_frame';
-import type { Reply } from '../live/live_connection';
-import type { PoseTable } from '../live/pose_table';
-import type { ContactEvent } from '../live/replies';
 import type { OcclusionFigures } from '../scene/occlusion';
 import { hasNode } from '../scene/scene_file';
 import type { PlayState } from '../time/playhead';

@@ -1,6 +1,6 @@
-import type { LinkState } from '../live/live_connection';
+import type { LinkState, Status } from 'peerd';
+
 import type { Recording } from '../live/recording';
-import type { Status } from '../live/replies';
 import { clockText, millisecondsText } from '../panels/numbers';
 import { icon } from './icons';
 import { make, setText } from './make';

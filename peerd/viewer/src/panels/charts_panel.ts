@@ -1,9 +1,8 @@
+import { type PoseBook, PoseFlag, type Status } from 'peerd';
+
 import { make } from '../page/make';
 import type { Panel } from '../page/tabs';
-import { PoseFlag } from '../live/pose_frame';
-import type { Status } from '../live/replies';
 import type { SceneNode } from '../scene/scene_file';
-import type { PoseBook } from '../time/pose_book';
 import { Chart } from './chart';
 import { bytesText, metresText } from './numbers';
 import type { RunCharts } from './run_charts';

@@ -1,4 +1,4 @@
-import type { DaemonEvent } from '../live/live_connection';
+import type { DaemonEvent } from 'peerd';
 
 // An event of the daemon as a sentence. One that this page does not know is shown as it came.
 export function eventText(event: DaemonEvent, nameOf: (peer: number | null | undefined) => string): string {

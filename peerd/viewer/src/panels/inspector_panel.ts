@@ -1,8 +1,8 @@
+import type { Inspected, Outcome } from 'peerd';
+
 import { fill, make, setText } from '../page/make';
 import { icon } from '../page/icons';
 import type { Panel } from '../page/tabs';
-import type { Outcome } from '../live/edits';
-import type { Inspected } from '../live/replies';
 import { metresText } from './numbers';
 
 // The selected object: its owner, where it is, its fields and data, and what can be done with it.

@@ -1,7 +1,7 @@
+import { PoseFlag, type PoseTable } from 'peerd';
+
 import { make, setText } from '../page/make';
 import type { Panel } from '../page/tabs';
-import { PoseFlag } from '../live/pose_frame';
-import type { PoseTable } from '../live/pose_table';
 import type { SceneFile, SceneNode } from '../scene/scene_file';
 
 // All that can move, with its owner; a search narrows the list.

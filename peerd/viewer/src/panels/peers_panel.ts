@@ -1,7 +1,8 @@
+import type { PeerRow, PeersReply, Status } from 'peerd';
+
 import { fill, make } from '../page/make';
 import type { Panel } from '../page/tabs';
 import type { Recording } from '../live/recording';
-import type { PeerRow, PeersReply, Status } from '../live/replies';
 import { bytesText, millisecondsText, shareText } from './numbers';
 
 // This peer and the others: delay, loss and clock error.

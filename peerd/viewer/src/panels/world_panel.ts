@@ -1,7 +1,8 @@
+import type { Outcome } from 'peerd';
+
 import { fill, make } from '../page/make';
 import { icon } from '../page/icons';
 import type { Panel } from '../page/tabs';
-import type { Outcome } from '../live/edits';
 import type { SceneFile } from '../scene/scene_file';
 
 // Changes to the world: add VRML under a node, undo and redo; and what the picture leaves out.

@@ -1,6 +1,6 @@
 import { ArrowHelper, Color, Mesh, MeshBasicMaterial, Quaternion, SphereGeometry, Vector3 } from 'three';
+import type { ContactEvent } from 'peerd';
 
-import type { ContactEvent } from '../live/replies';
 import { make, setText } from '../page/make';
 import type { Overlay, SceneView } from './scene_view';
 import { supportPlace } from './support_place';

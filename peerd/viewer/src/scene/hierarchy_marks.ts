@@ -1,6 +1,6 @@
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, Group, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial, Quaternion, Vector3 } from 'three';
+import type { HierarchyReply } from 'peerd';
 
-import type { HierarchyReply } from '../live/surroundings';
 import type { Overlay, SceneView } from './scene_view';
 
 // One level of the hierarchy of 18-DOPs of an object, as in the thesis's figure B.9: each volume in a colour of its own.

@@ -1,8 +1,7 @@
 import { Vector3 } from 'three';
+import { type PoseBook, PoseFlag } from 'peerd';
 
 import { make, setText } from '../page/make';
-import { PoseFlag } from '../live/pose_frame';
-import type { PoseBook } from '../time/pose_book';
 import type { Overlay, SceneView } from './scene_view';
 
 // Names over objects: of those in the picture the ones that are nearest to the camera.

@@ -1,6 +1,6 @@
 import { BufferAttribute, Color, Light, Matrix4, Mesh, MeshStandardMaterial, SRGBColorSpace, type BufferGeometry, type Material, type Object3D } from 'three';
+import { LookKind, type LookRecord } from 'peerd';
 
-import { LookKind, type LookRecord } from '../live/look_records';
 import { extrasOf, kFullLight } from './lights';
 import type { MovingScene } from './moving_scene';
 import type { SceneFile } from './scene_file';

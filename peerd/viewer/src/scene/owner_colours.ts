@@ -1,7 +1,6 @@
 import { Color } from 'three';
+import { PoseFlag, type PoseTable } from 'peerd';
 
-import { PoseFlag } from '../live/pose_frame';
-import type { PoseTable } from '../live/pose_table';
 import type { SceneNode } from './scene_file';
 
 // The colour of each node: white where it is drawn in its world's own materials, and by its owner as in the thesis's

@@ -1,6 +1,6 @@
 import { Color, MeshBasicMaterial, SphereGeometry } from 'three';
+import type { SurroundingsReply } from 'peerd';
 
-import type { SurroundingsReply } from '../live/surroundings';
 import { kFrameNumbers } from './rigid_frames';
 import type { Overlay, SceneView } from './scene_view';
 import { SphereInstances, writeSphere } from './sphere_instances';

@@ -1,4 +1,4 @@
-import type { Regions } from '../live/surroundings';
+import type { Regions } from 'peerd';
 
 // The cells of a region grid within a box, with the region of each, as the daemon counts them: along an axis with n of them,
 // cells n apart share one; an axis with one is not cut.

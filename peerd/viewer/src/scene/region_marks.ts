@@ -1,6 +1,6 @@
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial } from 'three';
+import type { SurroundingsReply } from 'peerd';
 
-import type { SurroundingsReply } from '../live/surroundings';
 import { cellsIn, type Cell } from './region_cells';
 import type { Overlay, SceneView } from './scene_view';
 

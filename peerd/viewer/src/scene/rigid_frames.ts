@@ -1,6 +1,6 @@
 import { Matrix4, type Quaternion } from 'three';
+import type { PoseTable } from 'peerd';
 
-import type { PoseTable } from '../live/pose_table';
 import type { SceneNode } from './scene_file';
 
 // The rigid frames of all moving nodes at one instant, as rows of a matrix world_from_node: twelve numbers a node, row by

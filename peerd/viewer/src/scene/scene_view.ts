@@ -1,8 +1,6 @@
 import { Box3, Frustum, Matrix4, Mesh, Quaternion, Raycaster, Scene, Vector2, Vector3, WebGLRenderer, type Object3D } from 'three';
+import { type LookRecord, PoseFlag, type PoseTable } from 'peerd';
 
-import { PoseFlag } from '../live/pose_frame';
-import type { PoseTable } from '../live/pose_table';
-import type { LookRecord } from '../live/look_records';
 import { Backdrop } from './backdrop';
 import { boundsOf, CameraRig } from './camera_rig';
 import { Dress } from './dress';

@@ -1,6 +1,6 @@
 import { MeshBasicMaterial, SphereGeometry } from 'three';
+import type { PoseBook } from 'peerd';
 
-import type { PoseBook } from '../time/pose_book';
 import { kFrameNumbers } from './rigid_frames';
 import type { Overlay, SceneView } from './scene_view';
 import { SphereInstances, writeSphere } from './sphere_instances';

@@ -1,7 +1,6 @@
 import { Frustum, Matrix4, MeshStandardMaterial, type Material } from 'three';
+import { type PoseBook, PoseFlag } from 'peerd';
 
-import { PoseFlag } from '../live/pose_frame';
-import type { PoseBook } from '../time/pose_book';
 import { MovingScene } from './moving_scene';
 import { RigidFrames } from './rigid_frames';
 import type { SceneFile } from './scene_file';

@@ -1,4 +1,4 @@
-import type { PoseFrame } from '../live/pose_frame';
+import type { PoseFrame } from 'peerd';
 
 // Where the frames of the instants come from that the page shows while it is not live: the last minute, or a recording.
 export interface KeptFrame {

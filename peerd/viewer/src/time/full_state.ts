@@ -1,4 +1,5 @@
-import { PoseRow, readPoseFrame, type PoseFrame } from '../live/pose_frame';
+import { type PoseFrame, PoseRow, readPoseFrame } from 'peerd';
+
 import { LookBook } from './look_book';
 
 // The newest row of each node and kind, as bytes, and the newest looks: from it comes a frame with all of them, from which a

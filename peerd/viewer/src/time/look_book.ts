@@ -1,4 +1,4 @@
-import type { LookRecord } from '../live/look_records';
+import type { LookRecord } from 'peerd';
 
 // The newest record of each form and look of one scene, and which of them the picture does not show yet.
 export class LookBook {

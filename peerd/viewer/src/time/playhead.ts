@@ -1,10 +1,9 @@
-import { PlaybackClock } from '../live/playback_clock';
-import type { PoseFrame } from '../live/pose_frame';
+import { PlaybackClock, PoseBook, type PoseFrame } from 'peerd';
+
 import type { SceneFile } from '../scene/scene_file';
 import type { Frames } from './frames';
 import { LookBook } from './look_book';
 import { NodeIds } from './node_ids';
-import { PoseBook } from './pose_book';
 import { PoseHistory } from './pose_history';
 
 // Which instant the page shows: now, or one of the last minute or of a recording, standing or playing on.

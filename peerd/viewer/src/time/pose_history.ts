@@ -1,4 +1,5 @@
-import type { PoseFrame } from '../live/pose_frame';
+import type { PoseFrame } from 'peerd';
+
 import type { Frames, KeptFrame } from './frames';
 import { FullState } from './full_state';
 

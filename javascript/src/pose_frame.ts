@@ -1,4 +1,4 @@
-import { readLookRecords, type LookRecord } from './look_records';
+import { readLookRecords, type LookRecord } from './look_records.js';
 
 // A pose frame of the gateway (docs/reference/gateway.md): 40 bytes of head, then rows, all little endian. Every member of
 // a row lies at a multiple of its own size, so that the rows are read through typed arrays over the message itself.

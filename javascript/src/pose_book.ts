@@ -1,5 +1,5 @@
-import { PoseKind, PoseRow, type PoseFrame } from '../live/pose_frame';
-import { PoseTable } from '../live/pose_table';
+import { PoseKind, PoseRow, type PoseFrame } from './pose_frame.js';
+import { PoseTable } from './pose_table.js';
 
 // The poses of all kinds, by the scene file's nodes.
 export class PoseBook {

@@ -1,4 +1,4 @@
-import type { PoseRow } from './pose_frame';
+import type { PoseRow } from './pose_frame.js';
 
 // The poses of one kind (shown, truth or ghost) of all nodes: for each the last one that came, and the one that was drawn
 // when it came. What is drawn goes from the one to the other, so that it never jumps, whatever the network's rhythm.
