@@ -25,6 +25,7 @@ var _seq := 0
 var _waiting := {} # seq: [name, Callable]
 var _paths := {} # of the nodes that rows of frames count
 var _revision := -1
+var _loading := false
 var _early: Array[Dictionary] = [] # frames of a scene that is still on its way
 var _shown := {} # path: Node3D
 
@@ -53,7 +54,9 @@ func _process(_delta: float) -> void:
 func ask(request: Dictionary, done := Callable()) -> void:
 	_seq += 1
 	_waiting[_seq] = [request["do"], done]
-	_socket.send_text(JSON.stringify(request.merged({"seq": _seq})))
+	var message := request.duplicate()
+	message["seq"] = _seq
+	_socket.send_text(JSON.stringify(message))
 
 func _greet() -> void:
 	if _greeted:
@@ -92,7 +95,7 @@ func _take_frame(frame: Dictionary) -> void:
 		_place(frame["rows"])
 
 func _place(rows: Array) -> void:
-	for row: Dictionary in rows:
+	for row in rows:
 		if row["kind"] != 0 or not _paths.has(row["node"]):
 			continue
 		var at: Array = row["position"]
@@ -115,17 +118,22 @@ func _box() -> Node3D:
 	return box
 
 func _load_scene() -> void:
-	if _http.get_http_client_status() == HTTPClient.STATUS_DISCONNECTED:
-		_http.request(_page + "/api/v1/scene.glb")
+	if _loading:
+		return
+	_loading = true
+	var error := _http.request(_page + "/api/v1/scene.glb")
+	if error != OK:
+		_fail("the scene can't be asked for: %s" % error_string(error))
 
 func _on_scene(result: int, code: int, _headers: PackedStringArray, body: PackedByteArray) -> void:
+	_loading = false
 	if result != HTTPRequest.RESULT_SUCCESS or code != 200:
 		_fail("the scene was not given: %d" % code)
 		return
 	var gltf: Dictionary = JSON.parse_string(PoseFrame.scene_json(body))
 	_revision = int(gltf["asset"]["extras"]["revision"])
 	_paths = PoseFrame.paths_of(gltf)
-	for path: String in _shown.keys():
+	for path in _shown.keys():
 		if not _paths.values().has(path):
 			_shown[path].queue_free()
 			_shown.erase(path)
