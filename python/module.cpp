@@ -142,7 +142,7 @@ PYBIND11_MODULE(_peerd, module) {
       .def(
           "hold", [](const Peer& peer) { peerd_hold(peer.handle()); }, Call())
       .def(
-          "end_hold", [](const Peer& peer) { peerd_release(peer.handle()); }, Call())
+          "end_hold", [](const Peer& peer) { peerd_unhold(peer.handle()); }, Call())
       .def("event_descriptor", &Peer::event_descriptor)
       .def("has_left", &Peer::has_left, Call())
       .def("poll", &Peer::poll, py::arg("at_most_s"), Call())
