@@ -2,7 +2,7 @@
 // Chromium, where the peer lets its origin in, and says so where it does not. PACKAGES is the folder whose node_modules has playwright-core, OUT
 // where a screenshot goes. Exit codes: 0 good, 1 something is wrong, 77 skipped, because there is no Chromium.
 import assert from 'node:assert/strict';
-import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { mkdirSync, readFileSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { basename, dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -24,8 +24,6 @@ const server = createServer((request, answer) => {
 await new Promise((listens) => server.listen(0, '127.0.0.1', listens));
 const { port } = server.address();
 const origin = `http://localhost:${port}`;
-
-writeFileSync(join(out, 'page.toml'), `[gateway]\norigins = ["${origin}"]\n`);
 
 await onPeers(program, async ([address]) => {
   const browser = await launch();
@@ -52,4 +50,4 @@ await onPeers(program, async ([address]) => {
     await browser.close();
     server.close();
   }
-}, ['--overlay', join(out, 'page.toml')]);
+}, ['--set', `gateway.origins=["${origin}"]`]);
