@@ -59,7 +59,7 @@ Mat3 principal_axes(const TriangleSoup& soup, std::span<const std::uint32_t> fac
   const Mat3 spread = covariance(soup, faces);
   if (!spread.allFinite()) return Mat3::Identity();
   const Eigen::SelfAdjointEigenSolver<Mat3> solver(spread);
-  const Mat3 axes = solver.eigenvectors();
+  const Mat3& axes = solver.eigenvectors();
   return solver.info() == Eigen::Success && axes.allFinite() ? axes : Mat3::Identity();
 }
 

@@ -228,7 +228,8 @@ std::expected<doctor::PairOutcome, net::NetError> try_with(const net::HostClock&
                                   .host = options.with,
                                   .wait = from_seconds(options.wait_s),
                                   .session = random_session(),
-                                  .say = [](const std::string& text) { std::cerr << text << std::endl; }});
+                                  .say = [](const std::string& text) { std::cerr << text << '\n'
+                                                                                 << std::flush; }});
 }
 
 }  // namespace

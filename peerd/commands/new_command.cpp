@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 constexpr int kWrongName = 2, kCantWrite = 3;
 constexpr std::size_t kNameMax = 60;  // with its extension it is a file's name anywhere
 
-constexpr std::string_view kWorld = R"wrl(#VRML V2.0 utf8
+constexpr std::string_view kNewWorld = R"wrl(#VRML V2.0 utf8
 
 # A lane with a wall at each end. A car drives to and fro in it, and a ball rolls between the car and the right wall.
 # Metres, radians, seconds; y is up. The scenario NAME.toml says which peer runs the car and which the ball.
@@ -72,7 +72,7 @@ DEF BALL Transform {
 CollisionInterest { objectPath "BALL" interests [ "CAR" "WALL_LEFT" "WALL_RIGHT" ] collisionType 1 }
 )wrl";
 
-constexpr std::string_view kScenario =
+constexpr std::string_view kNewScenario =
     R"toml(# Two peers share NAME.wrl. `peerd sim` runs both on a simulated network, `peerd scenario` between real processes, and
 # `peerd run -c NAME.toml --peer a` runs one of them for as long as you like.
 
@@ -148,7 +148,7 @@ int run_new(const NewOptions& options, std::ostream& out) {
   std::error_code error;
   fs::create_directories(options.folder, error);
   if (error) return failed({"error: no folder " + options.folder.string() + ": " + error.message(), kCantWrite});
-  for (const auto& [file, text] : {std::pair(world, kWorld), std::pair(scenario, kScenario)}) {
+  for (const auto& [file, text] : {std::pair(world, kNewWorld), std::pair(scenario, kNewScenario)}) {
     if (const auto written = write_new(file, with_name(text, name)); !written) return failed(written.error());
   }
   const std::string w = world.string(), s = scenario.string();

@@ -41,7 +41,7 @@ std::expected<asio::ip::address, net::NetError> own_address_to(const udp::endpoi
   udp::socket socket(io);
   error_code ec;
   socket.connect(host, ec);
-  const asio::ip::address own = ec ? asio::ip::address{} : socket.local_endpoint(ec).address();
+  asio::ip::address own = ec ? asio::ip::address{} : socket.local_endpoint(ec).address();
   if (ec) {
     return net::failure(net::NetError::Kind::kOther,
                         fmt::format("there is no route to {}: {}; connect an interface from "
