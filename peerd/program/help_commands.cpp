@@ -21,13 +21,14 @@ Command add_help(CLI::App& app) {
               std::cout << "peerd help TOPIC, of:\n" << list_of_topics(help_pages());
               return 0;
             }
-            if (const auto page = words->size() == 1 ? help_on(words->front(), help_pages()) : std::nullopt) {
-              std::cout << *page;
-              return 0;
-            }
             const CLI::App* asked = &app;
             for (const std::string& word : *words) {
               const auto found = find_command(*asked, word);
+              const auto page = found || words->size() > 1 ? std::nullopt : help_on(word, help_pages());
+              if (page) {
+                std::cout << *page;
+                return 0;
+              }
               if (!found) return failed({found.error().text + ", or peerd help topics", kWrongUse});
               asked = *found;
             }
