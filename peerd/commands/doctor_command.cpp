@@ -251,7 +251,7 @@ int run_doctor(const DoctorOptions& options) {
     auto outcome = try_with(clock, options, *reach, *settings);
     if (!outcome) return failed(input_error(outcome.error()));
     report.with = *std::move(outcome);
-    // What was seen between the two decides, and not what this computer alone could guess.
+    // The pair decides by what was seen between the two, and not by what this computer alone could guess.
     std::erase_if(report.findings, [](const doctor::Finding& f) { return f.name == "reach"; });
     std::ranges::move(doctor::pair_findings(*report.with), std::back_inserter(report.findings));
     exit_code = doctor::exit_code_of(report.findings);

@@ -8,7 +8,7 @@
 
 namespace peerd::doctor {
 
-// What a finding means for peers with the settings that were examined.
+// The weight of a finding for peers with the settings that were examined.
 enum class Level : std::uint8_t {
   kGood,     // it was seen to work
   kHint,     // it may matter, or could not be seen

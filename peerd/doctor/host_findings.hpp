@@ -8,7 +8,7 @@
 
 namespace peerd::doctor {
 
-// What was tried with the settings of a peer.
+// The trial of a peer's settings on this computer.
 struct Examined {
   enum class Transport : std::uint8_t { kNone, kMulticast, kUnicast } transport = Transport::kNone;
   std::string problem = {};        // of kNone: why a peer could not run

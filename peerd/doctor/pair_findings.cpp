@@ -182,7 +182,7 @@ Finding nobody_answered(const PairOutcome& o) {
                   o.own_address, port_of(o.own_address))};
 }
 
-// Where no path works both ways.
+// The findings where no path works both ways.
 Finding one_sided(const PairOutcome& o) {
   const char* sentence = o.result.is_heard ? "no way works in both directions: peers would not find each other"
                                            : "it is heard here, and hears nothing of this computer";

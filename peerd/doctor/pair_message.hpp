@@ -17,7 +17,7 @@ enum class TcpState : std::uint8_t { kUntried, kWorks, kRefused, kNoAnswer };
 // Datagrams of the stream by which loss is measured, on each path.
 inline constexpr std::size_t kStream = 200;
 
-// What the sender has received on one path from the session that it names.
+// The datagrams that the sender has received on one path from the session that it names.
 struct Heard {
   bool any = false;
   std::uint16_t stream = 0;         // different datagrams of the stream, at most kStream

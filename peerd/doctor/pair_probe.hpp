@@ -11,7 +11,7 @@
 
 namespace peerd::doctor {
 
-// What came of trying the ways between this computer and another one.
+// The result of trying the ways between this computer and another one.
 struct PairResult {
   bool answered = false;             // something of it has arrived here
   bool is_heard = false;             // it says that something of this computer has arrived there

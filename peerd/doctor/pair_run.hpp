@@ -19,7 +19,7 @@ struct PairOptions {
   std::function<void(const std::string&)> say;  // what happens, for a person who waits
 };
 
-// What came of it, with all that a sentence about it needs.
+// The result, with all that a sentence about it needs.
 struct PairOutcome {
   PairResult result;
   std::string host;                // without a port, as the user named it

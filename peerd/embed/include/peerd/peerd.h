@@ -127,9 +127,9 @@ PEERD_API size_t peerd_poses(peerd_peer* peer, const peerd_object* objects, size
 /* ---- moving what this peer owns ---- */
 
 /* Asks for an object, or says of one that a configuration gave to this peer that this program moves it; needs a session
-   (peerd_in_session()). 1: it was asked for. What is nobody's is this peer's a little later; another peer may give it; PEERD_OBJECT_GIVEN and peerd_owner()
-   say so. The first peerd_move() then ends what physics or a formula did with it: it answers no contact by itself, and
-   PEERD_CONTACT says what it meets. */
+   (peerd_in_session()). 1: it was asked for. An object of nobody is this peer's a little later, and another peer may
+   give one of its own; PEERD_OBJECT_GIVEN and peerd_owner() say so. The first peerd_move() then ends what physics or a
+   formula did with it: it answers no contact by itself, and PEERD_CONTACT says what it meets. */
 PEERD_API int peerd_take(peerd_peer* peer, peerd_object object);
 /* Gives an object back: it is nobody's a little later. What answers contacts goes on with the velocity that it was
    given, and all else stands. */
@@ -145,8 +145,9 @@ typedef struct peerd_motion {
 } peerd_motion;
 
 /* Where objects that were taken are now; call it each frame, for all of them at once. An update goes out to other peers
-   only where they could not predict it; an object without a motion for half a second stands still. Returns how many motions were used: of the others this program may not move the
-   object, or their numbers are wrong, and peerd_error() says so of the last one. */
+   only where they could not predict it; an object without a motion for half a second stands still. Returns how many
+   motions were used: of the others this program may not move the object, or their numbers are wrong, and peerd_error()
+   says so of the last one. */
 PEERD_API size_t peerd_move(peerd_peer* peer, const peerd_motion* motions, size_t count);
 
 /* ---- changing the world ---- */
