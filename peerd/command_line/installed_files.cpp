@@ -1,5 +1,6 @@
 #include "peerd/command_line/installed_files.hpp"
 
+#include <algorithm>
 #include <system_error>
 
 namespace peerd {
@@ -26,6 +27,17 @@ std::optional<fs::path> InstalledFiles::find(const std::string& word, const std:
     }
   }
   return std::nullopt;
+}
+
+std::vector<fs::path> InstalledFiles::all(std::string_view folder, std::string_view extension) const {
+  std::vector<fs::path> files;
+  std::error_code failed;
+  if (folder_.empty()) return files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_ / folder, failed)) {
+    if (entry.path().extension() == extension) files.push_back(entry.path());
+  }
+  std::ranges::sort(files);
+  return files;
 }
 
 CLI::Validator InstalledFiles::or_installed(std::vector<std::string_view> folders, std::string_view extension) const {

@@ -24,9 +24,13 @@ class InstalledFiles {
                                                           const std::vector<std::string_view>& folders,
                                                           std::string_view extension) const;
 
+  // The installed files of one folder with that extension, by name.
+  [[nodiscard]] std::vector<std::filesystem::path> all(std::string_view folder, std::string_view extension) const;
+
   // For CLI::Option::transform(): a word that names an installed file becomes its path.
   [[nodiscard]] CLI::Validator scenario() const { return or_installed({"scenarios"}, ".toml"); }
   [[nodiscard]] CLI::Validator settings() const { return or_installed({"baselines", ""}, ".toml"); }
+  [[nodiscard]] CLI::Validator baseline() const { return or_installed({"baselines"}, ".toml"); }
   [[nodiscard]] CLI::Validator world() const { return or_installed({"worlds"}, ".wrl"); }
 
  private:

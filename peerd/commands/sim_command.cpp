@@ -8,6 +8,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
 
+#include "peerd/baselines/baseline_run.hpp"
 #include "peerd/command_line/progress.hpp"
 #include "peerd/command_line/stop_signals.hpp"
 #include "peerd/commands/print.hpp"
@@ -19,7 +20,6 @@
 #include "peerd/node/describe.hpp"
 #include "peerd/record/rerun.hpp"
 #include "peerd/scenario/measuring.hpp"
-#include "peerd/sim/simulated_run.hpp"
 
 namespace peerd {
 namespace {
@@ -73,7 +73,7 @@ class SimCommand {
         if (line && node.start()) log(now, node, line->text);
       };
     }
-    return sim::simulated_run(
+    return baselines::run_of_any_system(
         scenario_.runs[run], shared_, observer,
         [&](HostTime now, const PeerNode& node, const LogLine& line, bool done) { on_action(now, node, line, done); },
         captures ? &*captures : nullptr, measuring_of(scenario_, run, info_.csv_rows),

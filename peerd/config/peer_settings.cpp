@@ -192,7 +192,7 @@ ReplicationSettings read_replication(TomlReader reader) {
   reader.read("snapshots_hz", s.policy.snapshots_hz, 0, 1000);
   read_display_delay(reader, s.display_delay);
   std::size_t convergence = 0;
-  reader.read_word("convergence", convergence, {"jump", "linear", "cubic", "parabola"});
+  reader.read_word("convergence", convergence, {"jump", "linear", "cubic", "parabola", "adaptive"});
   s.convergence.method = static_cast<replication::ConvergenceMethod>(convergence);
   double convergence_s = to_seconds(s.convergence.over);
   reader.read("convergence_s", convergence_s, 0.0, kForever_s);

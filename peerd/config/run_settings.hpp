@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "peerd/config/baseline_settings.hpp"
 #include "peerd/config/events.hpp"
 #include "peerd/config/link_settings.hpp"
 #include "peerd/config/peer_settings.hpp"
@@ -21,6 +22,7 @@ struct RunSettings {
   std::uint64_t seed = 1;
   std::uint32_t sample_hz = 60;  // samples per second of each observer's error, whatever its tick rate
   ReplicationSettings replication;
+  BaselineSettings baseline;
   bool compare_outcomes = false;                 // with the same run without latency; simulated runs only
   std::vector<PeerSettings> peers;               // by id
   std::map<std::string, MotionSettings> motion;  // by path or pattern; applies to whichever peer owns the object

@@ -123,6 +123,10 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   if (run.replication.regions.cell_m > 0.0 && run.replication.relay.through != kNobody) {
     reader.fail(root.get("regions"), "regions: a relay passes all states on to everybody; leave out one of the two");
   }
+  run.baseline = read_baseline(TomlReader(table_or_empty(reader, "baseline"), "baseline", error));
+  if (request.real && run.baseline.system != BaselineSystem::kNone) {
+    reader.fail(root.get("baseline"), "baseline.system: other systems run in the simulator alone: peerd sim");
+  }
   read_network(TomlReader(table_or_empty(reader, "network"), "network", error), run);
   run.control = read_control(TomlReader(table_or_empty(reader, "control"), "control", error));
   if (run.control.socket && !run.control.socket->empty()) {

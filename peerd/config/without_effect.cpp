@@ -22,6 +22,7 @@ bool tracks_proximity(const RunSettings& run) { return run.replication.policy.tr
 bool chooses_models(const RunSettings& run) { return run.replication.policy.models.has_value(); }
 bool has_budget(const RunSettings& run) { return run.replication.policy.wanted_error_m > 0.0; }
 bool cuts_regions(const RunSettings& run) { return run.replication.regions.cell_m > 0.0; }
+bool has_game_server(const RunSettings& run) { return run.baseline.system == BaselineSystem::kServer; }
 bool has_relay(const RunSettings& run) { return run.replication.relay.through != kNobody; }
 
 bool delays_display(const RunSettings& run) {
@@ -45,6 +46,7 @@ bool some_link_has(const RunSettings& run, std::initializer_list<double LinkSett
 constexpr std::string_view kNoProximity = "replication.approach is not dr+rcp+acpt";
 constexpr std::string_view kNoModels = "replication.model is not best";
 constexpr std::string_view kNoBudget = "replication.wanted_error_m is 0";
+constexpr std::string_view kNoServer = "baseline.system is not server";
 constexpr std::string_view kNoRegions = "regions.cell_m is 0";
 
 constexpr std::array kRules{
@@ -80,6 +82,8 @@ constexpr std::array kRules{
         [](const RunSettings& run) { return run.replication.decisions.policy == replication::DecisionPolicy::kServer; },
         "decisions.policy is not server",
         {"decisions.policy"}},
+    Rule{"baseline.snapshots_hz", has_game_server, kNoServer, {"baseline.system"}},
+    Rule{"baseline.interpolation_ms", has_game_server, kNoServer, {"baseline.system"}},
     Rule{"relay.restamps", has_relay, "there is no relay.through", {"relay.through"}},
     Rule{"regions.counts", cuts_regions, kNoRegions, {"regions.cell_m"}},
     Rule{"regions.margin_m", cuts_regions, kNoRegions, {"regions.cell_m"}},

@@ -20,6 +20,7 @@ namespace peerd {
 // A scenario (scenario_commands.cpp).
 [[nodiscard]] Command add_sim(CLI::App& app);
 [[nodiscard]] Command add_scenario(CLI::App& app);
+[[nodiscard]] Command add_compare(CLI::App& app);
 // A world (world_commands.cpp).
 [[nodiscard]] Command add_new(CLI::App& app);
 [[nodiscard]] Command add_check(CLI::App& app);

@@ -9,6 +9,7 @@
 #include "peerd/commands/scenario_command.hpp"
 #include "peerd/commands/scenario_options.hpp"
 #include "peerd/commands/sim_command.hpp"
+#include "peerd/compare/compare_command.hpp"
 #include "peerd/config/scenario.hpp"
 #include "peerd/program/commands.hpp"
 
@@ -18,7 +19,7 @@ namespace {
 constexpr NumberRange kChaosSeconds{kChaosSecondsMin, 3600.0};
 constexpr std::int64_t kChaosSeedsMax = 1'000'000, kChaosPeersMax = 9;
 
-void add_scenario_options(CLI::App& command, ScenarioOptions& options) {
+void add_scenario_source(CLI::App& command, ScenarioOptions& options) {
   command.add_option("scenario", options.scenario, "the scenario, a TOML file, or the name of an installed one")
       ->required()
       ->transform(installed().scenario());
@@ -27,6 +28,10 @@ void add_scenario_options(CLI::App& command, ScenarioOptions& options) {
       ->transform(installed().settings());
   command.add_option("--set", options.sets, "KEY=VALUE, such as network.latency_ms=100; a list sweeps (repeatable)")
       ->allow_extra_args(false);
+}
+
+void add_scenario_options(CLI::App& command, ScenarioOptions& options) {
+  add_scenario_source(command, options);
   command.add_option("--seed", options.seed, "the first run's seed (default: the scenario's, else 1)")
       ->transform(whole_number_in(0, config::kSeedMax));
   command
@@ -88,6 +93,30 @@ Command add_sim(CLI::App& app) {
   command->get_option("scenario")->required(false);
   add_chaos_options(*command, *chaos);
   return {command, [command, options, chaos] { return run_sim_or_chaos(*command, *options, *chaos); }};
+}
+
+Command add_compare(CLI::App& app) {
+  const auto options = std::make_shared<CompareOptions>();
+  CLI::App* const command =
+      app.add_subcommand("compare", "a simulated scenario as it is and with other systems in its peers' place");
+  command->footer(exit_codes("the world has errors"));
+  ScenarioOptions& scenario = options->scenario;
+  add_scenario_source(*command, scenario);
+  command->get_option("--config")
+      ->description("a TOML file whose settings replace the scenario's, for all of them (repeatable)");
+  command->get_option("--set")->description("KEY=VALUE for all of them, such as network.latency_ms=100 (repeatable)");
+  command
+      ->add_option("--with", options->with,
+                   "a system: the name of one that is installed, or a TOML file (default: all that are installed)")
+      ->transform(installed().baseline());
+  command->add_option("--seed", scenario.seed, "the seed (default: the scenario's, else 1)")
+      ->transform(whole_number_in(0, config::kSeedMax));
+  command->add_option("--out", scenario.out, "where compare.svg and compare.json go (default: out/compare-NAME)");
+  command->add_flag("--json", scenario.json, "print compare.json instead of the table");
+  return {command, [options] {
+            options->baselines = installed().all("baselines", ".toml");
+            return run_compare(*options);
+          }};
 }
 
 Command add_scenario(CLI::App& app) {

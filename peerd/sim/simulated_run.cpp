@@ -51,18 +51,25 @@ Result<report::RunRecord> simulated_run(const config::RunSettings& run, const Sh
   if (!record) return record;
   record->interest = std::move(interest);
   if (!run.compare_outcomes || stop.at_s()) return record;
-  const config::RunSettings ideal = without_latency(run);
-  auto truth_assembler = RunAssembler::make(ideal, shared, {.limits = {0, 0, 0}, .parts = {}});
-  if (!truth_assembler) return std::unexpected(truth_assembler.error());
-  Stop compare_stop(progress);
-  const auto true_logs =
-      simulate(ideal, shared, {}, {}, nullptr, nullptr, truth_assembler->get(), std::ref(compare_stop));
-  if (!true_logs) return std::unexpected(true_logs.error());
-  if (compare_stop.at_s()) return record;
-  const auto truth = (*truth_assembler)->finish(*true_logs);
-  if (!truth) return std::unexpected(truth.error());
-  record->wrong = report::wrong_outcomes(*record, *truth);
+  auto wrong = compare_outcomes(*record, run, shared, progress);
+  if (!wrong) return std::unexpected(wrong.error());
+  record->wrong = *wrong;
   return record;
+}
+
+Result<std::optional<report::WrongOutcomes>> compare_outcomes(const report::RunRecord& record,
+                                                              const config::RunSettings& run, const SharedWorld& shared,
+                                                              const Progress& progress) {
+  const config::RunSettings ideal = without_latency(run);
+  auto assembler = RunAssembler::make(ideal, shared, {.limits = {0, 0, 0}, .parts = {}});
+  if (!assembler) return std::unexpected(assembler.error());
+  Stop stop(progress);
+  const auto logs = simulate(ideal, shared, {}, {}, nullptr, nullptr, assembler->get(), std::ref(stop));
+  if (!logs) return std::unexpected(logs.error());
+  if (stop.at_s()) return std::nullopt;
+  const auto truth = (*assembler)->finish(*logs);
+  if (!truth) return std::unexpected(truth.error());
+  return report::wrong_outcomes(record, *truth);
 }
 
 }  // namespace peerd::sim

@@ -14,4 +14,11 @@ namespace peerd::sim {
                                                       const Captures* captures = nullptr, Measuring measuring = {},
                                                       const Progress& progress = {}, PeersWatch* watch = nullptr);
 
+// Compares the outcomes in a record of that run with those of the same run without latency, by this project's peers
+// (without_latency()); none where `progress` stops the comparison.
+[[nodiscard]] Result<std::optional<report::WrongOutcomes>> compare_outcomes(const report::RunRecord& record,
+                                                                            const config::RunSettings& run,
+                                                                            const SharedWorld& shared,
+                                                                            const Progress& progress = {});
+
 }  // namespace peerd::sim

@@ -56,6 +56,9 @@ double longest_delay_s(const config::RunSettings& run) {
 
 std::optional<InputError> why_not_simulated(const config::RunSettings& run,
                                             const std::vector<config::PeerObjects>& objects) {
+  if (run.baseline.system != config::BaselineSystem::kNone) {
+    return InputError{"error: baseline.system: this needs peers of this project; peerd sim alone runs other systems"};
+  }
   for (std::size_t i = 0; i < run.peers.size(); ++i) {
     if (objects[i].outside.empty()) continue;  // the program's poses would depend on how fast this computer simulates
     return InputError{
@@ -370,6 +373,7 @@ config::RunSettings without_latency(config::RunSettings run) {
   run.replication.policy.order = replication::ModelOrder::kSecond;
   run.replication.policy.predict_collisions = true;
   run.replication.decisions = {};
+  run.baseline = {};
   return run;
 }
 

@@ -26,13 +26,13 @@ Quat between(const Quat& from, const Quat& to, double part) {
 
 // The pose at t, which is after last_ and before the end of the way.
 Convergence::Drawn Convergence::blended(SimTime t, const KinematicState& ghost) const {
-  assert(from_ && last_ && t > last_->at && policy_.over > Duration{0});
-  const double s = to_seconds(t - from_->at), over = to_seconds(policy_.over), part = s / over;
+  assert(from_ && last_ && t > last_->at && way_.over > Duration{0});
+  const double s = to_seconds(t - from_->at), over = to_seconds(way_.over), part = s / over;
   const Vec3& p0 = from_->pose.position;
   const Vec3& v0 = from_->velocity;
   Drawn out{t, {ghost.position, between(from_->pose.orientation, ghost.orientation, part)}, ghost.velocity};
   const KinematicState end = advance(ghost, over - s);
-  switch (policy_.method) {
+  switch (way_.method) {
     case ConvergenceMethod::kJump:
       break;
     case ConvergenceMethod::kLinear: {
@@ -50,6 +50,7 @@ Convergence::Drawn Convergence::blended(SimTime t, const KinematicState& ghost) 
       out.velocity = (out.pose.position - last_->pose.position) / to_seconds(t - last_->at);
       break;
     }
+    case ConvergenceMethod::kAdaptive:  // adapt() has chosen another one
     case ConvergenceMethod::kParabola: {
       const Vec3 bend = (end.position - p0 - over * v0) / (over * over);
       out.pose.position = p0 + s * (v0 + s * bend);
@@ -83,7 +84,7 @@ std::optional<Convergence::Drawn> Convergence::trailing(SimTime t, const MayPass
     trail_ = {at, t};
     return Drawn{t, *pose, (pose->position - last_->pose.position) / to_seconds(t - last_->at)};
   };
-  const Duration left = std::max(Duration{0}, from_->at + policy_.over - t), step = t - last_->at;
+  const Duration left = std::max(Duration{0}, from_->at + way_.over - t), step = t - last_->at;
   const double part = static_cast<double>(left.count()) / static_cast<double>((left + step).count());
   const Duration behind = std::max(Duration{0}, last_->at - trail_->at);
   const SimTime wanted = t - Duration{static_cast<std::int64_t>(part * static_cast<double>(behind.count()))};
@@ -97,26 +98,42 @@ std::optional<Convergence::Drawn> Convergence::trailing(SimTime t, const MayPass
   // The place that reachable() has found.
   if (const auto pose = was(trail_->at); pose && may_pass(last_->pose.position, pose->position)) {
     const bool moves = pose->position != last_->pose.position;
-    if (moves || t - trail_->moved_at <= policy_.over) {
+    if (moves || t - trail_->moved_at <= way_.over) {
       if (moves) trail_->moved_at = t;
       return Drawn{t, *pose, (pose->position - last_->pose.position) / to_seconds(t - last_->at)};
     }
     return std::nullopt;
   }
   const bool may_stay = may_pass(last_->pose.position, last_->pose.position);
-  if (!may_stay || t - trail_->moved_at > policy_.over) return std::nullopt;
+  if (!may_stay || t - trail_->moved_at > way_.over) return std::nullopt;
   return Drawn{t, last_->pose, Vec3::Zero()};
+}
+
+// Ohlenburg 2003, section 4.2.3: first-order convergence where the angle between the three positions is large. How
+// large is not said there; from 165 degrees on they count as a line. The way back takes the time between the last two
+// updates, after which another one is to be expected, and no longer than the policy says.
+void Convergence::adapt(SimTime t, const Vec3& ghost) {
+  constexpr double kCosLine = -0.9659258262890683;  // of 165 degrees
+  way_ = {ConvergenceMethod::kParabola, policy_.over};
+  if (last_change_) way_.over = std::min(policy_.over, t - last_change_->at);
+  if (last_change_ && change_before_) {
+    const Vec3 back = change_before_->position - last_change_->position, on = ghost - last_change_->position;
+    if (back.dot(on) <= kCosLine * back.norm() * on.norm()) way_.method = ConvergenceMethod::kLinear;
+  }
+  change_before_ = last_change_;
+  last_change_ = Change{t, ghost};
 }
 
 Pose Convergence::shown(SimTime t, const KinematicState& ghost, std::uint64_t revision, const MayPass& may_pass,
                         const GhostPoseAt& was) {
   const bool ghost_changed = revision_ && *revision_ != revision;
   revision_ = revision;
-  if (ghost_changed && last_ && policy_.method != ConvergenceMethod::kJump && policy_.over > Duration{0}) {
+  if (ghost_changed && policy_.method == ConvergenceMethod::kAdaptive) adapt(t, ghost.position);
+  if (ghost_changed && last_ && way_.method != ConvergenceMethod::kJump && way_.over > Duration{0}) {
     from_ = last_;
     trail_.reset();
   }
-  if (from_ && !trail_ && t - from_->at >= policy_.over) from_.reset();
+  if (from_ && !trail_ && t - from_->at >= way_.over) from_.reset();
   if (from_ && t <= last_->at) return last_->pose;
   std::optional<Drawn> way;
   if (from_ && !trail_) {

@@ -14,6 +14,8 @@ enum class ConvergenceMethod : std::uint8_t {
   kLinear,    // in a straight line to where the ghost will be
   kCubic,     // projective velocity blending (C. Murphy, "Believable Dead Reckoning for Networked Games", 2011)
   kParabola,  // Ohlenburg 2003, after Singhal and Cheriton: leaves with its velocity, meets the ghost in the future
+  kAdaptive,  // Singhal and Cheriton 1995: straight where the last three updates nearly lie on a line, else kParabola,
+              // within the time between the last two of them
 };
 
 struct ConvergencePolicy {
@@ -25,7 +27,7 @@ struct ConvergencePolicy {
 // two peers may display one ghost differently.
 class Convergence {
  public:
-  explicit Convergence(const ConvergencePolicy& policy) : policy_(policy) {}
+  explicit Convergence(const ConvergencePolicy& policy) : policy_(policy), way_(policy) {}
 
   // Whether the object may be drawn on its straight way from one place, where it was drawn last, to the other.
   using MayPass = std::function<bool(const Vec3& from, const Vec3& to)>;
@@ -60,7 +62,16 @@ class Convergence {
   [[nodiscard]] std::optional<SimTime> reachable(SimTime t, const MayPass& may_pass, const GhostPoseAt& was) const;
   [[nodiscard]] std::optional<Drawn> trailing(SimTime t, const MayPass& may_pass, const GhostPoseAt& was);
 
+  // Chooses the next way back by where the ghost is at its last three changes.
+  void adapt(SimTime t, const Vec3& ghost);
+
   ConvergencePolicy policy_;
+  ConvergencePolicy way_;  // of the way back that is under way: policy_, or what adapt() has chosen
+  struct Change {
+    SimTime at;
+    Vec3 position;
+  };
+  std::optional<Change> last_change_, change_before_;  // of the ghost
   std::optional<std::uint64_t> revision_;
   std::optional<Drawn> last_;
   std::optional<Drawn> from_;  // where the way back began; none: the object is drawn at the ghost

@@ -54,8 +54,7 @@ class Bench {
   Outcome simulate_one(const std::string& scenario, const std::string& config, double latency_ms,
                        std::vector<std::string> sets) {
     if (scenario == "traffic") {
-      const bool serves = config.starts_with("baselines/server");
-      sets.push_back(serves ? "decisions.policy=server" : "decisions.policy=expected-error");
+      sets.push_back("decisions.policy=expected-error");
     }
     Outcome outcome = simulate({scenario, config, latency_ms, options_.quick ? 3.0 : 12.0, std::move(sets)});
     if (!outcome.wrong.empty()) {

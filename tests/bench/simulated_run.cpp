@@ -6,6 +6,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "peerd/baselines/baseline_run.hpp"
 #include "peerd/measure/summary.hpp"
 #include "peerd/scenario/assemble.hpp"
 
@@ -27,6 +28,12 @@ struct Mean {
   void add(double x) { sum += x, ++count; }
   [[nodiscard]] double value() const { return count == 0 ? 0.0 : sum / static_cast<double>(count); }
 };
+
+// The record of the run, by whichever system its configuration names.
+report::RunRecord played_record(const ReadyRun& read) {
+  if (read.settings().baseline.system == config::BaselineSystem::kNone) return record_of(read, play(read));
+  return must(baselines::run_of_any_system(read.settings(), *read.shared));
+}
 
 nlohmann::ordered_json summary_of(const SimulatedRun& run, const ReadyRun& read, const report::RunRecord& record) {
   return report::summarise({run.scenario, "sim", read.scenario.seed, {}}, {&record, 1})["runs"][0];
@@ -67,12 +74,12 @@ report::RunRecord record_of(const ReadyRun& run, const Played& played) {
 
 nlohmann::ordered_json summary_of(const SimulatedRun& run) {
   const ReadyRun read = ready(run);
-  return summary_of(run, read, record_of(read, play(read)));
+  return summary_of(run, read, played_record(read));
 }
 
 Outcome simulate(const SimulatedRun& run) {
   const ReadyRun read = ready(run);
-  const report::RunRecord record = record_of(read, play(read));
+  const report::RunRecord record = played_record(read);
   const auto summary = summary_of(run, read, record);
   Outcome outcome;
   if (summary["objects"].empty()) outcome.wrong = "nobody saw anything";

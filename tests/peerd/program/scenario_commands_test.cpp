@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/peerd/program/program.hpp"
 
 namespace peerd::scenario_commands_test {
@@ -19,6 +21,34 @@ TEST_F(Program, MotionsWithoutEffectAreNamed) {
   EXPECT_EQ(said.exit_code, 0) << said.err;
   EXPECT_THAT(said.err, HasSubstr("s.toml:8:1: warning: motion.FLOOR has no effect: no peer owns what it names"));
   EXPECT_THAT(said.out, HasSubstr("0 s of 1 run in "));
+}
+
+TEST_F(Program, ComparesSystemsInARowForEach) {
+  const std::string baselines = PEERD_SOURCE_DIR "/configs/baselines/";
+  const Said said = run("compare " PEERD_SOURCE_DIR "/configs/scenarios/eq47.toml --set duration_s=4 --with " +
+                        baselines + "lockstep.toml --with " + baselines + "dis.toml --out compared --json");
+  ASSERT_EQ(said.exit_code, 0) << said.err;
+  const auto json = nlohmann::json::parse(said.out);
+  ASSERT_EQ(json["systems"].size(), 3u);
+  EXPECT_EQ(json["systems"][0]["system"], "peerd") << "the scenario as it is";
+  EXPECT_EQ(json["systems"][1]["system"], "lockstep");
+  EXPECT_EQ(json["systems"][1]["view_difference_m"], 0.0);
+  EXPECT_GT(json["systems"][2]["view_difference_m"], 0.0);
+  EXPECT_THAT(testing_support::text_of(folder / "compared/compare.svg"), HasSubstr("lockstep"));
+  EXPECT_EQ(nlohmann::json::parse(testing_support::text_of(folder / "compared/compare.json")), json);
+}
+
+TEST_F(Program, ComparesNothingWhereNoSystemIsNamedOrInstalled) {
+  const Said said = run("compare " PEERD_SOURCE_DIR "/configs/scenarios/eq47.toml");
+  EXPECT_EQ(said.exit_code, 2);
+  EXPECT_THAT(said.err, HasSubstr("--with FILE"));
+}
+
+TEST_F(Program, OtherSystemsAreSimulatedAlone) {
+  const Said said =
+      run("run -c " PEERD_SOURCE_DIR "/configs/scenarios/eq47.toml --peer a --set baseline.system=lockstep");
+  EXPECT_EQ(said.exit_code, 2);
+  EXPECT_THAT(said.err, HasSubstr("peerd sim"));
 }
 
 }  // namespace peerd::scenario_commands_test

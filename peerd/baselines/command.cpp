@@ -1,0 +1,109 @@
+#include "peerd/baselines/command.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "peerd/motion/motion_path.hpp"
+
+namespace peerd::baselines {
+namespace {
+
+using replication::BitReader;
+using replication::BitWriter;
+
+constexpr std::size_t kKeysMax = 64;  // of one tick
+
+void put_signed(BitWriter& out, std::int32_t value) {
+  const auto bits = static_cast<std::uint32_t>(value);
+  replication::put_varint(out, (bits << 1) ^ (value < 0 ? ~std::uint32_t{0} : 0));
+}
+bool take_signed(BitReader& in, std::int32_t& value) {
+  std::uint32_t zigzag = 0;
+  if (!replication::take_varint(in, zigzag)) return false;
+  value = static_cast<std::int32_t>((zigzag >> 1) ^ ((zigzag & 1) == 0 ? 0 : ~std::uint32_t{0}));
+  return true;
+}
+
+bool is_zero(const std::array<std::int32_t, 3>& steps) { return steps == std::array<std::int32_t, 3>{}; }
+
+std::array<std::int32_t, 3> in_steps(const Vec3& value, double step) {
+  constexpr double kMost = 1 << 30;
+  std::array<std::int32_t, 3> steps{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double exact = std::clamp(value[static_cast<Eigen::Index>(i)] / step, -kMost, kMost);
+    steps[i] = static_cast<std::int32_t>(std::lround(exact));
+  }
+  return steps;
+}
+Vec3 from_steps(const std::array<std::int32_t, 3>& steps, double step) {
+  return step * Vec3(steps[0], steps[1], steps[2]);
+}
+
+}  // namespace
+
+KinematicState driven(const Pose& at, const Drive& drive) {
+  KinematicState state = at_rest(at);
+  state.velocity = from_steps(drive.velocity, kVelocityStep_m_s);
+  state.angular_velocity_body = from_steps(drive.spin, kSpinStep_rad_s);
+  return state;
+}
+
+// The first byte of a drive says which of the two vectors follow.
+void put(BitWriter& out, const Command& command) {
+  for (const Drive& drive : command.drives) {
+    const bool moves = !is_zero(drive.velocity), turns = !is_zero(drive.spin);
+    out.put((moves ? 1u : 0u) | (turns ? 2u : 0u), 8);
+    if (moves) std::ranges::for_each(drive.velocity, [&](std::int32_t v) { put_signed(out, v); });
+    if (turns) std::ranges::for_each(drive.spin, [&](std::int32_t v) { put_signed(out, v); });
+  }
+  replication::put_varint(out, command.keys.size());
+  for (const KeyEvent& key : command.keys) {
+    put_signed(out, key.value);
+    put_signed(out, key.state);
+  }
+}
+
+bool take(BitReader& in, std::size_t objects, Command& command) {
+  command.drives.assign(objects, {});
+  for (Drive& drive : command.drives) {
+    const std::uint64_t has = in.get(8);
+    if (has > 3) return false;
+    const auto take_all = [&](std::array<std::int32_t, 3>& steps) {
+      return std::ranges::all_of(steps, [&](std::int32_t& v) { return take_signed(in, v); });
+    };
+    if ((has & 1) != 0 && !take_all(drive.velocity)) return false;
+    if ((has & 2) != 0 && !take_all(drive.spin)) return false;
+  }
+  std::uint32_t keys = 0;
+  if (!replication::take_varint(in, keys) || keys > kKeysMax) return false;
+  command.keys.assign(keys, {});
+  return std::ranges::all_of(command.keys,
+                             [&](KeyEvent& key) { return take_signed(in, key.value) && take_signed(in, key.state); });
+}
+
+CommandSource::CommandSource(const config::Motions& motions, std::vector<config::ScriptedKey> keys)
+    : motions_(motions), keys_(std::move(keys)) {}
+
+std::vector<Pose> CommandSource::begin() const {
+  std::vector<Pose> poses;
+  for (const auto& [object, motion] : motions_) poses.push_back(motion.pose(0.0));
+  return poses;
+}
+
+Command CommandSource::sample(double t_s, double dt_s, const std::vector<Pose>& at) {
+  Command command;
+  std::size_t i = 0;
+  for (const auto& [object, motion] : motions_) {
+    const KinematicState wanted = advance(motion.sample(t_s), dt_s);
+    const Vec3 turn = config::turn_between(at[i].orientation, wanted.orientation);
+    command.drives.push_back({in_steps((wanted.position - at[i].position) / dt_s, kVelocityStep_m_s),
+                              in_steps(turn / dt_s, kSpinStep_rad_s)});
+    ++i;
+  }
+  for (; next_key_ < keys_.size() && keys_[next_key_].at_s <= t_s && command.keys.size() < kKeysMax; ++next_key_) {
+    command.keys.push_back(keys_[next_key_].key);
+  }
+  return command;
+}
+
+}  // namespace peerd::baselines

@@ -1,0 +1,164 @@
+#include "peerd/baselines/game_client.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace peerd::baselines {
+namespace {
+
+using replication::BitReader;
+
+constexpr std::uint64_t kInputsOfBefore = 2;  // inputs that each message repeats
+constexpr std::size_t kReceivedMax = 64;      // snapshots of a block that may be a base
+constexpr Duration kShownFor = std::chrono::seconds(2);
+constexpr Duration kAgesOf = std::chrono::seconds(2);
+constexpr double kExtrapolated_s = 0.25;
+constexpr std::uint32_t kEventsMax = 64;
+
+}  // namespace
+
+GameClient::GameClient(const Setup& setup, std::size_t self, const GameServer& server)
+    : Participant(setup, self, server.game().start()),
+      server_(server),
+      start_(server.game().start()),
+      hands_(setup.objects[self].motions, setup.run.peers[self].keys),
+      objects_(objects_of_snapshots(setup)),
+      confirmed_at_(hands_.begin()),
+      received_(blocks_of(objects_)) {}
+
+void GameClient::on_packet(SimTime now, std::span<const std::byte> datagram) {
+  BitReader in(datagram);
+  SnapshotHead head;
+  if (!take(in, head) || head.block >= received_.size()) return count("datagrams_refused");
+  std::map<std::uint64_t, Block>& received = received_[head.block];
+  const auto base = received.find(head.base);
+  if (head.base != 0 && base == received.end()) return count("snapshots_without_base");
+  if (!received.empty() && head.number <= received.rbegin()->first) return count("snapshots_late");
+  Block states = head.base == 0 ? Block(block_of(objects_, head.block).size()) : base->second;
+  if (!take_changes(in, states)) return count("datagrams_refused");
+  const SimTime at = server_.game().time_of(static_cast<std::int64_t>(head.tick));
+  ages_.emplace_back(now, now - at);
+  while (ages_.front().first < now - kAgesOf) ages_.pop_front();
+  keep(at, head.block, states);
+  received.emplace(head.number, states);
+  if (received.size() > kReceivedMax) received.erase(received.begin());
+  if (head.block == 0) take_events(now, in);
+  // The server's word on own objects holds for the inputs that it has carried out.
+  if (head.commands < confirmed_) return;
+  confirmed_ = head.commands;
+  unconfirmed_.erase(unconfirmed_.begin(), unconfirmed_.lower_bound(confirmed_));
+  std::size_t k = 0;
+  for (const auto& [object, motion] : setup_.objects[self_].motions) {
+    const auto index = static_cast<std::size_t>(std::ranges::lower_bound(objects_, object) - objects_.begin());
+    if (index / kBlockObjects == head.block) confirmed_at_[k] = state_of(states[index % kBlockObjects]).pose();
+    ++k;
+  }
+}
+
+void GameClient::keep(SimTime at, std::size_t block, const Block& states) {
+  const std::span<const ObjectId> objects = block_of(objects_, block);
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    std::deque<Snapshot>& shown = shown_[objects[i]];
+    shown.push_back({at, state_of(states[i])});
+    while (shown.front().at < at - kShownFor) shown.pop_front();
+  }
+}
+
+void GameClient::take_events(SimTime now, BitReader& in) {
+  std::uint32_t events = 0;
+  std::uint64_t first = 0;
+  if (!replication::take_varint(in, events) || events > kEventsMax) return count("datagrams_refused");
+  if (events > 0 && !replication::take_varint(in, first)) return count("datagrams_refused");
+  for (std::uint32_t i = 0; i < events; ++i) {
+    GameEvent event{first + i, false, {}};
+    if (!take(in, start_, event)) return count("datagrams_refused");
+    if (event.number <= last_event_) continue;
+    last_event_ = event.number;
+    note_contact(now, event.shared ? "applied" : "predicted", event.contact);
+  }
+}
+
+SimTime GameClient::seen_at(SimTime now) const {
+  Duration age = Duration::max();
+  for (const auto& [arrival, each] : ages_) age = std::min(age, each);
+  return ages_.empty() ? start_ : now - age - from_seconds(setup_.run.baseline.interpolation_ms * 1e-3);
+}
+
+KinematicState GameClient::seen(ObjectId object, SimTime now) const {
+  const auto found = shown_.find(object);
+  if (found == shown_.end()) return at_rest(setup_.shared.world.scene.rigid_pose(object));
+  const std::deque<Snapshot>& shown = found->second;
+  const SimTime at = seen_at(now);
+  const auto next = std::ranges::upper_bound(shown, at, {}, &Snapshot::at);
+  if (next == shown.begin()) return next->state;
+  const Snapshot& last = *(next - 1);
+  if (next == shown.end()) return advance(last.state, std::min(to_seconds(at - last.at), kExtrapolated_s));
+  const double s = to_seconds(at - last.at) / to_seconds(next->at - last.at);
+  KinematicState state = last.state;
+  state.position += s * (next->state.position - last.state.position);
+  state.orientation = last.state.orientation.slerp(s, next->state.orientation);
+  return state;
+}
+
+std::vector<Pose> GameClient::predicted(std::uint64_t tick) const {
+  std::vector<Pose> at = confirmed_at_;
+  for (auto input = unconfirmed_.begin(); input != unconfirmed_.end() && input->first < tick; ++input) {
+    for (std::size_t i = 0; i < at.size(); ++i)
+      at[i] = advance(driven(at[i], input->second.drives[i]), setup_.tick_s()).pose();
+  }
+  return at;
+}
+
+void GameClient::on_tick(SimTime now, std::int64_t tick) {
+  next_tick_ = static_cast<std::uint64_t>(tick) + 1;
+  const double tick_s = setup_.tick_s();
+  const auto [input, added] =
+      unconfirmed_.emplace(tick, hands_.sample(static_cast<double>(tick) * tick_s, tick_s, predicted(next_tick_ - 1)));
+  (void)added;
+  ClientMessage message;
+  message.player = static_cast<std::uint32_t>(self_);
+  const std::uint64_t first = next_tick_ - std::min<std::uint64_t>(next_tick_, kInputsOfBefore + 1);
+  for (auto each = unconfirmed_.lower_bound(first); each != unconfirmed_.end(); ++each) {
+    if (message.commands.empty()) message.first_tick = each->first;
+    message.commands.push_back(each->second);
+  }
+  message.last_event = last_event_;
+  message.seen = seen_at(now);
+  for (const auto& received : received_) message.blocks.push_back(received.empty() ? 0 : received.rbegin()->first);
+  std::array<std::byte, kMessageMax_bytes> scratch;
+  const std::size_t bytes = write(message, start_, scratch);
+  send(now, kToServer, std::span(scratch).first(bytes));
+  const auto& motions = setup_.objects[self_].motions;
+  for (const auto& [object, motion] : motions) note_update(now, object, bytes / motions.size(), "input");
+}
+
+void GameClient::record(SimTime now) {
+  const double t_s = to_seconds(now - start_);
+  const double into_tick_s = t_s - (static_cast<double>(next_tick_) - 1.0) * setup_.tick_s();
+  const std::vector<Pose> own = predicted(next_tick_ - 1);
+  for (std::size_t i = 0; i < setup_.objects.size(); ++i) {
+    std::size_t k = 0;
+    for (const ObjectId object : setup_.objects[i].owned) {
+      const KinematicState shown = seen(object, now);
+      const auto motion = setup_.objects[i].motions.find(object);
+      if (i != self_) {
+        note_sample(now, object, shown, shown.pose());
+        continue;
+      }
+      if (motion == setup_.objects[i].motions.end()) {
+        note_sample(now, object, server_.game().state(object), shown.pose());
+        continue;
+      }
+      k = static_cast<std::size_t>(std::distance(setup_.objects[i].motions.begin(), motion));
+      const auto input = unconfirmed_.find(next_tick_ - 1);
+      Pose pose = shown.pose();
+      if (setup_.run.baseline.prediction) {
+        pose =
+            input == unconfirmed_.end() ? own[k] : advance(driven(own[k], input->second.drives[k]), into_tick_s).pose();
+      }
+      note_sample(now, object, motion->second.sample(t_s), pose);
+    }
+  }
+}
+
+}  // namespace peerd::baselines

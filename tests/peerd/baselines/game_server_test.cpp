@@ -1,0 +1,51 @@
+#include "peerd/baselines/game_server.hpp"
+
+#include <gtest/gtest.h>
+
+#include "peerd/measure/lookup.hpp"
+#include "tests/peerd/baselines/systems.hpp"
+
+namespace peerd::baselines::game_server_test {
+
+using namespace testing_support;
+using sim::testing_support::kEq47;
+
+constexpr PeerId kB{2};
+constexpr double kCar_m_s = 8.5;
+
+TEST(GameServer, DecidesWhatTwoPlayersObjectsDo) {
+  const auto record = run_system(kMeeting, "server");
+  const auto decided = contacts_of(record, "server", "decided");
+  ASSERT_FALSE(decided.empty());
+  for (const char* peer : {"a", "b", "c"}) {
+    EXPECT_EQ(contacts_of(record, peer, "applied").size(), decided.size()) << peer;
+    EXPECT_TRUE(contacts_of(record, peer, "decided").empty()) << peer;
+  }
+}
+
+TEST(GameServer, GivesEveryContactToEverybodyThoughMuchIsLost) {
+  const auto record = run_system(kMeeting, "server", {"network.loss=0.3"});
+  const auto decided = contacts_of(record, "server", "decided");
+  ASSERT_FALSE(decided.empty());
+  for (const char* peer : {"a", "b", "c"}) EXPECT_EQ(contacts_of(record, peer, "applied").size(), decided.size());
+}
+
+// Inputs take one way to the server, snapshots another one back; they leave 20 times a second, and interpolation shows
+// them 0.1 s later.
+TEST(GameServer, OthersAreSeenAfterBothWaysAndTheInterpolation) {
+  const auto record = run_system(kEq47, "server", {"network.latency_ms=100"});
+  const double late_s = mean_m(record, kB, report::shown_error_m) / kCar_m_s;
+  EXPECT_GT(late_s, 0.29);
+  EXPECT_LT(late_s, 0.37);
+}
+
+TEST(GameServer, SendsOnlyWhatHasChanged) {
+  const auto bytes = [](const std::vector<std::string>& sets) {
+    const auto record = run_system(kMeeting, "server", sets);
+    return record.counters.at("bytes_out");
+  };
+  const auto without_loss = bytes({}), with_loss = bytes({"network.loss=0.5"});
+  EXPECT_LT(without_loss, with_loss) << "the base is older where acknowledgements are lost";
+}
+
+}  // namespace peerd::baselines::game_server_test
