@@ -16,7 +16,8 @@ namespace {
 using config::BaselineSystem;
 using sim::VirtualTime;
 
-constexpr double kLingers_s = 1.0;  // late datagrams and events still count
+constexpr std::size_t kDrivenMax = 1000;  // of a player: its input fits a message, with those before it
+constexpr double kLingers_s = 1.0;        // late datagrams and events still count
 
 // The run with the server as a peer of its own, the last one.
 config::RunSettings with_server(config::RunSettings run) {
@@ -39,12 +40,24 @@ std::optional<InputError> why_not(const config::RunSettings& run, const std::vec
   for (const config::ScenarioEvent& event : run.events) {
     if (config::EventKind kind = event.kind; kind == config::EventKind::kEdit)
       return no("event." + event.name + " edits the scene");
-    if (config::peers_change({event})) return no("event." + event.name + " is about who comes and goes");
+    if (config::peers_change({event})) return no("event." + event.name + " is about peers that join or leave");
   }
   for (std::size_t i = 0; i < run.peers.size(); ++i) {
+    if (objects[i].motions.size() > kDrivenMax)
+      return InputError{"error: baseline.system: an input is of " + std::to_string(kDrivenMax) +
+                        " driven objects at most, and " + run.peers[i].name + " drives " +
+                        std::to_string(objects[i].motions.size())};
     if (!objects[i].outside.empty()) return no("a program outside moves objects of " + run.peers[i].name);
   }
   return std::nullopt;
+}
+
+std::map<ObjectId, std::size_t> owners_of(const std::vector<config::PeerObjects>& objects) {
+  std::map<ObjectId, std::size_t> owners;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    for (const ObjectId object : objects[i].owned) owners.emplace(object, i);
+  }
+  return owners;
 }
 
 class BaselineRun {
@@ -53,7 +66,7 @@ class BaselineRun {
               LogRows& rows)
       : run_(run),
         objects_(std::move(objects)),
-        setup_{run_, shared, objects_, rows},
+        setup_{run_, shared, objects_, rows, owners_of(objects_)},
         network_(run),
         events_(run.events) {
     std::unique_ptr<Game> game = make_game();
@@ -96,7 +109,6 @@ class BaselineRun {
       }
       now = due;
       if (tick_at <= sample_at) {
-        // The server carries out what has come until now; whoever ticks first says so first.
         for (std::size_t i = 0; i < participants_.size(); ++i) {
           participants_[i]->on_tick(now, tick);
           for (replication::Send& sent : participants_[i]->take_sent()) {

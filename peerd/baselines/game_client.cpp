@@ -133,31 +133,32 @@ void GameClient::on_tick(SimTime now, std::int64_t tick) {
 }
 
 void GameClient::record(SimTime now) {
-  const double t_s = to_seconds(now - start_);
-  const double into_tick_s = t_s - (static_cast<double>(next_tick_) - 1.0) * setup_.tick_s();
-  const std::vector<Pose> own = predicted(next_tick_ - 1);
   for (std::size_t i = 0; i < setup_.objects.size(); ++i) {
-    std::size_t k = 0;
     for (const ObjectId object : setup_.objects[i].owned) {
       const KinematicState shown = seen(object, now);
-      const auto motion = setup_.objects[i].motions.find(object);
-      if (i != self_) {
-        note_sample(now, object, shown, shown.pose());
-        continue;
-      }
-      if (motion == setup_.objects[i].motions.end()) {
+      if (i != self_) note_sample(now, object, shown, shown.pose());
+      if (i == self_ && !setup_.objects[i].motions.contains(object)) {
         note_sample(now, object, server_.game().state(object), shown.pose());
-        continue;
       }
-      k = static_cast<std::size_t>(std::distance(setup_.objects[i].motions.begin(), motion));
-      const auto input = unconfirmed_.find(next_tick_ - 1);
-      Pose pose = shown.pose();
-      if (setup_.run.baseline.prediction) {
-        pose =
-            input == unconfirmed_.end() ? own[k] : advance(driven(own[k], input->second.drives[k]), into_tick_s).pose();
-      }
-      note_sample(now, object, motion->second.sample(t_s), pose);
     }
+  }
+  record_hands(now);
+}
+
+void GameClient::record_hands(SimTime now) {
+  const double t_s = to_seconds(now - start_);
+  const std::uint64_t tick = next_tick_ - 1;
+  const double into_tick_s = t_s - static_cast<double>(tick) * setup_.tick_s();
+  const std::vector<Pose> at = predicted(tick);
+  const auto input = unconfirmed_.find(tick);
+  std::size_t k = 0;
+  for (const auto& [object, motion] : setup_.objects[self_].motions) {
+    Pose shown = seen(object, now).pose();
+    if (setup_.run.baseline.prediction) {
+      shown = input == unconfirmed_.end() ? at[k] : advance(driven(at[k], input->second.drives[k]), into_tick_s).pose();
+    }
+    note_sample(now, object, motion.sample(t_s), shown);
+    ++k;
   }
 }
 

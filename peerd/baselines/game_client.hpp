@@ -28,6 +28,8 @@ class GameClient final : public Participant {
     KinematicState state;
   };
 
+  // The part of record() that is about own driven objects.
+  void record_hands(SimTime now);
   void take_events(SimTime now, replication::BitReader& in);
   void keep(SimTime at, std::size_t block, const Block& states);
   // The time as of which the others are shown.

@@ -1,15 +1,6 @@
 #include "peerd/baselines/participant.hpp"
 
-#include <algorithm>
-
 namespace peerd::baselines {
-
-std::size_t Setup::owner_of(ObjectId object) const {
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    if (std::ranges::find(objects[i].owned, object) != objects[i].owned.end()) return i;
-  }
-  return objects.size();
-}
 
 Participant::Participant(const Setup& setup, std::size_t self, SimTime start) : setup_(setup), self_(self) {
   const config::PeerSettings& settings = setup.run.peers[self];

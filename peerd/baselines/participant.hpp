@@ -19,10 +19,14 @@ struct Setup {
   const SharedWorld& shared;
   const std::vector<config::PeerObjects>& objects;  // of each of run.peers
   LogRows& rows;
+  std::map<ObjectId, std::size_t> owners;  // index in run.peers
 
   [[nodiscard]] double tick_s() const { return 1.0 / run.replication.tick_hz; }
   // The index of the peer whose object it is; the number of peers where it is nobody's.
-  [[nodiscard]] std::size_t owner_of(ObjectId object) const;
+  [[nodiscard]] std::size_t owner_of(ObjectId object) const {
+    const auto owner = owners.find(object);
+    return owner == owners.end() ? objects.size() : owner->second;
+  }
 };
 
 // One computer of another system, sans-IO as a PeerNode. Times are session times, which all participants know exactly:

@@ -28,7 +28,7 @@ TEST(BaselineRun, RefusesWhatOtherSystemsDoNotHave) {
     const auto record = try_system(kMeeting, "server", std::move(sets));
     return record ? std::string("it ran") : record.error().text;
   };
-  EXPECT_THAT(why({"event.late.at_s=2", "event.late.kind=leave", "event.late.peer=b"}), HasSubstr("comes and goes"));
+  EXPECT_THAT(why({"event.late.at_s=2", "event.late.kind=leave", "event.late.peer=b"}), HasSubstr("join or leave"));
   EXPECT_THAT(why({"event.away.at_s=2", "event.away.kind=remove", "event.away.peer=a", "event.away.path=LEFT"}),
               HasSubstr("edits the scene"));
 }
