@@ -35,14 +35,12 @@ class BoxTest {
 // for the convex hull that it takes first.
 struct OrientedBox : Box {
   using Test = BoxTest;
-  static constexpr bool kTestsTriangles = true;
   [[nodiscard]] static OrientedBox around(const TriangleSoup& soup, std::span<const std::uint32_t> faces);
 };
 
 // Along the axes of the soup's own frame (van den Bergen 1997).
 struct AlignedBox : Box {
   using Test = BoxTest;
-  static constexpr bool kTestsTriangles = true;
   [[nodiscard]] static AlignedBox around(const TriangleSoup& soup, std::span<const std::uint32_t> faces);
 };
 

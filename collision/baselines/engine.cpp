@@ -8,15 +8,16 @@
 #include <optional>
 
 #include "collision/baselines/box_volumes.hpp"
+#include "collision/baselines/cylinder_query.hpp"
 #include "collision/baselines/kdop_query.hpp"
-#include "collision/baselines/sphere_volume.hpp"
+#include "collision/baselines/sphere_query.hpp"
 #include "collision/baselines/volume_query.hpp"
 #include "core/suggestion.hpp"
 
 namespace peerd::collision::baselines {
 namespace {
 
-constexpr std::array<EngineDescription, 7> kEngines = {{
+constexpr std::array<EngineDescription, 8> kEngines = {{
     {"ours", true, "docs/decisions/collision-hierarchies.md", "trees of eight children, by vector instructions"},
     {"kdop", true, "Ohlenburg 2003, chapter 3",
      "binary trees of k-DOPs; options k (6, 14, 18, 26), rule (of splitting), threshold (triangles of a leaf)"},
@@ -24,12 +25,18 @@ constexpr std::array<EngineDescription, 7> kEngines = {{
      "QuickCD: binary trees of 18-DOPs, split by the least variance, a triangle in each leaf"},
     {"obb", true, "Gottschalk, Lin and Manocha 1996", "RAPID: binary trees of oriented boxes, separating axes"},
     {"aabb", true, "van den Bergen 1997", "SOLID: binary trees of boxes along each object's own axes"},
-    {"sphere", false, "Hubbard 1996", "sphere trees, which answer alone: near is taken for a touch"},
+    {"sphere", false, "Hubbard 1995 and 1996",
+     "sphere trees, which answer alone: near is taken for a touch; space-time bounds; options bounds (space-time, "
+     "none), "
+     "depth (the last level of the trees)"},
+    {"cylinders", false, "Zyda, Osborne, Monahan and Pratt 1993",
+     "NPSNET: heights, then upright cylinders: near is taken for a touch; option axis (world, model)"},
     {"rapid-world", true, "Hudson, Lin, Cohen, Gottschalk and Manocha 1997",
      "V-COLLIDE: sweep and prune over all objects, then RAPID"},
 }};
 
 constexpr std::uint32_t kThresholdMax = 1'000'000;
+constexpr std::uint32_t kDepthMax = 64;
 
 using Options = std::map<std::string, std::string, std::less<>>;
 
@@ -92,6 +99,39 @@ std::expected<std::unique_ptr<NarrowPhase>, std::string> kdop_of(Options& option
   return made;
 }
 
+// `engine` is the sphere trees'.
+std::expected<void, std::string> set_sphere(Engine& engine, const Options& options) {
+  engine.has_space_time_bounds = true;
+  std::uint32_t depth = SphereQuery::kNoLimit;
+  for (const auto& [name, value] : options) {
+    if (name == "bounds") {
+      if (value != "space-time" && value != "none") {
+        return std::unexpected("bounds=" + value + " is none of space-time, none");
+      }
+      engine.has_space_time_bounds = value == "space-time";
+    } else if (name == "depth") {
+      const auto number = number_of(name, value);
+      if (!number) return std::unexpected(number.error());
+      if (*number > kDepthMax) return std::unexpected("depth=" + value + " is not 0 to 64");
+      depth = *number;
+    } else {
+      return std::unexpected("sphere has no option " + name + "; it has bounds and depth");
+    }
+  }
+  engine.narrow_phase = std::make_unique<SphereQuery>(depth);
+  return {};
+}
+
+std::expected<std::unique_ptr<NarrowPhase>, std::string> cylinders_of(const Options& options) {
+  CylinderAxis axis = CylinderAxis::kWorld;
+  for (const auto& [name, value] : options) {
+    if (name != "axis") return std::unexpected("cylinders has no option " + name + "; it has axis");
+    if (value != "world" && value != "model") return std::unexpected("axis=" + value + " is none of world, model");
+    axis = value == "world" ? CylinderAxis::kWorld : CylinderAxis::kModel;
+  }
+  return std::make_unique<CylinderQuery>(axis);
+}
+
 std::expected<EngineDescription, std::string> described(std::string_view name) {
   Suggestion suggestion(name);
   for (const EngineDescription& each : kEngines) {
@@ -137,6 +177,16 @@ std::expected<Engine, std::string> make_engine(std::string_view words) {
     engine.narrow_phase = *std::move(made);
     return engine;
   }
+  if (name == "sphere") {
+    if (const auto set = set_sphere(engine, options); !set) return std::unexpected(set.error());
+    return engine;
+  }
+  if (name == "cylinders") {
+    auto made = cylinders_of(options);
+    if (!made) return std::unexpected(made.error());
+    engine.narrow_phase = *std::move(made);
+    return engine;
+  }
   if (!options.empty()) return std::unexpected(std::string(name) + " has no options");
   if (name == "quickcd") {
     engine.narrow_phase = std::make_unique<KdopQuery<18>>(TreeOptions{SplitRule::kSplatter, 1});
@@ -145,8 +195,6 @@ std::expected<Engine, std::string> make_engine(std::string_view words) {
     if (name == "rapid-world") engine.broad_phase = BroadPhaseMethod::kSweepAndPrune;
   } else if (name == "aabb") {
     engine.narrow_phase = std::make_unique<VolumeQuery<AlignedBox>>();
-  } else if (name == "sphere") {
-    engine.narrow_phase = std::make_unique<VolumeQuery<Sphere>>();
   }
   return engine;
 }

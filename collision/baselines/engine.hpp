@@ -24,10 +24,12 @@ struct Engine {
   EngineDescription description;
   std::unique_ptr<NarrowPhase> narrow_phase;  // null: ours
   BroadPhaseMethod broad_phase = BroadPhaseMethod::kInterestLists;
+  bool has_space_time_bounds = false;  // from tick to tick, SpaceTimeBroadPhase stands in for broad_phase
 };
 
 // Makes an engine of "NAME" or "NAME,option=value..". `kdop` has the options k (6, 14, 18, 26), rule (a SplitRule's
-// name) and threshold (1 to 1000000); the others have none. The error says what is wrong.
+// name) and threshold (1 to 1000000); `sphere` has bounds (space-time, none) and depth (0 to 64: the last level of its
+// trees); `cylinders` has axis (world, model); the others have none. The error says what is wrong.
 [[nodiscard]] std::expected<Engine, std::string> make_engine(std::string_view words);
 
 }  // namespace peerd::collision::baselines

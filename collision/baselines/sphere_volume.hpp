@@ -28,11 +28,9 @@ struct Sphere {
     RelativeMotion a_from_b_;
     double room_m_;
   };
-  static constexpr bool kTestsTriangles = false;
 
   [[nodiscard]] static Sphere around(const TriangleSoup& soup, std::span<const std::uint32_t> faces);
   [[nodiscard]] std::array<Vec3, 3> axes() const;
-  [[nodiscard]] double size() const { return radius_m; }
 };
 
 }  // namespace peerd::collision::baselines

@@ -15,10 +15,10 @@ namespace peerd::collision::baselines {
 // A NarrowPhase by VolumeTrees, descended as RAPID does: of two nodes that overlap the larger one is opened.
 //
 // A Volume has, besides what a VolumeTree asks of it,
-//   Test                 what is computed once for a pair of objects, made of (RelativeMotion, extent of A, extent of
-//   B) test(a, b) -> bool   of a Test: false means that the volumes are certainly apart size()               by which
-//   the larger one is found kTestsTriangles      whether leaves that overlap are left to the exact test; else they
-//   count as touching
+//   Test                    what is computed once for a pair of objects, of (RelativeMotion, extent of A, extent of B)
+//   test(a, b) -> bool      of a Test: false means that the volumes are certainly apart
+//   size()                  by which the larger one is found
+// Leaves that overlap are left to the exact test.
 template <class Volume>
 class VolumeQuery : public NarrowPhase {
  public:
@@ -82,12 +82,10 @@ class VolumeQuery : public NarrowPhase {
   template <class Found>
   bool touch_leaves(const Tree& a, const Tree& b, std::uint32_t i, std::uint32_t j, const RelativeMotion& a_from_b,
                     Found found) {
-    if constexpr (Volume::kTestsTriangles) {
-      const Triangle of_b = b.soup().triangle(j);
-      const Triangle moved = {a_from_b(of_b[0]), a_from_b(of_b[1]), a_from_b(of_b[2])};
-      ++counters_.triangle_tests;
-      if (!touch(a.soup().triangle(i), moved, counters_.orientation)) return false;
-    }
+    const Triangle of_b = b.soup().triangle(j);
+    const Triangle moved = {a_from_b(of_b[0]), a_from_b(of_b[1]), a_from_b(of_b[2])};
+    ++counters_.triangle_tests;
+    if (!touch(a.soup().triangle(i), moved, counters_.orientation)) return false;
     return found(PolygonPair{a.soup().faces[i].polygon, b.soup().faces[j].polygon});
   }
 

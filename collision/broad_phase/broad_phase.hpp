@@ -13,6 +13,8 @@ struct BroadPhaseCounters {
   std::uint64_t box_tests = 0;  // comparisons of two boxes, at a node or end point of a structure as well
   std::uint64_t moves = 0;      // objects whose box differed from that at the last tick
   std::uint64_t refits = 0;     // moves by which an object left its fat box
+  // Pairs of objects, each once a tick, that a method passed over since they cannot overlap before a later time.
+  std::uint64_t pairs_postponed = 0;
 };
 
 // The ways to find candidates. All give the same answers, in the same order.

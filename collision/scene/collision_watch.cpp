@@ -19,7 +19,6 @@ CollisionWatch::CollisionWatch(const Scene& scene, HierarchyLoader load_hierarch
     : scene_(scene),
       query_(scene, std::move(load_hierarchy)),
       coherence_(options.witnesses),
-      broad_(make_broad_phase(engine.broad_phase)),
       object_of_(scene.instances.size(), kNoObject),
       pending_transforms_(scene.transforms),
       options_(engine.narrow_phase == nullptr ? options : CoherenceOptions{false, false}),
@@ -32,14 +31,19 @@ CollisionWatch::CollisionWatch(const Scene& scene, HierarchyLoader load_hierarch
     }
   }
   collisions_.resize(interests_.size());
-  add_objects(scene);
+  add_objects(scene, engine);
   add_pairs();
 }
 
-void CollisionWatch::add_objects(const Scene& scene) {
+void CollisionWatch::add_objects(const Scene& scene, const WatchEngine& engine) {
   for (const WatchedInterest& interest : interests_) {
     object_of_[scene.index_of(interest.collider)] = object_of_[scene.index_of(interest.collidee)] = 0;
   }
+  std::vector<ObjectId> ids;
+  for (std::uint32_t i = 0; i < object_of_.size(); ++i) {
+    if (object_of_[i] != kNoObject) ids.push_back(scene.id_of(i));
+  }
+  broad_ = engine.make_broad ? engine.make_broad(ids) : make_broad_phase(engine.broad_phase);
   for (std::uint32_t i = 0; i < object_of_.size(); ++i) {
     if (object_of_[i] == kNoObject) continue;
     object_of_[i] = static_cast<BroadIndex>(objects_.size());
@@ -314,6 +318,8 @@ CollisionWatchCounters CollisionWatch::counters() const {
   CollisionWatchCounters out = counters_;
   out.shapes = coherence_.counters();
   out.broad = broad_->counters();
+  out.pairs_postponed = out.broad.pairs_postponed;
+  out.pairs_far -= out.pairs_postponed;  // the broad phase does not say which of the others are
   out.query = query_.counters();
   QueryCounters& sum = out.query.queries;
   const QueryCounters& ticks = coherence_.query_counters();

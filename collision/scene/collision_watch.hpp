@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -31,6 +32,8 @@ struct CoherenceOptions {
 struct WatchEngine {
   NarrowPhase* narrow_phase = nullptr;  // null: ours; it outlives the watch
   BroadPhaseMethod broad_phase = BroadPhaseMethod::kInterestLists;
+  // Makes another broad phase than those methods, of the objects that interests name, by BroadIndex; none: as they are.
+  std::function<std::unique_ptr<BroadPhase>(std::span<const ObjectId>)> make_broad{};
 };
 
 // Work done since the beginning.
@@ -38,6 +41,7 @@ struct CollisionWatchCounters {
   std::uint64_t ticks = 0;
   std::uint64_t objects_moved = 0;  // objects in whose path, or below which, something has moved
   // Pairs of objects, each once a tick.
+  std::uint64_t pairs_postponed = 0;  // passed over: BroadPhaseCounters::pairs_postponed
   std::uint64_t pairs_far = 0;        // passed over: their boxes are apart
   std::uint64_t pairs_unmoved = 0;    // passed over: near, but neither has moved since the answer
   std::uint64_t pairs_separated = 0;  // passed over: they have not gone as far as they were apart
@@ -81,6 +85,9 @@ class CollisionWatch {
   // SceneQuery has no answer, with its error; one whose other object has nothing that can collide has an answer.
   const Tick& tick();
 
+  // Whether an interest collides, as of the last tick.
+  [[nodiscard]] bool is_colliding(std::uint32_t interest) const { return changes_.is_colliding(interest); }
+
   // The answer of SceneQuery::collide() for an interest, as of the last tick; there must have been one. Pairs of
   // polygons are searched at the first call, and kept as long as nothing moves. Valid until the next tick.
   [[nodiscard]] const Collision& collision(std::uint32_t interest);
@@ -118,7 +125,7 @@ class CollisionWatch {
   };
 
   [[nodiscard]] BroadIndex object_of(ObjectId id) const { return object_of_[scene_.index_of(id)]; }
-  void add_objects(const Scene& scene);
+  void add_objects(const Scene& scene, const WatchEngine& engine);
   void add_pairs();
   void mark(std::uint32_t instance);
   void apply_pending_changes();

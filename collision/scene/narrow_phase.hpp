@@ -12,6 +12,8 @@ namespace peerd::collision {
 struct NumberedSoup {
   std::uint64_t number = 0;
   const TriangleSoup* soup = nullptr;  // it has a face, and stays where it is for as long as it is asked about
+  // Maps the soup's frame to the world; a way that asks about more than two soups' relative motion needs it.
+  Pose pose{};
 };
 
 // A NarrowPhase answers whether two soups touch, and with which polygons. SceneQuery asks it in place of the wide trees

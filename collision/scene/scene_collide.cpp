@@ -9,13 +9,6 @@
 
 namespace peerd::collision {
 
-namespace {
-
-NumberedSoup soup_of_a(const ClosePair& close) { return {close.version_a, &close.tree_a->soup()}; }
-NumberedSoup soup_of_b(const ClosePair& close) { return {close.version_b, &close.tree_b->soup()}; }
-
-}  // namespace
-
 SceneCollide::SceneCollide(const Scene& scene, ShapePlacement& placement, ShapeBoxes& boxes)
     : scene_(scene), placement_(placement), boxes_(boxes) {}
 
@@ -99,6 +92,12 @@ std::expected<Collision, std::string> SceneCollide::collide(ObjectId collider, O
     found.colliding = overlap(*a, *b);
     return found;
   }
+  const auto soup_of_a = [&](const ClosePair& close) {
+    return NumberedSoup{close.version_a, &close.tree_a->soup(), placement_.placed(close.a).pose.pose};
+  };
+  const auto soup_of_b = [&](const ClosePair& close) {
+    return NumberedSoup{close.version_b, &close.tree_b->soup(), placement_.placed(close.b).pose.pose};
+  };
   const auto find_pair = [&](const ClosePair& close, PolygonPair& pair) {
     if (narrow_phase_ == nullptr) return query_.find_pair(*close.tree_a, *close.tree_b, close.a_from_b, pair);
     return narrow_phase_->find_pair(soup_of_a(close), soup_of_b(close), close.a_from_b, pair);

@@ -112,6 +112,10 @@ INSTANTIATE_TEST_SUITE_P(
                     Refused{"kdop,k=7", "k=7 is none of"}, Refused{"kdop,k=x", "no whole number"},
                     Refused{"kdop,threshold=0", "is not 1 to"}, Refused{"kdop,rule=best", "is none of longest-side"},
                     Refused{"kdop,colour=red", "no option colour"}, Refused{"kdop,k", "is no option=value"},
-                    Refused{"kdop,k=6,k=14", "given twice"}, Refused{"obb,k=6", "has no options"}));
+                    Refused{"kdop,k=6,k=14", "given twice"}, Refused{"obb,k=6", "has no options"},
+                    Refused{"sphere,bounds=some", "is none of space-time, none"},
+                    Refused{"sphere,depth=65", "is not 0 to 64"}, Refused{"sphere,depth=x", "no whole number"},
+                    Refused{"sphere,k=6", "it has bounds and depth"},
+                    Refused{"cylinders,axis=y", "none of world, model"}, Refused{"cylinders,k=6", "it has axis"}));
 
 }  // namespace peerd::collision::baselines::engine_test
