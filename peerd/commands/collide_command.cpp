@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 #include <ostream>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -12,9 +13,12 @@
 #include <nlohmann/json.hpp>
 
 #include "collision/baselines/engine.hpp"
+#include "collision/baselines/engine_watch.hpp"
+#include "collision/baselines/wrong_answers.hpp"
 #include "collision/scene/collision_watch.hpp"
 #include "collision/scene/scene_query.hpp"
 #include "core/motion/scene_motion.hpp"
+#include "peerd/command_line/world_time_progress.hpp"
 #include "peerd/commands/problems.hpp"
 #include "peerd/input/hierarchy_files.hpp"
 #include "peerd/input/printable.hpp"
@@ -24,23 +28,70 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using collision::baselines::Engine;
+using collision::baselines::EngineWatch;
+using collision::baselines::WrongAnswers;
 
 collision::BoxBound box_bound(const CollideOptions& options) {
   return options.realigned_boxes ? collision::BoxBound::kRealigned : collision::BoxBound::kVertices;
 }
 
-// Brings a SceneQuery or a CollisionWatch to a world time.
-template <class Target>
-void go_to(Target& target, SceneMotion& motion, double t_s) {
-  target.set_transforms(motion.transforms_at(t_s));
+// Brings a SceneQuery to a world time.
+void go_to(collision::SceneQuery& query, SceneMotion& motion, double t_s) {
+  query.set_transforms(motion.transforms_at(t_s));
   for (SceneMotion::MovedGeometry& moved : motion.moved_geometries(t_s)) {
-    target.reshape(moved.index, std::move(moved.form));
+    query.reshape(moved.index, std::move(moved.form));
   }
 }
 
+// How often the engine was wrong about each interest, by CollideOptions::against.
+struct Comparison {
+  std::vector<WrongAnswers> of_interests;  // in the order of the answers
+
+  [[nodiscard]] WrongAnswers total() const {
+    WrongAnswers sum;
+    for (const WrongAnswers& each : of_interests) sum.add(each);
+    return sum;
+  }
+};
+
+Json to_json(const WrongAnswers& wrong) {
+  return {{"questions", wrong.questions}, {"false_touches", wrong.false_touches}, {"missed", wrong.missed}};
+}
+
+Json to_json(const Scene& scene, const std::string& against, const Comparison& comparison,
+             std::span<const collision::WatchedInterest> interests) {
+  Json json = {{"engine", against}};
+  json.update(to_json(comparison.total()));
+  json["interests"] = Json::array();
+  for (std::size_t i = 0; i < interests.size(); ++i) {
+    Json each = {{"collider", scene.path_of(interests[i].collider)},
+                 {"collidee", scene.path_of(interests[i].collidee)},
+                 {"type", name_of(interests[i].type)}};
+    each.update(to_json(comparison.of_interests[i]));
+    json["interests"].push_back(std::move(each));
+  }
+  return json;
+}
+
+std::string sentence(const WrongAnswers& wrong) {
+  return counted(wrong.false_touches, "false touch", "false touches") + ", " + std::to_string(wrong.missed) +
+         " missed, of " + counted(wrong.questions, "answer");
+}
+
+// A line for each interest with a wrong answer, and one of all.
+void print_text(const Scene& scene, const std::string& against, const Comparison& comparison,
+                std::span<const collision::WatchedInterest> interests, std::ostream& out) {
+  for (std::size_t i = 0; i < interests.size(); ++i) {
+    const WrongAnswers& wrong = comparison.of_interests[i];
+    if (wrong.wrong() == 0) continue;
+    out << scene.path_of(interests[i].collider) << " - " << scene.path_of(interests[i].collidee) << " ("
+        << name_of(interests[i].type) << "): " << sentence(wrong) << '\n';
+  }
+  out << "against " << against << ": " << sentence(comparison.total()) << '\n';
+}
+
 struct Answer {
-  ObjectId collider, collidee;
-  CollisionType type = CollisionType::kBox;
+  collision::WatchedInterest interest;
   collision::Collision collision{};
 };
 
@@ -51,9 +102,9 @@ Json to_json(const Scene& scene, const Answer& answer) {
   for (const collision::ShapePair& pair : answer.collision.pairs) {
     pairs.push_back({{"a", to_json(scene, pair.collider)}, {"b", to_json(scene, pair.collidee)}});
   }
-  return {{"collider", scene.path_of(answer.collider)},
-          {"collidee", scene.path_of(answer.collidee)},
-          {"type", name_of(answer.type)},
+  return {{"collider", scene.path_of(answer.interest.collider)},
+          {"collidee", scene.path_of(answer.interest.collidee)},
+          {"type", name_of(answer.interest.type)},
           {"colliding", answer.collision.colliding},
           {"pairs", std::move(pairs)}};
 }
@@ -68,10 +119,10 @@ Json to_json(const collision::SceneQueryCounters& counters) {
 
 void print_text(const Scene& scene, const Answer& answer, std::ostream& out) {
   constexpr std::size_t kShown = 20;  // pairs of an interest that are printed
-  out << scene.path_of(answer.collider) << " - " << scene.path_of(answer.collidee) << " (" << name_of(answer.type)
-      << "): " << (answer.collision.colliding ? "colliding" : "apart");
+  out << scene.path_of(answer.interest.collider) << " - " << scene.path_of(answer.interest.collidee) << " ("
+      << name_of(answer.interest.type) << "): " << (answer.collision.colliding ? "colliding" : "apart");
   const auto& pairs = answer.collision.pairs;
-  if (answer.type == CollisionType::kAllPairs) out << ", " << counted(pairs.size(), "pair") << " of polygons";
+  if (answer.interest.type == CollisionType::kAllPairs) out << ", " << counted(pairs.size(), "pair") << " of polygons";
   out << '\n';
   for (std::size_t i = 0; i < std::min(kShown, pairs.size()); ++i) {
     const auto& [a, b] = pairs[i];
@@ -113,39 +164,6 @@ void report_tick(const Scene& scene, double time_s, const collision::CollisionWa
   }
 }
 
-// Shows how far a long watch has come, and an estimate of what is left, on a terminal's last line.
-class Progress {
- public:
-  Progress(std::ostream* terminal, const CollideOptions& options)
-      : terminal_(terminal), begin_s_(options.at_s), end_s_(*options.until_s) {}
-
-  void show(double time_s) {
-    if (terminal_ == nullptr) return;
-    const auto now = std::chrono::steady_clock::now();
-    if (now - shown_ < kPeriod) return;
-    shown_ = now;
-    const double taken_s = std::chrono::duration<double>(now - start_).count();
-    const double left_s = taken_s * (end_s_ - time_s) / std::max(time_s - begin_s_, 1e-9);
-    *terminal_ << fmt::format("\r\033[K{:.3f} s of {:.3f} s; about {:.0f} s left; Ctrl-C ends it", time_s, end_s_,
-                              left_s)
-               << std::flush;
-    visible_ = true;
-  }
-  // Events are printed to the same terminal.
-  void hide() {
-    if (visible_) *terminal_ << "\r\033[K" << std::flush;
-    visible_ = false;
-  }
-
- private:
-  static constexpr std::chrono::milliseconds kPeriod{500};
-
-  std::ostream* terminal_;
-  double begin_s_, end_s_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now(), shown_ = start_;
-  bool visible_ = false;
-};
-
 // The error before the first tick, if any.
 std::optional<InputError> why_no_ticks(const CollideOptions& options) {
   if (*options.until_s < options.at_s) {
@@ -176,13 +194,16 @@ struct Watched {
   std::uint64_t ticks = 0;
   bool interrupted = false;
   Json events = Json::array();
+  Comparison comparison;  // with CollideOptions::against
 };
 
 Json to_json(const std::string& path, const CollideOptions& options, Watched& watched,
              const std::vector<std::string>& warnings, const collision::CollisionWatchCounters& counters,
              double micros) {
   Json counted = to_json(counters.query);
-  counted.update({{"pairs_far", counters.pairs_far},
+  counted.update({{"box_tests", counters.broad.box_tests},
+                  {"pairs_postponed", counters.pairs_postponed},
+                  {"pairs_far", counters.pairs_far},
                   {"pairs_unmoved", counters.pairs_unmoved},
                   {"pairs_separated", counters.pairs_separated},
                   {"pairs_asked", counters.pairs_queried},
@@ -202,25 +223,31 @@ Json to_json(const std::string& path, const CollideOptions& options, Watched& wa
   return json;
 }
 
-// Goes from tick to tick and reports each. The error ends it.
+// Goes from tick to tick and reports each; `against`: null, or what the answers are compared with. The error ends it.
 Result<Watched> watch_ticks(const std::string& path, const Scene& scene, const CollideOptions& options,
-                            collision::CollisionWatch& watch, std::ostream& out) {
-  SceneMotion motion(scene);
-  Progress progress(options.progress, options);
+                            EngineWatch& engine, EngineWatch* against, std::ostream& out) {
+  WorldTimeProgress progress(options.progress, options.at_s, *options.until_s);
   Watched watched;
+  const collision::CollisionWatch& watch = engine.watch();
+  if (against != nullptr) watched.comparison.of_interests.resize(watch.interests().size());
   for (;; ++watched.ticks) {
     const double time_s = options.at_s + static_cast<double>(watched.ticks) / options.hz;
     if (time_s > *options.until_s) break;
     watched.interrupted = options.interrupted && options.interrupted();
     if (watched.interrupted) break;
     progress.show(time_s);
-    go_to(watch, motion, time_s);
-    const collision::CollisionWatch::Tick& tick = watch.tick();
+    const collision::CollisionWatch::Tick& tick = engine.tick(time_s);
     if (!tick.refused.empty() || !tick.ended.empty() || !tick.began.empty() || !tick.not_colliding.empty()) {
       progress.hide();
     }
     if (!tick.refused.empty()) return std::unexpected(InputError{path + ": error: " + tick.refused.front().why, 1});
     report_tick(scene, time_s, watch, tick, options.json, watched.events, out);
+    if (against == nullptr) continue;
+    const auto& right = against->tick(time_s);
+    if (!right.refused.empty()) return std::unexpected(InputError{path + ": error: " + right.refused.front().why, 1});
+    for (std::uint32_t i = 0; i < watch.interests().size(); ++i) {
+      watched.comparison.of_interests[i].count(watch.is_colliding(i), against->watch().is_colliding(i));
+    }
   }
   progress.hide();
   return watched;
@@ -232,16 +259,18 @@ collision::HierarchyLoader loader_for(const std::string& path, const Engine& eng
 }
 
 int watch_collisions(const std::string& path, const Scene& scene, const CollideOptions& options, const Engine& engine,
-                     std::ostream& out, std::ostream& err) {
+                     const Engine* right, std::ostream& out, std::ostream& err) {
   std::ostream* const json = options.json ? &out : nullptr;
   if (const auto error = why_no_ticks(options)) return print_error(*error, err, json);
   const std::vector<std::string> warnings = warnings_about(scene);
   for (const std::string& warning : warnings) err << path << ": warning: " << warning << '\n';
   const auto start = std::chrono::steady_clock::now();
-  collision::CollisionWatch watch(scene, loader_for(path, engine), {}, {engine.narrow_phase.get(), engine.broad_phase});
-  watch.set_box_bound(box_bound(options));
-  auto watched = watch_ticks(path, scene, options, watch, out);
+  EngineWatch engine_watch(scene, engine, loader_for(path, engine), box_bound(options));
+  std::optional<EngineWatch> against;
+  if (right != nullptr) against.emplace(scene, *right, loader_for(path, *right), box_bound(options));
+  auto watched = watch_ticks(path, scene, options, engine_watch, against ? &*against : nullptr, out);
   if (!watched) return print_error(watched.error(), err, json);
+  const collision::CollisionWatch& watch = engine_watch.watch();
   for (const std::string& note : watch.notes()) err << path << ": note: " << note << '\n';
   if (watched->interrupted) {
     err << fmt::format("interrupted after {}: the results are partial, none is later than {} s\n",
@@ -251,17 +280,80 @@ int watch_collisions(const std::string& path, const Scene& scene, const CollideO
   const std::chrono::duration<double, std::micro> micros = std::chrono::steady_clock::now() - start;
   const collision::CollisionWatchCounters counters = watch.counters();
   if (options.json) {
-    out << to_json(path, options, *watched, warnings, counters, micros.count())
-               .dump(2, ' ', false, Json::error_handler_t::replace)
-        << '\n';
+    Json json_out = to_json(path, options, *watched, warnings, counters, micros.count());
+    if (against) json_out["against"] = to_json(scene, *options.against, watched->comparison, watch.interests());
+    out << json_out.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   } else {
-    out << (watched->interrupted ? "partial: " : "") << counted(watched->ticks, "tick")
-        << "; pairs of objects: " << counters.pairs_far << " far, " << counters.pairs_unmoved << " unmoved, "
-        << counters.pairs_separated << " separated, " << counters.pairs_queried
-        << " asked; of Shapes: " << counters.shapes.pairs_witnessed << " touching where they did, "
-        << counters.shapes.pairs_tested << " tested; " << micros.count() << " us\n";
+    if (against) print_text(scene, *options.against, watched->comparison, watch.interests(), out);
+    out << (watched->interrupted ? "partial: " : "") << counted(watched->ticks, "tick") << "; pairs of objects: ";
+    if (counters.pairs_postponed > 0) out << counters.pairs_postponed << " postponed, ";
+    out << counters.pairs_far << " far, " << counters.pairs_unmoved << " unmoved, " << counters.pairs_separated
+        << " separated, " << counters.pairs_queried << " asked; of Shapes: " << counters.shapes.pairs_witnessed
+        << " touching where they did, " << counters.shapes.pairs_tested << " tested; " << micros.count() << " us\n";
   }
   return watched->interrupted ? kInterrupted : 0;
+}
+
+// Answers to all interests, in file order; the error is that of the first that has none.
+Result<std::vector<Answer>> answers_of(const std::string& path, const Scene& scene, const CollideOptions& options,
+                                       collision::SceneQuery& query, const Engine& engine) {
+  query.set_narrow_phase(engine.narrow_phase.get());
+  query.set_box_bound(box_bound(options));
+  SceneMotion motion(scene);
+  go_to(query, motion, options.at_s);
+  std::vector<Answer> answers;
+  for (const CollisionInterest& interest : scene.interests) {
+    for (const ObjectId collidee : interest.collidees) {
+      auto collision = query.collide(interest.collider, collidee, interest.type);
+      if (!collision) return std::unexpected(InputError{path + ": error: " + collision.error(), 1});
+      answers.push_back({{interest.collider, collidee, interest.type}, std::move(*collision)});
+    }
+  }
+  return answers;
+}
+
+int ask_once(const std::string& path, const Scene& scene, const CollideOptions& options, const Engine& engine,
+             const Engine* right, std::ostream& out, std::ostream& err) {
+  std::ostream* const json_errors = options.json ? &out : nullptr;
+  const auto start = std::chrono::steady_clock::now();
+  collision::SceneQuery query(scene, loader_for(path, engine));
+  const auto answers = answers_of(path, scene, options, query, engine);
+  if (!answers) return print_error(answers.error(), err, json_errors);
+  for (const std::string& note : query.notes()) err << path << ": note: " << note << '\n';
+  const std::chrono::duration<double, std::micro> micros = std::chrono::steady_clock::now() - start;
+  const collision::SceneQueryCounters counters = query.counters();
+  Comparison comparison;
+  std::vector<collision::WatchedInterest> interests;
+  if (right != nullptr) {
+    collision::SceneQuery other(scene, loader_for(path, *right));
+    const auto right_answers = answers_of(path, scene, options, other, *right);
+    if (!right_answers) return print_error(right_answers.error(), err, json_errors);
+    for (std::size_t i = 0; i < answers->size(); ++i) {
+      interests.push_back((*answers)[i].interest);
+      comparison.of_interests.emplace_back().count((*answers)[i].collision.colliding,
+                                                   (*right_answers)[i].collision.colliding);
+    }
+  }
+  if (options.json) {
+    Json of_interests = Json::array();
+    for (const Answer& answer : *answers) of_interests.push_back(to_json(scene, answer));
+    Json json = {{"world", path},
+                 {"time_s", options.at_s},
+                 {"interests", std::move(of_interests)},
+                 {"counters", to_json(counters)},
+                 {"micros", micros.count()}};
+    if (options.engine != CollideOptions{}.engine) json["engine"] = options.engine;
+    if (right != nullptr) json["against"] = to_json(scene, *options.against, comparison, interests);
+    out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+    return 0;
+  }
+  for (const Answer& answer : *answers) print_text(scene, answer, out);
+  if (right != nullptr) print_text(scene, *options.against, comparison, interests, out);
+  out << counted(answers->size(), "interest") << "; " << counted(counters.hierarchies_built, "hierarchy", "hierarchies")
+      << " of " << counted(counters.nodes_built, "node") << "; tests: " << counters.queries.bv_tests
+      << " of bounding volumes, " << counters.queries.triangle_tests << " of polygons, "
+      << counters.queries.orientation.exact << " in exact arithmetic; " << micros.count() << " us\n";
+  return 0;
 }
 
 }  // namespace
@@ -283,45 +375,15 @@ int run_collide(const std::string& path, const CollideOptions& options, std::ost
   const Scene& scene = *(*file)->result.scene;
   const auto engine = collision::baselines::make_engine(options.engine);
   if (!engine) return print_error({"error: --engine: " + engine.error()}, err, json_errors);
+  const auto right = collision::baselines::make_engine(options.against.value_or("ours"));
+  if (!right) return print_error({"error: --against: " + right.error()}, err, json_errors);
   if (!engine->description.is_exact) {
     err << path << ": warning: the engine " << engine->description.name << " is not exact: near is taken for a touch\n";
   }
-  if (options.until_s) return watch_collisions(path, scene, options, *engine, out, err);
-  const auto start = std::chrono::steady_clock::now();
-  collision::SceneQuery query(scene, loader_for(path, *engine));
-  query.set_narrow_phase(engine->narrow_phase.get());
-  query.set_box_bound(box_bound(options));
-  SceneMotion motion(scene);
-  go_to(query, motion, options.at_s);
-  std::vector<Answer> answers;
-  for (const CollisionInterest& interest : scene.interests) {
-    for (const ObjectId collidee : interest.collidees) {
-      auto collision = query.collide(interest.collider, collidee, interest.type);
-      if (!collision) return print_error({path + ": error: " + collision.error(), 1}, err, json_errors);
-      answers.push_back({interest.collider, collidee, interest.type, std::move(*collision)});
-    }
+  if (options.until_s) {
+    return watch_collisions(path, scene, options, *engine, options.against ? &*right : nullptr, out, err);
   }
-  for (const std::string& note : query.notes()) err << path << ": note: " << note << '\n';
-  const std::chrono::duration<double, std::micro> micros = std::chrono::steady_clock::now() - start;
-  const collision::SceneQueryCounters counters = query.counters();
-  if (options.json) {
-    Json interests = Json::array();
-    for (const Answer& answer : answers) interests.push_back(to_json(scene, answer));
-    Json json = {{"world", path},
-                 {"time_s", options.at_s},
-                 {"interests", std::move(interests)},
-                 {"counters", to_json(counters)},
-                 {"micros", micros.count()}};
-    if (options.engine != CollideOptions{}.engine) json["engine"] = options.engine;
-    out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-    return 0;
-  }
-  for (const Answer& answer : answers) print_text(scene, answer, out);
-  out << counted(answers.size(), "interest") << "; " << counted(counters.hierarchies_built, "hierarchy", "hierarchies")
-      << " of " << counted(counters.nodes_built, "node") << "; tests: " << counters.queries.bv_tests
-      << " of bounding volumes, " << counters.queries.triangle_tests << " of polygons, "
-      << counters.queries.orientation.exact << " in exact arithmetic; " << micros.count() << " us\n";
-  return 0;
+  return ask_once(path, scene, options, *engine, options.against ? &*right : nullptr, out, err);
 }
 
 }  // namespace peerd

@@ -35,11 +35,16 @@ inline constexpr int kInterrupted = 130;
 //                   [{time_s, event: "notColliding", object, value}] of Transforms, the eventOut of that name; by time,
 //                   those that ended first, then those that began, in file order, then Transforms in file order. A
 //                   collision at the start begins there.
-//   counters        the counters above, and pairs_far, pairs_unmoved, pairs_separated (pairs of objects passed over:
-//                   their boxes are apart; neither moved; neither has gone as far as they were apart), pairs_asked,
-//                   pairs_witnessed (of Shapes: still touching where they did), pairs_tested
+//   counters        the counters above; box_tests (of the broad phase); pairs_postponed, pairs_far, pairs_unmoved,
+//                   pairs_separated (pairs of objects passed over: they could not touch yet; their boxes are apart;
+//                   neither moved; neither has gone as far as they were apart), pairs_asked, pairs_witnessed (of
+//                   Shapes: still touching where they did), pairs_tested
 //   micros          as above; evaluating the motion counts, too
 //   engine          the words of another engine than ours, where one was chosen; also without `until_s`
+//   against         with `against`, also without `until_s`: {engine, questions, false_touches, missed, interests:
+//                   [{collider, collidee, type, questions, false_touches, missed}]}. A question is an interest at a
+//                   tick; its answer is wrong where it says colliding and the other engine does not, or the other way
+//                   round. With `until_s` `micros` has the other engine's time in it.
 //   warnings        [sentence]: what the movement leaves out
 //   partial         only if interrupted: true. `ticks` says how far it has come
 struct CollideOptions {
@@ -48,10 +53,11 @@ struct CollideOptions {
   double at_s = 0.0;  // TimeSensor time [s]; velocityVectors have moved their objects since 0
   std::optional<double> until_s{};
   double hz = 60.0;
-  std::function<bool()> interrupted{};  // asked before each tick: whether to stop with what there is; none: never
-  std::ostream* progress = nullptr;     // a terminal that shows how far it has come; null: none
-  bool realigned_boxes = false;         // type box by the thesis's larger boxes: collision::BoxBound
-  std::string engine = "ours";          // collision::baselines::make_engine(); another one is named in the answer
+  std::function<bool()> interrupted{};   // asked before each tick: whether to stop with what there is; none: never
+  std::ostream* progress = nullptr;      // a terminal that shows how far it has come; null: none
+  bool realigned_boxes = false;          // type box by the thesis's larger boxes: collision::BoxBound
+  std::string engine = "ours";           // collision::baselines::make_engine(); another one is named in the answer
+  std::optional<std::string> against{};  // an engine whose answers are taken to be right; none: no comparison
 };
 // `peerd collide --engines` prints the engines that there are; with `json` [{name, exact, reference, about}].
 [[nodiscard]] int list_engines(bool json, std::ostream& out);

@@ -88,6 +88,10 @@ Command add_collide(CLI::App& app) {
                     "type box by the thesis's larger boxes, which no vertex is read for");
   command->add_option("--engine", options.engine,
                       "the way to find collisions, NAME[,option=value..], such as kdop,k=14 (default: ours)");
+  command->add_option(
+      "--against", options.against,
+      "ask another engine as well, and count the answers in which the two differ: touches that are none, "
+      "and missed ones");
   const auto lists = std::make_shared<bool>(false);
   command->add_flag("--engines", *lists, "lists these ways, and asks nothing of a world");
   command->get_option("world")->required(false);

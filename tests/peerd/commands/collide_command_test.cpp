@@ -5,8 +5,10 @@
 
 #include <fstream>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -363,11 +365,93 @@ TEST(Collide, ExactEnginesSayTheSameAndSpheresMore) {
   EXPECT_THAT(watch(turning, {.until_s = 0.0, .engine = "sphere"}).err, HasSubstr("is not exact"));
 }
 
+// The ticks at which spheres are taken for a touch and the triangles are not are counted one by one.
+TEST(Collide, AgainstCountsWrongAnswers) {
+  const ScratchFolder folder;
+  const auto turning = folder.write("turning.wrl", std::string(kHeader) + std::string(kTurning));
+  const auto against = [&](const std::string& engine, const std::string& right, std::optional<double> until_s = 9.0) {
+    const Outcome outcome =
+        watch(turning, {.json = true, .until_s = until_s, .hz = 20.0, .engine = engine, .against = right});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.json();
+  };
+  const Json json = against("sphere", "ours")["against"];
+  EXPECT_THAT(keys_of(json), ElementsAre("engine", "questions", "false_touches", "missed", "interests"));
+  EXPECT_EQ(json["engine"], "ours");
+  EXPECT_EQ(json["questions"], 181);
+  EXPECT_EQ(json["missed"], 0);
+  std::uint64_t near_only = 0;
+  for (int tick = 0; tick <= 180; ++tick) {
+    const double at_s = tick / 20.0;
+    const auto says = [&](const std::string& engine) {
+      const Outcome once = watch(turning, {.json = true, .at_s = at_s, .engine = engine});
+      return once.json()["interests"][0]["colliding"].get<bool>();
+    };
+    near_only += says("sphere") && !says("ours") ? 1 : 0;
+  }
+  EXPECT_GT(near_only, 5u);
+  EXPECT_EQ(json["false_touches"], near_only);
+  ASSERT_EQ(json["interests"].size(), 1u);
+  EXPECT_EQ(json["interests"][0], (Json{{"collider", "A"},
+                                        {"collidee", "B"},
+                                        {"type", "witness"},
+                                        {"questions", 181},
+                                        {"false_touches", near_only},
+                                        {"missed", 0}}));
+  for (const char* exact : {"ours", "obb", "kdop", "rapid-world"}) {
+    EXPECT_EQ(against(exact, "aabb")["against"]["false_touches"], 0) << exact;
+    EXPECT_EQ(against(exact, "aabb")["against"]["missed"], 0) << exact;
+  }
+  EXPECT_EQ(against("ours", "sphere")["against"]["missed"], near_only) << "the other one is taken to be right";
+  EXPECT_THAT(watch(turning, {.until_s = 9.0, .hz = 20.0, .engine = "sphere", .against = "ours"}).out,
+              HasSubstr("A - B (witness): " + std::to_string(near_only) +
+                        " false touches, 0 missed, of 181 answers\nagainst ours: "));
+}
+
+TEST(Collide, AgainstCountsTheAnswersOfOneTime) {
+  const ScratchFolder folder;
+  // A bar that lies across: its upright cylinder of before does not reach as far as it does.
+  const auto fallen = write(folder, R"(
+    DEF A Transform { rotation 0 0 1 1.5708 children Shape { geometry Box { size 0.2 6 0.2 } } }
+    DEF B Transform { translation 2.5 0 0 children Shape { geometry Box { size 1 1 1 } } }
+    DEF C Transform { translation 0 9 0 children Shape { geometry Box { size 1 1 1 } } }
+    CollisionInterest { objectPath "A" interests [ "B" "C" ] collisionType 1 })");
+  const auto counts = [&](const std::string& engine) {
+    const Json json = watch(fallen, {.json = true, .engine = engine, .against = "ours"}).json()["against"];
+    return std::tuple(json["questions"].get<int>(), json["false_touches"].get<int>(), json["missed"].get<int>());
+  };
+  EXPECT_EQ(counts("ours"), std::tuple(2, 0, 0));
+  EXPECT_EQ(counts("cylinders"), std::tuple(2, 0, 0));
+  EXPECT_EQ(counts("cylinders,axis=model"), std::tuple(2, 0, 1));
+  EXPECT_THAT(watch(fallen, {.engine = "cylinders,axis=model", .against = "ours"}).out,
+              HasSubstr("A - B (witness): 0 false touches, 1 missed, of 1 answer\n"
+                        "against ours: 0 false touches, 1 missed, of 2 answers\n"));
+  const Outcome unknown = watch(fallen, {.against = "our"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("--against: there is no engine our; did you mean ours?"));
+}
+
+TEST(Collide, SpaceTimeBoundsPostponePairs) {
+  const ScratchFolder folder;
+  const auto world = write(folder, kMoving);
+  const auto run = [&](const std::string& engine) {
+    return watch(world, {.json = true, .until_s = 13.0, .hz = 60.0, .engine = engine}).json();
+  };
+  const Json bounded = run("sphere"), plain = run("sphere,bounds=none");
+  EXPECT_EQ(bounded["events"], plain["events"]);
+  EXPECT_FALSE(plain["events"].empty());
+  EXPECT_EQ(plain["counters"]["pairs_postponed"], 0);
+  const auto count = [](const Json& json, const char* name) { return json["counters"][name].get<std::uint64_t>(); };
+  EXPECT_EQ(count(bounded, "pairs_postponed") + count(bounded, "pairs_far"), count(plain, "pairs_far"));
+  EXPECT_GT(count(bounded, "pairs_postponed"), count(plain, "pairs_far") / 2);
+  EXPECT_THAT(watch(world, {.until_s = 13.0, .engine = "sphere"}).out, HasSubstr(" postponed, "));
+}
+
 TEST(Collide, ListsItsEngines) {
   std::ostringstream out;
   EXPECT_EQ(list_engines(true, out), 0);
   const Json list = Json::parse(out.str());
-  ASSERT_GE(list.size(), 7u);
+  ASSERT_GE(list.size(), 8u);
   EXPECT_THAT(keys_of(list[0]), ElementsAre("name", "exact", "reference", "about"));
   EXPECT_EQ(list[0]["name"], "ours");
 }
