@@ -49,16 +49,16 @@ std::expected<std::uint32_t, std::string> number_of(const std::string& name, con
   return number;
 }
 
-std::unique_ptr<NarrowPhase> make_kdop(std::uint32_t k, const TreeOptions& options) {
-  switch (k) {
+std::unique_ptr<NarrowPhase> make_kdop(const KdopOptions& options) {
+  switch (options.k) {
     case 6:
-      return std::make_unique<KdopQuery<6>>(options);
+      return std::make_unique<KdopQuery<6>>(options.tree);
     case 14:
-      return std::make_unique<KdopQuery<14>>(options);
+      return std::make_unique<KdopQuery<14>>(options.tree);
     case 18:
-      return std::make_unique<KdopQuery<18>>(options);
+      return std::make_unique<KdopQuery<18>>(options.tree);
     case 26:
-      return std::make_unique<KdopQuery<26>>(options);
+      return std::make_unique<KdopQuery<26>>(options.tree);
     default:
       return nullptr;
   }
@@ -72,31 +72,29 @@ std::expected<SplitRule, std::string> rule_of(const std::string& name) {
   return std::unexpected("rule=" + name + " is none of " + all);
 }
 
-std::expected<std::unique_ptr<NarrowPhase>, std::string> kdop_of(Options& options) {
-  TreeOptions tree;
-  std::uint32_t k = 18;
+std::expected<KdopOptions, std::string> kdop_of(const Options& options) {
+  KdopOptions out;
   for (const auto& [name, value] : options) {
     if (name == "rule") {
       const auto rule = rule_of(value);
       if (!rule) return std::unexpected(rule.error());
-      tree.rule = *rule;
+      out.tree.rule = *rule;
       continue;
     }
     const auto number = number_of(name, value);
     if (name == "k") {
       if (!number) return std::unexpected(number.error());
-      k = *number;
+      out.k = *number;
     } else if (name == "threshold") {
       if (!number) return std::unexpected(number.error());
       if (*number < 1 || *number > kThresholdMax) return std::unexpected("threshold=" + value + " is not 1 to 1000000");
-      tree.split_threshold = *number;
+      out.tree.split_threshold = *number;
     } else {
       return std::unexpected("kdop has no option " + name + "; it has k, rule and threshold");
     }
   }
-  auto made = make_kdop(k, tree);
-  if (made == nullptr) return std::unexpected("k=" + std::to_string(k) + " is none of 6, 14, 18, 26");
-  return made;
+  if (make_kdop(out) == nullptr) return std::unexpected("k=" + std::to_string(out.k) + " is none of 6, 14, 18, 26");
+  return out;
 }
 
 // `engine` is the sphere trees'.
@@ -151,13 +149,8 @@ std::string_view take_word(std::string_view& text) {
   return word;
 }
 
-}  // namespace
-
-std::span<const EngineDescription> engines() { return kEngines; }
-
-std::expected<Engine, std::string> make_engine(std::string_view words) {
-  const auto description = described(take_word(words));
-  if (!description) return std::unexpected(description.error());
+// The words "option=value,..", each option once.
+std::expected<Options, std::string> options_of(std::string_view words) {
   Options options;
   while (!words.empty()) {
     const std::string_view word = take_word(words);
@@ -169,25 +162,37 @@ std::expected<Engine, std::string> make_engine(std::string_view words) {
       return std::unexpected("the option " + std::string(word.substr(0, middle)) + " is given twice");
     }
   }
+  return options;
+}
+
+}  // namespace
+
+std::span<const EngineDescription> engines() { return kEngines; }
+
+std::expected<Engine, std::string> make_engine(std::string_view words) {
+  const auto description = described(take_word(words));
+  if (!description) return std::unexpected(description.error());
+  const auto options = options_of(words);
+  if (!options) return std::unexpected(options.error());
   Engine engine{*description, nullptr};
   const std::string_view name = description->name;
   if (name == "kdop") {
-    auto made = kdop_of(options);
-    if (!made) return std::unexpected(made.error());
-    engine.narrow_phase = *std::move(made);
+    const auto kdop = kdop_of(*options);
+    if (!kdop) return std::unexpected(kdop.error());
+    engine.narrow_phase = make_kdop(*kdop);
     return engine;
   }
   if (name == "sphere") {
-    if (const auto set = set_sphere(engine, options); !set) return std::unexpected(set.error());
+    if (const auto set = set_sphere(engine, *options); !set) return std::unexpected(set.error());
     return engine;
   }
   if (name == "cylinders") {
-    auto made = cylinders_of(options);
+    auto made = cylinders_of(*options);
     if (!made) return std::unexpected(made.error());
     engine.narrow_phase = *std::move(made);
     return engine;
   }
-  if (!options.empty()) return std::unexpected(std::string(name) + " has no options");
+  if (!options->empty()) return std::unexpected(std::string(name) + " has no options");
   if (name == "quickcd") {
     engine.narrow_phase = std::make_unique<KdopQuery<18>>(TreeOptions{SplitRule::kSplatter, 1});
   } else if (name == "obb" || name == "rapid-world") {
@@ -197,6 +202,12 @@ std::expected<Engine, std::string> make_engine(std::string_view words) {
     engine.narrow_phase = std::make_unique<VolumeQuery<AlignedBox>>();
   }
   return engine;
+}
+
+std::expected<KdopOptions, std::string> kdop_options(std::string_view words) {
+  const auto options = options_of(words);
+  if (!options) return std::unexpected(options.error());
+  return kdop_of(*options);
 }
 
 }  // namespace peerd::collision::baselines

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <expected>
 #include <memory>
 #include <span>
@@ -7,6 +8,7 @@
 
 #include "collision/broad_phase/broad_phase.hpp"
 #include "collision/scene/narrow_phase.hpp"
+#include "collision/tree/kdop_tree.hpp"
 
 namespace peerd::collision::baselines {
 
@@ -31,5 +33,13 @@ struct Engine {
 // name) and threshold (1 to 1000000); `sphere` has bounds (space-time, none) and depth (0 to 64: the last level of its
 // trees); `cylinders` has axis (world, model); the others have none. The error says what is wrong.
 [[nodiscard]] std::expected<Engine, std::string> make_engine(std::string_view words);
+
+// The options of `kdop`, of words such as "k=18,rule=min-sum,threshold=4", in any order; those that are not named are
+// at their defaults. `k` is 6, 14, 18 or 26. The error says what is wrong.
+struct KdopOptions {
+  std::uint32_t k = 18;
+  TreeOptions tree;
+};
+[[nodiscard]] std::expected<KdopOptions, std::string> kdop_options(std::string_view words);
 
 }  // namespace peerd::collision::baselines

@@ -48,14 +48,6 @@ using kdop_tree_detail::Bin;
 using kdop_tree_detail::kBins;
 using kdop_tree_detail::kFloatInfinity;
 
-template <int K>
-WideKdop<K> widened(const Kdop<K>& dop) {
-  WideKdop<K> out;
-  std::ranges::copy(dop.lo, out.lo.begin());
-  std::ranges::copy(dop.hi, out.hi.begin());
-  return out;
-}
-
 // Whether a k-DOP lies within another.
 template <int K>
 bool contains(const BasicKdop<K, float>& outer, const BasicKdop<K, float>& inner) {

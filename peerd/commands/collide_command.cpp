@@ -195,7 +195,19 @@ struct Watched {
   bool interrupted = false;
   Json events = Json::array();
   Comparison comparison;  // with CollideOptions::against
+  std::vector<double> asked_micros;  // by tick at which a pair of objects was asked
 };
+
+Json to_json(std::vector<double> micros) {
+  double sum = 0.0;
+  for (const double each : micros) sum += each;
+  const std::size_t count = micros.size();
+  std::ranges::sort(micros);
+  return {{"ticks", count},
+          {"mean", count == 0 ? 0.0 : sum / static_cast<double>(count)},
+          {"median", count == 0 ? 0.0 : micros[count / 2]},
+          {"greatest", count == 0 ? 0.0 : micros.back()}};
+}
 
 Json to_json(const std::string& path, const CollideOptions& options, Watched& watched,
              const std::vector<std::string>& warnings, const collision::CollisionWatchCounters& counters,
@@ -214,6 +226,7 @@ Json to_json(const std::string& path, const CollideOptions& options, Watched& wa
                {"until_s", *options.until_s},
                {"hz", options.hz},
                {"ticks", watched.ticks},
+               {"tick_micros", to_json(std::move(watched.asked_micros))},
                {"events", std::move(watched.events)},
                {"counters", std::move(counted)},
                {"micros", micros},
@@ -236,7 +249,11 @@ Result<Watched> watch_ticks(const std::string& path, const Scene& scene, const C
     watched.interrupted = options.interrupted && options.interrupted();
     if (watched.interrupted) break;
     progress.show(time_s);
+    const std::uint64_t asked = watch.counters().pairs_queried;
+    const auto start = std::chrono::steady_clock::now();
     const collision::CollisionWatch::Tick& tick = engine.tick(time_s);
+    const std::chrono::duration<double, std::micro> micros = std::chrono::steady_clock::now() - start;
+    if (watch.counters().pairs_queried > asked) watched.asked_micros.push_back(micros.count());
     if (!tick.refused.empty() || !tick.ended.empty() || !tick.began.empty() || !tick.not_colliding.empty()) {
       progress.hide();
     }

@@ -31,6 +31,8 @@ inline constexpr int kInterrupted = 130;
 //   world, time_s   as above
 //   until_s, hz     end, and ticks a second: tick k is at time_s + k / hz, as long as that is no later
 //   ticks           number of ticks
+//   tick_micros     {ticks, mean, median, greatest}: wall-clock time of the ticks at which a pair of objects was asked,
+//                   with what these ticks built; all 0 where there is none
 //   events          [{time_s, event: "began"|"ended", collider, collidee, type}] of interests, and
 //                   [{time_s, event: "notColliding", object, value}] of Transforms, the eventOut of that name; by time,
 //                   those that ended first, then those that began, in file order, then Transforms in file order. A

@@ -25,6 +25,7 @@ namespace peerd {
 [[nodiscard]] Command add_new(CLI::App& app);
 [[nodiscard]] Command add_check(CLI::App& app);
 [[nodiscard]] Command add_collide(CLI::App& app);
+[[nodiscard]] Command add_volumes(CLI::App& app);
 [[nodiscard]] Command add_bake(CLI::App& app);
 [[nodiscard]] Command add_export(CLI::App& app);
 // A peer that is running (client_commands.cpp).

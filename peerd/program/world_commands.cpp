@@ -15,6 +15,7 @@
 #include "peerd/export/export_command.hpp"
 #include "peerd/export/mcap_command.hpp"
 #include "peerd/program/commands.hpp"
+#include "peerd/volumes/volumes_command.hpp"
 
 namespace peerd {
 namespace {
@@ -22,6 +23,7 @@ namespace {
 // The world times that a world is asked at [s]. Beyond them a tick is lost in rounding.
 constexpr NumberRange kWorldTimes_s{-1e12, 1e12};
 constexpr NumberRange kTicksPerSecond{1e-6, 1e6};
+constexpr std::uint32_t kTurnStepsMax = 100'000;
 
 // The command line of a command about a world, without a peer.
 template <class Options>
@@ -108,6 +110,25 @@ Command add_collide(CLI::App& app) {
             const int code = run_collide(flags->world, asked, std::cout, std::cerr);
             return code == kInterrupted ? signals.exit_code() : code;
           }};
+}
+
+Command add_volumes(CLI::App& app) {
+  const auto flags = std::make_shared<WorldFlags<VolumesOptions>>();
+  VolumesOptions& options = flags->options;
+  CLI::App* const command = add_world_command(
+      app, "volumes", "how tightly bounding volumes fit a world's Shapes, and how their hierarchies turn out", *flags);
+  command->footer(exit_codes("the world has errors, or nothing that can be measured"));
+  command->add_flag("--whole", options.whole, "all Shapes as one object, in the world's frame");
+  command->add_option("--steps", options.steps, "rotations of each of seven full turns (default: 1000)")
+      ->transform(whole_number_in(1, kTurnStepsMax));
+  command->add_flag("--curve", options.curve, "the volumes at each rotation, too");
+  command
+      ->add_option("--hierarchy", options.hierarchies,
+                   "measure a tree of k-DOPs, OPTION=VALUE[,..] of k, rule and threshold, such as k=18,rule=min-sum "
+                   "(repeatable)")
+      ->allow_extra_args(false);
+  command->add_flag("--levels", options.levels, "the volume of each level of these trees, too");
+  return {command, [flags] { return run_volumes(flags->world, flags->options, std::cout, std::cerr); }};
 }
 
 Command add_bake(CLI::App& app) {

@@ -7,27 +7,6 @@
 
 namespace peerd::bench {
 
-template <int K>
-collision::WideKdop<K> bound(std::span<const Vec3> points) {
-  auto out = collision::WideKdop<K>::empty();
-  for (const Vec3& p : points) {
-    for (std::size_t i = 0; i < out.kSlabs; ++i) {
-      const double along_it = collision::along(out.kDirections[i], p);
-      out.lo[i] = std::min(out.lo[i], along_it);
-      out.hi[i] = std::max(out.hi[i], along_it);
-    }
-  }
-  return out;
-}
-
-template <int K>
-collision::WideKdop<K> widened(const collision::Kdop<K>& dop) {
-  collision::WideKdop<K> out;
-  std::ranges::copy(dop.lo, out.lo.begin());
-  std::ranges::copy(dop.hi, out.hi.begin());
-  return out;
-}
-
 // Corners of polygons that bound a polyhedron, each once, up to rounding.
 inline std::vector<Vec3> corners_of(const std::vector<std::vector<Vec3>>& polygons) {
   std::vector<Vec3> out;
