@@ -93,6 +93,7 @@ MeasuredShape measure_shape(std::string path, const TriangleSoup& soup, std::uin
   for (std::size_t f = 0; f < soup.faces.size(); ++f) {
     if (f == 0 || soup.faces[f].polygon != soup.faces[f - 1].polygon) ++out.polygons;
   }
+  out.box = soup.box;
   out.tightness = tightness_of(soup, steps);
   for (const KdopOptions& hierarchy : hierarchies) {
     out.hierarchies.push_back(measure(soup, hierarchy, levels));

@@ -9,6 +9,7 @@
 
 #include "collision/baselines/engine.hpp"
 #include "collision/exact/triangle_soup.hpp"
+#include "core/box.hpp"
 
 namespace peerd {
 
@@ -37,6 +38,7 @@ struct MeasuredHierarchy {
 struct MeasuredShape {
   std::string path;
   std::size_t polygons = 0, triangles = 0, vertices = 0;
+  WorldBox box;                             // of the vertices that polygons use, in the frame of the shape
   std::optional<ShapeTightness> tightness;  // none where the shape is flat
   std::vector<MeasuredHierarchy> hierarchies;
 };

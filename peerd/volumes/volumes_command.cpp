@@ -32,6 +32,8 @@ std::string_view name_of(collision::SplitRule rule) {
   return std::ranges::find(collision::kSplitRuleNames, rule, &collision::SplitRuleName::rule)->name;
 }
 
+Json to_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
 Json to_json(const OverTurns& turns, std::size_t rotations) {
   return {{"mean", turns.sum / static_cast<double>(rotations)}, {"least", turns.least}, {"greatest", turns.greatest}};
 }
@@ -50,9 +52,13 @@ Json to_json(const MeasuredHierarchy& hierarchy, bool levels) {
 }
 
 Json to_json(const MeasuredShape& shape, const VolumesOptions& options, std::size_t rotations) {
-  Json out = {
-      {"path", shape.path}, {"polygons", shape.polygons}, {"triangles", shape.triangles}, {"vertices", shape.vertices},
-      {"hull", nullptr},    {"percent", nullptr}};
+  Json out = {{"path", shape.path},
+              {"polygons", shape.polygons},
+              {"triangles", shape.triangles},
+              {"vertices", shape.vertices},
+              {"box", {{"lo", to_json(shape.box.lo)}, {"hi", to_json(shape.box.hi)}}},
+              {"hull", nullptr},
+              {"percent", nullptr}};
   if (shape.tightness) {
     const ShapeTightness& t = *shape.tightness;
     out["hull"] = {{"corners", t.hull_corners}, {"volume_m3", t.hull_m3}};

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "collision/exact/triangle_pair.hpp"
+#include "collision/volumes/turned_volume.hpp"
 #include "collision_descent.hpp"
 #include "collision_experiments.hpp"
 #include "collision_kdops.hpp"
@@ -128,7 +129,7 @@ void run(Tree& tree, const std::vector<CloseQuery>& queries, const Boundaries* b
       if (boundaries == nullptr) return realign(tree.node(i).dop);
       scratch.clear();
       for (const Vec3& p : boundaries->corners[i]) scratch.push_back(q.a_from_b.rotation * p + q.a_from_b.translation);
-      return bound<18>(scratch);
+      return collision::kdop_around<18>(scratch);
     };
     Descent descent(tree, tree, bound_a, bound_b, at_leaves);
     (void)descent.run();

@@ -5,8 +5,8 @@
 //   hull      the corners of the convex hull of what is in it, transformed and bounded: the tight k-DOP
 #include "collision/tree/kdop_tree.hpp"
 #include "collision/tree/realignment.hpp"
+#include "collision/volumes/convex_hull.hpp"
 #include "collision_experiments.hpp"
-#include "collision_hull.hpp"
 #include "collision_kdops.hpp"
 #include "generated_text.hpp"
 
@@ -56,8 +56,8 @@ std::vector<Bounded<K>> bounded_at(const collision::TriangleSoup& soup, std::uin
     for (const std::uint32_t t : tree.triangles(tree.node(i))) {
       for (const Vec3& p : soup.triangle(t)) corners.push_back(p);
     }
-    if (auto hull = convex_hull(corners)) {
-      out.push_back({tree.node(i).dop, corners_of(boundary(widened(tree.node(i).dop))), std::move(hull->vertices)});
+    if (auto hull = collision::convex_hull(corners)) {
+      out.push_back({tree.node(i).dop, corners_of(boundary(widened(tree.node(i).dop))), std::move(hull->corners)});
     }
   }
   return out;

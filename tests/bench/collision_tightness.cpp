@@ -3,10 +3,13 @@
 #include <array>
 #include <numbers>
 
-#include "collision/tree/kdop_tree.hpp"
+#include "collision/volumes/convex_hull.hpp"
+#include "collision/volumes/enclosing_ball.hpp"
+#include "collision/volumes/enclosing_box.hpp"
+#include "collision/volumes/level_volumes.hpp"
+#include "collision/volumes/turned_volume.hpp"
 #include "collision_experiments.hpp"
 #include "collision_hull.hpp"
-#include "collision_kdops.hpp"
 #include "generated_text.hpp"
 
 namespace peerd::bench {
@@ -14,45 +17,16 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-void check_hulls(Report& report) {
-  std::vector<Vec3> cube, sphere;
-  for (int i = 0; i < 8; ++i) cube.emplace_back(i & 1, i >> 1 & 1, i >> 2 & 1);
-  cube.emplace_back(0.5, 0.25, 0.5);
-  const auto of_cube = convex_hull(cube);
-  report.check(of_cube && of_cube->vertices.size() == 8 && std::abs(of_cube->volume_m3 - 1) < 1e-12,
-               "the convex hull of a cube");
-  report.check(std::abs(oriented_box_volume(cube) - 1) < 1e-3, "the oriented box of a cube");
-  report.check(std::abs(ball_volume(cube) - kPi * std::sqrt(3.0) / 2) < 1e-2, "the ball around a cube");
-  constexpr int kPoints = 20'000;  // a spiral over the sphere: about even
-  for (int i = 0; i < kPoints; ++i) {
-    const double z = 1 - (2.0 * i + 1) / kPoints, r = std::sqrt(1 - z * z), angle = i * kPi * (3 - std::sqrt(5.0));
-    sphere.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
-  }
-  const auto of_sphere = convex_hull(sphere);
-  // Inside the sphere; of n even points the hull lacks some 4.8 / n of the volume.
-  report.check(of_sphere && of_sphere->volume_m3 < 4.0 / 3 * kPi && of_sphere->volume_m3 > 4.0 / 3 * kPi * (1 - 1e-3),
-               "the convex hull of a sphere");
-  report.check(!convex_hull(std::vector<Vec3>(5, Vec3::Ones())), "the convex hull of one point");
-}
-
 // Volumes as the thesis has them in its figures 3.1 and 3.2, % of the hull's.
 constexpr std::size_t kVolumes = 4;
 constexpr std::array<const char*, kVolumes> kNames = {"AABB", "14-DOP", "18-DOP", "26-DOP"};
 
-std::array<double, kVolumes> volumes_of(const Hull& hull, const Quat& turn, std::vector<Vec3>& turned) {
-  const Mat3 rotation = turn.toRotationMatrix();
-  turned.clear();
-  for (const Vec3& p : hull.vertices) turned.push_back(rotation * p);
+std::array<double, kVolumes> volumes_of(const collision::ConvexHull& hull, const Mat3& turn) {
   const double percent = 100 / hull.volume_m3;
-  return {percent * volume(bound<6>(turned)), percent * volume(bound<14>(turned)), percent * volume(bound<18>(turned)),
-          percent * volume(bound<26>(turned))};
-}
-
-// Around x, y, z, xy, xz, yz and xyz, a full turn each.
-Quat thesis_rotation(int i, int steps) {
-  constexpr int kAxes[7][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}};
-  const auto& axis = kAxes[i / steps];
-  return quat_exp(2 * kPi * (i % steps) / steps * Vec3(axis[0], axis[1], axis[2]).normalized());
+  return {percent * volume(collision::kdop_around<6>(hull.corners, turn)),
+          percent * volume(collision::kdop_around<14>(hull.corners, turn)),
+          percent * volume(collision::kdop_around<18>(hull.corners, turn)),
+          percent * volume(collision::kdop_around<26>(hull.corners, turn))};
 }
 
 Quat random_rotation(Random& random) {  // uniform: Shoemake, Graphics Gems III, 1992
@@ -64,8 +38,7 @@ Quat random_rotation(Random& random) {  // uniform: Shoemake, Graphics Gems III,
 }  // namespace
 
 void measure_tightness(const std::vector<NamedSoup>& soups, Report& report) {
-  check_hulls(report);
-  const int steps = report.quick() ? 10 : 1'000;
+  const std::uint32_t steps = report.quick() ? 10 : 1'000;
   Table table{"tightness",
               "Mean volume over " + std::to_string(7 * steps) +
                   " rotations, % of the convex hull's (the thesis's table 3.1): random ones, and the thesis's (s)",
@@ -74,23 +47,22 @@ void measure_tightness(const std::vector<NamedSoup>& soups, Report& report) {
   table.columns.insert(table.columns.end(), {"OBB", "sphere"});
   std::vector<Chart> charts;
   for (const NamedSoup& object : soups) {
-    const auto hull = convex_hull(object.soup.vertices);
+    const auto hull = collision::convex_hull(object.soup.vertices);
     if (!hull) {
       report.note(object.name + " is flat");
       continue;
     }
     Random random(23);
     std::array<double, kVolumes> thesis_sums{}, randoms{};
-    std::vector<Vec3> scratch;
     Chart& chart = charts.emplace_back(Chart{object.name,
                                              {.label = "rotations: x, y, z, xy, xz, yz, xyz", .from_zero = true},
                                              {.label = "% of the hull's volume"},
                                              {}});
     for (const char* name : kNames) chart.series.push_back({.name = name, .points = {}});
     bool ordered = true;
-    for (int i = 0; i < 7 * steps; ++i) {
-      const auto thesis_volumes = volumes_of(*hull, thesis_rotation(i, steps), scratch);
-      const auto any = volumes_of(*hull, random_rotation(random), scratch);
+    for (std::uint32_t i = 0; i < 7 * steps; ++i) {
+      const auto thesis_volumes = volumes_of(*hull, collision::thesis_rotation(i, steps));
+      const auto any = volumes_of(*hull, random_rotation(random).toRotationMatrix());
       const auto no_larger = [&](std::size_t v, std::size_t than) {
         return thesis_volumes[v] <= thesis_volumes[than] + 1e-6;
       };  // rounding
@@ -98,17 +70,20 @@ void measure_tightness(const std::vector<NamedSoup>& soups, Report& report) {
       for (std::size_t v = 0; v < kVolumes; ++v) {
         thesis_sums[v] += thesis_volumes[v] / (7 * steps);
         randoms[v] += any[v] / (7 * steps);
-        if (i % std::max(1, steps / 100) == 0)
+        if (i % std::max(1u, steps / 100) == 0)
           chart.series[v].points.push_back({static_cast<double>(i), thesis_volumes[v]});
       }
     }
     report.check(ordered, object.name + ": a k-DOP of more slabs is larger, or the hull is");
-    const double box = 100 * oriented_box_volume(hull->vertices) / hull->volume_m3;
-    const double ball = 100 * ball_volume(hull->vertices) / hull->volume_m3;
+    const auto by_qhull = qhull_volume(object.soup.vertices);
+    report.check(by_qhull && std::abs(*by_qhull / hull->volume_m3 - 1) < 1e-9,
+                 object.name + ": the hull is not Qhull's");
+    const double box = 100 * volume(collision::small_box(*hull)) / hull->volume_m3;
+    const double ball = 100 * volume(collision::smallest_ball(hull->corners)) / hull->volume_m3;
     const double end = 7 * steps;
     chart.series.push_back({.name = "OBB", .points = {{0, box}, {end, box}}});
     chart.series.push_back({.name = "sphere", .points = {{0, ball}, {end, ball}}});
-    auto& row = table.rows.emplace_back(std::vector{object.name, text(std::uint64_t{hull->vertices.size()})});
+    auto& row = table.rows.emplace_back(std::vector{object.name, text(std::uint64_t{hull->corners.size()})});
     for (std::size_t v = 0; v < kVolumes; ++v) {
       row.insert(row.end(), {text(randoms[v], 1), text(thesis_sums[v], 1)});
       report.figure("tightness." + object.name + '.' + kNames[v], randoms[v], "%", "convex hull", randoms[v] / 100);
@@ -144,25 +119,7 @@ void measure_level_volumes(const std::vector<NamedSoup>& soups, Report& report) 
     for (const auto& named : collision::kSplitRuleNames) {
       collision::KdopTree<18> tree(object.soup, {named.rule, 1});
       tree.build_all();
-      std::vector<double>& levels = by_rule.emplace_back();
-      std::vector<std::uint32_t> level = {0}, next;
-      double of_leaves = 0;
-      while (!level.empty()) {
-        double sum = of_leaves;
-        next.clear();
-        for (const std::uint32_t i : level) {
-          const double of_node = volume(widened(tree.node(i).dop));
-          sum += of_node;
-          const std::uint32_t left = tree.node(i).left;
-          if (left < collision::KdopTree<18>::kUnsplit) {
-            next.insert(next.end(), {left, left + 1});
-          } else {
-            of_leaves += of_node;
-          }
-        }
-        levels.push_back(sum);
-        level.swap(next);
-      }
+      std::vector<double>& levels = by_rule.emplace_back(collision::level_volumes(tree));
       const double root = levels.front();
       Series series{.name = std::string(named.name), .points = {}};
       for (double& v : levels) {

@@ -97,6 +97,15 @@ TEST(Engines, AreChosenByWords) {
   EXPECT_EQ(make_engine("rapid-world")->broad_phase, BroadPhaseMethod::kSweepAndPrune);
 }
 
+TEST(Engines, OptionsOfTreesAreWords) {
+  const auto options = kdop_options("rule=min-sum,k=14");
+  ASSERT_TRUE(options) << options.error();
+  EXPECT_EQ(options->k, 14u);
+  EXPECT_EQ(options->tree, (TreeOptions{.rule = SplitRule::kMinSum}));
+  EXPECT_EQ(kdop_options("")->k, 18u);
+  EXPECT_THAT(kdop_options("k=5").error(), HasSubstr("k=5 is none of"));
+}
+
 struct Refused {
   const char *words, *why;
 };

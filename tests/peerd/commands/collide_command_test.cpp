@@ -167,7 +167,8 @@ TEST(Collide, UntilATimeSaysWhatBeginsAndEnds) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   const Json json = outcome.json();
   EXPECT_THAT(keys_of(json),
-              ElementsAre("world", "time_s", "until_s", "hz", "ticks", "events", "counters", "micros", "warnings"));
+              ElementsAre("world", "time_s", "until_s", "hz", "ticks", "tick_micros", "events", "counters", "micros",
+                          "warnings"));
   EXPECT_EQ(json["ticks"], 24);
   EXPECT_EQ(json["events"], Json::parse(R"([
     {"time_s": 8.0, "event": "began", "collider": "A", "collidee": "B/D", "type": "witness"},
