@@ -16,20 +16,20 @@ namespace peerd {
 //
 // With `json` it prints one object to `out`, which is that of error_json where there is no answer:
 //   world      path as it was given
-//   rotations  number of rotations that k-DOPs and boxes are taken at: seven full turns, around x, y, z, xy, xz, yz,
-//   xyz shapes     [{path, polygons, triangles, vertices, hull, percent, turned, hierarchies}], in file order; `path`
-//   is
-//              "" with `whole`. `vertices` are those of the geometry, used or not.
-//     hull        {corners, volume_m3}, of the vertices that polygons use; null where they lie in one plane, and then
-//                 `percent` is null, too
+//   rotations  number of rotations of k-DOPs and boxes: seven full turns, around x, y, z, xy, xz, yz and xyz
+//   shapes     by Shape in file order, an object of these:
+//     path        "" with `whole`
+//     polygons, triangles, vertices   counts; the vertices are those of the geometry, used or not
+//     box         {lo, hi}: corners of the box of the vertices that polygons use, in the frame of the Shape [m]
+//     hull        {corners, volume_m3}, of these vertices; null where they lie in one plane, and then so is `percent`
 //     percent     volumes, % of the hull's: {"18-dop", aabb: {mean, least, greatest} over the rotations, obb, sphere}.
 //                 18-DOP and AABB are around the turned hull, not realigned ones.
 //     turned      with `curve`: [[18-DOP, AABB]] in %, by rotation
 //     hierarchies [{k, rule, threshold, height, least_height, nodes, bytes, build_s, level_percent}], one for each of
 //                 `hierarchies`: of triangles; `height` counts levels below the root, and `least_height` is that of a
-//                 balanced tree with as many leaves as triangles or groups of `threshold`; `bytes` are what queries
-//                 need of nodes and order, shared by all instances; `build_s` is wall-clock time; `level_percent`,
-//                 with `levels`, is the volume of each level with the leaves above it, % of the root's
+//                 balanced tree of groups of `threshold` triangles; `bytes` are what queries need of nodes and order,
+//                 shared by all instances; `build_s` is wall-clock time; `level_percent`, with `levels`, is the volume
+//                 of each level with the leaves above it, % of the root's
 struct VolumesOptions {
   config::WorldReading reading{};
   bool json = false;

@@ -46,6 +46,7 @@ TEST(Volumes, OfACubeAreKnown) {
   EXPECT_EQ(cube["polygons"], 6);
   EXPECT_EQ(cube["triangles"], 12);
   EXPECT_EQ(cube["vertices"], 8);
+  EXPECT_EQ(cube["box"], Json::parse(R"({"lo": [-1.0, -1.0, -1.0], "hi": [1.0, 1.0, 1.0]})"));
   EXPECT_EQ(cube["hull"]["corners"], 8);
   EXPECT_NEAR(cube["hull"]["volume_m3"], 8.0, 1e-9);
   EXPECT_NEAR(cube["percent"]["18-dop"]["mean"], 100.0, 1e-9);
