@@ -5,6 +5,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -62,9 +63,9 @@ EnclosingBox box_on(const Vec3& normal, std::span<const Vec3> points) {
     if (area < least) least = area, best = along;
   }
   Mat3 axes;
-  axes.row(0) = normal;
-  axes.row(1) = best.x() * u + best.y() * v;
-  axes.row(2) = normal.cross(Vec3(axes.row(1)));
+  axes.row(0) = normal.transpose();
+  axes.row(1) = (best.x() * u + best.y() * v).transpose();
+  axes.row(2) = normal.cross(Vec3(axes.row(1))).transpose();
   return box_along(axes, points);
 }
 

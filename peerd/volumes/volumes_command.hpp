@@ -36,8 +36,8 @@ struct VolumesOptions {
   bool whole = false;  // all Shapes as one object, in the world frame
   bool curve = false;
   bool levels = false;
-  std::uint32_t steps = 1000;            // of a full turn; at least 1
-  std::vector<std::string> hierarchies;  // each as "k=18,rule=splatter,threshold=4"
+  std::uint32_t steps = 1000;              // of a full turn; at least 1
+  std::vector<std::string> hierarchies{};  // each as "k=18,rule=splatter,threshold=4"
 };
 [[nodiscard]] int run_volumes(const std::string& path, const VolumesOptions& options, std::ostream& out,
                               std::ostream& err);

@@ -70,7 +70,7 @@ TEST(ConvexHull, OfRandomAndDoubledPoints) {
     for (std::size_t i = 0; i < count; ++i) {
       // Coordinates of few bits make many coplanar points.
       Vec3 p = numbers.point(1.0);
-      if (seed % 2 == 0) p = (4.0 * p).array().round();
+      if (seed % 2 == 0) p = (4.0 * p).array().round().matrix();
       points.push_back(p);
       if (numbers.unit() < 0.2) points.push_back(points[static_cast<std::size_t>(numbers.unit() * i)]);
     }
