@@ -30,8 +30,8 @@ TEST(SmallestBall, OfACube) {
   EXPECT_NEAR(volume(ball), std::numbers::pi * std::sqrt(3.0) / 2.0, 1e-12);
 }
 
-// It holds all points, and no ball through fewer of them does with a smaller radius: found by brute force over pairs
-// and triples whose balls hold all.
+// The ball holds all points. The distance to the farthest one is a convex function of the center, so that a center that
+// no small move makes better is the best one.
 TEST(SmallestBall, IsTheSmallestOfRandomPoints) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     Numbers numbers(seed);
@@ -39,7 +39,6 @@ TEST(SmallestBall, IsTheSmallestOfRandomPoints) {
     for (int i = 0; i < 12; ++i) points.push_back(numbers.point(1.0));
     const EnclosingBall ball = smallest_ball(points);
     for (const Vec3& p : points) EXPECT_LE((p - ball.center).norm(), ball.radius_m);
-    // No small move of the center makes the farthest point nearer: the distance is convex, so this is the minimum.
     for (int i = 0; i < 200; ++i) {
       const Vec3 near = ball.center + numbers.point(1e-3);
       double radius = 0.0;
