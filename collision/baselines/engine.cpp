@@ -20,7 +20,8 @@ namespace {
 constexpr std::array<EngineDescription, 8> kEngines = {{
     {"ours", true, "docs/decisions/collision-hierarchies.md", "trees of eight children, by vector instructions"},
     {"kdop", true, "Ohlenburg 2003, chapter 3",
-     "binary trees of k-DOPs; options k (6, 14, 18, 26), rule (of splitting), threshold (triangles of a leaf)"},
+     "binary trees of k-DOPs; options k (6, 14, 18, 26), rule (of splitting), threshold (triangles of a leaf), build "
+     "(lazy, whole)"},
     {"quickcd", true, "Klosowski, Held, Mitchell, Sowizral and Zikan 1998",
      "QuickCD: binary trees of 18-DOPs, split by the least variance, a triangle in each leaf"},
     {"obb", true, "Gottschalk, Lin and Manocha 1996", "RAPID: binary trees of oriented boxes, separating axes"},
@@ -52,13 +53,13 @@ std::expected<std::uint32_t, std::string> number_of(const std::string& name, con
 std::unique_ptr<NarrowPhase> make_kdop(const KdopOptions& options) {
   switch (options.k) {
     case 6:
-      return std::make_unique<KdopQuery<6>>(options.tree);
+      return std::make_unique<KdopQuery<6>>(options.tree, options.whole);
     case 14:
-      return std::make_unique<KdopQuery<14>>(options.tree);
+      return std::make_unique<KdopQuery<14>>(options.tree, options.whole);
     case 18:
-      return std::make_unique<KdopQuery<18>>(options.tree);
+      return std::make_unique<KdopQuery<18>>(options.tree, options.whole);
     case 26:
-      return std::make_unique<KdopQuery<26>>(options.tree);
+      return std::make_unique<KdopQuery<26>>(options.tree, options.whole);
     default:
       return nullptr;
   }
@@ -81,6 +82,11 @@ std::expected<KdopOptions, std::string> kdop_of(const Options& options) {
       out.tree.rule = *rule;
       continue;
     }
+    if (name == "build") {
+      if (value != "lazy" && value != "whole") return std::unexpected("build=" + value + " is neither lazy nor whole");
+      out.whole = value == "whole";
+      continue;
+    }
     const auto number = number_of(name, value);
     if (name == "k") {
       if (!number) return std::unexpected(number.error());
@@ -90,7 +96,7 @@ std::expected<KdopOptions, std::string> kdop_of(const Options& options) {
       if (*number < 1 || *number > kThresholdMax) return std::unexpected("threshold=" + value + " is not 1 to 1000000");
       out.tree.split_threshold = *number;
     } else {
-      return std::unexpected("kdop has no option " + name + "; it has k, rule and threshold");
+      return std::unexpected("kdop has no option " + name + "; it has k, rule, threshold and build");
     }
   }
   if (make_kdop(out) == nullptr) return std::unexpected("k=" + std::to_string(out.k) + " is none of 6, 14, 18, 26");
@@ -194,7 +200,7 @@ std::expected<Engine, std::string> make_engine(std::string_view words) {
   }
   if (!options->empty()) return std::unexpected(std::string(name) + " has no options");
   if (name == "quickcd") {
-    engine.narrow_phase = std::make_unique<KdopQuery<18>>(TreeOptions{SplitRule::kSplatter, 1});
+    engine.narrow_phase = std::make_unique<KdopQuery<18>>(TreeOptions{SplitRule::kSplatter, 1}, false);
   } else if (name == "obb" || name == "rapid-world") {
     engine.narrow_phase = std::make_unique<VolumeQuery<OrientedBox>>();
     if (name == "rapid-world") engine.broad_phase = BroadPhaseMethod::kSweepAndPrune;

@@ -9,11 +9,12 @@
 
 namespace peerd::collision::baselines {
 
-// The hierarchies of the thesis's chapter 3 (KdopTree), built as far as queries go.
+// The hierarchies of the thesis's chapter 3 (KdopTree), built as far as queries go, or whole.
 template <int K>
 class KdopQuery : public NarrowPhase {
  public:
-  explicit KdopQuery(const TreeOptions& options) : options_(options) {}
+  // `whole`: a tree is built to its leaves when a question first needs it.
+  KdopQuery(const TreeOptions& options, bool whole) : options_(options), whole_(whole) {}
 
   bool find_pair(const NumberedSoup& a, const NumberedSoup& b, const RelativeMotion& a_from_b,
                  PolygonPair& pair) override {
@@ -33,9 +34,14 @@ class KdopQuery : public NarrowPhase {
   void drop_old_trees() {
     if (trees_.size() >= kTreesMax) trees_.clear();
   }
-  KdopTree<K>& tree(const NumberedSoup& of) { return trees_.try_emplace(of.number, *of.soup, options_).first->second; }
+  KdopTree<K>& tree(const NumberedSoup& of) {
+    const auto [at, is_new] = trees_.try_emplace(of.number, *of.soup, options_);
+    if (is_new && whole_) at->second.build_all();
+    return at->second;
+  }
 
   TreeOptions options_;
+  bool whole_;
   std::map<std::uint64_t, KdopTree<K>> trees_;  // by a soup's number
   QueryCounters counters_;
 };

@@ -7,13 +7,27 @@
 namespace peerd::collision {
 namespace {
 
-// Keeps the part of a convex polygon where normal . p <= offset.
-void cut(std::vector<Vec3>& polygon, std::vector<Vec3>& out, const Vec3& normal, double offset) {
+struct CutScratch {
+  std::vector<double> outside;  // by corner: how far it is on the wrong side, times the normal's length
+  std::vector<Vec3> polygon;
+};
+
+// Keeps the part of a convex polygon where normal . p <= offset. Most planes cut nothing off.
+void cut(std::vector<Vec3>& polygon, CutScratch& scratch, const Vec3& normal, double offset) {
+  scratch.outside.clear();
+  bool cuts = false;
+  for (const Vec3& p : polygon) {
+    scratch.outside.push_back(normal.dot(p) - offset);
+    cuts = cuts || !(scratch.outside.back() <= 0.0);
+  }
+  if (!cuts) return;
+  std::vector<Vec3>& out = scratch.polygon;
   out.clear();
   for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const std::size_t next = i + 1 < polygon.size() ? i + 1 : 0;
     const Vec3& p = polygon[i];
-    const Vec3& q = polygon[(i + 1) % polygon.size()];
-    const double p_out = normal.dot(p) - offset, q_out = normal.dot(q) - offset;
+    const Vec3& q = polygon[next];
+    const double p_out = scratch.outside[i], q_out = scratch.outside[next];
     if (p_out <= 0.0) out.push_back(p);
     if ((p_out < 0.0 && q_out > 0.0) || (p_out > 0.0 && q_out < 0.0)) {
       out.push_back(p + (q - p) * (p_out / (p_out - q_out)));
@@ -46,7 +60,7 @@ std::vector<std::vector<Vec3>> boundary(const WideKdop<K>& dop) {
   const Vec3 low(dop.lo[0], dop.lo[1], dop.lo[2]), high(dop.hi[0], dop.hi[1], dop.hi[2]);
   const double size = 2.0 * (high - low).norm();
   std::vector<std::vector<Vec3>> faces;
-  std::vector<Vec3> scratch;
+  CutScratch scratch;
   for (std::size_t face = 0; face < K; ++face) {
     std::vector<Vec3> polygon = square(normal(face), offset(face), (low + high) / 2, size);
     for (std::size_t other = 0; other < K && !polygon.empty(); ++other) {

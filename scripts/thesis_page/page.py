@@ -1,5 +1,6 @@
 """The page: sections of tables, pictures and notes, as one HTML file without scripts or outside resources."""
 import html
+import re
 
 STYLE = """
 :root { color-scheme: light dark; --back: #fff; --text: #1d2127; --faint: #5b6168; --line: #d4d7db; --head: #f1f3f5;
@@ -20,8 +21,8 @@ th, td { padding: 0.15rem 0.6rem; text-align: right; white-space: nowrap; border
 th { background: var(--head); font-weight: 600; vertical-align: bottom; }
 th:first-child, td:first-child { text-align: left; position: sticky; left: 0; background: var(--back); }
 th:first-child { background: var(--head); }
-td.p { color: var(--faint); } td.w { text-align: left; white-space: normal; min-width: 16rem; }
-.figures { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 20rem), 1fr)); gap: 1rem; margin: 1rem 0; }
+td.p { color: var(--faint); } td.l { text-align: left; } td.w { white-space: normal; min-width: 16rem; }
+.figures { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 17.5rem), 1fr)); gap: 1rem; margin: 1rem 0; }
 figure { margin: 0; min-width: 0; } svg { display: block; width: 100%; height: auto; }
 svg text { fill: var(--text); font: 11.5px 'DejaVu Sans', Verdana, sans-serif; }
 svg .t { font-size: 13px; font-weight: 600; } svg .a { fill: var(--faint); } svg .e { text-anchor: end; } svg .m { text-anchor: middle; }
@@ -47,7 +48,8 @@ class Table:
 
     @staticmethod
     def cell(column, value):
-        kind = ' class="p"' if column.startswith("thesis") else ' class="w"' if len(value) > 44 else ""
+        kinds = ["p"] * column.startswith("thesis") + ["l"] * (not re.match(r"[−+-]?[\d.]|$", value)) + ["w"] * (len(value) > 44)
+        kind = f' class="{" ".join(kinds)}"' if kinds else ""
         return f"<td{kind}>{html.escape(value)}</td>"
 
 

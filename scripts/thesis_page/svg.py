@@ -8,7 +8,7 @@ def number(x):
         return "0"
     if abs(x) >= 1e5 or abs(x) < 1e-3:
         return f"{x:.0e}".replace("e-0", "e-").replace("e+0", "e")
-    return f"{x:.4g}"
+    return f"{x:.4g}".replace("-", "−")
 
 
 def ticks(low, high, count):
@@ -104,7 +104,7 @@ def draw(panel, top):
         y = at((x0, t))[1]
         out.append(f'<path d="M{left} {y:.1f}H{right}" class="g"/>'
                    f'<text x="{left - 5}" y="{y + 4:.1f}" class="e">{number(t)}</text>')
-    for t in log_ticks(x0, x1) if panel.log_x else ticks(x0, x1, 6):
+    for t in log_ticks(x0, x1) if panel.log_x else ticks(x0, x1, 8):
         x = at((t, y0))[0]
         out.append(f'<path d="M{x:.1f} {bottom}v4" class="k"/><text x="{x:.1f}" y="{bottom + 16}" class="m">{number(t)}</text>')
     out.append(f'<path d="M{left} {top}V{bottom}H{right}" class="k"/>')

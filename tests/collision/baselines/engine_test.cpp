@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 using ::testing::IsSubsetOf;
 
 constexpr const char* kExact[] = {
-    "kdop,k=6", "kdop,k=14,rule=min-sum", "kdop,k=26,threshold=1", "quickcd", "obb", "aabb", "rapid-world"};
+    "kdop,k=6", "kdop,k=14,rule=min-sum", "kdop,k=26,threshold=1,build=whole", "quickcd", "obb", "aabb", "rapid-world"};
 
 // Two soups at places where about half of the pairs touch, numbered.
 struct Pair {
@@ -103,6 +103,8 @@ TEST(Engines, OptionsOfTreesAreWords) {
   EXPECT_EQ(options->k, 14u);
   EXPECT_EQ(options->tree, (TreeOptions{.rule = SplitRule::kMinSum}));
   EXPECT_EQ(kdop_options("")->k, 18u);
+  EXPECT_TRUE(kdop_options("build=whole")->whole);
+  EXPECT_FALSE(kdop_options("build=lazy")->whole);
   EXPECT_THAT(kdop_options("k=5").error(), HasSubstr("k=5 is none of"));
 }
 
@@ -119,7 +121,8 @@ INSTANTIATE_TEST_SUITE_P(
     Table, RefusedEngines,
     testing::Values(Refused{"obbb", "did you mean obb?"}, Refused{"", "there is no engine"},
                     Refused{"kdop,k=7", "k=7 is none of"}, Refused{"kdop,k=x", "no whole number"},
-                    Refused{"kdop,threshold=0", "is not 1 to"}, Refused{"kdop,rule=best", "is none of longest-side"},
+                    Refused{"kdop,threshold=0", "is not 1 to"}, Refused{"kdop,build=now", "neither lazy nor whole"},
+                    Refused{"kdop,rule=best", "is none of longest-side"},
                     Refused{"kdop,colour=red", "no option colour"}, Refused{"kdop,k", "is no option=value"},
                     Refused{"kdop,k=6,k=14", "given twice"}, Refused{"obb,k=6", "has no options"},
                     Refused{"sphere,bounds=some", "is none of space-time, none"},
