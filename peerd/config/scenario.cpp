@@ -224,6 +224,7 @@ GivenSettings given_settings(const ScenarioRequest& request, const Sources& sour
   if (auto file = parse_toml(sources.text, request.file.string()); file && rename_old_keys(*file, known_warnings)) {
     given.file = std::move(*file);
   }
+  given.file_is_provided = request.text.has_value();
   given.overlays = sources.overlays;
   for (const auto* assignments : {&sources.sets, &sources.swept_sets}) {
     for (const Assignment& a : *assignments) (void)assign(given.set, a.key, *a.holder.get("value"));

@@ -37,6 +37,7 @@ struct ScenarioRequest {
   std::optional<std::uint32_t> repeat{};
   bool real = false;  // the sweep leaves out keys that only a simulated network has
   bool sweep = true;  // false: one run, with the values outside of [sweep]
+  // The scenario of other peers or of a recording, in place of the file's.
   std::optional<std::string> text = {};
 };
 

@@ -146,7 +146,7 @@ std::optional<std::string> warning(const GivenSettings& given, std::string_view 
   if (swept && !given.whole_sweep) return std::nullopt;
   for (const toml::table* const source : std::views::reverse(sources)) {
     if (const toml::node* const value = value_in(*source, key)) {
-      if (is_off(*value)) return std::nullopt;
+      if (is_off(*value) || (given.file_is_provided && source == &given.file)) return std::nullopt;
       return (source == &given.set ? "warning: --set " : place_of(value->source()) + "warning: ") + std::string(key) +
              " has no effect: " + std::string(why_not);
     }

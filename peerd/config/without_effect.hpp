@@ -12,6 +12,8 @@ namespace peerd::config {
 // toml++'s tables do not.
 struct GivenSettings {
   toml::table file;
+  // Whether the file's text is of other peers or of a recording: nobody here can mend it, so it gets no warnings.
+  bool file_is_provided = false;
   std::span<const toml::table> overlays;
   toml::table set;  // by --set
   // Whether the runs are all of the sweep, or one of them: a key may have its effect in another one.

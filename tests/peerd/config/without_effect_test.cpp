@@ -147,6 +147,18 @@ TEST_F(WithoutEffectTest, WhoLaysTheSwitchOverAScenarioMeansIt) {
   EXPECT_THAT(warnings(kPeers), ElementsAre(HasSubstr("over.toml:2:12: warning: relay.restamps has no effect")));
 }
 
+// A peer that joins a unicast session gets its transport.ttl from the other peers.
+TEST_F(WithoutEffectTest, WhatOtherPeersHaveSetIsNotNamed) {
+  const std::string provided = "[transport]\nmulticast = \"never\"\nttl = 1\n";
+  EXPECT_THAT(warnings(kPeers + provided), ElementsAre(HasSubstr("warning: transport.ttl has no effect")));
+  request.text = provided;
+  const std::vector<std::string> self = {"world=w.wrl", "peer.me.id=77"};
+  EXPECT_THAT(warnings("", self), IsEmpty());
+  std::vector<std::string> with_ttl = self;
+  with_ttl.emplace_back("transport.ttl=3");
+  EXPECT_THAT(warnings("", with_ttl), ElementsAre(HasSubstr("warning: --set transport.ttl has no effect")));
+}
+
 TEST_F(WithoutEffectTest, NoShippedScenarioHasSuchAKey) {
   for (const auto& file : std::filesystem::directory_iterator(PEERD_SOURCE_DIR "/configs/scenarios")) {
     request.file = file.path();
