@@ -23,12 +23,12 @@ struct Finding {
   std::string advice = {};  // what to do about it; empty: nothing
 };
 
-// 3 with a problem, 1 with a warning, else 0.
+// The exit code is 3 with a problem, 1 with a warning, else 0.
 [[nodiscard]] int exit_code_of(std::span<const Finding> findings);
 
-// One line each.
+// The text has one line for each finding.
 [[nodiscard]] std::string as_text(std::span<const Finding> findings);
-// [{name, level, sentence, advice}], with level "good", "hint", "warning" or "problem".
+// The array is [{name, level, sentence, advice}], with level "good", "hint", "warning" or "problem".
 [[nodiscard]] nlohmann::ordered_json as_json(std::span<const Finding> findings);
 
 }  // namespace peerd::doctor

@@ -57,14 +57,15 @@ struct HostFacts {
   std::optional<Duration> clock_error;         // the bound that the kernel knows; none: nothing steers the clock
   std::string container;                       // "docker", "podman", "systemd-nspawn"; empty: none
   Firewall firewall;
-  OtherPorts taken;  // those that another program keeps from a peer; 0: none
+  OtherPorts taken;  // the ports that another program keeps from a peer; 0: none
 };
 
-// Reads what the kernel says. `peers` are the configured ones with their addresses.
+// A configured peer with its address.
 struct NamedPeer {
   std::string text;
   boost::asio::ip::udp::endpoint address;
 };
+// Reads what the kernel says, also of the routes to `peers`.
 [[nodiscard]] std::expected<HostFacts, net::NetError> read_host_facts(const net::HostClock& clock,
                                                                       const std::vector<NamedPeer>& peers,
                                                                       const OtherPorts& ports);

@@ -25,13 +25,13 @@ struct Examined {
 // Evaluates the facts: pure functions, which read nothing.
 [[nodiscard]] std::vector<Finding> host_findings(const HostFacts& facts, const Examined& examined);
 
-// Its parts. Whom a peer would reach, by what was seen:
+// The parts of host_findings(). This one says whom a peer would reach.
 [[nodiscard]] std::vector<Finding> reach_findings(const HostFacts& facts, const Examined& examined);
-// The interfaces that it would use, and bridges.
+// Findings about the interfaces that a peer would use, and about bridges.
 [[nodiscard]] std::vector<Finding> link_findings(const HostFacts& facts, const Examined& examined);
-// Limits of the kernel, and the clock.
+// Findings about the limits of the kernel and the clock.
 [[nodiscard]] std::vector<Finding> limit_findings(const HostFacts& facts, const Examined& examined);
-// Containers and firewalls.
+// Findings about containers and firewalls.
 [[nodiscard]] std::vector<Finding> place_findings(const HostFacts& facts, const Examined& examined);
 
 // The interfaces over which a peer would send to others.

@@ -59,7 +59,7 @@ class Reader {
 
 std::uint64_t bits_of(Duration duration) { return static_cast<std::uint64_t>(duration.count()); }
 
-// Sums of two such times do not overflow.
+// The sum of two plausible times does not overflow.
 bool is_plausible(std::int64_t time) { return time >= 0 && time < std::int64_t{1} << 62; }
 
 bool is_plausible(const PairMessage& m) {

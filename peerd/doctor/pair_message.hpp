@@ -34,8 +34,8 @@ struct Heard {
 //   8      session of the sender: random, for one run
 //  16      session of the other side that it has heard; 0: none
 //  24      time of sending by the sender's clock [ns since the Unix epoch]
-//  32      time of sending of the other's datagram that came last, as that has it; 0: none
-//  40      how long ago that came [ns]
+//  32      time of sending that the last datagram of the other side has; 0: none
+//  40      how long ago that datagram came [ns]
 //  48      number in the stream, from 1; 0: none of the stream
 //  50      TCP port at which the sender listens; 0: none
 //  52      whether TCP to the other side works (TcpState)
@@ -63,9 +63,9 @@ struct PairMessage {
 
 inline constexpr std::size_t kPairMessage_bytes = 64;
 
-// `size_bytes` at least kPairMessage_bytes.
+// The datagram has `size_bytes` bytes, at least kPairMessage_bytes.
 [[nodiscard]] std::vector<std::byte> encode(const PairMessage& message, std::size_t size_bytes);
-// Parses hostile input; none: it is no such datagram.
+// Parses hostile input. The result is none where the bytes are no such datagram.
 [[nodiscard]] std::optional<PairMessage> decode_pair_message(std::span<const std::byte> datagram);
 
 }  // namespace peerd::doctor

@@ -22,7 +22,7 @@ constexpr std::array<std::size_t, 6> kLengths_bytes{576, 1000, 1200, 1300, 1400,
 constexpr std::size_t kEach = 3;
 constexpr std::size_t kMulticastMost_bytes = 1200;
 constexpr Duration kLengthsApart = milliseconds(40);
-// A side goes on reporting for so long after both are complete, so that the other knows all, too.
+// A side goes on reporting for so long after both are complete, so that the other side knows all, too.
 constexpr Duration kLinger = milliseconds(1000);
 // The longest time from meeting to the end, where the other side is not heard to the end.
 constexpr Duration kMost = seconds(13);
