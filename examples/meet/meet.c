@@ -44,15 +44,7 @@ int main(int argc, char** argv) {
   double began = NAN;
   int met = 0;
   while (!met && peerd_poll(peer, 0.005)) {
-    if (!is_ready(peer, own, other)) continue;
-    const double now = peerd_session_time(peer);
-    if (isnan(began)) {
-      if (!peerd_take(peer, own)) break;
-      began = now;
-    }
-    motion.pose.position[0] = (is_left ? -4.0 : 4.0) + motion.velocity[0] * (now - began);
-    (void)peerd_move(peer, &motion, 1);
-
+    /* Also events that come when the other program has left already. */
     peerd_event event;
     while (peerd_next_event(peer, &event, sizeof(event))) {
       if (event.kind != PEERD_CONTACT) continue;
@@ -61,6 +53,15 @@ int main(int argc, char** argv) {
              (event.pose.position[0] + event.other_pose.position[0]) / 2.0, decider);
       met = 1;
     }
+    if (met || !is_ready(peer, own, other)) continue;
+
+    const double now = peerd_session_time(peer);
+    if (isnan(began)) {
+      if (!peerd_take(peer, own)) break;
+      began = now;
+    }
+    motion.pose.position[0] = (is_left ? -4.0 : 4.0) + motion.velocity[0] * (now - began);
+    (void)peerd_move(peer, &motion, 1);
   }
   if (!met) fprintf(stderr, "meet: %s\n", peerd_error(peer));
   for (int i = 0; met && i < 100; ++i) (void)peerd_poll(peer, 0.005); /* the other one is to hear of it, too */
