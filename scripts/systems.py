@@ -179,10 +179,10 @@ def engine_table(rows):
     for engine, name, what, results in rows:
         cells = []
         for world in worlds:
-            r = results[world]
-            ours = rows[0][3][world]
-            cells.append(f"{r['micros'] / r['ticks']:.0f} us, {(r['counters']['bv_tests'] + r['counters']['triangle_tests']) / r['ticks']:.0f} tests"
-                         if engine != "ours" else f"{ours['micros'] / ours['ticks']:.0f} us")
+            r, counters = results[world], results[world]["counters"]
+            micros = r["tick_micros"]["mean"] * r["tick_micros"]["ticks"] / r["ticks"]
+            tests = (counters["bv_tests"] + counters["triangle_tests"]) / r["ticks"]
+            cells.append(f"{number(micros)} us, {number(tests)} tests" if tests else f"{number(micros)} us")
         against = [results[world]["against"] for world in worlds]
         wrong = sum(a["false_touches"] + a["missed"] for a in against)
         asked = sum(a["questions"] for a in against)

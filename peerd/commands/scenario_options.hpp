@@ -20,6 +20,7 @@ struct ScenarioOptions {
   bool tcpdump = false;                 // with netem only: record each peer's interface, for tcpdump or Wireshark
   std::filesystem::path captures;       // simulated runs only: a folder for each peer's capture; empty: none
   std::string samples = "40000";        // --samples: all, none, or the most rows of errors.csv and of traffic.csv
+  std::uint32_t jobs = 1;               // simulated runs only: how many at once; 0: as many as there are processors
   bool json = false;                    // print summary.json instead of the table
   bool verbose = false;                 // print the peers' logs too
 };

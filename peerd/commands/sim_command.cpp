@@ -1,9 +1,13 @@
 #include "peerd/commands/sim_command.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <iostream>
+#include <mutex>
+#include <set>
+#include <thread>
 
 #include <spdlog/fmt/fmt.h>
 #include <unistd.h>
@@ -28,7 +32,8 @@ double session_s(HostTime now, const PeerNode& node) {
   return to_seconds(now.time_since_epoch() - node.start()->time_since_epoch());
 }
 
-// Runs all runs of a scenario, one after the other, until a signal stops it.
+// Runs all runs of a scenario until a signal stops it: one after the other, or several at once, each by a thread with a
+// world of its own. Their order is that of the scenario in any case, and so are all numbers.
 class SimCommand {
  public:
   SimCommand(const ScenarioOptions& options, const config::Scenario& scenario, const SharedWorld& shared,
@@ -40,21 +45,59 @@ class SimCommand {
         signals_(signals),
         display_(isatty(STDERR_FILENO) != 0 && !options.verbose) {
     for (const config::RunSettings& run : scenario.runs) durations_s_.push_back(run.duration_s);
+    printed_.insert(info.warnings.begin(), info.warnings.end());
+    done_.resize(scenario.runs.size());
+    warnings_.resize(scenario.runs.size());
   }
 
   Result<std::vector<report::RunRecord>> run_all() {
-    for (std::size_t run = 0; run < scenario_.runs.size() && signals_.signal() == 0; ++run) {
-      auto record = run_one(run);
-      if (!record) return std::unexpected(record.error());
-      if (!record->stopped || record->duration_s > 0.0) records_.push_back(*std::move(record));
+    const std::size_t jobs = std::min<std::size_t>(jobs_of(options_), scenario_.runs.size());
+    std::vector<std::unique_ptr<const SharedWorld>> worlds;
+    for (std::size_t i = 1; i < jobs; ++i) {
+      auto world = share_world(scenario_.world, scenario_.reading, scenario_.runs);
+      if (!world) return std::unexpected(world.error());
+      worlds.push_back(*std::move(world));
+    }
+    {
+      std::vector<std::jthread> threads;
+      for (const auto& world : worlds) threads.emplace_back([this, &world] { run_some(*world); });
+      run_some(shared_);
     }
     display_.clear();
+    return gather();
+  }
+
+ private:
+  static std::size_t jobs_of(const ScenarioOptions& options) {
+    return options.jobs > 0 ? options.jobs : std::max(1u, std::thread::hardware_concurrency());
+  }
+
+  // Takes one run after the other that no thread has taken.
+  void run_some(const SharedWorld& shared) {
+    for (std::size_t run = next_++; run < done_.size() && signals_.signal() == 0; run = next_++) {
+      done_[run] = run_one(run, shared);
+      if (!*done_[run]) next_ = done_.size();
+    }
+  }
+
+  // The records as far as there is no gap. The first error ends all.
+  Result<std::vector<report::RunRecord>> gather() {
+    for (std::size_t run = 0; run < done_.size(); ++run) {
+      for (const std::string& warning : warnings_[run]) {
+        if (std::ranges::find(info_.warnings, warning) == info_.warnings.end()) info_.warnings.push_back(warning);
+      }
+      if (done_[run] && !*done_[run]) return std::unexpected(done_[run]->error());
+    }
+    for (std::optional<Result<report::RunRecord>>& done : done_) {
+      if (!done || ((*done)->stopped && (*done)->duration_s == 0.0)) break;
+      records_.push_back(*std::move(*done));
+      if (records_.back().stopped) break;
+    }
     if (signals_.signal() != 0) note_stop();
     return std::move(records_);
   }
 
- private:
-  Result<report::RunRecord> run_one(std::size_t run) {
+  Result<report::RunRecord> run_one(std::size_t run, const SharedWorld& shared) {
     std::optional<sim::Captures> captures;
     if (!options_.captures.empty()) {
       captures.emplace(options_.captures, scenario_, options_.scenario);
@@ -74,8 +117,10 @@ class SimCommand {
       };
     }
     return baselines::run_of_any_system(
-        scenario_.runs[run], shared_, observer,
-        [&](HostTime now, const PeerNode& node, const LogLine& line, bool done) { on_action(now, node, line, done); },
+        scenario_.runs[run], shared, observer,
+        [&](HostTime now, const PeerNode& node, const LogLine& line, bool done) {
+          on_action(run, now, node, line, done);
+        },
         captures ? &*captures : nullptr, measuring_of(scenario_, run, info_.csv_rows),
         [&](std::optional<double> run_s) { return go_on(run, run_s); });
   }
@@ -86,19 +131,21 @@ class SimCommand {
 
   // A key or an edit without its intended effect is a finding about the scenario. It is printed once and is part of the
   // report.
-  void on_action(HostTime now, const PeerNode& node, const LogLine& line, bool done) {
+  void on_action(std::size_t run, HostTime now, const PeerNode& node, const LogLine& line, bool done) {
     if (options_.verbose) log(now, node, line.text);
-    if (!done) warn(fmt::format("peer {} at {:.3f} s: {}", node.name(), session_s(now, node), line.text));
+    if (!done) warn(run, fmt::format("peer {} at {:.3f} s: {}", node.name(), session_s(now, node), line.text));
   }
 
-  void warn(const std::string& warning) {
-    if (std::ranges::find(info_.warnings, warning) != info_.warnings.end()) return;
-    info_.warnings.push_back(warning);
+  void warn(std::size_t run, const std::string& warning) {
+    const std::lock_guard lock(terminal_);
+    warnings_[run].push_back(warning);
+    if (!printed_.insert(warning).second) return;
     display_.clear();
     std::cerr << warning << '\n';
   }
 
   bool go_on(std::size_t run, std::optional<double> run_s) {
+    const std::lock_guard lock(terminal_);
     if (display_.due()) {
       const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count();
       display_.show(progress_line({.run = run, .runs_s = durations_s_, .run_s = run_s, .took_s = took_s}));
@@ -127,8 +174,13 @@ class SimCommand {
   const SharedWorld& shared_;
   report::ScenarioInfo& info_;
   const StopSignals& signals_;
+  std::mutex terminal_;  // guards what is shown, and warnings_
   ProgressDisplay display_;
+  std::set<std::string> printed_;
   std::vector<double> durations_s_;
+  std::atomic<std::size_t> next_ = 0;                           // the first run that no thread has taken
+  std::vector<std::optional<Result<report::RunRecord>>> done_;  // by run; none: not run
+  std::vector<std::vector<std::string>> warnings_;              // of each run
   std::vector<report::RunRecord> records_;
   std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
 };

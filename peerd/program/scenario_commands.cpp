@@ -17,6 +17,7 @@ namespace peerd {
 namespace {
 
 constexpr NumberRange kChaosSeconds{kChaosSecondsMin, 3600.0};
+constexpr std::int64_t kJobsMax = 1024;
 constexpr std::int64_t kChaosSeedsMax = 1'000'000, kChaosPeersMax = 9;
 
 void add_scenario_source(CLI::App& command, ScenarioOptions& options) {
@@ -70,7 +71,8 @@ int run_sim_or_chaos(const CLI::App& command, const ScenarioOptions& options, Ch
     }
     return run_sim(options);
   }
-  for (const char* other : {"scenario", "--config", "--set", "--seed", "--repeat", "--out", "--samples", "--capture"}) {
+  for (const char* other :
+       {"scenario", "--config", "--set", "--seed", "--repeat", "--out", "--samples", "--capture", "--jobs"}) {
     if (command.get_option(other)->count() > 0) {
       return failed({std::string("error: ") + other + " is of a scenario; --chaos has none", kWrongUse});
     }
@@ -90,6 +92,11 @@ Command add_sim(CLI::App& app) {
   command->add_option("--capture", options->captures,
                       "a folder for all that each peer hears and sends: PEER.pcapng, of a sweep in run-NNN");
   command->add_flag("-v,--verbose", options->verbose, "print the peers' logs");
+  command
+      ->add_option("--jobs", options->jobs,
+                   "so many runs at once, each with a world of its own in memory; 0: as many as there are processors")
+      ->transform(whole_number_in(0, kJobsMax))
+      ->excludes("--verbose");
   command->get_option("scenario")->required(false);
   add_chaos_options(*command, *chaos);
   return {command, [command, options, chaos] { return run_sim_or_chaos(*command, *options, *chaos); }};

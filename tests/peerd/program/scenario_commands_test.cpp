@@ -23,6 +23,21 @@ TEST_F(Program, MotionsWithoutEffectAreNamed) {
   EXPECT_THAT(said.out, HasSubstr("0 s of 1 run in "));
 }
 
+TEST_F(Program, RunsAtOnceGiveTheBytesOfRunsInTurn) {
+  const std::string sweep = "sim " PEERD_SOURCE_DIR "/configs/scenarios/eq47.toml --set duration_s=3 --json --jobs ";
+  const Said in_turn = run(sweep + "1 --out in-turn"), at_once = run(sweep + "4 --out at-once");
+  ASSERT_EQ(in_turn.exit_code, 0) << in_turn.err;
+  EXPECT_EQ(at_once.exit_code, 0) << at_once.err;
+  EXPECT_EQ(in_turn.out, at_once.out);
+  EXPECT_GT(nlohmann::json::parse(in_turn.out)["runs"].size(), 4u);
+  for (const char* file : {"summary.json", "errors.csv", "traffic.csv", "overview.svg"}) {
+    const std::string name = file;
+    EXPECT_EQ(testing_support::text_of(folder / ("in-turn/" + name)),
+              testing_support::text_of(folder / ("at-once/" + name)))
+        << name;
+  }
+}
+
 TEST_F(Program, ComparesSystemsInARowForEach) {
   const std::string baselines = PEERD_SOURCE_DIR "/configs/baselines/";
   const Said said = run("compare " PEERD_SOURCE_DIR "/configs/scenarios/eq47.toml --set duration_s=4 --with " +
