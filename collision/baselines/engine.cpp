@@ -19,7 +19,8 @@ namespace {
 constexpr std::array<EngineDescription, 7> kEngines = {{
     {"ours", true, "docs/decisions/collision-hierarchies.md", "trees of eight children, by vector instructions"},
     {"kdop", true, "Ohlenburg 2003, chapter 3",
-     "binary trees of k-DOPs; options k (6, 14, 18, 26), rule (of splitting), threshold (triangles of a leaf)"},
+     "binary trees of k-DOPs; options k (6, 14, 18, 26), rule (of splitting), threshold (triangles of a leaf), realign "
+     "(slabs, boundary, hull)"},
     {"quickcd", true, "Klosowski, Held, Mitchell, Sowizral and Zikan 1998",
      "QuickCD: binary trees of 18-DOPs, split by the least variance, a triangle in each leaf"},
     {"obb", true, "Gottschalk, Lin and Manocha 1996", "RAPID: binary trees of oriented boxes, separating axes"},
@@ -42,16 +43,16 @@ std::expected<std::uint32_t, std::string> number_of(const std::string& name, con
   return number;
 }
 
-std::unique_ptr<NarrowPhase> make_kdop(std::uint32_t k, const TreeOptions& options) {
+std::unique_ptr<NarrowPhase> make_kdop(std::uint32_t k, const TreeOptions& options, RealignBy realign) {
   switch (k) {
     case 6:
-      return std::make_unique<KdopQuery<6>>(options);
+      return std::make_unique<KdopQuery<6>>(options, realign);
     case 14:
-      return std::make_unique<KdopQuery<14>>(options);
+      return std::make_unique<KdopQuery<14>>(options, realign);
     case 18:
-      return std::make_unique<KdopQuery<18>>(options);
+      return std::make_unique<KdopQuery<18>>(options, realign);
     case 26:
-      return std::make_unique<KdopQuery<26>>(options);
+      return std::make_unique<KdopQuery<26>>(options, realign);
     default:
       return nullptr;
   }
@@ -65,14 +66,28 @@ std::expected<SplitRule, std::string> rule_of(const std::string& name) {
   return std::unexpected("rule=" + name + " is none of " + all);
 }
 
+std::expected<RealignBy, std::string> realign_of(const std::string& name) {
+  if (name == "slabs") return RealignBy::kSlabs;
+  if (name == "boundary") return RealignBy::kBoundary;
+  if (name == "hull") return RealignBy::kHull;
+  return std::unexpected("realign=" + name + " is none of slabs, boundary, hull");
+}
+
 std::expected<std::unique_ptr<NarrowPhase>, std::string> kdop_of(Options& options) {
   TreeOptions tree;
+  RealignBy realign = RealignBy::kSlabs;
   std::uint32_t k = 18;
   for (const auto& [name, value] : options) {
     if (name == "rule") {
       const auto rule = rule_of(value);
       if (!rule) return std::unexpected(rule.error());
       tree.rule = *rule;
+      continue;
+    }
+    if (name == "realign") {
+      const auto way = realign_of(value);
+      if (!way) return std::unexpected(way.error());
+      realign = *way;
       continue;
     }
     const auto number = number_of(name, value);
@@ -84,10 +99,10 @@ std::expected<std::unique_ptr<NarrowPhase>, std::string> kdop_of(Options& option
       if (*number < 1 || *number > kThresholdMax) return std::unexpected("threshold=" + value + " is not 1 to 1000000");
       tree.split_threshold = *number;
     } else {
-      return std::unexpected("kdop has no option " + name + "; it has k, rule and threshold");
+      return std::unexpected("kdop has no option " + name + "; it has k, rule, threshold and realign");
     }
   }
-  auto made = make_kdop(k, tree);
+  auto made = make_kdop(k, tree, realign);
   if (made == nullptr) return std::unexpected("k=" + std::to_string(k) + " is none of 6, 14, 18, 26");
   return made;
 }

@@ -27,7 +27,8 @@ struct Engine {
 };
 
 // Makes an engine of "NAME" or "NAME,option=value..". `kdop` has the options k (6, 14, 18, 26), rule (a SplitRule's
-// name) and threshold (1 to 1000000); the others have none. The error says what is wrong.
+// name), threshold (1 to 1000000) and realign (RealignBy: slabs, boundary or hull); the others have none. The error
+// says what is wrong.
 [[nodiscard]] std::expected<Engine, std::string> make_engine(std::string_view words);
 
 }  // namespace peerd::collision::baselines
