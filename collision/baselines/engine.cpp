@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "collision/baselines/box_volumes.hpp"
+#include "collision/baselines/i_collide.hpp"
 #include "collision/baselines/kdop_query.hpp"
 #include "collision/baselines/sphere_volume.hpp"
 #include "collision/baselines/volume_query.hpp"
@@ -16,7 +17,7 @@
 namespace peerd::collision::baselines {
 namespace {
 
-constexpr std::array<EngineDescription, 7> kEngines = {{
+constexpr std::array<EngineDescription, 8> kEngines = {{
     {"ours", true, "docs/decisions/collision-hierarchies.md", "trees of eight children, by vector instructions"},
     {"kdop", true, "Ohlenburg 2003, chapter 3",
      "binary trees of k-DOPs; options k (6, 14, 18, 26), rule (of splitting), threshold (triangles of a leaf), realign "
@@ -26,6 +27,8 @@ constexpr std::array<EngineDescription, 7> kEngines = {{
     {"obb", true, "Gottschalk, Lin and Manocha 1996", "RAPID: binary trees of oriented boxes, separating axes"},
     {"aabb", true, "van den Bergen 1997", "SOLID: binary trees of boxes along each object's own axes"},
     {"sphere", false, "Hubbard 1996", "sphere trees, which answer alone: near is taken for a touch"},
+    {"i-collide", true, "Cohen, Lin, Manocha and Ponamgi 1995",
+     "I-COLLIDE: sweep and prune over convex pieces, closest features kept from question to question"},
     {"rapid-world", true, "Hudson, Lin, Cohen, Gottschalk and Manocha 1997",
      "V-COLLIDE: sweep and prune over all objects, then RAPID"},
 }};
@@ -160,6 +163,8 @@ std::expected<Engine, std::string> make_engine(std::string_view words) {
     if (name == "rapid-world") engine.broad_phase = BroadPhaseMethod::kSweepAndPrune;
   } else if (name == "aabb") {
     engine.narrow_phase = std::make_unique<VolumeQuery<AlignedBox>>();
+  } else if (name == "i-collide") {
+    engine.narrow_phase = std::make_unique<ICollide>();
   } else if (name == "sphere") {
     engine.narrow_phase = std::make_unique<VolumeQuery<Sphere>>();
   }

@@ -22,7 +22,8 @@ constexpr const char* kExact[] = {"kdop,k=6",
                                   "quickcd",
                                   "obb",
                                   "aabb",
-                                  "rapid-world"};
+                                  "rapid-world",
+                                  "i-collide"};
 
 // Two soups at places where about half of the pairs touch, numbered.
 struct Pair {
