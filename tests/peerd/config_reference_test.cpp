@@ -47,6 +47,7 @@ const Section kSections[] = {
     {"### `[replication]`", "replication."},
     {"### `[decisions]`", "decisions."},
     {"### `[relay]`", "relay."},
+    {"### `[collision]`", "collision."},
     {"### `[regions]`", "regions."},
     {"### `[peer.NAME]`", "peer.a."},
     {"#### Formulas", "motion.CAR."},
