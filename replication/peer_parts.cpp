@@ -86,7 +86,7 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
       exchange(logs, config.id, author, mixed_bits(author.value), {}, config.rare),
       own(model, existing(config.owned, *model->scene), config.policy.surface_error),
       scene(model),
-      replica(model),
+      replica(model, config.detection.get()),
       scripted(model),
       launches(model, own, replica),
       display(config, model, own, replica, counters),

@@ -9,6 +9,7 @@
 
 #include "collision/baselines/box_volumes.hpp"
 #include "collision/baselines/cylinder_query.hpp"
+#include "collision/baselines/i_collide.hpp"
 #include "collision/baselines/kdop_query.hpp"
 #include "collision/baselines/sphere_query.hpp"
 #include "collision/baselines/volume_query.hpp"
@@ -17,11 +18,11 @@
 namespace peerd::collision::baselines {
 namespace {
 
-constexpr std::array<EngineDescription, 8> kEngines = {{
+constexpr std::array<EngineDescription, 9> kEngines = {{
     {"ours", true, "docs/decisions/collision-hierarchies.md", "trees of eight children, by vector instructions"},
     {"kdop", true, "Ohlenburg 2003, chapter 3",
      "binary trees of k-DOPs; options k (6, 14, 18, 26), rule (of splitting), threshold (triangles of a leaf), build "
-     "(lazy, whole)"},
+     "(lazy, whole), realign (slabs, boundary, hull)"},
     {"quickcd", true, "Klosowski, Held, Mitchell, Sowizral and Zikan 1998",
      "QuickCD: binary trees of 18-DOPs, split by the least variance, a triangle in each leaf"},
     {"obb", true, "Gottschalk, Lin and Manocha 1996", "RAPID: binary trees of oriented boxes, separating axes"},
@@ -32,6 +33,8 @@ constexpr std::array<EngineDescription, 8> kEngines = {{
      "depth (the last level of the trees)"},
     {"cylinders", false, "Zyda, Osborne, Monahan and Pratt 1993",
      "NPSNET: heights, then upright cylinders: near is taken for a touch; option axis (world, model)"},
+    {"i-collide", true, "Cohen, Lin, Manocha and Ponamgi 1995",
+     "I-COLLIDE: sweep and prune over convex pieces, closest features kept from question to question"},
     {"rapid-world", true, "Hudson, Lin, Cohen, Gottschalk and Manocha 1997",
      "V-COLLIDE: sweep and prune over all objects, then RAPID"},
 }};
@@ -53,13 +56,13 @@ std::expected<std::uint32_t, std::string> number_of(const std::string& name, con
 std::unique_ptr<NarrowPhase> make_kdop(const KdopOptions& options) {
   switch (options.k) {
     case 6:
-      return std::make_unique<KdopQuery<6>>(options.tree, options.whole);
+      return std::make_unique<KdopQuery<6>>(options.tree, options.whole, options.realign);
     case 14:
-      return std::make_unique<KdopQuery<14>>(options.tree, options.whole);
+      return std::make_unique<KdopQuery<14>>(options.tree, options.whole, options.realign);
     case 18:
-      return std::make_unique<KdopQuery<18>>(options.tree, options.whole);
+      return std::make_unique<KdopQuery<18>>(options.tree, options.whole, options.realign);
     case 26:
-      return std::make_unique<KdopQuery<26>>(options.tree, options.whole);
+      return std::make_unique<KdopQuery<26>>(options.tree, options.whole, options.realign);
     default:
       return nullptr;
   }
@@ -71,6 +74,13 @@ std::expected<SplitRule, std::string> rule_of(const std::string& name) {
   std::string all;
   for (const SplitRuleName& each : kSplitRuleNames) all += (all.empty() ? "" : ", ") + std::string(each.name);
   return std::unexpected("rule=" + name + " is none of " + all);
+}
+
+std::expected<RealignBy, std::string> realign_of(const std::string& name) {
+  if (name == "slabs") return RealignBy::kSlabs;
+  if (name == "boundary") return RealignBy::kBoundary;
+  if (name == "hull") return RealignBy::kHull;
+  return std::unexpected("realign=" + name + " is none of slabs, boundary, hull");
 }
 
 std::expected<KdopOptions, std::string> kdop_of(const Options& options) {
@@ -87,6 +97,12 @@ std::expected<KdopOptions, std::string> kdop_of(const Options& options) {
       out.whole = value == "whole";
       continue;
     }
+    if (name == "realign") {
+      const auto way = realign_of(value);
+      if (!way) return std::unexpected(way.error());
+      out.realign = *way;
+      continue;
+    }
     const auto number = number_of(name, value);
     if (name == "k") {
       if (!number) return std::unexpected(number.error());
@@ -96,7 +112,7 @@ std::expected<KdopOptions, std::string> kdop_of(const Options& options) {
       if (*number < 1 || *number > kThresholdMax) return std::unexpected("threshold=" + value + " is not 1 to 1000000");
       out.tree.split_threshold = *number;
     } else {
-      return std::unexpected("kdop has no option " + name + "; it has k, rule, threshold and build");
+      return std::unexpected("kdop has no option " + name + "; it has k, rule, threshold, build and realign");
     }
   }
   if (make_kdop(out) == nullptr) return std::unexpected("k=" + std::to_string(out.k) + " is none of 6, 14, 18, 26");
@@ -206,6 +222,8 @@ std::expected<Engine, std::string> make_engine(std::string_view words) {
     if (name == "rapid-world") engine.broad_phase = BroadPhaseMethod::kSweepAndPrune;
   } else if (name == "aabb") {
     engine.narrow_phase = std::make_unique<VolumeQuery<AlignedBox>>();
+  } else if (name == "i-collide") {
+    engine.narrow_phase = std::make_unique<ICollide>();
   }
   return engine;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "collision/baselines/realign_by.hpp"
 #include "collision/broad_phase/broad_phase.hpp"
 #include "collision/scene/narrow_phase.hpp"
 #include "collision/tree/kdop_tree.hpp"
@@ -30,8 +31,9 @@ struct Engine {
 };
 
 // Makes an engine of "NAME" or "NAME,option=value..". `kdop` has the options k (6, 14, 18, 26), rule (a SplitRule's
-// name), threshold (1 to 1000000) and build (lazy, whole); `sphere` has bounds (space-time, none) and depth (0 to 64: the
-// last level of its trees); `cylinders` has axis (world, model); the others have none. The error says what is wrong.
+// name), threshold (1 to 1000000), build (lazy, whole) and realign (RealignBy: slabs, boundary, hull); `sphere` has
+// bounds (space-time, none) and depth (0 to 64: the last level of its trees); `cylinders` has axis (world, model); the
+// others have none. The error says what is wrong.
 [[nodiscard]] std::expected<Engine, std::string> make_engine(std::string_view words);
 
 // The options of `kdop`, of words such as "k=18,rule=min-sum,threshold=4", in any order; those that are not named are
@@ -39,6 +41,7 @@ struct Engine {
 struct KdopOptions {
   std::uint32_t k = 18;
   TreeOptions tree;
+  RealignBy realign = RealignBy::kSlabs;
   bool whole =
       false;  // build=whole: a tree is built to its leaves at once, as the thesis does; build=lazy: as queries go
 };

@@ -14,9 +14,10 @@ replication::PeerConfig lone_peer(const config::RunSettings& run, const SharedWo
   replication::PeerConfig config;
   config.id = PeerId{1};
   config.name = "game";
-  config.world_hash = shared.world.hash;
+  config.world_hash = run.replication.session_hash(shared.world.hash);
   config.tick_hz = run.replication.tick_hz;
   config.wait_for_start = true;
+  config.detection = run.replication.collision.make_detection(run.replication.tick_hz);
   for (const config::PeerObjects& of_peer : objects) {
     for (const auto* const owned : {&of_peer.owned, &of_peer.owned_by_founder}) {
       for (const ObjectId object : *owned) {

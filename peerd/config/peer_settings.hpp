@@ -7,6 +7,7 @@
 
 #include "core/motion/key_codes.hpp"
 #include "core/scene/scene.hpp"
+#include "peerd/config/collision_settings.hpp"
 #include "peerd/config/node_pattern.hpp"
 #include "peerd/config/scene_edit.hpp"
 #include "peerd/input/world_file.hpp"
@@ -18,8 +19,8 @@ namespace peerd::config {
 // The largest time or duration [s] that a configuration can name.
 inline constexpr double kForever_s = 1e6;
 
-// The tables [replication], [decisions] and [relay]: how updates are published and ghosts are predicted, which peer
-// decides collisions, and which way states go.
+// The tables [replication], [decisions], [relay], [regions] and [collision]: how updates are published and ghosts are
+// predicted, which peer decides collisions, and which way states go.
 struct ReplicationSettings {
   replication::PublishPolicy policy;
   replication::ConvergencePolicy convergence;
@@ -32,6 +33,12 @@ struct ReplicationSettings {
   double settled_hello_period_s = 1.0;
   double clock_ahead_s = 600.0;  // how far others may move session time ahead of a peer's own clocks
   bool steal = false;            // a peer may take an object without asking its owner
+  CollisionSettings collision;   // the table [collision]
+
+  // Peers whose hash of the world, the regions and the engine is another one are of another session.
+  [[nodiscard]] std::uint64_t session_hash(std::uint64_t world_hash) const {
+    return collision.session_hash(regions.session_hash(world_hash), tick_hz);
+  }
 };
 [[nodiscard]] ReplicationSettings read_replication(TomlReader reader);
 

@@ -119,6 +119,7 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   decisions.read("compare", run.compare_outcomes);
   decisions.finish();
   run.replication.relay = read_relay(TomlReader(table_or_empty(reader, "relay"), "relay", error), run.peers);
+  run.replication.collision = read_collision(TomlReader(table_or_empty(reader, "collision"), "collision", error));
   run.replication.regions = read_regions(TomlReader(table_or_empty(reader, "regions"), "regions", error));
   if (run.replication.regions.cell_m > 0.0 && run.replication.relay.through != kNobody) {
     reader.fail(root.get("regions"), "regions: a relay passes all states on to everybody; leave out one of the two");

@@ -14,7 +14,7 @@ namespace peerd::config {
 namespace {
 
 // Tables and keys that are copied as they are.
-constexpr std::array kShared{"world_name", "expansion", "replication", "decisions", "relay", "regions"};
+constexpr std::array kShared{"world_name", "expansion", "replication", "decisions", "relay", "regions", "collision"};
 constexpr std::array kMulticastWords{"auto", "always", "never"};  // by TransportSettings::multicast
 
 constexpr std::array kSharedTransport{"group", "group_pool", "ttl", "multicast", "port"};

@@ -14,7 +14,7 @@ namespace peerd::discovery {
 // grants nothing, and has a format of its own, so that it can be read whatever version the peer speaks.
 struct Beacon {
   std::uint32_t protocol = 0;  // the version of its datagrams (replication::kProtocolVersion)
-  std::uint64_t session = 0;   // of its world and regions (RegionSettings::session_hash): peers with another one
+  std::uint64_t session = 0;   // of its world and regions (ReplicationSettings::session_hash): peers with another one
                                // do not meet
   PeerId peer{1};
   std::uint64_t incarnation = 0;

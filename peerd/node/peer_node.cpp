@@ -103,7 +103,7 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
   config.rare = options.rare;
   config.log = std::move(options.log);
   config.signer = options.signer;
-  config.world_hash = replication.regions.session_hash(shared.world.hash);
+  config.world_hash = replication.session_hash(shared.world.hash);
   config.policy = replication.policy;
   config.convergence = replication.convergence;
   config.remote_convergence = replication.remote_convergence;
@@ -112,6 +112,7 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
   config.regions = replication.regions;
   config.interest_radius_m = settings.interest_radius_m;
   config.tick_hz = settings.tick_hz.value_or(replication.tick_hz);
+  config.detection = replication.collision.make_detection(replication.tick_hz);
   config.settled_hello_period = from_seconds(replication.settled_hello_period_s);
   config.clock_ahead_max = from_seconds(replication.clock_ahead_s);
   config.may_steal = replication.steal;

@@ -103,7 +103,7 @@ Result<PeerParts> make_parts(const PeerOptions& options, const WarnPerson& warn)
   auto world = read_world_of(options, parts.scenario);
   if (!world) return std::unexpected(world.error());
   parts.shared = share_world(*std::move(world), parts.scenario.runs);
-  parts.session = run.replication.regions.session_hash(parts.shared->world.hash);
+  parts.session = run.replication.session_hash(parts.shared->world.hash);
   if (options.joined && options.joined->session != 0 && options.joined->session != parts.session) {
     return std::unexpected(InputError{"error: the settings of \"" + options.joined->world.name +
                                           "\" make another session here; is that peer of another version?",

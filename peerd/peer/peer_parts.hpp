@@ -27,7 +27,7 @@ struct PeerParts {
   replication::Author author;  // once the store is filled, as what follows
   std::unique_ptr<const replication::LogSigner> signer;
   config::PeerObjects objects;
-  std::uint64_t session = 0;  // RegionSettings::session_hash
+  std::uint64_t session = 0;  // config::ReplicationSettings::session_hash
 
   [[nodiscard]] const config::RunSettings& run() const { return scenario.runs.front(); }
   [[nodiscard]] std::string world_name(const PeerOptions& options) const {

@@ -107,7 +107,7 @@ class Simulation {
       }
       const auto reach = transport_options(run_.transport, {});
       if (!reach) return std::unexpected(reach.error());
-      const std::uint64_t session_hash = run_.replication.regions.session_hash(shared_.world.hash);
+      const std::uint64_t session_hash = run_.replication.session_hash(shared_.world.hash);
       groups_ = net::plan_of_world(reach->multicast.groups, session_hash);
     }
     for (std::size_t i = 0; i < run_.peers.size(); ++i) {

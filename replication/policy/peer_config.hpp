@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,6 +20,7 @@
 namespace peerd::replication {
 
 class LogSigner;
+class TickDetection;
 
 // The way in which an object that nothing drives begins to move; from then on physics moves it.
 struct Launch {
@@ -105,6 +107,9 @@ struct PeerConfig {
   // none, to an object that it owns; and what these could collide with. None: it receives everything.
   std::optional<double> interest_radius_m;
   std::uint32_t tick_hz = 60;
+  // Finds contacts at ticks in place of contact times: for baselines. This peer's own, and of the same engine and rate
+  // at all peers of a session, which world_hash includes.
+  std::shared_ptr<TickDetection> detection;
   Duration hello_period = std::chrono::milliseconds(250);
   // The hello period once no other peer waits for a hello; between two of them goes a datagram that says only that
   // this peer is here.

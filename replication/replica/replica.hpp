@@ -27,8 +27,9 @@ class Replica {
     MotionWorld truth, ghosts;
   };
 
-  // The model outlives the replica.
-  explicit Replica(const ModelInForce& model) : model_(model), colliding_(*model) {
+  // The model outlives the replica, and so does `detection`, by which both worlds find contacts, if there is one.
+  explicit Replica(const ModelInForce& model, TickDetection* detection = nullptr)
+      : model_(model), detection_(detection), colliding_(*model) {
     if (!model->flexible.empty()) flexible_ = std::make_unique<FlexibleParts>(*model);
   }
 
@@ -49,6 +50,10 @@ class Replica {
     if (flexible_) {
       worlds_->truth.set_flexible(*flexible_);
       worlds_->ghosts.set_flexible(*flexible_);
+    }
+    if (detection_ != nullptr) {
+      worlds_->truth.set_tick_detection(*detection_);
+      worlds_->ghosts.set_tick_detection(*detection_);
     }
     changed_.clear();
     begun_at_ = t;
@@ -182,6 +187,7 @@ class Replica {
   void renew_flexible(const WorldModel& next);
 
   const ModelInForce& model_;
+  TickDetection* detection_;
   std::optional<Worlds> worlds_;
   SimTime begun_at_{};
   std::uint64_t lives_ = 0;

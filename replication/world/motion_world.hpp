@@ -61,6 +61,9 @@ class MotionWorld {
   void declare(ObjectId object, Role role);
   // Gives the world the places of flexible parts; `flexible` outlives it. Without them their pairs are not searched.
   void set_flexible(FlexibleParts& flexible);
+  // Contacts are found at ticks from now on, by the engine of `detection`, which outlives the world; called before the
+  // first advance(). Without it they are found at contact times.
+  void set_tick_detection(TickDetection& detection) { detection_ = &detection; }
   // World time has another beginning: contacts of flexible parts from t on are searched anew.
   void reopen_flexible(SimTime t);
   // Turns watching of a pair on or off; all pairs start watched.
@@ -165,7 +168,7 @@ class MotionWorld {
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
  private:
-  [[nodiscard]] PairSearch search() { return {*model_, objects_, pairs_, start_, counters_, events_}; }
+  [[nodiscard]] PairSearch search() { return {*model_, objects_, pairs_, start_, counters_, events_, detection_}; }
   void note_who_answers();
   // Goes on with the pairs of another model. `change_objects` does so with the objects. Pairs that are new are searched
   // from t on.
@@ -245,6 +248,7 @@ class MotionWorld {
   static constexpr std::uint32_t kNone = MovingObjects::kNone;
 
   const WorldModel* model_;
+  TickDetection* detection_ = nullptr;
   SimTime start_, advanced_;
   MovingObjects objects_;
   std::vector<WatchedPair> pairs_;  // the model's part pairs

@@ -29,7 +29,7 @@ auto PairSearch::with_query(const WatchedPair& pair, Function function) const {
   if (pair.is_plain) {  // nothing is composed
     const Timeline *const a = &objects_[pair.part_a].timeline, *const b = &objects_[pair.part_b].timeline;
     const MovingPart part_a{{&a, 1}, &objects_.body(pair.part_a)}, part_b{{&b, 1}, &objects_.body(pair.part_b)};
-    return function(PartQuery{{&part_a, 1}, {&part_b, 1}, pair.type, as});
+    return function(PartQuery{{&part_a, 1}, {&part_b, 1}, pair.type, as, detection_});
   }
   boost::container::small_vector<MovingObjects::OwnChain, 2> chains;
   boost::container::small_vector<MovingPart, 2> sides[2];
@@ -52,7 +52,8 @@ auto PairSearch::with_query(const WatchedPair& pair, Function function) const {
       ++next;
     }
   }
-  const PartQuery query{{sides[0].data(), sides[0].size()}, {sides[1].data(), sides[1].size()}, pair.type, as};
+  const PartQuery query{
+      {sides[0].data(), sides[0].size()}, {sides[1].data(), sides[1].size()}, pair.type, as, detection_};
   return function(query);
 }
 
@@ -173,6 +174,11 @@ void PairSearch::note_apart(WatchedPair& pair, SimTime s) {
   pair.free_at = s;
 }
 
+// At contact times what has been answered is apart; at ticks it may be on its way out.
+bool PairSearch::was_apart(const WatchedPair& pair, SimTime s) const {
+  return detection_ == nullptr || !touch_at(pair, s);
+}
+
 // The last instant of a search would have been a multiple of kLookahead or a change of the laws as they were.
 void PairSearch::note_was_far(WatchedPair& pair, const std::optional<NewLaw>& law) {
   assert(!pair.inside && !pair.contact);
@@ -233,12 +239,12 @@ void PairSearch::search_interval(WatchedPair& pair, SimTime begin, SimTime end) 
   const bool first = !std::exchange(pair.searched, true);
   switch (c.state) {
     case collision::ContactState::kSeparated:
-      note_apart(pair, s);
+      if (was_apart(pair, s)) note_apart(pair, s);
       pair.clear_until = end;
       return;
     case collision::ContactState::kContact: {
       const SimTime t = found.at;
-      if (t > s) note_apart(pair, s);
+      if (t > s && was_apart(pair, s)) note_apart(pair, s);
       if (pair.inside) {
         pair.clear_until = std::min(s + kOverlapRetry, end);
       } else if (t >= end) {

@@ -24,8 +24,14 @@ struct NewLaw {
 class PairSearch {
  public:
   PairSearch(const WorldModel& model, MovingObjects& objects, std::span<WatchedPair> pairs, SimTime start,
-             MotionCounters& counters, std::vector<MotionEvent>& events)
-      : model_(model), objects_(objects), pairs_(pairs), start_(start), counters_(counters), events_(events) {}
+             MotionCounters& counters, std::vector<MotionEvent>& events, TickDetection* detection = nullptr)
+      : model_(model),
+        objects_(objects),
+        pairs_(pairs),
+        start_(start),
+        counters_(counters),
+        events_(events),
+        detection_(detection) {}
 
   // Searches until a contact is found, the pair is known to have none until `to`, or it stops as it is put off. Returns
   // the instant for which the bounds of the two are apart, if the last window was one in which they are.
@@ -51,6 +57,8 @@ class PairSearch {
   // Searches for the first contact from `begin` on; contacts before pair.clear_until have been dealt with.
   void search_interval(WatchedPair& pair, SimTime begin, SimTime end);
   [[nodiscard]] bool goes_on(WatchedPair& pair, SimTime s, SimTime end);
+  // Whether the two are apart at s, from which on a search has found nothing.
+  [[nodiscard]] bool was_apart(const WatchedPair& pair, SimTime s) const;
   // The two are known to be apart at s.
   void note_apart(WatchedPair& pair, SimTime s);
   // The two bear each other and move: whether, and when, they come apart until `end`.
@@ -62,6 +70,7 @@ class PairSearch {
   SimTime start_;
   MotionCounters& counters_;
   std::vector<MotionEvent>& events_;
+  TickDetection* detection_;  // none: contact times
 };
 
 }  // namespace peerd::replication

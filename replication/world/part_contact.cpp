@@ -13,6 +13,7 @@
 #include "collision/contact/mesh_contact.hpp"
 #include "core/transform.hpp"
 #include "replication/world/flexible_contact.hpp"
+#include "replication/world/tick_detection.hpp"
 
 namespace peerd::replication {
 namespace {
@@ -84,6 +85,10 @@ SimTime time_of(const Contact& found, SimTime begin) {
   return begin + Duration{static_cast<std::int64_t>(std::floor(found.time_s * 1e9))};
 }
 
+bool is_detected_at_ticks(const PartQuery& query) {
+  return query.detection != nullptr && TickDetection::answers(query);
+}
+
 }  // namespace
 
 SweptBound swept_bound_of_way(const MovingPart& part, SimTime s, SimTime end) {
@@ -128,6 +133,7 @@ PartContact first_part_contact(const PartQuery& query, SimTime begin, SimTime fr
                                std::uint64_t& searches) {
   assert(begin <= from && from < until && !query.a.empty() && !query.b.empty());
   if (query.is_flexible()) return first_flexible_contact(query, from, until, searches);
+  if (is_detected_at_ticks(query)) return query.detection->first_contact(query, from, until, searches);
   const auto search_from = [&](SimTime t, SimTime end, const SideStates& a, const SideStates& b) {
     ++searches;
     PartContact found{search(query, a, b, end - t), t, a.states.front(), b.states.front()};
@@ -170,6 +176,7 @@ PartContact first_part_contact(const PartQuery& query, SimTime begin, SimTime fr
 
 bool parts_touch(const PartQuery& query, SimTime t) {
   if (query.is_flexible()) return flexible_parts_touch(query, t);
+  if (is_detected_at_ticks(query)) return query.detection->touch(query, t);
   const SideStates a = states_of(query.a, t, kFineError_m, query.as), b = states_of(query.b, t, kFineError_m, query.as);
   const double margin_m = a.error_m + b.error_m;
   if (a.states.size() == 1 && b.states.size() == 1) {
@@ -182,6 +189,7 @@ bool parts_touch(const PartQuery& query, SimTime t) {
 
 SimTime parts_touch_until(const PartQuery& query, SimTime t, SimTime until) {
   assert(t < until);
+  if (is_detected_at_ticks(query)) return std::min(until, query.detection->next_tick_after(t));
   double certain_s = 0.0;
   if (query.is_flexible()) {
     certain_s = flexible_parts_touch_for_s(query, t, until);

@@ -17,7 +17,8 @@ namespace peerd::replication {
 // never late, and the parts are then no farther apart than 1e-6 m and twice the errors of the fine pieces. A law that
 // pieces only come near (motion_model.hpp) is searched like that where the two meet as polygons; those that answer each
 // other meet as they are predicted, by the law's own pieces. Flexible parts are searched in the same two ways
-// (flexible_contact.hpp). `searches` counts calls of collision.
+// (flexible_contact.hpp). Where the query has a TickDetection, that searches instead, and says what touches.
+// `searches` counts calls of collision.
 [[nodiscard]] PartContact first_part_contact(const PartQuery& query, SimTime begin, SimTime from, SimTime until,
                                              std::uint64_t& searches);
 

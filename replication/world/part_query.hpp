@@ -10,6 +10,8 @@
 
 namespace peerd::replication {
 
+class TickDetection;
+
 // A part of an end of an interest, and what moves it in the frame in which it is to meet others: a rigid body, or a
 // flexible part, whose chain is empty where nothing carries it.
 struct MovingPart {
@@ -24,6 +26,7 @@ struct PartQuery {
   std::span<const MovingPart> a, b;
   CollisionType type = CollisionType::kWitness;
   collision::MeetAs as = collision::MeetAs::kSolids;
+  TickDetection* detection = nullptr;  // finds contacts at ticks; none: contact times
 
   [[nodiscard]] bool is_flexible() const {
     const auto flexes = [](const MovingPart& part) { return part.flexible != nullptr; };

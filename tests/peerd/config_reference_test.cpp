@@ -48,6 +48,7 @@ const Section kSections[] = {
     {"### `[decisions]`", "decisions."},
     {"### `[relay]`", "relay."},
     {"### `[baseline]`", "baseline."},
+    {"### `[collision]`", "collision."},
     {"### `[regions]`", "regions."},
     {"### `[peer.NAME]`", "peer.a."},
     {"#### Formulas", "motion.CAR."},

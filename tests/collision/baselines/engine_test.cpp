@@ -14,8 +14,16 @@ using ::testing::ElementsAreArray;
 using ::testing::HasSubstr;
 using ::testing::IsSubsetOf;
 
-constexpr const char* kExact[] = {
-    "kdop,k=6", "kdop,k=14,rule=min-sum", "kdop,k=26,threshold=1,build=whole", "quickcd", "obb", "aabb", "rapid-world"};
+constexpr const char* kExact[] = {"kdop,k=6",
+                                  "kdop,k=14,rule=min-sum",
+                                  "kdop,k=26,threshold=1,build=whole",
+                                  "kdop,realign=boundary",
+                                  "kdop,k=26,realign=hull",
+                                  "quickcd",
+                                  "obb",
+                                  "aabb",
+                                  "rapid-world",
+                                  "i-collide"};
 
 // Two soups at places where about half of the pairs touch, numbered.
 struct Pair {
@@ -122,6 +130,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Refused{"obbb", "did you mean obb?"}, Refused{"", "there is no engine"},
                     Refused{"kdop,k=7", "k=7 is none of"}, Refused{"kdop,k=x", "no whole number"},
                     Refused{"kdop,threshold=0", "is not 1 to"}, Refused{"kdop,build=now", "neither lazy nor whole"},
+                    Refused{"kdop,realign=all", "is none of slabs,"},
                     Refused{"kdop,rule=best", "is none of longest-side"},
                     Refused{"kdop,colour=red", "no option colour"}, Refused{"kdop,k", "is no option=value"},
                     Refused{"kdop,k=6,k=14", "given twice"}, Refused{"obb,k=6", "has no options"},

@@ -354,7 +354,8 @@ TEST(Collide, ExactEnginesSayTheSameAndSpheresMore) {
   };
   const Json ours = events_of(turning, "ours");
   EXPECT_GE(ours.size(), 8u);
-  for (const char* engine : {"kdop,k=6", "kdop,k=18,threshold=8", "quickcd", "obb", "aabb", "rapid-world"}) {
+  for (const char* engine : {"kdop,k=6", "kdop,k=18,threshold=8", "kdop,realign=hull", "quickcd", "obb", "aabb",
+                             "i-collide", "rapid-world"}) {
     EXPECT_EQ(events_of(turning, engine), ours) << engine;
   }
   const Json spheres = events_of(turning, "sphere");

@@ -34,6 +34,8 @@ policy = "server"
 server = "boss"
 [regions]
 cell_m = 25.0
+[collision]
+engine = "obb"
 [transport]
 group = "239.192.90.0"
 group_pool = 16
@@ -53,7 +55,8 @@ id = 2
   EXPECT_EQ(joining_peer.replication.policy.error_threshold_m, 0.05);
   EXPECT_EQ(joining_peer.replication.decisions.policy, replication::DecisionPolicy::kServer);
   EXPECT_EQ(joining_peer.replication.decisions.server, PeerId{1});
-  EXPECT_EQ(joining_peer.replication.regions.session_hash(5), run.replication.regions.session_hash(5));
+  EXPECT_EQ(joining_peer.replication.session_hash(5), run.replication.session_hash(5));
+  EXPECT_EQ(joining_peer.replication.collision.engine, "obb");
   EXPECT_EQ(joining_peer.transport.group, "239.192.90.0");
   EXPECT_EQ(joining_peer.transport.group_pool, 16u);
   EXPECT_EQ(joining_peer.transport.port, 5000u);
