@@ -194,7 +194,7 @@ struct Watched {
   std::uint64_t ticks = 0;
   bool interrupted = false;
   Json events = Json::array();
-  Comparison comparison;  // with CollideOptions::against
+  Comparison comparison;             // with CollideOptions::against
   std::vector<double> asked_micros;  // by tick at which a pair of objects was asked
 };
 

@@ -166,9 +166,8 @@ TEST(Collide, UntilATimeSaysWhatBeginsAndEnds) {
   const Outcome outcome = watch(world, {.json = true, .at_s = 7.0, .until_s = 12.75, .hz = 4.0});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   const Json json = outcome.json();
-  EXPECT_THAT(keys_of(json),
-              ElementsAre("world", "time_s", "until_s", "hz", "ticks", "tick_micros", "events", "counters", "micros",
-                          "warnings"));
+  EXPECT_THAT(keys_of(json), ElementsAre("world", "time_s", "until_s", "hz", "ticks", "tick_micros", "events",
+                                         "counters", "micros", "warnings"));
   EXPECT_EQ(json["ticks"], 24);
   EXPECT_EQ(json["events"], Json::parse(R"([
     {"time_s": 8.0, "event": "began", "collider": "A", "collidee": "B/D", "type": "witness"},
