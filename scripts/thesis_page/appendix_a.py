@@ -85,6 +85,10 @@ def fall(before, after):
     return 100 * (1 - after / before) if before > 0 else 0.0
 
 
+def percents(numbers):
+    return ", ".join(f"{n:.0f}".replace("-", "−") for n in numbers)
+
+
 def notes(approach, scenario):
     def over(a, order, begin, end, measure):
         return [measure(scenario.of(a, order, latency)[0], begin, end) for latency in LATENCIES]
@@ -104,15 +108,15 @@ def notes(approach, scenario):
         for order in (1, 2):
             falls = [fall(a, b) for a, b in zip(over("dr", order, 7.45, 9.37, greatest), over("dr+rcp", order, 7.45, 9.37, greatest))]
             out.append(f"The collision at 7.5 s, which the owner does not bounce off as predicted: the greatest error falls by "
-                       f"{', '.join(f'{f:.0f}' for f in falls)} % (order {order}; claimed: more than 20 %).")
+                       f"{percents(falls)} % (order {order}; claimed: more than 20 %).")
         means = [fall(a, b) for a, b in zip(over("dr", 2, 0, 16, mean_error), over("dr+rcp", 2, 0, 16, mean_error))]
-        out.append(f"The mean over all 15 s falls by {', '.join(f'{f:.0f}' for f in means)} % (order 2; a negative number is a rise: a ghost that "
+        out.append(f"The mean over all 15 s falls by {percents(means)} % (order 2; a negative number is a rise: a ghost that "
                    "bounced the wrong way goes on until the error passes 0.5 m).")
         return out
     out = []
     for order in (1, 2):
         falls = [fall(a, b) for a, b in zip(over("dr+rcp", order, 0, 16, mean_error), over("dr+rcp+acpt", order, 0, 16, mean_error))]
-        out.append(f"The mean error falls by {', '.join(f'{f:.0f}' for f in falls)} % against prediction alone (order {order}; claimed: significantly smaller).")
+        out.append(f"The mean error falls by {percents(falls)} % against prediction alone (order {order}; claimed: significantly smaller).")
     fine = [float(u["t_s"]) for u in scenario.of("dr+rcp+acpt", 2, 100)[2] if u["threshold_m"] and float(u["threshold_m"]) < 0.4]
     spans = []
     for t in fine:

@@ -131,20 +131,21 @@ def mustang(mesh, fine):  # an airplane: some 3,000 triangles
         mesh.sheet((4.5, 0, 0), (0, 1.6 * math.cos(a), 1.6 * math.sin(a)), (0.05, -0.2 * math.sin(a), 0.2 * math.cos(a)), n, 3)
 
 
-def eagle(mesh, fine):  # with spread wings of feathers: some 28,000 triangles
+def eagle(mesh, fine):  # with spread wings of feathers: some 26,000 triangles
     n = max(3, round(9 * fine))
-    mesh.ellipsoid((0, 0, 0), (1.6, 0.4, 0.4), 4 * n, 4 * n)
-    mesh.ellipsoid((1.7, 0.3, 0), (0.4, 0.3, 0.25), 3 * n, 3 * n)
-    mesh.tube((2.0, 0.3, 0), (2.5, 0.15, 0), 0.1, n + 3, n, 0.05)
+    mesh.ellipsoid((0, 0, 0), (1.8, 0.7, 0.6), 4 * n, 4 * n)
+    mesh.ellipsoid((2.0, 0.5, 0), (0.5, 0.4, 0.35), 3 * n, 3 * n)
+    mesh.tube((2.3, 0.5, 0), (2.9, 0.3, 0), 0.14, n + 3, n, 0.05)
     for side in (-1, 1):
+        mesh.tube((-0.2, -0.5, 0.3 * side), (-0.1, -1.5, 0.4 * side), 0.15, n + 3, n, 0.5)
         for feather in range(60):
-            out = 0.3 + 5.2 * feather / 60
-            length = 1.7 - 0.16 * (out - 2.5) ** 2 * 0.6
-            lift = 0.25 * out - 0.03 * out * out
-            mesh.sheet((0.6 - 0.05 * out, lift, side * out), (-length, -0.1, side * (0.25 + 0.1 * out)), (0.05, 0.01, side * 0.13),
+            out = 0.3 + 4.4 * feather / 60
+            length = 2.0 - 0.1 * (out - 2.2) ** 2
+            lift = 0.62 * out - 0.05 * out * out
+            mesh.sheet((0.8 - 0.05 * out, lift, side * out), (-length, -0.15, side * (0.25 + 0.1 * out)), (0.05, 0.05, side * 0.13),
                        2 * n, max(2, n // 2), (0, 0.06, 0))
     for feather in range(9):
-        mesh.sheet((-1.4, 0, 0.08 * (feather - 4)), (-1.3, -0.1, 0.2 * (feather - 4)), (0, 0.01, 0.1), 2 * n, n)
+        mesh.sheet((-1.5, 0, 0.08 * (feather - 4)), (-1.4, -0.3, 0.2 * (feather - 4)), (0, 0.02, 0.1), 2 * n, n)
 
 
 def tree(mesh, fine):  # branches and leaves: some 45,000 triangles

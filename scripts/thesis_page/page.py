@@ -18,7 +18,7 @@ code { font-family: 'DejaVu Sans Mono', monospace; font-size: 0.86em; }
 .scroll { overflow-x: auto; margin: 0.7rem 0; }
 table { border-collapse: collapse; font-size: 0.85rem; font-variant-numeric: tabular-nums; overflow-wrap: normal; }
 th, td { padding: 0.15rem 0.6rem; text-align: right; white-space: nowrap; border-bottom: 1px solid var(--line); }
-th { background: var(--head); font-weight: 600; vertical-align: bottom; }
+th { background: var(--head); font-weight: 600; vertical-align: bottom; white-space: normal; } th.l { text-align: left; }
 th:first-child, td:first-child { text-align: left; position: sticky; left: 0; background: var(--back); }
 th:first-child { background: var(--head); }
 td.p { color: var(--faint); } td.l { text-align: left; } td.w { white-space: normal; min-width: 16rem; }
@@ -35,6 +35,10 @@ nav { columns: 16rem; font-size: 0.9rem; } nav a { display: block; }
 """
 
 
+def is_number(cell):
+    return re.match(r"[−+<-]? ?[\d.]|$|never$|none$", cell) is not None
+
+
 class Table:
     """Columns that begin with "thesis" hold printed numbers. Cells are texts."""
 
@@ -42,13 +46,14 @@ class Table:
         self.columns, self.rows = columns, rows
 
     def markup(self):
-        head = "".join(f"<th>{html.escape(c)}</th>" for c in self.columns)
+        texts = [any(not is_number(row[i]) for row in self.rows) for i in range(len(self.columns))]
+        head = "".join(f'<th{" class=l" * text}>{html.escape(c)}</th>' for c, text in zip(self.columns, texts))
         body = "".join("<tr>" + "".join(self.cell(c, v) for c, v in zip(self.columns, row)) + "</tr>" for row in self.rows)
         return f'<div class="scroll" tabindex="0"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
 
     @staticmethod
     def cell(column, value):
-        kinds = ["p"] * column.startswith("thesis") + ["l"] * (not re.match(r"[−+-]?[\d.]|$", value)) + ["w"] * (len(value) > 44)
+        kinds = ["p"] * column.startswith("thesis") + ["l"] * (not is_number(value)) + ["w"] * (len(value) > 44)
         kind = f' class="{" ".join(kinds)}"' if kinds else ""
         return f"<td{kind}>{html.escape(value)}</td>"
 
