@@ -20,8 +20,8 @@ TEST_F(Program, HelpAndVersionAreCommands) {
 TEST_F(Program, HelpNamesDefaultsAndExitCodes) {
   EXPECT_THAT(run("collide --help").out, HasSubstr("ticks a second (default: 60)"));
   EXPECT_THAT(run("run --help").out, HasSubstr("else 47474)"));
-  for (const char* words :
-       {"", "run", "record", "replay", "sim", "scenario", "check", "collide", "bake", "doctor", "ctl", "store"}) {
+  for (const char* words : {"", "run", "record", "replay", "sim", "scenario", "check", "collide", "volumes", "bake",
+                            "doctor", "ctl", "store"}) {
     EXPECT_THAT(run(std::string("help ") + words).out, HasSubstr("Exit codes: 0 ")) << words;
   }
 }
