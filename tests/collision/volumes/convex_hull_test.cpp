@@ -66,7 +66,7 @@ TEST(ConvexHull, OfRandomAndDoubledPoints) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     Numbers numbers(seed);
     std::vector<Vec3> points;
-    const auto count = static_cast<std::size_t>(5 + 100 * numbers.unit());
+    const auto count = static_cast<std::size_t>(12 + 100 * numbers.unit());
     for (std::size_t i = 0; i < count; ++i) {
       // Coordinates of few bits make many coplanar points.
       Vec3 p = numbers.point(1.0);
