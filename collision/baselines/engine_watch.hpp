@@ -8,7 +8,8 @@
 
 namespace peerd::collision::baselines {
 
-// A CollisionWatch by an engine, over a scene that moves by itself as time goes on.
+// A CollisionWatch by an engine, over a scene that moves by itself as time goes on. An engine serves one of them: it
+// knows soups by numbers that are one watch's own.
 class EngineWatch {
  public:
   // Both outlive this object, at their places.

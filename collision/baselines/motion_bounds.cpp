@@ -48,6 +48,13 @@ void MotionBounds::set_time(double now_s) {
   now_s_ = now_s;
 }
 
+// At the very end of a cycle a TimeSensor sends its last fraction, and the first one right after: the present place may
+// be that of the rates before.
+bool MotionBounds::has_just_changed(ObjectId id) {
+  if (!motion_.moves_in_parent(id)) return false;
+  return motion_.field_rates(id, now_s_ - kRounding * (1.0 + std::abs(now_s_))).end_s <= now_s_;
+}
+
 // A translation moves evenly until its rates end, so two places that it has by then tell its velocity, but for the
 // rounding of their difference.
 MotionBounds::Velocity MotionBounds::translation_velocity(ObjectId id, const PredefinedMotion::FieldRates& rates) {
@@ -66,7 +73,7 @@ SpaceTimeBound MotionBounds::bound_of(const PlacedShape& shape) {
   double reach = shape.farthest_m, speed = 0.0;
   for (std::size_t i = shape.path.size(); i-- > 0;) {
     const PredefinedMotion::FieldRates r = motion_.field_rates(shape.path[i], now_s_);
-    out.end_s = std::min(out.end_s, r.end_s);
+    out.end_s = std::min(out.end_s, has_just_changed(shape.path[i]) ? now_s_ : r.end_s);
     const double w = r.rotation_rad_s, u = r.scale_orientation_rad_s, s1 = r.scale_1_s;
     const double a0 = r.fields.scale.cwiseAbs().maxCoeff() + kHorizon_s * s1;
     const double x1 = 2.0 * u * a0 + s1, x2 = 4.0 * u * (u * a0 + s1);
@@ -82,10 +89,11 @@ SpaceTimeBound MotionBounds::bound_of(const PlacedShape& shape) {
   }
   if (speed > 0.0) out.end_s = std::min(out.end_s, now_s_ + kHorizon_s);
   out.spread_m_s += kRounding * speed;
+  out.rounding_m = kRounding * reach;
   return out;
 }
 
-const SpaceTimeBound& MotionBounds::bound(BroadIndex index) {
+SpaceTimeBound MotionBounds::bound(BroadIndex index) {
   assert(index < objects_.size());
   Object& object = objects_[index];
   if (object.bounded_at_s == now_s_) return object.bound;
@@ -97,6 +105,7 @@ const SpaceTimeBound& MotionBounds::bound(BroadIndex index) {
     const double aside_m_s = (of_shape.velocity_m_s - object.bound.velocity_m_s).norm();
     object.bound.spread_m_s = std::max(object.bound.spread_m_s, of_shape.spread_m_s + aside_m_s);
     object.bound.acceleration_m_s2 = std::max(object.bound.acceleration_m_s2, of_shape.acceleration_m_s2);
+    object.bound.rounding_m = std::max(object.bound.rounding_m, of_shape.rounding_m);
     object.bound.end_s = std::min(object.bound.end_s, of_shape.end_s);
   }
   return object.bound;

@@ -24,7 +24,7 @@ class MotionBounds : public SpaceTime {
   void set_time(double now_s);
 
   [[nodiscard]] double now_s() const override { return now_s_; }
-  [[nodiscard]] const SpaceTimeBound& bound(BroadIndex object) override;
+  [[nodiscard]] SpaceTimeBound bound(BroadIndex object) override;
 
  private:
   // Bounds hold for so long at most [s]: what is bounded by the product rule grows with that.
@@ -40,6 +40,7 @@ class MotionBounds : public SpaceTime {
     std::optional<double> bounded_at_s{};  // when `bound` was computed
     SpaceTimeBound bound;
   };
+  [[nodiscard]] bool has_just_changed(ObjectId id);
   struct Velocity {
     Vec3 m_s = Vec3::Zero();  // in the frame of the parent
     double error_m_s = 0.0;

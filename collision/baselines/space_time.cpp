@@ -12,12 +12,12 @@ namespace {
 // A pair that is due at each tick.
 constexpr double kAlways_s = -std::numeric_limits<double>::infinity();
 
-bool overlap_or_empty(const WorldBox& a, const WorldBox& b, bool& is_empty) {
-  is_empty = a.is_empty() || b.is_empty();
-  for (int i = 0; i < 3 && !is_empty; ++i) {
+bool overlap_of(const WorldBox& a, const WorldBox& b) {
+  if (a.is_empty() || b.is_empty()) return false;
+  for (int i = 0; i < 3; ++i) {
     if (!(a.lo[i] <= b.hi[i] && b.lo[i] <= a.hi[i])) return false;
   }
-  return !is_empty;
+  return true;
 }
 
 // The first h >= 0 [s] at which speed * h + acceleration * h^2 / 2 may reach a gap > 0 [m], rounded down.
@@ -40,7 +40,7 @@ double earliest_overlap_s(const WorldBox& a, const SpaceTimeBound& of_a, const W
                           double now_s) {
   const double spread = of_a.spread_m_s + of_b.spread_m_s;
   const double acceleration = of_a.acceleration_m_s2 + of_b.acceleration_m_s2;
-  const double room_m = kRounding * (largest_coordinate(a) + largest_coordinate(b));
+  const double room_m = kRounding * (largest_coordinate(a) + largest_coordinate(b)) + of_a.rounding_m + of_b.rounding_m;
   double wait_s = 0.0;  // the boxes overlap only where they do along all three axes
   for (int i = 0; i < 3; ++i) {
     const double closing = of_a.velocity_m_s[i] - of_b.velocity_m_s[i];
@@ -56,12 +56,12 @@ double earliest_overlap_s(const WorldBox& a, const SpaceTimeBound& of_a, const W
 }
 
 void SpaceTimeBroadPhase::add(BroadIndex object, const WorldBox& box) {
-  if (boxes_.size() <= object) boxes_.resize(object + 1);
-  boxes_[object] = box;
+  if (objects_.size() <= object) objects_.resize(object + 1);
+  objects_[object] = {box, tick_};
 }
 
 void SpaceTimeBroadPhase::remove(BroadIndex object) {
-  assert(object < boxes_.size());
+  assert(object < objects_.size());
   for (auto pair = pairs_.begin(); pair != pairs_.end();) {
     const auto next = std::next(pair);
     if (pair->first.low == object || pair->first.high == object) erase(pair);
@@ -71,9 +71,9 @@ void SpaceTimeBroadPhase::remove(BroadIndex object) {
 }
 
 void SpaceTimeBroadPhase::move(BroadIndex object, const WorldBox& box) {
-  assert(object < boxes_.size());
-  if (boxes_[object] == box) return;
-  boxes_[object] = box;
+  assert(object < objects_.size());
+  if (objects_[object].box == box) return;
+  objects_[object] = {box, tick_};
   ++counters_.moves;
 }
 
@@ -133,19 +133,24 @@ std::span<const BroadPair> SpaceTimeBroadPhase::tick() {
   due_.assign(queue_.begin(), end);
   queue_.erase(queue_.begin(), end);
   counters_.pairs_postponed += queue_.size();
-  for (auto& [due_s, pair] : due_) {
-    const WorldBox &a = boxes_[pair.low], &b = boxes_[pair.high];
-    ++counters_.box_tests;
-    bool is_empty = false;
-    due_s = kAlways_s;
-    if (overlap_or_empty(a, b, is_empty)) {
-      answer_.push_back(pair);
-    } else if (!is_empty) {
-      due_s = earliest_overlap_s(a, space_time_.bound(pair.low), b, space_time_.bound(pair.high), now_s);
+  for (auto& [due_s, objects] : due_) {
+    const Object &a = objects_[objects.low], &b = objects_[objects.high];
+    Pair& pair = pairs_.at(objects);
+    if (a.changed_at > pair.tested_at || b.changed_at > pair.tested_at) {
+      ++counters_.box_tests;
+      pair.overlaps = overlap_of(a.box, b.box);
+      pair.tested_at = tick_;
     }
-    pairs_.at(pair).due_s = due_s;
-    queue_.emplace(due_s, pair);
+    due_s = kAlways_s;
+    if (pair.overlaps) {
+      answer_.push_back(objects);
+    } else if (!a.box.is_empty() && !b.box.is_empty()) {
+      due_s = earliest_overlap_s(a.box, space_time_.bound(objects.low), b.box, space_time_.bound(objects.high), now_s);
+    }
+    pair.due_s = due_s;
+    queue_.emplace(due_s, objects);
   }
+  ++tick_;
   std::ranges::sort(answer_);
   return answer_;
 }

@@ -18,7 +18,9 @@ struct SpaceTimeBound {
   Vec3 velocity_m_s = Vec3::Zero();
   double spread_m_s = 0.0;         // a bound of how much the points' present velocities differ from `velocity`
   double acceleration_m_s2 = 0.0;  // a bound of every point's acceleration until end_s
-  double end_s = -std::numeric_limits<double>::infinity();  // before now: nothing is known of the object
+  // Before now: nothing is known of the object.
+  double end_s = -std::numeric_limits<double>::infinity();
+  double rounding_m = 0.0;  // room for the rounding of its places until then
 };
 
 // Knows the time, and bounds how objects go on from it.
@@ -26,7 +28,7 @@ class SpaceTime {
  public:
   virtual ~SpaceTime() = default;
   [[nodiscard]] virtual double now_s() const = 0;
-  [[nodiscard]] virtual const SpaceTimeBound& bound(BroadIndex object) = 0;
+  [[nodiscard]] virtual SpaceTimeBound bound(BroadIndex object) = 0;
 };
 
 // The first time from now on at which two boxes may overlap, now being now_s, where they are apart now: no later than
@@ -61,6 +63,8 @@ class SpaceTimeBroadPhase : public BroadPhase {
   struct Pair {
     std::uint32_t reasons = 0;  // an interest, and groups
     bool is_registered = false;
+    bool overlaps = false;        // at tested_at
+    std::uint64_t tested_at = 0;  // the number of the tick
     double due_s = 0.0;
   };
   void add_reason(BroadPair pair);
@@ -68,7 +72,12 @@ class SpaceTimeBroadPhase : public BroadPhase {
   void erase(std::map<BroadPair, Pair>::iterator pair);
 
   SpaceTime& space_time_;
-  std::vector<WorldBox> boxes_;  // by object
+  struct Object {
+    WorldBox box;
+    std::uint64_t changed_at = 0;  // the number of the tick that sees this box first
+  };
+  std::vector<Object> objects_;  // by BroadIndex
+  std::uint64_t tick_ = 1;       // the next one
   std::map<BroadPair, Pair> pairs_;
   std::set<std::pair<double, BroadPair>> queue_;  // of all pairs, by when each is due
   std::map<BroadGroup, std::set<BroadIndex>> groups_;

@@ -69,10 +69,10 @@ std::string all_interests() {
 // The same is said at each tick, from before the world began, whatever is passed over.
 TEST(EngineWatch, SpaceTimeBoundsPassOverNothingThatSpheresTouch) {
   const Scene scene = scene_of(kThings + all_interests());
-  const Engine bounded = make_engine("sphere").value(), plain = make_engine("sphere,bounds=none").value();
-  EXPECT_TRUE(bounded.has_space_time_bounds);
-  EXPECT_FALSE(plain.has_space_time_bounds);
   for (const double hz : {17.0, 240.0}) {
+    const Engine bounded = make_engine("sphere").value(), plain = make_engine("sphere,bounds=none").value();
+    EXPECT_TRUE(bounded.has_space_time_bounds);
+    EXPECT_FALSE(plain.has_space_time_bounds);
     EngineWatch of_bounded(scene, bounded, {}, BoxBound::kVertices), of_plain(scene, plain, {}, BoxBound::kVertices);
     std::size_t began = 0, ended = 0;
     for (int tick = 0; tick < static_cast<int>(10.0 * hz); ++tick) {
@@ -119,7 +119,7 @@ TEST(MotionBounds, HoldUntilTheyEnd) {
     for (const double h : {0.01, 0.05, 0.2, 0.7, 2.0}) {
       const auto then = boxes_at(t + h);
       for (BroadIndex i = 0; i < objects.size(); ++i) {
-        const SpaceTimeBound& b = bounds.bound(i);
+        const SpaceTimeBound b = bounds.bound(i);
         if (t + h >= b.end_s) continue;
         const double off = b.spread_m_s * h + 0.5 * b.acceleration_m_s2 * h * h + 1e-9;
         const WorldBox most{now[i].lo + h * b.velocity_m_s - Vec3::Constant(off),

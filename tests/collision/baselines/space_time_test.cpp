@@ -63,14 +63,15 @@ class Flights : public SpaceTime {
   }
 
   [[nodiscard]] double now_s() const override { return now_s_; }
-  [[nodiscard]] const SpaceTimeBound& bound(BroadIndex i) override {
+  [[nodiscard]] SpaceTimeBound bound(BroadIndex i) override {
     const Flight& f = flights_[i];
     const double h = now_s_ - f.begin_s;
-    bound_ = {f.velocity + h * f.acceleration, 0.0, f.acceleration.norm(), f.end_s};
-    if (i + 1 == flights_.size()) bound_ = {};
+    SpaceTimeBound out{
+        .velocity_m_s = f.velocity + h * f.acceleration, .acceleration_m_s2 = f.acceleration.norm(), .end_s = f.end_s};
+    if (i + 1 == flights_.size()) out = {};
     // A velocity that is only bounded is as good.
-    if (i % 3 == 1) bound_ = {Vec3::Zero(), bound_.velocity_m_s.norm(), bound_.acceleration_m_s2, f.end_s};
-    return bound_;
+    if (i % 3 == 1) out.spread_m_s = out.velocity_m_s.norm(), out.velocity_m_s.setZero();
+    return out;
   }
 
  private:
@@ -91,7 +92,6 @@ class Flights : public SpaceTime {
   Numbers numbers_;
   std::vector<Flight> flights_;
   double now_s_ = 0.0;
-  SpaceTimeBound bound_;
 };
 
 // The pairs of each tick are those of every box against every other one, while interests and groups change.
