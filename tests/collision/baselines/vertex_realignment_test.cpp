@@ -89,7 +89,7 @@ struct Work {
   std::size_t touching = 0;
 };
 Work work_of(RealignBy realign) {
-  KdopQuery<18> query({SplitRule::kSplatter, 1}, realign);
+  KdopQuery<18> query({SplitRule::kSplatter, 1}, false, realign);
   const TriangleSoup a = torus(12, 24, true), b = random_soup(60, 0.3, 13);
   Numbers numbers(14);
   Work work;
