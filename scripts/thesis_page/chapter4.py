@@ -205,7 +205,7 @@ def decisions(product, folder, repository):
     latencies = [500] if product.quick else [0, 100, 500]
     out = folder / "decisions"
     summary = product.simulate(out, repository / "configs/scenarios/head-on.toml", "--samples", "none", "--set", f"network.latency_ms={latencies}",
-                               "--set", "network.loss=[0]", *(("--set", 'decisions.policy=["id","expected-error"]') if product.quick else ("--repeat", 10)))
+                               "--set", "network.loss=[0]", *(("--set", 'decisions.policy=["id","expected-error"]') if product.quick else ("--repeat", 3)))
     table, disagreed = {}, 0
     for run in summary["runs"]:
         key = run["params"]["decisions.policy"], run["params"]["network.latency_ms"]
