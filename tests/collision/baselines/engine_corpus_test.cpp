@@ -163,7 +163,7 @@ TEST(EngineCorpus, ExactOnesAgreeOnMeshes) {
   if (folder == nullptr) GTEST_SKIP() << "PEERD_CORPUS is not set";
   Corpus corpus;
   add_meshes(corpus, fs::path(folder) / "meshes");
-  compare(corpus, 3, 2);
+  compare(corpus, 2, 2);
 }
 
 TEST(EngineCorpus, ExactOnesAgreeOnShapesOfWorlds) {
