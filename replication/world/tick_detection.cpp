@@ -121,8 +121,10 @@ collision::NumberedSoup TickDetection::numbered(const std::shared_ptr<collision:
 
 std::vector<collision::PolygonPair> TickDetection::pairs(const PartQuery& query, const KinematicState& a,
                                                          const KinematicState& b) {
-  const collision::NumberedSoup soup_a = numbered(query.a.front().body->surface);
-  const collision::NumberedSoup soup_b = numbered(query.b.front().body->surface);
+  collision::NumberedSoup soup_a = numbered(query.a.front().body->surface);
+  collision::NumberedSoup soup_b = numbered(query.b.front().body->surface);
+  soup_a.pose = a.pose();  // of parts that one carrier moves, in its frame
+  soup_b.pose = b.pose();
   return engine_->all_pairs(soup_a, soup_b, collision::RelativeMotion(a.pose(), b.pose()));
 }
 
