@@ -46,15 +46,15 @@ TEST(SpaceTime, TheLastAxisDecides) {
 class Flights : public SpaceTime {
  public:
   Flights(std::size_t objects, std::uint64_t seed) : numbers_(seed), flights_(objects) {
-    for (std::size_t i = 0; i < objects; ++i) begin(i, 0.0, Vec3(numbers_.point(20.0)));
+    for (std::size_t i = 0; i < objects; ++i) begin(i, 0.0, Vec3(numbers_.point(7.0)));
   }
   void set_time(double now_s) {
     now_s_ = now_s;
     for (std::size_t i = 0; i < flights_.size(); ++i) {
       while (flights_[i].end_s <= now_s) {
         const Vec3 last = place(i, flights_[i].end_s);
-        const bool jumps = numbers_.unit() < 0.2 || last.cwiseAbs().maxCoeff() > 25.0;
-        begin(i, flights_[i].end_s, jumps ? Vec3(numbers_.point(20.0)) : last);
+        const bool jumps = numbers_.unit() < 0.2 || last.cwiseAbs().maxCoeff() > 9.0;
+        begin(i, flights_[i].end_s, jumps ? Vec3(numbers_.point(7.0)) : last);
       }
     }
   }
