@@ -58,7 +58,7 @@ class ThesisPage(unittest.TestCase):
         self.assertNotRegex(self.text, r"\b(nan|inf)\b")
 
     def test_printed_numbers_stand_beside_ours(self):
-        self.assertIn('<td class="p">222.0</td>', self.sections["Table 3.1"])
+        self.assertIn('<td class="p">221.99</td>', self.sections["Table 3.1"])
         self.assertIn('<td class="p">99</td>', self.sections["Table 3.2"])
         self.assertIn('<td class="p">1141.98</td>', self.sections["Table 3.3"])
         self.assertIn('<td class="p">0.5139</td>', self.sections["Table 3.4"])
