@@ -25,7 +25,7 @@ std::array<std::int32_t, 3> rounded(const Vec3& value, double step) {
 void put_difference(BitWriter& out, const std::array<std::int32_t, 3>& from, const std::array<std::int32_t, 3>& to) {
   for (std::size_t i = 0; i < 3; ++i) {
     const std::uint32_t d = static_cast<std::uint32_t>(to[i]) - static_cast<std::uint32_t>(from[i]);
-    replication::put_varint(out, static_cast<std::uint32_t>((d << 1) ^ (d >> 31 == 0 ? 0 : ~std::uint32_t{0})));
+    replication::put_varint(out, (d << 1) ^ (d >> 31 == 0 ? 0 : ~std::uint32_t{0}));
   }
 }
 bool take_difference(BitReader& in, std::array<std::int32_t, 3>& value) {
@@ -41,8 +41,8 @@ bool take_difference(BitReader& in, std::array<std::int32_t, 3>& value) {
 void put_orientation(BitWriter& out, const replication::SmallestThree& q) {
   out.put(static_cast<std::uint64_t>(q.largest), 2);
   for (const std::int32_t step : q.steps) {
-    out.put(static_cast<std::uint64_t>(step + replication::SmallestThree::kMost),
-            replication::SmallestThree::kMagnitude_bits + 1);
+    const std::uint64_t above_least = static_cast<std::uint32_t>(step + replication::SmallestThree::kMost);
+    out.put(above_least, replication::SmallestThree::kMagnitude_bits + 1);
   }
   out.put(0, 7);  // so that what follows begins with a byte
 }

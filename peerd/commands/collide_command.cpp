@@ -38,9 +38,7 @@ collision::BoxBound box_bound(const CollideOptions& options) {
 // Brings a SceneQuery to a world time.
 void go_to(collision::SceneQuery& query, SceneMotion& motion, double t_s) {
   query.set_transforms(motion.transforms_at(t_s));
-  for (SceneMotion::MovedGeometry& moved : motion.moved_geometries(t_s)) {
-    query.reshape(moved.index, std::move(moved.form));
-  }
+  for (const SceneMotion::MovedGeometry& moved : motion.moved_geometries(t_s)) query.reshape(moved.index, moved.form);
 }
 
 // How often the engine was wrong about each interest, by CollideOptions::against.

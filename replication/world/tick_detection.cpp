@@ -10,7 +10,7 @@
 namespace peerd::replication {
 namespace {
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr std::int64_t kNanosecondsOfASecond = 1'000'000'000;
 constexpr std::size_t kSoupsMax = 4096;
 
 KinematicState state_at(const MovingPart& part, SimTime t) {
@@ -49,7 +49,7 @@ class PolygonChoice {
     for (const collision::PolygonPair& pair : pairs) {
       const Vec3 n = normal_of(pair.b);
       const bool faces = n.dot(middle_ - corner_of(pair.b)) >= 0.0;
-      const Met met{pair.b, faces ? n : Vec3(-n)};
+      Met met{pair.b, faces ? n : Vec3(-n)};
       in_front = in_front || faces;
       if (must_approach_ && !(met.normal.dot(velocity_) < -kParallel * velocity_.norm())) continue;
       if (faces) return met;
@@ -90,7 +90,7 @@ bool has_polygons(std::span<const MovingPart> side) {
 
 TickDetection::TickDetection(std::unique_ptr<collision::NarrowPhase> engine, std::uint32_t hz)
     : engine_(std::move(engine)), hz_(hz) {
-  assert(engine_ != nullptr && hz > 0 && hz <= kSecond_ns);
+  assert(engine_ != nullptr && hz > 0 && hz <= kNanosecondsOfASecond);
 }
 
 bool TickDetection::answers(const PartQuery& query) {
@@ -100,14 +100,14 @@ bool TickDetection::answers(const PartQuery& query) {
 // Tick k of a second is at k / hz, rounded down to a nanosecond.
 SimTime TickDetection::last_tick_until(SimTime t) const {
   const SimTime second = floor_to(t, std::chrono::seconds(1));
-  const std::int64_t number = (((t - second).count() + 1) * hz_ - 1) / kSecond_ns;
-  return second + Duration{number * kSecond_ns / hz_};
+  const std::int64_t number = (((t - second).count() + 1) * hz_ - 1) / kNanosecondsOfASecond;
+  return second + Duration{number * kNanosecondsOfASecond / hz_};
 }
 
 SimTime TickDetection::next_tick_after(SimTime t) const {
   const SimTime second = floor_to(t, std::chrono::seconds(1));
-  const std::int64_t number = (((t - second).count() + 1) * hz_ - 1) / kSecond_ns + 1;
-  return second + Duration{number * kSecond_ns / hz_};
+  const std::int64_t number = (((t - second).count() + 1) * hz_ - 1) / kNanosecondsOfASecond + 1;
+  return second + Duration{number * kNanosecondsOfASecond / hz_};
 }
 
 collision::NumberedSoup TickDetection::numbered(const std::shared_ptr<collision::Surface>& surface) {
