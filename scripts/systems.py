@@ -114,13 +114,13 @@ REPLICATION = [
     ("best", "peerd", "dead reckoning by the model that fits, remote collision prediction, close proximity (`configs/best.toml`)"),
     ("thesis", "Ohlenburg 2003, chapter 4", "second-order dead reckoning, remote collision prediction, adaptive tracking in close proximity"),
     ("dis", "DIS", "second-order dead reckoning by the standard's thresholds; no collision is predicted"),
-    ("npsnet", "NPSNET", "first-order dead reckoning by the same thresholds"),
+    ("npsnet", "NPSNET", "first-order dead reckoning by the same thresholds, heights and cylinders at ticks"),
     ("position-history", "position history", "Singhal and Cheriton: positions alone travel; tracking and convergence by the last three"),
     ("dive", "DIVE", "every change goes out, to the group of its region"),
     ("lockstep", "Doom", "inputs of all to all; a tick waits for the slowest"),
     ("server-bare", "Quake", "a server simulates inputs; clients show its snapshots"),
     ("server", "Half-Life", "the same with client prediction, interpolation and lag compensation"),
-    ("central", "a central authority (4.3)", "the server finds all collisions; nothing is shown before it says so"),
+    ("central", "a central authority (4.3)", "the server finds all collisions; clients show its state of each tick"),
 ]
 
 
@@ -144,12 +144,12 @@ def engine_part(peerd, folder, quick):
     return rows
 
 
-def replication_part(peerd, quick):
+def replication_part(peerd, folder, quick):
     configs = [ROOT / "configs/best.toml"] + [ROOT / "configs/baselines" / f"{name}.toml" for name, _, _ in REPLICATION[1:]]
     results = {}
     for scenario in ("eq47", "crowd", "head-on"):
         command = [peerd, "compare", ROOT / f"configs/scenarios/{scenario}.toml", "--set", "network.latency_ms=100", "--json",
-                   "--out", tempfile.mkdtemp()]
+                   "--out", folder / scenario]
         if quick:
             command += ["--set", "duration_s=4"]
         for config in configs:
@@ -182,7 +182,7 @@ def engine_table(rows):
             r, counters = results[world], results[world]["counters"]
             micros = r["tick_micros"]["median"]
             tests = (counters["bv_tests"] + counters["polygon_tests"]) / r["tick_micros"]["ticks"]
-            cells.append(f"{number(micros)} us, {number(tests)} tests" if tests else f"{number(micros)} us")
+            cells.append(f"{number(micros)} us, {number(tests)} {'test' if tests == 1 else 'tests'}" if tests else f"{number(micros)} us")
         against = [results[world]["against"] for world in worlds]
         wrong = sum(a["false_touches"] + a["missed"] for a in against)
         asked = sum(a["questions"] for a in against)
@@ -242,7 +242,7 @@ def main():
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         engines = engine_part(arguments.program, pathlib.Path(folder), arguments.quick)
-    replication = replication_part(arguments.program, arguments.quick)
+        replication = replication_part(arguments.program, pathlib.Path(folder), arguments.quick)
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
     arguments.out.write_text(page(engines, replication))
     print(arguments.out)

@@ -16,8 +16,14 @@ namespace {
 using config::BaselineSystem;
 using sim::VirtualTime;
 
-constexpr std::size_t kDrivenMax = 1000;  // of a player: its input fits a message, with those before it
-constexpr double kLingers_s = 1.0;        // late datagrams and events still count
+constexpr std::size_t kDrivenMax = 600;  // of a player: its input fits a message, with the two before it
+
+// Late datagrams and events still count: for a second, and for as long as a way there, back and there again takes.
+double lingers_s(const config::RunSettings& run) {
+  double delay_ms = run.network.longest_delay_ms();
+  for (const auto& [ends, link] : run.links) delay_ms = std::max(delay_ms, link.longest_delay_ms());
+  return 1.0 + 3e-3 * delay_ms;
+}
 
 // The run with the server as a peer of its own, the last one.
 config::RunSettings with_server(config::RunSettings run) {
@@ -38,8 +44,7 @@ std::optional<InputError> why_not(const config::RunSettings& run, const std::vec
   };
   if (captures != nullptr) return no("--capture records peers");
   for (const config::ScenarioEvent& event : run.events) {
-    if (config::EventKind kind = event.kind; kind == config::EventKind::kEdit)
-      return no("event." + event.name + " edits the scene");
+    if (event.kind == config::EventKind::kEdit) return no("event." + event.name + " edits the scene");
     if (config::peers_change({event})) return no("event." + event.name + " is about peers that join or leave");
   }
   for (std::size_t i = 0; i < run.peers.size(); ++i) {
@@ -90,7 +95,7 @@ class BaselineRun {
 
   // Runs to the end, or until `progress` says no. Deliveries precede a tick of the same time, and samples follow it.
   void go_on(const sim::Progress& progress) {
-    const SimTime end = start_ + from_seconds(run_.duration_s + kLingers_s);
+    const SimTime end = start_ + from_seconds(run_.duration_s + lingers_s(run_));
     std::int64_t tick = 0, sample = 0;
     SimTime now = start_;
     while (now <= end && (!progress || progress(to_seconds(now - start_)))) {

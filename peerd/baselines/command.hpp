@@ -36,7 +36,7 @@ class CommandSource {
   CommandSource(const config::Motions& motions, std::vector<config::ScriptedKey> keys);
 
   // The input of the tick at t_s [s] after the start, which lasts dt_s. `at`: where the driven objects are then, as the
-  // player believes. It goes by the motion's pose, velocity and spin at t_s, and by nothing later.
+  // player believes. It goes by the motion's state at t_s, and by nothing later.
   [[nodiscard]] Command sample(double t_s, double dt_s, const std::vector<Pose>& at);
   // Where the driven objects are at the start.
   [[nodiscard]] std::vector<Pose> begin() const;

@@ -8,9 +8,9 @@ namespace {
 
 using replication::BitReader;
 
-constexpr std::uint64_t kInputsOfBefore = 2;  // inputs that each message repeats
-constexpr std::size_t kReceivedMax = 64;      // snapshots of a block that may be a base
-constexpr Duration kShownFor = std::chrono::seconds(2);
+constexpr std::uint64_t kInputsOfBefore = 2;             // inputs that each message repeats
+constexpr std::size_t kReceivedMax = 64;                 // snapshots of a block that may be a base
+constexpr Duration kShownFor = std::chrono::seconds(1);  // beyond the interpolation
 constexpr Duration kAgesOf = std::chrono::seconds(2);
 constexpr double kExtrapolated_s = 0.25;
 constexpr std::uint32_t kEventsMax = 64;
@@ -23,8 +23,9 @@ GameClient::GameClient(const Setup& setup, std::size_t self, const GameServer& s
       start_(server.game().start()),
       hands_(setup.objects[self].motions, setup.run.peers[self].keys),
       objects_(objects_of_snapshots(setup)),
-      confirmed_at_(hands_.begin()),
-      received_(blocks_of(objects_)) {}
+      received_(blocks_of(objects_)) {
+  for (const Pose& at : hands_.begin()) confirmed_.push_back({0, at});
+}
 
 void GameClient::on_packet(SimTime now, std::span<const std::byte> datagram) {
   BitReader in(datagram);
@@ -35,32 +36,39 @@ void GameClient::on_packet(SimTime now, std::span<const std::byte> datagram) {
   if (head.base != 0 && base == received.end()) return count("snapshots_without_base");
   if (!received.empty() && head.number <= received.rbegin()->first) return count("snapshots_late");
   Block states = head.base == 0 ? Block(block_of(objects_, head.block).size()) : base->second;
-  if (!take_changes(in, states)) return count("datagrams_refused");
+  if (!take_changes(in, states) || !in.good()) return count("datagrams_refused");
   const SimTime at = server_.game().time_of(static_cast<std::int64_t>(head.tick));
   ages_.emplace_back(now, now - at);
   while (ages_.front().first < now - kAgesOf) ages_.pop_front();
   keep(at, head.block, states);
   received.emplace(head.number, states);
-  if (received.size() > kReceivedMax) received.erase(received.begin());
+  if (received.size() > snapshots_kept(setup_)) received.erase(received.begin());
   if (head.block == 0) take_events(now, in);
-  // The server's word on own objects holds for the inputs that it has carried out.
-  if (head.commands < confirmed_) return;
-  confirmed_ = head.commands;
-  unconfirmed_.erase(unconfirmed_.begin(), unconfirmed_.lower_bound(confirmed_));
+  confirm(head, states);
+}
+
+// A snapshot of a block confirms the inputs of the own driven objects in it.
+void GameClient::confirm(const SnapshotHead& head, const Block& states) {
   std::size_t k = 0;
+  std::uint64_t all_before = head.commands;
   for (const auto& [object, motion] : setup_.objects[self_].motions) {
     const auto index = static_cast<std::size_t>(std::ranges::lower_bound(objects_, object) - objects_.begin());
-    if (index / kBlockObjects == head.block) confirmed_at_[k] = state_of(states[index % kBlockObjects]).pose();
-    ++k;
+    Confirmed& confirmed = confirmed_[k++];
+    if (index / kBlockObjects == head.block && head.commands >= confirmed.tick) {
+      confirmed = {head.commands, state_of(states[index % kBlockObjects]).pose()};
+    }
+    all_before = std::min(all_before, confirmed.tick);
   }
+  unconfirmed_.erase(unconfirmed_.begin(), unconfirmed_.lower_bound(all_before));
 }
 
 void GameClient::keep(SimTime at, std::size_t block, const Block& states) {
   const std::span<const ObjectId> objects = block_of(objects_, block);
+  const Duration kept = kShownFor + from_seconds(setup_.run.baseline.interpolation_ms * 1e-3);
   for (std::size_t i = 0; i < objects.size(); ++i) {
     std::deque<Snapshot>& shown = shown_[objects[i]];
     shown.push_back({at, state_of(states[i])});
-    while (shown.front().at < at - kShownFor) shown.pop_front();
+    while (shown.size() > 1 && shown[1].at < at - kept) shown.pop_front();
   }
 }
 
@@ -101,10 +109,14 @@ KinematicState GameClient::seen(ObjectId object, SimTime now) const {
 }
 
 std::vector<Pose> GameClient::predicted(std::uint64_t tick) const {
-  std::vector<Pose> at = confirmed_at_;
-  for (auto input = unconfirmed_.begin(); input != unconfirmed_.end() && input->first < tick; ++input) {
-    for (std::size_t i = 0; i < at.size(); ++i)
-      at[i] = advance(driven(at[i], input->second.drives[i]), setup_.tick_s()).pose();
+  std::vector<Pose> at;
+  for (std::size_t i = 0; i < confirmed_.size(); ++i) {
+    Pose pose = confirmed_[i].at;
+    const auto first = unconfirmed_.lower_bound(confirmed_[i].tick), end = unconfirmed_.lower_bound(tick);
+    for (auto input = first; input != unconfirmed_.end() && input != end; ++input) {
+      pose = advance(driven(pose, input->second.drives[i]), setup_.tick_s()).pose();
+    }
+    at.push_back(pose);
   }
   return at;
 }

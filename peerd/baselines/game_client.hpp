@@ -10,8 +10,8 @@ namespace peerd::baselines {
 
 // A client of a GameServer. It shows others between two snapshots, `interpolation_ms` before the newest that it may
 // expect, and goes on by their velocity for a quarter of a second where none comes. With prediction it shows its driven
-// objects where the server's last word and the inputs since then bring them; what physics moves is the server's alone,
-// the client's own as well.
+// objects where the inputs since the last state that the server has confirmed bring them; what physics moves is the
+// server's alone, the client's own as well.
 class GameClient final : public Participant {
  public:
   // The server outlives the client, which asks it for nothing but the truth of what physics moves, for the log.
@@ -30,6 +30,7 @@ class GameClient final : public Participant {
 
   // The part of record() that is about own driven objects.
   void record_hands(SimTime now);
+  void confirm(const SnapshotHead& head, const Block& states);
   void take_events(SimTime now, replication::BitReader& in);
   void keep(SimTime at, std::size_t block, const Block& states);
   // The time as of which the others are shown.
@@ -42,9 +43,12 @@ class GameClient final : public Participant {
   const SimTime start_;
   CommandSource hands_;
   std::vector<ObjectId> objects_;
-  std::map<std::uint64_t, Command> unconfirmed_;  // own inputs that the server has not said to have carried out
-  std::uint64_t confirmed_ = 0;                   // all own inputs before this tick
-  std::vector<Pose> confirmed_at_;                // own driven objects after those
+  std::map<std::uint64_t, Command> unconfirmed_;  // own inputs that some block's last snapshot is without
+  struct Confirmed {
+    std::uint64_t tick = 0;  // the server has carried out all own inputs before it
+    Pose at;                 // of the object after those
+  };
+  std::vector<Confirmed> confirmed_;  // of own driven objects, each by the last snapshot of its block
   std::uint64_t next_tick_ = 0;
   std::uint64_t last_event_ = 0;
   std::vector<std::map<std::uint64_t, Block>> received_;  // of each block, by number

@@ -46,6 +46,7 @@ std::optional<ClientMessage> read_client_message(std::span<const std::byte> in, 
   for (std::uint64_t& number : message.blocks) {
     if (!take_varint(reader, number)) return std::nullopt;
   }
+  if (!reader.good()) return std::nullopt;
   return message;
 }
 

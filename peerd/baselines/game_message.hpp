@@ -28,7 +28,7 @@ std::size_t write(const ClientMessage& message, SimTime start, std::span<std::by
                                                                std::span<const std::size_t> objects,
                                                                std::size_t blocks);
 
-// A contact as the server says it to all.
+// A contact as the server publishes it.
 struct GameEvent {
   std::uint64_t number = 0;  // from 1 on
   bool shared = false;       // of objects of two players

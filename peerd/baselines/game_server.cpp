@@ -10,8 +10,8 @@ namespace {
 
 using replication::BitWriter;
 
-constexpr std::uint64_t kPendingMax = 256;  // inputs of a client that wait
-constexpr std::size_t kEventsOfDatagram = 16;
+constexpr std::uint64_t kPendingMax = 256;     // inputs of a client that wait
+constexpr std::size_t kEventsOfDatagram = 40;  // of some 25 bytes
 
 }  // namespace
 
@@ -158,7 +158,6 @@ Block GameServer::block_now(std::size_t block) const {
 
 void GameServer::send_snapshots(SimTime now, std::int64_t tick) {
   std::array<std::byte, kMessageMax_bytes> scratch;
-  constexpr std::size_t kSentMax = 64;
   for (std::size_t block = 0; block < blocks_of(objects_); ++block) {
     const Block state = block_now(block);
     for (std::size_t i = 0; i < clients_.size(); ++i) {
@@ -184,7 +183,7 @@ void GameServer::send_snapshots(SimTime now, std::int64_t tick) {
         note_update(now, block_of(objects_, block)[k], bytes / changed.size(), "snapshot");
       }
       client.sent[block].emplace(client.last_number[block], state);
-      if (client.sent[block].size() > kSentMax) client.sent[block].erase(client.sent[block].begin());
+      if (client.sent[block].size() > snapshots_kept(setup_)) client.sent[block].erase(client.sent[block].begin());
     }
   }
 }

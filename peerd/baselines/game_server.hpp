@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <deque>
 #include <map>
 #include <memory>
@@ -19,6 +20,10 @@ inline constexpr RegionId kToServer{0};
 // The objects of one block of them.
 [[nodiscard]] std::span<const ObjectId> block_of(const std::vector<ObjectId>& objects, std::size_t block);
 [[nodiscard]] std::size_t blocks_of(const std::vector<ObjectId>& objects);
+// How many snapshots of a block both sides keep as bases: those of four seconds.
+[[nodiscard]] inline std::size_t snapshots_kept(const Setup& setup) {
+  return std::max<std::size_t>(64, std::size_t{4} * setup.run.baseline.snapshots_hz);
+}
 
 // The server of Quake (id Software, 1996) and Half-Life (Bernier, "Latency compensating methods in client/server
 // in-game protocol design and optimization", 2001; Ohlenburg 2003, sections 4.2.1 and 4.3): clients send inputs, the

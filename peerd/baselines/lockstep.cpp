@@ -142,7 +142,7 @@ void LockstepPlayer::run_ready_ticks(SimTime now, std::int64_t until) {
     }
   }
   Inputs& own = players_[self_];
-  constexpr std::int64_t kKept = 1024;  // ticks that somebody may still ask for
+  constexpr std::int64_t kKept = 65'536;  // ticks that somebody may still ask for
   own.by_tick.erase(own.by_tick.begin(), own.by_tick.lower_bound(game_->ticks() - kKept));
 }
 

@@ -1,12 +1,14 @@
 #include "peerd/baselines/rewinding.hpp"
 
+#include <algorithm>
+
 #include "collision/contact/contact_time.hpp"
 #include "peerd/motion/motion_path.hpp"
 
 namespace peerd::baselines {
 namespace {
 
-constexpr Duration kRemembered = std::chrono::seconds(3);
+constexpr Duration kRemembered = std::chrono::seconds(10);
 
 }  // namespace
 
@@ -42,13 +44,16 @@ std::vector<replication::ContactEvent> Rewinding::contacts(ObjectId object, cons
     other_state.velocity = (to.position - from.position) / dt_s;
     other_state.angular_velocity_body = config::turn_between(from.orientation, to.orientation) / dt_s;
     const collision::MovingBody mine{*body, state}, theirs{*other_body, other_state};
-    bool& touching = touching_[{object, other}];
-    if (touching) touching = collision::touching(mine, theirs, pair.type);
-    if (touching) continue;
+    const auto key = std::minmax(object, other);
+    if (const auto touching = touching_.find(key); touching != touching_.end()) {
+      if (touching->second != object || collision::touching(mine, theirs, pair.type)) continue;
+      touching_.erase(touching);
+    }
     const collision::Contact contact = is_collider ? collision::first_contact(mine, theirs, pair.type, dt_s)
                                                    : collision::first_contact(theirs, mine, pair.type, dt_s);
-    touching =
+    const bool meets =
         contact.state == collision::ContactState::kContact || contact.state == collision::ContactState::kOverlapped;
+    if (meets) touching_.emplace(key, object);
     if (contact.state != collision::ContactState::kContact) continue;
     replication::ContactEvent event;
     event.at = at + from_seconds(contact.time_s);

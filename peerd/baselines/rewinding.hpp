@@ -9,8 +9,8 @@
 namespace peerd::baselines {
 
 // Lag compensation (Bernier 2001; Ohlenburg 2003, section 4.2.1): what a player's object hits is decided against the
-// other players' objects as that player saw them, by their states of the past. Who sees others late can therefore hit
-// who has already left.
+// other players' objects as that player saw them, by their states of the past. A player with a late view can therefore
+// hit an object that has moved on.
 class Rewinding {
  public:
   // The model outlives this.
@@ -30,7 +30,11 @@ class Rewinding {
 
   const replication::WorldModel& model_;
   std::map<ObjectId, std::map<SimTime, Pose>> history_;
-  std::map<std::pair<ObjectId, ObjectId>, bool> touching_;  // by the object that moved, and what it met
+  // The pairs that touch, the lower id first, each with the object whose player saw it first: until that player sees
+  // them apart, the other player's view of the meeting does not count.
+  // The pairs that touch, the lower id first, each with the object whose player saw it first: until that player sees
+  // them apart, the other player's view of the meeting does not count.
+  std::map<std::pair<ObjectId, ObjectId>, ObjectId> touching_;
 };
 
 }  // namespace peerd::baselines

@@ -30,7 +30,6 @@ class InstalledFiles {
   // For CLI::Option::transform(): a word that names an installed file becomes its path.
   [[nodiscard]] CLI::Validator scenario() const { return or_installed({"scenarios"}, ".toml"); }
   [[nodiscard]] CLI::Validator settings() const { return or_installed({"baselines", ""}, ".toml"); }
-  [[nodiscard]] CLI::Validator baseline() const { return or_installed({"baselines"}, ".toml"); }
   [[nodiscard]] CLI::Validator world() const { return or_installed({"worlds"}, ".wrl"); }
 
  private:

@@ -153,7 +153,8 @@ class SimCommand {
     return signals_.signal() == 0;
   }
 
-  // What is missing is the first of the warnings. A signal that comes in the last moment leaves nothing out.
+  // The line about runs that are left out is the first warning. A signal that comes in the last moment leaves nothing
+  // out.
   void note_stop() {
     const std::size_t all = scenario_.runs.size();
     const bool cut = !records_.empty() && records_.back().stopped;

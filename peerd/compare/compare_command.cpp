@@ -2,6 +2,7 @@
 
 #include <ctime>
 #include <iostream>
+#include <memory>
 
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
@@ -19,34 +20,45 @@ namespace {
 // Enough for all samples of the repository's scenarios, so that delays can be found.
 constexpr report::RowLimits kKept{.samples = 3'000'000, .updates = 0, .datagrams = 0};
 
-// A system's run: the scenario with its configuration over it, one value for each key that the scenario sweeps.
-Result<std::optional<compare::Compared>> run_one(const CompareOptions& options, const std::filesystem::path& config,
-                                                 const StopSignals& signals) {
-  config::ScenarioRequest request{.file = options.scenario.scenario,
-                                  .configs = options.scenario.configs,
-                                  .sets = options.scenario.sets,
-                                  .seed = options.scenario.seed,
-                                  .sweep = false};
+// A scenario that is ready to run by one system: it with that system's configuration over it, and one value for each
+// key that the scenario sweeps.
+struct Ready {
+  std::string name;
+  config::RunSettings run;
+  std::unique_ptr<const SharedWorld> shared;
+};
+Result<Ready> ready(const ScenarioOptions& options, const std::filesystem::path& config) {
+  config::ScenarioRequest request{
+      .file = options.scenario, .configs = options.configs, .sets = options.sets, .seed = options.seed, .sweep = false};
   if (!config.empty()) request.configs.push_back(config);
-  const auto scenario = config::read_scenario(request);
+  auto scenario = config::read_scenario(request);
   if (!scenario) return std::unexpected(scenario.error());
-  const auto shared = share_world(scenario->world, scenario->reading, scenario->runs);
+  print_warnings(scenario->warnings);
+  auto shared = share_world(scenario->world, scenario->reading, scenario->runs);
   if (!shared) return std::unexpected(shared.error());
-  config::RunSettings run = scenario->runs.front();
-  const auto objects = config::resolve(run, (*shared)->world.scene);
+  Ready out{config.stem().string(), scenario->runs.front(), *std::move(shared)};
+  if (config.empty()) out.name = out.run.baseline.system == config::BaselineSystem::kNone ? "peerd" : "as it is";
+  out.run.compare_outcomes = false;  // all are compared with one truth
+  return out;
+}
+
+// `truth`: of the scenario as it is. None where a signal stops it.
+Result<std::optional<compare::Compared>> run_one(const Ready& system, const Ready& truth, const StopSignals& signals) {
+  const Scene& scene = system.shared->world.scene;
+  const auto objects = config::resolve(system.run, scene);
   if (!objects) return std::unexpected(objects.error());
-  const std::string name = config.empty() ? "peerd" : config.stem().string();
   const auto go_on = [&](std::optional<double>) { return signals.signal() == 0; };
   const std::clock_t before = std::clock();
-  auto record = baselines::run_of_any_system(run, **shared, {}, {}, nullptr, {.limits = kKept, .parts = {}}, go_on);
+  auto record =
+      baselines::run_of_any_system(system.run, *system.shared, {}, {}, nullptr, {.limits = kKept, .parts = {}}, go_on);
   const double cpu_s = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
   if (!record) return std::unexpected(record.error());
   if (signals.signal() != 0) return std::nullopt;
-  auto wrong = sim::compare_outcomes(*record, run, **shared, go_on);
+  auto wrong = sim::compare_outcomes(*record, truth.run, *truth.shared, go_on);
   if (!wrong) return std::unexpected(wrong.error());
   record->wrong = *wrong;
   if (signals.signal() != 0) return std::nullopt;
-  return compare::compared(name, *record, cpu_s, compare::key_moves(run, *objects, (*shared)->world.scene));
+  return compare::compared(system.name, *record, cpu_s, compare::key_moves(system.run, *objects, scene));
 }
 
 Result<void> write(const std::filesystem::path& out, const nlohmann::ordered_json& json, const std::string& picture) {
@@ -68,8 +80,14 @@ int run_compare(const CompareOptions& options) {
   if (others.empty()) return failed({"error: no other system is installed beside peerd; name one: --with FILE", 2});
   configs.insert(configs.end(), others.begin(), others.end());
   std::vector<compare::Compared> systems;
+  const auto as_it_is = ready(options.scenario, {});
+  if (!as_it_is) return failed(as_it_is.error());
+  print_warnings((*as_it_is).shared->findings());
+  signals.note_from_now_on("stopped at once by a second signal: nothing is written");
   for (const std::filesystem::path& config : configs) {
-    const auto one = run_one(options, config, signals);
+    const auto system = ready(options.scenario, config);
+    if (!system) return failed(system.error());
+    const auto one = run_one(*system, *as_it_is, signals);
     if (!one) return failed(one.error());
     if (!*one) return signals.exit_code();
     systems.push_back(**one);

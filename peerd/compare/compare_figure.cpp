@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "peerd/compare/comparison.hpp"
 #include "peerd/measure/columns.hpp"
@@ -20,14 +21,14 @@ constexpr double kWidth = 900.0, kTop = 84.0, kRow_px = 22.0, kNames_px = 130.0,
 
 struct Measure {
   const char* title;
-  double (*value)(const Compared&);
-  int decimals;  // of its label
+  std::optional<double> (*value)(const Compared&);  // none: it is not known
+  int decimals;                                     // of its label
 };
 // Each has bars from its least to its greatest value; a logarithm tells orders of magnitude apart.
 const std::array kMeasures{
-    Measure{"bytes/s, logarithmic", [](const Compared& s) { return s.bytes_per_s; }, 0},
-    Measure{"shown error [m], logarithmic", [](const Compared& s) { return s.shown_error_m; }, 3},
-    Measure{"shown later than true [ms]", [](const Compared& s) { return s.others_delay_ms.value_or(0.0); }, 0},
+    Measure{"bytes/s, logarithmic", [](const Compared& s) { return std::optional(s.bytes_per_s); }, 0},
+    Measure{"shown error [m], logarithmic", [](const Compared& s) { return std::optional(s.shown_error_m); }, 3},
+    Measure{"shown later than true [ms]", [](const Compared& s) { return s.others_delay_ms; }, 0},
 };
 
 // The part of a bar's width: of the logarithm, or of the number where some are 0.
@@ -47,14 +48,17 @@ std::string picture(const std::string& title, std::span<const Compared> systems)
     const double left = 20.0 + kNames_px + static_cast<double>(m) * (kBar_px + kGap_px);
     svg.text({left, kTop - 10.0}, measure.title, {.size = 12.0, .colour = "#444"});
     Range all;
-    for (const Compared& s : systems) all.add(measure.value(s));
+    for (const Compared& s : systems) {
+      if (const auto value = measure.value(s)) all.add(*value);
+    }
     const bool logarithmic = m < 2 && all.lo > 0.0;
     for (std::size_t i = 0; i < systems.size(); ++i) {
-      const double y = kTop + kRow_px * static_cast<double>(i), value = measure.value(systems[i]);
+      const double y = kTop + kRow_px * static_cast<double>(i);
       if (m == 0) svg.text({20.0, y + 13.0}, systems[i].system, {.size = 13.0, .bold = i == 0});
-      const double width = std::max(1.0, kBar_px * part_of(value, all, logarithmic));
-      svg.rect({left, y + 2.0, width, kRow_px - 7.0}, i == 0 ? "#0b6e4f" : "#9db4c0");
-      svg.text({left + width + 5.0, y + 13.0}, report::fixed(value, measure.decimals),
+      const std::optional<double> value = measure.value(systems[i]);
+      const double width = value ? std::max(1.0, kBar_px * part_of(*value, all, logarithmic)) : 0.0;
+      if (value) svg.rect({left, y + 2.0, width, kRow_px - 7.0}, i == 0 ? "#0b6e4f" : "#9db4c0");
+      svg.text({left + width + 5.0, y + 13.0}, value ? report::fixed(*value, measure.decimals) : "-",
                {.size = 11.0, .colour = "#444"});
     }
   }

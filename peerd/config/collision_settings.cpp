@@ -27,6 +27,8 @@ CollisionSettings read_collision(TomlReader reader) {
   reader.read("engine", s.engine);
   if (const auto made = collision::baselines::make_engine(s.engine); !made) {
     reader.fail(reader.raw().get("engine"), reader.dotted("engine") + ": " + made.error());
+  } else if (made->narrow_phase == nullptr) {
+    s.engine = CollisionSettings{}.engine;  // ours, however it is written
   }
   reader.finish();
   return s;

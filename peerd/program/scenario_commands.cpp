@@ -115,7 +115,7 @@ Command add_compare(CLI::App& app) {
   command
       ->add_option("--with", options->with,
                    "a system: the name of one that is installed, or a TOML file (default: all that are installed)")
-      ->transform(installed().baseline());
+      ->transform(installed().settings());
   command->add_option("--seed", scenario.seed, "the seed (default: the scenario's, else 1)")
       ->transform(whole_number_in(0, config::kSeedMax));
   command->add_option("--out", scenario.out, "where compare.svg and compare.json go (default: out/compare-NAME)");

@@ -31,6 +31,14 @@ TEST(GameClient, StaysWithTheServerThoughInputsAreLost) {
   EXPECT_LT(mean_m(record, kB, report::shown_error_m), 0.6 * kCar_m_s);
 }
 
+// A hundred walkers are in four blocks, whose snapshots come at times of their own where the delay varies.
+TEST(GameClient, ItsOwnObjectsOfAllBlocksAreWhereItsInputsBringThem) {
+  const auto record = run_system(PEERD_SOURCE_DIR "/configs/scenarios/crowd.toml", "server",
+                                 {"duration_s=5", "network.latency_ms=50", "network.jitter_ms=30"});
+  EXPECT_LT(mean_m(record, kB, seen_error_m), 0.01);
+  EXPECT_LT(mean_m(record, PeerId{3}, seen_error_m), 0.01);
+}
+
 TEST(GameClient, InterpolatesNoMoreThanItIsAskedTo) {
   const auto late_m = [](const char* interpolation) {
     return mean_m(run_system(kEq47, "server", {interpolation, "network.latency_ms=50"}), kB, report::shown_error_m);

@@ -38,6 +38,14 @@ TEST(ClientMessage, ComesBackAsItWasWritten) {
   EXPECT_EQ(read->blocks, example().blocks);
 }
 
+TEST(ClientMessage, ThatIsCutOffIsRefused) {
+  std::array<std::byte, 1024> bytes{};
+  const std::size_t size = write(example(), kStart, bytes);
+  for (std::size_t i = 0; i < size; ++i) {
+    EXPECT_FALSE(read_client_message(std::span(bytes).first(i), kStart, kDriven, 3)) << i << " bytes";
+  }
+}
+
 TEST(ClientMessage, OfAPlayerThatIsNotThereIsRefused) {
   std::array<std::byte, 1024> bytes{};
   const std::size_t size = write(example(), kStart, bytes);

@@ -46,6 +46,14 @@ TEST_F(RewindingTest, OneTouchIsOneContact) {
   EXPECT_TRUE(rewinding_.contacts(left_, inside, SimTime{}, 0.01, SimTime{}).empty());
 }
 
+TEST_F(RewindingTest, TheOtherPlayersViewOfAMeetingDoesNotCount) {
+  EXPECT_EQ(hits(SimTime{}), 1u);
+  KinematicState comes;
+  comes.position = Vec3(3, 0, 0);
+  comes.velocity = Vec3(-10, 0, 0);
+  EXPECT_TRUE(rewinding_.contacts(right_, comes, SimTime{}, 0.5, SimTime{}).empty());
+}
+
 TEST_F(RewindingTest, TheTimeIsThatOfThePlayer) {
   KinematicState state;
   state.velocity = Vec3(10, 0, 0);

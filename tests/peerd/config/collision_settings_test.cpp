@@ -25,6 +25,7 @@ TEST(CollisionSettings, AreOursUnlessSaidOtherwise) {
   EXPECT_FALSE(ours.error);
   EXPECT_TRUE(ours.settings.is_ours());
   EXPECT_EQ(ours.settings.make_detection(60), nullptr);
+  EXPECT_TRUE(read("engine = \"ours,\"").settings.is_ours());
   const Read other = read("engine = \"kdop,k=14\"");
   EXPECT_FALSE(other.error);
   EXPECT_FALSE(other.settings.is_ours());
