@@ -29,7 +29,7 @@ SLIPS = (
 
 def introduction(chosen, quick):
     real = [o.name for o in chosen if o.origin != "generated"]
-    return ["J. Ohlenburg, Efficient Collision Detection for Dynamic Objects in Distributed Virtual Environments, Diplomarbeit, RWTH Aachen 2003 (“the "
+    return ["J. Ohlenburg, Efficient Collision Detection for Dynamic Objects in Distributed Virtual Environments, Diplomarbeit, 2003 (“the "
             "thesis”): its tables and figures of chapters 3 and 4 and of appendix A, from peerd's own commands, beside the printed numbers. Grey columns are "
             "the thesis's. Below each is how it deviates, in a line each.",
             (f"Objects: {', '.join(real)} of a corpus, the others generated." if real else "Objects are generated: no corpus (PEERD_CORPUS) was given.") +
