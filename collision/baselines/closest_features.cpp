@@ -143,7 +143,7 @@ bool FeatureWalk::apart(const Placed& a, const Placed& b, double room_m, Closest
     const Corner next{support(a, -nearest, simplex.corners[0].a, room),
                       support(b, nearest, simplex.corners[0].b, room)};
     const Vec3 point = difference(next);
-    // What is between the two along `nearest`, times the length of that.
+    // The gap between the two along `nearest`, times the length of that.
     const double gap = nearest.dot(point);
     are_apart = are_apart || gap > 4.0 * room;
     if (square - gap <= kRelativeAccuracy * square || simplex.has(next) || simplex.count == 4) break;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collision/baselines/visited_pairs.hpp"
 #include "collision/baselines/volume_tree.hpp"
 #include "core/box.hpp"
 
@@ -126,23 +127,12 @@ bool CylinderQuery::search(const NumberedSoup& a, const NumberedSoup& b, const R
 
 bool CylinderQuery::find_pair(const NumberedSoup& a, const NumberedSoup& b, const RelativeMotion& a_from_b,
                               PolygonPair& pair) {
-  return search(a, b, a_from_b, [&](const PolygonPair& found) {
-    pair = found;
-    return true;
-  });
+  return first_visited([&](auto found) { return search(a, b, a_from_b, found); }, pair);
 }
 
 std::vector<PolygonPair> CylinderQuery::all_pairs(const NumberedSoup& a, const NumberedSoup& b,
                                                   const RelativeMotion& a_from_b) {
-  std::vector<PolygonPair> pairs;
-  (void)search(a, b, a_from_b, [&](const PolygonPair& found) {
-    pairs.push_back(found);
-    return false;
-  });
-  std::ranges::sort(pairs);
-  const auto rest = std::ranges::unique(pairs);
-  pairs.erase(rest.begin(), rest.end());
-  return pairs;
+  return all_visited([&](auto found) { return search(a, b, a_from_b, found); });
 }
 
 }  // namespace peerd::collision::baselines

@@ -21,7 +21,7 @@ namespace peerd::collision::baselines {
 // the other two are compared for what meets there; the walk (closest_features.hpp); surfaces collide and not solids,
 // and pieces whose features are no way apart are left to the exact triangle test. So the answers are ours.
 //
-// What is kept for two soups is one memory however many Shapes share them: those answer alike, with less coherence.
+// Two soups have one memory, however many Shapes share them: the answers are the same, with less coherence.
 class ICollide : public NarrowPhase {
  public:
   bool find_pair(const NumberedSoup& a, const NumberedSoup& b, const RelativeMotion& a_from_b,

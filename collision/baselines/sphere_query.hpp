@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "collision/baselines/sphere_volume.hpp"
+#include "collision/baselines/visited_pairs.hpp"
 #include "collision/baselines/volume_tree.hpp"
 #include "collision/scene/narrow_phase.hpp"
 
@@ -26,23 +27,12 @@ class SphereQuery : public NarrowPhase {
 
   bool find_pair(const NumberedSoup& a, const NumberedSoup& b, const RelativeMotion& a_from_b,
                  PolygonPair& pair) override {
-    return search(a, b, a_from_b, [&](const PolygonPair& found) {
-      pair = found;
-      return true;
-    });
+    return first_visited([&](auto found) { return search(a, b, a_from_b, found); }, pair);
   }
 
   std::vector<PolygonPair> all_pairs(const NumberedSoup& a, const NumberedSoup& b,
                                      const RelativeMotion& a_from_b) override {
-    std::vector<PolygonPair> pairs;
-    (void)search(a, b, a_from_b, [&](const PolygonPair& found) {
-      pairs.push_back(found);
-      return false;
-    });
-    std::ranges::sort(pairs);
-    const auto rest = std::ranges::unique(pairs);
-    pairs.erase(rest.begin(), rest.end());
-    return pairs;
+    return all_visited([&](auto found) { return search(a, b, a_from_b, found); });
   }
 
   [[nodiscard]] const QueryCounters& counters() const override { return counters_; }

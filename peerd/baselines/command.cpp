@@ -1,7 +1,6 @@
 #include "peerd/baselines/command.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "peerd/motion/motion_path.hpp"
 
@@ -13,31 +12,7 @@ using replication::BitWriter;
 
 constexpr std::size_t kKeysMax = 64;  // of one tick
 
-void put_signed(BitWriter& out, std::int32_t value) {
-  const auto bits = static_cast<std::uint32_t>(value);
-  replication::put_varint(out, (bits << 1) ^ (value < 0 ? ~std::uint32_t{0} : 0));
-}
-bool take_signed(BitReader& in, std::int32_t& value) {
-  std::uint32_t zigzag = 0;
-  if (!replication::take_varint(in, zigzag)) return false;
-  value = static_cast<std::int32_t>((zigzag >> 1) ^ ((zigzag & 1) == 0 ? 0 : ~std::uint32_t{0}));
-  return true;
-}
-
-bool is_zero(const std::array<std::int32_t, 3>& steps) { return steps == std::array<std::int32_t, 3>{}; }
-
-std::array<std::int32_t, 3> in_steps(const Vec3& value, double step) {
-  constexpr double kMost = 1 << 30;
-  std::array<std::int32_t, 3> steps{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double exact = std::clamp(value[static_cast<Eigen::Index>(i)] / step, -kMost, kMost);
-    steps[i] = static_cast<std::int32_t>(std::lround(exact));
-  }
-  return steps;
-}
-Vec3 from_steps(const std::array<std::int32_t, 3>& steps, double step) {
-  return step * Vec3(steps[0], steps[1], steps[2]);
-}
+bool is_zero(const Steps& steps) { return steps == Steps{}; }
 
 }  // namespace
 
@@ -68,7 +43,7 @@ bool take(BitReader& in, std::size_t objects, Command& command) {
   for (Drive& drive : command.drives) {
     const std::uint64_t has = in.get(8);
     if (has > 3) return false;
-    const auto take_all = [&](std::array<std::int32_t, 3>& steps) {
+    const auto take_all = [&](Steps& steps) {
       return std::ranges::all_of(steps, [&](std::int32_t& v) { return take_signed(in, v); });
     };
     if ((has & 1) != 0 && !take_all(drive.velocity)) return false;

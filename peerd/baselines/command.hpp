@@ -1,17 +1,16 @@
 #pragma once
-#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "peerd/baselines/steps.hpp"
 #include "peerd/config/resolve.hpp"
-#include "replication/wire/varint.hpp"
 
 namespace peerd::baselines {
 
 // How a player moves one driven object during one tick, in whole steps: of kVelocityStep_m_s along the world's axes,
 // and of kSpinStep_rad_s about the body's.
 struct Drive {
-  std::array<std::int32_t, 3> velocity{}, spin{};
+  Steps velocity{}, spin{};
   friend bool operator==(const Drive&, const Drive&) = default;
 };
 inline constexpr double kVelocityStep_m_s = 0x1p-8;
@@ -29,7 +28,8 @@ void put(replication::BitWriter& out, const Command& command);
 // False: it is cut off, or no command of that many objects.
 [[nodiscard]] bool take(replication::BitReader& in, std::size_t objects, Command& command);
 
-// The hands of one player: at each tick the commands that keep the driven objects on their motions, and the keys.
+// CommandSource makes the inputs of one player: at each tick the drives that keep the driven objects on their motions,
+// and the keys.
 class CommandSource {
  public:
   // `motions` outlives the source.
@@ -38,7 +38,7 @@ class CommandSource {
   // The input of the tick at t_s [s] after the start, which lasts dt_s. `at`: where the driven objects are then, as the
   // player believes. It goes by the motion's state at t_s, and by nothing later.
   [[nodiscard]] Command sample(double t_s, double dt_s, const std::vector<Pose>& at);
-  // Where the driven objects are at the start.
+  // The poses of the driven objects at the start.
   [[nodiscard]] std::vector<Pose> begin() const;
 
  private:

@@ -67,16 +67,18 @@ void Game::run_tick(std::span<const replication::OwnSample> driven) {
   drain();
 }
 
-void Game::press(std::size_t player, const KeyEvent& key) {
+bool Game::press(std::size_t player, const KeyEvent& key) {
   const HostTime host = peer_->clock().to_host(now_);
+  bool changes = false;
   for (const std::size_t hit : key_sensors_[player].press(key).hits) {
     const KeySensor& sensor = shared_.world.scene.key_sensors[hit];
     const auto mover = sensor.recipient ? moved_by_.find(*sensor.recipient) : moved_by_.end();
     if (mover == moved_by_.end() || mover->second != player) continue;
     const Vec3 velocity = peer_->to_world(now_, *sensor.recipient, sensor.value);
-    (void)peer_->change_velocity(host, *sensor.recipient, velocity, sensor.absolute);
+    changes |= peer_->change_velocity(host, *sensor.recipient, velocity, sensor.absolute);
   }
   drain();
+  return changes;
 }
 
 void Game::drain() {

@@ -27,8 +27,9 @@ class Game {
 
   // Runs the next tick, in which the driven objects have these states.
   void run_tick(std::span<const replication::OwnSample> driven);
-  // A key of a player, by its index in run.peers, just after the last tick: it moves what that player owns.
-  void press(std::size_t player, const KeyEvent& key);
+  // A key of a player, by its index in run.peers, just after the last tick: it moves what that player owns and nothing
+  // drives. False: it changes nothing.
+  [[nodiscard]] bool press(std::size_t player, const KeyEvent& key);
 
   // The state at the last tick, in the world.
   [[nodiscard]] KinematicState state(ObjectId object) const { return peer_->truth(object, now_); }

@@ -21,10 +21,11 @@ GameClient::GameClient(const Setup& setup, std::size_t self, const GameServer& s
     : Participant(setup, self, server.game().start()),
       server_(server),
       start_(server.game().start()),
-      hands_(setup.objects[self].motions, setup.run.peers[self].keys),
+      commands_(setup.objects[self].motions, setup.run.peers[self].keys),
       objects_(objects_of_snapshots(setup)),
       received_(blocks_of(objects_)) {
-  for (const Pose& at : hands_.begin()) confirmed_.push_back({0, at});
+  for (const Pose& at : commands_.begin()) confirmed_.push_back({0, at});
+  predict();
 }
 
 void GameClient::on_packet(SimTime now, std::span<const std::byte> datagram) {
@@ -60,6 +61,7 @@ void GameClient::confirm(const SnapshotHead& head, const Block& states) {
     all_before = std::min(all_before, confirmed.tick);
   }
   unconfirmed_.erase(unconfirmed_.begin(), unconfirmed_.lower_bound(all_before));
+  predict();
 }
 
 void GameClient::keep(SimTime at, std::size_t block, const Block& states) {
@@ -108,28 +110,31 @@ KinematicState GameClient::seen(ObjectId object, SimTime now) const {
   return state;
 }
 
-std::vector<Pose> GameClient::predicted(std::uint64_t tick) const {
-  std::vector<Pose> at;
+void GameClient::predict() {
+  predicted_.clear();
   for (std::size_t i = 0; i < confirmed_.size(); ++i) {
     Pose pose = confirmed_[i].at;
-    const auto first = unconfirmed_.lower_bound(confirmed_[i].tick), end = unconfirmed_.lower_bound(tick);
-    for (auto input = first; input != unconfirmed_.end() && input != end; ++input) {
+    for (auto input = unconfirmed_.lower_bound(confirmed_[i].tick); input != unconfirmed_.end() && input->first < tick_;
+         ++input) {
       pose = advance(driven(pose, input->second.drives[i]), setup_.tick_s()).pose();
     }
-    at.push_back(pose);
+    predicted_.push_back(pose);
   }
-  return at;
 }
 
 void GameClient::on_tick(SimTime now, std::int64_t tick) {
-  next_tick_ = static_cast<std::uint64_t>(tick) + 1;
   const double tick_s = setup_.tick_s();
-  const auto [input, added] =
-      unconfirmed_.emplace(tick, hands_.sample(static_cast<double>(tick) * tick_s, tick_s, predicted(next_tick_ - 1)));
-  (void)added;
+  if (const auto last = unconfirmed_.find(tick_); last != unconfirmed_.end()) {
+    for (std::size_t i = 0; i < predicted_.size(); ++i) {
+      if (confirmed_[i].tick > tick_) continue;  // the server's pose is after that input
+      predicted_[i] = advance(driven(predicted_[i], last->second.drives[i]), tick_s).pose();
+    }
+  }
+  tick_ = static_cast<std::uint64_t>(tick);
+  unconfirmed_.insert_or_assign(tick_, commands_.sample(static_cast<double>(tick) * tick_s, tick_s, predicted_));
   ClientMessage message;
   message.player = static_cast<std::uint32_t>(self_);
-  const std::uint64_t first = next_tick_ - std::min<std::uint64_t>(next_tick_, kInputsOfBefore + 1);
+  const std::uint64_t first = tick_ - std::min(tick_, kInputsOfBefore);
   for (auto each = unconfirmed_.lower_bound(first); each != unconfirmed_.end(); ++each) {
     if (message.commands.empty()) message.first_tick = each->first;
     message.commands.push_back(each->second);
@@ -154,20 +159,19 @@ void GameClient::record(SimTime now) {
       }
     }
   }
-  record_hands(now);
+  record_driven(now);
 }
 
-void GameClient::record_hands(SimTime now) {
+void GameClient::record_driven(SimTime now) {
   const double t_s = to_seconds(now - start_);
-  const std::uint64_t tick = next_tick_ - 1;
-  const double into_tick_s = t_s - static_cast<double>(tick) * setup_.tick_s();
-  const std::vector<Pose> at = predicted(tick);
-  const auto input = unconfirmed_.find(tick);
+  const double into_tick_s = t_s - static_cast<double>(tick_) * setup_.tick_s();
+  const auto input = unconfirmed_.find(tick_);
   std::size_t k = 0;
   for (const auto& [object, motion] : setup_.objects[self_].motions) {
     Pose shown = seen(object, now).pose();
     if (setup_.run.baseline.prediction) {
-      shown = input == unconfirmed_.end() ? at[k] : advance(driven(at[k], input->second.drives[k]), into_tick_s).pose();
+      shown = input == unconfirmed_.end() ? predicted_[k]
+                                          : advance(driven(predicted_[k], input->second.drives[k]), into_tick_s).pose();
     }
     note_sample(now, object, motion.sample(t_s), shown);
     ++k;

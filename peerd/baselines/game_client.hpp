@@ -29,19 +29,19 @@ class GameClient final : public Participant {
   };
 
   // The part of record() that is about own driven objects.
-  void record_hands(SimTime now);
+  void record_driven(SimTime now);
   void confirm(const SnapshotHead& head, const Block& states);
   void take_events(SimTime now, replication::BitReader& in);
   void keep(SimTime at, std::size_t block, const Block& states);
   // The time as of which the others are shown.
   [[nodiscard]] SimTime seen_at(SimTime now) const;
   [[nodiscard]] KinematicState seen(ObjectId object, SimTime now) const;
-  // The own driven objects at the begin of a tick, by the inputs before it.
-  [[nodiscard]] std::vector<Pose> predicted(std::uint64_t tick) const;
+  // Computes `predicted_` anew.
+  void predict();
 
   const GameServer& server_;
   const SimTime start_;
-  CommandSource hands_;
+  CommandSource commands_;
   std::vector<ObjectId> objects_;
   std::map<std::uint64_t, Command> unconfirmed_;  // own inputs that some block's last snapshot is without
   struct Confirmed {
@@ -49,7 +49,8 @@ class GameClient final : public Participant {
     Pose at;                 // of the object after those
   };
   std::vector<Confirmed> confirmed_;  // of own driven objects, each by the last snapshot of its block
-  std::uint64_t next_tick_ = 0;
+  std::uint64_t tick_ = 0;            // the last one
+  std::vector<Pose> predicted_;       // own driven objects at the begin of that tick, by the inputs before it
   std::uint64_t last_event_ = 0;
   std::vector<std::map<std::uint64_t, Block>> received_;  // of each block, by number
   std::map<ObjectId, std::deque<Snapshot>> shown_;        // by time

@@ -13,7 +13,7 @@ namespace peerd::baselines {
 
 inline constexpr std::size_t kMessageMax_bytes = 1 << 16;
 
-// What a client sends at each tick: its last inputs, and what it has of the server's messages.
+// A client sends this at each tick: its last inputs, and which of the server's messages it has.
 struct ClientMessage {
   std::uint32_t player = 0;
   std::uint64_t first_tick = 0;

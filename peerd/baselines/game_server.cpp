@@ -108,9 +108,9 @@ void GameServer::carry_out(std::size_t player, SimTime now, std::vector<replicat
 void GameServer::add_event(SimTime now, const replication::ContactEvent& contact, bool seen_late) {
   const std::size_t a = setup_.owner_of(contact.collider), b = setup_.owner_of(contact.collidee);
   const bool shared = a < self_ && b < self_ && a != b;
-  // What two players' hands bring together is decided by how the one saw the other.
-  const bool of_hands = poses_.contains(contact.collider) && poses_.contains(contact.collidee);
-  if (shared && of_hands && setup_.run.baseline.lag_compensation && !seen_late) return;
+  // Rewinding decides how two players' driven objects meet.
+  const bool both_driven = poses_.contains(contact.collider) && poses_.contains(contact.collidee);
+  if (shared && both_driven && setup_.run.baseline.lag_compensation && !seen_late) return;
   events_.push_back({++last_event_, shared, contact});
   note_contact(now, shared ? "decided" : std::min(a, b) < self_ ? "owner" : "scene", contact);
 }
@@ -134,7 +134,9 @@ void GameServer::on_tick(SimTime now, std::int64_t tick) {
   }
   for (const auto& [object, pose] : poses_) rewinding_.note(object, now, pose);
   game_->run_tick(samples);
-  for (const auto& [player, key] : keys) game_->press(player, key);
+  for (const auto& [player, key] : keys) {
+    if (!game_->press(player, key)) count("keys_without_effect");
+  }
   note_contacts(now);
   count("ticks");
   const std::int64_t snapshot = tick * setup_.run.baseline.snapshots_hz / setup_.run.replication.tick_hz;

@@ -26,8 +26,8 @@ std::size_t size_of(const Command& command) {
 LockstepPlayer::LockstepPlayer(const Setup& setup, std::size_t self, std::unique_ptr<Game> game)
     : Participant(setup, self, game->start()),
       game_(std::move(game)),
-      hands_(setup.objects[self].motions, setup.run.peers[self].keys),
-      hands_at_(hands_.begin()),
+      commands_(setup.objects[self].motions, setup.run.peers[self].keys),
+      driven_at_(commands_.begin()),
       players_(setup.run.peers.size()) {
   for (std::size_t i = 0; i < players_.size(); ++i) {
     for (const auto& [object, motion] : setup.objects[i].motions) players_[i].at.push_back(motion.pose(0.0));
@@ -95,9 +95,9 @@ void LockstepPlayer::on_packet(SimTime now, std::span<const std::byte> datagram)
 
 void LockstepPlayer::on_tick(SimTime now, std::int64_t tick) {
   const double tick_s = setup_.tick_s();
-  Command command = hands_.sample(static_cast<double>(tick) * tick_s, tick_s, hands_at_);
-  for (std::size_t i = 0; i < hands_at_.size(); ++i) {
-    hands_at_[i] = advance(driven(hands_at_[i], command.drives[i]), tick_s).pose();
+  Command command = commands_.sample(static_cast<double>(tick) * tick_s, tick_s, driven_at_);
+  for (std::size_t i = 0; i < driven_at_.size(); ++i) {
+    driven_at_[i] = advance(driven(driven_at_[i], command.drives[i]), tick_s).pose();
   }
   Inputs& own = players_[self_];
   own.by_tick.emplace(tick, std::move(command));
@@ -123,7 +123,9 @@ void LockstepPlayer::run_ready_ticks(SimTime now, std::int64_t until) {
     }
     game_->run_tick(samples);
     for (std::size_t i = 0; i < players_.size(); ++i) {
-      for (const KeyEvent& key : players_[i].by_tick.at(tick).keys) game_->press(i, key);
+      for (const KeyEvent& key : players_[i].by_tick.at(tick).keys) {
+        if (!game_->press(i, key) && i == self_) count("keys_without_effect");
+      }
       // Others may still ask for own inputs of the past.
       if (i != self_) players_[i].by_tick.erase(players_[i].by_tick.begin(), players_[i].by_tick.upper_bound(tick));
     }
@@ -153,8 +155,8 @@ void LockstepPlayer::record(SimTime now) {
     for (const ObjectId object : setup_.objects[i].owned) {
       const KinematicState state = game_->state(object);
       const auto motion = setup_.objects[i].motions.find(object);
-      const bool is_hand = i == self_ && motion != setup_.objects[i].motions.end();
-      note_sample(now, object, is_hand ? motion->second.sample(t_s) : state, state.pose());
+      const bool is_own_driven = i == self_ && motion != setup_.objects[i].motions.end();
+      note_sample(now, object, is_own_driven ? motion->second.sample(t_s) : state, state.pose());
     }
   }
 }

@@ -42,8 +42,8 @@ class LockstepPlayer final : public Participant {
   void run_ready_ticks(SimTime now, std::int64_t until);
 
   std::unique_ptr<Game> game_;
-  CommandSource hands_;
-  std::vector<Pose> hands_at_;   // own driven objects once all own inputs until now have taken effect
+  CommandSource commands_;
+  std::vector<Pose> driven_at_;  // own driven objects once all own inputs until now have taken effect
   std::vector<Inputs> players_;  // of all, this one included
 };
 

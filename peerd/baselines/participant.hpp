@@ -13,7 +13,7 @@
 
 namespace peerd::baselines {
 
-// What all participants of a run know before it begins.
+// All participants of a run know this before it begins.
 struct Setup {
   const config::RunSettings& run;  // with the server as its last peer, where the system has one
   const SharedWorld& shared;
@@ -53,7 +53,8 @@ class Participant {
  protected:
   void send(SimTime now, RegionId region, std::span<const std::byte> datagram);
   void note_update(SimTime now, ObjectId object, std::size_t bytes, const char* what);
-  // What the participant shows of an object, and, of its own object, the truth; of another one `state` is the ghost.
+  // Adds a row: `shown` is the pose that the participant shows, `state` the truth of an own object, and of another one
+  // the ghost.
   void note_sample(SimTime now, ObjectId object, const KinematicState& state, const Pose& shown);
   void note_contact(SimTime now, const char* kind, const replication::ContactEvent& contact);
   void count(const char* name, std::uint64_t by = 1) { log_.counters[name] += by; }

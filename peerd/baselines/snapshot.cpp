@@ -1,8 +1,5 @@
 #include "peerd/baselines/snapshot.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 namespace peerd::baselines {
 namespace {
 
@@ -11,29 +8,17 @@ using replication::BitWriter;
 
 constexpr unsigned kPosition = 1, kVelocity = 2, kOrientation = 4;  // what has changed
 
-std::array<std::int32_t, 3> rounded(const Vec3& value, double step) {
-  constexpr double kMost = 1 << 30;
-  std::array<std::int32_t, 3> steps{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    steps[i] =
-        static_cast<std::int32_t>(std::lround(std::clamp(value[static_cast<Eigen::Index>(i)] / step, -kMost, kMost)));
-  }
-  return steps;
-}
-
 // Differences wrap around, so that every difference has a form.
-void put_difference(BitWriter& out, const std::array<std::int32_t, 3>& from, const std::array<std::int32_t, 3>& to) {
+void put_difference(BitWriter& out, const Steps& from, const Steps& to) {
   for (std::size_t i = 0; i < 3; ++i) {
-    const std::uint32_t d = static_cast<std::uint32_t>(to[i]) - static_cast<std::uint32_t>(from[i]);
-    replication::put_varint(out, (d << 1) ^ (d >> 31 == 0 ? 0 : ~std::uint32_t{0}));
+    put_signed(out, static_cast<std::int32_t>(static_cast<std::uint32_t>(to[i]) - static_cast<std::uint32_t>(from[i])));
   }
 }
-bool take_difference(BitReader& in, std::array<std::int32_t, 3>& value) {
+bool take_difference(BitReader& in, Steps& value) {
   for (std::int32_t& v : value) {
-    std::uint32_t zigzag = 0;
-    if (!replication::take_varint(in, zigzag)) return false;
-    const std::uint32_t d = (zigzag >> 1) ^ ((zigzag & 1) == 0 ? 0 : ~std::uint32_t{0});
-    v = static_cast<std::int32_t>(static_cast<std::uint32_t>(v) + d);
+    std::int32_t difference = 0;
+    if (!take_signed(in, difference)) return false;
+    v = static_cast<std::int32_t>(static_cast<std::uint32_t>(v) + static_cast<std::uint32_t>(difference));
   }
   return true;
 }
@@ -58,16 +43,14 @@ bool take_orientation(BitReader& in, replication::SmallestThree& q) {
 }  // namespace
 
 SnapshotState snapshot_of(const KinematicState& state) {
-  return {rounded(state.position, kPositionStep_m), rounded(state.velocity, kVelocityStep_m_s),
+  return {in_steps(state.position, kPositionStep_m), in_steps(state.velocity, kVelocityStep_m_s),
           replication::smallest_three(state.orientation)};
 }
 
 KinematicState state_of(const SnapshotState& snapshot) {
   KinematicState state;
-  for (std::size_t i = 0; i < 3; ++i) {
-    state.position[static_cast<Eigen::Index>(i)] = snapshot.position[i] * kPositionStep_m;
-    state.velocity[static_cast<Eigen::Index>(i)] = snapshot.velocity[i] * kVelocityStep_m_s;
-  }
+  state.position = from_steps(snapshot.position, kPositionStep_m);
+  state.velocity = from_steps(snapshot.velocity, kVelocityStep_m_s);
   state.orientation = *replication::to_orientation(snapshot.orientation);
   return state;
 }

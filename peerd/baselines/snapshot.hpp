@@ -1,5 +1,4 @@
 #pragma once
-#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -13,8 +12,8 @@ namespace peerd::baselines {
 
 // An object as a server's snapshot has it, in whole steps.
 struct SnapshotState {
-  std::array<std::int32_t, 3> position{};  // of kPositionStep_m
-  std::array<std::int32_t, 3> velocity{};  // of kVelocityStep_m_s
+  Steps position{};  // of kPositionStep_m
+  Steps velocity{};  // of kVelocityStep_m_s
   replication::SmallestThree orientation{3, {}};
   friend bool operator==(const SnapshotState&, const SnapshotState&) = default;
 };

@@ -11,7 +11,7 @@
 
 namespace peerd::compare {
 
-// What one system costs on a scenario, and how wrong it is. Errors are of views of
+// Compared says what one system costs on a scenario, and how wrong it is. Errors are of views of
 // objects that move, each view weighted alike.
 struct Compared {
   std::string system;

@@ -9,7 +9,7 @@
 
 namespace peerd::compare {
 
-// Whose picture of an object: the owner's, or the observer's.
+// A picture of an object is the one that its owner sees, or the one that an observer sees.
 enum class Picture { kOwners, kObservers };
 
 // Whether the truth leaves its place.

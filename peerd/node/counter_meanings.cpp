@@ -55,6 +55,7 @@ constexpr std::array kTexts{
     CounterText{"key_changes_refused", "velocities that keys could not change"},
     CounterText{"keys", "keys pressed"},
     CounterText{"keys_unheard", "keys to which no KeySensor listens"},
+    CounterText{"keys_without_effect", "keys of a baseline that move nothing that their player owns"},
     CounterText{"models_changed", "how often somebody began to move what others are carried by"},
     CounterText{"net.announcements_in", "sealed announcements of peers' boots"},
     CounterText{"net.bytes_in", "UDP payload that reached the sockets"},

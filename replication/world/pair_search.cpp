@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "collision/contact/mesh_contact.hpp"
+#include "replication/world/tick_detection.hpp"
 
 namespace peerd::replication {
 namespace {
@@ -176,7 +177,9 @@ void PairSearch::note_apart(WatchedPair& pair, SimTime s) {
 
 // At contact times what has been answered is apart; at ticks it may be on its way out.
 bool PairSearch::was_apart(const WatchedPair& pair, SimTime s) const {
-  return detection_ == nullptr || !touch_at(pair, s);
+  const bool is_at_ticks =
+      detection_ != nullptr && with_query(pair, [](const PartQuery& query) { return TickDetection::answers(query); });
+  return !is_at_ticks || !touch_at(pair, s);
 }
 
 // The last instant of a search would have been a multiple of kLookahead or a change of the laws as they were.

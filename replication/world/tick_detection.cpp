@@ -28,9 +28,10 @@ struct Met {
   Vec3 normal;
 };
 
-// Of pairs that touch, in their order, the first whose collidee's polygon the middle of the collider is in front of
-// and, where the two answer each other, comes towards; of no polygon in front of which it is, the first behind which it
-// is. So what has been answered goes its way out, and does not meet the sides that it is between.
+// PolygonChoice finds the pair that a contact is of: the first, in their order, whose collidee's polygon faces the
+// middle of the collider, and towards which that moves where the two answer each other. Where no polygon faces it, the
+// first polygon counts behind which it is. So a body that has been answered leaves, and does not meet the sides around
+// it.
 class PolygonChoice {
  public:
   PolygonChoice(const PartQuery& query, const KinematicState& a, const KinematicState& b)
@@ -61,7 +62,7 @@ class PolygonChoice {
  private:
   static constexpr double kParallel = 0x1p-30;  // the sine of an angle that may be rounding
 
-  // Of a polygon without an area the direction between the middles.
+  // A polygon without an area has the direction between the middles of the two bodies as its normal.
   [[nodiscard]] Vec3 normal_of(std::uint32_t polygon) const {
     if (const auto normal = surface_.normal(polygon)) return multiply(rotation_, *normal);
     const Vec3 apart = middle_ - middle_b_;

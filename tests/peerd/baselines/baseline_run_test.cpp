@@ -23,6 +23,33 @@ TEST(BaselineRun, IsTheSameForTheSameSeed) {
   }
 }
 
+// The greatest distance of an object's truth between two runs.
+double farthest_m(const report::RunRecord& one, const report::RunRecord& other, const std::string& path) {
+  const auto found = std::ranges::find(one.objects, path, &report::ObjectInfo::path);
+  if (found == one.objects.end()) throw std::runtime_error("nobody owns " + path);
+  const ObjectId object = found->object;
+  EXPECT_EQ(one.ghost_samples.size(), other.ghost_samples.size());
+  double farthest_m = 0.0;
+  for (std::size_t i = 0; i < std::min(one.ghost_samples.size(), other.ghost_samples.size()); ++i) {
+    if (one.ghost_samples[i].object != object) continue;
+    const Vec3 apart = one.ghost_samples[i].truth.position - other.ghost_samples[i].truth.position;
+    farthest_m = std::max(farthest_m, apart.norm());
+  }
+  return farthest_m;
+}
+
+TEST(BaselineRun, KeysMoveWhatTheirPlayerOwns) {
+  for (const char* system : {"lockstep", "server"}) {
+    SCOPED_TRACE(system);
+    const auto pressed = run_system(kKeys, system), not_by_a = run_system(kKeys, system, {"peer.a.key=[]"});
+    EXPECT_GT(farthest_m(pressed, not_by_a, "RED"), 1.0);
+    EXPECT_EQ(farthest_m(pressed, not_by_a, "RAMP/BLUE"), 0.0) << "b presses the same keys";
+    EXPECT_FALSE(pressed.counters.contains("keys_without_effect"));
+    const auto unheard = run_system(kKeys, system, {"peer.a.key=[{at_s = 1, key = \"F9\"}]"});
+    EXPECT_EQ(unheard.counters.at("keys_without_effect"), 1u);
+  }
+}
+
 TEST(BaselineRun, RefusesWhatOtherSystemsDoNotHave) {
   const auto why = [](std::vector<std::string> sets) {
     const auto record = try_system(kMeeting, "server", std::move(sets));

@@ -48,20 +48,20 @@ TEST(CommandOfAPlayer, UnknownBitsAndTooManyKeysAreRefused) {
   EXPECT_FALSE(take(many, 0, read));
 }
 
-// The hands go by what they have at each tick, so that rounding does not add up.
-TEST(HandsOfAPlayer, KeepAnObjectOnItsMotion) {
+// The source goes by where its objects are at each tick, so that rounding does not add up.
+TEST(CommandSourceOfAPlayer, KeepsAnObjectOnItsMotion) {
   config::MotionFormula formula;
   formula.x = "3 * sin(t)";
   formula.z = "2 * t";
   formula.angle = "0.7 * t";
   config::Motions motions;
   motions.emplace(ObjectId{}, config::MotionSource(*config::FormulaMotion::make(formula, "a test", 20.0)));
-  CommandSource hands(motions, {{0.5, {65, 0}}});
-  std::vector<Pose> at = hands.begin();
+  CommandSource source(motions, {{0.5, {65, 0}}});
+  std::vector<Pose> at = source.begin();
   constexpr double kTick_s = 1.0 / 35.0;
   std::size_t keys = 0;
   for (int tick = 0; tick < 500; ++tick) {
-    const Command command = hands.sample(tick * kTick_s, kTick_s, at);
+    const Command command = source.sample(tick * kTick_s, kTick_s, at);
     at[0] = advance(driven(at[0], command.drives[0]), kTick_s).pose();
     keys += command.keys.size();
     const Pose wanted = motions.begin()->second.pose((tick + 1) * kTick_s);

@@ -50,13 +50,4 @@ TEST(LockstepPlayer, AgreesOnACollisionWithoutAWord) {
   }
 }
 
-TEST(LockstepPlayer, KeysMoveWhatTheirPlayerOwns) {
-  const auto record = run_system(kKeys, "lockstep");
-  double way_m = 0.0;
-  for (const report::GhostSample& s : record.ghost_samples) {
-    way_m = std::max(way_m, (s.truth.position - record.ghost_samples.front().truth.position).norm());
-  }
-  EXPECT_GT(way_m, 1.0);
-}
-
 }  // namespace peerd::baselines::lockstep_test
