@@ -307,6 +307,7 @@ TransportSettings read_transport(TomlReader reader) {
   reader.read("busy_poll_us", s.busy_poll_us, 0, kBusyPollMax_us);
   reader.read_word("multicast", s.multicast, {"auto", "always", "never"});
   reader.read("peers", s.peers);
+  reader.read("relays", s.relays);
   reader.read("discoverable", s.discoverable);
   std::uint32_t snapshot_port = 0;
   reader.read("snapshot_port", snapshot_port, 1, 65535);

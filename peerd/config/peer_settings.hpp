@@ -113,6 +113,7 @@ struct TransportSettings {
   std::uint32_t busy_poll_us = 0;   // polling time before the peer sleeps; 0: none
   std::size_t multicast = 0;        // kMulticastAuto, kMulticastAlways or kMulticastNever
   std::vector<std::string> peers;   // "HOST:PORT": whom unicast greets first
+  std::vector<std::string> relays;  // "HOST:PORT": through which of them all others are reached, the first that answers
   bool discoverable = true;         // says that it is here to who asks in this LAN, and gives its world to who joins
   std::uint16_t snapshot_port = 0;  // TCP, for who joins; 0: the system chooses one
   bool sealed = true;               // datagrams are encrypted, and those that another key has sealed are dropped

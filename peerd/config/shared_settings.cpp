@@ -17,7 +17,7 @@ namespace {
 constexpr std::array kShared{"world_name", "expansion", "replication", "decisions", "relay", "regions", "collision"};
 constexpr std::array kMulticastWords{"auto", "always", "never"};  // by TransportSettings::multicast
 
-constexpr std::array kSharedTransport{"group", "group_pool", "ttl", "multicast", "port"};
+constexpr std::array kSharedTransport{"group", "group_pool", "ttl", "multicast", "port", "relays"};
 
 template <std::size_t kCount>
 std::optional<std::string> other_key(const toml::table& table, const std::array<const char*, kCount>& keys) {
@@ -50,6 +50,11 @@ std::string shared_settings(const RunSettings& run) {
                         {"ttl", static_cast<std::int64_t>(run.transport.ttl)},
                         {"multicast", kMulticastWords.at(run.transport.multicast)}};
   if (run.transport.port) transport.insert("port", static_cast<std::int64_t>(*run.transport.port));
+  if (!run.transport.relays.empty()) {
+    toml::array relays;
+    for (const std::string& relay : run.transport.relays) relays.push_back(relay);
+    transport.insert("relays", relays);
+  }
   shared.insert("transport", transport);
   toml::table peers;
   for (const PeerSettings& peer : run.peers) {

@@ -25,6 +25,8 @@ bool cuts_regions(const RunSettings& run) { return run.replication.regions.cell_
 bool has_game_server(const RunSettings& run) { return run.baseline.system == BaselineSystem::kServer; }
 bool has_relay(const RunSettings& run) { return run.replication.relay.through != kNobody; }
 
+bool has_no_relays(const RunSettings& run) { return run.transport.relays.empty(); }
+
 bool delays_display(const RunSettings& run) {
   const replication::DisplayDelay& delay = run.replication.display_delay;
   return delay.fixed > Duration{0} || delay.measured;
@@ -104,6 +106,8 @@ constexpr std::array kRules{
          [](const RunSettings& run) { return run.transport.multicast != kMulticastAlways; },
          "transport.multicast is always",
          {"transport.multicast"}},
+    Rule{"transport.peers", has_no_relays, "transport.relays reach all others", {"transport.relays"}},
+    Rule{"transport.multicast", has_no_relays, "transport.relays reach all others", {"transport.relays"}},
     Rule{"transport.ttl",
          [](const RunSettings& run) { return run.transport.multicast != kMulticastNever; },
          "transport.multicast is never",

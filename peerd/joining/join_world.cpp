@@ -55,12 +55,14 @@ Result<std::vector<snapshot::Provider>> providers_of(const World& world) {
   return std::unexpected(InputError{"error: no peer of \"" + world.name + "\" gives it to who joins", kNoSuchWorld});
 }
 
-// In a session by unicast, a joining peer first greets the peers that gave it the world.
+// In a session by unicast without relays, a joining peer first greets the peers that gave it the world.
 Result<void> greet_first(const std::vector<snapshot::Provider>& providers, const std::string& settings,
                          PeerOptions& peer) {
   const auto shared = config::parse_toml(settings, "the settings that were given");
   if (!shared) return std::unexpected(shared.error());
   if (shared->at_path("transport.multicast").value_or(std::string()) != "never") return {};
+  const toml::array* const relays = shared->at_path("transport.relays").as_array();
+  if (relays != nullptr && !relays->empty()) return {};
   const auto port = shared->at_path("transport.port").value_or(std::int64_t{config::kDefaultPort});
   std::vector<std::string> addresses;
   for (const snapshot::Provider& provider : providers) {

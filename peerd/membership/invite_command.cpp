@@ -6,14 +6,32 @@
 #include "peerd/keys/invitation.hpp"
 #include "peerd/keys/key_file.hpp"
 #include "peerd/running/roster_file.hpp"
+#include "peerd/seal/relay_key.hpp"
 
 namespace peerd {
+
+namespace {
+
+// A member's own identity opens the key that the roster has.
+int print_relay_key(const seal::Roster& roster, std::ostream& out) {
+  const auto file = seal::chosen_identity_file({});
+  if (!file) return failed(file.error());
+  const auto identity = seal::read_identity(*file);
+  if (!identity) return failed(identity.error());
+  const auto key = roster.session_key(*identity);
+  if (!key) return failed({"error: by the world's roster this user is no member", 2});
+  out << seal::relay_key_text(*key) << '\n';
+  return 0;
+}
+
+}  // namespace
 
 int run_invite(const InviteOptions& options, std::ostream& out) {
   const auto roster_file = chosen_roster_file({}, options.world);
   if (roster_file && options.key.empty()) {
     const auto roster = read_roster(*roster_file);
     if (!roster) return failed(roster.error());
+    if (*roster && options.relay) return print_relay_key(**roster, out);
     if (*roster) {
       out << "peerd join --invite " << seal::text_of(**roster) << '\n';
       return 0;
@@ -25,6 +43,10 @@ int run_invite(const InviteOptions& options, std::ostream& out) {
   if (!key) {
     return failed(InputError{key.error().text + "; a peer of this user makes one when it first runs that world",
                              key.error().exit_code});
+  }
+  if (options.relay) {
+    out << seal::relay_key_text(*key) << '\n';
+    return 0;
   }
   out << "peerd join --invite " << seal::text_of(options.world, *key) << '\n';
   std::cerr << "That line is as secret as the key: whoever has it is in. Where others use the other computer, too, run "

@@ -10,6 +10,7 @@ namespace peerd {
 // the exit code: 0; 2 the key is refused; 3 this user has none of that world.
 struct InviteOptions {
   std::string world;
+  bool relay = false;         // print the key of a relay instead: what it needs to be greeted, and to read nothing
   std::filesystem::path key;  // of --key; empty: this user's own of the world
 };
 [[nodiscard]] int run_invite(const InviteOptions& options, std::ostream& out);

@@ -41,6 +41,8 @@ std::map<std::string, std::uint64_t> TrafficCounters::named() const {
       {"net.out_too_large", out_too_large},
       {"net.out_no_group", out_no_group},
       {"net.out_errors", out_errors},
+      {"net.out_unwanted", out_unwanted},
+      {"net.relay_changes", relay_changes},
       {"net.greetings_in", greetings_in},
       {"net.greetings_out", greetings_out},
       {"net.peers_refused", peers_refused},

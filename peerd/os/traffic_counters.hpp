@@ -50,6 +50,8 @@ struct TrafficCounters {
   std::uint64_t out_too_large = 0;    // longer than kMaxDatagramBytes
   std::uint64_t out_no_group = 0;     // the region lies past the end of the multicast range
   std::uint64_t out_errors = 0;
+  // Through a relay (peerd/relay): to a region that nobody behind it wants, and how often it was another one or none.
+  std::uint64_t out_unwanted = 0, relay_changes = 0;
 
   // Greetings are of unicast alone (unicast_frame.hpp). Greetings that leave are in packets_out, too.
   std::uint64_t greetings_in = 0, greetings_out = 0;

@@ -22,6 +22,7 @@ std::vector<std::string> network_settings(const RunFlags& flags) {
   if (!flags.interface.empty()) sets.push_back("transport.interface=" + json_line(flags.interface));
   if (!flags.group.empty()) sets.push_back("transport.group=" + json_line(flags.group));
   if (flags.port) sets.push_back("transport.port=" + std::to_string(*flags.port));
+  if (!flags.relays.empty()) sets.push_back("transport.relays=" + json_line(flags.relays));
   return sets;
 }
 

@@ -14,6 +14,7 @@ namespace peerd {
 [[nodiscard]] Command add_invite(CLI::App& app);
 [[nodiscard]] Command add_keygen(CLI::App& app);
 [[nodiscard]] Command add_members(CLI::App& app);
+[[nodiscard]] Command add_relay(CLI::App& app);
 [[nodiscard]] Command add_ls(CLI::App& app);
 [[nodiscard]] Command add_doctor(CLI::App& app);
 [[nodiscard]] Command add_store(CLI::App& app);

@@ -11,12 +11,14 @@
 #include "peerd/membership/members_command.hpp"
 #include "peerd/program/commands.hpp"
 #include "peerd/program/shared_options.hpp"
+#include "peerd/relay/relay_command.hpp"
 
 namespace peerd {
 namespace {
 
 constexpr NumberRange kAskedSeconds{0.1, 60.0};
 constexpr NumberRange kWaitedSeconds{1.0, 3600.0};
+constexpr std::int64_t kPortMax = 65535;
 
 }  // namespace
 
@@ -27,6 +29,8 @@ Command add_invite(CLI::App& app) {
   command->footer("Exit codes: 0 good, 2 wrong use, 3 there is no key of that world");
   command->add_option("world", options->world, "the world's name, as peerd ls says")->required();
   command->add_option("--key", options->key, "the file of its key (default: this user's own of that world)");
+  command->add_flag("--relay", options->relay,
+                    "print the key of a relay in place of that: it passes on what it cannot read (peerd relay)");
   return {command, [options] { return run_invite(*options, std::cout); }};
 }
 
@@ -60,6 +64,55 @@ Command add_members(CLI::App& app) {
   command->add_option("--identity", options->identity, "the file of who this user is (default: this user's own)");
   command->add_flag("--json", options->json, "one JSON object");
   return {command, [options] { return run_members(*options, std::cout); }};
+}
+
+Command add_relay(CLI::App& app) {
+  const auto options = std::make_shared<RelayCommandOptions>();
+  CLI::App* const command = app.add_subcommand(
+      "relay", "passes a session's datagrams on between networks, without reading them, where somebody wants them");
+  command->footer("Exit codes: 0 good, 2 wrong use, 3 the environment");
+  command->add_option("--port", options->port, "the UDP port where peers (transport.relays) and relays reach it")
+      ->transform(whole_number_in(1, kPortMax))
+      ->capture_default_str();
+  command->add_option("--parent", options->parents,
+                      "HOST:PORT of a relay above this one (repeatable: the first that answers; without one it is the "
+                      "root of its tree)")
+      ->allow_extra_args(false);
+  command->add_option("--island", options->islands,
+                      "an interface whose peers multicast to each other (repeatable); of several relays there one is "
+                      "active")
+      ->allow_extra_args(false);
+  command->add_option("--mesh", options->mesh, "HOST:PORT of a peer of a session by unicast (repeatable)")
+      ->allow_extra_args(false);
+  command->add_option("--mesh-port", options->mesh_port, "the relay's own port among those peers")
+      ->transform(whole_number_in(1, kPortMax));
+  command->add_option("--group", options->group, "as transport.group of the islands' peers")->capture_default_str();
+  command->add_option("--group-port", options->group_port, "as transport.port of the islands' peers")
+      ->transform(whole_number_in(1, kPortMax))
+      ->capture_default_str();
+  command->add_option("--group-pool", options->group_pool, "as transport.group_pool of the islands' peers")
+      ->transform(whole_number_in(0, 65536));
+  command->add_option("--ttl", options->ttl, "hops of multicast datagrams")
+      ->transform(whole_number_in(0, 255))
+      ->capture_default_str();
+  command->add_option("--dscp", options->dscp, "priority of its datagrams, 0 to 63")
+      ->transform(whole_number_in(0, 63));
+  command->add_option("--relay-key", options->relay_key, "the file with the line of peerd invite WORLD --relay");
+  command->add_option("--world", options->world, "a world of which this user has the key, in place of that");
+  command->add_option("--key", options->key, "the file of the session's key, in place of that");
+  command->add_flag("--open", options->open, "the session is not sealed");
+  command
+      ->add_option("--budget", options->budget_kib_s,
+                   "KiB a second at most to each peer and relay; updates are left out first (default: no limit)")
+      ->transform(number_in(NumberRange{1, 1e9}));
+  command->add_option("--report", options->report_s, "says so often [s] what it has passed on (default: at the end)")
+      ->transform(number_in(NumberRange{0.1, 86400}));
+  command->add_flag("--json", options->json, "reports are JSON objects, one a line");
+  add_log_option(*command, options->log);
+  return {command, [options] {
+            if (options->json) options->log = LogFormat::kJson;
+            return run_relay(*options);
+          }};
 }
 
 Command add_ls(CLI::App& app) {

@@ -22,6 +22,10 @@ void add_network_options(CLI::App& command, RunFlags& flags) {
                      "multicast group of region 0, IPv4 or IPv6 (default: the configuration's, else 239.192.80.0)");
   command.add_option("--port", flags.port, "UDP port (default: the configuration's, else 47474)")
       ->transform(whole_number_in(1, 65535));
+  command
+      .add_option("--relay", flags.relays,
+                  "HOST:PORT of a peerd relay that reaches all others (repeatable: the first that answers)")
+      ->allow_extra_args(false);
 }
 
 void add_own_options(CLI::App& command, PeerOptions& peer, RunFlags& flags, const std::string& described) {
@@ -61,16 +65,19 @@ void add_own_options(CLI::App& command, PeerOptions& peer, RunFlags& flags, cons
       ->excludes(key);
   auto* const json = command.add_flag_callback(
       "--json", [&peer] { peer.log = LogFormat::kJson; }, "the same as --log json");
-  const auto set_format = [&peer](const std::string& word) {
-    peer.log = word == "json" ? LogFormat::kJson : word == "journal" ? LogFormat::kJournal : LogFormat::kText;
+  add_log_option(command, peer.log)->excludes(json);
+  command.add_flag("-v,--verbose", peer.verbose, "log updates and predictions too");
+}
+
+CLI::Option* add_log_option(CLI::App& command, LogFormat& format) {
+  const auto set_format = [&format](const std::string& word) {
+    format = word == "json" ? LogFormat::kJson : word == "journal" ? LogFormat::kJournal : LogFormat::kText;
   };
-  command
+  return command
       .add_option_function<std::string>(
           "--log", set_format,
           "what log lines are: text, json, or journal, which has priorities for systemd's (default: text)")
-      ->check(CLI::IsMember(std::vector<std::string>{"text", "json", "journal"}).description(""))
-      ->excludes(json);
-  command.add_flag("-v,--verbose", peer.verbose, "log updates and predictions too");
+      ->check(CLI::IsMember(std::vector<std::string>{"text", "json", "journal"}).description(""));
 }
 
 void add_store_options(CLI::App& command, StoreOptions& store, const std::string& by_default) {

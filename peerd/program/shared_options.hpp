@@ -15,6 +15,9 @@ void add_network_options(CLI::App& command, RunFlags& flags);
 // The options of a peer that no configuration describes, and of all others. `described` says of which peers --name is.
 void add_own_options(CLI::App& command, PeerOptions& peer, RunFlags& flags, const std::string& described);
 
+// In which format a command logs.
+CLI::Option* add_log_option(CLI::App& command, LogFormat& format);
+
 // The store of a peer; `by_default` says which it is without them.
 void add_store_options(CLI::App& command, StoreOptions& store, const std::string& by_default);
 

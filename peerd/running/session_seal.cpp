@@ -86,7 +86,7 @@ LogLine SessionSeal::line() const {
 
 std::shared_ptr<net::GreetingSeal> SessionSeal::greetings(const SayLine& say) {
   if (!key()) return nullptr;
-  greetings_ = std::make_shared<seal::SealedGreetings>(*key(), [say](const std::string& line) {
+  greetings_ = std::make_shared<seal::SealedGreetings>(seal::SealedGreetings::key_of(*key()), [say](const std::string& line) {
     say({LogLevel::kWarning, line});
   });
   return greetings_;
@@ -123,7 +123,7 @@ void SessionSeal::adopt(const seal::Roster& roster, const SayLine& say) {
   }
   transport_->follow_roster();
   if (followed_) followed_(roster.text());
-  if (greetings_) greetings_->rekey(*key());
+  if (greetings_) greetings_->rekey(seal::SealedGreetings::key_of(*key()));
   say(line());
 }
 

@@ -13,12 +13,11 @@ static_assert(SealedGreetings::kAdded_bytes == 1 + kNonceSealAdded_bytes);
 
 }  // namespace
 
-SealedGreetings::SealedGreetings(const SymmetricKey& session, Warn warn)
-    : key_(session.derived("greetings", {})), warn_(std::move(warn)) {
+SymmetricKey SealedGreetings::key_of(const SymmetricKey& session) { return session.derived("greetings", {}); }
+
+SealedGreetings::SealedGreetings(const SymmetricKey& key, Warn warn) : key_(key), warn_(std::move(warn)) {
   assert(warn_);
 }
-
-void SealedGreetings::rekey(const SymmetricKey& session) { key_ = session.derived("greetings", {}); }
 
 std::vector<std::byte> SealedGreetings::seal(std::span<const std::byte> greeting) {
   std::vector<std::uint8_t> text{std::to_integer<std::uint8_t>(kMark)};

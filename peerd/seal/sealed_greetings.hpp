@@ -4,7 +4,7 @@
 #include <string>
 
 #include "peerd/keys/symmetric_key.hpp"
-#include "peerd/transport/greeting_seal.hpp"
+#include "peerd/greeting/greeting_seal.hpp"
 
 namespace peerd::seal {
 
@@ -12,14 +12,16 @@ namespace peerd::seal {
 // the numbers in it, which their receivers renew, say that it is old (net::KnownPeers).
 class SealedGreetings final : public net::GreetingSeal {
  public:
-  static constexpr std::byte kMark{0x67};  // the first byte
   static constexpr std::size_t kAdded_bytes = 1 + 24 + 16;
   using Warn = std::function<void(const std::string&)>;
 
-  // `warn` gets a line about who is not opened, once a minute.
-  SealedGreetings(const SymmetricKey& session, Warn warn);
-  // The session has another key from now on.
-  void rekey(const SymmetricKey& session);
+  // The key of a session's greetings, from which nobody finds the session's: a relay has it (peerd/relay).
+  [[nodiscard]] static SymmetricKey key_of(const SymmetricKey& session);
+
+  // `key`: of the greetings. `warn` gets a line about who is not opened, once a minute.
+  SealedGreetings(const SymmetricKey& key, Warn warn);
+  // The session has other keys from now on.
+  void rekey(const SymmetricKey& key) { key_ = key; }
 
   [[nodiscard]] std::vector<std::byte> seal(std::span<const std::byte> greeting) override;
   [[nodiscard]] std::optional<std::vector<std::byte>> open(std::span<const std::byte> sealed, HostTime at,

@@ -14,7 +14,7 @@
 #include "peerd/os/host_clock.hpp"
 #include "peerd/seal/roster_exchange.hpp"
 #include "peerd/seal/sealer.hpp"
-#include "peerd/transport/source_buckets.hpp"
+#include "peerd/greeting/source_buckets.hpp"
 #include "peerd/transport/transport.hpp"
 
 namespace peerd::seal {

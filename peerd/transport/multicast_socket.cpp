@@ -7,6 +7,7 @@
 #include <sys/socket.h>
 
 #include <array>
+#include <algorithm>
 #include <cassert>
 #include <cerrno>
 #include <cstring>
@@ -15,7 +16,7 @@
 #include <utility>
 
 #include "peerd/os/udp_socket.hpp"
-#include "peerd/transport/unicast_frame.hpp"
+#include "peerd/greeting/unicast_frame.hpp"
 
 // linux/in6.h defines it since Linux 4.20, but cannot be included beside netinet/in.h.
 #ifndef IPV6_MULTICAST_ALL
@@ -258,6 +259,11 @@ std::expected<void, NetError> MulticastSocket::leave(RegionId region) {
                                                "; its datagrams are dropped here all the same");
   }
   return {};
+}
+
+void MulticastSocket::follow_world(std::uint32_t group_offset) {
+  assert(std::ranges::all_of(joined_, [](RegionId region) { return region == RegionId{0}; }));
+  options_.groups.offset = group_offset;
 }
 
 std::optional<InterfaceChange> MulticastSocket::follow_interface() {

@@ -57,6 +57,9 @@ class MulticastSocket final : public Transport {
   [[nodiscard]] asio::ip::address own_address() const override { return own_address_; }
   [[nodiscard]] std::string describe() const override;
   [[nodiscard]] const ChosenInterface& chosen_interface() const { return chosen_; }
+  // The groups of regions are from now on those of another world (GroupPlan::offset). No region but that of the whole
+  // scene may be joined, whose group is the same in all worlds.
+  void follow_world(std::uint32_t group_offset);
   [[nodiscard]] std::size_t socket_count() const { return sockets_.size(); }
   // The descriptor of the sending socket.
   [[nodiscard]] int native_handle() {

@@ -3,7 +3,9 @@
 #include <charconv>
 
 #include "peerd/os/udp_socket.hpp"
+#include "peerd/transport/island_member.hpp"
 #include "peerd/transport/multicast_probe.hpp"
+#include "peerd/transport/relay_transport.hpp"
 
 namespace peerd::net {
 namespace {
@@ -48,6 +50,23 @@ std::expected<std::unique_ptr<Transport>, NetError> open_unicast(asio::io_contex
                               .seal = options.greetings,
                               .dscp = m.dscp,
                               .receive_buffer_bytes = m.receive_buffer_bytes});
+}
+
+std::expected<OpenedTransport, NetError> open_relay(asio::io_context& io, const HostClock& clock,
+                                                    const TransportOptions& options) {
+  const MulticastOptions& m = options.multicast;
+  const IpFamily family = m.groups.base.is_v4() ? IpFamily::kV4 : IpFamily::kV6;
+  auto relays = resolve_peers(options.relays, family, "transport.relays");
+  if (!relays) return std::unexpected(relays.error());
+  auto opened = RelayTransport::open(io, clock,
+                                     {.family = family,
+                                      .relays = *std::move(relays),
+                                      .key = options.key,
+                                      .seal = options.greetings,
+                                      .dscp = m.dscp,
+                                      .receive_buffer_bytes = m.receive_buffer_bytes});
+  if (!opened) return std::unexpected(opened.error());
+  return OpenedTransport{*std::move(opened), "transport.relays names how the others are reached"};
 }
 
 }  // namespace
@@ -102,6 +121,7 @@ std::expected<std::string, NetError> why_unicast(const HostClock& clock, const T
 
 std::expected<OpenedTransport, NetError> open_transport(asio::io_context& io, const HostClock& clock,
                                                         const TransportOptions& options) {
+  if (!options.relays.empty()) return open_relay(io, clock, options);
   auto why = why_unicast(clock, options);
   if (!why) return std::unexpected(why.error());
   if (why->empty()) {
@@ -110,7 +130,12 @@ std::expected<OpenedTransport, NetError> open_transport(asio::io_context& io, co
     const ChosenInterface& over = (*opened)->chosen_interface();
     const bool only_here = options.multicast.interface.empty() && over.interface.loopback;
     std::string why_only_here = only_here ? over.why : "";
-    return OpenedTransport{*std::move(opened), {}, std::move(why_only_here)};
+    auto member = std::make_unique<IslandMember>(clock, *std::move(opened),
+                                                 IslandMember::Options{.key = options.key,
+                                                                       .seal = options.greetings,
+                                                                       .v4 = options.multicast.groups.base.is_v4(),
+                                                                       .group_offset = options.multicast.groups.offset});
+    return OpenedTransport{std::move(member), {}, std::move(why_only_here)};
   }
   auto opened = open_unicast(io, clock, options);
   if (!opened) return std::unexpected(opened.error());

@@ -39,6 +39,7 @@ Result<net::TransportOptions> transport_options(const config::TransportSettings&
   options.multicast.receive_buffer_bytes = static_cast<int>(settings.receive_buffer_bytes);
   options.use = use_of(settings.multicast);
   options.peers = settings.peers;
+  options.relays = settings.relays;
   options.key = key;
   return options;
 }

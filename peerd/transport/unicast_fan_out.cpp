@@ -6,6 +6,7 @@
 #include <cassert>
 #include <utility>
 
+#include "peerd/greeting/read_greeting.hpp"
 #include "peerd/os/udp_socket.hpp"
 
 namespace peerd::net {
@@ -164,27 +165,9 @@ void UnicastFanOut::take_datagram(const Received& received, HostTime at) {
   handler_({region, received.bytes.subspan(kRegionHeaderBytes), at, received.from});
 }
 
-std::optional<Greeting> UnicastFanOut::read_greeting(const Received& received, HostTime at) {
-  std::optional<std::vector<std::byte>> opened;
-  if (options_.seal) {
-    if (!strangers_.admits(received.from.address(), SourceBuckets::Kind::kAnnouncement, at)) {
-      ++counters_.greetings_flood;
-      return std::nullopt;
-    }
-    opened = options_.seal->open(received.bytes, at, received.from);
-    if (!opened) {
-      ++counters_.greetings_unopened;
-      return std::nullopt;
-    }
-  }
-  auto greeting =
-      decode_greeting(opened ? std::span<const std::byte>(*opened) : received.bytes, options_.family == IpFamily::kV4);
-  if (!greeting) ++counters_.in_malformed;
-  return greeting;
-}
-
 void UnicastFanOut::on_greeting(const Received& received, HostTime at) {
-  const auto greeting = read_greeting(received, at);
+  const auto greeting = read_greeting(received.bytes, options_.family == IpFamily::kV4, options_.seal.get(), at,
+                                      received.from, strangers_, counters_);
   if (!greeting) return;
   ++counters_.greetings_in;
   const std::size_t introduced = known_.introduced();

@@ -14,9 +14,9 @@
 
 #include "peerd/os/interfaces.hpp"
 #include "peerd/os/udp_receiver.hpp"
-#include "peerd/transport/greeting_seal.hpp"
-#include "peerd/transport/known_peers.hpp"
-#include "peerd/transport/source_buckets.hpp"
+#include "peerd/greeting/greeting_seal.hpp"
+#include "peerd/greeting/known_peers.hpp"
+#include "peerd/greeting/source_buckets.hpp"
 #include "peerd/transport/transport.hpp"
 
 namespace peerd::net {
@@ -65,7 +65,6 @@ class UnicastFanOut final : public Transport {
 
   void take(const Received& received, HostTime at);
   void on_greeting(const Received& received, HostTime at);
-  [[nodiscard]] std::optional<Greeting> read_greeting(const Received& received, HostTime at);
   void take_datagram(const Received& received, HostTime at);
   void push(const asio::ip::udp::endpoint& to, std::span<const std::byte> header, std::span<const std::byte> datagram);
   void greet(const asio::ip::udp::endpoint& to, Greeting greeting);

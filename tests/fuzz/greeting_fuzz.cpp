@@ -7,7 +7,7 @@
 #include <span>
 
 #include "peerd/seal/sealed_greetings.hpp"
-#include "peerd/transport/known_peers.hpp"
+#include "peerd/greeting/known_peers.hpp"
 
 namespace {
 

@@ -10,7 +10,7 @@
 #include "peerd/record/udp_packet.hpp"
 #include "peerd/seal/sealed_greetings.hpp"
 #include "peerd/seal/sealer.hpp"
-#include "peerd/transport/unicast_frame.hpp"
+#include "peerd/greeting/unicast_frame.hpp"
 #include "replication/wire/codec.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 #include "tests/sim/dissector/tshark.hpp"

@@ -27,8 +27,8 @@ class SealedGreetingsTest : public testing::Test {
   }
   const SymmetricKey key = SymmetricKey::random();
   std::vector<std::string> lines;
-  SealedGreetings here{key, [](const std::string&) {}};
-  SealedGreetings there{key, [this](const std::string& line) { lines.push_back(line); }};
+  SealedGreetings here{SealedGreetings::key_of(key), [](const std::string&) {}};
+  SealedGreetings there{SealedGreetings::key_of(key), [this](const std::string& line) { lines.push_back(line); }};
 };
 
 TEST_F(SealedGreetingsTest, AreOpenedByTheSameKeyAlone) {

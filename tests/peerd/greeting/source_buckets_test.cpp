@@ -1,4 +1,4 @@
-#include "peerd/transport/source_buckets.hpp"
+#include "peerd/greeting/source_buckets.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "peerd/transport/unicast_frame.hpp"
+#include "peerd/greeting/unicast_frame.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -8,8 +8,8 @@ namespace {
 
 using asio::ip::udp;
 
-constexpr std::byte kRegionMark{0x52}, kGreetingMark{0x47};
-constexpr std::uint64_t kReply = 1, kLeaving = 2, kFlags = 3;
+constexpr std::byte kRegionMark{0x52}, kRelayMark{0x53};
+constexpr std::uint64_t kReply = 1, kLeaving = 2, kLink = 4, kDetached = 8, kFlags = 15;
 constexpr std::uint64_t kAllRegions = 0xFF;
 constexpr int kInstanceBytes = 4, kNumberBytes = kAddressNumberBits / 8;
 
@@ -47,6 +47,32 @@ udp::endpoint take_peer(Cursor& from, bool v4) {
   return {asio::ip::address_v6(bytes), port};
 }
 
+void put(std::vector<std::byte>& out, const LinkNote& note) {
+  put(out, static_cast<std::uint64_t>(note.sent_at_ns), 8);
+  put(out, static_cast<std::uint64_t>(note.echoed_ns), 8);
+  for (const std::uint32_t value : {note.held_us, note.datagrams_out, note.datagrams_in, note.group_offset}) {
+    put(out, value, 4);
+  }
+  assert(note.path.size() <= kRelayPathMax);
+  put(out, note.path.size(), 1);
+  for (const std::uint32_t relay : note.path) put(out, relay, kInstanceBytes);
+}
+
+LinkNote take_note(Cursor& from, bool detached) {
+  LinkNote note{.detached = detached};
+  note.sent_at_ns = static_cast<std::int64_t>(from.take(8));
+  note.echoed_ns = static_cast<std::int64_t>(from.take(8));
+  for (std::uint32_t* const value : {&note.held_us, &note.datagrams_out, &note.datagrams_in, &note.group_offset}) {
+    *value = static_cast<std::uint32_t>(from.take(4));
+  }
+  const std::uint64_t relays = from.take(1);
+  from.good = from.good && relays <= kRelayPathMax;
+  for (std::uint64_t i = 0; i < relays && from.good; ++i) {
+    note.path.push_back(static_cast<std::uint32_t>(from.take(kInstanceBytes)));
+  }
+  return note;
+}
+
 }  // namespace
 
 std::array<std::byte, kRegionHeaderBytes> region_header(RegionId region) {
@@ -60,20 +86,41 @@ std::optional<RegionId> read_region_header(std::span<const std::byte> bytes) {
   return RegionId{static_cast<std::uint32_t>(cursor.take(4))};
 }
 
+std::array<std::byte, kRelayHeaderBytes> relay_header(const RelayHeader& header) {
+  const std::uint32_t region = header.region.value;
+  return {kRelayMark,
+          static_cast<std::byte>(region >> 24),
+          static_cast<std::byte>(region >> 16),
+          static_cast<std::byte>(region >> 8),
+          static_cast<std::byte>(region),
+          static_cast<std::byte>(header.hops)};
+}
+
+std::optional<RelayHeader> read_relay_header(std::span<const std::byte> bytes) {
+  if (bytes.size() < kRelayHeaderBytes || bytes.front() != kRelayMark) return std::nullopt;
+  Cursor cursor{bytes.subspan(1)};
+  RelayHeader header{RegionId{static_cast<std::uint32_t>(cursor.take(4))}};
+  header.hops = static_cast<std::uint8_t>(cursor.take(1));
+  return header.hops <= kRelayHopsMax ? std::optional(header) : std::nullopt;
+}
+
 std::vector<std::byte> encode(const Greeting& greeting, bool v4) {
+  assert(!greeting.link || greeting.peers.empty());
   const bool all = greeting.all_regions || greeting.regions.size() > kGreetingRegionsMax;
   const std::size_t peers = std::min(greeting.peers.size(), kGreetingPeersMax);
   std::vector<std::byte> out{kGreetingMark};
   put(out, greeting.instance, kInstanceBytes);
   put(out, greeting.number, kNumberBytes);
   put(out, greeting.echo, kNumberBytes);
-  put(out, (greeting.reply ? kReply : 0) | (greeting.leaving ? kLeaving : 0), 1);
+  const std::uint64_t link = !greeting.link ? 0 : kLink | (greeting.link->detached ? kDetached : 0);
+  put(out, (greeting.reply ? kReply : 0) | (greeting.leaving ? kLeaving : 0) | link, 1);
   put(out, all ? kAllRegions : greeting.regions.size(), 1);
   put(out, peers, 1);
   if (!all) {
     for (const RegionId region : greeting.regions) put(out, region.value, 4);
   }
   for (const udp::endpoint& peer : std::span(greeting.peers).first(peers)) put(out, peer, v4);
+  if (greeting.link) put(out, *greeting.link);
   assert(out.size() <= kGreetingMaxBytes);
   return out;
 }
@@ -90,12 +137,15 @@ std::optional<Greeting> decode_greeting(std::span<const std::byte> bytes, bool v
   greeting.leaving = (flags & kLeaving) != 0;
   const std::uint64_t regions = cursor.take(1), peers = cursor.take(1);
   greeting.all_regions = regions == kAllRegions;
-  if (flags > kFlags || (!greeting.all_regions && regions > kGreetingRegionsMax) || peers > kGreetingPeersMax)
+  const bool linked = (flags & kLink) != 0, detached = (flags & kDetached) != 0;
+  if (flags > kFlags || (detached && !linked) || (linked && peers > 0)) return std::nullopt;
+  if ((!greeting.all_regions && regions > kGreetingRegionsMax) || peers > kGreetingPeersMax)
     return std::nullopt;
   for (std::uint64_t i = 0; !greeting.all_regions && i < regions && cursor.good; ++i) {
     greeting.regions.push_back(RegionId{static_cast<std::uint32_t>(cursor.take(4))});
   }
   for (std::uint64_t i = 0; i < peers && cursor.good; ++i) greeting.peers.push_back(take_peer(cursor, v4));
+  if (linked) greeting.link = take_note(cursor, detached);
   const bool ascending = std::ranges::adjacent_find(greeting.regions, [](RegionId a, RegionId b) {
                            return !(a < b);
                          }) == greeting.regions.end();

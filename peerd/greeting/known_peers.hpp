@@ -8,8 +8,9 @@
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
-#include "peerd/transport/sip_hash.hpp"
-#include "peerd/transport/unicast_frame.hpp"
+#include "peerd/greeting/address_numbers.hpp"
+#include "peerd/greeting/sip_hash.hpp"
+#include "peerd/greeting/unicast_frame.hpp"
 
 namespace peerd::net {
 
@@ -55,11 +56,9 @@ class KnownPeers {
   // To be called at least once in a period of numbers.
   void forget(HostTime now);
 
-  [[nodiscard]] std::uint32_t instance() const { return instance_; }  // of this process
-  // The number that the receiver at `at` must echo. It is a keyed hash of the address and of the period that forget()
-  // has begun, so that the number of one address reveals nothing about those of others, and that a recorded greeting
-  // is worth nothing after two periods. It is never 0.
-  [[nodiscard]] std::uint64_t number_for(const asio::ip::udp::endpoint& at) const { return number_for(at, period_); }
+  [[nodiscard]] std::uint32_t instance() const { return numbers_.instance(); }  // of this process
+  // The number that the receiver at `at` must echo, in the period that forget() has begun.
+  [[nodiscard]] std::uint64_t number_for(const asio::ip::udp::endpoint& at) const { return numbers_.number_for(at); }
   // Whether a known peer has echoed from that address.
   [[nodiscard]] bool has_echoed(const asio::ip::udp::endpoint& from) const;
 
@@ -75,13 +74,10 @@ class KnownPeers {
  private:
   [[nodiscard]] bool is_known(const asio::ip::udp::endpoint& at) const;
   void introduce(const asio::ip::udp::endpoint& at, HostTime until);
-  [[nodiscard]] std::uint64_t number_for(const asio::ip::udp::endpoint& at, std::int64_t period) const;
-  [[nodiscard]] bool is_number_for(const asio::ip::udp::endpoint& at, std::uint64_t number) const;
   void on_own(HostTime now, const asio::ip::udp::endpoint& from, const Greeting& greeting);
 
   Options options_;
-  std::uint32_t instance_;
-  std::int64_t period_ = 0;
+  AddressNumbers numbers_;
   std::vector<Peer> peers_;
   std::map<asio::ip::udp::endpoint, HostTime> own_;         // candidates of this process, and until when
   std::map<asio::ip::udp::endpoint, HostTime> introduced_;  // addresses to greet, and until when

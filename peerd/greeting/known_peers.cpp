@@ -1,7 +1,6 @@
-#include "peerd/transport/known_peers.hpp"
+#include "peerd/greeting/known_peers.hpp"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace peerd::net {
@@ -15,44 +14,9 @@ namespace {
 // One of them must move first, for if both moved at once they would miss each other again.
 constexpr Duration kMovesFirst = std::chrono::milliseconds(2'200), kMovesLater = std::chrono::milliseconds(4'200);
 
-// The bytes of an endpoint: port, address and, for a link-local IPv6 address, the link.
-struct EndpointBytes {
-  std::array<std::byte, 30> bytes{};  // of an endpoint, and a number after it
-  std::size_t size = 0;
-
-  void put(std::uint64_t value, int size_bytes) {
-    for (int i = 0; i < size_bytes; ++i) bytes[size++] = static_cast<std::byte>(value >> (8 * i));
-  }
-};
-
-EndpointBytes bytes_of(const udp::endpoint& at) {
-  EndpointBytes out;
-  out.put(at.port(), 2);
-  if (at.address().is_v4()) {
-    out.put(at.address().to_v4().to_uint(), 4);
-  } else {
-    const auto address = at.address().to_v6();
-    for (const unsigned char byte : address.to_bytes()) out.put(byte, 1);
-    out.put(static_cast<std::uint32_t>(address.scope_id()), 4);
-  }
-  return out;
-}
-
 }  // namespace
 
-// The instance is public and is the hash of no bytes. Every endpoint has bytes, so the instance reveals no number.
-KnownPeers::KnownPeers(Options options)
-    : options_(std::move(options)), instance_(static_cast<std::uint32_t>(sip_hash(options_.key, {}))) {}
-
-bool KnownPeers::is_number_for(const udp::endpoint& at, std::uint64_t number) const {
-  return number == number_for(at, period_) || number == number_for(at, period_ - 1);
-}
-
-std::uint64_t KnownPeers::number_for(const udp::endpoint& at, std::int64_t period) const {
-  EndpointBytes input = bytes_of(at);
-  input.put(static_cast<std::uint64_t>(period), 8);
-  return sip_hash(options_.key, std::span(input.bytes).first(input.size)) >> (64 - kAddressNumberBits) | 1;
-}
+KnownPeers::KnownPeers(Options options) : options_(std::move(options)), numbers_(options_.key, options_.number) {}
 
 bool KnownPeers::has_echoed(const udp::endpoint& from) const {
   return std::ranges::any_of(peers_, [&](const Peer& peer) { return peer.at == from || peer.also == from; });
@@ -63,15 +27,15 @@ bool KnownPeers::is_known(const udp::endpoint& at) const {
 }
 
 KnownPeers::Outcome KnownPeers::on_greeting(HostTime now, const udp::endpoint& from, const Greeting& greeting) {
-  if (greeting.instance == instance_) {
+  if (greeting.instance == instance()) {
     on_own(now, from, greeting);
     return Outcome::kOwn;
   }
-  if (!is_number_for(from, greeting.echo)) return Outcome::kUnverified;
+  if (!numbers_.is_number_for(from, greeting.echo)) return Outcome::kUnverified;
   auto known = std::ranges::find(peers_, greeting.instance, &Peer::instance);
   if (known != peers_.end() && known->at != from) {
     known->also = from;  // the peer may know us by another of our addresses, and send from there
-    if (now - known->last_received < (instance_ < greeting.instance ? kMovesFirst : kMovesLater))
+    if (now - known->last_received < (instance() < greeting.instance ? kMovesFirst : kMovesLater))
       return Outcome::kTwice;
     known->also = std::exchange(known->at, from);
   }
@@ -106,7 +70,7 @@ KnownPeers::Outcome KnownPeers::on_greeting(HostTime now, const udp::endpoint& f
 // Only the process that receives at `from` can send our number for that address, and only candidates are remembered.
 void KnownPeers::on_own(HostTime now, const udp::endpoint& from, const Greeting& greeting) {
   const bool candidate = introduced_.contains(from) || std::ranges::find(options_.seeds, from) != options_.seeds.end();
-  if (!is_number_for(from, greeting.number) || !candidate) return;
+  if (!numbers_.is_number_for(from, greeting.number) || !candidate) return;
   if (own_.size() < options_.most || own_.contains(from)) own_[from] = now + options_.own;
   introduced_.erase(from);
 }
@@ -119,7 +83,7 @@ void KnownPeers::introduce(const udp::endpoint& at, HostTime until) {
 }
 
 void KnownPeers::forget(HostTime now) {
-  period_ = now.time_since_epoch() / options_.number;
+  numbers_.advance(now);
   std::erase_if(introduced_, [&](const auto& entry) { return now > entry.second; });
   std::erase_if(own_, [&](const auto& entry) { return now > entry.second; });
   std::erase_if(peers_, [&](const Peer& peer) {

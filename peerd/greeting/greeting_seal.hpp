@@ -12,6 +12,8 @@ namespace peerd::net {
 // Seals the greetings of a session: who does not have its key neither reads nor makes one.
 class GreetingSeal {
  public:
+  static constexpr std::byte kMark{0x67};  // the first byte of a sealed greeting
+
   GreetingSeal() = default;
   GreetingSeal(const GreetingSeal&) = delete;
   GreetingSeal& operator=(const GreetingSeal&) = delete;

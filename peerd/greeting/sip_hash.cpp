@@ -1,4 +1,4 @@
-#include "peerd/transport/sip_hash.hpp"
+#include "peerd/greeting/sip_hash.hpp"
 
 #include <bit>
 

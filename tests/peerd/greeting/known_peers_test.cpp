@@ -1,4 +1,4 @@
-#include "peerd/transport/known_peers.hpp"
+#include "peerd/greeting/known_peers.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

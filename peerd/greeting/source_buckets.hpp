@@ -7,7 +7,7 @@
 
 #include "core/time.hpp"
 #include "peerd/os/token_bucket.hpp"
-#include "peerd/transport/sip_hash.hpp"
+#include "peerd/greeting/sip_hash.hpp"
 
 namespace peerd::net {
 

@@ -1,4 +1,4 @@
-#include "peerd/transport/unicast_frame.hpp"
+#include "peerd/greeting/unicast_frame.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

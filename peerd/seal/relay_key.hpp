@@ -1,0 +1,18 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "peerd/input/input_error.hpp"
+#include "peerd/keys/symmetric_key.hpp"
+
+namespace peerd::seal {
+
+// What a relay needs to be greeted in a sealed session, and all that it has of it: a key that is derived from the
+// session's one way, by which greetings are sealed. Nobody reads or makes a peer's datagram with it. Its text is one
+// line of printable ASCII: "peerd-relay-1:" and the bits in base64 for URLs.
+[[nodiscard]] std::string relay_key_text(const SymmetricKey& session);
+
+// The key in a file that relay_key_text() has written. A file that others may read or write is refused.
+[[nodiscard]] Result<SymmetricKey> read_relay_key(const std::filesystem::path& file);
+
+}  // namespace peerd::seal
