@@ -24,9 +24,9 @@ namespace peerd::net {
 
 struct RelayTransportOptions {
   IpFamily family = IpFamily::kV4;
-  std::vector<asio::ip::udp::endpoint> relays;  // in the order of preference; at least one
-  SipKey key = {};                              // AddressNumbers
-  std::shared_ptr<GreetingSeal> seal = {};      // null: greetings are open
+  std::vector<asio::ip::udp::endpoint> relays = {};  // in the order of preference; at least one
+  SipKey key = {};                                   // AddressNumbers
+  std::shared_ptr<GreetingSeal> seal = {};           // null: greetings are open
   int dscp = 0;
   int receive_buffer_bytes = 1024 * 1024;
 };

@@ -32,6 +32,55 @@ TEST(RegionHeader, IsTheMarkAndTheRegion) {
   EXPECT_FALSE(read_region_header(bytes_of("G1234")));
 }
 
+TEST(RelayHeader, IsTheMarkTheRegionAndTheHops) {
+  const auto bytes = relay_header({RegionId{0x01020304}, 5});
+  EXPECT_THAT(bytes,
+              ElementsAre(std::byte{0x53}, std::byte{1}, std::byte{2}, std::byte{3}, std::byte{4}, std::byte{5}));
+  const auto read = read_relay_header(bytes);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->region, RegionId{0x01020304});
+  EXPECT_EQ(read->hops, 5);
+  EXPECT_FALSE(read_relay_header(std::span(bytes).first(5)));
+  EXPECT_FALSE(read_relay_header(bytes_of("S1234\x11")));  // more hops than any datagram begins with
+  EXPECT_FALSE(read_relay_header(bytes_of("R12345")));
+}
+
+TEST(LinkNotes, ComeBackAsTheyWere) {
+  Greeting sent{.instance = 1, .number = 2, .echo = 3, .regions = {RegionId{0}, RegionId{9}}};
+  sent.link = LinkNote{.sent_at_ns = 0x0102030405060708,
+                       .echoed_ns = -5,
+                       .held_us = 7,
+                       .datagrams_out = 0xFFFF'FFFF,
+                       .datagrams_in = 8,
+                       .group_offset = 4096,
+                       .path = {11, 12, 13},
+                       .detached = true};
+  const auto bytes = encode(sent, true);
+  const auto read = decode_greeting(bytes, true);
+  ASSERT_TRUE(read && read->link);
+  EXPECT_EQ(read->regions, sent.regions);
+  EXPECT_EQ(read->link->sent_at_ns, sent.link->sent_at_ns);
+  EXPECT_EQ(read->link->echoed_ns, -5);
+  EXPECT_EQ(read->link->held_us, 7u);
+  EXPECT_EQ(read->link->datagrams_out, 0xFFFF'FFFFu);
+  EXPECT_EQ(read->link->datagrams_in, 8u);
+  EXPECT_EQ(read->link->group_offset, 4096u);
+  EXPECT_EQ(read->link->path, sent.link->path);
+  EXPECT_TRUE(read->link->detached);
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    EXPECT_FALSE(decode_greeting(std::span(bytes).first(size), true)) << size;
+  }
+}
+
+TEST(LinkNotes, NeedNoMoreRoomThanGreetingsHave) {
+  Greeting longest{.regions = {}};
+  for (std::uint32_t i = 0; i < kGreetingRegionsMax; ++i) longest.regions.push_back(RegionId{i});
+  longest.link = LinkNote{.path = std::vector<std::uint32_t>(kRelayPathMax, 1)};
+  const auto bytes = encode(longest, false);
+  EXPECT_LE(bytes.size(), kGreetingMaxBytes);
+  EXPECT_TRUE(decode_greeting(bytes, false));
+}
+
 class Greetings : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(Families, Greetings, testing::Bool(), [](const auto& c) { return c.param ? "V4" : "V6"; });
 
