@@ -51,8 +51,8 @@ int run(int argc, char** argv) {
   const std::array commands{add_new(app),      add_run(app),     add_join(app),   add_invite(app),  add_keygen(app),
                             add_members(app),  add_ls(app),      add_record(app), add_replay(app),  add_sim(app),
                             add_scenario(app), add_compare(app), add_check(app),  add_collide(app), add_volumes(app),
-                            add_bake(app),     add_export(app),  add_doctor(app), add_relay(app), add_ctl(app),     add_top(app),
-                            add_view(app),     add_store(app),   add_help(app),   add_version(app)};
+                            add_bake(app),     add_export(app),  add_doctor(app), add_relay(app),   add_ctl(app),
+                            add_top(app),      add_view(app),    add_store(app),  add_help(app),    add_version(app)};
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help_or_version) {

@@ -12,8 +12,8 @@
 
 namespace peerd::net {
 
-// Reads a greeting that came from there. `seal`: what has sealed it; null: it is open. None: it is no greeting, the seal
-// does not open it, or strangers have sent too many; `counters` has the reason.
+// Reads a greeting that came from there. `seal`: what has sealed it; null: it is open. None: it is no greeting, the
+// seal does not open it, or strangers have sent too many; `counters` has the reason.
 [[nodiscard]] std::optional<Greeting> read_greeting(std::span<const std::byte> bytes, bool v4, GreetingSeal* seal,
                                                     HostTime at, const boost::asio::ip::udp::endpoint& from,
                                                     SourceBuckets& strangers, TrafficCounters& counters);

@@ -16,10 +16,10 @@ namespace peerd::net {
 class RelayChoice {
  public:
   struct Options {
-    std::vector<asio::ip::udp::endpoint> relays = {};  // in the order of preference
-    std::uint32_t self = 0;                            // the instance of this process, which a path may lead back to
+    std::vector<asio::ip::udp::endpoint> relays = {};     // in the order of preference
+    std::uint32_t self = 0;                               // the instance of this process, which a path may lead back to
     Duration silence = std::chrono::milliseconds(1'200);  // a relay that is silent for so long has failed
-    Duration steady = std::chrono::seconds(3);  // a better relay takes over after it has answered for so long
+    Duration steady = std::chrono::seconds(3);            // a better relay takes over after it has answered for so long
   };
   struct Relay {
     asio::ip::udp::endpoint at;

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/time.hpp"
-#include "peerd/os/token_bucket.hpp"
 #include "peerd/greeting/sip_hash.hpp"
+#include "peerd/os/token_bucket.hpp"
 
 namespace peerd::net {
 

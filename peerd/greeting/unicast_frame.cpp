@@ -139,8 +139,7 @@ std::optional<Greeting> decode_greeting(std::span<const std::byte> bytes, bool v
   greeting.all_regions = regions == kAllRegions;
   const bool linked = (flags & kLink) != 0, detached = (flags & kDetached) != 0;
   if (flags > kFlags || (detached && !linked) || (linked && peers > 0)) return std::nullopt;
-  if ((!greeting.all_regions && regions > kGreetingRegionsMax) || peers > kGreetingPeersMax)
-    return std::nullopt;
+  if ((!greeting.all_regions && regions > kGreetingRegionsMax) || peers > kGreetingPeersMax) return std::nullopt;
   for (std::uint64_t i = 0; !greeting.all_regions && i < regions && cursor.good; ++i) {
     greeting.regions.push_back(RegionId{static_cast<std::uint32_t>(cursor.take(4))});
   }

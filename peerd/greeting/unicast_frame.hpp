@@ -51,18 +51,18 @@ struct RelayHeader {
 //   +- - - - - +- - - - - +- - - - - +- - - - - +- - - - - +- - - - - +--------+- - - - - -+
 inline constexpr std::size_t kRelayPathMax = 16;
 struct LinkNote {
-  std::int64_t sent_at_ns = 0;          // when this note left; each is later than the one before
-  std::int64_t echoed_ns = 0;           // sent_at_ns of the last note that came from the receiver; 0: none
-  std::uint32_t held_us = 0;            // between the arrival of that note and this one's leaving
-  std::uint32_t datagrams_out = 0;      // to the receiver
-  std::uint32_t datagrams_in = 0;       // from the receiver
-  std::uint32_t group_offset = 0;       // GroupPlan::offset of the sender's world, on an island
+  std::int64_t sent_at_ns = 0;           // when this note left; each is later than the one before
+  std::int64_t echoed_ns = 0;            // sent_at_ns of the last note that came from the receiver; 0: none
+  std::uint32_t held_us = 0;             // between the arrival of that note and this one's leaving
+  std::uint32_t datagrams_out = 0;       // to the receiver
+  std::uint32_t datagrams_in = 0;        // from the receiver
+  std::uint32_t group_offset = 0;        // GroupPlan::offset of the sender's world, on an island
   std::vector<std::uint32_t> path = {};  // instances of the relays from the sender up to the root; empty: it is a peer
-  bool detached = false;                // a relay that is to have a parent, and has none at present
+  bool detached = false;                 // a relay that is to have a parent, and has none at present
 };
 
-// A greeting, which is sent by unicast, or on an island to which a relay is joined (peerd/relay), announces its sender, the regions that it wants, and the peers that it
-// knows.
+// A greeting, which is sent by unicast, or on an island to which a relay is joined (peerd/relay), announces its sender,
+// the regions that it wants, and the peers that it knows.
 //
 //    0        1          5          11         17       18       19       20
 //   +--------+- - - - - +- - - - - +- - - - - +--------+--------+--------+- - - - - - - +- - - - - - - - - - - - - -+

@@ -74,13 +74,15 @@ Command add_relay(CLI::App& app) {
   command->add_option("--port", options->port, "the UDP port where peers (transport.relays) and relays reach it")
       ->transform(whole_number_in(1, kPortMax))
       ->capture_default_str();
-  command->add_option("--parent", options->parents,
-                      "HOST:PORT of a relay above this one (repeatable: the first that answers; without one it is the "
-                      "root of its tree)")
+  command
+      ->add_option("--parent", options->parents,
+                   "HOST:PORT of a relay above this one (repeatable: the first that answers; without one it is the "
+                   "root of its tree)")
       ->allow_extra_args(false);
-  command->add_option("--island", options->islands,
-                      "an interface whose peers multicast to each other (repeatable); of several relays there one is "
-                      "active")
+  command
+      ->add_option("--island", options->islands,
+                   "an interface whose peers multicast to each other (repeatable); of several relays there one is "
+                   "active")
       ->allow_extra_args(false);
   command->add_option("--mesh", options->mesh, "HOST:PORT of a peer of a session by unicast (repeatable)")
       ->allow_extra_args(false);
@@ -95,8 +97,7 @@ Command add_relay(CLI::App& app) {
   command->add_option("--ttl", options->ttl, "hops of multicast datagrams")
       ->transform(whole_number_in(0, 255))
       ->capture_default_str();
-  command->add_option("--dscp", options->dscp, "priority of its datagrams, 0 to 63")
-      ->transform(whole_number_in(0, 63));
+  command->add_option("--dscp", options->dscp, "priority of its datagrams, 0 to 63")->transform(whole_number_in(0, 63));
   command->add_option("--relay-key", options->relay_key, "the file with the line of peerd invite WORLD --relay");
   command->add_option("--world", options->world, "a world of which this user has the key, in place of that");
   command->add_option("--key", options->key, "the file of the session's key, in place of that");

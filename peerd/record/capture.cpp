@@ -10,10 +10,10 @@
 #include <stdexcept>
 #include <vector>
 
+#include "peerd/greeting/unicast_frame.hpp"
 #include "peerd/keys/base64.hpp"
 #include "peerd/keys/little_endian.hpp"
 #include "peerd/record/udp_packet.hpp"
-#include "peerd/greeting/unicast_frame.hpp"
 
 namespace peerd::record {
 namespace {

@@ -45,7 +45,8 @@ std::optional<std::string> Island::advance(HostTime now, const Place& place) {
   rank_ = {place.detached, place.distance, options_.instance};
   distance_ = place.distance;
   std::erase_if(relays_, [&](const auto& each) { return now - each.second.heard > kRelaySilent; });
-  const auto silent = std::erase_if(members_, [&](const auto& each) { return now - each.second.heard > kMemberSilent; });
+  const auto silent =
+      std::erase_if(members_, [&](const auto& each) { return now - each.second.heard > kMemberSilent; });
   const bool active = should_be_active(now);
   if (silent > 0 || active != active_) on_change_();
   if (now - asked_ >= kAsksApart) ask(now, /*leaving=*/false);
@@ -79,15 +80,14 @@ void Island::ask(HostTime now, bool leaving) {
 void Island::take(const net::Arrival& arrival) {
   if (arrival.region == kWholeScene && net::looks_like_greeting(arrival.datagram)) return on_greeting(arrival);
   // While two relays do not agree yet, neither may pass on what the other one has brought.
-  const bool of_relay =
-      std::ranges::any_of(relays_, [&](const auto& each) { return each.second.at == arrival.from; });
+  const bool of_relay = std::ranges::any_of(relays_, [&](const auto& each) { return each.second.at == arrival.from; });
   if (active_ && !of_relay) on_datagram_(arrival.region, arrival.datagram, arrival.at);
 }
 
 void Island::on_greeting(const net::Arrival& arrival) {
-  const auto greeting = net::read_greeting(arrival.datagram, options_.multicast.groups.base.is_v4(),
-                                           options_.seal.get(), arrival.at, arrival.from, strangers_,
-                                           greeting_counters_);
+  const auto greeting =
+      net::read_greeting(arrival.datagram, options_.multicast.groups.base.is_v4(), options_.seal.get(), arrival.at,
+                         arrival.from, strangers_, greeting_counters_);
   if (!greeting || !greeting->link || greeting->instance == options_.instance) return;
   strangers_.has_proven(arrival.from.address(), arrival.at);
   if (greeting->link->path.empty()) return on_report(arrival, *greeting);
@@ -109,7 +109,8 @@ void Island::on_report(const net::Arrival& arrival, const net::Greeting& greetin
     group_offset_ = offset;
     socket_->follow_world(offset);
   } else if (offset != *group_offset_ && !std::exchange(is_other_world_said_, true)) {
-    finding_ = arrival.from.address().to_string() + " is in another world than the first peer that was heard there: "
+    finding_ = arrival.from.address().to_string() +
+               " is in another world than the first peer that was heard there: "
                "this relay passes on the whole scene of both, and the regions of the first one";
   }
   Wanted wanted{.all = greeting.all_regions};

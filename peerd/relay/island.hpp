@@ -18,7 +18,7 @@
 namespace peerd::relay {
 
 struct IslandOptions {
-  net::MulticastOptions multicast = {};               // its groups without the offset of a world, which the peers say
+  net::MulticastOptions multicast = {};          // its groups without the offset of a world, which the peers say
   std::uint32_t instance = 0;                    // of this relay
   net::SipKey key = {};                          // secret, of this process alone
   std::shared_ptr<net::GreetingSeal> seal = {};  // null: greetings are open

@@ -26,8 +26,8 @@ struct Neighbour {
   bool is_parent = false;  // this relay has chosen it: greetings to it are RelayChoice's
   net::LinkMeter meter = {};
   std::optional<ByteBudget> budget = {};
-  Wanted elsewhere = {};   // what is wanted behind all others, as the last greeting to it said
-  int repeats = 0;         // greetings that are to repeat this soon, in case one gets lost
+  Wanted elsewhere = {};  // what is wanted behind all others, as the last greeting to it said
+  int repeats = 0;        // greetings that are to repeat this soon, in case one gets lost
   HostTime greeted{};
   std::uint64_t datagrams_in = 0, bytes_in = 0;    // without greetings; bytes with the header
   std::uint64_t datagrams_out = 0, bytes_out = 0;  // likewise

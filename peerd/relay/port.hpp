@@ -44,8 +44,8 @@ class Port {
   virtual void flush() = 0;
 
   [[nodiscard]] virtual const net::TrafficCounters& counters() const = 0;
-  [[nodiscard]] virtual std::size_t peers() const = 0;    // that are there now
-  [[nodiscard]] virtual bool is_active() const = 0;       // it joins that network to the others
+  [[nodiscard]] virtual std::size_t peers() const = 0;     // that are there now
+  [[nodiscard]] virtual bool is_active() const = 0;        // it joins that network to the others
   [[nodiscard]] virtual std::string describe() const = 0;  // for the log
 };
 

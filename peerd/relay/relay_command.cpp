@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include <boost/asio/signal_set.hpp>
 #include <spdlog/fmt/fmt.h>
+#include <boost/asio/signal_set.hpp>
 
 #include "peerd/commands/print.hpp"
 #include "peerd/keys/session_key.hpp"
@@ -16,8 +16,8 @@
 #include "peerd/relay/island.hpp"
 #include "peerd/relay/mesh.hpp"
 #include "peerd/relay/relay.hpp"
-#include "peerd/seal/relay_key.hpp"
 #include "peerd/relay/relay_report.hpp"
+#include "peerd/seal/relay_key.hpp"
 #include "peerd/seal/sealed_greetings.hpp"
 #include "peerd/transport/open_transport.hpp"
 #include "peerd/transport/transport_options.hpp"
@@ -85,8 +85,8 @@ Result<void> RelayRun::read_seal() {
     std::error_code failed;
     key_seen_ = std::filesystem::last_write_time(options_.relay_key, failed);
   } else {
-    const auto session = seal::session_key({.key_file = options_.key, .password_file = {}}, options_.world,
-                                           seal::IfMissing::kFail);
+    const auto session =
+        seal::session_key({.key_file = options_.key, .password_file = {}}, options_.world, seal::IfMissing::kFail);
     if (!session) return std::unexpected(session.error());
     key = SealedGreetings::key_of(session->key);
   }

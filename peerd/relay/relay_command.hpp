@@ -18,7 +18,7 @@ struct RelayCommandOptions {
   std::uint32_t mesh_port = 0;         // 0: none
   std::string group = "239.192.80.0";
   std::uint32_t group_pool = 0, group_port = 47474, ttl = 1, dscp = 0;
-  std::string world{};                     // whose key this user has
+  std::string world{};                       // whose key this user has
   std::filesystem::path key{}, relay_key{};  // files
   bool open = false;
   double budget_kib_s = 0.0;  // of each link; 0: none

@@ -16,7 +16,9 @@ json ms_of(const std::optional<Duration>& duration) { return duration ? json(to_
 json link_of(const Neighbour& neighbour, const net::LinkMeter& meter) {
   const auto clock = meter.clock();
   return {{"address", net::address_text(neighbour.at)},
-          {"kind", neighbour.is_parent ? "parent" : neighbour.is_relay ? "child" : "peer"},
+          {"kind", neighbour.is_parent  ? "parent"
+                   : neighbour.is_relay ? "child"
+                                        : "peer"},
           {"round_trip_ms", ms_of(meter.round_trip())},
           {"latency_bound_ms", ms_of(meter.latency_bound())},
           {"loss_in", meter.loss_in()},
@@ -53,12 +55,8 @@ json report_of(const Relay& relay) {
   counters["relay.out_of_hops"] = relay.counters().out_of_hops;
   counters["relay.over_budget"] = relay.counters().over_budget;
   counters["relay.refused"] = relay.counters().refused;
-  return {{"instance", relay.instance()},
-          {"port", relay.port()},
-          {"path", relay.path()},
-          {"regions", relay.table().regions()},
-          {"links", std::move(links)},
-          {"networks", std::move(networks)},
+  return {{"instance", relay.instance()},       {"port", relay.port()},      {"path", relay.path()},
+          {"regions", relay.table().regions()}, {"links", std::move(links)}, {"networks", std::move(networks)},
           {"counters", std::move(counters)}};
 }
 
@@ -67,12 +65,13 @@ std::string line_of(const Relay& relay) {
   relay.neighbours().visit([&](const Neighbour& each) { ++(each.is_relay ? relays : peers); });
   for (const auto& port : relay.ports()) peers += port->peers();
   const net::RelayChoice::Relay* const parent = relay.parents().chosen();
-  std::string line = fmt::format("{} peers, {} other relays, {} regions; {} copies of {} datagrams passed on", peers,
-                                 relays, relay.table().regions(), relay.counters().forwarded,
-                                 relay.traffic().packets_in);
+  std::string line =
+      fmt::format("{} peers, {} other relays, {} regions; {} copies of {} datagrams passed on", peers, relays,
+                  relay.table().regions(), relay.counters().forwarded, relay.traffic().packets_in);
   if (parent != nullptr && parent->meter.round_trip()) {
-    line += fmt::format("; above: {}, {:.1f} ms there and back, {:.1f} % lost on the way down", net::address_text(parent->at),
-                        to_seconds(*parent->meter.round_trip()) * 1e3, parent->meter.loss_in() * 100.0);
+    line += fmt::format("; above: {}, {:.1f} ms there and back, {:.1f} % lost on the way down",
+                        net::address_text(parent->at), to_seconds(*parent->meter.round_trip()) * 1e3,
+                        parent->meter.loss_in() * 100.0);
   }
   return line;
 }

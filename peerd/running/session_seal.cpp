@@ -86,9 +86,10 @@ LogLine SessionSeal::line() const {
 
 std::shared_ptr<net::GreetingSeal> SessionSeal::greetings(const SayLine& say) {
   if (!key()) return nullptr;
-  greetings_ = std::make_shared<seal::SealedGreetings>(seal::SealedGreetings::key_of(*key()), [say](const std::string& line) {
-    say({LogLevel::kWarning, line});
-  });
+  greetings_ =
+      std::make_shared<seal::SealedGreetings>(seal::SealedGreetings::key_of(*key()), [say](const std::string& line) {
+        say({LogLevel::kWarning, line});
+      });
   return greetings_;
 }
 

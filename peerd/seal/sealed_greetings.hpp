@@ -3,8 +3,8 @@
 #include <optional>
 #include <string>
 
-#include "peerd/keys/symmetric_key.hpp"
 #include "peerd/greeting/greeting_seal.hpp"
+#include "peerd/keys/symmetric_key.hpp"
 
 namespace peerd::seal {
 

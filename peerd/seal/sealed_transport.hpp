@@ -10,11 +10,11 @@
 #include <string_view>
 #include <utility>
 
+#include "peerd/greeting/source_buckets.hpp"
 #include "peerd/keys/roster.hpp"
 #include "peerd/os/host_clock.hpp"
 #include "peerd/seal/roster_exchange.hpp"
 #include "peerd/seal/sealer.hpp"
-#include "peerd/greeting/source_buckets.hpp"
 #include "peerd/transport/transport.hpp"
 
 namespace peerd::seal {

@@ -60,7 +60,7 @@ class IslandMember final : public Transport {
   std::optional<HostTime> relay_asked_, reported_;
   bool report_due_ = false;
   std::int64_t last_report_ns_ = 0;
-  TrafficCounters own_;  // of greetings alone
+  TrafficCounters own_;                                      // of greetings alone
   std::uint64_t greetings_passed_ = 0, greeting_bytes_ = 0;  // what the carrier has counted as datagrams
   mutable TrafficCounters counters_;
 };

@@ -6,8 +6,8 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
-#include <array>
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cerrno>
 #include <cstring>
@@ -15,8 +15,8 @@
 #include <limits>
 #include <utility>
 
-#include "peerd/os/udp_socket.hpp"
 #include "peerd/greeting/unicast_frame.hpp"
+#include "peerd/os/udp_socket.hpp"
 
 // linux/in6.h defines it since Linux 4.20, but cannot be included beside netinet/in.h.
 #ifndef IPV6_MULTICAST_ALL

@@ -130,11 +130,12 @@ std::expected<OpenedTransport, NetError> open_transport(asio::io_context& io, co
     const ChosenInterface& over = (*opened)->chosen_interface();
     const bool only_here = options.multicast.interface.empty() && over.interface.loopback;
     std::string why_only_here = only_here ? over.why : "";
-    auto member = std::make_unique<IslandMember>(clock, *std::move(opened),
-                                                 IslandMember::Options{.key = options.key,
-                                                                       .seal = options.greetings,
-                                                                       .v4 = options.multicast.groups.base.is_v4(),
-                                                                       .group_offset = options.multicast.groups.offset});
+    auto member =
+        std::make_unique<IslandMember>(clock, *std::move(opened),
+                                       IslandMember::Options{.key = options.key,
+                                                             .seal = options.greetings,
+                                                             .v4 = options.multicast.groups.base.is_v4(),
+                                                             .group_offset = options.multicast.groups.offset});
     return OpenedTransport{std::move(member), {}, std::move(why_only_here)};
   }
   auto opened = open_unicast(io, clock, options);

@@ -21,9 +21,9 @@ enum class MulticastUse : std::uint8_t {
 struct TransportOptions {
   MulticastOptions multicast;  // its port, interface, address family, DSCP and buffer size hold for unicast, too
   MulticastUse use = MulticastUse::kAuto;
-  std::vector<std::string> peers = {};  // "host:port", "[2001:db8::1]:port": the addresses that unicast greets first
+  std::vector<std::string> peers = {};   // "host:port", "[2001:db8::1]:port": the addresses that unicast greets first
   std::vector<std::string> relays = {};  // likewise: through one of these alone; not empty: nothing else is tried
-  SipKey key = {};                      // secret and of this process alone, for unicast (KnownPeers)
+  SipKey key = {};                       // secret and of this process alone, for unicast (KnownPeers)
   std::shared_ptr<GreetingSeal> greetings = {};  // of unicast; null: they are open
 };
 

@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-#include "peerd/os/interfaces.hpp"
-#include "peerd/os/udp_receiver.hpp"
 #include "peerd/greeting/greeting_seal.hpp"
 #include "peerd/greeting/known_peers.hpp"
 #include "peerd/greeting/source_buckets.hpp"
+#include "peerd/os/interfaces.hpp"
+#include "peerd/os/udp_receiver.hpp"
 #include "peerd/transport/transport.hpp"
 
 namespace peerd::net {

@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <span>
 
-#include "peerd/seal/sealed_greetings.hpp"
 #include "peerd/greeting/known_peers.hpp"
+#include "peerd/seal/sealed_greetings.hpp"
 
 namespace {
 

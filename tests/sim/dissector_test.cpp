@@ -6,11 +6,11 @@
 #include <map>
 #include <random>
 
+#include "peerd/greeting/unicast_frame.hpp"
 #include "peerd/record/capture.hpp"
 #include "peerd/record/udp_packet.hpp"
 #include "peerd/seal/sealed_greetings.hpp"
 #include "peerd/seal/sealer.hpp"
-#include "peerd/greeting/unicast_frame.hpp"
 #include "replication/wire/codec.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 #include "tests/sim/dissector/tshark.hpp"

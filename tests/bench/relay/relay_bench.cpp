@@ -48,7 +48,8 @@ class Sinks {
       const std::size_t count = forwarder.receive(sink, got_);
       for (std::size_t i = 0; i < count; ++i) {
         const auto expected = datagram(received_[sink]++);
-        if (!std::equal(expected.begin(), expected.end(), got_.begin() + static_cast<std::ptrdiff_t>(i * kDatagramBytes))) {
+        if (!std::equal(expected.begin(), expected.end(),
+                        got_.begin() + static_cast<std::ptrdiff_t>(i * kDatagramBytes))) {
           throw std::runtime_error("a datagram was lost, doubled or changed");
         }
       }

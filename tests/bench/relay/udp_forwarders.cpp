@@ -11,11 +11,11 @@
 #include <stdexcept>
 #include <thread>
 
-#include "tests/bench/relay/forwarders.hpp"
 #include "peerd/greeting/unicast_frame.hpp"
 #include "peerd/os/host_clock.hpp"
 #include "peerd/os/udp_batch.hpp"
 #include "peerd/relay/relay.hpp"
+#include "tests/bench/relay/forwarders.hpp"
 
 namespace peerd::bench {
 namespace {

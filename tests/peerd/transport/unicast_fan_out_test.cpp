@@ -166,7 +166,8 @@ TEST_F(UnicastFanOutTest, SealedGreetingsMeetBySessionKeyAlone) {
 // The datagrams of a stranger cost their share, and no more.
 TEST_F(UnicastFanOutTest, AFloodOfGreetingsIsNotOpened) {
   const auto key = seal::SymmetricKey::random();
-  UnicastPeer a(io, 0, {}, 1, std::make_shared<seal::SealedGreetings>(seal::SealedGreetings::key_of(key), [](const std::string&) {}));
+  UnicastPeer a(io, 0, {}, 1,
+                std::make_shared<seal::SealedGreetings>(seal::SealedGreetings::key_of(key), [](const std::string&) {}));
   udp::socket other(io, udp::endpoint(asio::ip::address_v4::loopback(), 0));
   const std::vector<std::byte> forged(61, seal::SealedGreetings::kMark);
   constexpr std::uint64_t kFlood = 20'000;

@@ -1,0 +1,62 @@
+#include "peerd/relay/island.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/peerd/relay/relay_fixture.hpp"
+
+namespace peerd::relay::island_test {
+
+using namespace relay::testing_support;
+using testing::ElementsAre;
+
+using IslandTest = RelayFixture;
+
+// What no other island wants does not leave its own, and is not even received by the relay there.
+TEST_F(IslandTest, WhatNobodyElseWantsStaysOnItsIsland) {
+  RelayUnderTest root(io, 0), left(io, 1, {0}), right(io, 2, {0});
+  left.join_island(0), right.join_island(1);
+  for (auto* each : {&root, &left, &right}) each->relay->start();
+  Peer a(on_island(0), {0, 5}), a2(on_island(0), {0, 5}), b(on_island(1), {0, 6});
+  ASSERT_TRUE(run_until(io, [&] { return left.relay->table().wanted_by_others(0).regions.size() == 2; }));
+  finish();
+  const auto before = left.relay->ports()[0]->counters().packets_in;
+  for (int i = 0; i < 50; ++i) a.send(5, "local");
+  a.send(0, "done");
+  ASSERT_TRUE(run_until(io, [&] { return !b.heard.empty() && a2.heard.size() == 51; }));
+  EXPECT_THAT(b.heard, ElementsAre("0 done"));
+  EXPECT_LT(left.relay->ports()[0]->counters().packets_in - before, 50u);
+}
+
+// Both hear all of the island; exactly one passes it on, and the other one when the first is gone.
+TEST_F(IslandTest, OfTwoRelaysOnAnIslandOneIsActive) {
+  RelayUnderTest root(io, 0);
+  auto one = std::make_unique<RelayUnderTest>(io, 1, std::vector{0u});
+  auto two = std::make_unique<RelayUnderTest>(io, 2, std::vector{0u});
+  Island *const island_of_one = &one->join_island(0), *const island_of_two = &two->join_island(0);
+  root.relay->start(), one->relay->start(), two->relay->start();
+  Peer a(on_island(0)), b(by_relay({0}));
+  ASSERT_TRUE(run_until(io, [&] {
+    return (island_of_one->is_active() != island_of_two->is_active()) && root.relay->neighbours().count() == 3 &&
+           b.can_send(0);
+  }));
+  int sent = 0;
+  ASSERT_TRUE(run_until(io, [&] {
+    if (b.heard.empty()) a.send(0, std::to_string(sent++));
+    return !b.heard.empty();
+  }));
+  b.heard.clear();
+  for (int i = 0; i < 20; ++i) a.send(0, "once");
+  b.send(0, "back once");
+  ASSERT_TRUE(run_until(io, [&] { return b.heard.size() >= 20 && !a.heard.empty(); }));
+  EXPECT_EQ(std::ranges::count(b.heard, "0 once"), 20);
+  EXPECT_THAT(a.heard, ElementsAre("0 back once"));
+  (island_of_one->is_active() ? one : two).reset();
+  b.heard.clear();
+  ASSERT_TRUE(run_until(io, [&] {
+    a.send(0, "by the other");
+    return !b.heard.empty();
+  }));
+}
+
+}  // namespace peerd::relay::island_test
