@@ -43,7 +43,7 @@ LinkNote LinkMeter::note(HostTime now) {
 }
 
 bool LinkMeter::on_note(HostTime now, const LinkNote& note) {
-  if (last_note_ns_ && note.sent_at_ns <= *last_note_ns_) return false;
+  if (note.sent_at_ns <= last_note_ns_.value_or(0)) return false;
   last_note_ns_ = note.sent_at_ns;
   last_note_at_ = now;
   loss_in_.add(note.datagrams_out, in_);

@@ -22,8 +22,8 @@ class LinkMeter {
 
   // The note for a greeting that leaves now.
   [[nodiscard]] LinkNote note(HostTime now);
-  // A note has arrived. False: it is no newer than the last one, so it was recorded or overtaken, and counts for
-  // nothing.
+  // A note has arrived. False: it is no newer than the last one, so it was recorded or overtaken, or its time is not
+  // after 1970; it counts for nothing.
   bool on_note(HostTime now, const LinkNote& note);
 
   // Smoothed with 1/8, as TCP's (RFC 6298, 2.3). None: nothing has been echoed.
@@ -37,6 +37,8 @@ class LinkMeter {
   [[nodiscard]] std::optional<Duration> latency_bound() const;
   [[nodiscard]] double loss_in() const { return loss_in_.value(); }    // of the other end's datagrams, 0 to 1
   [[nodiscard]] double loss_out() const { return loss_out_.value(); }  // of this end's
+  // More than a fifth of at least 200 datagrams is lost in a direction: what goes by another link does better.
+  [[nodiscard]] bool is_lossy() const { return loss_in_.is_high() || loss_out_.is_high(); }
 
  private:
   // The share that is lost of the last thousand datagrams or so.
@@ -45,6 +47,7 @@ class LinkMeter {
     // Counts of both ends so far, modulo 2^32.
     void add(std::uint32_t sent, std::uint32_t received);
     [[nodiscard]] double value() const { return sent_ > 0.0 ? std::max(0.0, 1.0 - received_ / sent_) : 0.0; }
+    [[nodiscard]] bool is_high() const { return sent_ >= 200.0 && value() > 0.2; }
 
    private:
     std::optional<std::uint32_t> sent_before_, received_before_;

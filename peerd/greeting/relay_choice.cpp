@@ -56,7 +56,7 @@ bool RelayChoice::leads_back(std::size_t relay) const {
 
 bool RelayChoice::update(HostTime now) {
   const auto before = chosen_;
-  const auto rank = [&](std::size_t i) { return std::tuple(relays_[i].detached, i); };
+  const auto rank = [&](std::size_t i) { return std::tuple(relays_[i].detached, relays_[i].meter.is_lossy(), i); };
   const auto usable = [&](std::size_t i) { return answers(relays_[i], now) && !leads_back(i); };
   if (chosen_ && !usable(*chosen_)) chosen_.reset();
   for (std::size_t i = 0; i < relays_.size(); ++i) {

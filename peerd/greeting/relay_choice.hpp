@@ -11,8 +11,8 @@
 
 namespace peerd::net {
 
-// Chooses one relay of a list: the first that answers. Another one takes its place when it is silent, leads nowhere, or
-// leads back here. Sans-IO.
+// Chooses one relay of a list: the first that answers. Another one takes its place when it is silent, is cut off from
+// its own parent, loses much, or leads back here. Sans-IO.
 class RelayChoice {
  public:
   struct Options {

@@ -16,7 +16,7 @@ peerd.prefs.regions = Pref.string("Group of region 1", "",
 
 local VERSION = 9
 local MOST_BYTES = 1136
-local REGION_MARK, GREETING_MARK, SEALED_GREETING_MARK = 0x52, 0x47, 0x67
+local REGION_MARK, RELAY_MARK, GREETING_MARK, SEALED_GREETING_MARK = 0x52, 0x53, 0x47, 0x67
 -- The first bytes of what is sealed, without the epoch in their lowest five bits.
 local SEALED_MARK, SIGNED_MARK, ANNOUNCEMENT_MARK, ROSTER_MARK = 0x80, 0xA0, 0xC0, 0xE0
 local DISCOVERY_PORT = 47473
@@ -50,6 +50,7 @@ local RULES = { "id", "velocity", "field of view", "expected error", "server" }
 local F = {
   kind = field("string", "kind", "Kind"),
   region = field("uint32", "region", "Region"),
+  hops = field("uint8", "hops", "Relays that may pass it on"),
   version = field("uint32", "version", "Version"),
   sender = field("uint32", "sender", "Sender"),
   number = field("uint32", "number", "Number of the sender's datagrams to the region"),
@@ -239,6 +240,14 @@ local F = {
     all = field("bool", "greeting.all_regions", "Wants all regions"),
     region = field("uint32", "greeting.region", "Wants region"),
     peer = field("string", "greeting.peer", "Hears"),
+    sent_at = field("int64", "greeting.sent_at", "Sent at [ns of the sender's clock]"),
+    echoed = field("int64", "greeting.echoed", "Echoes the note of [ns of the receiver's clock]"),
+    held = field("uint32", "greeting.held", "Held [us]"),
+    datagrams_out = field("uint32", "greeting.sent", "Datagrams sent over this link"),
+    datagrams_in = field("uint32", "greeting.received", "Datagrams received over this link"),
+    offset = field("uint32", "greeting.group_offset", "Offset of the world's groups"),
+    relay = field("uint32", "greeting.path", "Relay on the way to the root", base.HEX),
+    detached = field("bool", "greeting.detached", "Without its parent"),
   },
 }
 peerd.fields = all_fields
@@ -1609,10 +1618,17 @@ local function dissect_greeting(tvb, tree, pinfo)
   local G = F.greeting
   if tvb:len() < 20 then refuse("a greeting is cut short") end
   local flags, regions, peers = tvb(17, 1):uint(), tvb(18, 1):uint(), tvb(19, 1):uint()
-  if flags > 3 or (regions > 200 and regions ~= 255) or peers > 20 then refuse("a greeting that nobody sends") end
+  local linked, detached = flags % 8 >= 4, flags >= 8
+  local wrong = flags > 15 or (regions > 200 and regions ~= 255) or peers > 20
+  if wrong or (linked and peers > 0) or (detached and not linked) then refuse("a greeting that nobody sends") end
   local all = regions == 255
   if all then regions = 0 end
-  local left = tvb:len() - 20 - 4 * regions
+  local note, left = 20 + 4 * regions, tvb:len() - 20 - 4 * regions
+  local relays = linked and left >= 33 and tvb(note + 32, 1):uint()
+  if linked then
+    if not relays or relays > 16 or left ~= 33 + 4 * relays then refuse("a note of the wrong length") end
+    left = 0
+  end
   local address = left == 6 * peers and 4 or 16
   if left ~= (2 + address) * peers then refuse("a greeting of the wrong length") end
   tree:add(F.kind, tvb(0, 1), "greeting")
@@ -1620,7 +1636,7 @@ local function dissect_greeting(tvb, tree, pinfo)
   tree:add(G.number, tvb(5, 6), tvb(5, 6):uint64())
   tree:add(G.echo, tvb(11, 6), tvb(11, 6):uint64())
   tree:add(G.reply, tvb(17, 1), flags % 2 == 1)
-  tree:add(G.leaving, tvb(17, 1), flags >= 2)
+  tree:add(G.leaving, tvb(17, 1), flags % 4 >= 2)
   tree:add(G.all, tvb(18, 1), all)
   local last = -1
   for i = 0, regions - 1 do
@@ -1634,7 +1650,18 @@ local function dissect_greeting(tvb, tree, pinfo)
     local host = address == 4 and tostring(range(2, 4):ipv4()) or "[" .. tostring(range(2, 16):ipv6()) .. "]"
     tree:add(G.peer, range, host .. ":" .. range(0, 2):uint())
   end
-  pinfo.cols.info = "greeting" .. (flags >= 2 and ", leaving" or "")
+  if linked then
+    tree:add(G.detached, tvb(17, 1), detached)
+    tree:add(G.sent_at, tvb(note, 8))
+    tree:add(G.echoed, tvb(note + 8, 8))
+    tree:add(G.held, tvb(note + 16, 4))
+    tree:add(G.datagrams_out, tvb(note + 20, 4))
+    tree:add(G.datagrams_in, tvb(note + 24, 4))
+    tree:add(G.offset, tvb(note + 28, 4))
+    for i = 0, relays - 1 do tree:add(G.relay, tvb(note + 33 + 4 * i, 4)) end
+  end
+  local of = not linked and "" or relays > 0 and " of a relay" or " to a relay"
+  pinfo.cols.info = "greeting" .. of .. (flags % 4 >= 2 and ", leaving" or "")
 end
 
 -- ---- sealed ------------------------------------------------------------------------------------------------------
@@ -1775,9 +1802,13 @@ function peerd.dissector(tvb, pinfo, root)
     if first == REGION_MARK then
       if tvb:len() <= 5 then refuse("no datagram") end
       region, datagram = tvb(1, 4):uint(), tvb(5):tvb()
+    elseif first == RELAY_MARK then
+      if tvb:len() <= 6 or tvb(5, 1):uint() > 16 then refuse("no datagram of a relay") end
+      region, datagram = tvb(1, 4):uint(), tvb(6):tvb()
+      tree:add(F.hops, tvb(5, 1))
     end
     if region then
-      tree:add(F.region, first == REGION_MARK and tvb(1, 4) or tvb(0, 0), region)
+      tree:add(F.region, (first == REGION_MARK or first == RELAY_MARK) and tvb(1, 4) or tvb(0, 0), region)
       tree:append_text(", region " .. region)
     end
     if datagram:len() > 0 and datagram(0, 1):uint() >= SEALED_MARK then return dissect_sealed(datagram, tree, pinfo) end
@@ -1790,6 +1821,7 @@ end
 -- Recognises a datagram of this version by its beginning: version, sender, then a number or another field.
 local function looks_like_one(tvb)
   local at = tvb:len() > 5 and tvb(0, 1):uint() == REGION_MARK and 5 or 0
+  if tvb:len() > 6 and tvb(0, 1):uint() == RELAY_MARK then at = 6 end
   return tvb:len() >= at + 5 and tvb(at, 3):uint() == 0x080010 + 256 * VERSION
 end
 

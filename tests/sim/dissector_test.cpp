@@ -203,6 +203,39 @@ TEST_F(Dissector, SaysOfAllDatagramsWhatTheDecoderSays) {
   EXPECT_EQ(seen[kUnknown], 0u) << "fields that the dissector does not know";
 }
 
+// What goes between relays and their neighbours.
+TEST_F(Dissector, ReadsNotesOfLinksAndRelayedDatagrams) {
+  net::Greeting greeting{
+      .instance = 0x10, .number = 2, .echo = 3, .leaving = true, .regions = {RegionId{0}, RegionId{9}}};
+  greeting.link = net::LinkNote{.sent_at_ns = 1'795'751'607'924'201'000,
+                                .echoed_ns = 5,
+                                .held_us = 6,
+                                .datagrams_out = 7,
+                                .datagrams_in = 8,
+                                .group_offset = 4096,
+                                .path = {0x11, 0x12},
+                                .detached = true};
+  const auto header = net::relay_header({RegionId{77}, 3});
+  Bytes relayed(header.begin(), header.end());
+  const Bytes said = encode(of_identity());
+  relayed.insert(relayed.end(), said.begin(), said.end());
+  const auto packets = dissected(folder, capture_of({net::encode(greeting, true), relayed}));
+  ASSERT_EQ(packets.size(), 2u);
+  Fields note = packets.begin()->second, datagram = packets.rbegin()->second;
+  using Values = Fields::mapped_type;
+  EXPECT_EQ(note["peerd.greeting.sent_at"], (Values{"1795751607924201000"}));
+  EXPECT_EQ(note["peerd.greeting.echoed"], (Values{"5"}));
+  EXPECT_EQ(note["peerd.greeting.held"], (Values{"6"}));
+  EXPECT_EQ(note["peerd.greeting.sent"], (Values{"7"}));
+  EXPECT_EQ(note["peerd.greeting.received"], (Values{"8"}));
+  EXPECT_EQ(note["peerd.greeting.group_offset"], (Values{"4096"}));
+  EXPECT_EQ(note["peerd.greeting.region"], (Values{"0", "9"}));
+  EXPECT_EQ(note["peerd.greeting.path"].size(), 2u);
+  EXPECT_EQ(datagram["peerd.region"], (Values{"77"}));
+  EXPECT_EQ(datagram["peerd.hops"], (Values{"3"}));
+  EXPECT_TRUE(datagram.contains("peerd.sender"));
+}
+
 // A group's number modulo 1,024 is its region's by default. Where there are more regions, tshark needs the number of
 // the first one's group.
 TEST_F(Dissector, FindsRegionsBeyondItsDefaultOnceTold) {

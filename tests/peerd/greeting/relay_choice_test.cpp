@@ -67,6 +67,21 @@ TEST_F(RelayChoiceTest, ARelayThatIsCutOffItselfIsTheLastResort) {
   EXPECT_EQ(chosen(), 2);
 }
 
+TEST_F(RelayChoiceTest, OneThatLosesMuchIsLeftForAnother) {
+  std::uint32_t sent = 0;
+  for (int i = 0; i < 12; ++i) {
+    Greeting greeting{.instance = 10, .number = 7, .echo = 9};
+    greeting.link = LinkNote{.sent_at_ns = ++note, .datagrams_out = sent += 50, .path = {10}};
+    RelayChoice::Relay& lossy = *choice.find(address(0));
+    for (int came = 0; came < 30; ++came) lossy.meter.count_in();
+    choice.on_greeting(now, lossy, greeting);
+    greets(1, {11});
+    (void)choice.update(now);
+    EXPECT_EQ(chosen(), i < 8 ? 0 : 1) << i;  // after 200 datagrams, and three seconds of the other one
+    now += milliseconds(400);
+  }
+}
+
 TEST_F(RelayChoiceTest, NeverChoosesOneWhosePathLeadsBack) {
   greets(0, {10, 20, kSelf, 30});
   (void)choice.update(now);

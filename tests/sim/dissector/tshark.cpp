@@ -48,7 +48,7 @@ bool is_absent(const std::vector<std::string>& values) {
 std::vector<std::string> asked_for() {
   std::vector<std::string> names{kUnknown, kLuaError};
   names.insert(names.end(), kMarks.begin(), kMarks.end());
-  for (const auto& more : {fields_of_datagrams(), fields_of_discovery(), fields_of_joins()}) {
+  for (const auto& more : {fields_of_datagrams(), fields_of_discovery(), fields_of_joins(), fields_of_links()}) {
     names.insert(names.end(), more.begin(), more.end());
   }
   return names;
@@ -132,6 +132,12 @@ std::vector<std::string> fields_of_datagrams() {
     with(q, {".w", ".x", ".y", ".z"});
   }
   return names;
+}
+
+std::vector<std::string> fields_of_links() {
+  return {"peerd.hops",          "peerd.greeting.region", "peerd.greeting.sent_at",  "peerd.greeting.echoed",
+          "peerd.greeting.held", "peerd.greeting.sent",   "peerd.greeting.received", "peerd.greeting.group_offset",
+          "peerd.greeting.path"};
 }
 
 std::vector<std::string> fields_of_discovery() {

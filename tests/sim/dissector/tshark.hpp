@@ -16,10 +16,11 @@ inline constexpr const char* kNoTshark = "no tshark: scripts/test --full install
 // The numbers of fields of Protobuf that the dissector does not know.
 inline constexpr const char* kUnknown = "peerd.unknown_field";
 
-// The names of all fields of session datagrams, of discovery, and of joins.
+// The names of all fields of session datagrams, of discovery, of joins, and of what goes to and from relays.
 [[nodiscard]] std::vector<std::string> fields_of_datagrams();
 [[nodiscard]] std::vector<std::string> fields_of_discovery();
 [[nodiscard]] std::vector<std::string> fields_of_joins();
+[[nodiscard]] std::vector<std::string> fields_of_links();
 
 // The packets in which tshark finds one of these three, by their numbers from 1. A preference is "NAME:VALUE". An error
 // of the dissector itself fails the test. `twice`: tshark reads the file twice, as Wireshark does.
