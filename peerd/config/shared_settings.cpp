@@ -17,7 +17,16 @@ namespace {
 constexpr std::array kShared{"world_name", "expansion", "replication", "decisions", "relay", "regions", "collision"};
 constexpr std::array kMulticastWords{"auto", "always", "never"};  // by TransportSettings::multicast
 
-constexpr std::array kSharedTransport{"group", "group_pool", "ttl", "multicast", "port"};
+constexpr std::array kSharedTransport{"group", "group_pool", "ttl", "multicast", "port", "nats", "nats_subject"};
+
+// The servers of the one who gives the world, for who has none of its own; users and passwords are nobody else's.
+toml::array servers_to_share(const NatsSettings& nats) {
+  toml::array servers;
+  for (const std::string& server : nats.servers) {
+    if (const auto url = parse_server_url(server)) servers.push_back(url->shown());
+  }
+  return servers;
+}
 
 template <std::size_t kCount>
 std::optional<std::string> other_key(const toml::table& table, const std::array<const char*, kCount>& keys) {
@@ -50,6 +59,10 @@ std::string shared_settings(const RunSettings& run) {
                         {"ttl", static_cast<std::int64_t>(run.transport.ttl)},
                         {"multicast", kMulticastWords.at(run.transport.multicast)}};
   if (run.transport.port) transport.insert("port", static_cast<std::int64_t>(*run.transport.port));
+  if (!run.transport.nats.servers.empty()) {
+    transport.insert("nats", servers_to_share(run.transport.nats));
+    transport.insert("nats_subject", run.transport.nats.subject);
+  }
   shared.insert("transport", transport);
   toml::table peers;
   for (const PeerSettings& peer : run.peers) {

@@ -14,6 +14,7 @@ struct RunFlags {
   }, group{}, key{}, password{};
   std::optional<std::uint32_t> id{}, port{};
   std::vector<std::string> owns{}, enslaves{};  // two names of one option
+  std::vector<std::string> nats{};              // URLs of servers
   bool open = false;
 };
 
