@@ -27,6 +27,9 @@ LinkSettings read_link(TomlReader& reader, LinkSettings link) {
 
 void read_network(TomlReader reader, RunSettings& run) {
   run.network = read_link(reader, {});
+  std::size_t via = 0;
+  reader.read_word("via", via, {"nothing", "nats", "nats-cluster"});
+  run.via = static_cast<Via>(via);
   const toml::table* links = reader.table("link");
   if (links != nullptr) {
     for (const auto& [from, targets] : *links) {
