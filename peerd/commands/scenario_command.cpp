@@ -86,7 +86,7 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
       auto measured = lab->measure(run);
       if (!measured) return failed(measured.error());
       // The interfaces of peers that must do without multicast lose it.
-      const bool multicast = run.transport.multicast != config::kMulticastNever;
+      const bool multicast = run.transport.multicast != config::kMulticastNever && run.via == config::Via::kNothing;
       if (auto set = lab->set_multicast(multicast); !set) return failed(set.error());
       network = std::move(*measured);
     }

@@ -211,6 +211,9 @@ int run_sim(const ScenarioOptions& options) {
                                                .repeat = options.repeat});
   if (!scenario) return failed(scenario.error());
   print_warnings(scenario->warnings);
+  if (std::ranges::any_of(scenario->runs, [](const auto& run) { return run.via != config::Via::kNothing; })) {
+    return failed({"error: network.via: servers stand between real peers alone: peerd scenario", 2});
+  }
   const auto shared = share_world(scenario->world, scenario->reading, scenario->runs);
   if (!shared) return failed(shared.error());
   const Scene& scene = (*shared)->world.scene;

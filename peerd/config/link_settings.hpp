@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -22,6 +23,14 @@ struct LinkSettings {
 
   // No datagram is under way for longer than this.
   [[nodiscard]] double longest_delay_ms() const { return (latency_ms + jitter_ms) * (reordering > 0.0 ? 2.0 : 1.0); }
+};
+
+// What carries datagrams between the islands of a run of real peers, each of which has a peer: network.via.
+enum class Via : std::uint8_t {
+  kNothing,      // the network itself
+  kNats,         // a nats-server on each island; all are leaf nodes of the first one
+  kNatsCluster,  // the same as one cluster
+  kRelay,        // a peerd relay on each island, where its peer multicasts; all are below the first one
 };
 
 struct LinkKey {

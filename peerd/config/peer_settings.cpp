@@ -1,10 +1,13 @@
 #include "peerd/config/peer_settings.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <span>
+
+#include <spdlog/fmt/fmt.h>
 
 #include "peerd/input/number.hpp"
 #include "replication/wire/codec.hpp"
@@ -91,6 +94,10 @@ PeerId peer_named(TomlReader& reader, const char* key, const std::string& name,
   if (named != peers.end()) return PeerId{named->id};
   reader.fail(reader.raw().get(key), reader.dotted(key) + ": the scenario has no peer \"" + name + "\"");
   return kNobody;
+}
+
+bool belongs_to_token(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
 }
 
 FeedSettings read_feed(TomlReader reader) {
@@ -293,6 +300,85 @@ PeerSettings read_peer(TomlReader reader, const std::string& name, const std::fi
   return s;
 }
 
+NatsSettings read_nats(TomlReader& transport) {
+  NatsSettings s;
+  transport.read("nats", s.servers);
+  transport.read("nats_subject", s.subject);
+  transport.read("nats_credentials", s.credentials);
+  transport.read("nats_tls_ca", s.tls_ca);
+  transport.read("nats_tls_cert", s.tls_cert);
+  transport.read("nats_tls_key", s.tls_key);
+  const auto fail = [&](const char* key, const std::string& why) {
+    transport.fail(transport.raw().get(key), transport.dotted(key) + ": " + why);
+  };
+  for (std::size_t i = 0; i < s.servers.size(); ++i) {
+    const auto url = parse_server_url(s.servers[i]);
+    if (!url) fail("nats", fmt::format("server {} of the list is no nats://HOST:PORT: {}", i + 1, url.error()));
+  }
+  if (!is_subject(s.subject)) {
+    fail("nats_subject", "it has to be letters, digits, - and _, in parts with dots between them");
+  }
+  if (s.tls_cert.empty() != s.tls_key.empty()) {
+    fail(s.tls_cert.empty() ? "nats_tls_key" : "nats_tls_cert",
+         "a certificate needs its key, and a key its certificate: give both or neither");
+  }
+  for (const char* const key : {"nats_credentials", "nats_tls_ca", "nats_tls_cert"}) {
+    if (s.servers.empty() && transport.has(key)) fail(key, "it is of no use without servers in transport.nats");
+  }
+  return s;
+}
+
+std::string ServerUrl::shown() const {
+  const bool is_v6 = host.find(':') != std::string::npos;
+  return fmt::format("{}://{}{}{}:{}", tls ? "tls" : "nats", is_v6 ? "[" : "", host, is_v6 ? "]" : "", port);
+}
+
+std::expected<ServerUrl, std::string> parse_server_url(std::string_view text) {
+  ServerUrl url;
+  url.tls = text.starts_with("tls://");
+  if (!url.tls && !text.starts_with("nats://")) return std::unexpected("it has to begin with nats:// or tls://");
+  text.remove_prefix(text.find("//") + 2);
+  if (const auto at = text.rfind('@'); at != std::string_view::npos) {
+    url.user_info = text.substr(0, at);
+    text.remove_prefix(at + 1);
+  }
+  const bool in_brackets = text.starts_with('[');
+  const auto end = in_brackets ? text.find(']') : text.find(':');
+  if (in_brackets && end == std::string_view::npos) return std::unexpected("a bracket is not closed");
+  url.host = text.substr(in_brackets ? 1 : 0, in_brackets ? end - 1 : end);
+  if (url.host.empty() || url.host.find_first_of(" \t\r\n/,?#[]") != std::string::npos) {
+    return std::unexpected("it names no host");
+  }
+  text.remove_prefix(in_brackets ? end + 1 : std::min(end, text.size()));
+  if (text.empty()) return url;
+  const char* const last = text.data() + text.size();
+  const auto read = std::from_chars(text.data() + 1, last, url.port);
+  if (text.front() != ':' || read.ec != std::errc{} || read.ptr != last || url.port == 0) {
+    return std::unexpected("its port is no number from 1 to 65535");
+  }
+  return url;
+}
+
+bool is_subject(std::string_view text) {
+  return !text.empty() && text.front() != '.' && text.back() != '.' && text.find("..") == std::string_view::npos &&
+         std::ranges::all_of(text, [](char c) { return c == '.' || belongs_to_token(c); });
+}
+
+namespace {
+
+// Datagrams go one way.
+void refuse_contradictions(TomlReader& reader, const TransportSettings& s) {
+  if (s.nats.servers.empty()) return;
+  const auto contradicts = [&](const char* key) {
+    reader.fail(reader.raw().get(key), reader.dotted(key) + " contradicts transport.nats, by which datagrams go");
+  };
+  if (s.multicast == kMulticastAlways) contradicts("multicast");
+  if (!s.peers.empty()) contradicts("peers");
+  if (!s.relays.empty()) contradicts("relays");
+}
+
+}  // namespace
+
 TransportSettings read_transport(TomlReader reader) {
   TransportSettings s;
   reader.read("interface", s.interface);
@@ -317,6 +403,8 @@ TransportSettings read_transport(TomlReader reader) {
   reader.read("identity_file", s.identity_file);
   reader.read("roster_file", s.roster_file);
   reader.read("password_file", s.password_file);
+  s.nats = read_nats(reader);
+  refuse_contradictions(reader, s);
   reader.finish();
   return s;
 }

@@ -8,6 +8,7 @@
 #include "core/motion/key_codes.hpp"
 #include "core/scene/scene.hpp"
 #include "peerd/config/collision_settings.hpp"
+#include "peerd/config/nats_settings.hpp"
 #include "peerd/config/node_pattern.hpp"
 #include "peerd/config/scene_edit.hpp"
 #include "peerd/input/world_file.hpp"
@@ -121,6 +122,7 @@ struct TransportSettings {
   std::string identity_file;        // of who this user is; empty: this user's own
   std::string roster_file;          // of the members; empty: this user's own of the world, if there is one
   std::string password_file;        // of a password that makes the key; "-": asked for; empty: none
+  NatsSettings nats;                // datagrams go through NATS servers, if there are some
 };
 inline constexpr std::size_t kMulticastAuto = 0, kMulticastAlways = 1,
                              kMulticastNever = 2;  // TransportSettings::multicast

@@ -28,6 +28,7 @@ struct RunSettings {
   std::map<std::string, MotionSettings> motion;  // by path or pattern; applies to whichever peer owns the object
   std::vector<ScenarioEvent> events;             // by time, then by name
   LinkSettings network;
+  Via via = Via::kNothing;  // real runs only
   std::map<std::pair<std::string, std::string>, LinkSettings> links;
   TransportSettings transport;
   ControlSettings control;

@@ -27,6 +27,9 @@ LinkSettings read_link(TomlReader& reader, LinkSettings link) {
 
 void read_network(TomlReader reader, RunSettings& run) {
   run.network = read_link(reader, {});
+  std::size_t via = 0;
+  reader.read_word("via", via, {"nothing", "nats", "nats-cluster", "relay"});
+  run.via = static_cast<Via>(via);
   const toml::table* links = reader.table("link");
   if (links != nullptr) {
     for (const auto& [from, targets] : *links) {
@@ -145,7 +148,13 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   return run;
 }
 
-std::string to_text(const toml::table& root) {
+// Captures have this text, so it holds no user and no password of a NATS server.
+std::string to_text(toml::table root) {
+  if (toml::array* const servers = root.at_path("transport.nats").as_array()) {
+    servers->for_each([](toml::value<std::string>& server) {
+      if (const auto url = parse_server_url(*server)) *server = url->shown();
+    });
+  }
   std::ostringstream text;
   text << root << '\n';
   return text.str();
@@ -155,10 +164,10 @@ std::string to_text(const toml::table& root) {
 bool takes_list(std::string_view key) {
   return key.ends_with(".owns") || key.ends_with(".axis") || key.ends_with(".define") || key.ends_with(".key") ||
          key == "replication.models" || key == "transport.peers" || key == "transport.relays" ||
-         key == "gateway.origins" || key.ends_with(".position") || key.ends_with(".offset") ||
-         key.ends_with(".spin_axis") || key.ends_with(".waypoints") || key.ends_with(".within_m") ||
-         key.ends_with(".origin_m") || key == "regions.counts" || key.ends_with(".groups") ||
-         key.ends_with(".physics.velocity") || key.ends_with(".physics.acceleration") ||
+         key == "transport.nats" || key == "gateway.origins" || key.ends_with(".position") ||
+         key.ends_with(".offset") || key.ends_with(".spin_axis") || key.ends_with(".waypoints") ||
+         key.ends_with(".within_m") || key.ends_with(".origin_m") || key == "regions.counts" ||
+         key.ends_with(".groups") || key.ends_with(".physics.velocity") || key.ends_with(".physics.acceleration") ||
          key.ends_with(".physics.angular_velocity");
 }
 

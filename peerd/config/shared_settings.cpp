@@ -17,7 +17,16 @@ namespace {
 constexpr std::array kShared{"world_name", "expansion", "replication", "decisions", "relay", "regions", "collision"};
 constexpr std::array kMulticastWords{"auto", "always", "never"};  // by TransportSettings::multicast
 
-constexpr std::array kSharedTransport{"group", "group_pool", "ttl", "multicast", "port", "relays"};
+constexpr std::array kSharedTransport{"group", "group_pool", "ttl", "multicast", "port", "relays", "nats", "nats_subject"};
+
+// The servers of the one who gives the world, for who has none of its own; users and passwords are nobody else's.
+toml::array servers_to_share(const NatsSettings& nats) {
+  toml::array servers;
+  for (const std::string& server : nats.servers) {
+    if (const auto url = parse_server_url(server)) servers.push_back(url->shown());
+  }
+  return servers;
+}
 
 template <std::size_t kCount>
 std::optional<std::string> other_key(const toml::table& table, const std::array<const char*, kCount>& keys) {
@@ -54,6 +63,10 @@ std::string shared_settings(const RunSettings& run) {
     toml::array relays;
     for (const std::string& relay : run.transport.relays) relays.push_back(relay);
     transport.insert("relays", relays);
+  }
+  if (!run.transport.nats.servers.empty()) {
+    transport.insert("nats", servers_to_share(run.transport.nats));
+    transport.insert("nats_subject", run.transport.nats.subject);
   }
   shared.insert("transport", transport);
   toml::table peers;

@@ -1,10 +1,17 @@
 #include "peerd/greeting/relay_choice.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <tuple>
 #include <utility>
 
 namespace peerd::net {
+
+namespace {
+
+constexpr Duration kRound = std::chrono::milliseconds(400), kRoundWithDatagrams = std::chrono::seconds(1);
+
+}  // namespace
 
 using asio::ip::udp;
 
@@ -38,6 +45,18 @@ void RelayChoice::on_greeting(HostTime now, Relay& relay, const Greeting& greeti
   relay.detached = greeting.link->detached;
   relay.all_regions = greeting.all_regions;
   relay.regions = greeting.regions;
+}
+
+void RelayChoice::on_datagram(HostTime now) {
+  assert(chosen_);
+  Relay& relay = relays_[*chosen_];
+  relay.meter.count_in();
+  relay.heard = relay.datagram_at = now;
+}
+
+bool RelayChoice::is_greeting_due(const Relay& relay, HostTime now) const {
+  const bool sends = &relay == chosen() && now - relay.datagram_at <= kRound;
+  return now - relay.greeted >= (sends ? kRoundWithDatagrams : kRound);
 }
 
 bool RelayChoice::answers(const Relay& relay, HostTime now) const {

@@ -32,7 +32,8 @@ class RelayChoice {
     bool all_regions = false;
     std::vector<RegionId> regions = {};  // those that it wants, ascending
     LinkMeter meter = {};
-    HostTime greeted{};  // the last greeting to it; of the driver
+    HostTime greeted{};      // the last greeting to it; of the driver
+    HostTime datagram_at{};  // the last datagram from it
   };
 
   explicit RelayChoice(Options options);
@@ -41,6 +42,11 @@ class RelayChoice {
   [[nodiscard]] Relay* find(const asio::ip::udp::endpoint& at);
   // A greeting of a relay of the list that has echoed this process's number for it.
   void on_greeting(HostTime now, Relay& relay, const Greeting& greeting);
+  // A datagram has come from the relay that is chosen.
+  void on_datagram(HostTime now);
+  // Whether the driver is to greet it now: every 400 ms, and every second while it sends datagrams, which say as well
+  // that it is there.
+  [[nodiscard]] bool is_greeting_due(const Relay& relay, HostTime now) const;
   // Chooses anew; true: another one than before, or none.
   bool update(HostTime now);
 

@@ -94,6 +94,7 @@ constexpr std::array kTexts{
     CounterText{"net.out_errors", "not sent: the call failed"},
     CounterText{"net.out_no_group", "not sent: no multicast group is left for that region"},
     CounterText{"net.out_queue_full", "not sent: the send buffer or the interface's queue was full"},
+    CounterText{"net.out_stale", "not sent: waited too long for a NATS server"},
     CounterText{"net.out_too_large", "not sent: longer than a datagram may be"},
     CounterText{"net.out_unreachable", "not sent: no interface or no route"},
     CounterText{"net.out_unwanted", "not sent: nobody behind the relay wants that region"},

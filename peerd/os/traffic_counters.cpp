@@ -38,6 +38,7 @@ std::map<std::string, std::uint64_t> TrafficCounters::named() const {
       {"net.out_queue_full", out_queue_full},
       {"net.out_unreachable", out_unreachable},
       {"net.out_blocked", out_blocked},
+      {"net.out_stale", out_stale},
       {"net.out_too_large", out_too_large},
       {"net.out_no_group", out_no_group},
       {"net.out_errors", out_errors},

@@ -47,6 +47,7 @@ struct TrafficCounters {
   std::uint64_t out_queue_full = 0;   // send buffer or interface queue full
   std::uint64_t out_unreachable = 0;  // interface down or gone, no route, no source address
   std::uint64_t out_blocked = 0;      // a firewall on this computer refused it
+  std::uint64_t out_stale = 0;        // waited too long for a server (peerd/nats)
   std::uint64_t out_too_large = 0;    // longer than kMaxDatagramBytes
   std::uint64_t out_no_group = 0;     // the region lies past the end of the multicast range
   std::uint64_t out_errors = 0;

@@ -7,6 +7,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "peerd/config/shared_settings.hpp"
+#include "peerd/nats/nats_transport.hpp"
 #include "peerd/node/describe.hpp"
 #include "peerd/peer/run_lines.hpp"
 #include "peerd/record/recorded_transport.hpp"
@@ -14,6 +15,8 @@
 
 namespace peerd {
 namespace {
+
+namespace asio = boost::asio;
 
 // Makes the cache warmer that runs while the peer polls. The result is null where the peer polls for too short a time,
 // or where it can't be made.
@@ -51,6 +54,27 @@ Result<net::TransportOptions> reach_of(const PeerParts& parts, SessionSeal& sess
   reach->multicast.groups = net::plan_of_world(reach->multicast.groups, parts.session);
   reach->greetings = session_seal.greetings(say);
   return reach;
+}
+
+// Through NATS servers where the settings name some, else by multicast or unicast.
+Result<net::OpenedTransport> open_reach(asio::io_context& io, const net::HostClock& clock, const PeerParts& parts,
+                                        const std::string& world, const net::TransportOptions& reach) {
+  const config::TransportSettings& settings = parts.run().transport;
+  if (settings.nats.servers.empty()) {
+    auto reached = net::open_transport(io, clock, reach);
+    if (!reached) return std::unexpected(input_error(reached.error()));
+    return *std::move(reached);
+  }
+  const auto family = reach.multicast.groups.base.is_v4() ? asio::ip::udp::v4() : asio::ip::udp::v6();
+  auto opened = nats::NatsTransport::open(io, clock,
+                                          {.settings = settings.nats,
+                                           .world = world,
+                                           .session = parts.session,
+                                           .name = "peerd " + parts.settings->name,
+                                           .receive_bytes = settings.receive_buffer_bytes,
+                                           .nobody = {family, 0}});
+  if (!opened) return std::unexpected(input_error(opened.error()));
+  return net::OpenedTransport{*std::move(opened), {}};
 }
 
 JoinService::Options join_service_options(const PeerOptions& options, const PeerParts& parts,
@@ -110,8 +134,8 @@ Result<void> OpenedPeer::open_network() {
   auto reach = reach_of(parts_, *session_seal_, say_);
   if (!reach) return std::unexpected(reach.error());
   reach_ = *std::move(reach);
-  auto reached = net::open_transport(io_, clock_, *reach_);
-  if (!reached) return std::unexpected(input_error(reached.error()));
+  auto reached = open_reach(io_, clock_, parts_, parts_.world_name(options_), *reach_);
+  if (!reached) return std::unexpected(reached.error());
   reached_ = *std::move(reached);
   return {};
 }

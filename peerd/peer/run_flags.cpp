@@ -37,6 +37,7 @@ std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options
     options.keeps_id = !flags.id;
   }
   for (const std::string& set : network_settings(flags)) sets.push_back(set);
+  if (!flags.nats.empty()) sets.push_back("transport.nats=" + json_line(flags.nats));
   if (flags.open) sets.emplace_back("transport.sealed=false");
   if (!flags.key.empty()) {
     sets.push_back("transport.key_file=" + json_line(std::filesystem::absolute(flags.key).string()));

@@ -15,6 +15,7 @@ struct RunFlags {
   std::optional<std::uint32_t> id{}, port{};
   std::vector<std::string> owns{}, enslaves{};  // two names of one option
   std::vector<std::string> relays{};            // HOST:PORT
+  std::vector<std::string> nats{};              // URLs of servers
   bool open = false;
 };
 

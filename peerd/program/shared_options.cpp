@@ -50,6 +50,12 @@ void add_own_options(CLI::App& command, PeerOptions& peer, RunFlags& flags, cons
   command.add_option("--record", peer.record, "write what this peer did and believed to a file when it leaves");
   command.add_flag("--take-over", peer.take_over,
                    "begin at once, without asking for a second whether this peer is running already: that one ends");
+  command
+      .add_option(
+          "--nats", flags.nats,
+          "URL of a NATS server by which datagrams go, such as nats://host:4222; a user's password is safer in a "
+          "configuration (repeatable; default: the configuration's, else none)")
+      ->allow_extra_args(false);
   auto* const open = command.add_flag("--open", flags.open,
                                       "nothing is sealed: whoever is on the network can listen, and speak as any peer");
   auto* const key =

@@ -19,8 +19,6 @@ using net::RelayChoice;
 
 constexpr LinkId kFirstNeighbour = 1024;  // the links before it are ports
 constexpr Duration kStep = std::chrono::milliseconds(50);
-// As RelayTransport's rounds: a parent answers each greeting.
-constexpr Duration kRound = std::chrono::milliseconds(400);
 constexpr Duration kNeighbourSilent = std::chrono::seconds(3);
 constexpr int kRepeats = 2;
 constexpr std::size_t kMostBytes = net::kMaxDatagramBytes + net::kRelayHeaderBytes;
@@ -115,7 +113,8 @@ void Relay::take_datagram(const net::Received& received, const net::RelayHeader&
   ++from->datagrams_in;
   from->bytes_in += received.bytes.size();
   from->meter.count_in();
-  if (from->is_parent) parents_.chosen()->meter.count_in();
+  if (from->is_parent) parents_.on_datagram(at);
+  from->heard = at;
   if (header.hops == 0) {
     ++counters_.out_of_hops;
     return;
@@ -351,7 +350,7 @@ void Relay::advance() {
     if (const auto said = port->advance(now, place)) say_(false, *said);
   }
   for (RelayChoice::Relay& parent : parents_.relays()) {
-    if (now - parent.greeted >= kRound || parent.greeted == HostTime{}) greet(parent, /*leaving=*/false);
+    if (parents_.is_greeting_due(parent, now)) greet(parent, /*leaving=*/false);
   }
   neighbours_.visit([&](Neighbour& each) {
     if (each.repeats > 0) {

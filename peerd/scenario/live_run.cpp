@@ -17,6 +17,7 @@
 #include "peerd/keys/key_file.hpp"
 #include "peerd/netem/lab.hpp"
 #include "peerd/scenario/child_process.hpp"
+#include "peerd/scenario/companions.hpp"
 #include "peerd/scenario/live_events.hpp"
 
 namespace peerd {
@@ -65,6 +66,14 @@ std::string last_lines(const fs::path& path, std::size_t count) {
   return text;
 }
 
+bool contains(const fs::path& path, const std::string& words) {
+  std::ifstream in(path);
+  for (std::string line; std::getline(in, line);) {
+    if (line.find(words) != std::string::npos) return true;
+  }
+  return false;
+}
+
 // The peers of one run seal what they send by a key whose file is gone with this object.
 struct KeyOfRun {
   fs::path file;
@@ -77,6 +86,14 @@ struct KeyOfRun {
   }
 };
 fs::path key_file_of(const LiveRun& launch) { return fs::absolute(launch.out / (launch.run_name + ".key")); }
+
+Islands islands_of(const LiveRun& launch) {
+  return {.stem = launch.out / launch.run_name,
+          .port = launch.port,
+          .program = launch.program,
+          .key_file = key_file_of(launch),
+          .apart = launch.lab != nullptr};
+}
 
 std::vector<std::string> peer_command(const LiveRun& launch, const config::RunSettings& run,
                                       const config::PeerSettings& peer, const fs::path& record,
@@ -110,9 +127,14 @@ std::vector<std::string> peer_command(const LiveRun& launch, const config::RunSe
   } else {
     set("transport.port=" + std::to_string(port));
   }
+  for (const std::string& s :
+       settings_by_companions(run, islands_of(launch), static_cast<std::size_t>(&peer - run.peers.data()))) {
+    set(s);
+  }
   std::string wanted = launch.interface.empty() ? run.transport.interface : launch.interface;
   if (wanted.empty()) wanted = "lo";
-  if (launch.lab) wanted = netem::Lab::kInterface;
+  if (launch.lab && run.via != config::Via::kRelay) wanted = netem::Lab::kInterface;
+  if (run.via == config::Via::kRelay) wanted = "lo";  // each peer's island
   set("transport.interface=" + json_line(wanted));
   for (const fs::path& overlay : launch.configs) command.insert(command.end(), {"--overlay", overlay.string()});
   return command;
@@ -139,6 +161,25 @@ class LiveProcesses {
           in_place(launch_, i, {"tcpdump", "-Z", "root", "-U", "-i", netem::Lab::kInterface, "-w", file + ".pcap"}),
           file + ".tcpdump.log"));
     }
+  }
+
+  // Starts what carries the peers' datagrams, and waits until it says that it is ready.
+  [[nodiscard]] Result<void> start_companions() {
+    auto wanted = companions_of(run_, islands_of(launch_));
+    if (!wanted) return std::unexpected(wanted.error());
+    for (const Companion& companion : *wanted) {
+      companions_.push_back(std::make_unique<ChildProcess>(
+          run_.peers[companion.peer].name + "'s " + companion.command.front(),
+          in_place(launch_, companion.peer, companion.command), stem_of(companion.name) + ".log"));
+      ChildProcess& child = *companions_.back();
+      const auto give_up = std::chrono::steady_clock::now() + kGrace;
+      while (!contains(child.output(), companion.ready)) {
+        if (!child.running()) return failed(child, "can't be run (is its package installed?)");
+        if (std::chrono::steady_clock::now() > give_up) return failed(child, "is not ready");
+        if (asked_to_stop()) return std::unexpected(InputError{"error: stopped by a signal", 3});
+      }
+    }
+    return {};
   }
 
   // The first peer to start has the control socket that the scenario's events go to.
@@ -175,7 +216,11 @@ class LiveProcesses {
     return any;
   }
 
-  [[nodiscard]] Result<void> check_captures() {
+  // What stands beside the peers has to live as long as they do.
+  [[nodiscard]] Result<void> check_others() {
+    for (auto& companion : companions_) {
+      if (!companion->running()) return failed(*companion, "ended by itself");
+    }
     for (auto& capture : captures_) {
       if (!capture->running()) return failed(*capture, "ended by itself");
     }
@@ -215,8 +260,8 @@ class LiveProcesses {
   const LiveRun& launch_;
   const config::RunSettings& run_;
   fs::path control_;
-  std::vector<std::unique_ptr<ChildProcess>> captures_;  // end after the peers
-  std::vector<std::unique_ptr<ChildProcess>> peers_;     // in the order of starting
+  std::vector<std::unique_ptr<ChildProcess>> companions_, captures_;  // end after the peers
+  std::vector<std::unique_ptr<ChildProcess>> peers_;                  // in the order of starting
 };
 
 }  // namespace
@@ -234,6 +279,7 @@ Result<std::vector<PeerLog>> run_live(const LiveRun& launch, const config::RunSe
   if (const auto made = seal::read_or_make_key(key.file); !made) return std::unexpected(made.error());
   LiveProcesses processes(launch, run, events->control());
   processes.start_captures();
+  if (auto started = processes.start_companions(); !started) return std::unexpected(started.error());
   for (const config::PeerSettings& peer : run.peers) {
     if (config::starts_with(run.events, peer.name)) processes.start(peer);
   }
@@ -245,7 +291,7 @@ Result<std::vector<PeerLog>> run_live(const LiveRun& launch, const config::RunSe
     if (!any_running) return std::unexpected(any_running.error());
     if (!*any_running) break;
     while (const config::ScenarioEvent* event = events->take_due()) processes.happen(*event);
-    if (auto captures = processes.check_captures(); !captures) return std::unexpected(captures.error());
+    if (auto others = processes.check_others(); !others) return std::unexpected(others.error());
     const auto now = std::chrono::steady_clock::now();
     if (now - begun > most) return processes.hung();
     if (now - shown >= std::chrono::seconds(1)) {

@@ -169,7 +169,8 @@ void SealedTransport::refuse(Refusal why, const net::Arrival& arrival) {
   const std::string_view sentence = sentence_of(why);
   if (sentence.empty()) return;
   said = arrival.at;
-  warn_(arrival.from.address().to_string() + " " + std::string(sentence));
+  const auto from = arrival.from.address();  // unspecified where a server lies between
+  warn_((from.is_unspecified() ? "somebody" : from.to_string()) + " " + std::string(sentence));
 }
 
 void SealedTransport::say_findings() {

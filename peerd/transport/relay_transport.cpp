@@ -13,9 +13,9 @@ namespace {
 
 using asio::ip::udp;
 
-// Each round greets all relays of the list, which keeps the flow through a NAT open and finds a relay that has failed.
-// After a change some rounds are short, because a greeting may get lost.
-constexpr Duration kRelayRound = std::chrono::milliseconds(400), kShortRelayRound = std::chrono::milliseconds(60);
+// In a round all relays of the list are greeted that it is time for, which keeps the flow through a NAT open and finds
+// a relay that has failed. After a change some rounds are short, because a greeting may get lost.
+constexpr Duration kRelayRound = std::chrono::milliseconds(200), kShortRelayRound = std::chrono::milliseconds(60);
 constexpr int kShortRelayRounds = 3, kShortRelayRoundsAtStart = 10;
 constexpr std::size_t kRelayedMax_bytes = kMaxDatagramBytes + kRelayHeaderBytes;
 
@@ -137,7 +137,7 @@ void RelayTransport::take(const Received& received, HostTime at) {
     ++counters_.in_stranger;
     return;
   }
-  relay->meter.count_in();
+  choice_.on_datagram(at);
   if (!joined_.contains(header->region)) {
     ++counters_.in_other_region;
     return;
@@ -203,9 +203,8 @@ void RelayTransport::next_round() {
   const bool hurried = hurried_rounds_ > 0;
   if (hurried) --hurried_rounds_;
   for (RelayChoice::Relay& relay : choice_.relays()) {
-    if (&relay == choice_.chosen() || now - relay.greeted >= kRelayRound || relay.greeted == HostTime{}) {
-      greet(relay, /*leaving=*/false);
-    }
+    const bool repeats = hurried && &relay == choice_.chosen();
+    if (repeats || choice_.is_greeting_due(relay, now)) greet(relay, /*leaving=*/false);
   }
   queue_.flush(receiver_.socket().native_handle(), counters_);
   timer_.expires_after(std::chrono::duration_cast<std::chrono::nanoseconds>(hurried ? kShortRelayRound : kRelayRound));

@@ -58,6 +58,12 @@ TEST_F(SimCommand, NamesWhatDoesNothingAndReportsIt) {
   EXPECT_THAT(summary["warnings"].dump(), HasSubstr("this ROUTE from notColliding"));
 }
 
+TEST_F(SimCommand, HasNoServersBetweenItsPeers) {
+  options.sets = {"network.via=nats"};
+  EXPECT_EQ(run(), 2);
+  EXPECT_THAT(err, HasSubstr("network.via: servers stand between real peers alone"));
+}
+
 TEST_F(SimCommand, WritesAReportAndPrintsItsTable) {
   EXPECT_EQ(run(), 0) << err;
   EXPECT_THAT(out, HasSubstr("times real time"));

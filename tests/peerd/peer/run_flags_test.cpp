@@ -37,6 +37,8 @@ TEST(RunFlags, SayNothingOfAPeerThatAConfigurationHas) {
   EXPECT_THAT(as_settings({.key = "/k", .open = false}, options), ElementsAre(R"(transport.key_file="/k")"));
   EXPECT_THAT(as_settings({.open = true}, options), ElementsAre("transport.sealed=false"));
   EXPECT_THAT(as_settings({.password = "-"}, options), ElementsAre(R"(transport.password_file="-")"));
+  EXPECT_THAT(as_settings({.nats = {"nats://one", "tls://two"}}, options),
+              ElementsAre(R"(transport.nats=["nats://one","tls://two"])"));
   EXPECT_EQ(options.peer, "b");
 }
 
