@@ -1,7 +1,11 @@
 #include "peerd/nats/connection.hpp"
 
+#include <unistd.h>
+
 #include <array>
 #include <cassert>
+#include <cerrno>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -85,17 +89,30 @@ void on_message(natsConnection* /*connection*/, natsSubscription* /*subscription
 
 void on_no_more_messages(void* closure) { delete static_cast<SubscriptionClosure*>(closure); }
 
-net::NetError error_of(net::NetError::Kind kind, const std::string& what) {
+using Kind = net::NetError::Kind;
+
+// What the library says of the last failed call of this thread, without the place in its source: "(conn.c:733): ".
+std::string reason() {
   natsStatus status = NATS_OK;
-  const char* const text = nats_GetLastError(&status);
-  const bool has_text = text != nullptr && *text != '\0';
-  return {kind, what + ": " + (has_text ? std::string(text) : std::string(natsStatus_GetText(status)))};
+  const char* const last = nats_GetLastError(&status);
+  std::string text = last == nullptr || *last == '\0' ? natsStatus_GetText(status) : last;
+  if (const auto end = text.find("): "); text.starts_with('(') && end != std::string::npos) text.erase(0, end + 3);
+  return text;
 }
 
-using Kind = net::NetError::Kind;
+net::NetError error_of(Kind kind, const std::string& what) { return {kind, what + ": " + reason()}; }
 
 // The files of the settings. An error names the key.
 std::expected<void, net::NetError> load_files(natsOptions* options, const config::NatsSettings& settings) {
+  const std::array<std::pair<const char*, const std::string*>, 4> files{{{"nats_credentials", &settings.credentials},
+                                                                         {"nats_tls_ca", &settings.tls_ca},
+                                                                         {"nats_tls_cert", &settings.tls_cert},
+                                                                         {"nats_tls_key", &settings.tls_key}}};
+  for (const auto& [key, file] : files) {
+    if (file->empty() || access(file->c_str(), R_OK) == 0) continue;
+    return std::unexpected(net::NetError{Kind::kBadSetting, fmt::format("transport.{}: can't read {}: {}", key, *file,
+                                                                        std::generic_category().message(errno))});
+  }
   const auto bad = [](const std::string& key, const std::string& file) {
     return std::unexpected(error_of(Kind::kBadSetting, "transport." + key + ": " + file));
   };
@@ -171,8 +188,18 @@ Connection::Failure why_not_connected(natsStatus status, const NatsOptions& opti
       return {true, error_of(Kind::kOther, "no TLS with the NATS server (" + servers + "; transport.nats_tls_ca)")};
     case NATS_NO_SERVER_SUPPORT:
       return {true, error_of(Kind::kOther, "the NATS server is too old (" + servers + ")")};
-    default:
+    case NATS_NO_SERVER:
+    case NATS_TIMEOUT:
+    case NATS_IO_ERROR:
+    case NATS_STALE_CONNECTION:
+    case NATS_CONNECTION_DISCONNECTED:
       return {false, error_of(Kind::kOther, "no NATS server answers at " + servers)};
+    case NATS_CONNECTION_CLOSED:
+    case NATS_PROTOCOL_ERROR:  // so a server with TLS ends the connection of who shows no certificate
+      return {false, error_of(Kind::kOther, "the NATS server ends the connection (" + servers +
+                                                "; it may want transport.nats_tls_cert)")};
+    default:
+      return {true, error_of(Kind::kOther, "no connection to the NATS server (" + servers + ")")};
   }
 }
 
