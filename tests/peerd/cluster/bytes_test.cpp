@@ -19,7 +19,8 @@ std::optional<T> read(std::string_view bytes) {
   ByteReader reader(bytes);
   T value{};
   reader(value);
-  return reader.complete() ? std::optional(value) : std::nullopt;
+  if (!reader.complete()) return std::nullopt;
+  return std::optional<T>(std::in_place, std::move(value));  // T may be an optional itself
 }
 
 TEST(Bytes, DoublesComeBackBitForBit) {
