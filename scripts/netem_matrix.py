@@ -2,8 +2,9 @@
 """The cells of scripts/netem-matrix: what they are, one after the other, and what came of them.
 
     netem_matrix.py run OUT PEERD SCENARIO SIZE PART PARTS   cells that are not finished, every PARTS-th; as root
+    netem_matrix.py count SIZE                               how many cells there are
     netem_matrix.py report OUT SIZE                          matrix.csv, matrix.md and matrix.svg. 1: peers disagreed, a cell
-        failed, or a network was not what it should have been; 3: no cell counts
+        failed, or a network was not what it should have been; 3: no cell counts, or some were not run
     netem_matrix.py compare REAL.json SIM.json               two summaries of one sweep side by side
 
 A cell is finished when its cell.json says so. Nothing here reads a clock: a cell's own measurements say whether it counts.
@@ -230,9 +231,12 @@ def report(out, size):
     for what, some in wrong.items():
         if some:
             print(f"{what}: " + ", ".join(r["name"] for r in some))
+    not_run = [c["name"] for c in todo if load(out, c) is None]
+    if not_run:
+        print("not run: " + ", ".join(not_run))
     if any(wrong.values()):
         return 1
-    return 0 if rows else 3
+    return 0 if rows and not not_run else 3
 
 
 def compare(real, sim):
@@ -256,6 +260,8 @@ if __name__ == "__main__":
     match sys.argv[1:]:
         case ["run", out, peerd, scenario, size, part, parts]:
             run(pathlib.Path(out), peerd, scenario, size, int(part), int(parts))
+        case ["count", size]:
+            print(len(cells(size)))
         case ["report", out, size]:
             sys.exit(report(pathlib.Path(out), size))
         case ["compare", real, sim]:

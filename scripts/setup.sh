@@ -31,6 +31,17 @@ install_missing() {
   }
 }
 
+# What the tests `slurm` need. They start daemons of their own: those of the packages, which would run beside them as
+# services, are turned off where they come by this.
+install_slurm() {
+  command -v sbatch >/dev/null && command -v slurmctld >/dev/null && command -v munged >/dev/null && return
+  install_missing slurm-wlm munge
+  [ -d /run/systemd/system ] || return 0
+  local root=()
+  [ "$(id -u)" -eq 0 ] || root=(sudo)
+  "${root[@]}" systemctl disable --now munge slurmctld slurmd >&2
+}
+
 # build PRESET TARGET [CMAKE_ARGUMENT...]: configures where need be; quiet when all is up to date.
 build() {
   local preset=$1 target=$2 log=build/configure-$1.log

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <iostream>
 #include <map>
+#include <thread>
 #include <vector>
 
 #include <spdlog/fmt/fmt.h>
@@ -11,10 +12,16 @@
 
 #include "peerd/chaos/chaos_run.hpp"
 #include "peerd/chaos/shrink.hpp"
+#include "peerd/cluster/bytes.hpp"
+#include "peerd/cluster/chaos_bytes.hpp"
+#include "peerd/cluster/run_missing.hpp"
+#include "peerd/cluster/scenario_work.hpp"
+#include "peerd/cluster/work_folder.hpp"
 #include "peerd/command_line/stop_signals.hpp"
 #include "peerd/commands/print.hpp"
 #include "peerd/config/scenario.hpp"
 #include "peerd/input/number.hpp"
+#include "peerd/input/printable.hpp"
 
 namespace peerd {
 namespace {
@@ -61,12 +68,83 @@ nlohmann::ordered_json as_json(const chaos::ChaosReport& report) {
   return line;
 }
 
+// The seeds as the items of a work.
+Result<cluster::Work> chaos_work(const ChaosOptions& options, const Seeds& seeds) {
+  auto work = cluster::work_of_this_program(options.cluster, "chaos");
+  if (!work) return work;
+  cluster::ByteWriter settings;
+  settings(seeds.first, seeds.last, options.seconds, options.peers, options.without);
+  work->settings = cluster::hash_hex(settings.take());
+  for (std::uint64_t seed = seeds.first;; ++seed) {
+    work->items.push_back(fmt::format("seed-{}", seed));
+    if (seed == seeds.last) return work;
+  }
+}
+
+std::filesystem::path work_folder_of(const ChaosOptions& options) {
+  return (options.out.empty() ? std::filesystem::path("out") / "chaos" : options.out) / cluster::kWorkFolder;
+}
+
+// The command line of a task of that work, but for its items.
+std::vector<std::string> chaos_task(const ChaosOptions& options) {
+  std::vector<std::string> command{options.cluster.program.string(), "sim", "--chaos=" + options.seeds};
+  if (options.count != 1) command.push_back(fmt::format("--count={}", options.count));
+  command.push_back(fmt::format("--chaos-seconds={}", options.seconds));
+  if (options.peers) command.push_back(fmt::format("--chaos-peers={}", *options.peers));
+  if (!options.without.empty()) command.push_back("--chaos-without=" + options.without);
+  command.push_back("--out=" + std::filesystem::absolute(work_folder_of(options).parent_path()).string());
+  command.push_back("--task");
+  return command;
+}
+
 // Runs the seeds one after the other, until a signal stops it.
 class ChaosCommand {
  public:
   ChaosCommand(const ChaosOptions& options, const chaos::ChaosLimits& limits, const Simulate& simulate,
                const StopSignals& signals)
       : options_(options), limits_(limits), simulate_(simulate), signals_(signals) {}
+
+  // Has other processes run the seeds first, here or on a cluster.
+  int run_elsewhere(const Seeds& seeds) {
+    auto work = chaos_work(options_, seeds);
+    if (!work) return failed(work.error());
+    const auto folder = cluster::WorkFolder::take(work_folder_of(options_), *std::move(work));
+    if (!folder) return failed(folder.error());
+    const cluster::Running running{
+        .options = options_.cluster,
+        .processes = options_.jobs > 0 ? options_.jobs : std::max(1u, std::thread::hardware_concurrency()),
+        .name = "peerd-chaos",
+        .unit = "seed",
+        .command = chaos_task(options_)};
+    const auto taken = cluster::run_and_take(
+        *folder, running, signals_, [&](std::size_t item, std::string_view bytes) -> std::expected<void, std::string> {
+          auto report = cluster::chaos_report_from(bytes);
+          if (!report) return std::unexpected(report.error());
+          known_[seeds.first + item] = *std::move(report);
+          return {};
+        });
+    if (!taken) return failed(taken.error());
+    return run(seeds);
+  }
+
+  // This process is such another one: it leaves the results of its seeds in the folder.
+  int run_task(const Seeds& seeds) {
+    auto work = chaos_work(options_, seeds);
+    if (!work) return failed(work.error());
+    const auto folder = cluster::WorkFolder::join(work_folder_of(options_), *std::move(work));
+    if (!folder) return failed(folder.error());
+    const auto items = cluster::item_list_from(options_.cluster.items, folder->work().items.size());
+    if (!items) return failed({"error: --task " + options_.cluster.items + " is no list of these seeds", 2});
+    const auto standing = folder->standing();
+    if (!standing) return failed(standing.error());
+    for (const std::size_t item : *items) {
+      if (!std::ranges::binary_search(standing->missing, item)) continue;
+      const chaos::ChaosReport report = simulate_(chaos::draw_plan(seeds.first + item, limits_));
+      if (const auto kept = folder->keep_result(item, cluster::to_bytes(report)); !kept) return failed(kept.error());
+      if (signals_.signal() != 0) return signals_.exit_code();
+    }
+    return 0;
+  }
 
   int run(const Seeds& seeds) {
     const auto begun = std::chrono::steady_clock::now();
@@ -82,7 +160,9 @@ class ChaosCommand {
 
  private:
   void run_one(std::uint64_t seed) {
-    const chaos::ChaosReport report = simulate_(chaos::draw_plan(seed, limits_));
+    const auto known = known_.find(seed);
+    const chaos::ChaosReport report =
+        known != known_.end() ? known->second : simulate_(chaos::draw_plan(seed, limits_));
     ++runs_;
     for (const auto& [branch, times] : report.branches) {
       if (times == 0) continue;
@@ -147,6 +227,7 @@ class ChaosCommand {
   const StopSignals& signals_;
   std::uint64_t runs_ = 0, failed_ = 0;
   double latest_s_ = 0.0;
+  std::map<std::uint64_t, chaos::ChaosReport> known_;                     // by seed: what other processes have found
   std::map<std::string, std::pair<std::uint64_t, std::uint64_t>> taken_;  // times, and seeds
 };
 
@@ -165,7 +246,9 @@ int run_chaos_seeds(const ChaosOptions& options, const Simulate& simulate) {
     return failed({"error: --chaos-without " + options.without + ": write a list such as f3,e7,e10-20", 2});
   }
   signals.note_from_now_on("stopped at once by a second signal");
-  return ChaosCommand(options, limits, simulate, signals).run(*seeds);
+  ChaosCommand command(options, limits, simulate, signals);
+  if (!options.cluster.items.empty()) return command.run_task(*seeds);
+  return options.cluster.runner == cluster::Runner::kHere ? command.run(*seeds) : command.run_elsewhere(*seeds);
 }
 
 }  // namespace peerd

@@ -1,8 +1,11 @@
 #pragma once
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
+
+#include "peerd/cluster/cluster_options.hpp"
 
 namespace peerd::chaos {
 struct ChaosPlan;
@@ -23,6 +26,9 @@ struct ChaosOptions {
   std::string without;
   bool shrinks = true;
   bool json = false;
+  cluster::ClusterOptions cluster{};  // where the seeds are run
+  std::uint32_t jobs = 0;             // with Runner::kProcesses: how many at once; 0: as many as there are processors
+  std::filesystem::path out;          // where other processes leave their results; empty: out/chaos
 };
 
 // `peerd sim --chaos`: peers that edit a world while everything fails that can, one run for each seed. A violation of

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "peerd/cluster/cluster_options.hpp"
+
 namespace peerd {
 
 // The options that `peerd sim` and `peerd scenario` share.
@@ -21,6 +23,7 @@ struct ScenarioOptions {
   std::filesystem::path captures;       // simulated runs only: a folder for each peer's capture; empty: none
   std::string samples = "40000";        // --samples: all, none, or the most rows of errors.csv and of traffic.csv
   std::uint32_t jobs = 1;               // simulated runs only: how many at once; 0: as many as there are processors
+  cluster::ClusterOptions cluster{};    // simulated runs only: where they run
   bool json = false;                    // print summary.json instead of the table
   bool verbose = false;                 // print the peers' logs too
 };

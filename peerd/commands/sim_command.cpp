@@ -13,6 +13,9 @@
 #include <unistd.h>
 
 #include "peerd/baselines/baseline_run.hpp"
+#include "peerd/cluster/run_bytes.hpp"
+#include "peerd/cluster/run_missing.hpp"
+#include "peerd/cluster/scenario_work.hpp"
 #include "peerd/command_line/progress.hpp"
 #include "peerd/command_line/stop_signals.hpp"
 #include "peerd/commands/print.hpp"
@@ -30,6 +33,30 @@ namespace {
 
 double session_s(HostTime now, const PeerNode& node) {
   return to_seconds(now.time_since_epoch() - node.start()->time_since_epoch());
+}
+
+// The runs of a scenario as the items of a work.
+Result<cluster::Work> sim_work(const ScenarioOptions& options, const config::Scenario& scenario,
+                               const SharedWorld& shared) {
+  std::vector<std::filesystem::path> files{options.scenario};
+  files.insert(files.end(), options.configs.begin(), options.configs.end());
+  std::vector<std::string> others = options.sets;
+  others.insert(others.end(), {options.samples, options.captures.string()});
+  return cluster::scenario_work(options.cluster, files, others, scenario, shared);
+}
+
+// The command line of a task of that work, but for its items.
+std::vector<std::string> sim_task(const ScenarioOptions& options, const std::filesystem::path& out) {
+  std::vector<std::string> command{options.cluster.program.string(), "sim", options.scenario.string()};
+  for (const auto& file : options.configs) command.push_back("--config=" + file.string());
+  for (const std::string& set : options.sets) command.push_back("--set=" + set);
+  if (options.seed) command.push_back(fmt::format("--seed={}", *options.seed));
+  if (options.repeat) command.push_back(fmt::format("--repeat={}", *options.repeat));
+  if (!options.captures.empty()) command.push_back("--capture=" + options.captures.string());
+  command.push_back("--samples=" + options.samples);
+  command.push_back("--out=" + std::filesystem::absolute(out).string());
+  command.push_back("--task");
+  return command;
 }
 
 // Runs all runs of a scenario until a signal stops it: one after the other, or several at once, each by a thread with a
@@ -65,6 +92,52 @@ class SimCommand {
     }
     display_.clear();
     return gather();
+  }
+
+  // The same by other processes, here or on a cluster.
+  Result<std::vector<report::RunRecord>> run_elsewhere(const std::filesystem::path& out) {
+    auto work = sim_work(options_, scenario_, shared_);
+    if (!work) return std::unexpected(work.error());
+    const auto folder = cluster::WorkFolder::take(out / cluster::kWorkFolder, *std::move(work));
+    if (!folder) return std::unexpected(folder.error());
+    const cluster::Running running{.options = options_.cluster,
+                                   .processes = jobs_of(options_),
+                                   .name = "peerd-" + scenario_.name,
+                                   .unit = "run",
+                                   .command = sim_task(options_, out)};
+    const auto taken = cluster::run_and_take(
+        *folder, running, signals_, [&](std::size_t run, std::string_view bytes) -> std::expected<void, std::string> {
+          auto result = cluster::run_result_from(bytes);
+          if (!result) return std::unexpected(result.error());
+          done_[run] = std::move(result->record);
+          for (const std::string& warning : result->warnings) warn(run, warning);
+          return {};
+        });
+    if (!taken) return std::unexpected(taken.error());
+    return gather();
+  }
+
+  // This process is such another one: it leaves the results of its runs in the folder. Returns the exit code.
+  int run_task(const std::filesystem::path& out) {
+    auto work = sim_work(options_, scenario_, shared_);
+    if (!work) return failed(work.error());
+    const auto folder = cluster::WorkFolder::join(out / cluster::kWorkFolder, *std::move(work));
+    if (!folder) return failed(folder.error());
+    const auto runs = cluster::item_list_from(options_.cluster.items, scenario_.runs.size());
+    if (!runs) return failed({"error: --task " + options_.cluster.items + " is no list of this scenario's runs", 2});
+    const auto standing = folder->standing();
+    if (!standing) return failed(standing.error());
+    for (const std::size_t run : *runs) {
+      if (!std::ranges::binary_search(standing->missing, run)) continue;
+      if (signals_.signal() != 0) return signals_.exit_code();
+      auto record = run_one(run, shared_);
+      if (record && record->stopped) return signals_.exit_code();
+      const auto kept = record ? folder->keep_result(run, cluster::to_bytes({*std::move(record), warnings_[run]}))
+                               : folder->keep_failure(run, record.error());
+      if (!kept) return failed(kept.error());
+      if (!record) return failed(record.error());
+    }
+    return 0;
   }
 
  private:
@@ -225,13 +298,16 @@ int run_sim(const ScenarioOptions& options) {
   print_warnings(info.warnings);
 
   signals.note_from_now_on("stopped at once by a second signal: the report is not complete");
-  const auto records = SimCommand(options, *scenario, **shared, info, signals).run_all();
+  const auto out = options.out.empty() ? std::filesystem::path("out") / scenario->name : options.out;
+  SimCommand command(options, *scenario, **shared, info, signals);
+  if (!options.cluster.items.empty()) return command.run_task(out);
+  const auto records =
+      options.cluster.runner == cluster::Runner::kHere ? command.run_all() : command.run_elsewhere(out);
   if (!records) return failed(records.error());
   if (records->empty()) {
     std::cerr << "the motions of no run had begun: nothing is written\n";
     return signals.exit_code();
   }
-  const auto out = options.out.empty() ? std::filesystem::path("out") / scenario->name : options.out;
   // Of a part of the runs nothing was expected.
   const std::vector<config::Expectation> expected =
       info.stopped ? std::vector<config::Expectation>{} : scenario->expectations;

@@ -1,7 +1,10 @@
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "peerd/cluster/cluster_options.hpp"
 #include "peerd/command_line/number_checks.hpp"
 #include "peerd/command_line/wrong_use.hpp"
 #include "peerd/commands/chaos_command.hpp"
@@ -17,7 +20,7 @@ namespace peerd {
 namespace {
 
 constexpr NumberRange kChaosSeconds{kChaosSecondsMin, 3600.0};
-constexpr std::int64_t kJobsMax = 1024;
+constexpr std::int64_t kJobsMax = 1024, kTasksMax = 1'000'000;
 constexpr std::int64_t kChaosSeedsMax = 1'000'000, kChaosPeersMax = 9;
 
 void add_scenario_source(CLI::App& command, ScenarioOptions& options) {
@@ -63,21 +66,59 @@ void add_chaos_options(CLI::App& command, ChaosOptions& options) {
   command.add_flag("!--no-shrink", options.shrinks, "do not look for a smaller run that fails, too")->needs(chaos);
 }
 
+void add_cluster_options(CLI::App& command, cluster::ClusterOptions& options) {
+  const std::map<std::string, cluster::Runner> runners{{"processes", cluster::Runner::kProcesses},
+                                                       {"slurm", cluster::Runner::kSlurm}};
+  auto* const on = command
+                       .add_option("--on", options.runner,
+                                   "who does the runs: processes of this computer, which may die, or slurm, a cluster; "
+                                   "the same command again runs what is missing")
+                       ->transform(CLI::CheckedTransformer(runners).description(""))
+                       ->option_text("processes|slurm")
+                       ->excludes("--verbose");
+  command.add_option("--tasks", options.tasks, "with --on: so many tasks at most, each of some runs (default: 100)")
+      ->transform(whole_number_in(1, kTasksMax))
+      ->needs(on);
+  command
+      .add_option("--slurm-options", options.slurm_options,
+                  "with --on slurm: options of sbatch, such as \"--partition=short --time=10\"")
+      ->needs(on);
+  command.add_option("--task", options.items)->group("")->excludes(on);
+}
+
 // A run is of a scenario, or of chaos.
-int run_sim_or_chaos(const CLI::App& command, const ScenarioOptions& options, ChaosOptions& chaos) {
+int run_sim_or_chaos(const CLI::App& command, ScenarioOptions& options, ChaosOptions& chaos) {
+  options.cluster.program = std::filesystem::read_symlink("/proc/self/exe");
+  options.cluster.version = program_version();
+  const bool slurm = options.cluster.runner == cluster::Runner::kSlurm;
+  if (slurm && command.get_option("--jobs")->count() > 0) {
+    return failed({"error: --jobs is of this computer; Slurm decides how many tasks run at once", kWrongUse});
+  }
+  if (!slurm && !options.cluster.slurm_options.empty()) {
+    return failed({"error: --slurm-options needs --on slurm", kWrongUse});
+  }
+  if (options.cluster.runner == cluster::Runner::kProcesses && command.get_option("--jobs")->count() == 0) {
+    options.jobs = 0;
+  }
   if (chaos.seeds.empty()) {
     if (options.scenario.empty()) {
       return failed({"error: scenario is required; see " + full_name(command) + " --help", kWrongUse});
     }
     return run_sim(options);
   }
-  for (const char* other :
-       {"scenario", "--config", "--set", "--seed", "--repeat", "--out", "--samples", "--capture", "--jobs"}) {
+  std::vector<const char*> of_scenarios{"scenario", "--config",  "--set",    "--seed",
+                                        "--repeat", "--samples", "--capture"};
+  const bool elsewhere = options.cluster.runner != cluster::Runner::kHere || !options.cluster.items.empty();
+  if (!elsewhere) of_scenarios.insert(of_scenarios.end(), {"--out", "--jobs"});
+  for (const char* other : of_scenarios) {
     if (command.get_option(other)->count() > 0) {
       return failed({std::string("error: ") + other + " is of a scenario; --chaos has none", kWrongUse});
     }
   }
   chaos.json = options.json;
+  chaos.cluster = options.cluster;
+  chaos.jobs = options.jobs;
+  chaos.out = options.out;
   return run_chaos_seeds(chaos);
 }
 
@@ -99,6 +140,7 @@ Command add_sim(CLI::App& app) {
       ->excludes("--verbose");
   command->get_option("scenario")->required(false);
   add_chaos_options(*command, *chaos);
+  add_cluster_options(*command, options->cluster);
   return {command, [command, options, chaos] { return run_sim_or_chaos(*command, *options, *chaos); }};
 }
 

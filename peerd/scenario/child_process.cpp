@@ -67,4 +67,8 @@ void ChildProcess::end(int signal) {
 
 int ChildProcess::exit_code() const { return pid_ > 0 && WIFEXITED(status_) ? WEXITSTATUS(status_) : kCannotRun; }
 
+std::optional<int> ChildProcess::signal() const {
+  return done_ && WIFSIGNALED(status_) ? std::optional(WTERMSIG(status_)) : std::nullopt;
+}
+
 }  // namespace peerd

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,7 @@ class ChildProcess {
   [[nodiscard]] bool killed() const { return killed_; }
   // The child's exit code; 3 where a signal or the system ended it.
   [[nodiscard]] int exit_code() const;
+  [[nodiscard]] std::optional<int> signal() const;  // that has ended the child; none: it ended by itself
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const std::filesystem::path& output() const { return output_; }
 

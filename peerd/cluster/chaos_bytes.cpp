@@ -1,0 +1,37 @@
+#include "peerd/cluster/chaos_bytes.hpp"
+
+#include "peerd/cluster/bytes.hpp"
+
+namespace peerd::cluster {
+
+// A new field, or another order, is another kChaosFormat. The structured binding does not compile where a field is
+// missing.
+template <class A>
+void fields(A& a, typename A::template Of<chaos::ChaosReport>& s) {
+  auto& [seed, violations, trace_hash, peers, lives, faults, edits, operations, held, datagrams, damaged,
+         one_world_after_s, branches] = s;
+  a(seed, violations, trace_hash, peers, lives, faults, edits, operations, held, datagrams, damaged, one_world_after_s,
+    branches);
+}
+
+std::string to_bytes(const chaos::ChaosReport& report) {
+  ByteWriter writer;
+  writer(kChaosFormat, report);
+  return writer.take();
+}
+
+std::expected<chaos::ChaosReport, std::string> chaos_report_from(std::string_view bytes) {
+  ByteReader reader(bytes);
+  std::uint32_t format = 0;
+  reader(format);
+  if (reader.good() && format != kChaosFormat) {
+    return std::unexpected("it is of format " + std::to_string(format) + ", and this program reads " +
+                           std::to_string(kChaosFormat));
+  }
+  chaos::ChaosReport report;
+  reader(report);
+  if (!reader.complete()) return std::unexpected("it is no result of a seed, or only a part of one");
+  return report;
+}
+
+}  // namespace peerd::cluster

@@ -1,0 +1,152 @@
+#include "peerd/cluster/run_bytes.hpp"
+
+#include "peerd/cluster/bytes.hpp"
+
+namespace peerd::cluster {
+
+// A new field, or another order, is another kRunFormat. The structured bindings do not compile where a field is
+// missing.
+template <class A>
+void fields(A& a, typename A::template Of<report::ObjectInfo>& s) {
+  auto& [object, path, owner] = s;
+  a(object, path, owner);
+}
+template <class A>
+void fields(A& a, typename A::template Of<report::PeerInfo>& s) {
+  auto& [peer, name, there_s] = s;
+  a(peer, name, there_s);
+}
+template <class A>
+void fields(A& a, typename A::template Of<report::GhostSample>& s) {
+  auto& [t_s, observer, object, truth, ghost, shown, seen] = s;
+  a(t_s, observer, object, truth, ghost, shown, seen);
+}
+template <class A>
+void fields(A& a, typename A::template Of<report::UpdateSent>& s) {
+  auto& [t_s, sender, object, bytes, threshold_m, reason] = s;
+  a(t_s, sender, object, bytes, threshold_m, reason);
+}
+template <class A>
+void fields(A& a, typename A::template Of<report::DatagramSent>& s) {
+  auto& [t_s, sender, bytes] = s;
+  a(t_s, sender, bytes);
+}
+template <class A>
+void fields(A& a, typename A::template Of<ShapePolygon>& s) {
+  auto& [shape, polygon] = s;
+  a(shape, polygon);
+}
+template <class A>
+void fields(A& a, typename A::template Of<ShapePair>& s) {
+  auto& [collider, collidee] = s;
+  a(collider, collidee);
+}
+template <class A>
+void fields(A& a, typename A::template Of<TouchedPolygons>& s) {
+  auto& [count, pairs] = s;
+  a(count, pairs);
+}
+template <class A>
+void fields(A& a, typename A::template Of<report::ContactRow>& s) {
+  auto& [t_s, peer, kind, collider, collidee, normal, reported_at_s, type, polygons] = s;
+  a(t_s, peer, kind, collider, collidee, normal, reported_at_s, type, polygons);
+  if constexpr (requires { a.refuse(); }) {
+    if (type > CollisionType::kAllPairs) a.refuse();
+  }
+}
+template <class A>
+void fields(A& a, typename A::template Of<report::WrongOutcomes>& s) {
+  auto& [truth, missing, spurious] = s;
+  a(truth, missing, spurious);
+}
+template <class A>
+void fields(A& a, typename A::template Of<report::PeerInterest>& s) {
+  auto& [peer, objects, received_bytes, interest_bytes, joins, leaves, joins_in_a_second, groups] = s;
+  a(peer, objects, received_bytes, interest_bytes, joins, leaves, joins_in_a_second, groups);
+}
+template <class A>
+void fields(A& a, typename A::template Of<report::InterestRecord>& s) {
+  auto& [latency_ms, longest_missing_ms, longest_outdated_ms, gaps, samples, missing_samples, peers] = s;
+  a(latency_ms, longest_missing_ms, longest_outdated_ms, gaps, samples, missing_samples, peers);
+}
+template <class A>
+void fields(A& a, typename A::template Of<report::EventMark>& s) {
+  auto& [t_s, name] = s;
+  a(t_s, name);
+}
+template <class A>
+void fields(A& a, typename A::template Of<report::PeerClock>& s) {
+  auto& [peer, samples, error_p99_ms, error_max_ms, bound_median_ms, bound_max_ms, beyond_bound] = s;
+  a(peer, samples, error_p99_ms, error_max_ms, bound_median_ms, bound_max_ms, beyond_bound);
+}
+template <class A>
+void fields(A& a, typename A::template Of<report::SceneOutline>& s) {
+  auto& [owned, corners, bottom_m, top_m] = s;
+  a(owned, corners, bottom_m, top_m);
+}
+template <class A>
+void fields(A& a, typename A::template Of<report::Statistics>& s) {
+  auto& [count, mean, rms, p99, max, p99_exact] = s;
+  a(count, mean, rms, p99, max, p99_exact);
+}
+template <class A>
+void fields(A& a, typename A::template Of<report::UpdateTotals>& s) {
+  auto& [updates, bytes] = s;
+  a(updates, bytes);
+}
+template <class A>
+void fields(A& a, typename A::template Of<report::ViewMeasured>& s) {
+  auto& [observer, object, not_finite, ghost_error_m, shown_error_m, view_difference_m, inconsistency_m_s] = s;
+  a(observer, object, not_finite, ghost_error_m, shown_error_m, view_difference_m, inconsistency_m_s);
+}
+template <class A>
+void fields(A& a, typename A::template Of<report::Measured>& s) {
+  auto& [from_s, until_s, views, updates, datagrams, datagram_bytes] = s;
+  a(from_s, until_s, views, updates, datagrams, datagram_bytes);
+}
+template <class A>
+void fields(A& a, typename A::template Of<report::RunMeasured>& s) {
+  auto& [whole, rows_complete, parts, output_bytes] = s;
+  a(whole, rows_complete, parts, output_bytes);
+}
+template <class A>
+void fields(A& a, typename A::template Of<report::LinkMeasured>& s) {
+  auto& [from, to, probes_sent, probes_lost, probes_duplicated, delay_ms, packets, packets_lost] = s;
+  a(from, to, probes_sent, probes_lost, probes_duplicated, delay_ms, packets, packets_lost);
+}
+template <class A>
+void fields(A& a, typename A::template Of<report::NetworkMeasured>& s) {
+  auto& [links, oversleep_before_ms, oversleep_during_ms] = s;
+  a(links, oversleep_before_ms, oversleep_during_ms);
+}
+template <class A>
+void fields(A& a, typename A::template Of<report::RunRecord>& s) {
+  auto& [params, network_settings, seed, duration_s, stopped, peers, objects, scene_paths, outlines, outlines_left_out,
+         ghost_samples, updates, datagrams, measured, contacts, events, wrong, interest, network, clocks, groups_joined,
+         worlds_equal, counters] = s;
+  a(params, network_settings, seed, duration_s, stopped, peers, objects, scene_paths, outlines, outlines_left_out,
+    ghost_samples, updates, datagrams, measured, contacts, events, wrong, interest, network, clocks, groups_joined,
+    worlds_equal, counters);
+}
+
+std::string to_bytes(const RunResult& result) {
+  ByteWriter writer;
+  writer(kRunFormat, result.record, result.warnings);
+  return writer.take();
+}
+
+std::expected<RunResult, std::string> run_result_from(std::string_view bytes) {
+  ByteReader reader(bytes);
+  std::uint32_t format = 0;
+  reader(format);
+  if (reader.good() && format != kRunFormat) {
+    return std::unexpected("it is of format " + std::to_string(format) + ", and this program reads " +
+                           std::to_string(kRunFormat));
+  }
+  RunResult result;
+  reader(result.record, result.warnings);
+  if (!reader.complete()) return std::unexpected("it is no result of a run, or only a part of one");
+  return result;
+}
+
+}  // namespace peerd::cluster

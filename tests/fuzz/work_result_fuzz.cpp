@@ -1,0 +1,32 @@
+// Results of runs come from files that other computers have written. What is read as one is what its bytes are of.
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "peerd/cluster/chaos_bytes.hpp"
+#include "peerd/cluster/run_bytes.hpp"
+#include "peerd/cluster/slurm.hpp"
+#include "peerd/cluster/work_list.hpp"
+
+namespace {
+
+// Unlike assert(), this check is on in every build.
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace peerd::cluster;
+  const std::string_view bytes(reinterpret_cast<const char*>(data), size);
+  if (const auto result = run_result_from(bytes)) require(to_bytes(*result) == bytes);
+  if (const auto report = chaos_report_from(bytes)) require(to_bytes(*report) == bytes);
+  constexpr std::size_t kItems = 1000;
+  if (const auto items = item_list_from(bytes, kItems)) {
+    const auto again = item_list_from(to_text(*items), kItems);
+    require(again && *again == *items);
+  }
+  if (const auto job = slurm_job_from(bytes)) require(slurm_job_from(to_text(*job)).has_value());
+  return 0;
+}
