@@ -192,16 +192,15 @@ void NatsTransport::publish(const Parcel& parcel) {
   const bool stale = clock_.now() - parcel.at > kStale;
   const bool up = connection_ && state_->is_up();
   const natsStatus status = up && !stale ? connection_->publish(parcel.region, parcel.datagram()) : NATS_OK;
+  const bool lost_server = status == NATS_INSUFFICIENT_BUFFER || status == NATS_CONNECTION_CLOSED;
   const std::scoped_lock lock(counts_mutex_);
-  if (!up) {
+  if (!up || lost_server) {
     ++counts_.unreachable;
   } else if (stale) {
     ++counts_.stale;
   } else if (status == NATS_OK) {
     ++counts_.packets_out;
     counts_.bytes_out += parcel.size;
-  } else if (status == NATS_INSUFFICIENT_BUFFER || status == NATS_CONNECTION_CLOSED) {
-    ++counts_.unreachable;  // the library has lost its server since
   } else {
     ++counts_.errors;
   }
