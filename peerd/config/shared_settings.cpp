@@ -17,7 +17,8 @@ namespace {
 constexpr std::array kShared{"world_name", "expansion", "replication", "decisions", "relay", "regions", "collision"};
 constexpr std::array kMulticastWords{"auto", "always", "never"};  // by TransportSettings::multicast
 
-constexpr std::array kSharedTransport{"group", "group_pool", "ttl", "multicast", "port", "relays", "nats", "nats_subject"};
+constexpr std::array kSharedTransport{"group", "group_pool", "ttl",  "multicast",
+                                      "port",  "relays",     "nats", "nats_subject"};
 
 // The servers of the one who gives the world, for who has none of its own; users and passwords are nobody else's.
 toml::array servers_to_share(const NatsSettings& nats) {
