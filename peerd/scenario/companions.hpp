@@ -22,8 +22,8 @@ struct Companion {
 struct Islands {
   std::filesystem::path stem;      // of their files: OUT/RUN_NAME
   int port = 0;                    // the session's; theirs are from 100 on after it
-  std::filesystem::path program;   // of a relay
-  std::filesystem::path key_file;  // of the session
+  std::filesystem::path program = {};   // of a relay
+  std::filesystem::path key_file = {};  // of the session
   bool apart = false;              // each peer has a computer of its own (a lab's); else all are on this one
 };
 
