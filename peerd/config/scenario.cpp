@@ -121,6 +121,12 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   run.replication.relay = read_relay(TomlReader(table_or_empty(reader, "relay"), "relay", error), run.peers);
   run.replication.collision = read_collision(TomlReader(table_or_empty(reader, "collision"), "collision", error));
   run.replication.regions = read_regions(TomlReader(table_or_empty(reader, "regions"), "regions", error));
+  const replication::RelaySettings& relay = run.replication.relay;
+  if (run.replication.bounded_latency.is_on() && relay.restamps && relay.through != kNobody) {
+    reader.fail(
+        find(root, "relay.restamps"),
+        "relay.restamps: with a bounded latency updates count from their owners' stamps; leave out one of the two");
+  }
   if (run.replication.regions.cell_m > 0.0 && run.replication.relay.through != kNobody) {
     reader.fail(root.get("regions"), "regions: a relay passes all states on to everybody; leave out one of the two");
   }
@@ -154,11 +160,12 @@ std::string to_text(const toml::table& root) {
 // Such a key has a list as its one value, so that setting it to a list does not sweep.
 bool takes_list(std::string_view key) {
   return key.ends_with(".owns") || key.ends_with(".axis") || key.ends_with(".define") || key.ends_with(".key") ||
-         key == "replication.models" || key == "transport.peers" || key == "transport.relays" || key == "gateway.origins" ||
-         key.ends_with(".position") || key.ends_with(".offset") || key.ends_with(".spin_axis") ||
-         key.ends_with(".waypoints") || key.ends_with(".within_m") || key.ends_with(".origin_m") ||
-         key == "regions.counts" || key.ends_with(".groups") || key.ends_with(".physics.velocity") ||
-         key.ends_with(".physics.acceleration") || key.ends_with(".physics.angular_velocity");
+         key == "replication.models" || key == "transport.peers" || key == "transport.relays" ||
+         key == "gateway.origins" || key.ends_with(".position") || key.ends_with(".offset") ||
+         key.ends_with(".spin_axis") || key.ends_with(".waypoints") || key.ends_with(".within_m") ||
+         key.ends_with(".origin_m") || key == "regions.counts" || key.ends_with(".groups") ||
+         key.ends_with(".physics.velocity") || key.ends_with(".physics.acceleration") ||
+         key.ends_with(".physics.angular_velocity");
 }
 
 struct SweptKey {
