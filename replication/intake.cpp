@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "replication/decision/decision.hpp"
+#include "replication/motion/response.hpp"
 #include "replication/wire/hello_lists.hpp"
 #include "replication/wire/wire_limits.hpp"
 
@@ -128,6 +130,7 @@ void Intake::on_hello(HostTime now, PeerId sender, std::uint32_t number, const H
   if (hello.session_tx && p_.replica.begun() && p_.time.clock().synchronised()) {
     const SimTime session_now = p_.to_session(now);
     member.delays.add(delay_of(*hello.session_tx, session_now));
+    p_.display.on_latency(*hello.session_tx, hello.latency, session_now);
     p_.decisions.on_contact_notes(sender, hello, session_now);
     scene_.on_digest(member, hello);
   }
@@ -276,6 +279,7 @@ void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, Sim
     return;
   }
   if (u.sequence < last) return p_.drop(sender, "old_sequence");
+  if (last > 0 && p_.replica.receives(u.object)) p_.display.on_missing(u.sequence - last - 1);
   last = u.sequence;
   p_.display.on_update_age(session_now - u.at);
   ++p_.counters.updates_in;
@@ -287,13 +291,37 @@ void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, Sim
   if (!p_.regions.accept(u, session_now)) return;
   const DecisionLog& decisions = p_.decisions.log();
   const SimTime decided = p_.decisions.last_binding(u.object);
-  if (u.decision < decided && u.at < decided + kDecisionStands) return p_.drop(sender, "before_decision");
+  if (u.decision < decided && u.at < decided + kDecisionStands) {
+    if (p_.display.is_bounded() && u.at < decided) show_until_decision(u, session_now);
+    return p_.drop(sender, "before_decision");
+  }
   if (decisions.overruled(u.object, u.decision) && u.at < u.decision + kDecisionStands) {
     return p_.drop(sender, "before_decision");
   }
+  p_.display.on_update(u.at, session_now);
   p_.replica.note_update(u);
   if (u.carrier && !p_.model->is_carrier(*u.carrier)) keeper_.let_move(*u.carrier);  // its owner's hello may be lost
   p_.replica.set_ghost(u.object, u.at, p_.replica.in_own_frame(u), p_.own.contains(u.object));
+}
+
+// With a bounded latency the time from the update to the decision is still to be shown, as its owner shows it. From the
+// decision on the object goes as it did, and the truth stays: the contact has been found in it.
+void Intake::show_until_decision(const UpdateRecord& u, SimTime session_now) {
+  MotionWorld& ghosts = p_.replica.ghosts();
+  if (p_.own.contains(u.object) || !ghosts.has(u.object)) return;
+  p_.display.on_update(u.at, session_now);
+  p_.replica.note_change_ahead(u.object);
+  ghosts.set_base(u.object, u.at, p_.replica.in_own_frame(u));
+  for (const DecisionLog::Entry& e : p_.decisions.log().entries()) {
+    const DecisionRecord& d = e.record;
+    const bool is_collider = d.collider == u.object;
+    if (!e.in_force || d.contact <= u.at || (!is_collider && d.collidee != u.object)) continue;
+    const bool binds = changes_motion_of(u.object, d) || !p_.scene.contains(is_collider ? d.collidee : d.collider);
+    if (!binds || !p_.model->is_answered(d.collider, d.collidee)) continue;
+    const KinematicState& after = is_collider ? d.collider_after : d.collidee_after;
+    ghosts.set_base(u.object, d.contact,
+                    law_of_outcome(p_.model->response_of(u.object), ghosts.in_carrier(u.object, d.contact, after)));
+  }
 }
 
 }  // namespace peerd::replication

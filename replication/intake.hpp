@@ -41,6 +41,7 @@ class Intake {
   // since the first such record share this peer's time: until then the sender may have stepped into another session.
   void drop_of_the_future(HostTime now, PeerId sender, const char* reason);
   void on_update(PeerId sender, std::uint32_t number, UpdateRecord& update, SimTime session_now);
+  void show_until_decision(const UpdateRecord& update, SimTime session_now);
 
   PeerParts& p_;
   SessionKeeper& keeper_;

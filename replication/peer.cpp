@@ -89,6 +89,8 @@ void Peer::Impl::tick(SimTime t, std::span<const OwnSample> samples) {
   report_contacts(parts, t);
   parts.publication.publish(t);
   scene.maintain(t);
+  if (const auto delay = parts.display.poll_delay(t)) parts.outbox.push(*delay);
+  if (const auto late = parts.display.poll_late(t)) parts.outbox.push(*late);
   parts.counters.predictions_unseen += parts.sight.pairs_put_off();
 }
 
@@ -133,6 +135,7 @@ void Peer::Impl::send_hello(HostTime now, bool leaving) {
   parts.time.stamp(hello, now);
   hello.sessions = parts.greeter.sessions();
   hello.latency = parts.members.own_latency();
+  if (hello.session_tx) parts.display.on_latency(*hello.session_tx, hello.latency, parts.to_session(now));
   hello.notes = parts.decisions.notes();
   if (hello.session_tx) hello.scene_digest = scene.digest(*hello.session_tx);
   parts.greeter.fill_echoes(hello, now, parts.regions.cuts());
@@ -335,6 +338,11 @@ void Peer::look_from(const std::optional<Viewpoint>& viewpoint) {
 }
 
 Pose Peer::shown(ObjectId object, SimTime t) { return impl_->parts.display.shown(object, t); }
+
+std::optional<Duration> Peer::bound(SimTime t) {
+  Display& display = impl_->parts.display;
+  return display.is_bounded() ? std::optional(display.bound(t)) : std::nullopt;
+}
 
 const Peer::Counters& Peer::counters() const { return impl_->parts.counters; }
 const OperationLogs& Peer::logs() const { return impl_->parts.logs; }

@@ -120,9 +120,8 @@ class Peer {
   // A vector in the frame of the object's parent, as files have velocities, in the world's, as the parent stands then.
   [[nodiscard]] Vec3 to_world(SimTime at, ObjectId object, const Vec3& in_parent);
 
-  // The state of an object as this peer knows it, and as all peers predict it. Both need a session. Of the past 4 s;
-  // of own objects that something drives of the past half second, and of those that no interest names since their last
-  // sample, unless they are shown late.
+  // The state of an object as this peer knows it, and as all peers predict it. Both need a session. Of the past 4 s; of
+  // own ones that are driven of half a second, or, if no interest names them, of the last sample, unless shown late.
   [[nodiscard]] KinematicState truth(ObjectId object, SimTime t) const;
   [[nodiscard]] KinematicState ghost(ObjectId object, SimTime t) const;
   // Whether this peer listens to the object's region. What it says of others is void; they meet nothing here.
@@ -136,6 +135,7 @@ class Peer {
   void look_from(const std::optional<Viewpoint>& viewpoint);  // .. and has that viewpoint, as all others hear
   // What a viewer draws after advance_ghosts(t); t never goes back. It goes through nothing that the ghost didn't.
   [[nodiscard]] Pose shown(ObjectId object, SimTime t);
+  [[nodiscard]] std::optional<Duration> bound(SimTime t);  // of BoundedLatency, at about now; none: without that mode
 
   [[nodiscard]] const Counters& counters() const;
   [[nodiscard]] const OperationLogs& logs() const;  // of all authors, as far as this peer holds them

@@ -101,6 +101,7 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
       decision_check(model, members, owners, replica, ticks),
       publication(config, model, members, owners, own, launches, replica, regions, decisions, ticks, outbox, counters) {
   assert(std::ranges::is_sorted(configured));
+  decisions.report_times_to(display);
   counters.scene_changes += model.revision();
   time.begin_behind(stored_until);
   for (const auto& [object, each] : std::as_const(own)) {

@@ -162,7 +162,7 @@ void SessionKeeper::begin_worlds(SimTime now) {
   p_.replica.begin(now);
   p_.own.check_all();
   MotionWorld& truth = p_.replica.truth();
-  if (!p_.config.display_delay.own) truth.keep_history_of_driven(kDrivenKept);
+  if (!p_.config.display_delay.own && !p_.config.bounded_latency.is_on()) truth.keep_history_of_driven(kDrivenKept);
   truth.set_authority([&decisions = p_.decisions](ObjectId a, ObjectId b, SimTime contact) {
     return decisions.authority(a, b, contact);
   });

@@ -71,6 +71,11 @@ void print_status(const Json& reply) {
   std::cout << fmt::format("session time is {} ahead of this host's clock, error at most {}\n",
                            milliseconds(reply.at("session").at("clock_offset_ms")),
                            milliseconds(reply.at("session").at("clock_error_ms")));
+  if (reply.contains("shown")) {
+    const Json& shown = reply.at("shown");
+    std::cout << fmt::format("shows all as it was {} ago, own objects too; the latest came {} too late\n",
+                             milliseconds(shown.at("delay_ms")), milliseconds(shown.at("latest_by_ms")));
+  }
   if (!reply.at("session").at("sealed").get<bool>()) {
     std::cout << "open: whoever is on this network can listen, and speak as any peer\n";
   } else {

@@ -71,6 +71,13 @@ void read_display_delay(TomlReader& reader, replication::DisplayDelay& delay) {
   reader.read("delay_own", delay.own);
 }
 
+void read_bounded_latency(TomlReader& reader, replication::BoundedLatency& bounded) {
+  double least_ms = 0.0;
+  reader.read("bounded_latency_ms", least_ms, 0.0, to_seconds(replication::kBoundMax) * 1e3);
+  bounded.least = from_seconds(1e-3 * least_ms);
+  reader.read("bounded_latency_measured", bounded.measured);
+}
+
 ViewpointSettings read_viewpoint(TomlReader reader) {
   ViewpointSettings v;
   reader.read("object", v.object);
@@ -198,6 +205,7 @@ ReplicationSettings read_replication(TomlReader reader) {
   reader.read("piggyback_fraction", s.policy.piggyback_fraction, 0.1, 1.0);
   reader.read("snapshots_hz", s.policy.snapshots_hz, 0, 1000);
   read_display_delay(reader, s.display_delay);
+  read_bounded_latency(reader, s.bounded_latency);
   std::size_t convergence = 0;
   reader.read_word("convergence", convergence, {"jump", "linear", "cubic", "parabola", "adaptive"});
   s.convergence.method = static_cast<replication::ConvergenceMethod>(convergence);

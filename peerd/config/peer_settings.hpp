@@ -29,6 +29,7 @@ struct ReplicationSettings {
   replication::DecisionSettings decisions;  // without a viewpoint, which is a peer's own
   replication::RelaySettings relay;
   replication::DisplayDelay display_delay;
+  replication::BoundedLatency bounded_latency;
   replication::RegionSettings regions;  // the table [regions]
   std::uint32_t tick_hz = 60;
   double settled_hello_period_s = 1.0;
@@ -36,9 +37,9 @@ struct ReplicationSettings {
   bool steal = false;            // a peer may take an object without asking its owner
   CollisionSettings collision;   // the table [collision]
 
-  // Peers whose hash of the world, the regions and the engine is another one are of another session.
+  // Peers whose hash of the world, the regions, the bound and the engine is another one are of another session.
   [[nodiscard]] std::uint64_t session_hash(std::uint64_t world_hash) const {
-    return collision.session_hash(regions.session_hash(world_hash), tick_hz);
+    return collision.session_hash(bounded_latency.session_hash(regions.session_hash(world_hash)), tick_hz);
   }
 };
 [[nodiscard]] ReplicationSettings read_replication(TomlReader reader);

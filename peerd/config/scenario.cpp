@@ -124,6 +124,12 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   run.replication.relay = read_relay(TomlReader(table_or_empty(reader, "relay"), "relay", error), run.peers);
   run.replication.collision = read_collision(TomlReader(table_or_empty(reader, "collision"), "collision", error));
   run.replication.regions = read_regions(TomlReader(table_or_empty(reader, "regions"), "regions", error));
+  const replication::RelaySettings& relay = run.replication.relay;
+  if (run.replication.bounded_latency.is_on() && relay.restamps && relay.through != kNobody) {
+    reader.fail(
+        find(root, "relay.restamps"),
+        "relay.restamps: with a bounded latency updates count from their owners' stamps; leave out one of the two");
+  }
   if (run.replication.regions.cell_m > 0.0 && run.replication.relay.through != kNobody) {
     reader.fail(root.get("regions"), "regions: a relay passes all states on to everybody; leave out one of the two");
   }

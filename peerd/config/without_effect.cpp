@@ -32,6 +32,9 @@ bool delays_display(const RunSettings& run) {
   return delay.fixed > Duration{0} || delay.measured;
 }
 
+bool shows_by_bound(const RunSettings& run) { return run.replication.bounded_latency.is_on(); }
+bool shows_without_bound(const RunSettings& run) { return !shows_by_bound(run); }
+
 // Some link has a value over 0 of one of these, at some time.
 bool some_link_has(const RunSettings& run, std::initializer_list<double LinkSettings::*> values) {
   const auto has = [&](const LinkSettings& link) {
@@ -50,6 +53,9 @@ constexpr std::string_view kNoModels = "replication.model is not best";
 constexpr std::string_view kNoBudget = "replication.wanted_error_m is 0";
 constexpr std::string_view kNoServer = "baseline.system is not server";
 constexpr std::string_view kNoRegions = "regions.cell_m is 0";
+constexpr std::string_view kBounded = "the bounded latency delays all objects alike";
+constexpr std::array<std::string_view, 2> kBoundKeys{"replication.bounded_latency_ms",
+                                                     "replication.bounded_latency_measured"};
 
 constexpr std::array kRules{
     // A snapshot's numbers are rounded by close_threshold_m, too.
@@ -71,12 +77,17 @@ constexpr std::array kRules{
          {"regions.cell_m", "relay.through"}},
     Rule{"replication.convergence_s",
          [](const RunSettings& run) {
-           return run.replication.convergence.method != replication::ConvergenceMethod::kJump;
+           return run.replication.convergence.method != replication::ConvergenceMethod::kJump || shows_by_bound(run);
          },
          "replication.convergence is jump",
          {"replication.convergence"}},
+    Rule{"replication.convergence_s", shows_without_bound, "the bounded latency shows updates as they are", kBoundKeys},
+    Rule{"replication.convergence", shows_without_bound, "the bounded latency shows updates as they are", kBoundKeys},
+    Rule{"replication.display_delay_ms", shows_without_bound, kBounded, kBoundKeys},
+    Rule{"replication.display_delay_measured", shows_without_bound, kBounded, kBoundKeys},
+    Rule{"replication.delay_own", shows_without_bound, kBounded, kBoundKeys},
     Rule{"replication.delay_own",
-         delays_display,
+         [](const RunSettings& run) { return delays_display(run) || shows_by_bound(run); },
          "nothing delays what is displayed",
          {"replication.display_delay_ms", "replication.display_delay_measured"}},
     Rule{
@@ -192,7 +203,7 @@ std::vector<std::string> keys_without_effect(const GivenSettings& given, std::sp
     const bool fed = in_some_run(is_fed);
     const auto skips = [](const RunSettings&, const PeerSettings& p) { return p.skip_unseen; };
     const auto may_skip = [](const RunSettings& run, const PeerSettings& p) {
-      return !delays_display(run) && !is_server(run, p);
+      return !delays_display(run) && !shows_by_bound(run) && !is_server(run, p);
     };
     const std::string skip_unseen = path + "skip_unseen";
     const std::array<std::string_view, 1> by{skip_unseen};
@@ -202,8 +213,8 @@ std::vector<std::string> keys_without_effect(const GivenSettings& given, std::sp
     if (!in_some_run(may_skip)) {
       add(warning(
           given, skip_unseen, "the server of decisions, and who shows the past, computes all of it",
-          std::array<std::string_view, 4>{"decisions.policy", "decisions.server", "replication.display_delay_ms",
-                                          "replication.display_delay_measured"}));
+          std::array<std::string_view, 6>{"decisions.policy", "decisions.server", "replication.display_delay_ms",
+                                          "replication.display_delay_measured", kBoundKeys[0], kBoundKeys[1]}));
     }
     for (const char* key : {"udp", "stale_s"}) {
       if (!fed) add(warning(given, path + "feed." + key, "no motion of the peer has outside = true", {}));

@@ -86,6 +86,15 @@ ordered_json status(PeerNode& node, HostTime now, const MoreCounters& more) {
       {"clock_error_ms", in_ms(clock.error_bound(now))},
       {"sealed", !node.sealed_by().empty()},
       {"sealed_by", node.sealed_by().empty() ? ordered_json(nullptr) : ordered_json(node.sealed_by())}};
+  // Without the mode the reply is as it has always been.
+  if (const auto bound = clock.synchronised() ? node.bound(clock.to_session(now)) : std::nullopt) {
+    const auto& counters = peer.counters();
+    reply["shown"] = {{"delay_ms", in_ms(*bound)},
+                      {"updates_late", counters.updates_late},
+                      {"updates_missing", counters.updates_missing},
+                      {"decisions_late", counters.decisions_late},
+                      {"latest_by_ms", in_ms(counters.latest_by)}};
+  }
   reply["world_time_s"] = since(peer.world_zero());
   reply["since_start_s"] = since(node.start());
   reply["waits_for"] = ordered_json::array();

@@ -112,6 +112,12 @@ struct PeerClock {
   std::uint64_t beyond_bound = 0;
 };
 
+// How late all peers of a run with a bounded latency showed all objects, and the most by which something came after its
+// bound.
+struct ShownDelay {
+  double least_ms = 0.0, most_ms = 0.0, latest_by_ms = 0.0;
+};
+
 // The outline of one Shape of the scene from above, for the pictures.
 struct SceneOutline {
   std::optional<ObjectId> owned;         // the owned object that it is a part of; none: nobody moves it
@@ -149,6 +155,7 @@ struct RunRecord {
   std::optional<WrongOutcomes> wrong;      // none: not compared
   std::optional<InterestRecord> interest;  // none: no peer has an area of interest, or the network is real
   std::optional<NetworkMeasured> network;  // runs by netem only
+  std::optional<ShownDelay> shown_delay;   // none: without a bounded latency
   std::vector<PeerClock> clocks;           // peers that followed another; empty on a real network
   std::uint32_t groups_joined = 0;
   bool worlds_equal = true;

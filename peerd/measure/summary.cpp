@@ -171,6 +171,13 @@ Json run_json(const RunRecord& run, const Measured& measured) {
   if (!run.network_settings.empty()) json["network_settings"] = run.network_settings;
   if (run.stopped) json["stopped_at_s"] = run.duration_s;
   if (!run.clocks.empty()) json["clocks"] = clocks_json(run);
+  if (const auto& shown = run.shown_delay) {
+    json["shown_delay_ms"] = {{"min", shown->least_ms}, {"max", shown->most_ms}};
+    json["late"] = {{"updates", run.counters.at("updates_late")},
+                    {"updates_missing", run.counters.at("updates_missing")},
+                    {"decisions", run.counters.at("decisions_late")},
+                    {"by_ms", shown->latest_by_ms}};
+  }
   if (run.interest) json["interest"] = interest_json(run);
   if (run.network) json["network"] = network_json(run);
   return json;

@@ -199,6 +199,15 @@ struct LineOf {
                    fmt::format("operation {}:{} is refused: {}", r.request.author.value, r.request.number, r.reason)};
   }
   Line operator()(const LogGrown&) const { return std::nullopt; }
+  Line operator()(const DelayShown& d) const {
+    return LogLine{LogLevel::kInfo, fmt::format("shows all as it was {:.0f} ms ago, own objects too", ms(d.delay))};
+  }
+  Line operator()(const CameTooLate& l) const {
+    return LogLine{LogLevel::kWarning,
+                   fmt::format("came too late to be shown in time: {} updates and {} decisions, by up to {:.1f} ms; {} "
+                               "updates never came",
+                               l.updates, l.decisions, ms(l.latest_by), l.missing)};
+  }
   Line operator()(const Published& p) const {
     return LogLine{LogLevel::kDebug, fmt::format("update of {}: {}, threshold {} m", path_or_id(scene, p.object),
                                                  to_string(p.reason), p.threshold_m)};

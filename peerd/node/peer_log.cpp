@@ -32,6 +32,7 @@ class RowWriter {
   }
   RowWriter& operator<<(SimTime t) { return *this << t.time_since_epoch().count(); }
   RowWriter& operator<<(HostTime t) { return *this << t.time_since_epoch().count(); }
+  RowWriter& operator<<(Duration d) { return *this << d.count(); }
   RowWriter& operator<<(ObjectId id) { return *this << id.packed(); }
   RowWriter& operator<<(PeerId id) { return *this << id.value; }
   RowWriter& operator<<(const Vec3& v) { return *this << v.x() << v.y() << v.z(); }
@@ -76,6 +77,12 @@ class RowReader {
     std::int64_t ns = 0;
     *this >> ns;
     t = std::chrono::time_point<InjectedClock<Tag>>{Duration{ns}};
+    return *this;
+  }
+  RowReader& operator>>(Duration& d) {
+    std::int64_t ns = 0;
+    *this >> ns;
+    d = Duration{ns};
     return *this;
   }
   RowReader& operator>>(ObjectId& id) {
@@ -138,6 +145,11 @@ bool read_row(const std::string& line, PeerLog& log) {
     case 'E':
       in >> log.ended_at.emplace();
       break;
+    case 'L': {
+      auto& l = log.bound.emplace();
+      in >> l.least >> l.most >> l.latest_by;
+      break;
+    }
     case 'B': {
       auto& b = log.object_samples.emplace_back();
       in >> b.at >> b.true_at >> b.object >> b.owner >> b.state >> b.shown;
@@ -185,6 +197,7 @@ Result<void> save(const PeerLog& log, const std::filesystem::path& path) {
   out.row('P') << log.peer << log.name << log.groups_joined << log.other_worlds;
   if (log.start) out.row('S') << *log.start;
   if (log.ended_at) out.row('E') << *log.ended_at;
+  if (log.bound) out.row('L') << log.bound->least << log.bound->most << log.bound->latest_by;
   for (const auto& b : log.object_samples) {
     out.row('B') << b.at << b.true_at << b.object << b.owner << b.state << b.shown;
   }

@@ -60,6 +60,11 @@ struct PeerLog {
     std::uint64_t beyond_bound;        // samples with an error beyond the published bound
   };
 
+  // The bounds that were in force at the samples, and the most by which something came after its own (BoundedLatency).
+  struct Bound {
+    Duration least, most, latest_by;
+  };
+
   PeerId peer;
   std::string name;
   std::optional<SimTime> start;      // of the motions
@@ -72,6 +77,7 @@ struct PeerLog {
   std::uint32_t groups_joined = 0;
   std::uint32_t other_worlds = 0;
   std::map<std::string, std::uint64_t> counters;
+  std::optional<Bound> bound;             // none: without that mode, or before the first sample
   std::optional<ClockError> clock_error;  // not in the file; none: a real network, or the peer led all the time
 };
 

@@ -68,6 +68,12 @@ replication::SightSettings sight_of(const config::PeerSettings& settings, const 
   return sight;
 }
 
+void count_late(const replication::PeerCounters& c, std::map<std::string, std::uint64_t>& counters) {
+  counters["updates_late"] = c.updates_late;
+  counters["updates_missing"] = c.updates_missing;
+  counters["decisions_late"] = c.decisions_late;
+}
+
 }  // namespace
 
 std::vector<std::string> SharedWorld::findings() const {
@@ -109,6 +115,7 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
   config.remote_convergence = replication.remote_convergence;
   config.relay = replication.relay;
   config.display_delay = replication.display_delay;
+  config.bounded_latency = replication.bounded_latency;
   config.regions = replication.regions;
   config.interest_radius_m = settings.interest_radius_m;
   config.tick_hz = settings.tick_hz.value_or(replication.tick_hz);
@@ -539,10 +546,22 @@ void PeerNode::record_ghosts(HostTime now) {
   while (sample_time(next_sample_ + 1) <= session_now) ++next_sample_;
   const SimTime t = sample_time(next_sample_++);
   peer_.advance_ghosts(t);
+  // With a bound, what others see is compared with what the owner sees at the same session time.
+  const auto bound = peer_.bound(t);
+  if (bound) note_bound(*bound);
+  const bool records_own = bound && t >= logged_at_;
   for (const auto& [object, owner] : peer_.owners()) {
+    if (owner == config_.id && records_own) record(t, object, owner, peer_.truth(object, t), peer_.shown(object, t));
     if (owner != config_.id && peer_.receives(object))
       record(t, object, owner, peer_.ghost(object, t), peer_.shown(object, t));
   }
+}
+
+void PeerNode::note_bound(Duration bound) {
+  PeerLog::Bound& seen = log_.bound ? *log_.bound : log_.bound.emplace(PeerLog::Bound{bound, bound, Duration{0}});
+  seen.least = std::min(seen.least, bound);
+  seen.most = std::max(seen.most, bound);
+  seen.latest_by = peer_.counters().latest_by;
 }
 
 void PeerNode::record(SimTime t, ObjectId object, PeerId owner, const KinematicState& state, const Pose& shown) {
@@ -670,6 +689,7 @@ const PeerLog& PeerNode::log() {
     n["predictions_skipped"] = c.predictions_skipped;
   }
   if (config_.sight.skip_unseen) n["predictions_unseen"] = c.predictions_unseen;
+  if (config_.bounded_latency.is_on()) count_late(c, n);
   if (peer_.time_sensors_limited_at()) n["time_sensors_stopped"] = 1;
   for (const auto& [reason, count] : c.drops) n["dropped_" + reason] = count;
   return log_;

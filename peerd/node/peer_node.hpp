@@ -116,6 +116,8 @@ class PeerNode {
   // The pose that a viewer draws, at the time of the last advance_view() (Peer::shown).
   [[nodiscard]] Pose shown(ObjectId object, SimTime t) { return peer_.shown(object, t); }
 
+  [[nodiscard]] std::optional<Duration> bound(SimTime t) { return peer_.bound(t); }  // as Peer::bound()
+
   [[nodiscard]] const replication::Peer& peer() const { return peer_; }
   [[nodiscard]] const Scene& scene() const { return peer_.scene(); }
   [[nodiscard]] const std::string& name() const { return config_.name; }
@@ -155,6 +157,7 @@ class PeerNode {
   [[nodiscard]] SimTime sample_time(std::int64_t number) const;
   void record_truths(SimTime t);
   void record_ghosts(HostTime now);
+  void note_bound(Duration bound);
   void record(SimTime t, ObjectId object, PeerId owner, const KinematicState& state, const Pose& shown);
 
   const SharedWorld& shared_;

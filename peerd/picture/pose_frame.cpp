@@ -125,7 +125,9 @@ void PoseTable::place(PeerNode& node, HostTime now) {
   const SimTime t = *at_;
   const auto zero = peer.world_zero();
   times_.session_s = to_seconds(t.time_since_epoch());
-  if (zero) times_.world_s = to_seconds(t - *zero);
+  // With a bounded latency all is shown as it was, what the world moves by itself too.
+  const std::optional<Duration> bound = node.bound(t);
+  if (zero) times_.world_s = to_seconds(t - bound.value_or(Duration{0}) - *zero);
   if (const auto start = node.start()) times_.since_start_s = to_seconds(t - *start);
   const double world_s = zero ? times_.world_s : -1.0;
   follow_owners(peer);
@@ -140,7 +142,8 @@ void PoseTable::place(PeerNode& node, HostTime now) {
       ghosts_[i] = above == Movers::kNone ? relative : composed(ghosts_[above], relative);
       continue;
     }
-    const bool goes_along = above != Movers::kNone && !is_same(shown_[above], ghosts_[above]) && owners_[i] == kNobody;
+    const bool goes_along =
+        !bound && above != Movers::kNone && !is_same(shown_[above], ghosts_[above]) && owners_[i] == kNobody;
     if (carries_[i] || goes_along) ghosts_[i] = peer.ghost(id, t).pose();
     shown_[i] = goes_along ? composed(shown_[above], relative_to(ghosts_[above], ghosts_[i])) : node.shown(id, t);
   }

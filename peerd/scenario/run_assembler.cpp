@@ -93,13 +93,15 @@ void RunAssembler::add(const PeerLog& log, const PeerLog::ObjectSample& sample) 
     const auto owners = lives_.find(object.owner);
     const bool gone = owners == lives_.end() || owners->second.empty() ||
                       (owners->second.back().ended_at && *owners->second.back().ended_at < sample.true_at);
-    if (!gone) object.waiting.push_back({sample.true_at, log.peer, sample.state.pose(), sample.shown});
+    if (!gone)
+      object.waiting.push_back({sample.true_at, sample.at - *start, log.peer, sample.state.pose(), sample.shown});
     return;
   }
   // What was asked for before this tick can be told now.
   add_tick(object, {sample.true_at, sample.at - *start, sample.state, sample.shown});
   std::erase_if(object.waiting, [&](const WaitingGhost& ghost) {
     if (ghost.true_at >= sample.true_at) return false;
+    if (is_bounded() && ghost.since_start > sample.at - *start) return false;
     measure(objects_[found->second].first, object, ghost);
     return true;
   });
@@ -116,6 +118,11 @@ void RunAssembler::add_tick(Object& object, const Tick& tick) {
     object.forgot_ticks = true;
   }
   ticks.push_back(tick);
+}
+
+const Pose* RunAssembler::seen_at(const Object& object, Duration since_start) {
+  const auto found = std::ranges::find(object.ticks, since_start, &Tick::since_start);
+  return found == object.ticks.end() ? nullptr : &found->shown;
 }
 
 void RunAssembler::measure(ObjectId id, const Object& object, const WaitingGhost& ghost) {
@@ -147,7 +154,10 @@ void RunAssembler::measure(ObjectId id, const Object& object, const WaitingGhost
   };
   const Pose pose = truth();
   const bool as_it_is = before == nullptr || before->shown.position == before->state.position;
-  const Pose seen = as_it_is ? pose : between([](const Tick& tick) { return tick.shown; });
+  const Pose* const at_one_time = is_bounded() ? seen_at(object, ghost.since_start) : nullptr;
+  const Pose seen = at_one_time != nullptr ? *at_one_time
+                    : as_it_is             ? pose
+                                           : between([](const Tick& tick) { return tick.shown; });
   meter_.add(report::GhostSample{t_s, ghost.observer, id, pose, ghost.ghost, ghost.shown, seen});
 }
 
@@ -213,6 +223,14 @@ void RunAssembler::add_logs(report::RunRecord& record, const std::vector<PeerLog
       const auto ms = [](Duration d) { return to_seconds(d) * 1e3; };
       record.clocks.push_back(
           {log.peer, c->samples, ms(c->p99), ms(c->max), ms(c->bound_median), ms(c->bound_max), c->beyond_bound});
+    }
+    if (const auto& b = log.bound) {
+      const auto in_ms = [](Duration d) { return to_seconds(d) * 1e3; };
+      report::ShownDelay& shown =
+          record.shown_delay ? *record.shown_delay : record.shown_delay.emplace(in_ms(b->least), in_ms(b->most), 0.0);
+      shown.least_ms = std::min(shown.least_ms, in_ms(b->least));
+      shown.most_ms = std::max(shown.most_ms, in_ms(b->most));
+      shown.latest_by_ms = std::max(shown.latest_by_ms, in_ms(b->latest_by));
     }
     record.groups_joined += log.groups_joined;
     record.worlds_equal = record.worlds_equal && log.other_worlds == 0;

@@ -18,7 +18,8 @@ struct Measuring {
 
 // Lays the rows of one run's peers side by side while they come: every ghost against the truth at the same true
 // instant. The truth of a driven object is its motion; that of any other object is interpolated between the ticks of
-// its owner, so that a ghost waits for its owner's next tick. Of the ticks, the last two sample times are kept.
+// its owner, so that a ghost waits for its owner's next tick. Of the ticks, the last two sample times are kept. With a
+// bounded latency, what an observer and the owner see is compared at one session time: that is what the bound is of.
 class RunAssembler final : public LogRows {
  public:
   [[nodiscard]] static Result<std::unique_ptr<RunAssembler>> make(const config::RunSettings& run,
@@ -50,6 +51,7 @@ class RunAssembler final : public LogRows {
   };
   struct WaitingGhost {
     HostTime true_at;
+    Duration since_start;  // by the observer's session time
     PeerId observer;
     Pose ghost, shown;
   };
@@ -68,8 +70,11 @@ class RunAssembler final : public LogRows {
   [[nodiscard]] bool alive(PeerId peer, HostTime t) const;
   void add_tick(Object& object, const Tick& tick);
   void measure(ObjectId id, const Object& object, const WaitingGhost& ghost);
+  // What the owner sees at the observer's session time, where it has a sample of just then.
+  [[nodiscard]] static const Pose* seen_at(const Object& object, Duration since_start);
   [[nodiscard]] report::PeerInfo peer_info(const config::PeerSettings& peer, const std::vector<PeerLog>& logs,
                                            SimTime start) const;
+  [[nodiscard]] bool is_bounded() const { return run_.replication.bounded_latency.is_on(); }
   void add_logs(report::RunRecord& record, const std::vector<PeerLog>& logs, SimTime start) const;
 
   const config::RunSettings& run_;

@@ -241,6 +241,7 @@ void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
   }
   const DecisionRecord record = record_of(c, config_.decisions.policy);
   const auto changes = add_own(record, c.type);
+  if (display_ != nullptr) display_->on_decision(c.at, known_at);
   (void)name_owners(changes);
   // All peers that receive the decision will do so: the own object's ghost moves, too, or this peer's copy of their
   // ghosts would differ.
@@ -392,6 +393,7 @@ const char* ContactDecisions::on_decision(PeerId sender, std::uint32_t number, c
     for (const ObjectId object : name_owners({&last, 1})) rebase(object, log_.last(object));
     return "decision_overruled";
   }
+  if (display_ != nullptr) display_->on_decision(d.contact, known_at);
   apply(*changes, known_at);
   return nullptr;
 }

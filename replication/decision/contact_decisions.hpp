@@ -16,6 +16,7 @@
 #include "replication/output/peer_counters.hpp"
 #include "replication/output/tick_grid.hpp"
 #include "replication/policy/peer_config.hpp"
+#include "replication/replica/display.hpp"
 #include "replication/replica/own_objects.hpp"
 #include "replication/replica/owners.hpp"
 #include "replication/replica/replica.hpp"
@@ -38,6 +39,8 @@ class ContactDecisions {
   ContactDecisions(const PeerConfig& config, const ModelInForce& model, Membership& members, const Owners& owners,
                    const SceneObjects& scene, OwnObjects& own, Replica& replica, const TickGrid& ticks, Outbox& outbox,
                    PeerCounters& counters, OnDecided on_decided);
+  // From now on the display, which outlives this object, hears of what contact time a decision is that takes effect.
+  void report_times_to(Display& display) { display_ = &display; }
 
   // ---- the contacts that this peer looks for
 
@@ -168,6 +171,7 @@ class ContactDecisions {
   Outbox& outbox_;
   PeerCounters& counters_;
   OnDecided on_decided_;
+  Display* display_ = nullptr;  // null: nobody asks
   DecisionLog log_;
   std::vector<Deferred> deferred_;
   std::vector<Early> early_;

@@ -144,6 +144,16 @@ struct LogGrown {
   OperationRange range;
   OperationId last;  // the last operation in it
 };
+// This peer shows all objects as they were so long ago, its own too, from now on (BoundedLatency).
+struct DelayShown {
+  Duration delay;
+};
+// Some have come too late to be shown in time (BoundedLatency). Said at most once in kLateSaidEvery.
+struct CameTooLate {
+  std::uint64_t updates = 0, missing = 0, decisions = 0;  // since it was last said (PeerCounters)
+  Duration latest_by{0};                                  // ever
+};
+inline constexpr Duration kLateSaidEvery = std::chrono::seconds(10);
 struct Published {
   SimTime at;
   ObjectId object;
@@ -172,7 +182,7 @@ struct ContactSeen {
 using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined,
                             PeerLost, ObjectOrphaned, OtherVersion, OtherWorld, IdInUse, NameInUse, LimitMet,
                             OwnershipConflict, FounderGaveWay, SceneEdited, DataChanged, MessageReceived, OperationHeld,
-                            ObjectGiven, ObjectRequested, RequestRefused, LogGrown, Published, ContactSeen, Overruled,
-                            ContactsRetracted, BodiesOverlap, NotColliding>;
+                            ObjectGiven, ObjectRequested, RequestRefused, LogGrown, DelayShown, CameTooLate, Published,
+                            ContactSeen, Overruled, ContactsRetracted, BodiesOverlap, NotColliding>;
 
 }  // namespace peerd::replication

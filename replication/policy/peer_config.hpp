@@ -11,6 +11,7 @@
 #include "core/time.hpp"
 #include "replication/interest/interest.hpp"
 #include "replication/motion/convergence.hpp"
+#include "replication/policy/bounded_latency.hpp"
 #include "replication/policy/publish_policy.hpp"
 #include "replication/policy/rare_branches.hpp"
 #include "replication/wire/decision_policy.hpp"
@@ -101,6 +102,7 @@ struct PeerConfig {
   DecisionSettings decisions;
   RelaySettings relay;
   DisplayDelay display_delay;
+  BoundedLatency bounded_latency;  // where it is on, display_delay and convergence do not count
   RegionSettings regions;
   SightSettings sight;
   // This peer receives, where the scene is cut into regions, what is so near [m] to its viewpoint, or, where it has

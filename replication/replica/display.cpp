@@ -8,12 +8,58 @@ namespace peerd::replication {
 
 Display::Display(const PeerConfig& config, const ModelInForce& model, const OwnObjects& own, const Replica& replica,
                  PeerCounters& counters)
-    : config_(config), model_(model), own_(own), replica_(replica), counters_(counters) {}
+    : config_(config),
+      model_(model),
+      own_(own),
+      replica_(replica),
+      counters_(counters),
+      bound_(config.bounded_latency) {}
 
 void Display::restart() {
   shown_.clear();
   oldest_update_ = Duration{0};
+  bound_.restart();
+  late_said_at_.reset();
 }
+
+// ---- bounded latency ----
+
+// What is shown at a session time t is of t - bound: of what has come before its stamp + the bound, nothing has been
+// shown yet.
+bool Display::note_late(SimTime stamp, SimTime came) {
+  if (!is_bounded()) return false;
+  const Duration late_by = came - stamp - bound_.at(came);
+  if (late_by < Duration{0}) return false;
+  counters_.latest_by = std::max(counters_.latest_by, late_by);
+  return true;
+}
+
+void Display::on_update(SimTime stamp, SimTime came) { counters_.updates_late += note_late(stamp, came) ? 1 : 0; }
+
+void Display::on_decision(SimTime contact, SimTime came) {
+  counters_.decisions_late += note_late(contact, came) ? 1 : 0;
+}
+
+// A bound on its way to another one is said when it is there.
+std::optional<DelayShown> Display::poll_delay(SimTime t) {
+  if (!is_bounded() || !bound_.is_steady_at(t) || said_delay_ == bound_.at(t)) return std::nullopt;
+  said_delay_ = bound_.at(t);
+  return DelayShown{*said_delay_};
+}
+
+std::optional<CameTooLate> Display::poll_late(SimTime t) {
+  if (!is_bounded() || (late_said_at_ && t - *late_said_at_ < kLateSaidEvery)) return std::nullopt;
+  const CameTooLate all{counters_.updates_late, counters_.updates_missing, counters_.decisions_late,
+                        counters_.latest_by};
+  const CameTooLate late{all.updates - said_late_.updates, all.missing - said_late_.missing,
+                         all.decisions - said_late_.decisions, all.latest_by};
+  if (late.updates + late.missing + late.decisions == 0) return std::nullopt;
+  late_said_at_ = t;
+  said_late_ = all;
+  return late;
+}
+
+// ---- what is shown ----
 
 Duration Display::delay() const {
   const DisplayDelay& delay = config_.display_delay;
@@ -23,6 +69,7 @@ Duration Display::delay() const {
 }
 
 Pose Display::shown(ObjectId object, SimTime t) {
+  if (is_bounded()) return replica_.ghost(object, t - bound_.at(t)).pose();
   const Duration delay = this->delay();
   if (own_.contains(object)) return replica_.truth(object, config_.display_delay.own ? t - delay : t).pose();
   if (delay > Duration{0}) return replica_.ghost(object, t - delay).pose();

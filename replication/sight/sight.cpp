@@ -22,7 +22,7 @@ Sight::Sight(const PeerConfig& config, const ModelInForce& model, const Membersh
       truth_(*model),
       ghosts_(*model) {
   const DisplayDelay& delay = config.display_delay;
-  const bool shows_the_past = delay.measured || delay.fixed > Duration{0};
+  const bool shows_the_past = delay.measured || delay.fixed > Duration{0} || config.bounded_latency.is_on();
   if (!config.sight.skip_unseen || config.is_decision_server() || shows_the_past) return;
   replica.advance_by(*this);
 }

@@ -24,7 +24,7 @@ namespace peerd::replication {
 //
 // Besides own objects it keeps right what carries a view of this peer, and what carries a view of another by which
 // contacts are decided or updates are ordered here. The server of decisions (DecisionPolicy::kServer) puts nothing off:
-// it looks for contacts of all; nor does a peer that shows the past (DisplayDelay).
+// it looks for contacts of all; nor does a peer that shows the past (DisplayDelay, BoundedLatency).
 //
 // What scene objects do in the truth all peers compute alike, and so does this one; their ghosts answer what remote
 // ghosts do, and are treated as these.

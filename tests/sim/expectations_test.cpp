@@ -46,7 +46,8 @@ TEST_P(Expectations, Hold) {
     EXPECT_FALSE(e.failed()) << e.expected.name << ": " << e.failures.front().found << ' ' << e.failures.front().why;
   }
 }
-INSTANTIATE_TEST_SUITE_P(OfScenarios, Expectations, testing::Values("eq47", "snooker", "head-on", "comings"),
+INSTANTIATE_TEST_SUITE_P(OfScenarios, Expectations,
+                         testing::Values("eq47", "snooker", "head-on", "comings", "bounded-latency"),
                          [](const auto& name) {
                            std::string text = name.param;
                            std::erase(text, '-');

@@ -58,6 +58,7 @@ const char* const kNoBudget = "replication.wanted_error_m is 0";
 const char* const kNoProximity = "replication.approach is not dr+rcp+acpt";
 const char* const kDoesNotSkip = "the peer does not skip_unseen";
 const char* const kComputesAll = "the server of decisions, and who shows the past, computes all of it";
+const char* const kBounded = "the bounded latency delays all objects alike";
 INSTANTIATE_TEST_SUITE_P(
     Table, SwitchedOff,
     testing::Values(
@@ -96,6 +97,32 @@ INSTANTIATE_TEST_SUITE_P(
              "replication.delay_own=true",
              "nothing delays what is displayed",
              {"replication.display_delay_measured=true"}},
+        Case{"OwnDelayBounded",
+             "replication.delay_own=true",
+             kBounded,
+             {"replication.display_delay_ms=100"},
+             {"replication.bounded_latency_ms=100"}},
+        Case{"DelayBounded",
+             "replication.display_delay_ms=100",
+             kBounded,
+             {},
+             {"replication.bounded_latency_measured=true"}},
+        Case{"MeasuredDelayBounded",
+             "replication.display_delay_measured=true",
+             kBounded,
+             {},
+             {"replication.bounded_latency_ms=100"}},
+        Case{"ConvergenceBounded",
+             "replication.convergence=cubic",
+             "the bounded latency shows updates as they are",
+             {},
+             {"replication.bounded_latency_ms=100"}},
+        Case{"ConvergenceTimeBounded",
+             "replication.convergence_s=1",
+             "the bounded latency shows updates as they are",
+             {"replication.convergence=cubic"},
+             {"replication.bounded_latency_ms=100"}},
+        Case{"SkippingWithABound", "peer.a.skip_unseen=true", kComputesAll, {}, {"replication.bounded_latency_ms=100"}},
         Case{"Resting",
              "replication.resting_time_threshold_s=9",
              "it does not count with regions, nor with a relay",

@@ -81,6 +81,12 @@ TEST(DescribeMissing, SaysForWhomAPeerWaitsAndWhenItWaitsNoMore) {
   EXPECT_EQ(describe_missing({}).text, "all peers are here, and motions begin");
 }
 
+TEST_F(Describe, ABoundedLatencySaysItsDelayAndWhatWasTooLateForIt) {
+  EXPECT_EQ(line(DelayShown{140ms}), "1 shows all as it was 140 ms ago, own objects too");
+  EXPECT_EQ(line(CameTooLate{3, 2, 1, 12500us}),
+            "2 came too late to be shown in time: 3 updates and 1 decisions, by up to 12.5 ms; 2 updates never came");
+}
+
 TEST_F(Describe, TroublesOfTheWorldAreWarnings) {
   EXPECT_EQ(line(IdInUse{PeerId{1}, false, false}),
             "2 two programs are peer 1; what the one says that started earlier is dropped");

@@ -31,6 +31,7 @@ PeerLog full_log() {
                   {SimTime{Duration{15}}, "owner", ObjectId{3}, ObjectId{4}, Vec3(0, 0, 1), SimTime{Duration{16}},
                    CollisionType::kAllPairs,
                    TouchedPolygons{99, {{{ObjectId{5}, 1}, {ObjectId{6}, 0}}, {{ObjectId{5}, 2}, {ObjectId{6}, 7}}}}}};
+  log.bound = PeerLog::Bound{Duration{20}, Duration{30}, Duration{7}};
   log.groups_joined = 2;
   log.other_worlds = 1;
   log.counters = {{"ticks", 900}, {"dropped_own", std::numeric_limits<std::uint64_t>::max()}};
@@ -42,6 +43,11 @@ void expect_same(const PeerLog& a, const PeerLog& b) {
   EXPECT_EQ(a.name, b.name);
   EXPECT_EQ(a.start, b.start);
   EXPECT_EQ(a.groups_joined, b.groups_joined);
+  ASSERT_EQ(a.bound.has_value(), b.bound.has_value());
+  if (a.bound) {
+    EXPECT_TRUE(a.bound->least == b.bound->least && a.bound->most == b.bound->most &&
+                a.bound->latest_by == b.bound->latest_by);
+  }
   EXPECT_EQ(a.other_worlds, b.other_worlds);
   EXPECT_EQ(a.counters, b.counters);
   ASSERT_EQ(a.object_samples.size(), b.object_samples.size());

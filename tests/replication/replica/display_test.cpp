@@ -74,6 +74,81 @@ TEST_F(Shown, ARestartForgetsTheMeasuredDelay) {
   EXPECT_NEAR(shown(ball, 2s).y(), 2.0, 1e-9);
 }
 
+// Own objects are shown as their ghosts were, which all others show, too.
+class Bounded : public Shown {
+ protected:
+  Bounded() {
+    replica.ghosts().declare(mine, Role::kPredicted);
+    replica.ghosts().set_base(mine, sim(0s), moving({0, 20, 3}, {1, 0, 0}));
+    conf.convergence = {ConvergenceMethod::kLinear, 200ms};
+    conf.display_delay = {30ms, false, false};
+    conf.bounded_latency = {100ms, false};
+  }
+};
+
+TEST_F(Bounded, AllIsShownAsItWasPublishedUntilThen) {
+  EXPECT_TRUE(shown(mine, 2s).isApprox(Vec3(1.9, 20, 3), 1e-12));
+  EXPECT_TRUE(shown(ball, 2s).isApprox(Vec3(-5, 1.9, 0), 1e-12));
+  // An update takes effect at its stamp + the bound, at once.
+  replica.ghosts().set_base(ball, sim(2s), moving({-5, 2, 4}, {0, 1, 0}));
+  EXPECT_EQ(shown(ball, 2100ms - 1ns).z(), 0.0);
+  EXPECT_EQ(shown(ball, 2100ms).z(), 4.0);
+}
+
+TEST_F(Bounded, WhatComesAtTheBoundOrLaterIsCounted) {
+  display.on_update(sim(1900ms), sim(1999999us));
+  EXPECT_EQ(counters.updates_late, 0u);
+  EXPECT_FALSE(display.poll_late(sim(2s)));
+  display.on_update(sim(1900ms), sim(2s));
+  EXPECT_EQ(counters.updates_late, 1u);
+  EXPECT_EQ(counters.latest_by, 0ms);
+  display.on_update(sim(1s), sim(2s));
+  display.on_decision(sim(1800ms), sim(2s));
+  display.on_missing(2);
+  EXPECT_EQ(counters.updates_late, 2u);
+  EXPECT_EQ(counters.decisions_late, 1u);
+  EXPECT_EQ(counters.updates_missing, 2u);
+  EXPECT_EQ(counters.latest_by, 900ms);
+}
+
+TEST_F(Bounded, ItIsSaidOnceInAWhile) {
+  display.on_update(sim(1s), sim(2s));
+  const auto late = display.poll_late(sim(2s));
+  ASSERT_TRUE(late);
+  EXPECT_EQ(late->updates, 1u);
+  EXPECT_EQ(late->latest_by, 900ms);
+  EXPECT_FALSE(display.poll_late(sim(20s))) << "nothing new";
+  display.on_missing(1);
+  display.on_decision(sim(1s), sim(3s));
+  EXPECT_FALSE(display.poll_late(sim(2s) + kLateSaidEvery - 1ns));
+  const auto again = display.poll_late(sim(2s) + kLateSaidEvery);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->updates, 0u);
+  EXPECT_EQ(again->missing, 1u);
+  EXPECT_EQ(again->decisions, 1u);
+  EXPECT_EQ(again->latest_by, 1900ms);
+}
+
+TEST_F(Bounded, TheDelayIsSaidWhenItChanges) {
+  const auto first = display.poll_delay(sim(1s));
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->delay, 100ms);
+  EXPECT_FALSE(display.poll_delay(sim(2s)));
+  conf.bounded_latency.measured = true;
+  display.on_latency(sim(2s), 150ms, sim(2s));
+  const auto other = display.poll_delay(sim(2s));
+  ASSERT_TRUE(other);
+  EXPECT_EQ(other->delay, 150ms + BoundedDelay::kJitter);
+}
+
+TEST_F(Shown, WithoutABoundNothingIsLate) {
+  display.on_update(sim(0s), sim(3s));
+  display.on_decision(sim(0s), sim(3s));
+  display.on_missing(3);
+  EXPECT_EQ(counters.updates_late + counters.decisions_late + counters.updates_missing, 0u);
+  EXPECT_FALSE(display.poll_delay(sim(3s)) || display.poll_late(sim(3s)));
+}
+
 // The file marks BALL, which jumps 2 m along z at 1 s.
 TEST(ShownAsTheFileSays, ARemoteNodeConvergesWhereTheOthersJump) {
   const World world{box("BALL", "1 1 1", "-5 0 0", "remote TRUE") + box("BOX", "1 1 1", "5 0 0")};
