@@ -6,6 +6,7 @@
 
 #include "peerd/baselines/game_client.hpp"
 #include "peerd/baselines/lockstep.hpp"
+#include "peerd/config/scenario.hpp"
 #include "peerd/measure/wrong_outcomes.hpp"
 #include "peerd/sim/event_times.hpp"
 #include "peerd/sim/network.hpp"
@@ -20,8 +21,8 @@ constexpr std::size_t kDrivenMax = 600;  // of a player: its input fits a messag
 
 // Late datagrams and events still count: for a second, and for as long as a way there, back and there again takes.
 double lingers_s(const config::RunSettings& run) {
-  double delay_ms = run.network.longest_delay_ms();
-  for (const auto& [ends, link] : run.links) delay_ms = std::max(delay_ms, link.longest_delay_ms());
+  double delay_ms = 0.0;
+  for (const config::LinkSettings& link : config::links_of(run)) delay_ms = std::max(delay_ms, link.longest_delay_ms());
   return 1.0 + 3e-3 * delay_ms;
 }
 

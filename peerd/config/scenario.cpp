@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "peerd/config/node_pattern.hpp"
 #include "peerd/config/renamed_keys.hpp"
 #include "peerd/config/without_effect.hpp"
 #include "peerd/input/toml_json.hpp"
@@ -25,11 +26,40 @@ LinkSettings read_link(TomlReader& reader, LinkSettings link) {
   return link;
 }
 
+void read_islands(TomlReader& reader, RunSettings& run) {
+  const std::vector<const toml::table*> tables = reader.tables("island");
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const std::string key = reader.dotted("island." + std::to_string(i));
+    TomlReader sub(*tables[i], key, reader.error());
+    IslandSettings island;
+    std::vector<std::string> patterns;
+    sub.require("peers");
+    sub.read("peers", patterns);
+    island.within = read_link(sub, run.network);
+    for (const std::string& pattern : patterns) {
+      bool matches_any = false;
+      for (const PeerSettings& peer : run.peers) {
+        if (!matches(pattern, peer.name)) continue;
+        matches_any = true;
+        const auto [at, is_new] = run.island_of.try_emplace(peer.name, i);
+        if (is_new) island.peers.push_back(peer.name);
+        if (at->second == i) continue;
+        sub.fail(tables[i]->get("peers"), key + ".peers: peer \"" + peer.name + "\" is on another island, too");
+      }
+      if (matches_any) continue;
+      sub.fail(tables[i]->get("peers"), key + ".peers: the scenario has no peer \"" + pattern + "\"");
+    }
+    run.islands.push_back(std::move(island));
+    sub.finish();
+  }
+}
+
 void read_network(TomlReader reader, RunSettings& run) {
   run.network = read_link(reader, {});
   std::size_t via = 0;
   reader.read_word("via", via, {"nothing", "nats", "nats-cluster", "relay"});
   run.via = static_cast<Via>(via);
+  read_islands(reader, run);
   const toml::table* links = reader.table("link");
   if (links != nullptr) {
     for (const auto& [from, targets] : *links) {
@@ -48,7 +78,8 @@ void read_network(TomlReader reader, RunSettings& run) {
           if (!known) reader.fail(&value, key + ": the scenario has no peer \"" + std::string(peer) + "\"");
         }
         TomlReader sub(*value.as_table(), key, reader.error());
-        run.links[{std::string(from.str()), std::string(to.str())}] = read_link(sub, run.network);
+        const std::string sender(from.str()), receiver(to.str());
+        run.links[{sender, receiver}] = read_link(sub, link(run, sender, receiver));
         sub.finish();
       }
     }
@@ -348,11 +379,6 @@ std::optional<InputError> without_runs(const ScenarioRequest& request, const std
 
 }  // namespace
 
-const LinkSettings& link(const RunSettings& run, const std::string& from, const std::string& to) {
-  const auto at = run.links.find({from, to});
-  return at == run.links.end() ? run.network : at->second;
-}
-
 nlohmann::ordered_json network_settings(const RunSettings& run) {
   nlohmann::ordered_json settings = nlohmann::ordered_json::object();
   const auto add = [&](const std::string& table, const LinkSettings& link, const LinkSettings& usual) {
@@ -361,6 +387,9 @@ nlohmann::ordered_json network_settings(const RunSettings& run) {
     }
   };
   add("network.", run.network, {});
+  for (std::size_t i = 0; i < run.islands.size(); ++i) {
+    add("network.island." + std::to_string(i) + ".", run.islands[i].within, run.network);
+  }
   for (const auto& [ends, link] : run.links) {
     add("network.link." + ends.first + "." + ends.second + ".", link, run.network);
   }

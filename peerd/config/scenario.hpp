@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/config/expectations.hpp"
+#include "peerd/config/links.hpp"
 #include "peerd/config/run_settings.hpp"
 
 namespace peerd::config {
@@ -43,11 +44,8 @@ struct ScenarioRequest {
 
 [[nodiscard]] Result<Scenario> read_scenario(const ScenarioRequest& request);
 
-// The network settings that apply to datagrams from one peer to another.
-[[nodiscard]] const LinkSettings& link(const RunSettings& run, const std::string& from, const std::string& to);
-
-// The keys of the network that are not at their defaults, by dotted name: those of [network], and those of links that
-// have another value than [network].
+// The keys of the network that are not at their defaults, by dotted name: those of [network], and those of islands, by
+// their numbers from 0, and links that have another value than [network].
 [[nodiscard]] nlohmann::ordered_json network_settings(const RunSettings& run);
 
 }  // namespace peerd::config

@@ -6,6 +6,8 @@
 #include <optional>
 #include <ranges>
 
+#include "peerd/config/links.hpp"
+
 namespace peerd::config {
 namespace {
 
@@ -40,8 +42,7 @@ bool some_link_has(const RunSettings& run, std::initializer_list<double LinkSett
   const auto has = [&](const LinkSettings& link) {
     return std::ranges::any_of(values, [&](auto value) { return link.*value > 0.0; });
   };
-  return has(run.network) || std::ranges::any_of(run.links, [&](const auto& link) { return has(link.second); }) ||
-         std::ranges::any_of(run.events, [&](const ScenarioEvent& event) {
+  return std::ranges::any_of(links_of(run), has) || std::ranges::any_of(run.events, [&](const ScenarioEvent& event) {
            return std::ranges::any_of(event.change, [&](const auto& change) {
              return change.second > 0.0 && std::ranges::find(values, change.first) != values.end();
            });

@@ -12,10 +12,17 @@ std::uint64_t mixed(std::uint64_t x) { return mixed_bits(x + 0x9E3779B97F4A7C15U
 
 }  // namespace
 
-Link::Link(const config::LinkSettings& settings, std::uint64_t seed) : settings_(settings), random_(seed) {}
+std::uint64_t LinkDraws::next() {
+  if (is_small_) return mixed_bits(state_ += 0x9E3779B97F4A7C15ULL);
+  if (!twister_) twister_ = std::make_unique<std::mt19937_64>(state_);
+  return (*twister_)();
+}
+
+Link::Link(const config::LinkSettings& settings, std::uint64_t seed, bool has_small_draws)
+    : settings_(settings), random_(seed, has_small_draws) {}
 
 // The standard's distributions may differ between libraries, so this is done by hand.
-double Link::uniform() { return static_cast<double>(random_() >> 11) * 0x1.0p-53; }
+double Link::uniform() { return static_cast<double>(random_.next() >> 11) * 0x1.0p-53; }
 
 // Bursts follow Gilbert's model (1960), in the order of steps that the kernel's netem has: the state decides a
 // datagram's fate, and then the state may change.
@@ -44,33 +51,50 @@ std::vector<Duration> Link::delays() {
   return delays;
 }
 
-Network::Network(const config::RunSettings& run) : peers_(run.peers.size()), joined_(run.peers.size()) {
-  for (const auto& from : run.peers) {
-    for (const auto& to : run.peers) {
-      const std::uint64_t seed = mixed(run.seed ^ mixed(from.id ^ mixed(to.id)));
-      links_.emplace_back(config::link(run, from.name, to.name), seed);
-    }
-  }
+Network::Network(const config::RunSettings& run)
+    : run_(run), peers_(run.peers.size()), links_(run.peers.size() * run.peers.size()) {}
+
+// Links are made as they are used: of a large session most are between peers that hear nothing of each other.
+Link& Network::link(std::size_t from, std::size_t to) {
+  std::unique_ptr<Link>& link = links_[from * peers_ + to];
+  if (link) return *link;
+  const config::PeerSettings &sender = run_.peers[from], &receiver = run_.peers[to];
+  const std::uint64_t seed = mixed(run_.seed ^ mixed(sender.id ^ mixed(receiver.id)));
+  link = std::make_unique<Link>(config::link(run_, sender.name, receiver.name), seed, !run_.islands.empty());
+  return *link;
 }
 
 void Network::join(std::size_t peer, RegionId region) {
-  auto& regions = joined_[peer];
-  const auto at = std::ranges::lower_bound(regions, region);
-  if (at == regions.end() || *at != region) regions.insert(at, region);
+  std::vector<std::size_t>& peers = joined_[region];
+  const auto at = std::ranges::lower_bound(peers, peer);
+  if (at == peers.end() || *at != peer) peers.insert(at, peer);
 }
 
-void Network::leave(std::size_t peer, RegionId region) { std::erase(joined_[peer], region); }
+void Network::leave(std::size_t peer, RegionId region) {
+  const auto at = joined_.find(region);
+  if (at == joined_.end()) return;
+  std::erase(at->second, peer);
+  if (at->second.empty()) joined_.erase(at);
+}
+
+void Network::leave_all(std::size_t peer) {
+  for (auto& [region, peers] : joined_) std::erase(peers, peer);
+  std::erase_if(joined_, [](const auto& each) { return each.second.empty(); });
+}
 
 bool Network::joined(std::size_t peer, RegionId region) const {
-  return std::ranges::binary_search(joined_[peer], region);
+  const auto at = joined_.find(region);
+  return at != joined_.end() && std::ranges::binary_search(at->second, peer);
 }
 
 void Network::send(VirtualTime now, std::size_t from, RegionId region, replication::Bytes datagram) {
+  const auto receivers = joined_.find(region);
+  if (receivers == joined_.end()) return;
   const auto shared = std::make_shared<const replication::Bytes>(std::move(datagram));
-  for (std::size_t to = 0; to < peers_; ++to) {
-    if (to == from || !joined(to, region)) continue;
+  for (const std::size_t to : receivers->second) {
+    if (to == from) continue;
     if (!sides_.empty() && sides_[from] != sides_[to]) continue;
-    for (const Duration delay : links_[from * peers_ + to].delays()) {
+    for (const Duration delay : link(from, to).delays()) {
       queue_.push({now + delay, sent_++, from, to, region, shared});
     }
   }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
+#include <utility>
 
 #include "peerd/record/capture.hpp"
 #include "peerd/sim/clock_oracle.hpp"
@@ -40,8 +42,7 @@ constexpr double kFallback_s = 1.0;
 
 // The longest delay of any link at any time of the run.
 double longest_delay_s(const config::RunSettings& run) {
-  std::vector<config::LinkSettings> links{run.network};
-  for (const auto& [ends, link] : run.links) links.push_back(link);
+  std::vector<config::LinkSettings> links = config::links_of(run);
   double most_ms = 0.0;
   const auto look = [&] {
     for (const config::LinkSettings& link : links) most_ms = std::max(most_ms, link.longest_delay_ms());
@@ -115,6 +116,10 @@ class Simulation {
       if (!config::starts_with(run_.events, run_.peers[i].name)) continue;
       if (const auto error = enter(i, std::move((*objects)[i]), false)) return std::unexpected(*error);
     }
+    for (std::size_t i = 0; i < peers_.size(); ++i) {
+      auto& unused = unused_.emplace_back();
+      if (!peers_[i].node) unused = std::move((*objects)[i]);
+    }
     if (interest != nullptr && InterestOracle::has_areas(run_)) {
       if (config::peers_change(run_.events)) {
         return std::unexpected(InputError{
@@ -185,6 +190,7 @@ class Simulation {
     log.ended_at = HostTime{now_.time_since_epoch()};
     if (rows_ != nullptr) rows_->end(log.peer, *log.ended_at);
     peer.node.reset();
+    due_.erase({peer.due, i});
     network_.leave_all(i);
   }
 
@@ -196,10 +202,15 @@ class Simulation {
     };
     switch (event.kind) {
       case EventKind::kJoin: {
-        auto objects = config::resolve(run_, shared_.world.scene);
-        if (!objects) return objects.error();
         const std::size_t i = index(event.peer);
-        if (auto error = enter(i, std::move((*objects)[i]), true)) return error;
+        if (!unused_[i]) {  // it has been there before
+          auto objects = config::resolve(run_, shared_.world.scene);
+          if (!objects) return objects.error();
+          unused_[i] = std::move((*objects)[i]);
+        }
+        config::PeerObjects objects = std::move(*unused_[i]);
+        unused_[i].reset();
+        if (auto error = enter(i, std::move(objects), true)) return error;
         drain(i);
         break;
       }
@@ -254,16 +265,18 @@ class Simulation {
       for (const LogLine& line : describe(*key, node.scene())) act(line, key->done());
     }
     while (const auto edit = node.poll_edit_report()) act(describe(*edit), edit->done());
-    peers_[i].due = peers_[i].deadline();
+    set_due(i, peers_[i].deadline());
+  }
+
+  void set_due(std::size_t i, VirtualTime due) {
+    due_.erase({peers_[i].due, i});
+    peers_[i].due = due;
+    due_.emplace(due, i);
   }
 
   // The peer whose tick is next; none where no peer is there.
   [[nodiscard]] std::optional<std::size_t> next_peer() const {
-    std::optional<std::size_t> next;
-    for (std::size_t i = 0; i < peers_.size(); ++i) {
-      if (peers_[i].node && (!next || peers_[i].due < peers_[*next].due)) next = i;
-    }
-    return next;
+    return due_.empty() ? std::nullopt : std::optional(due_.begin()->second);
   }
 
   void note_begin() {
@@ -357,8 +370,10 @@ class Simulation {
   EventTimes events_;
   double longest_delay_s_;
   VirtualTime now_ = kBegin;
-  std::vector<SimulatedPeer> peers_;  // in the run's order
-  std::vector<PeerLog> logs_;         // logs of peers that have left
+  std::vector<SimulatedPeer> peers_;                        // in the run's order
+  std::set<std::pair<VirtualTime, std::size_t>> due_;       // of the peers that are there
+  std::vector<std::optional<config::PeerObjects>> unused_;  // of those that have not been there yet
+  std::vector<PeerLog> logs_;                               // logs of peers that have left
   std::optional<InterestOracle> oracle_;
   std::optional<ClockOracle> clock_oracle_;
 };
@@ -367,6 +382,8 @@ class Simulation {
 
 config::RunSettings without_latency(config::RunSettings run) {
   run.network = {};
+  run.islands.clear();
+  run.island_of.clear();
   run.links.clear();
   std::erase_if(run.events, [](const config::ScenarioEvent& e) { return e.peer.empty(); });  // events of the network
   run.replication.policy.error_threshold_m = 0.0;

@@ -600,4 +600,30 @@ TEST_F(ScenarioTest, NamesTheSettingsOfTheNetworkThatAreNotDefaults) {
   EXPECT_EQ(network_settings(read("world = \"w.wrl\"\n[peer.a]\nid = 1\n").runs.front()).dump(), "{}");
 }
 
+TEST_F(ScenarioTest, PeersOfOneIslandAreNearEachOther) {
+  const std::string text =
+      "world = \"w.wrl\"\n[network]\nlatency_ms = 60\nloss = 0.01\n[[network.island]]\npeers = [\"a*\"]\nlatency_ms = "
+      "2\n"
+      "[[network.island]]\npeers = [\"b\", \"c\"]\nlatency_ms = 3\nloss = 0\n[network.link.b.c]\njitter_ms = 7\n"
+      "[peer.a1]\nid = 1\n[peer.a2]\nid = 2\n[peer.b]\nid = 3\n[peer.c]\nid = 4\n[peer.d]\nid = 5\n";
+  const RunSettings run = read(text).runs.front();
+  EXPECT_EQ(link(run, "a1", "a2").latency_ms, 2.0);
+  EXPECT_EQ(link(run, "a2", "a1").loss, 0.01) << "what an island leaves out is the network's";
+  EXPECT_EQ(link(run, "a1", "b").latency_ms, 60.0);
+  EXPECT_EQ(link(run, "d", "b").latency_ms, 60.0);
+  EXPECT_EQ(link(run, "c", "b").latency_ms, 3.0);
+  EXPECT_EQ(link(run, "b", "c").latency_ms, 3.0) << "what a link leaves out is its island's";
+  EXPECT_EQ(link(run, "b", "c").jitter_ms, 7.0);
+  EXPECT_EQ(links_of(run).size(), 4u);
+  EXPECT_EQ(network_settings(run).dump(),
+            R"({"network.latency_ms":60.0,"network.loss":0.01,"network.island.0.latency_ms":2.0,)"
+            R"("network.island.1.latency_ms":3.0,"network.island.1.loss":0.0,"network.link.b.c.latency_ms":3.0,)"
+            R"("network.link.b.c.jitter_ms":7.0,"network.link.b.c.loss":0.0})");
+  const std::string peers = "[peer.a]\nid = 1\n[peer.b]\nid = 2\n", begin = "world = \"w.wrl\"\n";
+  EXPECT_THAT(error(begin + "[[network.island]]\npeers = [\"x*\"]\n" + peers, {}), HasSubstr("no peer \"x*\""));
+  EXPECT_THAT(error(begin + "[[network.island]]\nlatency_ms = 1\n" + peers, {}), HasSubstr("peers is missing"));
+  EXPECT_THAT(error(begin + "[[network.island]]\npeers = [\"a\"]\n[[network.island]]\npeers = [\"*\"]\n" + peers, {}),
+              HasSubstr("peer \"a\" is on another island, too"));
+}
+
 }  // namespace peerd::config::scenario_test
