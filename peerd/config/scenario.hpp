@@ -11,7 +11,6 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/config/expectations.hpp"
-#include "peerd/config/links.hpp"
 #include "peerd/config/run_settings.hpp"
 
 namespace peerd::config {

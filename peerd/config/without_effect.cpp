@@ -6,8 +6,6 @@
 #include <optional>
 #include <ranges>
 
-#include "peerd/config/links.hpp"
-
 namespace peerd::config {
 namespace {
 

@@ -20,11 +20,11 @@ struct Companion {
 
 // Where the companions of one run stand.
 struct Islands {
-  std::filesystem::path stem;      // of their files: OUT/RUN_NAME
-  int port = 0;                    // the session's; theirs are from 100 on after it
+  std::filesystem::path stem;           // of their files: OUT/RUN_NAME
+  int port = 0;                         // the session's; theirs are from 100 on after it
   std::filesystem::path program = {};   // of a relay
   std::filesystem::path key_file = {};  // of the session
-  bool apart = false;              // each peer has a computer of its own (a lab's); else all are on this one
+  bool apart = false;                   // each peer has a computer of its own (a lab's); else all are on this one
 };
 
 // The companions of a run, in the order of starting. Their configuration files are written at `islands.stem`.

@@ -38,11 +38,13 @@ Duration BoundedDelay::target(std::int64_t second) const {
   take(longest_.lower_bound(second - kFirst), longest_.upper_bound(second - kLast));
   if (!longest && last_) return bounds_.back();
   if (!longest) take(longest_.begin(), longest_.end());
+  assert(!longest || *longest >= Duration{0});
   return std::clamp(longest.value_or(kLeastPublished) + kJitter, settings_.least, std::max(settings_.least, kBoundMax));
 }
 
 void BoundedDelay::advance_to(std::int64_t second) {
   if (last_ && second - *last_ > kForgotten) last_.reset();
+  assert(settings_.measured);
   if (!last_) {
     bounds_.fill(target(second));
     last_ = second;
@@ -70,6 +72,7 @@ Duration BoundedDelay::at(SimTime t) {
 bool BoundedDelay::is_steady_at(SimTime t) {
   if (!settings_.measured) return true;
   advance_to(second_of(t));
+  assert(last_);
   return bounds_[2] == bounds_[3];
 }
 
