@@ -120,13 +120,18 @@ void fields(A& a, typename A::template Of<report::NetworkMeasured>& s) {
   a(links, oversleep_before_ms, oversleep_during_ms);
 }
 template <class A>
+void fields(A& a, typename A::template Of<report::ShownDelay>& s) {
+  auto& [least_ms, most_ms, latest_by_ms] = s;
+  a(least_ms, most_ms, latest_by_ms);
+}
+template <class A>
 void fields(A& a, typename A::template Of<report::RunRecord>& s) {
   auto& [params, network_settings, seed, duration_s, stopped, peers, objects, scene_paths, outlines, outlines_left_out,
-         ghost_samples, updates, datagrams, measured, contacts, events, wrong, interest, network, clocks, groups_joined,
-         worlds_equal, counters] = s;
+         ghost_samples, updates, datagrams, measured, contacts, events, wrong, interest, network, shown_delay, clocks,
+         groups_joined, worlds_equal, counters] = s;
   a(params, network_settings, seed, duration_s, stopped, peers, objects, scene_paths, outlines, outlines_left_out,
-    ghost_samples, updates, datagrams, measured, contacts, events, wrong, interest, network, clocks, groups_joined,
-    worlds_equal, counters);
+    ghost_samples, updates, datagrams, measured, contacts, events, wrong, interest, network, shown_delay, clocks,
+    groups_joined, worlds_equal, counters);
 }
 
 std::string to_bytes(const RunResult& result) {

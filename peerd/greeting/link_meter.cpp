@@ -9,21 +9,25 @@ constexpr Duration kClockHolds = std::chrono::seconds(10);
 // A longer round trip is a number that somebody has made up.
 constexpr Duration kRoundTripMax = std::chrono::seconds(60);
 constexpr double kLossOver = 1000.0;  // datagrams
+constexpr Duration kLossHolds = std::chrono::seconds(30);
 
 std::int64_t ns_of(HostTime at) { return at.time_since_epoch().count(); }
 
 }  // namespace
 
-void LinkMeter::Loss::add(std::uint32_t sent, std::uint32_t received) {
+void LinkMeter::Loss::add(std::uint32_t sent, std::uint32_t received, HostTime now) {
   if (sent_before_) {
     const std::uint32_t more = sent - *sent_before_, came = received - *received_before_;
-    if (more > 1u << 31 || came > 1u << 31) {  // the other end counts anew
+    const bool is_anew = more > 1u << 31 || came > 1u << 31;  // the other end counts from 0 again
+    const bool is_old = more == 0 && now - changed_ > kLossHolds;
+    if (is_anew || is_old) {
       sent_ = received_ = 0.0;
     } else {
       sent_ += more;
       received_ += came;
     }
   }
+  if (sent_before_ != sent) changed_ = now;
   sent_before_ = sent;
   received_before_ = received;
   if (sent_ > kLossOver) {
@@ -46,8 +50,8 @@ bool LinkMeter::on_note(HostTime now, const LinkNote& note) {
   if (note.sent_at_ns <= last_note_ns_.value_or(0)) return false;
   last_note_ns_ = note.sent_at_ns;
   last_note_at_ = now;
-  loss_in_.add(note.datagrams_out, in_);
-  loss_out_.add(out_, note.datagrams_in);
+  loss_in_.add(note.datagrams_out, in_, now);
+  loss_out_.add(out_, note.datagrams_in, now);
   if (note.echoed_ns <= 0 || note.echoed_ns > last_sent_ns_) return true;
   const Duration away = Duration(ns_of(now) - note.echoed_ns) - std::chrono::microseconds(note.held_us);
   if (away < Duration{0} || away > kRoundTripMax) return true;

@@ -44,14 +44,15 @@ class LinkMeter {
   // The share that is lost of the last thousand datagrams or so.
   class Loss {
    public:
-    // Counts of both ends so far, modulo 2^32.
-    void add(std::uint32_t sent, std::uint32_t received);
+    // Counts of both ends so far, modulo 2^32. What is older than the last datagram by half a minute is forgotten.
+    void add(std::uint32_t sent, std::uint32_t received, HostTime now);
     [[nodiscard]] double value() const { return sent_ > 0.0 ? std::max(0.0, 1.0 - received_ / sent_) : 0.0; }
     [[nodiscard]] bool is_high() const { return sent_ >= 200.0 && value() > 0.2; }
 
    private:
     std::optional<std::uint32_t> sent_before_, received_before_;
     double sent_ = 0.0, received_ = 0.0;
+    HostTime changed_{};
   };
 
   std::uint32_t out_ = 0, in_ = 0;

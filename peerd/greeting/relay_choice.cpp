@@ -10,6 +10,7 @@ namespace peerd::net {
 namespace {
 
 constexpr Duration kRound = std::chrono::milliseconds(400), kRoundWithDatagrams = std::chrono::seconds(1);
+constexpr Duration kKeptByDatagrams = std::chrono::seconds(3);
 
 }  // namespace
 
@@ -27,8 +28,12 @@ RelayChoice::Relay* RelayChoice::find(const udp::endpoint& at) {
 }
 
 void RelayChoice::on_greeting(HostTime now, Relay& relay, const Greeting& greeting) {
+  const bool is_new = relay.instance != greeting.instance;
+  if (!is_new && greeting.link && !relay.meter.on_note(now, *greeting.link)) return;  // recorded, or overtaken
   relay.number = greeting.number;
-  if (std::exchange(relay.instance, greeting.instance) != greeting.instance) {  // it has been started anew
+  if (is_new && greeting.leaving) return;  // of a process that has ended before this one
+  relay.instance = greeting.instance;
+  if (is_new) {  // it has been started anew
     relay.meter = {};
     relay.path.clear();
     relay.regions.clear();
@@ -38,9 +43,10 @@ void RelayChoice::on_greeting(HostTime now, Relay& relay, const Greeting& greeti
     relay.heard.reset();
     return;
   }
+  if (!greeting.link) return;  // it does not know this process yet, or never will: it may be full
+  if (is_new && !relay.meter.on_note(now, *greeting.link)) return;
   if (!answers(relay, now)) relay.answers_since = now;
-  relay.heard = now;
-  if (!greeting.link || !relay.meter.on_note(now, *greeting.link)) return;  // it does not know this process yet
+  relay.heard = relay.greeting_at = now;
   relay.path = greeting.link->path;
   relay.detached = greeting.link->detached;
   relay.all_regions = greeting.all_regions;
@@ -51,7 +57,9 @@ void RelayChoice::on_datagram(HostTime now) {
   assert(chosen_);
   Relay& relay = relays_[*chosen_];
   relay.meter.count_in();
-  relay.heard = relay.datagram_at = now;
+  relay.datagram_at = now;
+  // Datagrams have no key of the link: alone they show for a while that the relay is there.
+  if (now - relay.greeting_at <= kKeptByDatagrams) relay.heard = now;
 }
 
 bool RelayChoice::is_greeting_due(const Relay& relay, HostTime now) const {

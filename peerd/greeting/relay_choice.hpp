@@ -24,8 +24,8 @@ class RelayChoice {
   struct Relay {
     asio::ip::udp::endpoint at;
     std::uint32_t instance = 0;
-    std::uint64_t number = 0;  // the last number that it sent, which greetings to it echo; 0: none
-    std::optional<HostTime> heard = {};
+    std::uint64_t number = 0;            // the last number that it sent, which greetings to it echo; 0: none
+    std::optional<HostTime> heard = {};  // the last sign of it; none: none so far, or it has left
     HostTime answers_since{};
     std::vector<std::uint32_t> path = {};  // from it up to the root
     bool detached = false;                 // it is to have a parent, and has none
@@ -33,6 +33,7 @@ class RelayChoice {
     std::vector<RegionId> regions = {};  // those that it wants, ascending
     LinkMeter meter = {};
     HostTime greeted{};      // the last greeting to it; of the driver
+    HostTime greeting_at{};  // the last greeting from it that has a note
     HostTime datagram_at{};  // the last datagram from it
   };
 

@@ -42,8 +42,8 @@ struct RelayHeader {
 // None where the bytes do not begin with such a header, or its hops are more than the most.
 [[nodiscard]] std::optional<RelayHeader> read_relay_header(std::span<const std::byte> bytes);
 
-// What the two ends of a link with a relay say of it in each greeting. Times are nanoseconds of the sender's own
-// steady clock; counts are of this link, modulo 2^32.
+// What the two ends of a link with a relay say of it in each greeting. Times are nanoseconds of the sender's host
+// clock (Unix time at its start, and from then on steady); counts are of this link, modulo 2^32.
 //
 //    0          8          16         20         24         28         32       33
 //   +- - - - - +- - - - - +- - - - - +- - - - - +- - - - - +- - - - - +--------+- - - - - -+
@@ -70,7 +70,7 @@ struct LinkNote {
 //   |        |          |          |          |        |0xFF all|        |  x 4         |  address 4 or, IPv6, 16)  |
 //   +--------+- - - - - +- - - - - +- - - - - +--------+--------+--------+- - - - - - - +- - - - - - - - - - - - - -+
 //
-// The number is different for each address that is greeted (KnownPeers::number_for). Datagrams go only to addresses
+// The number is different for each address that is greeted (AddressNumbers::number_for). Datagrams go only to addresses
 // that have echoed their own number: a forged source address does not receive its number, the number of another address
 // does not help, and an unverified address is never sent more bytes than it seemed to send.
 inline constexpr std::byte kGreetingMark{0x47};

@@ -105,7 +105,7 @@ Command add_relay(CLI::App& app) {
   command
       ->add_option("--budget", options->budget_kib_s,
                    "KiB a second at most to each peer and relay; updates are left out first (default: no limit)")
-      ->transform(number_in(NumberRange{1, 1e9}));
+      ->transform(number_in(NumberRange{8, 1e9}));
   command->add_option("--report", options->report_s, "says so often [s] what it has passed on (default: at the end)")
       ->transform(number_in(NumberRange{0.1, 86400}));
   command->add_flag("--json", options->json, "reports are JSON objects, one a line");

@@ -80,15 +80,31 @@ void Island::ask(HostTime now, bool leaving) {
 void Island::take(const net::Arrival& arrival) {
   if (arrival.region == kWholeScene && net::looks_like_greeting(arrival.datagram)) return on_greeting(arrival);
   // While two relays do not agree yet, neither may pass on what the other one has brought.
-  const bool of_relay = std::ranges::any_of(relays_, [&](const auto& each) { return each.second.at == arrival.from; });
-  if (active_ && !of_relay) on_datagram_(arrival.region, arrival.datagram, arrival.at);
+  const bool of_relay = own_address_ == arrival.from ||
+                        std::ranges::any_of(relays_, [&](const auto& each) { return each.second.at == arrival.from; });
+  if (!active_ || of_relay) {
+    ++left_to_others_;
+    return;
+  }
+  on_datagram_(arrival.region, arrival.datagram, arrival.at);
 }
 
 void Island::on_greeting(const net::Arrival& arrival) {
+  ++greetings_passed_;
+  greeting_bytes_ += arrival.datagram.size();
   const auto greeting =
       net::read_greeting(arrival.datagram, options_.multicast.groups.base.is_v4(), options_.seal.get(), arrival.at,
                          arrival.from, strangers_, greeting_counters_);
-  if (!greeting || !greeting->link || greeting->instance == options_.instance) return;
+  if (!greeting || !greeting->link) return;
+  ++greeting_counters_.greetings_in;
+  if (greeting->instance == options_.instance) {
+    // By another interface of this relay, which passes on what this one would.
+    if (std::exchange(own_address_, arrival.from) != arrival.from) {
+      finding_ = socket_->chosen_interface().interface.name +
+                 ": this relay is on that network twice, and takes nothing from itself; name one of the interfaces";
+    }
+    return;
+  }
   strangers_.has_proven(arrival.from.address(), arrival.at);
   if (greeting->link->path.empty()) return on_report(arrival, *greeting);
   on_relay(arrival, *greeting);
@@ -173,6 +189,17 @@ void Island::follow(const Wanted& elsewhere) {
     region = joined ? std::next(region) : regions.erase(region);
   }
   joined_ = std::move(regions);
+}
+
+const net::TrafficCounters& Island::counters() const {
+  counters_ = socket_->counters();
+  counters_.packets_in -= greetings_passed_;
+  counters_.bytes_in -= greeting_bytes_;
+  counters_.greetings_in = greeting_counters_.greetings_in;
+  counters_.greetings_unopened = greeting_counters_.greetings_unopened;
+  counters_.greetings_flood = greeting_counters_.greetings_flood;
+  counters_.in_malformed += greeting_counters_.in_malformed;
+  return counters_;
 }
 
 void Island::send(RegionId region, std::span<const std::byte> datagram) {

@@ -25,8 +25,9 @@ struct IslandOptions {
 };
 
 // An island: a network where peers reach each other by multicast. The relay asks there, in region 0, who wants which
-// regions (net::IslandMember answers). Of several relays on one island the one closest to its root passes datagrams on,
-// and the next one takes its place when it is silent for a second, as routers do by VRRP (RFC 5798).
+// regions (net::IslandMember answers). Of several relays on one island the one that is not cut off from its parent,
+// then the one closest to the root, passes datagrams on, and the next one takes its place when it is silent for a
+// second, as routers do by VRRP (RFC 5798).
 class Island final : public Port {
  public:
   // `io` and `clock` outlive it.
@@ -42,7 +43,8 @@ class Island final : public Port {
   void receive(const Wanted& elsewhere) override;
   void send(RegionId region, std::span<const std::byte> datagram) override;
   void flush() override { socket_->flush(); }
-  [[nodiscard]] const net::TrafficCounters& counters() const override { return socket_->counters(); }
+  [[nodiscard]] const net::TrafficCounters& counters() const override;
+  [[nodiscard]] std::uint64_t left_to_others() const override { return left_to_others_; }
   [[nodiscard]] std::size_t peers() const override { return members_.size(); }
   [[nodiscard]] bool is_active() const override { return active_; }
   [[nodiscard]] std::string describe() const override { return socket_->describe(); }
@@ -75,7 +77,11 @@ class Island final : public Port {
   std::unique_ptr<net::MulticastSocket> socket_;
   IslandOptions options_;
   net::SourceBuckets strangers_;
-  net::TrafficCounters greeting_counters_;
+  net::TrafficCounters greeting_counters_;                   // of greetings alone
+  std::uint64_t greetings_passed_ = 0, greeting_bytes_ = 0;  // what the socket has counted as datagrams
+  mutable net::TrafficCounters counters_;
+  std::uint64_t left_to_others_ = 0;
+  std::optional<boost::asio::ip::udp::endpoint> own_address_;  // of this relay's other socket on that network
   OnDatagram on_datagram_;
   OnChange on_change_;
   std::map<std::uint32_t, Member> members_;     // by instance

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
@@ -44,7 +45,9 @@ class Port {
   virtual void flush() = 0;
 
   [[nodiscard]] virtual const net::TrafficCounters& counters() const = 0;
-  [[nodiscard]] virtual std::size_t peers() const = 0;     // that are there now
+  [[nodiscard]] virtual std::size_t peers() const = 0;  // that are there now
+  // Datagrams that were not passed on, because another relay does, or has brought them.
+  [[nodiscard]] virtual std::uint64_t left_to_others() const { return 0; }
   [[nodiscard]] virtual bool is_active() const = 0;        // it joins that network to the others
   [[nodiscard]] virtual std::string describe() const = 0;  // for the log
 };

@@ -19,7 +19,7 @@ using net::RelayChoice;
 
 constexpr LinkId kFirstNeighbour = 1024;  // the links before it are ports
 constexpr Duration kStep = std::chrono::milliseconds(50);
-constexpr Duration kNeighbourSilent = std::chrono::seconds(3);
+constexpr Duration kNeighbourSilent = std::chrono::seconds(5);
 constexpr int kRepeats = 2;
 constexpr std::size_t kMostBytes = net::kMaxDatagramBytes + net::kRelayHeaderBytes;
 
@@ -72,7 +72,6 @@ std::uint16_t Relay::port() const { return receiver_.socket().local_endpoint().p
 void Relay::add(std::unique_ptr<Port> port) {
   assert(ports_.size() < kFirstNeighbour);
   ports_.push_back(std::move(port));
-  ports_elsewhere_.emplace_back();
 }
 
 void Relay::start() {
@@ -114,7 +113,6 @@ void Relay::take_datagram(const net::Received& received, const net::RelayHeader&
   from->bytes_in += received.bytes.size();
   from->meter.count_in();
   if (from->is_parent) parents_.on_datagram(at);
-  from->heard = at;
   if (header.hops == 0) {
     ++counters_.out_of_hops;
     return;
@@ -124,6 +122,10 @@ void Relay::take_datagram(const net::Received& received, const net::RelayHeader&
 }
 
 void Relay::forward(LinkId from, const net::RelayHeader& header, std::span<const std::byte> datagram, HostTime at) {
+  if (header.region == kWholeScene && net::looks_like_greeting(datagram)) {
+    ++counters_.greetings;  // those are of one link or island alone
+    return;
+  }
   const auto bytes = net::relay_header(header);
   bool is_wanted = false;
   table_.visit(header.region, [&](LinkId to) {
@@ -185,7 +187,12 @@ void Relay::on_greeting(const net::Received& received, HostTime at) {
     }
     // Two relays may have each other in their lists, of which one is the child of the other.
     const bool is_child = greeting->link && greeting->link->path.size() > 1 && greeting->link->path[1] == instance();
-    if (!is_child || parent == parents_.chosen()) return;
+    if (parent == parents_.chosen()) return;
+    if (!is_child) {
+      // It was one, and has chosen another parent.
+      if (Neighbour* const former = neighbours_.find(received.from)) remove(*former);
+      return;
+    }
   }
   if (greeting->link || greeting->leaving) on_neighbour(received, *greeting, at);
 }
@@ -193,7 +200,7 @@ void Relay::on_greeting(const net::Received& received, HostTime at) {
 void Relay::on_neighbour(const net::Received& received, const net::Greeting& greeting, HostTime at) {
   Neighbour* neighbour = neighbours_.find(received.from);
   if (greeting.leaving) {
-    if (neighbour != nullptr) remove(*neighbour);
+    if (neighbour != nullptr && neighbour->instance == greeting.instance) remove(*neighbour);
     return;
   }
   if (neighbour != nullptr && neighbour->instance != greeting.instance) {  // another process has that address now
@@ -242,6 +249,9 @@ void Relay::greet(Neighbour& neighbour, bool leaving) {
 }
 
 void Relay::greet(RelayChoice::Relay& parent, bool leaving) {
+  // It may be a child of this relay, too, which hears one thing of it: what a child does.
+  Neighbour* const child = neighbours_.find(parent.at);
+  if (child != nullptr && !child->is_parent) return greet(*child, leaving);
   net::Greeting greeting{.echo = parent.number, .reply = parent.number == 0, .leaving = leaving};
   if (!greeting.reply) {
     greeting.link = parent.meter.note(reading_.clock.now());
@@ -327,10 +337,7 @@ void Relay::settle() {
     (void)table_.set(static_cast<LinkId>(i), std::move(wanted));
   }
   for (std::size_t i = 0; i < ports_.size(); ++i) {
-    Wanted elsewhere = table_.wanted_by_others(static_cast<LinkId>(i));
-    if (elsewhere == ports_elsewhere_[i] && ports_[i]->is_active()) continue;
-    ports_elsewhere_[i] = elsewhere;
-    ports_[i]->receive(elsewhere);
+    ports_[i]->receive(table_.wanted_by_others(static_cast<LinkId>(i)));
   }
   neighbours_.visit([&](Neighbour& each) {
     Wanted elsewhere = table_.wanted_by_others(each.link);

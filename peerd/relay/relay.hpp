@@ -46,6 +46,7 @@ class Relay {
   struct Counters {
     std::uint64_t forwarded = 0;    // copies that left, over all links
     std::uint64_t unwanted = 0;     // datagrams of regions that nobody else wants
+    std::uint64_t greetings = 0;    // datagrams that would be taken for greetings elsewhere: recorded ones
     std::uint64_t out_of_hops = 0;  // they have been through too many relays: these lead in a circle
     std::uint64_t over_budget = 0;  // copies beyond a link's budget
     std::uint64_t refused = 0;      // greetings of neighbours beyond the limit
@@ -109,7 +110,6 @@ class Relay {
   net::RelayChoice parents_;
   net::SourceBuckets strangers_;
   std::vector<std::unique_ptr<Port>> ports_;
-  std::vector<Wanted> ports_elsewhere_;  // as last passed to Port::receive()
   Neighbours neighbours_;
   ForwardingTable table_;
   boost::asio::steady_timer timer_;

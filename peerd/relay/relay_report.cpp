@@ -44,6 +44,7 @@ json report_of(const Relay& relay) {
     networks.push_back({{"network", port->describe()},
                         {"active", port->is_active()},
                         {"peers", port->peers()},
+                        {"left_to_another_relay", port->left_to_others()},
                         {"datagrams_in", traffic.packets_in},
                         {"bytes_in", traffic.bytes_in},
                         {"datagrams_out", traffic.packets_out},
@@ -52,6 +53,7 @@ json report_of(const Relay& relay) {
   json counters = relay.traffic().named();
   counters["relay.forwarded"] = relay.counters().forwarded;
   counters["relay.unwanted"] = relay.counters().unwanted;
+  counters["relay.greetings"] = relay.counters().greetings;
   counters["relay.out_of_hops"] = relay.counters().out_of_hops;
   counters["relay.over_budget"] = relay.counters().over_budget;
   counters["relay.refused"] = relay.counters().refused;
@@ -62,12 +64,15 @@ json report_of(const Relay& relay) {
 
 std::string line_of(const Relay& relay) {
   std::size_t peers = 0, relays = 0;
+  std::uint64_t datagrams = relay.traffic().packets_in;
   relay.neighbours().visit([&](const Neighbour& each) { ++(each.is_relay ? relays : peers); });
-  for (const auto& port : relay.ports()) peers += port->peers();
+  for (const auto& port : relay.ports()) {
+    peers += port->peers();
+    datagrams += port->counters().packets_in;
+  }
   const net::RelayChoice::Relay* const parent = relay.parents().chosen();
-  std::string line =
-      fmt::format("{} peers, {} other relays, {} regions; {} copies of {} datagrams passed on", peers, relays,
-                  relay.table().regions(), relay.counters().forwarded, relay.traffic().packets_in);
+  std::string line = fmt::format("{} peers, {} other relays, {} regions; {} copies of {} datagrams passed on", peers,
+                                 relays, relay.table().regions(), relay.counters().forwarded, datagrams);
   if (parent != nullptr && parent->meter.round_trip()) {
     line += fmt::format("; above: {}, {:.1f} ms there and back, {:.1f} % lost on the way down",
                         net::address_text(parent->at), to_seconds(*parent->meter.round_trip()) * 1e3,

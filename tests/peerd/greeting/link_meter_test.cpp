@@ -99,4 +99,15 @@ TEST(LinkMeter, ImpossibleTimesAreNotMeasured) {
   EXPECT_FALSE(ends.near.clock());
 }
 
+TEST(LinkMeter, ForgetsLossesOfALinkThatIsNotUsed) {
+  Ends ends;
+  ends.exchange(milliseconds(1));
+  for (int i = 0; i < 400; ++i) ends.near.count_out();
+  ends.exchange(milliseconds(1)), ends.exchange(milliseconds(1));
+  EXPECT_TRUE(ends.near.is_lossy());
+  ends.now += std::chrono::seconds(31);
+  ends.exchange(milliseconds(1));
+  EXPECT_FALSE(ends.near.is_lossy());
+}
+
 }  // namespace peerd::net::link_meter_test

@@ -126,4 +126,37 @@ TEST_F(RelayChoiceTest, AProcessThatStartsAnewBeginsItsNotesAnew) {
   EXPECT_EQ(choice.find(address(0))->path, (std::vector<std::uint32_t>{77, 5}));
 }
 
+TEST_F(RelayChoiceTest, ARecordedGreetingAndABareOneAreNoSignOfLife) {
+  greets(1, {11});
+  (void)choice.update(now);
+  RelayChoice::Relay& first = *choice.find(address(0));
+  choice.on_greeting(now, first, {.instance = 10, .number = 7});  // bare: it may take nobody any more
+  for (int i = 0; i < 10; ++i) {
+    choice.on_greeting(now, first, {.instance = 10, .number = 7});
+    greets(1, {11});
+    (void)choice.update(now);
+    now += milliseconds(400);
+  }
+  EXPECT_EQ(chosen(), 1);
+  Greeting recorded{.instance = 11, .number = 7};
+  recorded.link = LinkNote{.sent_at_ns = note, .path = {11}};
+  for (int i = 0; i < 5; ++i) {
+    choice.on_greeting(now, *choice.find(address(1)), recorded);
+    now += milliseconds(400);
+  }
+  (void)choice.update(now);
+  EXPECT_EQ(chosen(), -1);
+}
+
+TEST_F(RelayChoiceTest, DatagramsAloneKeepARelayForAWhile) {
+  greets(0, {10});
+  (void)choice.update(now);
+  for (int i = 0; i < 15; ++i) {
+    now += milliseconds(400);
+    if (choice.chosen() != nullptr) choice.on_datagram(now);
+    (void)choice.update(now);
+    EXPECT_EQ(chosen(), i < 10 ? 0 : -1) << i;  // 3 s, and then silence
+  }
+}
+
 }  // namespace peerd::net::relay_choice_test

@@ -59,4 +59,42 @@ TEST_F(IslandTest, OfTwoRelaysOnAnIslandOneIsActive) {
   }));
 }
 
+// The relay is there first, and others elsewhere want a region before anybody is on its island.
+TEST_F(IslandTest, TheFirstPeerOfAnIslandIsHeardInRegionsThatAreWantedAlready) {
+  RelayUnderTest relay(io, 0);
+  const Island& island = relay.join_island(0);
+  relay.relay->start();
+  Peer single(by_relay({0}), {0, 5});
+  ASSERT_TRUE(run_until(io, [&] { return island.is_active() && relay.peers() == 1; }));
+  finish();
+  Peer first(on_island(0), {0, 9});
+  ASSERT_TRUE(run_until(io, [&] { return single.can_send(9); }));
+  finish();
+  first.send(5, "wanted before");
+  ASSERT_TRUE(run_until(io, [&] { return !single.heard.empty(); }));
+  EXPECT_THAT(single.heard, ElementsAre("5 wanted before"));
+}
+
+// By two interfaces, here two sockets: what one of them sends there the other one does not take.
+TEST_F(IslandTest, ARelayThatIsOnANetworkTwiceDoesNotHearItself) {
+  RelayUnderTest relay(io, 0);
+  relay.join_island(0), relay.join_island(0);
+  relay.relay->start();
+  Peer single(by_relay({0})), member(on_island(0));
+  ASSERT_TRUE(run_until(io, [&] {
+    return single.can_send(0) && relay.relay->ports()[0]->is_active() && relay.relay->ports()[1]->is_active() &&
+           relay.relay->ports()[0]->peers() == 1 && relay.relay->ports()[1]->peers() == 1;
+  }));
+  ASSERT_TRUE(run_until(io, [&] {
+    return std::ranges::any_of(
+        relay.said, [](const std::string& line) { return line.find("on that network twice") != std::string::npos; });
+  }));
+  finish();
+  single.send(0, "once");
+  ASSERT_TRUE(run_until(io, [&] { return member.heard.size() >= 2; }));  // by each of the two
+  finish();
+  EXPECT_LE(member.heard.size(), 2u);
+  EXPECT_THAT(single.heard, testing::IsEmpty());
+}
+
 }  // namespace peerd::relay::island_test
