@@ -8,7 +8,7 @@
 
 namespace peerd::cluster {
 
-// What a run of one seed has found. The bytes begin with the number of their format (kChaosFormat).
+// The findings of a run of one seed. The bytes begin with the number of their format (kChaosFormat).
 inline constexpr std::uint32_t kChaosFormat = 1;
 [[nodiscard]] std::string to_bytes(const chaos::ChaosReport& report);
 // Parses hostile input; the error is one sentence.

@@ -6,7 +6,7 @@
 
 namespace peerd::cluster {
 
-// Who runs the items of a work.
+// The programs that run the items of a work.
 enum class Runner : std::uint8_t { kHere, kProcesses, kSlurm };
 
 // The options of `peerd sim` that say where its runs are.

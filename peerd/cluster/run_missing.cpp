@@ -27,7 +27,7 @@ using namespace std::chrono_literals;
 constexpr std::size_t kNamesShown = 5;
 constexpr std::chrono::milliseconds kProcessPause = 10ms, kResultPause = 250ms, kQueuePause = 2s;
 
-// What both ways of running share: what is shown, and what is an error.
+// Both ways of running share these: what is shown, and what is an error.
 class Waiting {
  public:
   Waiting(const WorkFolder& folder, const Running& running, const StopSignals& signals)
@@ -231,7 +231,7 @@ class SlurmRun {
       waiting_.show(standing->missing.size(), "Slurm job " + job.id);
       std::this_thread::sleep_for(kResultPause);
       if (std::chrono::steady_clock::now() < next_question) continue;
-      // What is asked first is answered before the results are counted: a task that ends between counts.
+      // The question that is asked first is answered before the results are counted: a task that ends between counts.
       const auto answer = is_active(job);
       if (!answer && !controller_gone) waiting_.say(answer.error().text + "; trying again");
       controller_gone = !answer;

@@ -20,7 +20,7 @@ struct SlurmJob {
 [[nodiscard]] std::string to_text(const SlurmJob& job);
 [[nodiscard]] Result<SlurmJob> slurm_job_from(std::string_view text);
 
-// What a batch job is made of.
+// A batch job is made of this.
 struct SlurmArray {
   std::string name;
   std::vector<ItemList> tasks;

@@ -44,7 +44,7 @@ std::string manifest_of(const Work& work) {
   return json.dump(1) + '\n';
 }
 
-// What tells a folder's manifest from that of the work at hand.
+// The difference of a folder's manifest from that of the work at hand.
 std::string difference(const std::string& theirs, const Work& work) {
   const auto json = nlohmann::json::parse(theirs, nullptr, false);
   if (!json.is_object()) return "its manifest.json is damaged";

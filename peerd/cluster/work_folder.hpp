@@ -40,7 +40,7 @@ class WorkFolder {
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
   [[nodiscard]] std::filesystem::path logs() const { return folder_ / "logs"; }
 
-  // What is there of the items.
+  // The items that are there.
   struct Standing {
     ItemList missing;  // without a result
     ItemList failed;   // those of them that an error ended

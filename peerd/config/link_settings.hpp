@@ -25,7 +25,7 @@ struct LinkSettings {
   [[nodiscard]] double longest_delay_ms() const { return (latency_ms + jitter_ms) * (reordering > 0.0 ? 2.0 : 1.0); }
 };
 
-// What carries datagrams between the islands of a run of real peers, each of which has a peer: network.via.
+// The carrier of datagrams between the islands of a run of real peers, each of which has a peer: network.via.
 enum class Via : std::uint8_t {
   kNothing,      // the network itself
   kNats,         // a nats-server on each island; all are leaf nodes of the first one

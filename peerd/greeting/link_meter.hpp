@@ -30,7 +30,7 @@ class LinkMeter {
   [[nodiscard]] std::optional<Duration> round_trip() const { return round_trip_; }
   // How far round trips lie from the mean.
   [[nodiscard]] Duration round_trip_deviation() const { return deviation_; }
-  // By the shortest round trip of the last ten seconds or more.
+  // The offset by the shortest round trip of the last ten seconds or more.
   [[nodiscard]] std::optional<ClockOffset> clock() const { return clock_; }
   // The latency [ns] that no datagram of this link is expected to exceed: half of the mean round trip and twice the
   // deviation. None as round_trip().

@@ -42,7 +42,7 @@ struct RelayHeader {
 // None where the bytes do not begin with such a header, or its hops are more than the most.
 [[nodiscard]] std::optional<RelayHeader> read_relay_header(std::span<const std::byte> bytes);
 
-// What the two ends of a link with a relay say of it in each greeting. Times are nanoseconds of the sender's host
+// The note that the two ends of a link with a relay add to each greeting. Times are nanoseconds of the sender's host
 // clock (Unix time at its start, and from then on steady); counts are of this link, modulo 2^32.
 //
 //    0          8          16         20         24         28         32       33

@@ -23,7 +23,7 @@ constexpr int kPingsOut = 2;
 constexpr std::int64_t kAgain_ms = 500, kJitter_ms = 500;
 // A write that takes longer ends the connection; the worker waits for it.
 constexpr std::int64_t kWrite_ms = 2000;
-// What may wait in the library for each subscription. The mailbox is what limits; this bounds the library's memory
+// So much may wait in the library for each subscription. The mailbox is what limits; this bounds the library's memory
 // where its thread gets no processor.
 constexpr int kPendingMessages = 8192, kPendingBytes = 8 << 20;
 
@@ -32,7 +32,7 @@ struct FreeOptions {
 };
 using Options = std::unique_ptr<natsOptions, FreeOptions>;
 
-// What the library's callbacks are given. The last one of a connection, or of a subscription, frees it.
+// The library's callbacks are given this. The last one of a connection, or of a subscription, frees it.
 struct ConnectionClosure {
   std::shared_ptr<ConnectionState> state;
 };
@@ -91,7 +91,8 @@ void on_no_more_messages(void* closure) { delete static_cast<SubscriptionClosure
 
 using Kind = net::NetError::Kind;
 
-// What the library says of the last failed call of this thread, without the place in its source: "(conn.c:733): ".
+// The words of the library about the last failed call of this thread, without the place in its source: "(conn.c:733):
+// ".
 std::string reason() {
   natsStatus status = NATS_OK;
   const char* const last = nats_GetLastError(&status);
@@ -218,7 +219,7 @@ std::expected<std::unique_ptr<Connection>, Connection::Failure> Connection::open
   std::unique_ptr<Connection> connection(new Connection(options, std::move(mailbox)));
   natsConnection* connected = nullptr;
   const natsStatus status = natsConnection_Connect(&connected, made->get());
-  // Of a connection that was never made no callback is called.
+  // No callback is called of a connection that was never made.
   if (status != NATS_OK) return std::unexpected(why_not_connected(status, options));
   connection->connection_.reset(connected);
   const auto& owned = closure.release()->state;  // on_closed() frees it
@@ -241,7 +242,7 @@ natsStatus Connection::subscribe(RegionId region) {
   if (s != NATS_OK) return s;
   Subscription subscription(made);
   s = natsSubscription_SetPendingLimits(made, kPendingMessages, kPendingBytes);
-  // Where the connection is closed by now, nobody would free the closure, and it stays.
+  // Nobody would free the closure where the connection is closed by now, and it stays.
   SubscriptionClosure* const kept = closure.release();
   if (s == NATS_OK) s = natsSubscription_SetOnCompleteCB(made, on_no_more_messages, kept);
   if (s == NATS_OK) subscriptions_.emplace(region, std::move(subscription));

@@ -9,7 +9,7 @@
 
 namespace peerd::nats {
 
-// What the C library's threads say about a connection. Any thread may call anything here.
+// The words of the C library's threads about a connection. Any thread may call anything here.
 class ConnectionState {
  public:
   // The connection is up or down; a sentence for the log.

@@ -47,7 +47,7 @@ class Mailbox {
   [[nodiscard]] std::uint64_t lost() const;
 
  private:
-  // What a message costs beside its bytes: the library's own struct, its subject, its place here [bytes].
+  // The cost of a message beside its bytes: the library's own struct, its subject, its place here [bytes].
   static constexpr std::size_t kOverhead_bytes = 256;
   void wake_reader();  // with mutex_ held
 

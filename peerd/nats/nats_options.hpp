@@ -8,7 +8,7 @@
 
 namespace peerd::nats {
 
-// What a NatsTransport needs to know.
+// A NatsTransport needs to know this.
 struct NatsOptions {
   config::NatsSettings settings;        // with one server at least
   std::string world;                    // its name, of which subjects are made; not empty

@@ -165,7 +165,7 @@ void NatsTransport::count_thrown_away() {
   counts_.thrown_away = all;
 }
 
-// What a refusal says has been said already, by the first try or by what closed the connection.
+// The reason of a refusal has been said already, by the first try or by what closed the connection.
 void NatsTransport::connect() {
   auto connection = Connection::open(options_, mailbox_, state_);
   if (!connection) return state_->on_down(connection.error().error.sentence + ": goes on trying");

@@ -62,7 +62,7 @@ class NatsTransport final : public net::Transport {
   void publish(const Parcel& parcel);
   void count_thrown_away();
 
-  // What the worker counts.
+  // The worker counts these.
   struct Counts {
     std::uint64_t packets_out = 0, bytes_out = 0, unreachable = 0, stale = 0, errors = 0;
     std::uint64_t thrown_away = 0;

@@ -98,7 +98,7 @@ void Island::on_greeting(const net::Arrival& arrival) {
   if (!greeting || !greeting->link) return;
   ++greeting_counters_.greetings_in;
   if (greeting->instance == options_.instance) {
-    // By another interface of this relay, which passes on what this one would.
+    // This relay is there by another interface, too, which passes on what this one would.
     if (std::exchange(own_address_, arrival.from) != arrival.from) {
       finding_ = socket_->chosen_interface().interface.name +
                  ": this relay is on that network twice, and takes nothing from itself; name one of the interfaces";

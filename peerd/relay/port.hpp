@@ -39,7 +39,7 @@ class Port {
 
   // The regions that peers there want; nothing while another relay joins that network to the others.
   [[nodiscard]] virtual Wanted wanted() const = 0;
-  // What is wanted elsewhere, and so is to be received there.
+  // These regions are wanted elsewhere, and so are to be received there.
   virtual void receive(const Wanted& elsewhere) = 0;
   virtual void send(RegionId region, std::span<const std::byte> datagram) = 0;
   virtual void flush() = 0;

@@ -317,7 +317,7 @@ void Relay::mark_changed() {
   finish_soon();
 }
 
-// What one turn of reading has brought leaves together.
+// All that one turn of reading has brought leaves together.
 void Relay::finish_soon() {
   if (std::exchange(finishing_, true)) return;
   asio::post(io_, [this, alive = std::weak_ptr(alive_)] {

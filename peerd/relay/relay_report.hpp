@@ -7,7 +7,7 @@
 
 namespace peerd::relay {
 
-// What a relay has done so far, and its links as they are now: one object of
+// The work of a relay so far, and its links as they are now: one object of
 // {"instance", "port", "path": root last, "links": [..], "networks": [..], "counters": {NAME: N}}.
 [[nodiscard]] nlohmann::json report_of(const Relay& relay);
 

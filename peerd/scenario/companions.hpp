@@ -18,7 +18,7 @@ struct Companion {
   std::string ready;                 // words in its log that say that peers can come
 };
 
-// Where the companions of one run stand.
+// The places of the companions of one run.
 struct Islands {
   std::filesystem::path stem;           // of their files: OUT/RUN_NAME
   int port = 0;                         // the session's; theirs are from 100 on after it

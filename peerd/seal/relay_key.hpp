@@ -7,7 +7,7 @@
 
 namespace peerd::seal {
 
-// What a relay needs to be greeted in a sealed session, and all that it has of it: a key that is derived from the
+// A relay needs this to be greeted in a sealed session, and has nothing else of it: a key that is derived from the
 // session's one way, by which greetings are sealed. Nobody reads or makes a peer's datagram with it. Its text is one
 // line of printable ASCII: "peerd-relay-1:" and the bits in base64 for URLs.
 [[nodiscard]] std::string relay_key_text(const SymmetricKey& session);

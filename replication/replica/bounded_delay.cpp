@@ -7,7 +7,7 @@ namespace peerd::replication {
 namespace {
 
 constexpr Duration kSecond = std::chrono::seconds(1);
-// Of the seconds that count towards a target, the first and the last one, counted back from it.
+// The first and the last of the seconds that count towards a target, counted back from it.
 constexpr std::int64_t kFirst = 12, kLast = 3;
 static_assert(kLast * kSecond >= BoundedDelay::kKnownAfter + kSecond, "a second has to be over and known to all");
 // The published latency of a peer that has measured none.
@@ -29,7 +29,7 @@ void BoundedDelay::on_published(SimTime sent, Duration latency, SimTime now) {
   longest_.erase(longest_.begin(), longest_.lower_bound(current - kFirst - 2));
 }
 
-// Where no second counts that could, the target is the bound that there is; at first, what has been sent at all.
+// The target, where no second counts that could, is the bound that there is; at first, what has been sent at all.
 Duration BoundedDelay::target(std::int64_t second) const {
   std::optional<Duration> longest;
   const auto take = [&](auto from, auto to) {

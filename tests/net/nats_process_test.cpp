@@ -75,7 +75,7 @@ TEST_F(NatsProcess, TwoShareAWorldAndAThirdJoinsIt) {
   expect_one_world({"a", "b", "c"}, {"BALL", "CONE", "CUBE"}, "an edit by the third");
 }
 
-// What was acknowledged while no server was there is nobody's loss.
+// An edit that was acknowledged while no server was there is nobody's loss.
 TEST_F(NatsProcess, AServerThatDiesAndComesBackLosesNothing) {
   NatsServer server(folder, "server");
   Process a = run("a", server.url()), b = run("b", server.url());

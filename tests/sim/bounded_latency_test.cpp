@@ -28,7 +28,7 @@ std::uint64_t late_at(const replication::Peer& peer) {
   return c.updates_late + c.updates_missing + c.decisions_late;
 }
 
-// What all peers show at the same session times, 60 times a second.
+// The picture that all peers show at the same session times, 60 times a second.
 class Screens final : public PeersWatch {
  public:
   struct AtPeer {
@@ -173,7 +173,7 @@ TEST_P(WithLoss, WhatDiffersIsCounted) {
       std::uint64_t late = 0;
       for (const auto& [peer, seen] : screens.by_peer) late += seen.late;
       for (const auto& [peer, seen] : screens.by_peer) {
-        // What the owner itself has missed of another's decision differs as well.
+        // A thing that the owner itself has missed of another's decision differs as well.
         if (late == 0) EXPECT_EQ(seen.worst_difference_m, 0.0) << "peer " << peer.value;
         some_are_whole |= seen.worst_difference_m == 0.0;
         some_differ |= seen.worst_difference_m > 0.0;

@@ -279,7 +279,7 @@ TEST_F(FounderTest, AMotionOfWhatItOwnsHasAnEffect) {
               ElementsAre(HasSubstr("motion.CAR_A has no effect")));
 }
 
-// What any peer of any run owns, whatever else it names.
+// The objects that any peer of any run owns, whatever else it names.
 TEST_F(ResolveTest, KnowsWhatIsOwnedInAllRuns) {
   const auto runs_of = [&](const std::string& text) {
     ScenarioRequest request;

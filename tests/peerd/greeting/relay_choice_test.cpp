@@ -91,7 +91,7 @@ TEST_F(RelayChoiceTest, NeverChoosesOneWhosePathLeadsBack) {
   EXPECT_EQ(chosen(), 1);
 }
 
-// Of relays that have chosen each other at the same time exactly one lets go.
+// Exactly one of relays that have chosen each other at the same time lets go.
 TEST_F(RelayChoiceTest, OfACircleTheLowestLetsGo) {
   greets(0, {10});
   (void)choice.update(now);

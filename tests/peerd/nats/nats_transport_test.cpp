@@ -242,7 +242,7 @@ TEST_F(NatsTransportTest, ASlowReaderLosesAndSaysSo) {
   ASSERT_TRUE(run_until([&] { return b.has_heard(std::string(1000, 'x')); }));
 }
 
-// What could not leave is counted and not sent later; both hear each other again, in all their regions.
+// A datagram that could not leave is counted and not sent later; both hear each other again, in all their regions.
 TEST_F(NatsTransportTest, GoesOnWhenTheServerIsBack) {
   NatsServer server(folder, "server");
   Listener a(io, by({server.url()})), b(io, by({server.url()}));
@@ -303,7 +303,7 @@ TEST_F(NatsTransportTest, LeavesAServerThatHangsForAnother) {
   hanging.signal(SIGCONT);
 }
 
-// Where the server takes nothing, the worker waits for it; send() and flush() don't, or the queue would never be full.
+// The worker waits for a server that takes nothing; send() and flush() don't, or the queue would never be full.
 TEST_F(NatsTransportTest, NeverWaitsForAServerThatHangs) {
   NatsServer server(folder, "server");
   Listener a(io, by({server.url()}));

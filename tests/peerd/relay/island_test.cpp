@@ -12,7 +12,7 @@ using testing::ElementsAre;
 
 using IslandTest = RelayFixture;
 
-// What no other island wants does not leave its own, and is not even received by the relay there.
+// A region that no other island wants does not leave its own, and is not even received by the relay there.
 TEST_F(IslandTest, WhatNobodyElseWantsStaysOnItsIsland) {
   RelayUnderTest root(io, 0), left(io, 1, {0}), right(io, 2, {0});
   left.join_island(0), right.join_island(1);
@@ -75,7 +75,7 @@ TEST_F(IslandTest, TheFirstPeerOfAnIslandIsHeardInRegionsThatAreWantedAlready) {
   EXPECT_THAT(single.heard, ElementsAre("5 wanted before"));
 }
 
-// By two interfaces, here two sockets: what one of them sends there the other one does not take.
+// The relay has two interfaces, here two sockets: what one of them sends there the other one does not take.
 TEST_F(IslandTest, ARelayThatIsOnANetworkTwiceDoesNotHearItself) {
   RelayUnderTest relay(io, 0);
   relay.join_island(0), relay.join_island(0);

@@ -48,7 +48,7 @@ TEST_F(CompanionsTest, LeafNodesJoinTheFirstServer) {
   EXPECT_THAT(settings_by_companions(run, islands, 1), ElementsAre("transport.nats=[\"nats://127.0.0.1:20101\"]"));
 }
 
-// Where each island is a computer, all have the same ports.
+// All have the same ports where each island is a computer.
 TEST_F(CompanionsTest, ApartTheyJoinByAddress) {
   run.via = config::Via::kNats;
   islands.apart = true;

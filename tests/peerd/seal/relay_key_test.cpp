@@ -14,7 +14,7 @@ using testing::HasSubstr;
 
 using RelayKeyTest = RelayFixture;
 
-// What opens greetings opens nothing else, and is not the session's key.
+// The key that opens greetings is not the session's.
 TEST(RelayKey, ComesBackFromItsFileAndIsNotTheSessions) {
   const peerd::testing_support::ScratchFolder folder;
   const auto session = SymmetricKey::random();
