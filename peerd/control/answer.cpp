@@ -87,7 +87,9 @@ ordered_json status(PeerNode& node, HostTime now, const MoreCounters& more) {
       {"sealed", !node.sealed_by().empty()},
       {"sealed_by", node.sealed_by().empty() ? ordered_json(nullptr) : ordered_json(node.sealed_by())}};
   // Without the mode the reply is as it has always been.
-  if (const auto bound = clock.synchronised() ? node.bound(clock.to_session(now)) : std::nullopt) {
+  std::optional<Duration> bound;
+  if (clock.synchronised()) bound = node.bound(clock.to_session(now));
+  if (bound) {
     const auto& counters = peer.counters();
     reply["shown"] = {{"delay_ms", in_ms(*bound)},
                       {"updates_late", counters.updates_late},

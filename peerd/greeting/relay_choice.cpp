@@ -9,7 +9,7 @@ namespace peerd::net {
 
 namespace {
 
-constexpr Duration kRound = std::chrono::milliseconds(400), kRoundWithDatagrams = std::chrono::seconds(1);
+constexpr Duration kGreetedApart = std::chrono::milliseconds(400), kGreetedApartWithDatagrams = std::chrono::seconds(1);
 constexpr Duration kKeptByDatagrams = std::chrono::seconds(3);
 
 }  // namespace
@@ -63,8 +63,8 @@ void RelayChoice::on_datagram(HostTime now) {
 }
 
 bool RelayChoice::is_greeting_due(const Relay& relay, HostTime now) const {
-  const bool sends = &relay == chosen() && now - relay.datagram_at <= kRound;
-  return now - relay.greeted >= (sends ? kRoundWithDatagrams : kRound);
+  const bool sends = &relay == chosen() && now - relay.datagram_at <= kGreetedApart;
+  return now - relay.greeted >= (sends ? kGreetedApartWithDatagrams : kGreetedApart);
 }
 
 bool RelayChoice::answers(const Relay& relay, HostTime now) const {

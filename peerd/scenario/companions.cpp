@@ -52,7 +52,7 @@ Result<Companion> nats_server(const config::RunSettings& run, const Islands& isl
 }
 
 // A relay whose island is lo: its port there is the island's own, as all may be on one computer.
-Companion relay(const config::RunSettings& run, const Islands& islands, std::size_t peer) {
+Companion peer_relay(const config::RunSettings& run, const Islands& islands, std::size_t peer) {
   std::vector<std::string> command{islands.program.string(),
                                    "relay",
                                    "--key",
@@ -84,7 +84,7 @@ Result<std::vector<Companion>> companions_of(const config::RunSettings& run, con
   if (run.via == config::Via::kNothing) return companions;
   for (std::size_t peer = 0; peer < run.peers.size(); ++peer) {
     if (run.via == config::Via::kRelay) {
-      companions.push_back(relay(run, islands, peer));
+      companions.push_back(peer_relay(run, islands, peer));
       continue;
     }
     auto server = nats_server(run, islands, peer);

@@ -12,14 +12,14 @@
 namespace peerd::seal {
 namespace {
 
-constexpr std::string_view kTextBegin = "peerd-relay-1:";
+constexpr std::string_view kRelayKeyBegin = "peerd-relay-1:";
 constexpr int kWrongFile = 2;
 
 }  // namespace
 
 std::string relay_key_text(const SymmetricKey& session) {
   const SymmetricKey key = SealedGreetings::key_of(session);
-  return std::string(kTextBegin) + base64_of(std::span(key.data(), SymmetricKey::kBytes));
+  return std::string(kRelayKeyBegin) + base64_of(std::span(key.data(), SymmetricKey::kBytes));
 }
 
 Result<SymmetricKey> read_relay_key(const std::filesystem::path& file) {
@@ -27,8 +27,8 @@ Result<SymmetricKey> read_relay_key(const std::filesystem::path& file) {
   if (!line) return std::unexpected(line.error());
   std::string_view text = line->view();
   std::array<std::uint8_t, SymmetricKey::kBytes> bits{};
-  if (text.starts_with(kTextBegin)) {
-    text.remove_prefix(kTextBegin.size());
+  if (text.starts_with(kRelayKeyBegin)) {
+    text.remove_prefix(kRelayKeyBegin.size());
     if (read_base64(text, bits) == bits.size()) return SymmetricKey::of_bytes(bits);
   }
   return std::unexpected(wrong_secret(file, "relay key", "has no line of peerd invite WORLD --relay", kWrongFile));
