@@ -91,7 +91,7 @@ ordered_json status(PeerNode& node, HostTime now, const MoreCounters& more) {
   if (clock.synchronised()) bound = node.bound(clock.to_session(now));
   if (bound) {
     const auto& counters = peer.counters();
-    reply["shown"] = {{"delay_ms", in_ms(*bound)},
+    reply["shown"] = {{"delay_ms", in_ms(bound)},
                       {"updates_late", counters.updates_late},
                       {"updates_missing", counters.updates_missing},
                       {"decisions_late", counters.decisions_late},
