@@ -174,7 +174,9 @@ TEST_P(WithLoss, WhatDiffersIsCounted) {
       for (const auto& [peer, seen] : screens.by_peer) late += seen.late;
       for (const auto& [peer, seen] : screens.by_peer) {
         // A thing that the owner itself has missed of another's decision differs as well.
-        if (late == 0) EXPECT_EQ(seen.worst_difference_m, 0.0) << "peer " << peer.value;
+        if (late == 0) {
+          EXPECT_EQ(seen.worst_difference_m, 0.0) << "peer " << peer.value;
+        }
         some_are_whole |= seen.worst_difference_m == 0.0;
         some_differ |= seen.worst_difference_m > 0.0;
       }
