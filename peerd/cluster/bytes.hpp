@@ -1,9 +1,9 @@
 #pragma once
+#include <algorithm>
 #include <bit>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <map>
 #include <optional>
 #include <string>
@@ -120,8 +120,9 @@ class ByteReader {
   template <PlainNumber T>
   void get(T& value) {
     if (!good_ || rest_.size() < sizeof value) return refuse();
-    std::memcpy(&value, rest_.data(), sizeof value);
+    const std::string_view bytes = rest_.substr(0, sizeof value);
     rest_.remove_prefix(sizeof value);
+    std::ranges::copy(bytes, reinterpret_cast<char*>(&value));
   }
   void get(bool& value) {
     std::uint8_t byte = 0;

@@ -132,10 +132,12 @@ class SimCommand {
       if (signals_.signal() != 0) return signals_.exit_code();
       auto record = run_one(run, shared_);
       if (record && record->stopped) return signals_.exit_code();
-      const auto kept = record ? folder->keep_result(run, cluster::to_bytes({*std::move(record), warnings_[run]}))
-                               : folder->keep_failure(run, record.error());
+      if (!record) {
+        const auto kept = folder->keep_failure(run, record.error());
+        return failed(kept ? record.error() : kept.error());
+      }
+      const auto kept = folder->keep_result(run, cluster::to_bytes({*std::move(record), warnings_[run]}));
       if (!kept) return failed(kept.error());
-      if (!record) return failed(record.error());
     }
     return 0;
   }

@@ -206,7 +206,7 @@ void RelayRun::step() {
 
 void RelayRun::report() {
   if (options_.json) {
-    std::cout << relay::report_of(*relay_).dump() << std::endl;
+    std::cout << relay::report_of(*relay_).dump() << '\n' << std::flush;
   } else {
     say(LogLevel::kInfo, relay::line_of(*relay_));
   }
