@@ -200,6 +200,7 @@ std::string to_text(toml::table root) {
 // Such a key has a list as its one value, so that setting it to a list does not sweep.
 bool takes_list(std::string_view key) {
   return key.ends_with(".owns") || key.ends_with(".axis") || key.ends_with(".define") || key.ends_with(".key") ||
+         key == "network.island" || (key.starts_with("network.island.") && key.ends_with(".peers")) ||
          key == "replication.models" || key == "transport.peers" || key == "transport.relays" ||
          key == "transport.nats" || key == "gateway.origins" || key.ends_with(".position") ||
          key.ends_with(".offset") || key.ends_with(".spin_axis") || key.ends_with(".waypoints") ||

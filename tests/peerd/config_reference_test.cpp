@@ -70,6 +70,7 @@ const Section kSections[] = {
     {"### `[log]`", "log."},
     {"### `[gateway]`", "gateway."},
     {"### `[network]`", "network."},
+    {"### `[[network.island]]`", "network.island.0.", {{"network.island=[{peers = [\"c\"]}]"}}},
     {"### `[transport]`",
      "transport.",
      {{}, {"transport.nats=[\"nats://h\"]"}, {"transport.nats=[\"nats://h\"]", "transport.nats_tls_key=peer.key"}}},

@@ -25,6 +25,8 @@ TEST(Measures, AreAllThatASummaryHas) {
   RunRecord run = samples::zigzag_run(0.1);
   run.wrong = WrongOutcomes{};
   run.interest = InterestRecord{};
+  run.shown_delay = ShownDelay{};
+  for (const char* late : {"updates_late", "updates_missing", "decisions_late"}) run.counters[late] = 0;
   const Json row = summarise({}, {&run, 1})["runs"][0];
   std::vector<std::string> names;
   collect(row["objects"][0], "", names);

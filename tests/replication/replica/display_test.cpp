@@ -75,9 +75,9 @@ TEST_F(Shown, ARestartForgetsTheMeasuredDelay) {
 }
 
 // Own objects are shown as their ghosts were, which all others show, too.
-class Bounded : public Shown {
+class ShownWithBound : public Shown {
  protected:
-  Bounded() {
+  ShownWithBound() {
     replica.ghosts().declare(mine, Role::kPredicted);
     replica.ghosts().set_base(mine, sim(0s), moving({0, 20, 3}, {1, 0, 0}));
     conf.convergence = {ConvergenceMethod::kLinear, 200ms};
@@ -86,7 +86,7 @@ class Bounded : public Shown {
   }
 };
 
-TEST_F(Bounded, AllIsShownAsItWasPublishedUntilThen) {
+TEST_F(ShownWithBound, AllIsShownAsItWasPublishedUntilThen) {
   EXPECT_TRUE(shown(mine, 2s).isApprox(Vec3(1.9, 20, 3), 1e-12));
   EXPECT_TRUE(shown(ball, 2s).isApprox(Vec3(-5, 1.9, 0), 1e-12));
   // An update takes effect at its stamp + the bound, at once.
@@ -95,7 +95,7 @@ TEST_F(Bounded, AllIsShownAsItWasPublishedUntilThen) {
   EXPECT_EQ(shown(ball, 2100ms).z(), 4.0);
 }
 
-TEST_F(Bounded, WhatComesAtTheBoundOrLaterIsCounted) {
+TEST_F(ShownWithBound, WhatComesAtTheBoundOrLaterIsCounted) {
   display.on_update(sim(1900ms), sim(1999999us));
   EXPECT_EQ(counters.updates_late, 0u);
   EXPECT_FALSE(display.poll_late(sim(2s)));
@@ -111,7 +111,7 @@ TEST_F(Bounded, WhatComesAtTheBoundOrLaterIsCounted) {
   EXPECT_EQ(counters.latest_by, 900ms);
 }
 
-TEST_F(Bounded, ItIsSaidOnceInAWhile) {
+TEST_F(ShownWithBound, ItIsSaidOnceInAWhile) {
   display.on_update(sim(1s), sim(2s));
   const auto late = display.poll_late(sim(2s));
   ASSERT_TRUE(late);
@@ -129,7 +129,7 @@ TEST_F(Bounded, ItIsSaidOnceInAWhile) {
   EXPECT_EQ(again->latest_by, 1900ms);
 }
 
-TEST_F(Bounded, TheDelayIsSaidWhenItChanges) {
+TEST_F(ShownWithBound, TheDelayIsSaidWhenItChanges) {
   const auto first = display.poll_delay(sim(1s));
   ASSERT_TRUE(first);
   EXPECT_EQ(first->delay, 100ms);
