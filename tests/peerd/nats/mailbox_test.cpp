@@ -14,6 +14,9 @@ Message message(std::size_t bytes) {
 }
 
 struct MailboxTest : testing::Test {
+  // The library frees messages by threads of its own, which it has to be asked for.
+  MailboxTest() { EXPECT_EQ(nats_Open(-1), NATS_OK); }
+
   boost::asio::io_context io;
   net::HostClock clock;
   std::vector<Letter> letters;
