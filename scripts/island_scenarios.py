@@ -6,10 +6,10 @@
 import argparse
 import json
 import pathlib
-import subprocess
 import sys
 
-HERE = pathlib.Path(__file__).parent.parent / "configs/scenarios"
+from netem_runs import mean_ghost_error_m, run_steadily, write_table
+
 # One run of each: by one policy and approach.
 ONE_RUN = {
     "eq47": ["replication.approach=dr+rcp+acpt", "replication.order=2"],
@@ -19,7 +19,6 @@ ONE_RUN = {
 # What network.via is, by the words of --by. A relay and leaf nodes are a star, whose middle is the first peer's island:
 # `star` is multicast over links that are as long and as lossy as the ways through that.
 WAYS = {"multicast": "nothing", "star": "nothing", "relay": "relay", "leaf-nodes": "nats", "cluster": "nats-cluster"}
-TRIES = 3
 
 
 def run_once(name, latency_ms, loss, way, out, peerd):
@@ -28,28 +27,14 @@ def run_once(name, latency_ms, loss, way, out, peerd):
     if way == "star":
         for link in ("b.c", "c.b"):
             sets += [f"network.link.{link}.latency_ms={2 * latency_ms}", f"network.link.{link}.loss={1 - (1 - loss) ** 2}"]
-    folder = out / f"{name}-{latency_ms}-{way}"
-    command = [peerd, "scenario", str(HERE / f"{name}.toml"), "--netem", "--json", "--out", str(folder)]
-    for s in sets:
-        command += ["--set", s]
-    for _ in range(TRIES):
-        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        words = done.stderr.strip().splitlines()
-        if done.returncode == 3 and "no network by netem here" in done.stderr:
-            sys.exit("\n".join(words))
-        if done.returncode > 1:
-            return None, True, words[-6:]
-        run = json.loads(done.stdout)["runs"][0]
-        if run["network"]["steady"]:
-            break
-    return run, run["network"]["steady"], []
+    summary, steady, words = run_steadily(peerd, name, sets, out / f"{name}-{latency_ms}-{way}")
+    return summary and summary["runs"][0], steady, words
 
 
 def measures(run):
-    objects, shared = run["objects"], run["collisions"]["shared"]
-    errors = [o["ghost_error_m"] for o in objects]
-    return {"mean ghost error [m]": round(sum(e["mean"] for e in errors) / max(len(errors), 1), 4),
-            "worst p99 [m]": round(max((e["p99"] for e in errors), default=0), 4),
+    shared = run["collisions"]["shared"]
+    return {"mean ghost error [m]": mean_ghost_error_m(run),
+            "worst p99 [m]": round(max((o["ghost_error_m"]["p99"] for o in run["objects"]), default=0), 4),
             "updates": run["counters"]["updates_out"], "decided": shared["decided"], "disagreed": shared["disagreed"],
             "missed": shared["missed"], "one state": run["state_roots_equal"]}
 
@@ -73,7 +58,7 @@ def main():
     parser.add_argument("--by", action="append", choices=list(WAYS))
     parser.add_argument("scenarios", nargs="*")
     a = parser.parse_intermixed_args()
-    rows, code = [], 0
+    rows, code, counts = [], 0, False
     for name in a.scenarios or ONE_RUN:
         for latency_ms in a.latency or [20, 100, 200]:
             for way in a.by or WAYS:
@@ -84,15 +69,13 @@ def main():
                 if way == "relay" and run:
                     row["bytes of links"] = overhead_of_links(a.out / f"{name}-{latency_ms}-{way}")
                 rows.append(row)
+                counts = counts or (WAYS[way] != "nothing" and run is not None and steady)
+                write_table(rows, a.out / "islands.md")  # also where the next run is the last
                 if WAYS[way] != "nothing" and (run is None or (steady and row["disagreed"] > 0)):
                     code = 1
                 print(" ".join(f"{v}" for v in row.values()), *words, sep="\n" if words else "", file=sys.stderr, flush=True)
-    head = max(rows, key=len)
-    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
-    lines += ["| " + " | ".join(str(r.get(k, "")) for k in head) + " |" for r in rows]
-    (a.out / "islands.md").write_text("\n".join(lines) + "\n")
-    print("\n".join(lines))
-    return code
+    print((a.out / "islands.md").read_text(), end="")
+    return code or (0 if counts or all(WAYS[way] == "nothing" for way in a.by or WAYS) else 3)
 
 
 if __name__ == "__main__":

@@ -12,11 +12,16 @@ packages=(
 # What scripts/package needs besides.
 packaging_packages=(debhelper dh-python dpkg-dev fakeroot lintian patchelf pkgconf pybind11-dev python3 python3-dev python3-numpy scdoc)
 
-install_missing() {
-  local missing=() package
+missing_of() {
+  local package
   for package in "$@"; do
-    [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
+    [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || echo "$package"
   done
+}
+
+install_missing() {
+  local missing
+  mapfile -t missing < <(missing_of "$@")
   [ ${#missing[@]} -eq 0 ] && return
   echo "installing ${missing[*]}" >&2
   local root=()
@@ -31,16 +36,20 @@ install_missing() {
   }
 }
 
-# What the tests `slurm` need. They start daemons of their own: those of the packages, which would run beside them as
-# services, are turned off where they come by this.
-install_slurm() {
-  command -v sbatch >/dev/null && command -v slurmctld >/dev/null && command -v munged >/dev/null && return
-  install_missing slurm-wlm munge
+# install_server PACKAGE SERVICE...: a package whose tests start daemons of their own. Services that come by this, and
+# would run beside those, are turned off; those that were there before are somebody's.
+install_server() {
+  local package=$1 service services=() root=()
+  shift
+  [ -n "$(missing_of "$package")" ] || return 0
+  for service in "$@"; do systemctl cat "$service" >/dev/null 2>&1 || services+=("$service"); done
+  install_missing "$package"
   [ -d /run/systemd/system ] || return 0
-  local root=()
   [ "$(id -u)" -eq 0 ] || root=(sudo)
-  "${root[@]}" systemctl disable --now munge slurmctld slurmd >&2
+  for service in "${services[@]}"; do "${root[@]}" systemctl disable --now "$service" >&2; done
 }
+install_slurm() { install_server munge munge; install_server slurm-wlm slurmctld slurmd; }
+install_nats_server() { install_missing openssl; install_server nats-server nats-server; }
 
 # build PRESET TARGET [CMAKE_ARGUMENT...]: configures where need be; quiet when all is up to date.
 build() {

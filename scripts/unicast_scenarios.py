@@ -3,12 +3,11 @@
 
     unicast_scenarios.py OUT PEERD [SCENARIO...]
 """
-import json
 import pathlib
-import subprocess
 import sys
 
-HERE = pathlib.Path(__file__).parent.parent / "configs/scenarios"
+from netem_runs import SCENARIOS, mean_ghost_error_m, run_steadily, write_table
+
 # One run of each: at one latency, by one policy and approach.
 ONE_RUN = {
     "crowd": ["duration_s=15"],
@@ -21,7 +20,6 @@ ONE_RUN = {
 }
 WITHOUT_SWEEP = {"keys", "netem", "snooker"}
 NOT_HERE = {"comings", "outside"}  # partitions are for a simulated network; one waits for a program
-TRIES = 3
 WAYS = {"multicast": "always", "unicast": "never"}
 # By unicast ghosts may be off by so many times what they are by multicast, and a millimetre. What differs from run to run
 # is when contacts fall.
@@ -29,7 +27,7 @@ ERROR_MOST, ERROR_FREE_M = 1.5, 0.001
 
 
 def names():
-    return sorted(f.stem for f in HERE.glob("*.toml") if f.stem not in NOT_HERE)
+    return sorted(f.stem for f in SCENARIOS.glob("*.toml") if f.stem not in NOT_HERE)
 
 
 def run_once(name, way, out, peerd):
@@ -37,30 +35,18 @@ def run_once(name, way, out, peerd):
     sets = ONE_RUN.get(name, []) + [f"transport.multicast={WAYS[way]}"]
     if name not in WITHOUT_SWEEP:
         sets.append("network.latency_ms=100")
-    command = [peerd, "scenario", str(HERE / f"{name}.toml"), "--netem", "--json", "--out", str(out / f"{name}-{way}")]
-    for s in sets:
-        command += ["--set", s]
-    for _ in range(TRIES):
-        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        words = done.stderr.strip().splitlines()
-        if done.returncode == 3 and "no network by netem here" in done.stderr:
-            sys.exit("\n".join(words))
-        if done.returncode > 1:
-            return None, True, words[-1:]
-        summary = json.loads(done.stdout)
-        run = summary["runs"][0]
-        if run["network"]["steady"]:
-            break
+    summary, steady, words = run_steadily(peerd, name, sets, out / f"{name}-{way}")
+    if summary is None:
+        return None, steady, words[-1:]
     # A number that only a simulation has (collisions.wrong) is none that fails here.
     failed = [e["name"] for e in summary.get("expectations", []) if any(f["found"] is not None for f in e["failures"])]
-    return run, run["network"]["steady"], failed
+    return summary["runs"][0], steady, failed
 
 
 def measures(run):
-    objects, shared = run["objects"], run["collisions"]["shared"]
-    mean = sum(o["ghost_error_m"]["mean"] for o in objects) / max(len(objects), 1)
-    return {"mean ghost error [m]": round(mean, 4), "updates": run["counters"]["updates_out"], "decided": shared["decided"],
-            "disagreed": shared["disagreed"], "missed": shared["missed"],
+    shared = run["collisions"]["shared"]
+    return {"mean ghost error [m]": mean_ghost_error_m(run), "updates": run["counters"]["updates_out"],
+            "decided": shared["decided"], "disagreed": shared["disagreed"], "missed": shared["missed"],
             "sent [kB]": round(run["counters"]["bytes_out"] / 1000, 1)}
 
 
@@ -72,7 +58,7 @@ def is_farther_off(by_unicast, by_multicast):
 
 
 def main(out, peerd, wanted):
-    head, rows, code = None, [], 0
+    rows, code = [], 0
     for name in wanted or names():
         by_multicast = None  # what counts of it
         for way in WAYS:
@@ -84,17 +70,13 @@ def main(out, peerd, wanted):
                 by_multicast = measured
             said = "failed" if run is None else "did not keep time" if not steady else "does not hold" if words else "holds"
             row = {"scenario": name, "by": way, "what is expected": said, **measured}
-            head = head or (list(row) if run else None)
             rows.append(row)
             bad = run is None or (steady and (bool(words) or row["disagreed"] > 0))
             if way == "unicast" and bad:
                 code = 1
             print(f"{name}, {way}: {said} {' '.join(words)}".rstrip(), file=sys.stderr, flush=True)
-    head = head or list(rows[0])
-    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
-    lines += ["| " + " | ".join(str(r.get(k, "")) for k in head) + " |" for r in rows]
-    (out / "unicast.md").write_text("\n".join(lines) + "\n")
-    print("\n".join(lines))
+    write_table(rows, out / "unicast.md")
+    print((out / "unicast.md").read_text(), end="")
     return code
 
 

@@ -6,8 +6,8 @@
 
 namespace peerd::collision::baselines {
 
-// What a NarrowPhase answers, by a search that visits pairs of polygons that touch, in any order and some of them more
-// than once: `search(found)` calls found(pair) until that returns true, and returns whether it did.
+// The answers of a NarrowPhase, by a search that visits pairs of polygons that touch, in any order and some of them
+// more than once: `search(found)` calls found(pair) until that returns true, and returns whether it did.
 
 template <class Search>
 [[nodiscard]] bool first_visited(Search search, PolygonPair& pair) {

@@ -4,6 +4,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <expected>
 #include <map>
 #include <optional>
 #include <string>
@@ -202,5 +203,23 @@ class ByteReader {
   std::string_view rest_;
   bool good_ = true;
 };
+
+// A result whose bytes begin with the number of their format. `of` is the word for its item; `read(reader, result)`
+// reads the rest. The error is one sentence.
+template <class Result, class Read>
+[[nodiscard]] std::expected<Result, std::string> read_result(std::string_view bytes, std::uint32_t format,
+                                                             const std::string& of, Read read) {
+  ByteReader reader(bytes);
+  std::uint32_t found = 0;
+  reader(found);
+  if (reader.good() && found != format) {
+    return std::unexpected("it is of format " + std::to_string(found) + ", and this program reads " +
+                           std::to_string(format));
+  }
+  Result result;
+  read(reader, result);
+  if (!reader.complete()) return std::unexpected("it is no result of a " + of + ", or only a part of one");
+  return result;
+}
 
 }  // namespace peerd::cluster

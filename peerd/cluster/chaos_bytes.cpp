@@ -21,17 +21,8 @@ std::string to_bytes(const chaos::ChaosReport& report) {
 }
 
 std::expected<chaos::ChaosReport, std::string> chaos_report_from(std::string_view bytes) {
-  ByteReader reader(bytes);
-  std::uint32_t format = 0;
-  reader(format);
-  if (reader.good() && format != kChaosFormat) {
-    return std::unexpected("it is of format " + std::to_string(format) + ", and this program reads " +
-                           std::to_string(kChaosFormat));
-  }
-  chaos::ChaosReport report;
-  reader(report);
-  if (!reader.complete()) return std::unexpected("it is no result of a seed, or only a part of one");
-  return report;
+  return read_result<chaos::ChaosReport>(bytes, kChaosFormat, "seed",
+                                         [](ByteReader& reader, chaos::ChaosReport& report) { reader(report); });
 }
 
 }  // namespace peerd::cluster

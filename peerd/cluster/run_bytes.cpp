@@ -141,17 +141,8 @@ std::string to_bytes(const RunResult& result) {
 }
 
 std::expected<RunResult, std::string> run_result_from(std::string_view bytes) {
-  ByteReader reader(bytes);
-  std::uint32_t format = 0;
-  reader(format);
-  if (reader.good() && format != kRunFormat) {
-    return std::unexpected("it is of format " + std::to_string(format) + ", and this program reads " +
-                           std::to_string(kRunFormat));
-  }
-  RunResult result;
-  reader(result.record, result.warnings);
-  if (!reader.complete()) return std::unexpected("it is no result of a run, or only a part of one");
-  return result;
+  return read_result<RunResult>(bytes, kRunFormat, "run",
+                                [](ByteReader& reader, RunResult& result) { reader(result.record, result.warnings); });
 }
 
 }  // namespace peerd::cluster

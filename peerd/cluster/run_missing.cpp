@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <chrono>
+#include <csignal>
 #include <cstring>
 #include <deque>
 #include <iostream>
 #include <memory>
-#include <set>
+#include <numeric>
 #include <thread>
 
 #include <spdlog/fmt/fmt.h>
@@ -68,6 +69,13 @@ class Waiting {
   const StopSignals& signals_;
   ProgressDisplay display_;
 };
+
+// The signal that has ended a process: at once, or by the exit code of one that has noted it (StopSignals).
+std::optional<int> signal_of(const ChildProcess& process) {
+  if (const auto signal = process.signal()) return signal;
+  const int code = process.exit_code();
+  return code == 128 + SIGINT || code == 128 + SIGTERM ? std::optional(code - 128) : std::nullopt;
+}
 
 // Processes of this computer, each of which does some of the items. One that dies takes down the item that it was at:
 // the rest of its items goes to another one.
@@ -137,7 +145,7 @@ class LocalRun {
     ItemList left;
     std::ranges::set_intersection(ended.items, standing->missing, std::back_inserter(left));
     const std::string log = ended.process->output().string();
-    if (const auto signal = ended.process->signal(); signal && !left.empty()) {
+    if (const auto signal = signal_of(*ended.process); signal && !left.empty()) {
       waiting_.say(fmt::format("{}: its process was ended by signal {} ({}); see {}",
                                folder_.work().items[left.front()], *signal, strsignal(*signal), log));
       left.erase(left.begin());  // a process does its items in their order
@@ -267,21 +275,43 @@ Result<void> run_missing(const WorkFolder& folder, const Running& running, const
 Result<void> run_and_take(
     const WorkFolder& folder, const Running& running, const StopSignals& signals,
     const std::function<std::expected<void, std::string>(std::size_t item, std::string_view bytes)>& take) {
-  std::set<std::size_t> again;
-  for (std::size_t item = 0;;) {
+  ItemList wanted(folder.work().items.size());
+  std::iota(wanted.begin(), wanted.end(), std::size_t{0});
+  for (bool is_again = false; !wanted.empty(); is_again = true) {
     if (auto good = run_missing(folder, running, signals); !good) return good;
-    for (; item < folder.work().items.size(); ++item) {
+    ItemList damaged;
+    for (const std::size_t item : wanted) {
       const auto bytes = folder.result(item);
       const auto taken = bytes ? take(item, *bytes) : std::unexpected(bytes.error());
       if (taken) continue;
-      const std::string damaged = folder.work().items[item] + ": its result can't be used: " + taken.error();
-      if (!again.insert(item).second) return std::unexpected(InputError{"error: " + damaged, 3});
-      std::cerr << damaged << "; it is run again\n";
+      const std::string why = folder.work().items[item] + ": its result can't be used: " + taken.error();
+      if (is_again) return std::unexpected(InputError{"error: " + why, 3});
+      std::cerr << why << "; it is run again\n";
       if (auto dropped = folder.drop_result(item); !dropped) return dropped;
-      break;
+      damaged.push_back(item);
     }
-    if (item == folder.work().items.size()) return {};
+    wanted = std::move(damaged);
   }
+  return {};
+}
+
+Result<void> run_items(const WorkFolder& folder, const std::string& items, const StopSignals& signals,
+                       const RunItem& run_item) {
+  const auto wanted = item_list_from(items, folder.work().items.size());
+  if (!wanted) return std::unexpected(InputError{"error: --task " + items + " is no list of items of this work", 2});
+  const auto standing = folder.standing();
+  if (!standing) return std::unexpected(standing.error());
+  for (const std::size_t item : *wanted) {
+    if (!std::ranges::binary_search(standing->missing, item)) continue;
+    auto bytes = signals.signal() == 0 ? run_item(item) : Result<std::optional<std::string>>(std::nullopt);
+    if (!bytes) {
+      const auto kept = folder.keep_failure(item, bytes.error());
+      return std::unexpected(kept ? bytes.error() : kept.error());
+    }
+    if (!*bytes) return std::unexpected(InputError{"stopped by " + signals.signal_name(), signals.exit_code()});
+    if (auto kept = folder.keep_result(item, **bytes); !kept) return kept;
+  }
+  return {};
 }
 
 }  // namespace peerd::cluster

@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <expected>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,5 +33,12 @@ struct Running {
 [[nodiscard]] Result<void> run_and_take(
     const WorkFolder& folder, const Running& running, const StopSignals& signals,
     const std::function<std::expected<void, std::string>(std::size_t item, std::string_view bytes)>& take);
+
+// The result of an item, as bytes; none: a signal has stopped it. An error is the item's own.
+using RunItem = std::function<Result<std::optional<std::string>>(std::size_t item)>;
+// This process is a task: it runs those of `items` (--task) that have no result yet, and leaves their results, or the
+// first error, in the folder. A signal is an error with its exit code.
+[[nodiscard]] Result<void> run_items(const WorkFolder& folder, const std::string& items, const StopSignals& signals,
+                                     const RunItem& run_item);
 
 }  // namespace peerd::cluster

@@ -57,6 +57,7 @@ Result<Work> scenario_work(const ClusterOptions& options, const std::vector<std:
   }
   for (std::size_t run = 0; run < scenario.runs.size(); ++run) {
     settings(scenario.runs[run].params, scenario.runs[run].toml, scenario.runs[run].seed);
+    for (const config::ScenarioEvent& event : scenario.runs[run].events) settings(event.edit.text);
     work->items.push_back(fmt::format("run-{:03}", run + 1));
   }
   work->settings = hash_hex(settings.take());

@@ -7,6 +7,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "peerd/cluster/tool.hpp"
+#include "peerd/command_line/shell_word.hpp"
 #include "peerd/input/text_file.hpp"
 
 namespace peerd::cluster {

@@ -100,10 +100,4 @@ Result<std::vector<std::string>> split_words(const std::string& line) {
   return words;
 }
 
-std::string shell_word(const std::string& word) {
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
 }  // namespace peerd::cluster

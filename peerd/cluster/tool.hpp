@@ -20,7 +20,4 @@ struct ToolEnd {
 // backslash. Nothing is expanded. The error is a quote without its end.
 [[nodiscard]] Result<std::vector<std::string>> split_words(const std::string& line);
 
-// The word as a shell's, quoted where need be.
-[[nodiscard]] std::string shell_word(const std::string& word);
-
 }  // namespace peerd::cluster

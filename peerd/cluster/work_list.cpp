@@ -2,15 +2,16 @@
 
 #include <algorithm>
 #include <cassert>
-#include <charconv>
+#include <limits>
+
+#include "peerd/input/number.hpp"
 
 namespace peerd::cluster {
 namespace {
 
 std::optional<std::size_t> index_from(std::string_view text) {
-  std::size_t index = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), index);
-  return error == std::errc{} && end == text.data() + text.size() ? std::optional(index) : std::nullopt;
+  const auto index = parse_whole_number(text, 0, std::numeric_limits<std::int64_t>::max());
+  return index ? std::optional(static_cast<std::size_t>(*index)) : std::nullopt;
 }
 
 }  // namespace

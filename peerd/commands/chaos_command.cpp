@@ -133,16 +133,11 @@ class ChaosCommand {
     if (!work) return failed(work.error());
     const auto folder = cluster::WorkFolder::join(work_folder_of(options_), *std::move(work));
     if (!folder) return failed(folder.error());
-    const auto items = cluster::item_list_from(options_.cluster.items, folder->work().items.size());
-    if (!items) return failed({"error: --task " + options_.cluster.items + " is no list of these seeds", 2});
-    const auto standing = folder->standing();
-    if (!standing) return failed(standing.error());
-    for (const std::size_t item : *items) {
-      if (!std::ranges::binary_search(standing->missing, item)) continue;
-      const chaos::ChaosReport report = simulate_(chaos::draw_plan(seeds.first + item, limits_));
-      if (const auto kept = folder->keep_result(item, cluster::to_bytes(report)); !kept) return failed(kept.error());
-      if (signals_.signal() != 0) return signals_.exit_code();
-    }
+    const auto done = cluster::run_items(
+        *folder, options_.cluster.items, signals_, [&](std::size_t item) -> Result<std::optional<std::string>> {
+          return cluster::to_bytes(simulate_(chaos::draw_plan(seeds.first + item, limits_)));
+        });
+    if (!done) return failed(done.error());
     return 0;
   }
 

@@ -1,6 +1,7 @@
 #include "peerd/commands/doctor_command.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cstring>
 #include <iostream>
 #include <optional>
@@ -68,9 +69,9 @@ Result<config::TransportSettings> read_settings(const DoctorOptions& options) {
 
 // The results of trying what a peer with these settings would do.
 struct Tried {
-  std::optional<std::expected<net::ProbeResult, net::NetError>> probe;  // none: multicast is switched off
+  std::optional<std::expected<net::ProbeResult, net::NetError>> probe;  // none: nobody would use multicast
   std::string transport;  // transport that a peer would use, in words; empty: it could not run
-  std::string kind;       // "multicast", "unicast" or empty
+  std::string kind;       // "multicast", "unicast", "relay", "nats" or empty
   std::string problem;    // reason why it could not run
   int problem_exit_code = 0;
   int receive_buffer_bytes = 0;
@@ -82,10 +83,37 @@ struct Tried {
   }
 };
 
-Tried try_transport(const net::HostClock& clock, const net::TransportOptions& options) {
+// The key that says through what a peer reaches all others; empty: it multicasts, or sends to each of them.
+std::string through(const config::TransportSettings& settings) {
+  if (!settings.nats.servers.empty()) return "transport.nats";
+  return settings.relays.empty() ? "" : "transport.relays";
+}
+
+// The addresses, as HOST:PORT, that a peer sends to first where it does not multicast.
+std::vector<std::string> first_reached(const config::TransportSettings& settings) {
+  if (settings.nats.servers.empty()) return settings.relays.empty() ? settings.peers : settings.relays;
+  std::vector<std::string> servers;
+  for (const std::string& server : settings.nats.servers) {
+    const auto url = config::parse_server_url(server);
+    assert(url && "read_transport() has refused any other");
+    const bool is_ipv6 = url->host.find(':') != std::string::npos;
+    servers.push_back(fmt::format(fmt::runtime(is_ipv6 ? "[{}]:{}" : "{}:{}"), url->host, url->port));
+  }
+  return servers;
+}
+
+Tried try_transport(const net::HostClock& clock, const net::TransportOptions& options,
+                    const config::TransportSettings& settings) {
   Tried t;
+  if (!settings.nats.servers.empty()) {
+    t.kind = "nats";
+    t.transport = fmt::format("NATS at {}", fmt::join(first_reached(settings), ", "));
+    t.receive_buffer_bytes = static_cast<int>(settings.receive_buffer_bytes);
+    return t;
+  }
   boost::asio::io_context io(1);
-  if (options.use != net::MulticastUse::kNever) t.probe = net::probe_multicast(clock, options.multicast);
+  const bool by_relay = !settings.relays.empty();
+  if (!by_relay && options.use != net::MulticastUse::kNever) t.probe = net::probe_multicast(clock, options.multicast);
   if (t.probe && !*t.probe && options.use == net::MulticastUse::kAlways) {
     t.fail(t.probe->error());
     return t;
@@ -96,7 +124,7 @@ Tried try_transport(const net::HostClock& clock, const net::TransportOptions& op
     return t;
   }
   t.transport = opened->transport->describe();
-  t.kind = opened->unicast() ? "unicast" : "multicast";
+  t.kind = by_relay ? "relay" : opened->unicast() ? "unicast" : "multicast";
   t.receive_buffer_bytes = opened->transport->receive_buffer_bytes();
   return t;
 }
@@ -119,16 +147,19 @@ doctor::Examined examined(const Tried& tried, const net::TransportOptions& optio
   return e;
 }
 
-// The facts of this computer; routes where a peer would use unicast.
+// The facts of this computer; routes where a peer would not use multicast.
 std::expected<doctor::HostFacts, net::NetError> facts_of(const net::HostClock& clock, const Tried& tried,
                                                          const net::TransportOptions& options,
+                                                         const config::TransportSettings& settings,
                                                          const doctor::OtherPorts& ports) {
   std::vector<doctor::NamedPeer> peers;
-  if (tried.kind == "unicast") {
+  if (!tried.kind.empty() && tried.kind != "multicast") {
     const auto family = options.multicast.groups.base.is_v4() ? net::IpFamily::kV4 : net::IpFamily::kV6;
-    const auto addresses = net::resolve_peers(options.peers, family);
+    const std::vector<std::string> named = first_reached(settings);
+    const std::string key = through(settings);
+    const auto addresses = net::resolve_peers(named, family, key.empty() ? "transport.peers" : key);
     if (!addresses) return std::unexpected(addresses.error());
-    for (std::size_t i = 0; i < addresses->size(); ++i) peers.push_back({options.peers[i], (*addresses)[i]});
+    for (std::size_t i = 0; i < addresses->size(); ++i) peers.push_back({named[i], (*addresses)[i]});
   }
   return doctor::read_host_facts(clock, peers, ports);
 }
@@ -147,6 +178,7 @@ struct Report {
     });
   }
   [[nodiscard]] bool unicast_needed() const {
+    if (tried.kind == "relay" || tried.kind == "nats") return false;
     return !tried.multicast_works() || only_here() || (with && !doctor::multicast_works(*with));
   }
 };
@@ -195,8 +227,9 @@ std::string as_text(const Report& report, const config::TransportSettings& setti
                        ? fmt::format("{} for each socket; more sockets are opened for more groups", *p.memberships_max)
                        : "as many for each socket as its memory holds; more sockets are opened for more");
   } else {
-    line("multicast",
-         t.probe ? "doesn't work: " + t.probe->error().sentence : "not tried: transport.multicast says so");
+    line("multicast", t.probe ? "doesn't work: " + t.probe->error().sentence
+                              : fmt::format("not tried: {} says so",
+                                            through(settings).empty() ? "transport.multicast" : through(settings)));
   }
   if (!t.kind.empty()) {
     const std::string less = buffer_warning(settings, t.receive_buffer_bytes);
@@ -240,9 +273,9 @@ int run_doctor(const DoctorOptions& options) {
   const auto reach = transport_options(*settings, random_key());
   if (!reach) return failed(reach.error());
   const net::HostClock clock;
-  Report report{try_transport(clock, *reach), {}, {}};
+  Report report{try_transport(clock, *reach, *settings), {}, {}};
   doctor::Examined seen = examined(report.tried, *reach, *settings);
-  const auto facts = facts_of(clock, report.tried, *reach, {seen.discovery_port, seen.snapshot_port});
+  const auto facts = facts_of(clock, report.tried, *reach, *settings, {seen.discovery_port, seen.snapshot_port});
   if (!facts) return failed(input_error(facts.error()));
   seen.with_another = !options.with.empty();
   report.findings = doctor::host_findings(*facts, seen);

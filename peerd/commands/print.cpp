@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/command_line/error_json.hpp"
+#include "peerd/command_line/shell_word.hpp"
 #include "peerd/commands/scenario_options.hpp"
 #include "peerd/measure/expectations.hpp"
 #include "peerd/report/table.hpp"
@@ -14,14 +15,6 @@
 
 namespace peerd {
 namespace {
-
-std::string shell_word(const std::string& word) {
-  const auto plain = [](unsigned char c) { return std::isalnum(c) != 0 || std::string_view("/._-=+:,@").contains(c); };
-  if (!word.empty() && std::ranges::all_of(word, plain)) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
 
 // Set once, before anything fails: the form of errors is that of the program's whole output.
 bool errors_as_json = false;

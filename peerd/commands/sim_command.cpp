@@ -123,22 +123,14 @@ class SimCommand {
     if (!work) return failed(work.error());
     const auto folder = cluster::WorkFolder::join(out / cluster::kWorkFolder, *std::move(work));
     if (!folder) return failed(folder.error());
-    const auto runs = cluster::item_list_from(options_.cluster.items, scenario_.runs.size());
-    if (!runs) return failed({"error: --task " + options_.cluster.items + " is no list of this scenario's runs", 2});
-    const auto standing = folder->standing();
-    if (!standing) return failed(standing.error());
-    for (const std::size_t run : *runs) {
-      if (!std::ranges::binary_search(standing->missing, run)) continue;
-      if (signals_.signal() != 0) return signals_.exit_code();
-      auto record = run_one(run, shared_);
-      if (record && record->stopped) return signals_.exit_code();
-      if (!record) {
-        const auto kept = folder->keep_failure(run, record.error());
-        return failed(kept ? record.error() : kept.error());
-      }
-      const auto kept = folder->keep_result(run, cluster::to_bytes({*std::move(record), warnings_[run]}));
-      if (!kept) return failed(kept.error());
-    }
+    const auto done = cluster::run_items(*folder, options_.cluster.items, signals_,
+                                         [&](std::size_t run) -> Result<std::optional<std::string>> {
+                                           auto record = run_one(run, shared_);
+                                           if (!record) return std::unexpected(record.error());
+                                           if (record->stopped) return std::nullopt;
+                                           return cluster::to_bytes({*std::move(record), warnings_[run]});
+                                         });
+    if (!done) return failed(done.error());
     return 0;
   }
 

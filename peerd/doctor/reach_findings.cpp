@@ -54,7 +54,7 @@ Finding by_multicast(const HostFacts& facts, const Examined& examined) {
 Finding by_route(const HostFacts& facts, const Route& route) {
   if (route.way == Route::Way::kNone) {
     return {kName, Level::kWarning, fmt::format("there is no route to {}", route.peer),
-            "connect an interface from which it is reached, or mend transport.peers"};
+            "connect an interface from which it is reached, or mend its address in the settings"};
   }
   if (route.way == Route::Way::kThisComputer) {
     return {kName, Level::kWarning, fmt::format("{} is this computer itself", route.peer),

@@ -40,13 +40,13 @@ void RelayChoice::on_greeting(HostTime now, Relay& relay, const Greeting& greeti
     relay.all_regions = false;
   }
   if (greeting.leaving) {
-    relay.heard.reset();
+    relay.last_received.reset();
     return;
   }
   if (!greeting.link) return;  // it does not know this process yet, or never will: it may be full
   if (is_new && !relay.meter.on_note(now, *greeting.link)) return;
   if (!answers(relay, now)) relay.answers_since = now;
-  relay.heard = relay.greeting_at = now;
+  relay.last_received = relay.greeting_at = now;
   relay.path = greeting.link->path;
   relay.detached = greeting.link->detached;
   relay.all_regions = greeting.all_regions;
@@ -59,7 +59,7 @@ void RelayChoice::on_datagram(HostTime now) {
   relay.meter.count_in();
   relay.datagram_at = now;
   // Datagrams have no key of the link: alone they show for a while that the relay is there.
-  if (now - relay.greeting_at <= kKeptByDatagrams) relay.heard = now;
+  if (now - relay.greeting_at <= kKeptByDatagrams) relay.last_received = now;
 }
 
 bool RelayChoice::is_greeting_due(const Relay& relay, HostTime now) const {
@@ -68,7 +68,7 @@ bool RelayChoice::is_greeting_due(const Relay& relay, HostTime now) const {
 }
 
 bool RelayChoice::answers(const Relay& relay, HostTime now) const {
-  return relay.heard && now - *relay.heard <= options_.silence;
+  return relay.last_received && now - *relay.last_received <= options_.silence;
 }
 
 // Relays whose paths lead to each other would pass datagrams round. A new choice may not close such a circle. Where two

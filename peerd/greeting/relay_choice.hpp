@@ -24,8 +24,8 @@ class RelayChoice {
   struct Relay {
     asio::ip::udp::endpoint at;
     std::uint32_t instance = 0;
-    std::uint64_t number = 0;            // the last number that it sent, which greetings to it echo; 0: none
-    std::optional<HostTime> heard = {};  // the last sign of it; none: none so far, or it has left
+    std::uint64_t number = 0;                    // the last number that it sent, which greetings to it echo; 0: none
+    std::optional<HostTime> last_received = {};  // the last sign of it; none: none so far, or it has left
     HostTime answers_since{};
     std::vector<std::uint32_t> path = {};  // from it up to the root
     bool detached = false;                 // it is to have a parent, and has none

@@ -204,6 +204,15 @@ Connection::Failure why_not_connected(natsStatus status, const NatsOptions& opti
   }
 }
 
+std::expected<void, net::NetError> check_payload(natsConnection* connection) {
+  const std::int64_t most = natsConnection_GetMaxPayload(connection);
+  if (most >= static_cast<std::int64_t>(net::kMaxDatagramBytes)) return {};
+  return std::unexpected(net::NetError{
+      Kind::kLimit,
+      fmt::format("the NATS server {} takes messages of {} bytes at most: set its max_payload to {} at least",
+                  shown_url(connection), most, net::kMaxDatagramBytes)});
+}
+
 }  // namespace
 
 Connection::Connection(const NatsOptions& options, std::shared_ptr<Mailbox> mailbox)
@@ -213,7 +222,7 @@ std::expected<std::unique_ptr<Connection>, Connection::Failure> Connection::open
     const NatsOptions& options, std::shared_ptr<Mailbox> mailbox, std::shared_ptr<ConnectionState> state) {
   assert(!options.settings.servers.empty());
   state->begin();
-  auto closure = std::make_unique<ConnectionClosure>(std::move(state));
+  auto closure = std::make_unique<ConnectionClosure>(state);
   const auto made = make_options(options, closure.get());
   if (!made) return std::unexpected(Failure{true, made.error()});
   std::unique_ptr<Connection> connection(new Connection(options, std::move(mailbox)));
@@ -222,8 +231,9 @@ std::expected<std::unique_ptr<Connection>, Connection::Failure> Connection::open
   // No callback is called of a connection that was never made.
   if (status != NATS_OK) return std::unexpected(why_not_connected(status, options));
   connection->connection_.reset(connected);
-  const auto& owned = closure.release()->state;  // on_closed() frees it
-  owned->on_up("goes on by NATS server " + shown_url(connected));
+  (void)closure.release();  // on_closed() frees it, and may have done so
+  if (auto enough = check_payload(connected); !enough) return std::unexpected(Failure{true, enough.error()});
+  state->on_up("goes on by NATS server " + shown_url(connected));
   return connection;
 }
 

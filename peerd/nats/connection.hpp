@@ -24,7 +24,8 @@ namespace peerd::nats {
 class Connection {
  public:
   struct Failure {
-    bool is_final;  // a wrong setting, a refused user: trying again does not help
+    bool
+        is_final;  // a wrong setting, a refused user, a server that takes no whole datagram: trying again does not help
     net::NetError error;
   };
   // Connects to one of the servers. What comes goes to `mailbox`, what happens to `state`.
@@ -41,8 +42,6 @@ class Connection {
   natsStatus publish(RegionId region, std::span<const std::byte> datagram);
   // Messages of the subscriptions that the library has thrown away, because they waited too long in it.
   [[nodiscard]] std::uint64_t thrown_away();
-  // The server's limit of a message [bytes].
-  [[nodiscard]] std::int64_t max_payload_bytes() const { return natsConnection_GetMaxPayload(connection_.get()); }
   // Its URL without user and password.
   [[nodiscard]] std::string server() const;
 

@@ -12,14 +12,14 @@ void ConnectionState::on_up(const std::string& sentence) {
   const std::scoped_lock lock(mutex_);
   up_ = true;
   if (said_down_) say(true, sentence);  // the first connection is said by describe()
-  said_down_ = false;
+  said_down_.reset();
 }
 
 void ConnectionState::on_down(const std::string& sentence) {
   const std::scoped_lock lock(mutex_);
   up_ = false;
-  if (!said_down_) say(false, sentence);
-  said_down_ = true;
+  if (said_down_ != sentence) say(false, sentence);
+  said_down_ = sentence;
 }
 
 void ConnectionState::on_closed(const std::string& sentence) {
@@ -27,7 +27,7 @@ void ConnectionState::on_closed(const std::string& sentence) {
   up_ = false;
   closed_ = true;
   if (!sentence.empty()) say(false, sentence);
-  said_down_ = true;
+  said_down_ = sentence;
 }
 
 void ConnectionState::warn(const std::string& sentence) {

@@ -12,7 +12,7 @@ namespace peerd::nats {
 // The words of the C library's threads about a connection. Any thread may call anything here.
 class ConnectionState {
  public:
-  // The connection is up or down; a sentence for the log.
+  // The connection is up or down; a sentence for the log, which is said once in a row.
   void on_up(const std::string& sentence);
   void on_down(const std::string& sentence);
   // The connection is at its end: the library does not try again by itself.
@@ -32,7 +32,8 @@ class ConnectionState {
   void say(bool is_back, const std::string& sentence);  // with mutex_ held
 
   mutable std::mutex mutex_;
-  bool up_ = false, closed_ = false, said_down_ = false;
+  bool up_ = false, closed_ = false;
+  std::optional<std::string> said_down_;  // the last sentence since it has been down; none: it is up
   std::deque<net::InterfaceChange> changes_;
 };
 

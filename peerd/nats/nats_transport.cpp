@@ -28,13 +28,6 @@ std::expected<std::unique_ptr<NatsTransport>, net::NetError> NatsTransport::open
   if (connection) {
     opened->connection_ = *std::move(connection);
     opened->server_ = opened->connection_->server();
-    if (opened->connection_->max_payload_bytes() < static_cast<std::int64_t>(net::kMaxDatagramBytes)) {
-      return std::unexpected(net::NetError{
-          net::NetError::Kind::kLimit,
-          fmt::format("the NATS server {} takes messages of {} bytes at most: set its "
-                      "max_payload to {} at least",
-                      opened->server_, opened->connection_->max_payload_bytes(), net::kMaxDatagramBytes)});
-    }
   } else if (connection.error().is_final) {
     return std::unexpected(connection.error().error);
   } else {
@@ -165,7 +158,6 @@ void NatsTransport::count_thrown_away() {
   counts_.thrown_away = all;
 }
 
-// The reason of a refusal has been said already, by the first try or by what closed the connection.
 void NatsTransport::connect() {
   auto connection = Connection::open(options_, mailbox_, state_);
   if (!connection) return state_->on_down(connection.error().error.sentence + ": goes on trying");

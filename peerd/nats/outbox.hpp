@@ -48,7 +48,7 @@ class Outbox {
 
   // ---- of the worker ----
   struct Taken {
-    std::size_t parcels = 0;  // the first of `parcels`
+    std::size_t parcels = 0;  // how many of `storage` are in use
     std::vector<Parcel> storage;
     std::vector<RegionChange> changes;
     bool stop = false;

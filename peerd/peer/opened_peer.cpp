@@ -82,7 +82,7 @@ JoinService::Options join_service_options(const PeerOptions& options, const Peer
                                           const net::OpenedTransport& reached, const SessionSeal& session_seal) {
   const config::TransportSettings& settings = parts.run().transport;
   config::RunSettings shared = parts.run();
-  if (reached.unicast() && settings.relays.empty()) shared.transport.multicast = config::kMulticastNever;
+  if (reached.unicast()) shared.transport.multicast = config::kMulticastNever;
   return {.multicast = reach.multicast,
           .address = reached.transport->own_address(),
           .port = settings.snapshot_port,

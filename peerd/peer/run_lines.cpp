@@ -12,8 +12,7 @@ void log_beginning(const config::PeerSettings& peer, const std::filesystem::path
                    const config::TransportSettings& settings, const net::OpenedTransport& reached, Log& log) {
   log(LogLevel::kInfo, fmt::format("peer {} (id {}) in {}, {}", peer.name, peer.id, world.filename().string(),
                                    reached.transport->describe()));
-  if (settings.relays.empty() && !reached.why_unicast.empty())
-    log(LogLevel::kWarning, "no multicast: " + reached.why_unicast);
+  if (!reached.why_unicast.empty()) log(LogLevel::kWarning, "no multicast: " + reached.why_unicast);
   if (!reached.why_only_here.empty()) {
     log(LogLevel::kWarning, "reaches this computer only, over " + reached.why_only_here + "; peerd doctor says more");
   }

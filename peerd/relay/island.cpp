@@ -8,7 +8,7 @@
 namespace peerd::relay {
 namespace {
 
-constexpr Duration kAsksApart = std::chrono::milliseconds(250);
+constexpr Duration kAsksApart = std::chrono::milliseconds(250), kFollowsApart = std::chrono::seconds(1);
 constexpr Duration kRelaySilent = std::chrono::seconds(1), kMemberSilent = std::chrono::milliseconds(3'500);
 // A relay that has just come listens first, so that two never pass on the same datagrams for longer than they need to
 // hear each other.
@@ -43,17 +43,18 @@ void Island::start(OnDatagram on_datagram, OnChange on_change) {
 
 std::optional<std::string> Island::advance(HostTime now, const Place& place) {
   rank_ = {place.detached, place.distance, options_.instance};
-  distance_ = place.distance;
-  std::erase_if(relays_, [&](const auto& each) { return now - each.second.heard > kRelaySilent; });
+  std::erase_if(relays_, [&](const auto& each) { return now - each.second.last_received > kRelaySilent; });
   const auto silent =
-      std::erase_if(members_, [&](const auto& each) { return now - each.second.heard > kMemberSilent; });
+      std::erase_if(members_, [&](const auto& each) { return now - each.second.last_received > kMemberSilent; });
   const bool active = should_be_active(now);
   if (silent > 0 || active != active_) on_change_();
   if (now - asked_ >= kAsksApart) ask(now, /*leaving=*/false);
-  auto change = socket_->follow_interface();
-  if (change) return change->sentence;
+  if (now - followed_ >= kFollowsApart) {
+    followed_ = now;
+    if (auto change = socket_->follow_interface()) return std::move(change->sentence);
+  }
   if (std::exchange(active_, active) != active) {
-    follow(elsewhere_);
+    follow();
     return socket_->chosen_interface().interface.name +
            (active ? ": passes on what peers there send and want" : ": another relay passes on what peers there send");
   }
@@ -70,7 +71,7 @@ void Island::ask(HostTime now, bool leaving) {
   last_note_ns_ = std::max(now.time_since_epoch().count(), last_note_ns_ + 1);
   net::Greeting greeting{.instance = options_.instance, .leaving = leaving};
   greeting.link = net::LinkNote{.sent_at_ns = last_note_ns_, .detached = std::get<0>(rank_)};
-  greeting.link->path.assign(std::min(distance_, net::kRelayPathMax), options_.instance);
+  greeting.link->path.assign(std::min(std::get<1>(rank_), net::kRelayPathMax), options_.instance);
   const auto bytes = net::encode(greeting, options_.multicast.groups.base.is_v4());
   socket_->send(kWholeScene, options_.seal ? options_.seal->seal(bytes) : bytes);
   socket_->flush();
@@ -119,7 +120,7 @@ void Island::on_report(const net::Arrival& arrival, const net::Greeting& greetin
   Member& member = members_[greeting.instance];
   if (!is_new && greeting.link->sent_at_ns <= member.note_ns) return;
   member.note_ns = greeting.link->sent_at_ns;
-  member.heard = arrival.at;
+  member.last_received = arrival.at;
   const std::uint32_t offset = greeting.link->group_offset;
   if (!group_offset_) {
     group_offset_ = offset;
@@ -163,18 +164,18 @@ Wanted Island::wanted() const {
   return wanted;
 }
 
-void Island::receive(const Wanted& elsewhere) {
-  elsewhere_ = elsewhere;
-  follow(elsewhere);
+void Island::receive(const Wanted& wanted_elsewhere) {
+  wanted_elsewhere_ = wanted_elsewhere;
+  follow();
 }
 
 // The groups of regions are known when a peer has said the offset of its world. Nobody can join all groups that there
 // are: where somebody wants all regions, those that the island's own peers want are among them.
-void Island::follow(const Wanted& elsewhere) {
+void Island::follow() {
   std::set<RegionId> regions{kWholeScene};
   if (active_ && group_offset_) {
-    regions.insert(elsewhere.regions.begin(), elsewhere.regions.end());
-    if (elsewhere.all) {
+    regions.insert(wanted_elsewhere_.regions.begin(), wanted_elsewhere_.regions.end());
+    if (wanted_elsewhere_.all) {
       const Wanted here = wanted();
       regions.insert(here.regions.begin(), here.regions.end());
     }

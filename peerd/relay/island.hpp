@@ -12,7 +12,7 @@
 #include "peerd/greeting/greeting_seal.hpp"
 #include "peerd/greeting/source_buckets.hpp"
 #include "peerd/greeting/unicast_frame.hpp"
-#include "peerd/relay/port.hpp"
+#include "peerd/relay/network.hpp"
 #include "peerd/transport/multicast_socket.hpp"
 
 namespace peerd::relay {
@@ -28,7 +28,7 @@ struct IslandOptions {
 // regions (net::IslandMember answers). Of several relays on one island the one that is not cut off from its parent,
 // then the one closest to the root, passes datagrams on, and the next one takes its place when it is silent for a
 // second, as routers do by VRRP (RFC 5798).
-class Island final : public Port {
+class Island final : public Network {
  public:
   // `io` and `clock` outlive it.
   [[nodiscard]] static std::expected<std::unique_ptr<Island>, net::NetError> open(boost::asio::io_context& io,
@@ -40,7 +40,7 @@ class Island final : public Port {
   void start(OnDatagram on_datagram, OnChange on_change) override;
   [[nodiscard]] std::optional<std::string> advance(HostTime now, const Place& place) override;
   [[nodiscard]] Wanted wanted() const override;
-  void receive(const Wanted& elsewhere) override;
+  void receive(const Wanted& wanted_elsewhere) override;
   void send(RegionId region, std::span<const std::byte> datagram) override;
   void flush() override { socket_->flush(); }
   [[nodiscard]] const net::TrafficCounters& counters() const override;
@@ -52,14 +52,14 @@ class Island final : public Port {
  private:
   struct Member {
     std::int64_t note_ns = 0;  // of its last report; an older one was recorded
-    HostTime heard{};
+    HostTime last_received{};
     Wanted wanted;
   };
   // A lower one passes datagrams on.
   using Rank = std::tuple<bool, std::size_t, std::uint32_t>;
   struct OtherRelay {
     std::int64_t note_ns = 0;
-    HostTime heard{};
+    HostTime last_received{};
     Rank rank;
     boost::asio::ip::udp::endpoint at;
   };
@@ -71,7 +71,7 @@ class Island final : public Port {
   void on_relay(const net::Arrival& arrival, const net::Greeting& greeting);
   void ask(HostTime now, bool leaving);
   [[nodiscard]] bool should_be_active(HostTime now) const;
-  void follow(const Wanted& regions);
+  void follow();
 
   const net::HostClock& clock_;
   std::unique_ptr<net::MulticastSocket> socket_;
@@ -86,12 +86,11 @@ class Island final : public Port {
   OnChange on_change_;
   std::map<std::uint32_t, Member> members_;     // by instance
   std::map<std::uint32_t, OtherRelay> relays_;  // by instance
-  Rank rank_;
-  std::size_t distance_ = 1;
+  Rank rank_{false, 1, 0};
   std::optional<std::uint32_t> group_offset_;  // of the world, when a peer has said it
-  Wanted elsewhere_;
+  Wanted wanted_elsewhere_;
   std::set<RegionId> joined_;
-  HostTime listens_since_{}, asked_{};
+  HostTime listens_since_{}, asked_{}, followed_{};
   std::int64_t last_note_ns_ = 0;
   bool active_ = false;
   bool is_other_world_said_ = false;

@@ -39,9 +39,9 @@ Wanted Mesh::wanted() const {
 
 // Nobody can name all regions that there are: where somebody wants all of them, those of the mesh's own peers are among
 // them.
-void Mesh::receive(const Wanted& elsewhere) {
-  std::set<RegionId> regions(elsewhere.regions.begin(), elsewhere.regions.end());
-  if (elsewhere.all) {
+void Mesh::receive(const Wanted& wanted_elsewhere) {
+  std::set<RegionId> regions(wanted_elsewhere.regions.begin(), wanted_elsewhere.regions.end());
+  if (wanted_elsewhere.all) {
     const Wanted here = wanted();
     regions.insert(here.regions.begin(), here.regions.end());
   }

@@ -4,13 +4,13 @@
 #include <memory>
 #include <set>
 
-#include "peerd/relay/port.hpp"
+#include "peerd/relay/network.hpp"
 #include "peerd/transport/unicast_fan_out.hpp"
 
 namespace peerd::relay {
 
 // Peers that send a copy of each datagram to each other, because they have no multicast. The relay is one of them.
-class Mesh final : public Port {
+class Mesh final : public Network {
  public:
   // `io` and `clock` outlive it.
   [[nodiscard]] static std::expected<std::unique_ptr<Mesh>, net::NetError> open(boost::asio::io_context& io,
@@ -20,7 +20,7 @@ class Mesh final : public Port {
   void start(OnDatagram on_datagram, OnChange on_change) override;
   [[nodiscard]] std::optional<std::string> advance(HostTime now, const Place& place) override;
   [[nodiscard]] Wanted wanted() const override;
-  void receive(const Wanted& elsewhere) override;
+  void receive(const Wanted& wanted_elsewhere) override;
   void send(RegionId region, std::span<const std::byte> datagram) override { fan_out_->send(region, datagram); }
   void flush() override { fan_out_->flush(); }
   [[nodiscard]] const net::TrafficCounters& counters() const override { return fan_out_->counters(); }

@@ -21,14 +21,13 @@ struct Neighbour {
   boost::asio::ip::udp::endpoint at;
   std::uint32_t instance = 0;
   std::uint64_t number = 0;  // the last number that it sent, which greetings to it echo
-  HostTime heard{};
+  HostTime last_received{};
   bool is_relay = false;
-  bool is_parent = false;  // this relay has chosen it: greetings to it are RelayChoice's
+  bool is_parent = false;  // this relay has chosen it: greetings to it, and what they measure, are RelayChoice's
   net::LinkMeter meter = {};
   std::optional<ByteBudget> budget = {};
-  Wanted elsewhere = {};  // what is wanted behind all others, as the last greeting to it said
-  int repeats = 0;        // greetings that are to repeat this soon, in case one gets lost
-  HostTime greeted{};
+  Wanted wanted_elsewhere = {};                    // what is wanted behind all others, as the last greeting to it said
+  int repeats = 0;                                 // greetings that are to repeat this soon, in case one gets lost
   std::uint64_t datagrams_in = 0, bytes_in = 0;    // without greetings; bytes with the header
   std::uint64_t datagrams_out = 0, bytes_out = 0;  // likewise
   std::uint64_t over_budget = 0;                   // datagrams that were not sent

@@ -17,7 +17,7 @@ namespace asio = boost::asio;
 using asio::ip::udp;
 using net::RelayChoice;
 
-constexpr LinkId kFirstNeighbour = 1024;  // the links before it are ports
+constexpr LinkId kFirstNeighbour = 1024;  // the links before it are networks
 constexpr Duration kStep = std::chrono::milliseconds(50);
 constexpr Duration kNeighbourSilent = std::chrono::seconds(5);
 constexpr int kRepeats = 2;
@@ -69,15 +69,15 @@ Relay::~Relay() {
 
 std::uint16_t Relay::port() const { return receiver_.socket().local_endpoint().port(); }
 
-void Relay::add(std::unique_ptr<Port> port) {
-  assert(ports_.size() < kFirstNeighbour);
-  ports_.push_back(std::move(port));
+void Relay::add(std::unique_ptr<Network> network) {
+  assert(networks_.size() < kFirstNeighbour);
+  networks_.push_back(std::move(network));
 }
 
 void Relay::start() {
   receiver_.start([this](const net::Received& received, HostTime at) { take(received, at); });
-  for (std::size_t i = 0; i < ports_.size(); ++i) {
-    ports_[i]->start(
+  for (std::size_t i = 0; i < networks_.size(); ++i) {
+    networks_[i]->start(
         [this, link = static_cast<LinkId>(i)](RegionId region, std::span<const std::byte> datagram, HostTime at) {
           forward(link, {region}, datagram, at);
           finish_soon();
@@ -111,8 +111,7 @@ void Relay::take_datagram(const net::Received& received, const net::RelayHeader&
   traffic_.bytes_in += received.bytes.size();
   ++from->datagrams_in;
   from->bytes_in += received.bytes.size();
-  from->meter.count_in();
-  if (from->is_parent) parents_.on_datagram(at);
+  from->is_parent ? parents_.on_datagram(at) : from->meter.count_in();
   if (header.hops == 0) {
     ++counters_.out_of_hops;
     return;
@@ -132,7 +131,7 @@ void Relay::forward(LinkId from, const net::RelayHeader& header, std::span<const
     if (to == from) return;
     is_wanted = true;
     if (to >= kFirstNeighbour) return send(neighbours_.of(to), bytes, header.region == kWholeScene, datagram, at);
-    ports_[to]->send(header.region, datagram);
+    networks_[to]->send(header.region, datagram);
     ++counters_.forwarded;
   });
   if (!is_wanted) ++counters_.unwanted;
@@ -150,8 +149,7 @@ void Relay::send(Neighbour& to, const std::array<std::byte, net::kRelayHeaderByt
   ++counters_.forwarded;
   ++to.datagrams_out;
   to.bytes_out += bytes;
-  to.meter.count_out();
-  if (to.is_parent) parents_.chosen()->meter.count_out();
+  (to.is_parent ? parents_.chosen()->meter : to.meter).count_out();
 }
 
 void Relay::push(const udp::endpoint& to, std::span<const std::byte> header, std::span<const std::byte> datagram) {
@@ -220,11 +218,11 @@ void Relay::on_neighbour(const net::Received& received, const net::Greeting& gre
     if (options_.budget_bytes_per_s > 0.0) neighbour->budget.emplace(options_.budget_bytes_per_s, at);
   }
   if (!neighbour->meter.on_note(at, *greeting.link)) return;
-  neighbour->heard = at;
+  neighbour->last_received = at;
   neighbour->number = greeting.number;
   neighbour->is_relay = !greeting.link->path.empty();
   if (table_.set(neighbour->link, wanted_of(greeting.all_regions, greeting.regions))) mark_changed();
-  neighbour->elsewhere = table_.wanted_by_others(neighbour->link);
+  neighbour->wanted_elsewhere = table_.wanted_by_others(neighbour->link);
   greet(*neighbour, /*leaving=*/false);
 }
 
@@ -242,9 +240,8 @@ void Relay::greet(Neighbour& neighbour, bool leaving) {
   greeting.link = neighbour.meter.note(reading_.clock.now());
   greeting.link->path = path();
   greeting.link->detached = is_detached();
-  greeting.all_regions = neighbour.elsewhere.all;
-  greeting.regions = neighbour.elsewhere.regions;
-  neighbour.greeted = reading_.clock.now();
+  greeting.all_regions = neighbour.wanted_elsewhere.all;
+  greeting.regions = neighbour.wanted_elsewhere.regions;
   send_greeting(neighbour.at, std::move(greeting));
 }
 
@@ -259,8 +256,8 @@ void Relay::greet(RelayChoice::Relay& parent, bool leaving) {
     greeting.link->detached = is_detached();
     if (&parent == parents_.chosen() && !leaving) {
       const Neighbour& link = *neighbours_.find(parent.at);
-      greeting.all_regions = link.elsewhere.all;
-      greeting.regions = link.elsewhere.regions;
+      greeting.all_regions = link.wanted_elsewhere.all;
+      greeting.regions = link.wanted_elsewhere.regions;
     }
   }
   parent.greeted = reading_.clock.now();
@@ -294,7 +291,7 @@ void Relay::choose_parent(HostTime now) {
     link.is_parent = link.is_relay = true;
     if (options_.budget_bytes_per_s > 0.0) link.budget.emplace(options_.budget_bytes_per_s, now);
     (void)table_.set(link.link, wanted_of(parent->all_regions, parent->regions));
-    link.elsewhere = table_.wanted_by_others(link.link);
+    link.wanted_elsewhere = table_.wanted_by_others(link.link);
     link.repeats = kRepeats;
     say_(false, "is below relay " + net::address_text(parent->at));
   }
@@ -325,24 +322,24 @@ void Relay::finish_soon() {
     finishing_ = false;
     if (std::exchange(changed_, false)) settle();
     queue_.flush(receiver_.socket().native_handle(), traffic_);
-    for (const auto& port : ports_) port->flush();
+    for (const auto& network : networks_) network->flush();
   });
 }
 
 // Somebody wants other regions than before: those who send them have to know.
 void Relay::settle() {
-  for (std::size_t i = 0; i < ports_.size(); ++i) {
-    Wanted wanted = ports_[i]->wanted();
+  for (std::size_t i = 0; i < networks_.size(); ++i) {
+    Wanted wanted = networks_[i]->wanted();
     if (wanted.all) wanted.regions.clear();
     (void)table_.set(static_cast<LinkId>(i), std::move(wanted));
   }
-  for (std::size_t i = 0; i < ports_.size(); ++i) {
-    ports_[i]->receive(table_.wanted_by_others(static_cast<LinkId>(i)));
+  for (std::size_t i = 0; i < networks_.size(); ++i) {
+    networks_[i]->receive(table_.wanted_by_others(static_cast<LinkId>(i)));
   }
   neighbours_.visit([&](Neighbour& each) {
-    Wanted elsewhere = table_.wanted_by_others(each.link);
-    if (elsewhere == each.elsewhere) return;
-    each.elsewhere = std::move(elsewhere);
+    Wanted wanted_elsewhere = table_.wanted_by_others(each.link);
+    if (wanted_elsewhere == each.wanted_elsewhere) return;
+    each.wanted_elsewhere = std::move(wanted_elsewhere);
     each.repeats = kRepeats;
     each.is_parent ? greet(*parents_.chosen(), false) : greet(each, false);
   });
@@ -352,9 +349,9 @@ void Relay::advance() {
   const HostTime now = reading_.clock.now();
   numbers_.advance(now);
   choose_parent(now);
-  const Port::Place place{.distance = path().size(), .detached = is_detached()};
-  for (const auto& port : ports_) {
-    if (const auto said = port->advance(now, place)) say_(false, *said);
+  const Network::Place place{.distance = path().size(), .detached = is_detached()};
+  for (const auto& network : networks_) {
+    if (const auto said = network->advance(now, place)) say_(false, *said);
   }
   for (RelayChoice::Relay& parent : parents_.relays()) {
     if (parents_.is_greeting_due(parent, now)) greet(parent, /*leaving=*/false);
@@ -364,7 +361,7 @@ void Relay::advance() {
       --each.repeats;
       each.is_parent ? greet(*parents_.chosen(), false) : greet(each, false);
     }
-    if (!each.is_parent && now - each.heard > kNeighbourSilent) remove(each);
+    if (!each.is_parent && now - each.last_received > kNeighbourSilent) remove(each);
   });
   finish_soon();
   timer_.expires_after(std::chrono::duration_cast<std::chrono::nanoseconds>(kStep));

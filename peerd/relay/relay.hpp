@@ -20,7 +20,7 @@
 #include "peerd/os/udp_receiver.hpp"
 #include "peerd/relay/forwarding_table.hpp"
 #include "peerd/relay/neighbours.hpp"
-#include "peerd/relay/port.hpp"
+#include "peerd/relay/network.hpp"
 
 namespace peerd::relay {
 
@@ -60,7 +60,7 @@ class Relay {
   ~Relay();
 
   // A network of many peers; before start().
-  void add(std::unique_ptr<Port> port);
+  void add(std::unique_ptr<Network> network);
   // Begins; to be called once.
   void start();
 
@@ -71,7 +71,7 @@ class Relay {
   [[nodiscard]] const Counters& counters() const { return counters_; }
   [[nodiscard]] const net::TrafficCounters& traffic() const { return traffic_; }
   [[nodiscard]] const Neighbours& neighbours() const { return neighbours_; }
-  [[nodiscard]] const std::vector<std::unique_ptr<Port>>& ports() const { return ports_; }
+  [[nodiscard]] const std::vector<std::unique_ptr<Network>>& networks() const { return networks_; }
   [[nodiscard]] const net::RelayChoice& parents() const { return parents_; }
   [[nodiscard]] const ForwardingTable& table() const { return table_; }
 
@@ -109,7 +109,7 @@ class Relay {
   net::AddressNumbers numbers_;
   net::RelayChoice parents_;
   net::SourceBuckets strangers_;
-  std::vector<std::unique_ptr<Port>> ports_;
+  std::vector<std::unique_ptr<Network>> networks_;
   Neighbours neighbours_;
   ForwardingTable table_;
   boost::asio::steady_timer timer_;

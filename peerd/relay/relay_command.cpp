@@ -160,7 +160,7 @@ int RelayRun::run() {
   say(LogLevel::kInfo, fmt::format("port {}, instance {:08x}{}", relay_->port(), relay_->instance(),
                                    seal_ ? ", greetings are sealed" : ""));
   if (!seal_) say(LogLevel::kWarning, "open: whoever reaches that port can listen, and speak as any peer");
-  for (const auto& port : relay_->ports()) say(LogLevel::kInfo, "joins " + port->describe());
+  for (const auto& network : relay_->networks()) say(LogLevel::kInfo, "joins " + network->describe());
   relay_->start();
   signals_.async_wait([this](const boost::system::error_code& ec, int signal) {
     if (ec) return;

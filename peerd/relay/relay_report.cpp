@@ -39,12 +39,12 @@ json report_of(const Relay& relay) {
   relay.neighbours().visit([&](const Neighbour& each) {
     links.push_back(link_of(each, each.is_parent ? relay.parents().chosen()->meter : each.meter));
   });
-  for (const auto& port : relay.ports()) {
-    const net::TrafficCounters& traffic = port->counters();
-    networks.push_back({{"network", port->describe()},
-                        {"active", port->is_active()},
-                        {"peers", port->peers()},
-                        {"left_to_another_relay", port->left_to_others()},
+  for (const auto& network : relay.networks()) {
+    const net::TrafficCounters& traffic = network->counters();
+    networks.push_back({{"network", network->describe()},
+                        {"active", network->is_active()},
+                        {"peers", network->peers()},
+                        {"left_to_another_relay", network->left_to_others()},
                         {"datagrams_in", traffic.packets_in},
                         {"bytes_in", traffic.bytes_in},
                         {"datagrams_out", traffic.packets_out},
@@ -66,9 +66,9 @@ std::string line_of(const Relay& relay) {
   std::size_t peers = 0, relays = 0;
   std::uint64_t datagrams = relay.traffic().packets_in;
   relay.neighbours().visit([&](const Neighbour& each) { ++(each.is_relay ? relays : peers); });
-  for (const auto& port : relay.ports()) {
-    peers += port->peers();
-    datagrams += port->counters().packets_in;
+  for (const auto& network : relay.networks()) {
+    peers += network->peers();
+    datagrams += network->counters().packets_in;
   }
   const net::RelayChoice::Relay* const parent = relay.parents().chosen();
   std::string line = fmt::format("{} peers, {} other relays, {} regions; {} copies of {} datagrams passed on", peers,

@@ -1,10 +1,9 @@
 #include "peerd/scenario/companions.hpp"
 
-#include <fstream>
-
 #include <spdlog/fmt/fmt.h>
 
 #include "peerd/input/json_line.hpp"
+#include "peerd/input/text_file.hpp"
 #include "peerd/netem/lab.hpp"
 
 namespace peerd {
@@ -43,11 +42,12 @@ std::string joining_of(const config::RunSettings& run, const Islands& islands, s
 Result<Companion> nats_server(const config::RunSettings& run, const Islands& islands, std::size_t peer) {
   const std::string name = run.peers[peer].name + ".nats";
   const auto file = std::filesystem::absolute(islands.stem.string() + "." + name + ".conf");
-  std::ofstream out(file);
-  out << fmt::format("server_name: {}\nlisten: \"127.0.0.1:{}\"\nping_interval: \"1s\"\nping_max: 2\n",
-                     json_line(run.peers[peer].name), server_port(islands, peer))
-      << joining_of(run, islands, peer);
-  if (!out.flush()) return std::unexpected(InputError{"error: can't write " + file.string(), 3});
+  const std::string text =
+      fmt::format("server_name: {}\nlisten: \"127.0.0.1:{}\"\nping_interval: \"1s\"\nping_max: 2\n",
+                  json_line(run.peers[peer].name), server_port(islands, peer));
+  if (auto written = write_text_file(file, text + joining_of(run, islands, peer)); !written) {
+    return std::unexpected(written.error());
+  }
   return Companion{peer, name, {"nats-server", "--config", file.string()}, "Server is ready"};
 }
 

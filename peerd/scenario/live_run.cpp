@@ -216,7 +216,7 @@ class LiveProcesses {
     return any;
   }
 
-  // What stands beside the peers has to live as long as they do.
+  // The programs beside the peers have to live as long as they do.
   [[nodiscard]] Result<void> check_others() {
     for (auto& companion : companions_) {
       if (!companion->running()) return failed(*companion, "ended by itself");

@@ -70,7 +70,7 @@ class RunAssembler final : public LogRows {
   [[nodiscard]] bool alive(PeerId peer, HostTime t) const;
   void add_tick(Object& object, const Tick& tick);
   void measure(ObjectId id, const Object& object, const WaitingGhost& ghost);
-  // What the owner sees at the observer's session time, where it has a sample of just then.
+  // The pose that the owner sees at the observer's session time, where it has a sample of just then.
   [[nodiscard]] static const Pose* seen_at(const Object& object, Duration since_start);
   [[nodiscard]] report::PeerInfo peer_info(const config::PeerSettings& peer, const std::vector<PeerLog>& logs,
                                            SimTime start) const;

@@ -54,7 +54,7 @@ std::expected<void, NetError> IslandMember::leave(RegionId region) {
 
 // Several joins and leaves of one step cause one report.
 void IslandMember::flush() {
-  if (report_due_) {
+  if (report_due_ && relay_asked_) {  // without a relay no clock is read
     const HostTime now = clock_.now();
     if (has_relay(now)) report(now, /*leaving=*/false);
   }

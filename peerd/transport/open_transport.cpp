@@ -66,7 +66,7 @@ std::expected<OpenedTransport, NetError> open_relay(asio::io_context& io, const 
                                       .dscp = m.dscp,
                                       .receive_buffer_bytes = m.receive_buffer_bytes});
   if (!opened) return std::unexpected(opened.error());
-  return OpenedTransport{*std::move(opened), "transport.relays names how the others are reached"};
+  return OpenedTransport{*std::move(opened), {}};
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ struct TransportOptions {
 
 struct OpenedTransport {
   std::unique_ptr<Transport> transport;
-  std::string why_unicast;  // empty: it is multicast
+  std::string why_unicast;  // empty: it is multicast, or goes through a relay
   std::string
       why_only_here{};  // no interface was configured, and none was found that reaches other computers; or empty
   [[nodiscard]] bool unicast() const { return !why_unicast.empty(); }

@@ -87,8 +87,8 @@ struct PeerCounters {
   std::uint64_t sights_lost = 0;                       // objects that this peer ceased to receive
   std::uint64_t predictions_skipped = 0;  // pairs without prediction, because one object is not received; at each tick
   std::uint64_t predictions_unseen = 0;   // part pairs of ghosts that were put off, as nobody sees them; at each tick
-  // By BoundedLatency: updates and decisions that came at their stamp + the bound or later, when something else had
-  // been shown already, and the most by which one did; and updates in whose place a newer one came.
+  // Counts of BoundedLatency: updates and decisions that came at their stamp + the bound or later, when something else
+  // had been shown already, and the most by which one did; and updates in whose place a newer one came.
   std::uint64_t updates_late = 0, updates_missing = 0, decisions_late = 0;
   Duration latest_by{0};
   // The traffic of a region: datagrams received and used, datagrams dropped by reason, datagrams sent.

@@ -24,7 +24,7 @@ void Display::restart() {
 
 // ---- bounded latency ----
 
-// What is shown at a session time t is of t - bound: of what has come before its stamp + the bound, nothing has been
+// The picture at a session time t is of t - bound: of what has come before its stamp + the bound, nothing has been
 // shown yet.
 bool Display::note_late(SimTime stamp, SimTime came) {
   if (!is_bounded()) return false;

@@ -1,7 +1,9 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
+#include <iostream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -56,6 +58,20 @@ class ControlledPeers : public testing::Test {
     const nlohmann::json reply = ask(name, {{"do", "add"}, {"text", text}});
     EXPECT_TRUE(reply.is_object() && reply.value("done", false)) << name << " answers " << reply.dump();
     return wait_until([&] { return world_of(name).find(def) != std::string::npos; });
+  }
+
+  // Waits until all have one world with all of these nodes, and says how long that took.
+  void expect_one_world(const std::vector<std::string>& peers, const std::vector<std::string>& nodes,
+                        const std::string& after) const {
+    const auto began = std::chrono::steady_clock::now();
+    const bool one = wait_until([&] {
+      const std::string first = world_of(peers.front());
+      return std::ranges::all_of(nodes, [&](const auto& node) { return first.find(node) != std::string::npos; }) &&
+             std::ranges::all_of(peers, [&](const auto& each) { return world_of(each) == first; });
+    });
+    const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    std::cout << "one world " << took_s << " s after " << after << '\n';
+    EXPECT_TRUE(one) << after << '\n' << world_of(peers.front()) << '\n' << world_of(peers.back());
   }
 
   ScratchFolder folder;

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <iostream>
 #include <string>
 #include <vector>
 
@@ -37,18 +36,6 @@ class NatsProcess : public testing_support::ControlledPeers {
   }
   Process run(const std::string& name, const std::string& server) const {
     return peer(name, {"run", "--world", (folder / "w.wrl").string(), "--world-name", world}, server);
-  }
-  // Waits until all have one world with all of these nodes, and says how long that took.
-  void expect_one_world(const Words& peers, const Words& nodes, const std::string& after) const {
-    const auto began = std::chrono::steady_clock::now();
-    const bool one = wait_until([&] {
-      const std::string first = world_of(peers.front());
-      return std::ranges::all_of(nodes, [&](const auto& node) { return first.find(node) != std::string::npos; }) &&
-             std::ranges::all_of(peers, [&](const auto& each) { return world_of(each) == first; });
-    });
-    const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-    std::cout << "one world " << took_s << " s after " << after << '\n';
-    EXPECT_TRUE(one) << after << '\n' << world_of(peers.front()) << '\n' << world_of(peers.back());
   }
 
   const std::string world = "nats-" + std::to_string(getpid());

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -55,21 +54,6 @@ class RelayProcess : public testing_support::ControlledPeers {
     return std::ranges::all_of(peers, [&](const auto& each) { return is_in_session(each); }) && wait_until([&] {
              return std::ranges::all_of(peers, [&](const auto& each) { return members_of(each) == peers.size() - 1; });
            });
-  }
-  // Waits until all have one world with all of these nodes, and says how long that took.
-  void expect_one_world(const Words& peers, const Words& nodes, const std::string& after) const {
-    const auto began = std::chrono::steady_clock::now();
-    const bool one = wait_until([&] {
-      const std::string first = world_of(peers.front());
-      return std::ranges::all_of(nodes, [&](const auto& node) { return first.find(node) != std::string::npos; }) &&
-             std::ranges::all_of(peers, [&](const auto& each) { return world_of(each) == first; });
-    });
-    const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-    std::cout << "one world " << took_s << " s after " << after << '\n';
-    EXPECT_TRUE(one) << after;
-    for (const auto& each : peers) {
-      if (!one) std::cout << each << ":\n" << world_of(each) << '\n';
-    }
   }
 
   const std::string world = "relay-" + std::to_string(getpid());

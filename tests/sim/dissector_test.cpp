@@ -203,7 +203,7 @@ TEST_F(Dissector, SaysOfAllDatagramsWhatTheDecoderSays) {
   EXPECT_EQ(seen[kUnknown], 0u) << "fields that the dissector does not know";
 }
 
-// What goes between relays and their neighbours.
+// Greetings and datagrams between relays and their neighbours.
 TEST_F(Dissector, ReadsNotesOfLinksAndRelayedDatagrams) {
   net::Greeting greeting{
       .instance = 0x10, .number = 2, .echo = 3, .leaving = true, .regions = {RegionId{0}, RegionId{9}}};

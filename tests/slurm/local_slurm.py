@@ -60,11 +60,13 @@ class LocalSlurm:
         return self
 
     def __exit__(self, *_):
-        for job in set(self.jobs()):
-            self.run("scancel", "--signal=KILL", job)
-            self.run("scancel", job)
-        self.wait_for(lambda: not self.jobs(), "the end of all jobs")
-        self.end()
+        try:
+            for job in set(self.jobs()):
+                self.run("scancel", "--signal=KILL", job)
+                self.run("scancel", job)
+            self.wait_for(lambda: not self.jobs(), "the end of all jobs")
+        finally:
+            self.end()
 
     def write_configuration(self):
         controller, node = free_ports(2)

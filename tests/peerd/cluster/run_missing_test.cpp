@@ -79,6 +79,15 @@ TEST_F(RunMissing, NamesTheRunWhoseProcessDiesAndDoesTheOthers) {
   EXPECT_EQ(text_of(folder / "started"), "1 1\n") << "the others are not run again";
 }
 
+// peerd notes SIGTERM and ends by itself, with the exit code that a shell has for it.
+TEST_F(RunMissing, AProcessThatASignalMadeLeaveTakesNoOtherWithIt) {
+  running.options.tasks = 3;
+  run_script("for i in $(seq $1 $2); do [ $i != 1 ] || exit 143; put $i; done");
+  EXPECT_THAT(results(), IsEmpty());
+  EXPECT_THAT(err, HasSubstr("run-1: its process was ended by signal 15 (Terminated)"));
+  EXPECT_THAT(left, ElementsAre(1));
+}
+
 TEST_F(RunMissing, AnErrorOfATaskEndsAllAndIsShown) {
   running.processes = 1;
   run_script("echo no such world >&2; exit 3");

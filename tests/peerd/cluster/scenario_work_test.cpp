@@ -63,6 +63,11 @@ TEST_F(ScenarioWork, IsAnotherWithAnythingThatRunsAreMadeOf) {
   expect_another("scenario");
   folder.write("track.csv", "t,x,y,z\n0,0,0,0\n1,2,0,0\n");
   expect_another("recorded motion");
+  folder.write("wall.wrl", "DEF WALL Transform {}\n");
+  sets = {"event.e={at_s = 0.1, kind = \"add\", peer = \"a\", file = \"wall.wrl\"}"};
+  expect_another("event");
+  folder.write("wall.wrl", "DEF WALL Transform { translation 1 0 0 }\n");
+  expect_another("nodes that an event adds");
 }
 
 TEST_F(ScenarioWork, HasTheHashOfTheProgramsFile) {

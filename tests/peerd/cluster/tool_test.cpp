@@ -32,10 +32,4 @@ TEST(Words, AreSplitAsByAShell) {
   EXPECT_EQ(split_words("--comment='x").error().exit_code, 2);
 }
 
-TEST(Words, QuotedAreOneWordOfAShell) {
-  for (const std::string word : {"", "a b", "it's", "$HOME `x` \"\\", "*\n?"}) {
-    EXPECT_EQ(run_tool({"sh", "-c", "printf %s. " + shell_word(word)})->out, word + ".");
-  }
-}
-
 }  // namespace peerd::cluster::tool_test

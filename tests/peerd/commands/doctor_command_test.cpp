@@ -188,4 +188,26 @@ TEST_F(Doctor, WrongSettingsAreWrongUse) {
   EXPECT_EQ(ask({"--set", "transport.multicast=never", "--set", "transport.peers=[\"nowhere\"]"}).exit_code, 2);
 }
 
+// Whoever goes through a relay or a NATS server needs a route there, and no multicast.
+TEST_F(Doctor, LooksForTheWayToRelaysAndServers) {
+  with_wire([&](const Wire& wire) {
+    wire.left.enter();
+    for (const auto& [key, address, kind] : {std::tuple{"transport.relays", "192.0.2.2:47480", "relay"},
+                                             {"transport.nats", "nats://192.0.2.2:4222", "nats"}}) {
+      const auto j = ask_json({"--set", std::string(key) + "=[\"" + address + "\"]"}, 0);
+      EXPECT_EQ(j["transport"], kind);
+      EXPECT_EQ(j["multicast"]["tried"], false);
+      EXPECT_EQ(j["unicast_needed"], false);
+      const Said said = ask({"--set", std::string(key) + "=[\"" + address + "\"]"});
+      EXPECT_THAT(said.out,
+                  AllOf(HasSubstr("not tried: " + std::string(key) + " says so"),
+                        HasSubstr("there is a route to 192.0.2.2:"), testing::Not(HasSubstr("transport.peers"))));
+      EXPECT_EQ(ask({"--set", std::string(key) + "=[\"" +
+                                  (kind == std::string("nats") ? "nats://203.0.113.9:1" : "203.0.113.9:1") + "\"]"})
+                    .exit_code,
+                1);
+    }
+  });
+}
+
 }  // namespace peerd::doctor_command_test

@@ -37,7 +37,6 @@ TEST_F(ConnectionTest, IsUpAndShowsItsServerWithoutThePassword) {
   ASSERT_TRUE(connection) << connection.error().error.sentence;
   EXPECT_TRUE(state->is_up());
   EXPECT_EQ((*connection)->server(), server.url());
-  EXPECT_EQ((*connection)->max_payload_bytes(), 1 << 20);
   EXPECT_EQ((*connection)->subscribe(RegionId{3}), NATS_OK);
   EXPECT_EQ((*connection)->subscribe(RegionId{3}), NATS_OK) << "without effect";
   EXPECT_EQ((*connection)->publish(RegionId{3}, bytes_of("text")), NATS_OK);

@@ -44,10 +44,15 @@ class NatsServer {
   // `more` stands in its configuration after the port.
   NatsServer(const ScratchFolder& folder, std::string name, const std::string& more = "")
       : folder_(folder), name_(std::move(name)), port_(free_port()) {
+    configure(more);
+    start();
+  }
+
+  // Counts from the next start() on.
+  void configure(const std::string& more) {
     std::ofstream(folder_ / (name_ + ".conf"))
         << "server_name: " << name_ << "\nlisten: \"127.0.0.1:" << port_ << "\"\nping_interval: \"1s\"\nping_max: 2\n"
         << more;
-    start();
   }
 
   void start() {

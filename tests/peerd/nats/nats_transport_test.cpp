@@ -295,6 +295,30 @@ TEST_F(NatsTransportTest, StartsWithoutAServerAndFindsItLater) {
   EXPECT_FALSE(b.has_heard("too early"));
 }
 
+// What is wrong is said when it is another thing than before: silence, then a refusal, then too small messages.
+TEST_F(NatsTransportTest, SaysWhyEachServerThatComesLaterIsNoUse) {
+  NatsServer refuses(folder, "refuses", "authorization { user: peer, password: secret }\n");
+  refuses.kill();
+  Listener a(io, by({refuses.url()}));
+  const auto says = [&](const std::string& words) {
+    return run_until([&] {
+      const auto said = a.transport->follow_interface();
+      return said && said->sentence.find(words) != std::string::npos;
+    });
+  };
+  ASSERT_TRUE(says("no NATS server answers at " + refuses.url()));
+  refuses.start();
+  ASSERT_TRUE(says("the NATS server refuses this user (" + refuses.url()));
+  refuses.kill();
+  refuses.configure("max_payload: 1000\n");
+  refuses.start();
+  ASSERT_TRUE(says("takes messages of 1000 bytes at most"));
+  refuses.kill();
+  refuses.configure("");
+  refuses.start();
+  ASSERT_TRUE(says("goes on by NATS server " + refuses.url()));
+}
+
 // A server that hangs is left after two pings that it does not answer.
 TEST_F(NatsTransportTest, LeavesAServerThatHangsForAnother) {
   NatsServer server(folder, "one"), other(folder, "two");

@@ -20,12 +20,12 @@ TEST_F(IslandTest, WhatNobodyElseWantsStaysOnItsIsland) {
   Peer a(on_island(0), {0, 5}), a2(on_island(0), {0, 5}), b(on_island(1), {0, 6});
   ASSERT_TRUE(run_until(io, [&] { return left.relay->table().wanted_by_others(0).regions.size() == 2; }));
   finish();
-  const auto before = left.relay->ports()[0]->counters().packets_in;
+  const auto before = left.relay->networks()[0]->counters().packets_in;
   for (int i = 0; i < 50; ++i) a.send(5, "local");
   a.send(0, "done");
   ASSERT_TRUE(run_until(io, [&] { return !b.heard.empty() && a2.heard.size() == 51; }));
   EXPECT_THAT(b.heard, ElementsAre("0 done"));
-  EXPECT_LT(left.relay->ports()[0]->counters().packets_in - before, 50u);
+  EXPECT_LT(left.relay->networks()[0]->counters().packets_in - before, 50u);
 }
 
 // Both hear all of the island; exactly one passes it on, and the other one when the first is gone.
@@ -82,8 +82,8 @@ TEST_F(IslandTest, ARelayThatIsOnANetworkTwiceDoesNotHearItself) {
   relay.relay->start();
   Peer single(by_relay({0})), member(on_island(0));
   ASSERT_TRUE(run_until(io, [&] {
-    return single.can_send(0) && relay.relay->ports()[0]->is_active() && relay.relay->ports()[1]->is_active() &&
-           relay.relay->ports()[0]->peers() == 1 && relay.relay->ports()[1]->peers() == 1;
+    return single.can_send(0) && relay.relay->networks()[0]->is_active() && relay.relay->networks()[1]->is_active() &&
+           relay.relay->networks()[0]->peers() == 1 && relay.relay->networks()[1]->peers() == 1;
   }));
   ASSERT_TRUE(run_until(io, [&] {
     return std::ranges::any_of(

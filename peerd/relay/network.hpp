@@ -14,17 +14,17 @@
 namespace peerd::relay {
 
 // A network of many peers that a relay joins as one link: all of them hear each other without it.
-class Port {
+class Network {
  public:
-  // A datagram of a peer there. To be passed on at once; the port must not be destroyed meanwhile.
+  // A datagram of a peer there. To be passed on at once; the network must not be destroyed meanwhile.
   using OnDatagram = std::function<void(RegionId, std::span<const std::byte>, HostTime at)>;
   // Somebody may want other regions than before.
   using OnChange = std::function<void()>;
 
-  Port() = default;
-  Port(const Port&) = delete;
-  Port& operator=(const Port&) = delete;
-  virtual ~Port() = default;
+  Network() = default;
+  Network(const Network&) = delete;
+  Network& operator=(const Network&) = delete;
+  virtual ~Network() = default;
 
   // To be called once.
   virtual void start(OnDatagram on_datagram, OnChange on_change) = 0;
@@ -40,7 +40,7 @@ class Port {
   // The regions that peers there want; nothing while another relay joins that network to the others.
   [[nodiscard]] virtual Wanted wanted() const = 0;
   // These regions are wanted elsewhere, and so are to be received there.
-  virtual void receive(const Wanted& elsewhere) = 0;
+  virtual void receive(const Wanted& wanted_elsewhere) = 0;
   virtual void send(RegionId region, std::span<const std::byte> datagram) = 0;
   virtual void flush() = 0;
 
