@@ -4,6 +4,8 @@
 #include <bit>
 #include <cassert>
 
+#include "core/fnv1a.hpp"
+
 namespace peerd::replication {
 namespace {
 
@@ -22,14 +24,14 @@ std::vector<RegionId> touched(const RegionGrid& grid, std::span<const Area> area
 
 }  // namespace
 
-// The hash is FNV-1a 64, as for world files.
+// The hash goes on with that of the world's files, which is FNV-1a 64 as well.
 std::uint64_t RegionSettings::session_hash(std::uint64_t world_hash) const {
   if (cell_m == 0.0) return world_hash;
   std::uint64_t hash = world_hash;
   for (const std::uint64_t part :
        {std::bit_cast<std::uint64_t>(cell_m), std::bit_cast<std::uint64_t>(hysteresis.margin_m),
         std::uint64_t{regions[0]}, std::uint64_t{regions[1]}, std::uint64_t{regions[2]}}) {
-    for (int byte = 0; byte < 8; ++byte) hash = (hash ^ (part >> (8 * byte) & 0xFF)) * 0x100000001B3;
+    hash = fnv1a(hash, part);
   }
   return hash;
 }
