@@ -14,12 +14,6 @@
 
 namespace peerd::config {
 
-// Peers that are near each other in the network, as [[network.island]] says: how datagrams travel between two of them.
-struct IslandSettings {
-  std::vector<std::string> peers;  // names
-  LinkSettings within;
-};
-
 // The settings of one run: every swept key has one value, and the seed is that of one repetition.
 struct RunSettings {
   nlohmann::ordered_json params;  // swept and set keys, by dotted name
@@ -35,7 +29,9 @@ struct RunSettings {
   std::vector<ScenarioEvent> events;             // by time, then by name
   LinkSettings network;
   Via via = Via::kNothing;  // real runs only
-  std::vector<IslandSettings> islands;
+  // Peers that are near each other in the network, as [[network.island]] says: how datagrams travel between two of
+  // them.
+  std::vector<LinkSettings> islands;
   std::map<std::string, std::size_t> island_of;  // by the name of a peer: its index in `islands`
   std::map<std::pair<std::string, std::string>, LinkSettings> links;
   TransportSettings transport;

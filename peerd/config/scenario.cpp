@@ -31,25 +31,22 @@ void read_islands(TomlReader& reader, RunSettings& run) {
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const std::string key = reader.dotted("island." + std::to_string(i));
     TomlReader sub(*tables[i], key, reader.error());
-    IslandSettings island;
     std::vector<std::string> patterns;
     sub.require("peers");
     sub.read("peers", patterns);
-    island.within = read_link(sub, run.network);
+    run.islands.push_back(read_link(sub, run.network));
     for (const std::string& pattern : patterns) {
       bool matches_any = false;
       for (const PeerSettings& peer : run.peers) {
         if (!matches(pattern, peer.name)) continue;
         matches_any = true;
-        const auto [at, is_new] = run.island_of.try_emplace(peer.name, i);
-        if (is_new) island.peers.push_back(peer.name);
-        if (at->second == i) continue;
+        const std::size_t island = run.island_of.try_emplace(peer.name, i).first->second;
+        if (island == i) continue;
         sub.fail(tables[i]->get("peers"), key + ".peers: peer \"" + peer.name + "\" is on another island, too");
       }
       if (matches_any) continue;
       sub.fail(tables[i]->get("peers"), key + ".peers: the scenario has no peer \"" + pattern + "\"");
     }
-    run.islands.push_back(std::move(island));
     sub.finish();
   }
 }
@@ -389,7 +386,7 @@ nlohmann::ordered_json network_settings(const RunSettings& run) {
   };
   add("network.", run.network, {});
   for (std::size_t i = 0; i < run.islands.size(); ++i) {
-    add("network.island." + std::to_string(i) + ".", run.islands[i].within, run.network);
+    add("network.island." + std::to_string(i) + ".", run.islands[i], run.network);
   }
   for (const auto& [ends, link] : run.links) {
     add("network.link." + ends.first + "." + ends.second + ".", link, run.network);
@@ -467,12 +464,12 @@ const LinkSettings& link(const RunSettings& run, const std::string& from, const 
   const auto of_sender = run.island_of.find(from), of_receiver = run.island_of.find(to);
   const bool is_within = of_sender != run.island_of.end() && of_receiver != run.island_of.end() &&
                          of_sender->second == of_receiver->second;
-  return is_within ? run.islands[of_sender->second].within : run.network;
+  return is_within ? run.islands[of_sender->second] : run.network;
 }
 
 std::vector<LinkSettings> links_of(const RunSettings& run) {
   std::vector<LinkSettings> links{run.network};
-  for (const IslandSettings& island : run.islands) links.push_back(island.within);
+  links.insert(links.end(), run.islands.begin(), run.islands.end());
   for (const auto& [ends, link] : run.links) links.push_back(link);
   return links;
 }

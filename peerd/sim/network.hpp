@@ -20,7 +20,7 @@ using VirtualTime = InjectedClock<struct VirtualClockTag>::time_point;
 
 // The draws of one link. A Mersenne twister has 2.5 KB of state, of which a million links would need more than a
 // computer has: it is made with the first draw, and where peers are on islands, a splitmix64 of 8 bytes takes its
-// place.
+// place on all links, those that no island changes included: they draw otherwise than without islands.
 class LinkDraws {
  public:
   LinkDraws(std::uint64_t seed, bool is_small) : state_(seed), is_small_(is_small) {}
@@ -67,7 +67,9 @@ struct Delivery {
 // two.
 class Network {
  public:
+  // The run, which outlives the network, says what links begin with.
   explicit Network(const config::RunSettings& run);
+  explicit Network(const config::RunSettings&& run) = delete;
 
   void join(std::size_t peer, RegionId region);
   void leave(std::size_t peer, RegionId region);
@@ -86,7 +88,7 @@ class Network {
  private:
   [[nodiscard]] Link& link(std::size_t from, std::size_t to);
 
-  config::RunSettings run_;  // what links begin with
+  const config::RunSettings& run_;
   std::size_t peers_;
   std::vector<std::unique_ptr<Link>> links_;             // index: from * peers + to; null: nothing has gone there yet
   std::map<RegionId, std::vector<std::size_t>> joined_;  // ascending peers of each region that has any

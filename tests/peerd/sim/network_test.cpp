@@ -44,7 +44,8 @@ std::vector<Delivery> drain(Network& network) {
 }
 
 TEST(Network, ReachesWhoeverHasJoinedTheRegionButTheSender) {
-  Network network(three_peers({.latency_ms = 2}));
+  const config::RunSettings run = three_peers({.latency_ms = 2});
+  Network network(run);
   network.join(0, kHere);
   network.join(1, kHere), network.join(1, kHere);
   network.join(2, kThere);
@@ -62,7 +63,8 @@ TEST(Network, ReachesWhoeverHasJoinedTheRegionButTheSender) {
 }
 
 TEST(Network, LatencyIsExactAndOldDatagramsGoFirst) {
-  Network network(three_peers({.latency_ms = 12.5}));
+  const config::RunSettings run = three_peers({.latency_ms = 12.5});
+  Network network(run);
   for (std::size_t p = 0; p < 3; ++p) network.join(p, kHere);
   for (std::uint64_t n = 0; n < 100; ++n) network.send(kNow + milliseconds(n / 10), 0, kHere, numbered(n));
   std::vector<std::uint64_t> at_b;
@@ -149,7 +151,8 @@ TEST(LinkRates, JitterIsUniform) {
 }
 
 TEST(LinkRates, JitterLetsLaterOnesOvertake) {
-  Network network(three_peers({.jitter_ms = 20}));
+  const config::RunSettings run = three_peers({.jitter_ms = 20});
+  Network network(run);
   network.join(1, kHere);
   for (std::uint64_t n = 0; n < 100; ++n) network.send(kNow + milliseconds(n), 0, kHere, numbered(n));
   std::vector<std::uint64_t> order;
@@ -192,6 +195,17 @@ TEST(LinkSeeds, WhatOneLinkDrawsChangesNothingOnAnother) {
   EXPECT_EQ(at_b(run, true), alone);
   run.links[{"a", "c"}] = {.latency_ms = 500, .loss = 0.9};
   EXPECT_EQ(at_b(run, true), alone);
+}
+
+// With islands all links draw from the smaller generator, the one from a to b too, which the island has no part in.
+TEST(LinkSeeds, IslandsChangeTheDrawsOfAllLinks) {
+  config::RunSettings run = three_peers(kRough);
+  const auto without = rows(flood(run));
+  run.islands.push_back(kRough);
+  run.island_of = {{"c", 0}};
+  const auto with = rows(flood(run));
+  EXPECT_NE(with, without);
+  EXPECT_EQ(with, rows(flood(run))) << "which the seed alone decides";
 }
 
 TEST(LinkSeeds, ALinkOfItsOwnHoldsOneWay) {
