@@ -214,6 +214,7 @@ ReplicationSettings read_replication(TomlReader reader) {
   s.convergence.over = from_seconds(convergence_s);
   if (reader.has("convergence")) s.remote_convergence = s.convergence;
   reader.read("tick_hz", s.tick_hz, 1, 1000);
+  s.bounded_latency.tick_hz = s.tick_hz;
   reader.read("settled_hello_period_s", s.settled_hello_period_s, 0.25, 4.0);
   reader.read("clock_ahead_s", s.clock_ahead_s, 1.0, kForever_s);
   reader.read("steal", s.steal);

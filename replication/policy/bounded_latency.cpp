@@ -1,15 +1,14 @@
 #include "replication/policy/bounded_latency.hpp"
 
+#include "core/fnv1a.hpp"
+
 namespace peerd::replication {
 
-// The hash is FNV-1a 64, as for world files.
+// The hash goes on with that of the world's files and regions.
 std::uint64_t BoundedLatency::session_hash(std::uint64_t world_hash) const {
   if (!is_on()) return world_hash;
-  std::uint64_t hash = world_hash;
-  for (const std::uint64_t part : {static_cast<std::uint64_t>(least.count()), std::uint64_t{measured}}) {
-    for (int byte = 0; byte < 8; ++byte) hash = (hash ^ (part >> (8 * byte) & 0xFF)) * 0x100000001B3;
-  }
-  return hash;
+  const std::uint64_t hash = fnv1a(fnv1a(world_hash, static_cast<std::uint64_t>(least.count())), measured ? 1 : 0);
+  return measured ? fnv1a(hash, tick_hz) : hash;
 }
 
 }  // namespace peerd::replication

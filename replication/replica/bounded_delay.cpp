@@ -10,8 +10,6 @@ constexpr Duration kSecond = std::chrono::seconds(1);
 // The first and the last of the seconds that count towards a target, counted back from it.
 constexpr std::int64_t kFirst = 12, kLast = 3;
 static_assert(kLast * kSecond >= BoundedDelay::kKnownAfter + kSecond, "a second has to be over and known to all");
-// The published latency of a peer that has measured none.
-constexpr Duration kLeastPublished = std::chrono::milliseconds(50);
 // Nobody has asked for so long [s]: the bound begins anew.
 constexpr std::int64_t kForgotten = 30;
 
@@ -39,7 +37,8 @@ Duration BoundedDelay::target(std::int64_t second) const {
   if (!longest && last_) return bounds_.back();
   if (!longest) take(longest_.begin(), longest_.end());
   assert(!longest || *longest >= Duration{0});
-  return std::clamp(longest.value_or(kLeastPublished) + kJitter, settings_.least, std::max(settings_.least, kBoundMax));
+  const Duration wanted = longest.value_or(kLatencyStep) + settings_.margin();  // a peer publishes no less than a step
+  return std::clamp(wanted, settings_.least, std::max(settings_.least, kBoundMax));
 }
 
 void BoundedDelay::advance_to(std::int64_t second) {

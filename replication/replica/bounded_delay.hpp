@@ -6,6 +6,7 @@
 
 #include "core/time.hpp"
 #include "replication/policy/bounded_latency.hpp"
+#include "replication/wire/codec.hpp"
 
 namespace peerd::replication {
 
@@ -15,16 +16,13 @@ namespace peerd::replication {
 // have the same bound at every session time, to the nanosecond, with nobody asked.
 //
 // At a whole second k the bound aims at
-//   target(k) = max(least, kJitter + the longest latency sent in the whole seconds k - 12 to k - 3)
+//   target(k) = max(least, BoundedLatency::margin() + the longest latency sent in the whole seconds k - 12 to k - 3)
 // and between two whole seconds it goes towards it in a straight line, by at most kSlew a second: what is shown then
 // goes by a tenth faster or slower, and never jumps.
 class BoundedDelay {
  public:
-  // Two ticks of 60 Hz: an update may be of up to a tick before it goes out, and its second copy, where the first is
-  // lost, goes out a tick later. A published latency is besides at least 25 ms longer than any that was measured.
-  static constexpr Duration kJitter = std::chrono::milliseconds(35);
-  // No hello is longer under way than any latency that counts (kLatencyMax).
-  static constexpr Duration kKnownAfter = std::chrono::seconds(2);
+  // No hello is longer under way than any latency that counts.
+  static constexpr Duration kKnownAfter = kLatencyMax;
   static constexpr Duration kSlew = std::chrono::milliseconds(100);  // a second
 
   explicit BoundedDelay(const BoundedLatency& settings) : settings_(settings) {}

@@ -1,15 +1,13 @@
 #include "replication/session/delay_meter.hpp"
 
+#include "replication/wire/codec.hpp"
+
 namespace peerd::replication {
-namespace {
-
-constexpr Duration kLatencyGrid = std::chrono::milliseconds(50);
-
-}  // namespace
 
 Duration latency_bound(Duration longest) {
-  const auto steps = (std::max(longest, Duration{0}) + kLatencyGrid / 2 + kLatencyGrid - Duration{1}) / kLatencyGrid;
-  return steps * kLatencyGrid;
+  constexpr Duration kStep = kLatencyStep;
+  const auto steps = (std::max(longest, Duration{0}) + kStep / 2 + kStep - Duration{1}) / kStep;
+  return steps * kStep;
 }
 
 }  // namespace peerd::replication

@@ -43,8 +43,8 @@ class DelayMeter {
   std::size_t measured_ = 0;  // ever
 };
 
-// The latency that a peer publishes, from the longest delay that it has measured: rounded up to a multiple of 50 ms and
-// at least 25 ms longer, so that a little jitter does not change the published latency.
+// The latency that a peer publishes, from the longest delay that it has measured: rounded up to a multiple of
+// kLatencyStep and at least half of that longer, so that a little jitter does not change the published latency.
 [[nodiscard]] Duration latency_bound(Duration longest);
 
 }  // namespace peerd::replication

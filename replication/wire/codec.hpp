@@ -25,6 +25,8 @@ inline constexpr std::size_t kNameMax_bytes = 64;
 
 // The largest latency: peers that decide collisions together cannot wait for each other longer.
 inline constexpr std::chrono::milliseconds kLatencyMax{2000};
+// Peers publish their latencies in whole steps of this, one at least (latency_bound()).
+inline constexpr std::chrono::milliseconds kLatencyStep{50};
 
 // A peer whose time may be farther from its session's publishes none; sums of some such errors stay within int64 (36
 // years).

@@ -52,6 +52,7 @@ id = 2
   const std::string shared = shared_settings(run);
   const RunSettings joining_peer = run_of(shared, {"world=w.wrl", "peer.me.id=77"});
   EXPECT_EQ(joining_peer.replication.tick_hz, 30u);
+  EXPECT_EQ(joining_peer.replication.bounded_latency.tick_hz, 30u);
   EXPECT_EQ(joining_peer.replication.policy.error_threshold_m, 0.05);
   EXPECT_EQ(joining_peer.replication.decisions.policy, replication::DecisionPolicy::kServer);
   EXPECT_EQ(joining_peer.replication.decisions.server, PeerId{1});

@@ -17,6 +17,15 @@ TEST(BoundedLatency, PeersWithAnotherBoundAreOfAnotherSession) {
   EXPECT_NE(fixed.session_hash(77), longer.session_hash(77));
   EXPECT_NE(fixed.session_hash(77), measured.session_hash(77));
   EXPECT_NE(free.session_hash(77), measured.session_hash(77));
+  const BoundedLatency slow_fixed{120ms, false, 30}, slow_measured{120ms, true, 30};
+  EXPECT_EQ(slow_fixed.session_hash(77), fixed.session_hash(77)) << "their ticks do not matter";
+  EXPECT_NE(slow_measured.session_hash(77), measured.session_hash(77));
+}
+
+TEST(BoundedLatency, AMeasuredBoundHasRoomForTwoTicks) {
+  EXPECT_EQ(BoundedLatency{}.margin(), 35ms);
+  EXPECT_EQ((BoundedLatency{0ms, true, 30}.margin()), 70ms);
+  EXPECT_EQ((BoundedLatency{0ms, true, 1000}.margin()), 2100us);
 }
 
 }  // namespace peerd::replication::bounded_latency_test

@@ -6,15 +6,15 @@
 #include <random>
 #include <vector>
 
+#include "replication/session/delay_meter.hpp"
 #include "tests/replication/worlds.hpp"
 
 namespace peerd::replication::bounded_delay_test {
 
 using namespace test;
 
-constexpr Duration kJitter = BoundedDelay::kJitter;
-
-const BoundedLatency kFixed{120ms, false}, kMeasured{0ms, true}, kAtLeast{200ms, true};
+const BoundedLatency kFixed{120ms, false}, kMeasured{0ms, true}, kAtLeast{200ms, true}, kSlowTicks{0ms, true, 20};
+const Duration kMargin = kMeasured.margin();
 
 TEST(BoundedDelay, AFixedOneStays) {
   BoundedDelay delay(kFixed);
@@ -27,14 +27,16 @@ TEST(BoundedDelay, AFixedOneStays) {
 
 TEST(BoundedDelay, OfNoHelloItIsThatOfALinkWithoutLatency) {
   BoundedDelay delay(kMeasured);
-  EXPECT_EQ(delay.at(sim(5s)), 50ms + kJitter);
+  EXPECT_EQ(delay.at(sim(5s)), latency_bound(0ms) + kMargin);
+  BoundedDelay of_slow_ticks(kSlowTicks);
+  EXPECT_EQ(of_slow_ticks.at(sim(5s)), latency_bound(0ms) + 105ms);
 }
 
 TEST(BoundedDelay, AJoiningPeerBeginsWithWhatHasBeenSent) {
   BoundedDelay delay(kMeasured);
   delay.on_published(sim(4900ms), 150ms, sim(5s));
   delay.on_published(sim(4950ms), 100ms, sim(5s));
-  EXPECT_EQ(delay.at(sim(5s)), 150ms + kJitter);
+  EXPECT_EQ(delay.at(sim(5s)), 150ms + kMargin);
   EXPECT_TRUE(delay.is_steady_at(sim(5s)));
 }
 
@@ -53,7 +55,7 @@ TEST_F(Grows, OnceAllKnowIt_ByATenthOfTheTime) {
   BoundedDelay delay(kMeasured);
   std::vector<std::pair<Duration, Duration>> turns;  // when it began to change, or ended
   bool was_steady = true;
-  Duration before = 50ms + kJitter, shown{-1s};
+  Duration before = 50ms + kMargin, shown{-1s};
   for (Duration t = 0s; t < 50s; t += 10ms) {
     if (t % 1s == 0s) publish(delay, t, t + 1s);
     const Duration now = delay.at(sim(t));
@@ -68,7 +70,7 @@ TEST_F(Grows, OnceAllKnowIt_ByATenthOfTheTime) {
   }
   // Sent in the second 10, counted from 13 on; in the second 20, counted until 32.
   const std::vector<std::pair<Duration, Duration>> expected{
-      {13s, 50ms + kJitter}, {15s, 250ms + kJitter}, {33s, 250ms + kJitter}, {35s, 50ms + kJitter}};
+      {13s, 50ms + kMargin}, {15s, 250ms + kMargin}, {33s, 250ms + kMargin}, {35s, 50ms + kMargin}};
   EXPECT_EQ(turns, expected);
 }
 
@@ -120,15 +122,15 @@ TEST(BoundedDelay, WhatIsSaidOfOtherTimesDoesNotCount) {
   delay.on_published(sim(80s), 1000ms, sim(100s));
   delay.on_published(sim(102s), 1000ms, sim(100s));
   delay.on_published(sim(500s), 1000ms, sim(100s));
-  EXPECT_EQ(delay.at(sim(100s)), 50ms + kJitter);
+  EXPECT_EQ(delay.at(sim(100s)), 50ms + kMargin);
 }
 
 TEST(BoundedDelay, AStepOfTheSessionBeginsItAnew) {
   BoundedDelay delay(kMeasured);
   delay.on_published(sim(0s), 500ms, sim(0s));
-  EXPECT_EQ(delay.at(sim(0s)), 500ms + kJitter);
+  EXPECT_EQ(delay.at(sim(0s)), 500ms + kMargin);
   delay.restart();
-  EXPECT_EQ(delay.at(sim(9000s)), 50ms + kJitter);
+  EXPECT_EQ(delay.at(sim(9000s)), 50ms + kMargin);
 }
 
 }  // namespace peerd::replication::bounded_delay_test

@@ -138,7 +138,7 @@ TEST_F(ShownWithBound, TheDelayIsSaidWhenItChanges) {
   display.on_latency(sim(2s), 150ms, sim(2s));
   const auto other = display.poll_delay(sim(2s));
   ASSERT_TRUE(other);
-  EXPECT_EQ(other->delay, 150ms + BoundedDelay::kJitter);
+  EXPECT_EQ(other->delay, 150ms + conf.bounded_latency.margin());
 }
 
 TEST_F(Shown, WithoutABoundNothingIsLate) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "replication/wire/codec.hpp"
+
 namespace peerd::replication::delay_meter_test {
 
 using namespace std::chrono_literals;
@@ -35,6 +37,7 @@ TEST(DelayMeter, ForgetsTheOldestOfMoreThanItKeeps) {
 TEST(LatencyBound, LeavesRoomForJitter) {
   EXPECT_EQ(latency_bound(-5ms), 50ms);
   EXPECT_EQ(latency_bound(0ms), 50ms);
+  EXPECT_EQ(latency_bound(0ms), kLatencyStep);
   EXPECT_EQ(latency_bound(25ms), 50ms);
   EXPECT_EQ(latency_bound(26ms), 100ms);
   EXPECT_EQ(latency_bound(100ms), 150ms);
