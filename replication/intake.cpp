@@ -6,15 +6,12 @@
 #include <utility>
 
 #include "replication/decision/decision.hpp"
-#include "replication/motion/response.hpp"
 #include "replication/wire/hello_lists.hpp"
 #include "replication/wire/wire_limits.hpp"
 
 namespace peerd::replication {
 namespace {
 
-// An owner that has not taken up a decision for so long has never received it: its updates count again.
-constexpr Duration kDecisionStands = std::chrono::seconds(2);
 // A decision may be of what happened up to 3 s ago (contact_decisions.cpp), and repeated where datagrams get lost.
 constexpr Duration kDecisionAgeMax = MotionWorld::kHistory;
 
@@ -289,13 +286,9 @@ void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, Sim
     ++p_.counters.updates_relayed;
   }
   if (!p_.regions.accept(u, session_now)) return;
-  const DecisionLog& decisions = p_.decisions.log();
   const SimTime decided = p_.decisions.last_binding(u.object);
-  if (u.decision < decided && u.at < decided + kDecisionStands) {
+  if (!p_.decisions.counts(u, decided)) {
     if (p_.display.is_bounded() && u.at < decided) show_until_decision(u, session_now);
-    return p_.drop(sender, "before_decision");
-  }
-  if (decisions.overruled(u.object, u.decision) && u.at < u.decision + kDecisionStands) {
     return p_.drop(sender, "before_decision");
   }
   p_.display.on_update(u.at, session_now);
@@ -304,24 +297,15 @@ void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, Sim
   p_.replica.set_ghost(u.object, u.at, p_.replica.in_own_frame(u), p_.own.contains(u.object));
 }
 
-// With a bounded latency the time from the update to the decision is still to be shown, as its owner shows it. From the
-// decision on the object goes as it did, and the truth stays: the contact has been found in it.
+// With a bounded latency the time from the update to the decision is still to be shown, as its owner shows it, unless
+// an earlier decision makes the update void for all. From the decision on the object goes as it did, and the truth
+// stays: the contact has been found in it.
 void Intake::show_until_decision(const UpdateRecord& u, SimTime session_now) {
-  MotionWorld& ghosts = p_.replica.ghosts();
-  if (p_.own.contains(u.object) || !ghosts.has(u.object)) return;
+  const bool counts = p_.decisions.counts(u, p_.decisions.last_binding(u.object, u.at));
+  if (!counts || p_.own.contains(u.object) || !p_.replica.ghosts().has(u.object)) return;
   p_.display.on_update(u.at, session_now);
-  p_.replica.note_change_ahead(u.object);
-  ghosts.set_base(u.object, u.at, p_.replica.in_own_frame(u));
-  for (const DecisionLog::Entry& e : p_.decisions.log().entries()) {
-    const DecisionRecord& d = e.record;
-    const bool is_collider = d.collider == u.object;
-    if (!e.in_force || d.contact <= u.at || (!is_collider && d.collidee != u.object)) continue;
-    const bool binds = changes_motion_of(u.object, d) || !p_.scene.contains(is_collider ? d.collidee : d.collider);
-    if (!binds || !p_.model->is_answered(d.collider, d.collidee)) continue;
-    const KinematicState& after = is_collider ? d.collider_after : d.collidee_after;
-    ghosts.set_base(u.object, d.contact,
-                    law_of_outcome(p_.model->response_of(u.object), ghosts.in_carrier(u.object, d.contact, after)));
-  }
+  p_.replica.keep_update(u);
+  p_.decisions.replay_ghost(u.object, u.at);
 }
 
 }  // namespace peerd::replication

@@ -96,12 +96,12 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
                 if (received) display.forget(object);
                 watch_pairs_of(object);
               }),
-      decisions(config, model, members, owners, scene, own, replica, ticks, outbox, counters,
+      decisions(config, model, members, owners, scene, own, replica, display, ticks, outbox, counters,
                 [this](ObjectId object, PeerId by, SimTime contact) { give_scene_object(object, by, contact); }),
       decision_check(model, members, owners, replica, ticks),
       publication(config, model, members, owners, own, launches, replica, regions, decisions, ticks, outbox, counters) {
   assert(std::ranges::is_sorted(configured));
-  decisions.report_times_to(display);
+  if (config.bounded_latency.is_on()) replica.keep_updates();
   counters.scene_changes += model.revision();
   time.begin_behind(stored_until);
   for (const auto& [object, each] : std::as_const(own)) {

@@ -21,6 +21,8 @@ constexpr Duration kDecidedWithin = std::chrono::seconds(3);
 // Decisions are repeated until they are so old: receivers drop those of more than 6 s (intake.cpp), and a latency has
 // to fit between.
 constexpr Duration kRepeatedFor = std::chrono::seconds(5);
+// An owner that has not taken up a decision for so long has never received it: its updates count again.
+constexpr Duration kDecisionStands = std::chrono::seconds(2);
 // Decisions are noted in hellos, where there is little room, until they are so old.
 constexpr Duration kAnnouncedFor = std::chrono::milliseconds(3500);
 // Longer than any decision that a receiver would take can be on its way.
@@ -43,7 +45,8 @@ bool has_outcome(const DecisionRecord& d, const ContactEvent& c) {
 
 ContactDecisions::ContactDecisions(const PeerConfig& config, const ModelInForce& model, Membership& members,
                                    const Owners& owners, const SceneObjects& scene, OwnObjects& own, Replica& replica,
-                                   const TickGrid& ticks, Outbox& outbox, PeerCounters& counters, OnDecided on_decided)
+                                   Display& display, const TickGrid& ticks, Outbox& outbox, PeerCounters& counters,
+                                   OnDecided on_decided)
     : config_(config),
       model_(model),
       members_(members),
@@ -51,6 +54,7 @@ ContactDecisions::ContactDecisions(const PeerConfig& config, const ModelInForce&
       scene_(scene),
       own_(own),
       replica_(replica),
+      display_(display),
       ticks_(ticks),
       outbox_(outbox),
       counters_(counters),
@@ -241,18 +245,12 @@ void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
   }
   const DecisionRecord record = record_of(c, config_.decisions.policy);
   const auto changes = add_own(record, c.type);
-  if (display_ != nullptr) display_->on_decision(c.at, known_at);
+  display_.on_decision(c.at, known_at);
   (void)name_owners(changes);
   // All peers that receive the decision will do so: the own object's ghost moves, too, or this peer's copy of their
   // ghosts would differ.
-  if (model_->is_answered(c.collider, c.collidee)) {
-    for (const ObjectId object : {c.collider, c.collidee}) replica_.note_change_ahead(object);
-    MotionWorld& ghosts = replica_.ghosts();
-    const auto goes_on = [&](ObjectId object, const KinematicState& after) {
-      if (binds(record, object)) ghosts.set_base(object, c.at, outcome_in(ghosts, object, c.at, after));
-    };
-    goes_on(c.collider, c.collider_after);
-    goes_on(c.collidee, c.collidee_after);
+  for (const ObjectId object : {c.collider, c.collidee}) {
+    if (model_->is_answered(c.collider, c.collidee) && binds(record, object)) replay_ghost(object, c.at);
   }
   replica_.colliding().on_contact(c);
   replica_.name_polygons(c, true);
@@ -320,6 +318,7 @@ void ContactDecisions::decide_by_fallback(const ContactEvent& c, SimTime known_a
     return;
   }
   ++counters_.decisions_fallback;
+  display_.on_decision(c.at, known_at);
   apply(add_own(record_of(within_wire_limits(c), DecisionRule::kId), c.type), known_at);
 }
 
@@ -393,7 +392,7 @@ const char* ContactDecisions::on_decision(PeerId sender, std::uint32_t number, c
     for (const ObjectId object : name_owners({&last, 1})) rebase(object, log_.last(object));
     return "decision_overruled";
   }
-  if (display_ != nullptr) display_->on_decision(d.contact, known_at);
+  display_.on_decision(d.contact, known_at);
   apply(*changes, known_at);
   return nullptr;
 }
@@ -455,7 +454,10 @@ void ContactDecisions::apply(const std::vector<DecisionLog::Change>& changes, Si
     }
     ++counters_.decisions_overruled;
     outbox_.push(Overruled{d.collider, d.collidee, d.contact});
-    for (const ObjectId object : {d.collider, d.collidee}) own_.republish(object);
+    for (const ObjectId object : {d.collider, d.collidee}) {
+      own_.republish(object);
+      if (replica_.keeps_updates() && binds(d, object)) replay_ghost(object, d.contact);
+    }
   }
   replica_.catch_up_truth();  // walls that an own object met after the contact
 }
@@ -465,11 +467,16 @@ bool ContactDecisions::binds(const DecisionRecord& d, ObjectId object) const {
   return changes_motion_of(object, d) || !scene_.contains(object == d.collider ? d.collidee : d.collider);
 }
 
-SimTime ContactDecisions::last_binding(ObjectId object) const {
+SimTime ContactDecisions::last_binding(ObjectId object, SimTime until) const {
   for (auto e = log_.entries().rbegin(); e != log_.entries().rend(); ++e) {
-    if (e->in_force && binds(e->record, object)) return e->record.contact;
+    if (e->in_force && e->record.contact <= until && binds(e->record, object)) return e->record.contact;
   }
   return SimTime{};
+}
+
+bool ContactDecisions::counts(const UpdateRecord& u, SimTime decided) const {
+  if (u.decision < decided && u.at < decided + kDecisionStands) return false;
+  return !log_.overruled(u.object, u.decision) || u.at >= u.decision + kDecisionStands;
 }
 
 // The decision holds from the contact time on, not from its arrival.
@@ -528,36 +535,72 @@ MotionModel ContactDecisions::outcome_in(const MotionWorld& world, ObjectId obje
   return law_of_outcome(model_->response_of(object), world.in_carrier(object, t, after));
 }
 
-// Gives both worlds the object's way from there on, by all that is known: the decisions in force, and its owner's last
-// update if the owner knew of them. Without a decision on an earlier contact that came later there would be a gap in
-// which the two meet once more.
+// Gives both worlds the object's way from there on, by all that is known.
 void ContactDecisions::rebase(ObjectId object, SimTime from) {
   const OwnObject* own = own_.find(object);
-  const bool owned = own != nullptr, moved_by_physics = owned && !own->driven;
   // The object may not have met what it has met by itself since then.
-  if (moved_by_physics) outbox_.push(ContactsRetracted{object, from});
+  if (own != nullptr && !own->driven) outbox_.push(ContactsRetracted{object, from});
+  replay(object, from, true);
+}
+
+// The updates that may be laid again, ascending: all of the last kHistory where the ghosts are asked for their past,
+// else the last one.
+std::vector<UpdateRecord> ContactDecisions::updates_since(ObjectId object, SimTime from) const {
+  std::vector<UpdateRecord> updates;
+  const auto take = [&](const UpdateRecord& update) {
+    if (update.at >= from) updates.push_back(update);
+  };
+  if (replica_.keeps_updates()) {
+    for (const UpdateRecord& update : replica_.kept_updates(object)) take(update);
+    return updates;
+  }
+  const OwnObject* const own = own_.find(object);
+  const UpdateRecord* last = replica_.last_update_of(object);
+  if (own != nullptr) last = own->delivery.record ? &*own->delivery.record : nullptr;
+  if (last != nullptr) take(*last);
+  return updates;
+}
+
+// Without a decision on an earlier contact that came later there would be a gap in which the two meet once more. The
+// truth of an own object that physics moves takes the decisions, and no update. `in_truth`: the truth changes as well.
+void ContactDecisions::replay(ObjectId object, SimTime from, bool in_truth) {
+  const OwnObject* own = own_.find(object);
+  const bool owned = own != nullptr, moved_by_physics = owned && !own->driven;
+  const auto lay = [&](SimTime t, const MotionModel& model) {
+    replica_.set_ghost(object, t, model, owned || !in_truth);
+  };
+  if (replica_.keeps_updates()) {
+    replica_.note_change_ahead(object);
+    replica_.ghosts().forget_bases(object, from);
+  }
+  const std::vector<UpdateRecord> updates = updates_since(object, from);
+  auto next = updates.begin();
+  SimTime decided = last_binding(object, from - Duration{1});
+  const auto lay_updates_until = [&](SimTime end) {
+    for (; next != updates.end() && next->at < end; ++next) {
+      if (counts(*next, decided)) lay(next->at, replica_.in_own_frame(*next));
+    }
+  };
   SimTime last = from;
   for (const DecisionLog::Entry& e : log_.entries()) {
     const DecisionRecord& d = e.record;
     if (!e.in_force || d.contact < from || !binds(d, object)) continue;
+    lay_updates_until(d.contact);
+    decided = d.contact;
     if (!model_->is_answered(d.collider, d.collidee)) continue;
     const KinematicState& after = d.collider == object ? d.collider_after : d.collidee_after;
     MotionWorld& truth = replica_.truth();
-    if (moved_by_physics) truth.set_base(object, d.contact, outcome_in(truth, object, d.contact, after));
-    replica_.set_ghost(object, d.contact, outcome_in(replica_.ghosts(), object, d.contact, after), owned);
+    if (in_truth && moved_by_physics) truth.set_base(object, d.contact, outcome_in(truth, object, d.contact, after));
+    lay(d.contact, outcome_in(replica_.ghosts(), object, d.contact, after));
     last = d.contact;
   }
   if (is_free_scene_object(object) && scene_.at(object).freed >= last) {
     const SceneObject& freed = scene_.at(object);
     const UpdateRecord state{object, freed.sequence, freed.freed, freed.model, freed.decided, {}, freed.carrier};
-    replica_.set_ghost(object, freed.freed, replica_.in_own_frame(state), false);
+    lay(freed.freed, replica_.in_own_frame(state));
     return;
   }
-  const UpdateRecord* u = replica_.last_update_of(object);
-  if (owned || u == nullptr) return;
-  if (u->at > last && u->decision >= last && !log_.overruled(object, u->decision)) {
-    replica_.set_ghost(object, u->at, replica_.in_own_frame(*u), owned);
-  }
+  lay_updates_until(SimTime::max());
 }
 
 // Whether every peer of the session has the decision, as far as they say.

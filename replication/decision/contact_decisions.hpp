@@ -35,12 +35,10 @@ class ContactDecisions {
   // Called when the last decision in force on a scene object is that of `author` on a contact of that time.
   using OnDecided = std::function<void(ObjectId object, PeerId author, SimTime contact)>;
 
-  // All arguments outlive this object.
+  // All arguments outlive this object. The display is given the contact times of decisions that take effect.
   ContactDecisions(const PeerConfig& config, const ModelInForce& model, Membership& members, const Owners& owners,
-                   const SceneObjects& scene, OwnObjects& own, Replica& replica, const TickGrid& ticks, Outbox& outbox,
-                   PeerCounters& counters, OnDecided on_decided);
-  // From now on the display, which outlives this object, hears of what contact time a decision is that takes effect.
-  void report_times_to(Display& display) { display_ = &display; }
+                   const SceneObjects& scene, OwnObjects& own, Replica& replica, Display& display,
+                   const TickGrid& ticks, Outbox& outbox, PeerCounters& counters, OnDecided on_decided);
 
   // ---- the contacts that this peer looks for
 
@@ -97,8 +95,15 @@ class ContactDecisions {
 
   [[nodiscard]] const DecisionLog& log() const { return log_; }
   // The contact time of the last decision in force that says how the object moves: an update that does not know it is
-  // of another way. What strikes a scene object without being moved itself goes on as its owner says.
-  [[nodiscard]] SimTime last_binding(ObjectId object) const;
+  // of another way. What strikes a scene object without being moved itself goes on as its owner says. Contacts later
+  // than `until` do not count; SimTime{}: there is none.
+  [[nodiscard]] SimTime last_binding(ObjectId object, SimTime until = SimTime::max()) const;
+  // Whether an update counts beside decisions the last of which is of `decided`. One that does not know them is of
+  // another way, until its owner has surely never received them; and so is one that goes by an overruled decision.
+  [[nodiscard]] bool counts(const UpdateRecord& update, SimTime decided) const;
+  // Gives the ghosts the object's way from there on, by the decisions in force and the updates that count beside them.
+  // The truth stays.
+  void replay_ghost(ObjectId object, SimTime from) { replay(object, from, false); }
   // The contact time of the last decision on the object that this peer knows of; SimTime{}: none.
   [[nodiscard]] SimTime last_on(ObjectId object) const { return std::max(log_.last(object), scene_.decided(object)); }
   // Session time has stepped, and the worlds begin anew. Into another session: what was decided is void. Within the
@@ -157,6 +162,8 @@ class ContactDecisions {
   void apply(const std::vector<DecisionLog::Change>& changes, SimTime known_at);
   void apply(const DecisionRecord& decision, PeerId author, SimTime known_at);
   void rebase(ObjectId object, SimTime from);
+  void replay(ObjectId object, SimTime from, bool in_truth);
+  [[nodiscard]] std::vector<UpdateRecord> updates_since(ObjectId object, SimTime from) const;
   void repeat(DecisionLog::Entry& own);
   [[nodiscard]] bool is_acknowledged_by_all(const DecisionLog::Entry& own) const;
 
@@ -167,11 +174,11 @@ class ContactDecisions {
   const SceneObjects& scene_;
   OwnObjects& own_;
   Replica& replica_;
+  Display& display_;
   const TickGrid& ticks_;
   Outbox& outbox_;
   PeerCounters& counters_;
   OnDecided on_decided_;
-  Display* display_ = nullptr;  // null: nobody asks
   DecisionLog log_;
   std::vector<Deferred> deferred_;
   std::vector<Early> early_;

@@ -325,6 +325,7 @@ std::size_t Publication::publish_update(ObjectId object, OwnObject& own, SimTime
   const UpdateRecord& record = due.record();
   if (exact && at == t) replica_.truth().set_base(object, t, record.model);
   replica_.ghosts().set_base(object, at, record.model);
+  replica_.keep_update(record);
   const std::size_t size_bytes = due.bytes().size();
   ++counters_.updates_out;
   counters_.update_bytes_out += size_bytes;

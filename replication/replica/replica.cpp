@@ -46,6 +46,7 @@ std::vector<MovingObjects::Placed> Replica::change_scene(const WorldModel& next,
   compute_all();
   renew_flexible(next);
   std::erase_if(last_updates_, [&](const auto& update) { return !next.scene->contains(update.first); });
+  std::erase_if(kept_updates_, [&](const auto& updates) { return !next.scene->contains(updates.first); });
   std::erase_if(unreceived_, [&](ObjectId object) { return !next.scene->contains(object); });
   std::erase_if(changed_, [&](ObjectId object) { return !next.scene->contains(object); });
   colliding_.change_scene(next, at);
@@ -84,6 +85,20 @@ void Replica::declare_remote(ObjectId object, Role role) {
   colliding_.wake(object);  // it is where the other world has it from now on
   if (truth().has(object)) truth().declare(object, role);
   ghosts().declare(object, role);
+}
+
+// A later update of an earlier time makes those after that void.
+void Replica::keep_update(const UpdateRecord& update) {
+  if (!keeps_updates_ || model_->pairs_of(update.object).empty()) return;
+  std::vector<UpdateRecord>& kept = kept_updates_[update.object];
+  const SimTime oldest = update.at - MotionWorld::kHistory;
+  std::erase_if(kept, [&](const UpdateRecord& each) { return each.at >= update.at || each.at < oldest; });
+  kept.push_back(update);
+}
+
+std::span<const UpdateRecord> Replica::kept_updates(ObjectId object) const {
+  const auto at = kept_updates_.find(object);
+  return at == kept_updates_.end() ? std::span<const UpdateRecord>{} : std::span<const UpdateRecord>(at->second);
 }
 
 const UpdateRecord* Replica::last_update_of(ObjectId object) const {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -56,6 +57,7 @@ class Replica {
       worlds_->ghosts.set_tick_detection(*detection_);
     }
     changed_.clear();
+    if (keeps_updates_) worlds_->ghosts.replay_bases();
     begun_at_ = t;
     ++lives_;
   }
@@ -179,9 +181,22 @@ class Replica {
   void note_update(const UpdateRecord& update) {
     assert(update.sequence > 0);
     last_updates_.insert_or_assign(update.object, update);
+    keep_update(update);
   }
   void forget_update_of(ObjectId object) { last_updates_.erase(object); }
-  void forget_updates() { last_updates_.clear(); }
+  void forget_updates() {
+    last_updates_.clear();
+    kept_updates_.clear();
+  }
+  // From now on the updates of the last kHistory are kept, and the ghosts are a function of what has been set
+  // (MotionWorld::replay_bases()), also after the worlds have begun anew.
+  void keep_updates() { keeps_updates_ = true; }
+  [[nodiscard]] bool keeps_updates() const { return keeps_updates_; }
+  // An update of any object, own ones too, that has an effect on the ghost; it is kept if the object may meet anything.
+  // Updates of one object come in the order of their sequence.
+  void keep_update(const UpdateRecord& update);
+  // In the order of their times.
+  [[nodiscard]] std::span<const UpdateRecord> kept_updates(ObjectId object) const;
 
  private:
   void renew_flexible(const WorldModel& next);
@@ -198,6 +213,8 @@ class Replica {
   std::set<ObjectId> unreceived_;
   std::uint64_t received_revision_ = 0;
   std::unordered_map<ObjectId, UpdateRecord> last_updates_;
+  bool keeps_updates_ = false;
+  std::unordered_map<ObjectId, std::vector<UpdateRecord>> kept_updates_;
 };
 
 }  // namespace peerd::replication

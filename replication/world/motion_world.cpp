@@ -217,10 +217,24 @@ void MotionWorld::reopen_flexible(SimTime t) {
 void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model) {
   const std::size_t index = objects_.index_of(object);
   MovingObject& o = objects_[index];
-  o.base_time = t;
+  if (replays_bases_ && may_meet(index)) {
+    note_base(o, t, model);
+  } else {
+    o.base_time = t;
+  }
+  lay_base(index, t, model);
+}
+
+// Whether the object, or what it carries, may meet anything. The others are most.
+bool MotionWorld::may_meet(std::size_t index) const {
+  return index < model_->nodes.size() &&
+         (!model_->part_pairs_moved_by(index).empty() || !objects_.carried_by(index).empty());
+}
+
+void MotionWorld::lay_base(std::size_t index, SimTime t, const MotionModel& model) {
+  MovingObject& o = objects_[index];
   ++o.revision;
-  const bool is_known = index < model_->nodes.size();  // the others meet nothing, and they are most
-  if (!is_known || (model_->part_pairs_moved_by(index).empty() && objects_.carried_by(index).empty())) {
+  if (!may_meet(index)) {
     if (o.role == Role::kDriven && objects_.driven_history()) {
       o.timeline.restart(t, model);
       objects_.note_change(index);
@@ -230,7 +244,7 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model)
     }
     return;
   }
-  events_.push_back(ContactsRetracted{object, t - Duration{1}});
+  events_.push_back(ContactsRetracted{o.id, t - Duration{1}});
   retract(index, t);
   forget_bursts(index, t);
   retract_contacts_of_carried(index, t);
@@ -250,6 +264,49 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model)
   objects_.timeline_changed(index);
   reopen_pairs(index, t, !stays);
   if (stays && o.borne) settle(index, index, t);
+}
+
+void MotionWorld::forget_bases(ObjectId object, SimTime t) {
+  assert(replays_bases_);
+  const std::size_t index = objects_.index_of(object);
+  MovingObject& o = objects_[index];
+  if (!may_meet(index) || o.timeline.begin() >= t) return;  // its bases are not kept, or there is none before
+  std::erase_if(o.bases, [&](const Base& base) { return base.at >= t; });
+  if (o.timeline.last_segment().from < t) return;
+  ++o.revision;
+  events_.push_back(ContactsRetracted{o.id, t - Duration{1}});
+  retract(index, t);
+  forget_bursts(index, t);
+  retract_contacts_of_carried(index, t);
+  o.timeline.truncate_from(t);
+  objects_.timeline_changed(index);
+  reopen_pairs(index, t, true);
+}
+
+void MotionWorld::note_base(MovingObject& o, SimTime t, const MotionModel& model) {
+  std::erase_if(o.bases, [&](const Base& base) { return base.at >= t || base.at < advanced_ - kHistory; });
+  o.bases.push_back({t, model});
+}
+
+void MotionWorld::take_back_bases(const MovingObject& o, SimTime t) {
+  for (auto base = o.bases.rbegin(); base != o.bases.rend() && base->at >= t; ++base) {
+    taken_back_.emplace(base->at, o.id);
+  }
+}
+
+// The laws that the object had before are void from there on, those of its later bases included. A base may have been
+// replaced since it was taken back, and an edit may have removed its object.
+void MotionWorld::lay_next_base() {
+  assert(!taken_back_.empty());
+  const auto [t, id] = *taken_back_.begin();
+  taken_back_.erase(taken_back_.begin());
+  if (objects_.find(id) == nullptr) return;
+  const std::size_t index = objects_.index_of(id);
+  const auto base = std::ranges::find(objects_[index].bases, t, &Base::at);
+  if (base == objects_[index].bases.end()) return;
+  lay_base(index, t, MotionModel(base->model));
+  take_back_bases(objects_[index], t + Duration{1});
+  taken_back_.erase({t, id});  // answers of the object itself may just have been retracted
 }
 
 void MotionWorld::set_free_acceleration(ObjectId object, const Vec3& acceleration) {
@@ -343,6 +400,7 @@ void MotionWorld::retract_answers(std::size_t index, std::optional<ObjectId> cau
   const SimTime from = o.timeline.segment(wrong).from;
   if (o.base_time >= from) return;  // its owner has published since
   o.timeline.truncate_from(from);
+  take_back_bases(o, from);
   objects_.timeline_changed(index);
   ++o.revision;
   events_.push_back(ContactsRetracted{o.id, from - Duration{1}});
@@ -512,6 +570,7 @@ void MotionWorld::change_motion(std::size_t index, SimTime t, const MotionModel&
   // Other contacts of the same instant were answered before, and stand.
   retract(index, t + Duration{1});
   o.timeline.replace_from(t, after, cause);
+  take_back_bases(o, t + Duration{1});
   note_answer(index, objects_.index_of(cause), t);
   // A later update is gone from here: it was of another way than the one that is decided here.
   o.base_time = std::min(o.base_time, t);
@@ -773,9 +832,17 @@ std::optional<std::size_t> MotionWorld::first_contact_until(SimTime to) {
 
 void MotionWorld::advance(SimTime to) {
   std::size_t contacts = 0;
-  for (auto first = first_contact_until(to); first; first = first_contact_until(to)) {
+  for (;;) {
+    const bool lays = !taken_back_.empty() && taken_back_.begin()->first <= to;
+    const SimTime until = lays ? taken_back_.begin()->first : to;
+    const auto first = first_contact_until(until);
+    if (lays && (!first || *pairs_[*first].contact == until)) {
+      lay_next_base();
+      continue;
+    }
+    if (!first) break;
     WatchedPair& pair = pairs_[*first];
-    assert(*pair.contact <= to);
+    assert(*pair.contact <= until);
     if (++contacts <= kContactsMax) {
       respond_to_contact(pair);
     } else {
@@ -792,6 +859,7 @@ void MotionWorld::advance(SimTime to) {
     }
     reschedule(*first);
   }
+  while (!taken_back_.empty()) lay_next_base();  // of the time that is still to come
   advanced_ = std::max(advanced_, to);
   objects_.prune_timelines(advanced_);
 }

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "core/prefetch.hpp"
@@ -25,7 +26,9 @@ namespace peerd::replication {
 // An end of an interest meets others with each of its parts, those that carriers below it move included. Results depend
 // neither on how often advance() is called, nor on when updates came: a pair's next contact is computed once, from an
 // instant that the two timelines decide, and kept until one of the pieces changes. Worlds with equal timelines find
-// equal contacts, bit for bit.
+// equal contacts, bit for bit. One thing does depend on the order in which laws came, unless bases are replayed: what
+// an object answered before the last law that was set stays, though that turns out to have had no cause, and it answers
+// nothing more before that law.
 //
 // Two that meet and would part for less than kShortestFlight_s come to rest against each other: from then on the one
 // bears the other. Bearing takes from an object's free acceleration what leads into what bears it; when that goes, or
@@ -70,6 +73,12 @@ class MotionWorld {
   void watch(ObjectId a, ObjectId b, bool on);
   void watch(std::uint32_t number, bool on);  // in WorldModel::pairs
 
+  // Makes the world a function of the bases, whatever order they come in; called before the first of them. An object
+  // then answers contacts of before its later bases, too, and what it has answered without cause is retracted;
+  // advance() lays its later bases again. Costs the memory of the bases of the last kHistory, of what may meet
+  // anything.
+  void replay_bases() { replays_bases_ = true; }
+
   // Puts the searches of a part pair (WorldModel::part_pairs) off, or takes them up again. A pair that is put off is
   // followed while bounds keep the two apart, and stops where collision would be asked. Taken up, it is searched from
   // there: later than never having stopped, with the same results; not before the last bases of all that would answer,
@@ -95,9 +104,13 @@ class MotionWorld {
   using AuthorityOf = std::function<ContactAuthority(ObjectId collider, ObjectId collidee, SimTime contact)>;
   void set_authority(AuthorityOf authority_of) { authority_of_ = std::move(authority_of); }
 
+  // What was set for the object from t on is void, and so is what followed from it: the object goes on from t as it was
+  // set before. For worlds that replay bases; set_base() does it before it sets one.
+  void forget_bases(ObjectId object, SimTime t);
+
   // Sets the object's motion from t on, in the frame of its carrier, after an update, a sample or a decision. t may lie
   // in the past: the predictions that followed from the replaced motion are retracted, and the next advance() finds
-  // them anew.
+  // them anew. What was set for this object from t on is void.
   void set_base(ObjectId object, SimTime t, const MotionModel& model);
 
   // The acceleration [m/s^2, world frame] that the object has where nothing bears it: from then on, and in
@@ -182,6 +195,14 @@ class MotionWorld {
   // The pair has not stopped any more.
   void unstop(std::uint32_t pair);
 
+  [[nodiscard]] bool may_meet(std::size_t object) const;
+  void lay_base(std::size_t object, SimTime t, const MotionModel& model);
+  void note_base(MovingObject& object, SimTime t, const MotionModel& model);
+  // The object's timeline has lost its laws from t on: its bases from then on are to be laid again.
+  void take_back_bases(const MovingObject& object, SimTime t);
+  // Lays the earliest one of those that are to be laid again.
+  void lay_next_base();
+
   void respond_to_contact(WatchedPair& pair);
   void remove_gain(const WatchedPair& pair, SimTime t, const ContactAnswer& answer);
   void report(const WatchedPair& pair, SimTime t, const ContactAnswer& answer);
@@ -264,7 +285,9 @@ class MotionWorld {
   std::size_t watched_ = 0;  // the number of pairs with a check, whenever that is due; the far ones included
   std::vector<bool> in_pair_checks_;
   std::set<std::uint32_t> stopped_;  // into pairs_
-  AuthorityOf authority_of_;         // none: kAsPublished for all
+  bool replays_bases_ = false;
+  std::set<std::pair<SimTime, ObjectId>> taken_back_;  // bases that are to be laid again
+  AuthorityOf authority_of_;                           // none: kAsPublished for all
   std::vector<MotionEvent> events_;
   std::size_t polled_ = 0;  // of events_
   Counters counters_;

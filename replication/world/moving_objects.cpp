@@ -68,7 +68,9 @@ void MovingObjects::change_model(const WorldModel& next, SimTime now) {
     o.answers = o.pruning_scheduled = o.changed = false;
     if (from != to) {
       assert(to && "there are more carriers, so the nearest one is nearer");
-      o.timeline.change_frame(pose_in(from, *to));
+      const Pose frame = pose_in(from, *to);
+      o.timeline.change_frame(frame);
+      for (Base& base : o.bases) base.model = in_frame(frame, base.model);
     }
   }
   assert(objects_.size() >= next.nodes.size() && objects_.size() >= before.objects_.size());
@@ -112,6 +114,7 @@ std::vector<MovingObjects::Placed> MovingObjects::change_scene(const WorldModel&
     o = *old;
     o.carrier = index;
     o.answers = o.pruning_scheduled = o.changed = false;
+    if (!same_frame) o.bases.clear();
     const bool is_moved = change.is_moved(o.id);
     if (same_frame) {
       if (!stays && !is_moved) placed.push_back({o.id, in_file});

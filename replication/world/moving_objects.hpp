@@ -26,6 +26,12 @@ enum class Role : std::uint8_t {
   kPredicted,      // responds to contacts; a response is retracted when its cause turns out to have moved otherwise
 };
 
+// A law that was set from outside, and is in force from `at` on; in the frame of the object's carrier.
+struct Base {
+  SimTime at;
+  MotionModel model;
+};
+
 struct MovingObject {
   ObjectId id;
   Role role;
@@ -40,6 +46,9 @@ struct MovingObject {
   Vec3 free = Vec3::Zero();                  // its acceleration where nothing bears it [m/s^2]; void if it is neither
   std::uint32_t carrier = ModelNode::kNone;  // index; its timeline is relative to that object's
   SweptBound bound;  // of its body: the last one; it answers for nothing once the timeline changes
+  // In a world that replays them (MotionWorld::replay_bases()): those of the last kHistory, ascending. There base_time
+  // stays at the beginning.
+  std::vector<Base> bases{};
 
   // Whether physics moves the object, and it answers contacts of some pair.
   [[nodiscard]] bool is_answering() const { return role >= Role::kAuthoritative && answers; }

@@ -155,6 +155,58 @@ TEST(ArrivingInAFrame, GoesOnThereAfterADecision) {
   EXPECT_LT((p.replica.ghost(wheel, sim(1s)).position - Vec3(5, 5, 5)).norm(), 1e-12) << "the update was in the world";
 }
 
+// With a bounded latency an update of before a decision that its sender doesn't know is still shown until there. One
+// that an earlier decision makes void is of a way that nobody has seen.
+TEST(ArrivingAfterDecisions, IsShownUntilTheFirstOneThatItDoesNotKnow) {
+  const World w(box("A", "1 1 1", "0 0 0", kBounces) + box("B", "1 1 1", "-50 0 0") + interest("A", "\"B\""));
+  const ObjectId a = w["A"], b = w["B"];
+  PeerConfig conf = config(5);
+  conf.bounded_latency.least = 1s;
+  PeerParts p{conf, *w.model};
+  SceneKeeper scene{p};
+  SessionKeeper keeper{p, scene};
+  OperationKeeper operations{p, keeper};
+  Intake intake{p, keeper, scene, operations};
+  for (Duration t = 0s; t <= 2s; t += 100ms) (void)keeper.maintain(host(t));
+  ASSERT_TRUE(intake.on_packet(host(2s), kWholeScene, encode(hello_of(3, host(2s), {a}))));
+  ASSERT_TRUE(intake.on_packet(host(2s), kWholeScene, encode(hello_of(7, host(2s), {b}))));
+  p.ticks.set_last(p.ticks.number_at(sim(2s)));
+  const auto decide = [&](SimTime at, double x) {
+    Message m = message_of(3);
+    m.decisions.push_back({a, b, at, Vec3::UnitX(), moving({0, 0, 0}), moving({-50, 0, 0}), moving({x, 0, 0}),
+                           moving({-50, 0, 0}), DecisionRule::kId});
+    ASSERT_TRUE(intake.on_packet(host(2s), kWholeScene, encode(m)));
+  };
+  const auto say = [&](std::uint32_t sequence, SimTime at, double x, SimTime decision) {
+    Message m = message_of(3);
+    m.updates.push_back({a, sequence, at, moving({x, 0, 0}), decision});
+    ASSERT_TRUE(intake.on_packet(host(2s), kWholeScene, encode(m)));
+  };
+  const auto x = [&](Duration t) {
+    p.replica.advance_ghosts(sim(2s));
+    return p.replica.ghost(a, sim(t)).position.x();
+  };
+  decide(sim(1500ms), 15.0);
+  decide(sim(1800ms), 18.0);
+  ASSERT_EQ(p.decisions.log().entries().size(), 2u);
+  say(1, sim(1400ms), 14.0, {});
+  EXPECT_EQ(x(1450ms), 14.0);
+  EXPECT_EQ(x(1600ms), 15.0) << "from the decision on it goes as it did";
+  EXPECT_EQ(x(1900ms), 18.0);
+  EXPECT_EQ(p.replica.truth(a, sim(1450ms)).position.x(), 0.0) << "in which the contact has been found";
+  say(2, sim(1600ms), 16.0, {});
+  EXPECT_EQ(x(1700ms), 15.0) << "it knows nothing of the decision of 1.5 s";
+  say(3, sim(1700ms), 17.0, sim(1500ms));
+  EXPECT_EQ(x(1450ms), 14.0);
+  EXPECT_EQ(x(1650ms), 15.0);
+  EXPECT_EQ(x(1750ms), 17.0);
+  EXPECT_EQ(x(1900ms), 18.0);
+  EXPECT_EQ(p.counters.drops["before_decision"], 3u) << "none of them is in force now";
+  say(4, sim(1900ms), 19.0, sim(1800ms));
+  EXPECT_EQ(x(1950ms), 19.0);
+  EXPECT_EQ(p.counters.drops["before_decision"], 3u);
+}
+
 // Nothing rigid moves what a driven scale distorts: that it is named as a carrier makes no model anew, again and again.
 TEST(ArrivingInAFrame, WhatCanBeNoCarrierIsTriedOnce) {
   const World w("DEF GROWS Transform { children " + box("INSIDE", "1 1 1", "1 0 0") + " }" + R"(

@@ -10,14 +10,12 @@
 #include <optional>
 #include <ostream>
 
-#include "replication/replica/bounded_delay.hpp"
 #include "tests/sim/run_scenario.hpp"
 
 namespace peerd::sim::bounded_latency_test {
 
 using namespace std::chrono_literals;
 
-using replication::BoundedDelay;
 using testing_support::kEq47;
 using testing_support::must;
 
@@ -155,35 +153,52 @@ TEST_P(AtLatency, AllScreensShowOneCarToTheLastBit) {
 }
 
 // Cubes that weavers of another peer hit. The decider has to receive what the other owner has published before the
-// contact, and all others the decision: that may take the latency twice.
-TEST_P(AtLatency, NobodySeesADecisionCorrected) {
+// contact, and all others the decision: that may take the latency twice. By `server` no owner decides, by `id` one of
+// the two, and the other one's updates cross the decision.
+TEST_P(AtLatency, NobodySeesADecisionOfTheServerCorrected) {
   expect_one_picture(watch(kHeadOn, head_on("server", GetParam(), 2.0 * GetParam() + kTicks_ms)));
+}
+TEST_P(AtLatency, NobodySeesADecisionOfAnOwnerCorrected) {
+  expect_one_picture(watch(kHeadOn, head_on("id", GetParam(), 2.0 * GetParam() + kTicks_ms)));
 }
 INSTANTIATE_TEST_SUITE_P(Table, AtLatency, testing::Values(20.0, 100.0, 200.0));
 
-// Whoever sees anything else than the owner has counted why.
-class WithLoss : public testing::TestWithParam<int> {};  // seeds
-TEST_P(WithLoss, WhatDiffersIsCounted) {
-  SCOPED_TRACE("seed " + std::to_string(GetParam()));
-  bool some_are_whole = false, some_differ = false;
-  for (const double latency_ms : {20.0, 100.0, 200.0}) {
-    for (const auto& [file, sets] : {std::pair{kEq47, eq47(latency_ms, latency_ms + kTicks_ms, 0.01, GetParam())},
-                                     {kHeadOn, head_on("id", latency_ms, latency_ms + kTicks_ms, 0.01, GetParam())}}) {
-      const Screens screens = watch(file, sets);
-      std::uint64_t late = 0;
-      for (const auto& [peer, seen] : screens.by_peer) late += seen.late;
-      for (const auto& [peer, seen] : screens.by_peer) {
-        // A thing that the owner itself has missed of another's decision differs as well.
-        if (late == 0) {
-          EXPECT_EQ(seen.worst_difference_m, 0.0) << "peer " << peer.value;
-        }
-        some_are_whole |= seen.worst_difference_m == 0.0;
-        some_differ |= seen.worst_difference_m > 0.0;
-      }
+// Whoever sees anything else than the owner has counted why, or the owner has, of a decision of another's. Without loss
+// AtLatency sees no difference in the same scenarios.
+class WithLoss : public testing::TestWithParam<int> {  // seeds
+ protected:
+  // Returns whether anything differed.
+  static bool expect_counted(const std::string& file, const std::vector<std::string>& sets) {
+    const Screens screens = watch(file, sets);
+    std::uint64_t late = 0;
+    bool differs = false;
+    for (const auto& [peer, seen] : screens.by_peer) {
+      late += seen.late;
+      differs |= seen.worst_difference_m > 0.0;
     }
+    if (differs) {
+      EXPECT_GT(late, 0u);
+    }
+    return differs;
   }
-  EXPECT_TRUE(some_are_whole);
+};
+TEST_P(WithLoss, WhatDiffersOfOneMoverIsCounted) {
+  bool some_differ = false;
+  for (const double latency_ms : {20.0, 100.0, 200.0}) {
+    some_differ |= expect_counted(kEq47, eq47(latency_ms, latency_ms + kTicks_ms, 0.05, GetParam()));
+  }
   EXPECT_TRUE(some_differ) << "nothing that this test is about was lost";
+}
+TEST_P(WithLoss, WhatDiffersOfThoseThatMeetIsCounted) {
+  for (const char* policy : {"id", "server"}) {
+    SCOPED_TRACE(policy);
+    bool some_differ = false;
+    for (const double latency_ms : {20.0, 100.0, 200.0}) {
+      const double bound_ms = 2.0 * latency_ms + kTicks_ms;
+      some_differ |= expect_counted(kHeadOn, head_on(policy, latency_ms, bound_ms, 0.01, GetParam()));
+    }
+    EXPECT_TRUE(some_differ) << "nothing that this test is about was lost";
+  }
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, WithLoss, testing::Values(1, 2, 3));
 
@@ -232,8 +247,8 @@ TEST(BoundedLatency, AMeasuredBoundFollowsTheLatencyOnAllScreensAlike) {
                     slow("c", "a", 7, 180), slow("a", "c", 12, 20), slow("c", "a", 12, 20)});
   EXPECT_EQ(screens.bounds_differ, 0u);
   EXPECT_EQ(screens.jumps, 0u);
-  EXPECT_EQ(screens.least_bound, 50ms + BoundedDelay::kJitter);
-  EXPECT_EQ(screens.most_bound, 250ms + BoundedDelay::kJitter) << "180 ms and at least 25 ms, in steps of 50 ms";
+  EXPECT_EQ(screens.least_bound, 50ms + 35ms);
+  EXPECT_EQ(screens.most_bound, 250ms + 35ms) << "180 ms and at least 25 ms, in steps of 50 ms";
   EXPECT_EQ(screens.by_peer.at(PeerId{2}).worst_difference_m, 0.0) << "its link stayed as it was";
   EXPECT_GT(screens.by_peer.at(PeerId{3}).late, 0u) << "until the bound had grown";
 }

@@ -19,11 +19,21 @@ class Deciding : public testing::Test {
     for (const ObjectId object : {a, b, c}) scene.remove(object);
     echo_us(add_member(members, remote), 0.001);
     echo_us(add_member(members, 9), 0.001);
+    begin_worlds();
+    tick_to(10s);
+  }
+  void begin_worlds() {
     replica.begin(sim(0s));
     replica.truth().declare(a, Role::kAuthoritative);
     replica.ghosts().declare(a, Role::kPredicted);
     for (const ObjectId object : {b, c}) replica.declare_remote(object, Role::kPredicted);
-    tick_to(10s);
+  }
+  // This peer has published that A stands there since then, and knows a decision of that time.
+  void publish(double x, SimTime at, SimTime decision) {
+    const UpdateRecord update{a, ++own.at(a).sequence, at, moving({x, 0, 0}), decision};
+    own.at(a).delivery.record = update;
+    replica.ghosts().set_base(a, at, update.model);
+    replica.keep_update(update);
   }
   void tick_to(Duration t) { ticks.set_last(ticks.number_at(sim(t))); }
   ContactEvent contact(SimTime at = sim(10s)) const {
@@ -62,25 +72,36 @@ class Deciding : public testing::Test {
   OwnObjects own{*world.in_force, conf.owned, false};
   SceneObjects scene{*world.in_force};
   Replica replica{*world.in_force};
+  Display display{conf, *world.in_force, own, replica, counters};
   TickGrid ticks{60};
   Outbox outbox{conf.id, conf.incarnation, counters};
   std::vector<std::pair<ObjectId, PeerId>> adopted;
-  ContactDecisions decisions{conf,
-                             *world.in_force,
-                             members,
-                             owners,
-                             scene,
-                             own,
-                             replica,
-                             ticks,
-                             outbox,
-                             counters,
-                             [this](ObjectId object, PeerId author, SimTime) { adopted.emplace_back(object, author); }};
+  ContactDecisions decisions{
+      conf,     *world.in_force,
+      members,  owners,
+      scene,    own,
+      replica,  display,
+      ticks,    outbox,
+      counters, [this](ObjectId object, PeerId author, SimTime) { adopted.emplace_back(object, author); }};
 };
 // The other peer has the lower id.
 class Deferring : public Deciding {
  protected:
   Deferring() : Deciding(3, 2) {}
+};
+// All peers show the past.
+class ShowingThePast : public Deferring {
+ protected:
+  ShowingThePast() {
+    conf.bounded_latency.least = 500ms;
+    conf.decisions.policy = DecisionPolicy::kVelocity;
+    replica.keep_updates();
+    begin_worlds();
+  }
+  double x(Duration t) {
+    replica.ghosts().advance(sim(20s));
+    return replica.ghost(a, sim(t)).position.x();
+  }
 };
 
 // ---- which contacts this peer looks for ----
@@ -132,20 +153,13 @@ TEST(DecidingByParts, AnEndIsInViewWhereItsPartsAre) {
   Owners owners;
   OwnObjects own{*world.in_force, conf.owned, false};
   Replica replica{*world.in_force};
+  Display display{conf, *world.in_force, own, replica, counters};
   TickGrid ticks{60};
   Outbox outbox{conf.id, conf.incarnation, counters};
   const SceneObjects scene{*world.in_force};
-  const ContactDecisions decisions{conf,
-                                   *world.in_force,
-                                   members,
-                                   owners,
-                                   scene,
-                                   own,
-                                   replica,
-                                   ticks,
-                                   outbox,
-                                   counters,
-                                   [](ObjectId, PeerId, SimTime) {}};
+  const ContactDecisions decisions{
+      conf,    *world.in_force, members, owners, scene,    own,
+      replica, display,         ticks,   outbox, counters, [](ObjectId, PeerId, SimTime) {}};
   owners.set(world["ARM"], PeerId{3});
   owners.set(world["B"], PeerId{2});
   echo_us(add_member(members, 2), 0.001);
@@ -240,6 +254,13 @@ TEST_F(Deferring, ADeferredContactIsNotedAndDecidedByNobodyElseInTime) {
   EXPECT_EQ(decisions.entries().at(0).record.rule, DecisionRule::kId);
 }
 
+TEST_F(ShowingThePast, ADecisionByFallbackIsLate) {
+  decisions.defer(left_to_another(contact()));
+  decisions.resolve_overdue(sim(patience()) + 1s);
+  EXPECT_EQ(counters.decisions_fallback, 1u);
+  EXPECT_EQ(counters.decisions_late, 1u) << "nobody could know it within the bound";
+}
+
 TEST_F(Deferring, WithoutFallbackNobodyDecides) {
   conf.decisions.fallback = false;
   decisions.defer(left_to_another(contact()));
@@ -278,6 +299,54 @@ TEST_F(Deferring, AnothersDecisionMovesBothWorldsAndEndsTheWaiting) {
   EXPECT_EQ(seen[0].contact.polygons.count, 1u) << "by where the decider had them";
   ASSERT_EQ(retracted.size(), 1u) << "of the own object, not of the other's";
   EXPECT_EQ(retracted[0].object, a);
+}
+
+// The owner has published since the later one, and the others go by that.
+TEST_F(Deferring, ADecisionOnAnEarlierContactLeavesWhatIsKnownOfLaterTimes) {
+  ASSERT_EQ(decisions.on_decision(other, 1, record(sim(10500ms)), sim(10600ms)), nullptr);
+  publish(7.0, sim(10600ms), sim(10500ms));
+  ASSERT_EQ(decisions.on_decision(other, 2, record(sim(10200ms)), sim(10700ms)), nullptr);
+  EXPECT_NEAR(replica.ghost(a, sim(10400ms)).position.x(), 0.2, 1e-9);
+  EXPECT_NEAR(replica.ghost(a, sim(10550ms)).position.x(), 0.05, 1e-9);
+  EXPECT_EQ(replica.ghost(a, sim(11s)).position.x(), 7.0);
+  ASSERT_EQ(decisions.on_decision(other, 3, record(sim(10550ms)), sim(10800ms)), nullptr);
+  EXPECT_NEAR(replica.ghost(a, sim(11s)).position.x(), 0.45, 1e-9) << "that update doesn't know of this one";
+}
+
+TEST_F(Deciding, AContactFoundLateLeavesWhatIsKnownOfLaterTimes) {
+  decisions.decide(contact(sim(10500ms)), sim(10510ms));
+  publish(7.0, sim(10600ms), sim(10500ms));
+  decisions.decide(contact(sim(10200ms)), sim(10700ms));
+  EXPECT_NEAR(replica.ghost(a, sim(10400ms)).position.x(), 0.2, 1e-9);
+  EXPECT_NEAR(replica.ghost(a, sim(10550ms)).position.x(), 0.05, 1e-9);
+  EXPECT_EQ(replica.ghost(a, sim(11s)).position.x(), 7.0);
+}
+
+// The past is shown, so that all updates of it count, and not the last one alone.
+TEST_F(ShowingThePast, UpdatesBetweenDecisionsAreLaidAgain) {
+  publish(3.0, sim(10100ms), {});
+  ASSERT_EQ(decisions.on_decision(other, 1, record(sim(10500ms)), sim(10600ms)), nullptr);
+  publish(5.0, sim(10600ms), sim(10500ms));
+  publish(7.0, sim(10700ms), sim(10500ms));
+  ASSERT_EQ(decisions.on_decision(other, 2, record(sim(10s)), sim(10800ms)), nullptr);
+  EXPECT_NEAR(x(10200ms), 0.2, 1e-9) << "the first one does not know of the decision of 10 s";
+  EXPECT_NEAR(x(10550ms), 0.05, 1e-9);
+  EXPECT_EQ(x(10650ms), 5.0);
+  EXPECT_EQ(x(11s), 7.0);
+}
+
+// This peer's decision by fallback, and another one by the policy, of a little later, which knows nothing of it.
+TEST_F(ShowingThePast, AnOverruledDecisionHasMovedNothing) {
+  decisions.defer(left_to_another(contact()));
+  decisions.resolve_overdue(sim(patience()) + 1s);
+  ASSERT_EQ(counters.decisions_fallback, 1u);
+  EXPECT_NEAR(x(10050ms), 0.05, 1e-9);
+  DecisionRecord overruling = record(sim(10100ms));
+  overruling.rule = DecisionRule::kVelocity;
+  ASSERT_EQ(decisions.on_decision(other, 1, overruling, sim(patience()) + 1s), nullptr);
+  ASSERT_EQ(counters.decisions_overruled, 1u);
+  EXPECT_EQ(x(10050ms), 0.0) << "as at all peers that have never known it";
+  EXPECT_NEAR(x(10200ms), 0.1, 1e-9);
 }
 
 // Decisions on contacts of an object from before its owner left are void.

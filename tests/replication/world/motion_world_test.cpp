@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <map>
 #include <random>
+#include <string>
 
 #include "tests/replication/worlds.hpp"
 
@@ -96,8 +98,10 @@ struct Lived {
   std::vector<SimTime> contacts;
   std::vector<KinematicState> states;
 };
-Lived live(const World& w, const std::vector<Update>& updates, const std::function<Duration(Duration)>& next_tick) {
+Lived live(const World& w, const std::vector<Update>& updates, const std::function<Duration(Duration)>& next_tick,
+           bool replays_bases = false) {
   MotionWorld world(*w.model, sim(0s));
+  if (replays_bases) world.replay_bases();
   for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kPredicted);
   Lived lived;
   auto next = updates.begin();
@@ -148,6 +152,76 @@ TEST(MotionWorld, AnyFrameRateGivesTheSameBits) {
     std::mt19937_64 ticks(seed);
     EXPECT_TRUE(same(live(w, updates, [&](Duration t) { return t + 1us * (1 + ticks() % 200'000); })));
   }
+}
+
+// Two owners publish, and now and then both objects are set at once, as by a decision. Whatever is known first, those
+// of one object in their order: in a world that replays bases it makes no difference.
+TEST(MotionWorld, BasesCountByTheirTimesWhateverOrderTheyComeIn) {
+  const World w(corridor() + box("CUBE", "0.6 0.6 0.6", "1 0 0", kBounces) +
+                interest("CUBE", "\"LEFT\" \"RIGHT\" \"BALL\"") + interest("BALL", "\"CUBE\""));
+  const auto every = [](Duration t) { return t + 50ms; };
+  int differ_without = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(seed);
+    std::mt19937_64 rng(seed);
+    std::uniform_real_distribution<double> u(-1.0, 1.0);
+    std::vector<Update> said = {{0s, "BALL", 0s, moving({-1, 0, 0}, {3 * u(rng), 0, 0})},
+                                {0s, "CUBE", 0s, moving({1, 0, 0}, {3 * u(rng), 0, 0}, {u(rng), 0, 0})}};
+    Duration at = 200ms;
+    for (int i = 0; i < 9; ++i) {
+      at += seconds(0.15 * (1 + u(rng)));
+      const auto say = [&](const char* object, double x) {
+        said.push_back({at, object, at, moving({x, 0, 0}, {4 * u(rng), 0, 0})});
+      };
+      if (i % 3 != 1) say("BALL", -1.5 + 0.5 * u(rng));
+      if (i % 3 != 0) say("CUBE", 1.5 + 0.5 * u(rng));
+    }
+    // Each link has its own delays, by which nothing overtakes on it.
+    const auto come = [&](std::uint64_t way) {
+      std::mt19937_64 delays(way);
+      std::vector<Update> arriving = said;
+      std::map<std::string, Duration> last;
+      for (Update& update : arriving) {
+        if (update.at > 0s) update.when = update.at + 1ms * (delays() % 900);
+        update.when = last[update.object] = std::max(update.when, last[update.object]);
+      }
+      std::ranges::stable_sort(arriving, {}, &Update::when);
+      return arriving;
+    };
+    const auto same = [](const Lived& a, const Lived& b) {
+      return a.contacts == b.contacts &&
+             std::ranges::equal(a.states, b.states, [](const auto& x, const auto& y) { return same_bits(x, y); });
+    };
+    const Lived in_time = live(w, said, every, true), in_time_without = live(w, said, every);
+    EXPECT_TRUE(same(in_time, in_time_without)) << "nothing is late";
+    for (std::uint64_t way = 1; way <= 4; ++way) {
+      EXPECT_TRUE(same(live(w, come(way), every, true), in_time)) << "way " << way;
+      differ_without += same(live(w, come(way), every), in_time) ? 0 : 1;
+    }
+  }
+  EXPECT_GT(differ_without, 0) << "else this test asks nothing";
+}
+
+// BALL is to meet CUBE, which its owner then publishes elsewhere; BALL turns out to have gone elsewhere before.
+TEST(MotionWorld, AnAnswerWithoutCauseIsRetractedBeforeALaterBaseToo) {
+  const World w(box("BALL", "1 1 1", "-3 0 0", kBounces) + box("CUBE", "1 1 1", "0 0 0", kBounces) +
+                interest("BALL", "\"CUBE\"") + interest("CUBE", "\"BALL\""));
+  MotionWorld world(*w.model, sim(0s));
+  world.replay_bases();
+  for (const char* mover : {"BALL", "CUBE"}) world.declare(w[mover], Role::kPredicted);
+  world.set_base(w["CUBE"], sim(0s), moving({0, 0, 0}));
+  world.set_base(w["BALL"], sim(0s), moving({-3, 0, 0}, {2, 0, 0}));  // they meet at 1 s
+  world.advance(sim(2s));
+  EXPECT_NE(world.at(w["CUBE"], sim(1500ms)).position, Vec3(0, 0, 0));
+  world.set_base(w["CUBE"], sim(2s), moving({0, 0, 7}));
+  world.advance(sim(3s));
+  world.set_base(w["BALL"], sim(500ms), moving({-2, 0, 0}, {0, 1, 0}));
+  world.advance(sim(3s));
+  EXPECT_EQ(world.at(w["CUBE"], sim(1500ms)).position, Vec3(0, 0, 0));
+  EXPECT_EQ(world.at(w["CUBE"], sim(3s)).position, Vec3(0, 0, 7));
+  world.forget_bases(w["CUBE"], sim(2s));
+  world.advance(sim(3s));
+  EXPECT_EQ(world.at(w["CUBE"], sim(3s)).position, Vec3(0, 0, 0)) << "that one is void";
 }
 
 // A ball between two walls is where the folding of its straight path puts it, however many bounces it has made.
