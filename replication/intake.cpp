@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -14,6 +15,9 @@ namespace {
 
 // A decision may be of what happened up to 3 s ago (contact_decisions.cpp), and repeated where datagrams get lost.
 constexpr Duration kDecisionAgeMax = MotionWorld::kHistory;
+
+// What a far hello may promise at least: twice the longest interval of hellos that a peer can have.
+constexpr Duration kLeastFarPromise = std::chrono::seconds(8);
 
 // A record of the future counts for so long against the next ones of its sender.
 constexpr Duration kAheadForgotten = std::chrono::minutes(1);
@@ -48,18 +52,22 @@ std::expected<void, Drop> Intake::on_packet(HostTime now, RegionId region, std::
   if (m.identity) return dropped(region, p_.admission.on_identity_check(now, m));
   const bool for_all = m.hello || m.leaving || !m.decisions.empty() || !m.subscriptions.empty() ||
                        !m.scene.states.empty() || !m.operations.empty() || !m.operation_requests.empty();
-  if (for_all && region != kWholeScene) return dropped(region, Drop::kRegion);
-  if (const auto admitted = admit(now, m); !admitted) return dropped(region, admitted.error());
+  if (m.nearby ? region == kWholeScene : for_all && region != kWholeScene) return dropped(region, Drop::kRegion);
+  if (m.next_hello && (m.nearby || !m.hello)) return dropped(region, Drop::kRegion);
+  const auto admitted = admit(now, region, m);
+  if (!admitted) return dropped(region, admitted.error());
   if (!p_.limits.take(now, m.sender, MemberLimit::kDatagrams)) return dropped(region, Drop::kMemberLimit);
-  ++p_.counters.datagrams_in;
-  p_.counters.bytes_in += datagram.size();
-  PeerCounters::Traffic& traffic = p_.counters.regions[region];
-  ++traffic.datagrams_in;
-  traffic.bytes_in += datagram.size();
+  count(region, m, datagram.size());
+  if (!*admitted) {
+    on_far(now, m.sender, m);
+    return {};
+  }
   Member& member = *p_.members.find(m.sender);
   ++member.datagrams_in;
   member.bytes_in += datagram.size();
-  if (m.number > 0) member.received[region].on_datagram(m.number);
+  member.is_near = true;
+  member.channel = m.nearby ? kNearby : region;
+  if (m.number > 0) member.received[member.channel].on_datagram(m.number);
   if (m.hello) on_hello(now, m.sender, m.number, *m.hello);
   operations_.on_message(now, m.sender, m);
   if (m.leaving) {
@@ -75,10 +83,36 @@ std::expected<void, Drop> Intake::on_packet(HostTime now, RegionId region, std::
   return {};
 }
 
-std::expected<void, Drop> Intake::admit(HostTime now, const Message& m) {
+void Intake::count(RegionId region, const Message& m, std::size_t size_bytes) {
+  ++p_.counters.datagrams_in;
+  p_.counters.bytes_in += size_bytes;
+  PeerCounters::Traffic& traffic = p_.counters.regions[region];
+  ++traffic.datagrams_in;
+  traffic.bytes_in += size_bytes;
+  const DatagramKind kind = m.next_hello                                             ? DatagramKind::kFarHello
+                            : m.hello                                                ? DatagramKind::kHello
+                            : !m.decisions.empty()                                   ? DatagramKind::kDecisions
+                            : !m.subscriptions.empty()                               ? DatagramKind::kSubscriptions
+                            : !m.scene.states.empty()                                ? DatagramKind::kSceneStates
+                            : !m.operations.empty() || !m.operation_requests.empty() ? DatagramKind::kOperations
+                            : !m.handovers.empty()                                   ? DatagramKind::kHandovers
+                            : !m.updates.empty()                                     ? DatagramKind::kUpdates
+                                                                                     : DatagramKind::kKeepalive;
+  PeerCounters::Volume& volume = p_.counters.kinds_in[static_cast<std::size_t>(kind)];
+  ++volume.datagrams;
+  volume.bytes += size_bytes;
+}
+
+std::expected<bool, Drop> Intake::admit(HostTime now, RegionId region, const Message& m) {
   const auto on_lost = [&](PeerId peer, const Member& member) { keeper_.lose(peer, member, now, true); };
-  const auto admission = p_.admission.admit(now, m, p_.time.started(), on_lost);
+  const bool leads = p_.time.follows() == p_.config.id;
+  const auto admission = p_.admission.admit(now, region, m, leads, p_.time.started(), on_lost);
   if (!admission) {
+    if (admission.error() == Drop::kUnintroduced && p_.members.is_large()) {
+      // Its far hello says who it is; this peer's next hello may go where it listens.
+      if (region != kWholeScene) p_.greeter.introduce_once();
+      return std::unexpected(admission.error());
+    }
     // A sender that does not introduce itself does not know this peer: it will answer this peer's introduction.
     if (admission.error() == Drop::kUnintroduced && !p_.admission.has_other_world(m.sender)) {
       p_.time.on_unintroduced_peer(now);
@@ -87,7 +121,9 @@ std::expected<void, Drop> Intake::admit(HostTime now, const Message& m) {
     }
     return std::unexpected(admission.error());
   }
-  if (*admission == Membership::Admission::kKnown) return {};
+  if (*admission == Membership::Admission::kFar) return false;
+  if (*admission == Membership::Admission::kNear) p_.exchange.on_joined(m.sender);
+  if (*admission == Membership::Admission::kKnown || *admission == Membership::Admission::kNear) return true;
   assert(*admission == Membership::Admission::kJoined || *admission == Membership::Admission::kRestarted);
   const bool restarted = *admission == Membership::Admission::kRestarted;
   p_.greeter.settle_from(now);
@@ -96,14 +132,104 @@ std::expected<void, Drop> Intake::admit(HostTime now, const Message& m) {
   keeper_.give_as_operations_say();
   p_.exchange.on_joined(m.sender);
   p_.outbox.push(PeerJoined{m.sender, m.introduction()->name, restarted});
-  return {};
+  return true;
+}
+
+// ---- far peers of a large session ----
+
+void Intake::on_far(HostTime now, PeerId sender, const Message& m) {
+  assert(sender != p_.config.id && (m.hello || !m.next_hello));
+  if (m.leaving) return keeper_.dismiss_far(sender, now);
+  // Nobody promises more than the most peers that there may be need. Who does not say when its next hello comes says
+  // that it is here as often as in a small session.
+  const Duration most = std::max(kLeastFarPromise, from_seconds(2.0 * kMembersMax / p_.config.large.hellos_per_s));
+  const Duration patience = m.next_hello
+                                ? kFarHellosMissed * std::min<Duration>(*m.next_hello, most) + p_.config.lost_after
+                                : 2 * p_.config.lost_after;
+  const auto expect = [&](HostTime& until, std::uint32_t last) {
+    const bool is_newer = m.next_hello && m.number > last;  // who has come to lead promises less
+    until = is_newer ? now + patience : std::max(until, now + patience);
+  };
+  if (Member* const member = p_.members.find(sender)) {
+    expect(member->expected_until, member->far.number);
+    if (m.number > 0) member->received[kWholeScene].on_datagram(m.number);
+    if (m.hello && !m.hello->logs.empty()) operations_.on_message(now, sender, m);
+    return on_far_hello(now, sender, *member, m);
+  }
+  const Introduction* const introduction = m.introduction();
+  FarPeer* far = p_.members.find_far(sender);
+  if (far == nullptr) {
+    assert(introduction != nullptr && "who is not known yet introduces itself");
+    const auto [noted, is_new] = p_.members.note_far(now, sender, m.incarnation);
+    far = noted;
+    report_same_name(sender, introduction->name);
+    p_.outbox.push(PeerJoined{sender, introduction->name, false});
+  }
+  expect(far->expected_until, far->hello.number);
+  if (!m.hello) return;
+  far->synchronised = m.hello->session_tx.has_value();
+  far->sessions = m.hello->sessions;
+  far->hello.receive(m.number, now);
+  if (introduction != nullptr) {
+    far->name = introduction->name;
+    far->start = introduction->start;
+    std::vector<ObjectId> all;
+    std::ranges::set_union(far->owned, introduction->owned, std::back_inserter(all));
+    std::erase_if(all, [&](ObjectId object) { return !p_.model->scene->contains(object); });
+    far->owned = std::move(all);
+  }
+  if (!m.hello->logs.empty()) operations_.on_message(now, sender, m);
+  // The lowest of all leads, or will: its time counts, however far it is.
+  if (p_.members.lowest() != sender || (sender > p_.config.id && p_.time.clock().synchronised())) return;
+  assert(far->incarnation == m.incarnation || introduction == nullptr);
+  Member& leading = p_.members.promote(now, sender, false);
+  p_.exchange.on_joined(sender);
+  leading.far.number = 0;  // this hello counts for the member
+  on_far_hello(now, sender, leading, m);
+}
+
+// The hello says nothing about what is received of this peer, but it may echo this peer's last far hello.
+void Intake::on_far_hello(HostTime now, PeerId sender, Member& member, const Message& m) {
+  if (!m.hello) return;
+  const Hello& hello = *m.hello;
+  if (m.number <= member.far.number) return;
+  member.far.receive(m.number, now);
+  member.synchronised = hello.session_tx.has_value();  // one that has just joined may be near no more
+  if (!member.is_near) {
+    member.hello_rx = now;
+    member.latency = hello.latency;
+    member.sessions = hello.sessions;
+  }
+  if (hello.introduction) on_introduction(now, sender, member, hello);
+  const auto zero = hello.introduction && hello.session_tx ? hello.introduction->world_zero : std::nullopt;
+  if (zero && p_.time.follows() == sender && p_.world_time.on_zero(sender, p_.time.follows(), *zero)) {
+    keeper_.reintroduce();
+    p_.scripted.restart();
+  }
+  const auto named = std::ranges::find(hello.echoes, p_.config.id, &Echo::peer);
+  std::optional<OffsetInterval::Echo> exchange;
+  if (named != hello.echoes.end() && hello.session_tx) {
+    if (!member.is_near) member.echo.echoes_us = true;
+    if (const auto sent = p_.greeter.sent_at(kWholeScene, named->hello)) {
+      exchange = {*sent, *hello.session_tx - named->hold_time};
+    }
+  }
+  if (member.is_near && !exchange) return;  // its other hellos say more
+  p_.time.on_stamps(now, member, hello, exchange);
+  keeper_.follow_leader(now, sender);
 }
 
 // ---- hellos ----
 
 void Intake::on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hello& hello) {
   Member& member = *p_.members.find(sender);
+  if (member.echoes_on != member.channel) {  // its hellos come another way, and count this peer's datagrams anew
+    member.echoes_on = member.channel;
+    member.echo.acknowledgement.reset();
+    member.hello = 0;
+  }
   const bool is_newest = number > member.hello;
+  if (member.channel == kWholeScene) member.far.receive(number, now);
   member.hello = number;
   member.hello_rx = now;
   member.awaits_our_decision = std::ranges::any_of(hello.notes, [&](const ContactNote& n) {
@@ -121,7 +247,7 @@ void Intake::on_hello(HostTime now, PeerId sender, std::uint32_t number, const H
   if (hello.introduction) on_introduction(now, sender, member, hello);
   const auto named = std::ranges::find(hello.echoes, p_.config.id, &Echo::peer);
   // An echo of more than this peer has sent is of its last incarnation.
-  const bool counts = named != hello.echoes.end() && named->received.highest <= p_.outbox.last_number();
+  const bool counts = named != hello.echoes.end() && named->received.highest <= p_.outbox.last_number(member.channel);
   const Echo* echo = counts ? &*named : nullptr;
   on_echo(now, sender, member, hello, echo);
   if (hello.session_tx && p_.replica.begun() && p_.time.clock().synchronised()) {
@@ -140,7 +266,8 @@ void Intake::on_hello(HostTime now, PeerId sender, std::uint32_t number, const H
   }
   if (!is_newest) return;
   std::optional<OffsetInterval::Echo> exchange;
-  if (const auto sent = echo != nullptr ? p_.greeter.sent_at(echo->hello) : std::nullopt; sent && hello.session_tx) {
+  if (const auto sent = echo != nullptr ? p_.greeter.sent_at(member.channel, echo->hello) : std::nullopt;
+      sent && hello.session_tx) {
     exchange = {*sent, *hello.session_tx - echo->hold_time};
   }
   p_.time.on_stamps(now, member, hello, exchange);
@@ -184,6 +311,7 @@ void Intake::on_echo(HostTime now, PeerId sender, Member& member, const Hello& h
   }
   // The objects that the sender had forgotten stand still there.
   if (member.echo.on_echo(*echo) && p_.limits.take(now, sender, MemberLimit::kResends)) p_.own.resend_all();
+  if (member.channel != p_.members.channel()) return;  // it is of what this peer has numbered otherwise
   const Acknowledgement& acknowledgement = *member.echo.acknowledgement;
   for (auto& [object, own] : p_.own) {
     Delivery& delivery = own.delivery;
@@ -233,7 +361,10 @@ void Intake::on_records(HostTime now, PeerId sender, Message& m, SimTime session
 // A decision that is refused for what this peer knows now may be taken when it comes again.
 void Intake::on_decision(HostTime now, PeerId sender, std::uint32_t number, const DecisionRecord& d,
                          SimTime session_now) {
-  const auto come_again = [&] { p_.members.find(sender)->received[kWholeScene].mark_as_missing(number); };
+  const auto come_again = [&] {
+    Member& member = *p_.members.find(sender);
+    member.received[member.channel].mark_as_missing(number);
+  };
   if (d.contact < session_now - kDecisionAgeMax) return p_.drop(sender, "decision_time");
   if (d.contact > session_now + kUpdateAheadMax) return drop_of_the_future(now, sender, "decision_time");
   if (!p_.limits.take(now, sender, MemberLimit::kDecisions)) return come_again();

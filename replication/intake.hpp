@@ -26,7 +26,12 @@ class Intake {
 
  private:
   [[nodiscard]] std::unexpected<Drop> dropped(RegionId region, Drop why);
-  [[nodiscard]] std::expected<void, Drop> admit(HostTime now, const Message& message);
+  // Returns whether the sender is a member: else it is far.
+  [[nodiscard]] std::expected<bool, Drop> admit(HostTime now, RegionId region, const Message& message);
+  void count(RegionId region, const Message& message, std::size_t size_bytes);
+  // A datagram of a peer that is far, or a far hello.
+  void on_far(HostTime now, PeerId sender, const Message& message);
+  void on_far_hello(HostTime now, PeerId sender, Member& member, const Message& message);
   void on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hello& hello);
   // A peer has said its name, which may be that of another one.
   void report_same_name(PeerId sender, const std::string& name);

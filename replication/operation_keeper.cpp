@@ -168,7 +168,9 @@ std::expected<Taking, std::string> OperationKeeper::own(HostTime now, ObjectId o
   if (steals && !p_.config.may_steal) {
     return std::unexpected("this world's settings do not allow it (replication.steal)");
   }
-  const PeerId owner = owner_of(object);
+  PeerId owner = owner_of(object);
+  const bool is_released = p_.living.owners().contains(object);  // an operation has, whatever was introduced before
+  if (owner == kNobody && !is_released) owner = p_.members.far_owner(object);
   const bool asks = !steals && owner != p_.config.id && p_.members.contains(owner);
   const auto operation = asks ? edit(now, RequestObject{object, owner, p_.config.id}) : give(now, object, p_.config.id);
   if (!operation) return std::unexpected(operation.error());
@@ -181,7 +183,8 @@ void OperationKeeper::place_left_behind(HostTime now, SimTime t) {
     return p_.owners.of(each.first) != kNobody || t - each.second.at > kPlacedWithin;
   });
   const auto is_earlier = [&](const auto& other) { return other.second.synchronised && other.first < p_.config.id; };
-  const bool is_first = std::ranges::none_of(p_.members.all(), is_earlier);
+  const bool is_first =
+      std::ranges::none_of(p_.members.all(), is_earlier) && std::ranges::none_of(p_.members.far(), is_earlier);
   if (!is_first && p_.living.locks().empty()) return;
   for (const auto& [object, left] : LeftObjects(p_.left_behind)) {
     // A locked object is placed by those who may.

@@ -39,6 +39,8 @@ class Peer::Impl {
  private:
   void tick(SimTime t, std::span<const OwnSample> samples);
   void advance(SimTime t);
+  void introduce(Hello& hello);
+  void send_far_hello(HostTime now);
   [[nodiscard]] bool is_settled(HostTime now) const;
 };
 
@@ -62,7 +64,12 @@ void Peer::Impl::on_tick(HostTime now, std::span<const OwnSample> samples) {
     operations.place_left_behind(now, *due);
     parts.regions.follow_interest(*due, parts.to_session(now));
   }
+  if (parts.members.follow_size(parts.replica.begun() && parts.regions.cuts())) {
+    parts.greeter.on_size_changed(now, parts.outbox.last_number(parts.members.channel()));
+    parts.decisions.forget_numbers();
+  }
   operations.send(now);
+  if (parts.greeter.is_far_due(now, parts.time.follows() == parts.config.id)) send_far_hello(now);
   if (!is_settled(now) || parts.exchange.has_news()) parts.greeter.hurry();
   if (parts.greeter.is_due(now)) {  // before the records: a peer that does not know this one can't use its updates
     send_hello(now, false);
@@ -73,11 +80,13 @@ void Peer::Impl::on_tick(HostTime now, std::span<const OwnSample> samples) {
   }
   if (ticks) parts.regions.announce();
   parts.publication.flush(ticks);
-  if (parts.greeter.needs_keepalive(now, parts.outbox.last_number())) {
+  const RegionId channel = parts.members.channel();
+  if (parts.greeter.needs_keepalive(now, parts.outbox.last_number(channel))) {
     Message keepalive = parts.outbox.blank();
-    parts.outbox.send(keepalive);
+    (void)parts.regions.send_to_peers(keepalive);
+    parts.greeter.note_kept_alive(now);
   }
-  parts.greeter.note_sent(now, parts.outbox.last_number());
+  parts.greeter.note_sent(now, parts.outbox.last_number(channel));
 }
 
 void Peer::Impl::tick(SimTime t, std::span<const OwnSample> samples) {
@@ -123,8 +132,9 @@ bool Peer::Impl::is_settled(HostTime now) const {
   const bool lossy = copies_against(parts.members.worst_loss_to_peers(), 2) > 1;
   return parts.replica.begun() && !parts.greeter.is_settling(now) &&
          !parts.greeter.must_introduce(parts.time.clock().synchronised()) && !lossy &&
-         !parts.decisions.has_deferred() && std::ranges::none_of(parts.members.all(), [](const auto& entry) {
-           return entry.second.awaits_our_decision || !entry.second.synchronised;
+         !parts.decisions.has_deferred() && std::ranges::none_of(parts.members.all(), [&](const auto& entry) {
+           const bool waits = !entry.second.synchronised && !parts.members.is_large();  // for far hellos
+           return entry.second.awaits_our_decision || waits;
          });
 }
 
@@ -139,23 +149,44 @@ void Peer::Impl::send_hello(HostTime now, bool leaving) {
   hello.notes = parts.decisions.notes();
   if (hello.session_tx) hello.scene_digest = scene.digest(*hello.session_tx);
   parts.greeter.fill_echoes(hello, now, parts.regions.cuts());
-  if (parts.greeter.introduces(parts.time.clock().synchronised())) {
-    std::vector<ObjectId> own;
-    for (const auto& [object, each] : std::as_const(parts.own)) {
-      if (!each.adopted) own.push_back(object);  // decisions and updates say whose that is, and since when
-    }
-    Introduction& introduction =
-        hello.introduction.emplace(parts.greeter.introduction(own, parts.world_time.start(), parts.world_time.zero()));
-    for (std::size_t k = 0; k < introduction.owned.size(); ++k) {
-      if (parts.owners.as_founder(introduction.owned[k])) introduction.owned_as_founder |= std::uint64_t{1} << k;
-    }
-  }
+  if (parts.greeter.introduces(parts.time.clock().synchronised())) introduce(hello);
   // Each of these takes the room of one subscription.
   const bool as_founder = hello.introduction && hello.introduction->owned_as_founder != 0;
   const std::size_t subscriptions = kSubscriptionsWithHello - (as_founder ? 1 : 0) - (hello.scene_digest != 0 ? 1 : 0);
+  const std::vector<RegionId> regions = parts.regions.of_nearby();  // before: what is asked for there is among them
   if (!leaving) m.subscriptions = parts.regions.take(subscriptions, true);
   operations.add_lengths(m);
-  parts.greeter.on_hello_sent(now, parts.outbox.send(m));
+  const bool is_for_all = leaving || !parts.members.is_large();
+  const RegionId channel = is_for_all ? kWholeScene : kNearby;
+  const std::uint32_t number = is_for_all ? parts.outbox.send(m) : parts.outbox.send_nearby(m, regions);
+  parts.greeter.on_hello_sent(now, channel, number);
+}
+
+void Peer::Impl::introduce(Hello& hello) {
+  std::vector<ObjectId> own;
+  for (const auto& [object, each] : std::as_const(parts.own)) {
+    if (!each.adopted) own.push_back(object);  // decisions and updates say whose that is, and since when
+  }
+  Introduction& introduction =
+      hello.introduction.emplace(parts.greeter.introduction(own, parts.world_time.start(), parts.world_time.zero()));
+  for (std::size_t k = 0; k < introduction.owned.size(); ++k) {
+    if (parts.owners.as_founder(introduction.owned[k])) introduction.owned_as_founder |= std::uint64_t{1} << k;
+  }
+}
+
+// Says to all peers of a large session that this one is here, and, where it leads, what time it is.
+void Peer::Impl::send_far_hello(HostTime now) {
+  const bool leads = parts.time.follows() == parts.config.id;
+  Message m = parts.outbox.blank();
+  m.next_hello = parts.greeter.schedule_next_far(now, leads);
+  Hello& hello = m.hello.emplace();
+  parts.time.stamp(hello, now);
+  hello.sessions = parts.greeter.sessions();
+  hello.latency = parts.members.own_latency();
+  introduce(hello);
+  if (leads) Greeter::fill_far_echoes(hello, now, parts.members);
+  operations.add_lengths(m);
+  parts.greeter.on_hello_sent(now, kWholeScene, parts.outbox.send(m));
 }
 
 // ---- the facade ----

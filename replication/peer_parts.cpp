@@ -78,7 +78,7 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
       stored_until(restore(peer_config.log, logs, living, model)),
       ticks(config.tick_hz),
       outbox(config.id, config.incarnation, counters),
-      members(config.lost_after),
+      members(config.lost_after, config.large),
       limits(members, outbox, counters),
       admission(config, members, outbox, limits),
       time(config, members, outbox, counters, limits),

@@ -47,8 +47,9 @@ struct PeerParts {
   PeerParts(const PeerParts&) = delete;
   PeerParts& operator=(const PeerParts&) = delete;
 
-  PeerConfig config;                       // look_from() alone changes it
-  const std::vector<ObjectId> configured;  // what configurations or the file give to peers, ascending
+  PeerConfig config;  // look_from() alone changes it
+  const std::vector<ObjectId>&
+      configured;  // of the model that this peer was given: what configurations or the file give to peers, ascending
   ModelInForce model;
   // The operations that all peers have made, and what they make of the scene. The model begins with what is stored.
   const AuthorId author;  // of this peer's own

@@ -40,14 +40,14 @@ bool SessionKeeper::maintain(HostTime now) {
     p_.outbox.push(HostSuspended{gap});
     return false;
   }
-  for (auto& [peer, member] : p_.members.expire(now)) lose(peer, member, now, false);
+  expire_members(now);
   const bool lost_leader = p_.time.has_lost_leader();
   if (p_.time.found_session(now)) {
     if (!p_.replica.begun()) {
       own_as_founder();
       enter_session(now);
     }
-  } else if (lost_leader) {
+  } else if (lost_leader || (!p_.time.follows() && p_.time.clock().synchronised())) {
     follow_leader(now, std::nullopt);
   }
   const auto step = p_.time.adjust(now);
@@ -58,6 +58,33 @@ bool SessionKeeper::maintain(HostTime now) {
   if (p_.replica.begun()) move_to_session_time(after - step->by, after, step->same_session);
   p_.outbox.push(ClockStepped{p_.time.clock().session_minus_host(now), step->by, step->same_session});
   return false;
+}
+
+// Who is near, and owns what this peer receives, publishes where this peer listens, and says there that it is here.
+void SessionKeeper::expire_members(HostTime now) {
+  const auto is_due = [&](PeerId peer) {
+    return std::ranges::any_of(p_.owners, [&](const auto& each) {
+      return each.second == peer && p_.replica.begun() && p_.regions.is_heard(each.first);
+    });
+  };
+  std::vector<PeerId> far;
+  for (auto& [peer, member] : p_.members.expire(now, is_due, p_.time.follows(), &far)) lose(peer, member, now, false);
+  for (const PeerId peer : far) p_.exchange.on_lost(peer);
+  for (auto& [peer, gone] : p_.members.expire_far(now)) lose_far(peer, gone, now, false);
+}
+
+void SessionKeeper::lose_far(PeerId peer, const FarPeer& far, HostTime now, bool left_gracefully) {
+  Member member;
+  member.name = far.name;
+  member.since = far.since;
+  lose(peer, member, now, left_gracefully);
+}
+
+void SessionKeeper::dismiss_far(PeerId peer, HostTime now) {
+  const auto far = p_.members.remove_far(peer);
+  if (!far) return;
+  p_.admission.note_departed(peer, far->incarnation);
+  lose_far(peer, *far, now, true);
 }
 
 void SessionKeeper::follow_leader(HostTime now, std::optional<PeerId> sender) {

@@ -45,6 +45,8 @@ class SessionKeeper {
   void follow_scene();
   // A peer has gone, of which `member` was known.
   void lose(PeerId peer, const Member& member, HostTime now, bool left_gracefully);
+  // A far peer has said goodbye.
+  void dismiss_far(PeerId peer, HostTime now);
   // A peer has gone, or begins anew: what it owned stands still from now on and belongs to nobody. An operation may
   // have said since `since` where it stands. `for_good`: not only silent; the life of its objects ends.
   void orphan_objects_of(PeerId peer, HostTime since, HostTime now, bool for_good);
@@ -52,6 +54,8 @@ class SessionKeeper {
   void reintroduce() { p_.greeter.reintroduce(p_.own.size()); }
 
  private:
+  void lose_far(PeerId peer, const FarPeer& far, HostTime now, bool left_gracefully);
+  void expire_members(HostTime now);
   void own_as_founder();
   void enter_session(HostTime now);
   void move_to_session_time(SimTime before, SimTime now, bool same_session);

@@ -216,6 +216,8 @@ ReplicationSettings read_replication(TomlReader reader) {
   reader.read("tick_hz", s.tick_hz, 1, 1000);
   s.bounded_latency.tick_hz = s.tick_hz;
   reader.read("settled_hello_period_s", s.settled_hello_period_s, 0.25, 4.0);
+  reader.read("large_session_above", s.large.above, 0, 1'000'000);
+  reader.read("far_hellos_per_s", s.large.hellos_per_s, 1.0, 1e6);
   reader.read("clock_ahead_s", s.clock_ahead_s, 1.0, kForever_s);
   reader.read("steal", s.steal);
   reader.finish();

@@ -33,6 +33,7 @@ struct ReplicationSettings {
   replication::RegionSettings regions;  // the table [regions]
   std::uint32_t tick_hz = 60;
   double settled_hello_period_s = 1.0;
+  replication::LargeSession large;
   double clock_ahead_s = 600.0;  // how far others may move session time ahead of a peer's own clocks
   bool steal = false;            // a peer may take an object without asking its owner
   CollisionSettings collision;   // the table [collision]

@@ -107,6 +107,9 @@ ordered_json status(PeerNode& node, HostTime now, const MoreCounters& more) {
   for (const auto& [id, member] : peer.members().all()) {
     reply["members"].push_back({{"id", id.value}, {"name", member.name}, {"joined", member.synchronised}});
   }
+  for (const auto& [id, far] : peer.members().far()) {  // of a large session
+    reply["members"].push_back({{"id", id.value}, {"name", far.name}, {"joined", far.synchronised}});
+  }
   reply["locks"] = ordered_json::array();
   for (const replication::Lock& lock : peer.locks()) {
     reply["locks"].push_back({{"path", path_or_id(node.scene(), lock.object)}, {"by", lock.by}});
@@ -249,7 +252,7 @@ ordered_json operation_reply(const PeerNode& node, replication::OperationId id) 
   reply["held"] = state.held;
   reply["stored"] = state.stored;
   reply["stores"] = node.stores();
-  reply["alone"] = node.peer().members().all().empty();
+  reply["alone"] = node.peer().members().count() == 0;
   reply["done"] = state.refused.empty();
   if (!state.refused.empty()) reply["refused"] = state.refused;
   return reply;

@@ -117,6 +117,7 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
   config.display_delay = replication.display_delay;
   config.bounded_latency = replication.bounded_latency;
   config.regions = replication.regions;
+  config.large = replication.large;
   config.interest_radius_m = settings.interest_radius_m;
   config.tick_hz = settings.tick_hz.value_or(replication.tick_hz);
   config.detection = replication.collision.make_detection(replication.tick_hz);
@@ -178,17 +179,14 @@ PeerId PeerNode::starter() const {
 // one who set it may have left, or be another life that has forgotten.
 void PeerNode::agree_on_start(HostTime now) {
   if (!peer_.clock().synchronised()) return;
-  const auto& members = peer_.members().all();
-  const auto announcing =
-      std::ranges::find_if(members, [](const auto& member) { return member.second.start.has_value(); });
-  if (options_.late && announcing != members.end()) {
-    follow_start(now, *announcing->second.start);
+  const std::optional<SimTime> announced = peer_.members().announced_start();
+  if (options_.late && announced) {
+    follow_start(now, *announced);
     return;
   }
-  if (options_.watches && !peer_.owns_any() && announcing == members.end()) return;
+  if (options_.watches && !peer_.owns_any() && !announced) return;
   if (const PeerId other = starter(); other != config_.id) {
-    const auto member = members.find(other);
-    if (member != members.end() && member->second.start) log_.start = member->second.start;
+    if (const auto start = peer_.members().start_of(other)) log_.start = start;
   } else if (!missing().empty()) {
     complete_since_.reset();
   } else if (!log_.start) {
@@ -198,7 +196,7 @@ void PeerNode::agree_on_start(HostTime now) {
     if (others_may_know && now - *complete_since_ < kStartIsAnnouncedWithin) return;
     log_.start = std::chrono::ceil<std::chrono::seconds>(peer_.clock().to_session(now) + options_.start_lead);
   }
-  if (log_.start && !announces_start_ && announcing == members.end()) {
+  if (log_.start && !announces_start_ && !announced) {
     announces_start_ = true;
     peer_.announce_start(*log_.start);
   }
@@ -207,11 +205,8 @@ void PeerNode::agree_on_start(HostTime now) {
 std::vector<AwaitedPeer> PeerNode::missing() const {
   std::vector<AwaitedPeer> missing;
   if (log_.start) return missing;
-  const auto& members = peer_.members().all();
   for (const AwaitedPeer& peer : options_.wait_for) {
-    const auto member = members.find(peer.id);
-    const bool is_here = peer.id == config_.id || (member != members.end() && member->second.synchronised);
-    if (!is_here) missing.push_back(peer);
+    if (peer.id != config_.id && !peer_.members().has_joined(peer.id)) missing.push_back(peer);
   }
   return missing;
 }

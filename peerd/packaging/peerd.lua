@@ -14,7 +14,8 @@ peerd.prefs.group = Pref.string("Group of region 0", "239.192.80.0",
 peerd.prefs.regions = Pref.string("Group of region 1", "",
   "as peers log it when they start: a datagram to the n-th group after it is of region n + 1. Empty: no grid has more than 1,023 regions")
 
-local VERSION = 9
+local VERSION = 10
+local NEXT_HELLO_MOST_MS = 24 * 60 * 60 * 1000
 local MOST_BYTES = 1136
 local REGION_MARK, RELAY_MARK, GREETING_MARK, SEALED_GREETING_MARK = 0x52, 0x53, 0x47, 0x67
 -- The first bytes of what is sealed, without the epoch in their lowest five bits.
@@ -56,6 +57,8 @@ local F = {
   number = field("uint32", "number", "Number of the sender's datagrams to the region"),
   boot_low = field("uint32", "boot_low", "Boot, lowest 21 bits"),
   leaving = field("bool", "leaving", "Leaving"),
+  nearby = field("bool", "nearby", "For who is near"),
+  next_hello = field("uint32", "next_hello_ms", "The next one to all comes within [ms]"),
   unknown = field("uint32", "unknown_field", "Unknown field"),
   hello = {
     tx = field("int64", "hello.session_tx_ns", "Session time when it left [ns]"),
@@ -1592,6 +1595,10 @@ local function dissect_datagram(tvb, tree, pinfo, whole)
     { bytes = function(inner, range) states = dissect_scene(inner, tree:add(range, "Scene objects")) end },
     { bytes = function(inner, range) log_parts = { inner, tree:add(range, "Operations") } end },
     { bytes = function(inner, range) asked = dissect_requests(inner, tree:add(range, "Operations asked for")) end },
+    { varint = function(v, range) tree:add(F.nearby, range, v ~= UInt64.new(0)) end },
+    uint32(tree, F.next_hello, function(v)
+      if v > NEXT_HELLO_MOST_MS then refuse("a next hello later than in a day") end
+    end),
   })
   if version ~= VERSION then refuse("version " .. version .. ", and this dissector knows " .. VERSION) end
   if sender == 0 then refuse("sender 0") end

@@ -359,6 +359,11 @@ void ContactDecisions::on_contact_notes(PeerId sender, const Hello& hello, SimTi
   }
 }
 
+void ContactDecisions::mark_as_missing(PeerId sender, std::uint32_t number) {
+  Member& member = *members_.find(sender);
+  member.received[member.channel].mark_as_missing(number);
+}
+
 // A peer that has just joined may not know yet who owns the objects: it acknowledges the decision as missing, so that
 // it is repeated.
 const char* ContactDecisions::on_decision(PeerId sender, std::uint32_t number, const DecisionRecord& d,
@@ -366,11 +371,11 @@ const char* ContactDecisions::on_decision(PeerId sender, std::uint32_t number, c
   if (!model_->are_paired(d.collider, d.collidee)) {
     const Scene& scene = *model_->scene;
     const bool may_come = !scene.contains(d.collider) || !scene.contains(d.collidee);  // by an operation
-    if (may_come) members_.find(sender)->received[kWholeScene].mark_as_missing(number);
+    if (may_come) mark_as_missing(sender, number);
     return "no_pair";
   }
   if (!may_have_decided(sender, d)) {
-    members_.find(sender)->received[kWholeScene].mark_as_missing(number);
+    mark_as_missing(sender, number);
     return "not_decider";
   }
   if (const char* why = why_void(d)) return why;
@@ -606,6 +611,8 @@ void ContactDecisions::replay(ObjectId object, SimTime from, bool in_truth) {
 // Whether every peer of the session has the decision, as far as they say.
 bool ContactDecisions::is_acknowledged_by_all(const DecisionLog::Entry& own) const {
   return std::ranges::all_of(members_.all(), [&](const auto& member) {
+    // In a large session some are heard that do not hear this peer.
+    if (members_.is_large() && !member.second.echo.echoes_us) return true;
     return !member.second.synchronised || own.acknowledged_by.contains(member.first);
   });
 }
@@ -619,6 +626,14 @@ void ContactDecisions::on_acknowledgement(PeerId sender, const Acknowledgement& 
       repeat(e);
     }
   }
+}
+
+bool ContactDecisions::is_of_scene(const DecisionRecord& d) const {
+  return scene_.contains(d.collider) || scene_.contains(d.collidee);
+}
+
+void ContactDecisions::forget_numbers() {
+  for (DecisionLog::Entry& decision : log_.entries()) decision.sent_in.clear();
 }
 
 void ContactDecisions::on_new_session_of(PeerId sender) {

@@ -79,6 +79,11 @@ class ContactDecisions {
   void on_acknowledgement(PeerId sender, const Acknowledgement& acknowledgement);
   // The sender has begun a session: it knows of no decision.
   void on_new_session_of(PeerId sender);
+  // The datagrams of this peer are numbered anew: what they have carried is not acknowledged by them any more.
+  void forget_numbers();
+
+  // Whether one of the two is a scene object.
+  [[nodiscard]] bool is_of_scene(const DecisionRecord& d) const;
 
   // ---- what goes out
 
@@ -125,6 +130,7 @@ class ContactDecisions {
   [[nodiscard]] std::optional<Pose> camera_pose(const Viewpoint& viewpoint, SimTime at) const;
 
  private:
+  void mark_as_missing(PeerId sender, std::uint32_t number);
   // A contact that this peer has found and another is to decide.
   struct Deferred {
     ContactEvent contact;

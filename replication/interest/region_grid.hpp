@@ -10,6 +10,8 @@ namespace peerd::replication {
 
 // The region of the session itself: hellos, decisions, and everything where the scene is not cut into regions.
 inline constexpr RegionId kWholeScene{0};
+// No region: by this the datagrams are numbered that go to the regions where their sender publishes (Message::nearby).
+inline constexpr RegionId kNearby{0xFFFF'FFFF};
 
 // Cuts space into cubic cells and gives each a region, out of so many that there is one multicast group for each. The
 // regions repeat: along an axis with n of them, cells n apart share one, so that a scene of any size needs no more

@@ -1,5 +1,6 @@
 #include "replication/output/outbox.hpp"
 
+#include <algorithm>
 #include <cassert>
 
 namespace peerd::replication {
@@ -26,6 +27,17 @@ std::uint32_t Outbox::send(Message& message, RegionId region, std::span<const En
   assert(message.sender == self_ && message.incarnation == incarnation_);
   message.number = ++numbers_[region];
   put(region, message, updates);
+  return message.number;
+}
+
+std::uint32_t Outbox::send_nearby(Message& message, std::span<const RegionId> regions,
+                                  std::span<const EncodedUpdate> updates) {
+  assert(message.sender == self_ && message.incarnation == incarnation_);
+  assert(std::ranges::is_sorted(regions) && (regions.empty() || regions.front() != kWholeScene));
+  if (regions.empty()) return last_number(kNearby);
+  message.nearby = true;
+  message.number = ++numbers_[kNearby];
+  for (const RegionId region : regions) put(region, message, updates);
   return message.number;
 }
 

@@ -66,4 +66,28 @@ const char* to_string(MemberLimit limit) {
   return "?";
 }
 
+const char* to_string(DatagramKind kind) {
+  switch (kind) {
+    case DatagramKind::kHello:
+      return "hello";
+    case DatagramKind::kFarHello:
+      return "far_hello";
+    case DatagramKind::kDecisions:
+      return "decisions";
+    case DatagramKind::kSubscriptions:
+      return "subscriptions";
+    case DatagramKind::kSceneStates:
+      return "scene_states";
+    case DatagramKind::kOperations:
+      return "operations";
+    case DatagramKind::kHandovers:
+      return "handovers";
+    case DatagramKind::kUpdates:
+      return "updates";
+    case DatagramKind::kKeepalive:
+      return "keepalive";
+  }
+  return "?";
+}
+
 }  // namespace peerd::replication

@@ -50,6 +50,21 @@ enum class MemberLimit : std::uint8_t {
 };
 [[nodiscard]] const char* to_string(MemberLimit);
 
+// What a datagram that is received is counted as: the first of these that it has.
+enum class DatagramKind : std::uint8_t {
+  kHello,
+  kFarHello,  // of a large session
+  kDecisions,
+  kSubscriptions,
+  kSceneStates,
+  kOperations,
+  kHandovers,
+  kUpdates,
+  kKeepalive,
+};
+inline constexpr std::size_t kDatagramKinds = static_cast<std::size_t>(DatagramKind::kKeepalive) + 1;
+[[nodiscard]] const char* to_string(DatagramKind);
+
 // The counters of what one peer has done since it was made.
 struct PeerCounters {
   std::uint64_t datagrams_in = 0, datagrams_out = 0, bytes_in = 0, bytes_out = 0;
@@ -97,9 +112,13 @@ struct PeerCounters {
     std::map<std::string, std::uint64_t> drops;
   };
   std::map<RegionId, Traffic> regions;
-  std::uint64_t clock_steps = 0;           // steps of session time
-  std::uint64_t clock_contradictions = 0;  // stamps that cannot be true together, because some clock jumped
-  std::uint64_t os_clocks_doubted = 0;     // pairs of OS clocks that contradict the stamps
+  struct Volume {
+    std::uint64_t datagrams = 0, bytes = 0;
+  };
+  std::array<Volume, kDatagramKinds> kinds_in{};  // of datagrams that were used, by DatagramKind
+  std::uint64_t clock_steps = 0;                  // steps of session time
+  std::uint64_t clock_contradictions = 0;         // stamps that cannot be true together, because some clock jumped
+  std::uint64_t os_clocks_doubted = 0;            // pairs of OS clocks that contradict the stamps
 };
 
 }  // namespace peerd::replication

@@ -80,6 +80,14 @@ struct SightSettings {
   std::vector<View> views;
 };
 
+// How a session of many peers saves traffic, where the scene is cut into regions (docs/scale.md). A peer that knows of
+// more than `above` peers, itself included, says hello to the regions where it publishes, and to all peers only so
+// often that the far hellos of all together are `hellos_per_s`.
+struct LargeSession {
+  std::uint32_t above = 48;    // 0: no session is large
+  double hellos_per_s = 24.0;  // > 0
+};
+
 struct PeerConfig {
   PeerId id{1};
   std::string name;
@@ -104,6 +112,7 @@ struct PeerConfig {
   DisplayDelay display_delay;
   BoundedLatency bounded_latency;  // where it is on, display_delay and convergence do not count
   RegionSettings regions;
+  LargeSession large;
   SightSettings sight;
   // This peer receives, where the scene is cut into regions, what is so near [m] to its viewpoint, or, where it has
   // none, to an object that it owns; and what these could collide with. None: it receives everything.

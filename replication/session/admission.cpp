@@ -6,8 +6,6 @@
 namespace peerd::replication {
 namespace {
 
-// The most members: there are no more peers on one network, unless a forger invents them.
-constexpr std::size_t kMembersMax = 4096;
 // The most versions that are reported.
 constexpr std::size_t kVersionsMax = 8;
 // The incarnations of so many departed peers are remembered, so that a late datagram of theirs is recognised.
@@ -17,15 +15,72 @@ constexpr Duration kAnswersApart = std::chrono::milliseconds(50);
 // Another program of this peer's id counts once it has been heard for so long, and not by one damaged datagram.
 constexpr Duration kRivalGoesOnFor = std::chrono::milliseconds(50);
 
+// Whether a datagram to all says nothing but that its sender is here.
+bool says_presence_alone(RegionId region, const Message& m) {
+  return region == kWholeScene && m.updates.empty() && m.decisions.empty() && m.scene.states.empty() &&
+         m.operations.empty() && m.operation_requests.empty() && m.subscriptions.empty();
+}
+
 }  // namespace
 
 Admission::Admission(const PeerConfig& config, Membership& members, Outbox& outbox, MemberLimits& limits)
     : config_(config), members_(members), outbox_(outbox), limits_(limits) {}
 
-std::expected<Membership::Admission, Drop> Admission::admit(HostTime now, const Message& m,
+// A far hello, or another datagram to all of a peer that is no member of this one's large session.
+std::expected<Membership::Admission, Drop> Admission::admit_far(HostTime now, const Message& m, const OnLost& on_lost) {
+  assert(m.sender != config_.id);
+  const Introduction* const introduction = m.introduction();
+  const Member* const known = members_.find(m.sender);
+  const FarPeer* const far = members_.find_far(m.sender);
+  if (introduction == nullptr) {
+    const bool is_same = far != nullptr && incarnation_low(far->incarnation) == m.incarnation;
+    if (far != nullptr && !is_same) return std::unexpected(Drop::kStaleIncarnation);
+    return far != nullptr ? std::expected<Membership::Admission, Drop>(Membership::Admission::kFar)
+                          : std::unexpected(Drop::kUnintroduced);
+  }
+  const auto departed = departed_peers_.find(m.sender);
+  const bool is_over = departed != departed_peers_.end() && m.incarnation <= departed->second;
+  if (known == nullptr && far == nullptr && is_over) return std::unexpected(Drop::kStaleIncarnation);
+  if (known == nullptr && far == nullptr && members_.count() >= kMembersMax) return std::unexpected(Drop::kTooMany);
+  if (introduction->world_hash != config_.world_hash) return reject_other_world(m);
+  const std::uint64_t incarnation = known != nullptr ? known->incarnation : far != nullptr ? far->incarnation : 0;
+  if (incarnation == m.incarnation) return Membership::Admission::kFar;
+  if (m.incarnation < incarnation) return std::unexpected(Drop::kStaleIncarnation);
+  if (!limits_.take(now, m.sender, MemberLimit::kRestarts)) return std::unexpected(Drop::kMemberLimit);
+  if (const auto member = members_.remove(m.sender)) on_lost(m.sender, *member);
+  lose_far(m.sender, on_lost);
+  return Membership::Admission::kFar;
+}
+
+void Admission::lose_far(PeerId peer, const OnLost& on_lost) {
+  const auto gone = members_.remove_far(peer);
+  if (!gone) return;
+  Member member;
+  member.name = gone->name;
+  member.since = gone->since;
+  on_lost(peer, member);
+}
+
+std::expected<Membership::Admission, Drop> Admission::admit(HostTime now, RegionId region, const Message& m, bool leads,
                                                             std::optional<HostTime> started, const OnLost& on_lost) {
   if (m.sender == config_.id) return admit_own(now, m, started);
   const Introduction* introduction = m.introduction();
+  if (m.next_hello) return admit_far(now, m, on_lost);
+  const FarPeer* const far = members_.find_far(m.sender);
+  const bool is_new = far == nullptr && members_.find(m.sender) == nullptr;
+  const bool joins = m.hello && !m.hello->session_tx;  // who leads answers it
+  if ((far != nullptr || is_new) && members_.is_large() && says_presence_alone(region, m) && !(leads && joins)) {
+    return admit_far(now, m, on_lost);
+  }
+  if (far != nullptr && introduction == nullptr && incarnation_low(far->incarnation) == m.incarnation) {
+    members_.promote(now, m.sender, true);
+    return Membership::Admission::kNear;
+  }
+  if (far != nullptr && introduction != nullptr && far->incarnation == m.incarnation &&
+      introduction->world_hash == config_.world_hash) {
+    members_.promote(now, m.sender, true);
+    return Membership::Admission::kNear;
+  }
   const Member* known = members_.find(m.sender);
   if (introduction == nullptr) {
     if (known == nullptr) return std::unexpected(Drop::kUnintroduced);
@@ -37,14 +92,16 @@ std::expected<Membership::Admission, Drop> Admission::admit(HostTime now, const 
   if (known == nullptr && departed != departed_peers_.end() && m.incarnation <= departed->second) {
     return std::unexpected(Drop::kStaleIncarnation);
   }
-  if (known == nullptr && members_.all().size() == kMembersMax) return std::unexpected(Drop::kTooMany);
+  if (known == nullptr && members_.count() >= kMembersMax) return std::unexpected(Drop::kTooMany);
   if (introduction->world_hash != config_.world_hash) {
     if (known != nullptr && m.incarnation < known->incarnation) return std::unexpected(Drop::kStaleIncarnation);
     if (const auto member = members_.remove(m.sender)) on_lost(m.sender, *member);
     return reject_other_world(m);
   }
+  if (far != nullptr && m.incarnation < far->incarnation) return std::unexpected(Drop::kStaleIncarnation);
   const bool starts = known == nullptr || m.incarnation > known->incarnation;
   if (starts && !limits_.take(now, m.sender, MemberLimit::kRestarts)) return std::unexpected(Drop::kMemberLimit);
+  if (far != nullptr) lose_far(m.sender, on_lost);  // it begins anew
   const Membership::Admission admission = members_.on_datagram(now, m.sender, m.incarnation);
   if (admission == Membership::Admission::kStale) return reject_earlier_life(now, m);
   return admission;
@@ -104,8 +161,12 @@ std::unexpected<Drop> Admission::reject_other_world(const Message& m) {
 Member Admission::dismiss(PeerId peer) {
   auto member = members_.remove(peer);
   assert(member);
-  if (departed_peers_.size() < kDepartedMax) departed_peers_[peer] = member->incarnation;
+  note_departed(peer, member->incarnation);
   return *std::move(member);
+}
+
+void Admission::note_departed(PeerId peer, std::uint64_t incarnation) {
+  if (departed_peers_.size() < kDepartedMax) departed_peers_[peer] = incarnation;
 }
 
 void Admission::on_other_version(PeerId sender, std::uint32_t version) {

@@ -29,12 +29,15 @@ class Admission {
 
   // Returns how the sender is known, never kStale, or why the message is dropped. `started`: when this peer was
   // started; none: not yet. `on_lost` is called for a member that turns out to have another world, before that is
-  // reported.
-  [[nodiscard]] std::expected<Membership::Admission, Drop> admit(HostTime now, const Message& message,
-                                                                 std::optional<HostTime> started,
+  // reported. kFar: the message is of a peer of a large session that is not near, and says nothing but that it is here;
+  // who restarts so has been removed, and reported to `on_lost`. `leads`: this peer leads, and answers who joins.
+  [[nodiscard]] std::expected<Membership::Admission, Drop> admit(HostTime now, RegionId region, const Message& message,
+                                                                 bool leads, std::optional<HostTime> started,
                                                                  const OnLost& on_lost);
   // A member says goodbye, which is its last word in this incarnation: it is removed and returned.
   [[nodiscard]] Member dismiss(PeerId peer);
+  // No datagram of that incarnation counts any more.
+  void note_departed(PeerId peer, std::uint64_t incarnation);
   // Somebody asks whether a peer is alive, or says so: a question for this one is answered. Returns how the datagram is
   // counted.
   [[nodiscard]] Drop on_identity_check(HostTime now, const Message& message);
@@ -44,6 +47,10 @@ class Admission {
   [[nodiscard]] bool has_other_world(PeerId peer) const { return other_worlds_.contains(peer); }
 
  private:
+  // A far peer begins anew.
+  void lose_far(PeerId peer, const OnLost& on_lost);
+  [[nodiscard]] std::expected<Membership::Admission, Drop> admit_far(HostTime now, const Message& message,
+                                                                     const OnLost& on_lost);
   [[nodiscard]] std::unexpected<Drop> admit_own(HostTime now, const Message& message, std::optional<HostTime> started);
   [[nodiscard]] std::unexpected<Drop> reject_other_world(const Message& message);
   [[nodiscard]] std::unexpected<Drop> reject_earlier_life(HostTime now, const Message& message);

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cassert>
+#include <tuple>
 #include <utility>
 
+#include "core/mixed_bits.hpp"
 #include "replication/wire/hello_lists.hpp"
 
 namespace peerd::replication {
@@ -24,6 +26,12 @@ constexpr std::size_t kOwnedMax = 50, kOwnedMax_bytes = 131;
 static_assert(kOwnedMax <= 64, "each has a bit in owned_as_founder");
 // The most lost peers that are remembered: more than one network carries.
 constexpr std::size_t kLostPeersMax = 4096;
+// The peer that leads a large session says hello to all so often, and as often as joining peers do while one of them
+// waits for its echo: each far hello is echoed once.
+constexpr Duration kLeadersFarPeriod = std::chrono::milliseconds(500);
+// So many far hellos go soon after each other when a session becomes large, or this peer ceases to lead, so that nobody
+// takes this peer for lost because its other hellos do not come any more.
+constexpr std::size_t kFarAtOnce = 3;
 
 // Lists too long for one datagram take turns: of `size` entries at most `most`, from the `first` one on, going round.
 template <class Take>
@@ -80,9 +88,76 @@ void Greeter::reintroduce(std::size_t own_objects) {
 }
 
 bool Greeter::must_introduce(bool synchronised) const {
-  return !synchronised || introductions_due_ > 0 || std::ranges::any_of(members_.all(), [](const auto& entry) {
-    return !entry.second.echo.echoes_us && !entry.second.echo.unreachable;
+  return !synchronised || introductions_due_ > 0 || std::ranges::any_of(members_.all(), [&](const auto& entry) {
+    const Member& member = entry.second;
+    if (members_.is_large() && (!member.is_near || member.hello == 0)) return false;  // its far hellos know this peer
+    return !member.echo.echoes_us && !member.echo.unreachable;
   });
+}
+
+void Greeter::on_size_changed(HostTime now, std::uint32_t last_number) {
+  last_sent_number_ = last_number;
+  last_sent_at_ = now;
+  far_at_once_ = members_.is_large() ? kFarAtOnce : 0;
+  last_far_ = HostTime::min();
+  greet_anew(now);
+}
+
+Duration Greeter::far_interval(HostTime now, bool leads) const {
+  if (leads) return members_.has_joining(now) ? kJoiningHelloPeriod : kLeadersFarPeriod;
+  assert(config_.large.hellos_per_s > 0.0);
+  const double all_s = static_cast<double>(members_.count() + 1) / config_.large.hellos_per_s;
+  const Duration mean = std::max<Duration>(config_.settled_hello_period, from_seconds(all_s));
+  // Between half of it and one and a half, by bits that no other peer has.
+  const std::uint64_t bits = mixed_bits(mixed_bits(config_.incarnation ^ config_.id.value) + far_hellos_);
+  const double share = 0.5 + static_cast<double>(bits >> 11) * 0x1.0p-53;
+  return from_seconds(to_seconds(mean) * share);
+}
+
+bool Greeter::is_far_due(HostTime now, bool leads) {
+  if (!members_.is_large()) return false;
+  // Nobody may wait for the next one as for that of a leader.
+  if (std::exchange(led_, leads) && !leads) far_at_once_ = kFarAtOnce;
+  if (last_far_ == HostTime::min()) return true;
+  const Duration interval = far_at_once_ > 0 ? config_.hello_period : far_interval(now, leads);
+  return now - last_far_ >= interval;
+}
+
+Duration Greeter::schedule_next_far(HostTime now, bool leads) {
+  assert(members_.is_large());
+  last_far_ = now;
+  ++far_hellos_;
+  if (far_at_once_ > 0) --far_at_once_;
+  if (leads) return kLeadersFarPeriod;
+  // More peers may have come by then.
+  const double all_s = static_cast<double>(members_.count() + 1) / config_.large.hellos_per_s;
+  return std::max<Duration>(2 * config_.settled_hello_period, from_seconds(2.0 * all_s));
+}
+
+void Greeter::fill_far_echoes(Hello& hello, HostTime now, Membership& members) {
+  struct Candidate {
+    bool synchronised;
+    HostTime echoed_at;
+    PeerId peer;
+    FarHello* hello;
+  };
+  std::vector<Candidate> waiting;
+  const auto consider = [&](PeerId peer, bool synchronised, FarHello& far) {
+    if (far.number != 0 && far.number != far.echoed && now - far.rx <= kHeldMax) {
+      waiting.push_back({synchronised, far.echoed_at, peer, &far});
+    }
+  };
+  assert(hello.echoes.empty());
+  members.for_each_far_hello(consider);
+  std::ranges::sort(waiting, {}, [](const Candidate& c) { return std::tuple(c.synchronised, c.echoed_at, c.peer); });
+  for (std::size_t i = 0; i < std::min(waiting.size(), kEchoesMax); ++i) {
+    FarHello& far = *waiting[i].hello;
+    far.echoed = far.number;
+    far.echoed_at = now;
+    // Who hears that reads the times alone. A full run is the shortest to send.
+    const Received all{far.number, std::min(far.number, Received::kRunMax), ~std::uint64_t{0}};
+    hello.echoes.push_back({waiting[i].peer, far.number, now - far.rx, all, 0.0});
+  }
 }
 
 bool Greeter::introduces(bool synchronised) const {
@@ -98,13 +173,13 @@ void Greeter::fill_echoes(Hello& hello, HostTime now, bool cuts_regions) {
   std::vector<std::pair<PeerId, const Member*>> echoable;
   std::vector<std::size_t> echoable_new;
   for (const auto& [peer, member] : members_.all()) {
-    const auto received = member.received.find(kWholeScene);
+    const LossMeter* const received = member.received_on(members_.channel());
     if (const auto lost = lost_peers_.find(peer); lost != lost_peers_.end()) {
       if (lost->second++ < unnamed) continue;
       lost_peers_.erase(lost);
     }
     if (member.hello == 0 || now - member.hello_rx > kHeldMax) continue;
-    if (received == member.received.end()) continue;
+    if (received == nullptr || member.echoes_on != members_.channel()) continue;
     if (!member.synchronised) echoable_new.push_back(echoable.size());
     echoable.emplace_back(peer, &member);
   }
@@ -113,7 +188,7 @@ void Greeter::fill_echoes(Hello& hello, HostTime now, bool cuts_regions) {
   const double mean_loss = members_.mean_loss();
   take_turns(first, echoable.size(), kEchoesMax, [&](std::size_t i) {
     const auto& [peer, member] = echoable[i];
-    const LossMeter& meter = member->received.at(kWholeScene);
+    const LossMeter& meter = *member->received_on(members_.channel());
     // Regions keep most of a far peer's datagrams away, so that its hellos alone would take long to show a good link:
     // the mean loss of all members counts, too.
     const LossMeter all = member->received_in_all();
@@ -142,15 +217,15 @@ Introduction Greeter::introduction(std::span<const ObjectId> own, std::optional<
   return i;
 }
 
-void Greeter::on_hello_sent(HostTime now, std::uint32_t number) {
-  ++hellos_;
+void Greeter::on_hello_sent(HostTime now, RegionId channel, std::uint32_t number) {
+  if (channel == members_.channel()) ++hellos_;
   while (!sent_hellos_.empty() && now - sent_hellos_.front().at > kHeldMax) sent_hellos_.pop_front();
-  assert(sent_hellos_.empty() || sent_hellos_.back().number < number);
-  sent_hellos_.push_back({number, now});
+  sent_hellos_.push_back({channel, number, now});
 }
 
-std::optional<HostTime> Greeter::sent_at(std::uint32_t number) const {
-  const auto sent = std::ranges::find(sent_hellos_, number, &SentHello::number);
+std::optional<HostTime> Greeter::sent_at(RegionId channel, std::uint32_t number) const {
+  const auto sent = std::ranges::find_if(
+      sent_hellos_, [&](const SentHello& each) { return each.channel == channel && each.number == number; });
   return sent == sent_hellos_.end() ? std::nullopt : std::optional(sent->at);
 }
 

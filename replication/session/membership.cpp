@@ -18,6 +18,7 @@ Membership::Admission Membership::on_datagram(HostTime now, PeerId peer, std::ui
   const auto [at, added] = members_.try_emplace(peer);
   Member& member = at->second;
   Admission admission = added ? Admission::kJoined : Admission::kKnown;
+  if (added) far_.erase(peer);
   if (!added && incarnation < member.incarnation) return Admission::kStale;
   if (!added && incarnation > member.incarnation) {
     member = Member{};
@@ -29,11 +30,35 @@ Membership::Admission Membership::on_datagram(HostTime now, PeerId peer, std::ui
   return admission;
 }
 
-std::vector<std::pair<PeerId, Member>> Membership::expire(HostTime now) {
+std::vector<std::pair<PeerId, Member>> Membership::expire(HostTime now, const std::function<bool(PeerId)>& is_due,
+                                                          std::optional<PeerId> followed, std::vector<PeerId>* far) {
   std::vector<std::pair<PeerId, Member>> lost;
   for (auto at = members_.begin(); at != members_.end();) {
-    if (now - at->second.last_received < lost_after_) {
+    const auto& [peer, member] = *at;
+    if (now - member.last_received < lost_after_) {
       ++at;
+      continue;
+    }
+    const HostTime expected_until = far_hello_until(member);
+    const bool is_expected = expected_until > now;
+    if (is_expected && (peer == followed || peer == lowest()) && !(member.is_near && is_due && is_due(peer))) {
+      at->second.is_near = false;
+      ++at;
+      continue;
+    }
+    assert(!far_.contains(peer));
+    if (is_expected && !(member.is_near && is_due && is_due(peer))) {
+      FarPeer& gone = far_[peer];
+      gone.incarnation = member.incarnation;
+      gone.name = member.name;
+      gone.since = member.since;
+      gone.expected_until = expected_until;
+      gone.synchronised = member.synchronised;
+      gone.sessions = member.sessions;
+      gone.start = member.start;
+      gone.hello = member.far;
+      if (far != nullptr) far->push_back(peer);
+      at = members_.erase(at);
       continue;
     }
     lost.emplace_back(at->first, std::move(at->second));
@@ -49,7 +74,144 @@ std::optional<Member> Membership::remove(PeerId peer) {
 }
 
 void Membership::restart_silence_of_all(HostTime now) {
-  for (auto& [peer, member] : members_) member.last_received = now;
+  for (auto& [peer, member] : members_) {
+    member.expected_until += std::max(Duration{0}, now - member.last_received);
+    member.last_received = now;
+  }
+  const Duration silent = far_checked_at_ == HostTime{} ? Duration{0} : now - far_checked_at_;
+  for (auto& [peer, far] : far_) far.expected_until += silent;
+  far_checked_at_ = now;
+}
+
+FarPeer* Membership::find_far(PeerId peer) {
+  const auto at = far_.find(peer);
+  return at == far_.end() ? nullptr : &at->second;
+}
+
+std::pair<FarPeer*, bool> Membership::note_far(HostTime now, PeerId peer, std::uint64_t incarnation) {
+  assert(!members_.contains(peer));
+  const auto [at, is_new] = far_.try_emplace(peer);
+  if (is_new) at->second.since = now;
+  at->second.incarnation = incarnation;
+  return {&at->second, is_new};
+}
+
+std::optional<FarPeer> Membership::remove_far(PeerId peer) {
+  auto node = far_.extract(peer);
+  if (node.empty()) return std::nullopt;
+  return std::move(node.mapped());
+}
+
+PeerId Membership::far_owner(ObjectId object) const {
+  const auto at = std::ranges::find_if(
+      far_, [&](const auto& each) { return std::ranges::binary_search(each.second.owned, object); });
+  return at == far_.end() ? kNobody : at->first;
+}
+
+void Membership::for_each_far_hello(const std::function<void(PeerId, bool, FarHello&)>& function) {
+  for (auto& [peer, member] : members_) function(peer, member.synchronised, member.far);
+  for (auto& [peer, far] : far_) function(peer, far.synchronised, far.hello);
+}
+
+// Who says what is `nearby` says far hellos, too, and this peer may not have been here yet for the last one. Those of
+// who leads come all the time.
+HostTime Membership::far_hello_until(const Member& member) const {
+  const bool says_nearby = member.received_on(kNearby) != nullptr && !member.leads;
+  return says_nearby ? std::max(member.expected_until, member.last_received + far_patience()) : member.expected_until;
+}
+
+Duration Membership::far_patience() const {
+  const double all_s = static_cast<double>(count() + 1) / large_.hellos_per_s;
+  return kFarHellosMissed * from_seconds(2.0 * all_s) + lost_after_;
+}
+
+bool Membership::has_joined(PeerId peer) const {
+  const auto member = members_.find(peer);
+  if (member != members_.end()) return member->second.synchronised;
+  const auto far = far_.find(peer);
+  return far != far_.end() && far->second.synchronised;
+}
+
+std::optional<SimTime> Membership::start_of(PeerId peer) const {
+  const auto member = members_.find(peer);
+  if (member != members_.end()) return member->second.start;
+  const auto far = far_.find(peer);
+  return far != far_.end() ? far->second.start : std::nullopt;
+}
+
+std::optional<SimTime> Membership::announced_start() const {
+  const auto says_start = [](const auto& each) { return each.second.start.has_value(); };
+  const auto member = std::ranges::find_if(members_, says_start);
+  const auto far = std::ranges::find_if(far_, says_start);
+  if (member == members_.end() || (far != far_.end() && far->first < member->first)) {
+    return far != far_.end() ? far->second.start : std::nullopt;
+  }
+  return member->second.start;
+}
+
+bool Membership::has_joining(HostTime now) const {
+  const auto is_member = [&](const auto& each) {
+    return !each.second.synchronised && now - each.second.last_received < lost_after_;
+  };
+  const auto is_far = [&](const auto& each) {
+    return !each.second.synchronised && now - each.second.hello.rx < lost_after_;
+  };
+  return std::ranges::any_of(members_, is_member) || std::ranges::any_of(far_, is_far);
+}
+
+Member& Membership::promote(HostTime now, PeerId peer, bool is_near) {
+  auto node = far_.extract(peer);
+  assert(!node.empty());
+  assert(!members_.contains(peer));
+  FarPeer& far = node.mapped();
+  Member& member = members_[peer];
+  member.incarnation = far.incarnation;
+  member.since = far.since;
+  member.name = std::move(far.name);
+  member.last_received = now;
+  member.synchronised = far.synchronised;
+  member.sessions = far.sessions;
+  member.start = far.start;
+  member.is_near = is_near;
+  member.expected_until = far.expected_until;
+  member.far = far.hello;
+  return member;
+}
+
+std::optional<PeerId> Membership::lowest() const {
+  const auto is_in = [](const auto& each) { return each.second.synchronised; };
+  const auto member = std::ranges::find_if(members_, is_in);
+  const auto far = std::ranges::find_if(far_, is_in);
+  if (member == members_.end() && far == far_.end()) return std::nullopt;
+  if (member == members_.end()) return far->first;
+  if (far == far_.end()) return member->first;
+  return std::min(member->first, far->first);
+}
+
+std::vector<std::pair<PeerId, FarPeer>> Membership::expire_far(HostTime now) {
+  std::vector<std::pair<PeerId, FarPeer>> lost;
+  if (now - far_checked_at_ < std::chrono::seconds(1)) return lost;
+  far_checked_at_ = now;
+  const Duration patience = far_patience();
+  for (auto at = far_.begin(); at != far_.end();) {
+    if (std::max(at->second.expected_until, at->second.hello.rx + patience) > now) {
+      ++at;
+      continue;
+    }
+    lost.emplace_back(at->first, std::move(at->second));
+    at = far_.erase(at);
+  }
+  return lost;
+}
+
+bool Membership::follow_size(bool may_be) {
+  const std::size_t all = count() + 1;
+  const bool was = is_large_;
+  // Who came when others took the session for large already is of one mind with them, or nobody would echo the other.
+  const auto says_nearby = [](const auto& each) { return each.second.echoes_on == kNearby; };
+  const bool stays = was || !far_.empty() || std::ranges::any_of(members_, says_nearby);
+  is_large_ = may_be && large_.above > 0 && (all > large_.above || (stays && 4 * all > std::size_t{3} * large_.above));
+  return is_large_ != was;
 }
 
 Member* Membership::find(PeerId peer) {
@@ -59,8 +221,13 @@ Member* Membership::find(PeerId peer) {
 
 std::optional<HostTime> Membership::next_expiry() const {
   if (members_.empty()) return std::nullopt;
-  const auto first = std::ranges::min_element(members_, {}, [](const auto& e) { return e.second.last_received; });
-  return first->second.last_received + lost_after_;
+  std::optional<HostTime> first;
+  for (const auto& [peer, member] : members_) {
+    const HostTime at =
+        std::max(member.last_received + lost_after_, member.is_near ? HostTime{} : far_hello_until(member));
+    if (!first || at < *first) first = at;
+  }
+  return first;
 }
 
 void Membership::forget_clocks() {
@@ -76,7 +243,10 @@ double Membership::mean_loss() const {
 double Membership::worst_loss_to_peers() const {
   double worst = 0.0;
   for (const auto& [peer, member] : members_) {
-    if (!member.echo.unreachable) worst = std::max(worst, member.echo.loss_to_peer.value_or(LossMeter{}.loss()));
+    if (member.echo.unreachable) continue;
+    // In a large session nobody sends more often because a peer that does not echo it has come near.
+    if (is_large_ && !member.echo.loss_to_peer) continue;
+    worst = std::max(worst, member.echo.loss_to_peer.value_or(LossMeter{}.loss()));
   }
   assert(worst >= 0.0 && worst <= 1.0);
   return worst;

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -10,6 +11,8 @@
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
+#include "replication/interest/region_grid.hpp"
+#include "replication/policy/peer_config.hpp"
 #include "replication/session/delay_meter.hpp"
 #include "replication/session/echo_state.hpp"
 #include "replication/session/offset_interval.hpp"
@@ -17,6 +20,39 @@
 #include "replication/wire/wire.hpp"
 
 namespace peerd::replication {
+
+// The last hello that a peer has sent to all of a large session, for who echoes it.
+struct FarHello {
+  std::uint32_t number = 0;  // 0: none
+  HostTime rx{};
+  std::uint32_t echoed = 0;  // the last number that has been echoed; 0: none
+  HostTime echoed_at{};
+
+  void receive(std::uint32_t its_number, HostTime now) {
+    rx = now;
+    if (its_number != 0) number = its_number;  // 0 is not counted, and nobody can echo it
+  }
+};
+
+// A peer of a large session that is not near: nothing is known of it but that it is here, and what it owns.
+struct FarPeer {
+  std::uint64_t incarnation = 0;
+  std::string name;
+  HostTime since{};
+  HostTime expected_until{};   // its next hello comes by then, unless several are lost
+  bool synchronised = false;   // it has session time
+  std::uint32_t sessions = 0;  // as its hellos say
+  FarHello hello;
+  std::optional<SimTime> start;  // as Member's
+  std::vector<ObjectId> owned;   // by its introductions, ascending
+};
+
+// The most other peers that are kept, near and far: there are no more on one network, unless a forger invents them.
+inline constexpr std::size_t kMembersMax = 4096;
+
+// A far peer is lost when so many of its hellos have not come in the time that they were promised for, and would not
+// have been promised for by now, since more peers may have come.
+inline constexpr int kFarHellosMissed = 2;
 
 // One other peer, as far as its datagrams are received.
 struct Member {
@@ -45,22 +81,44 @@ struct Member {
   std::unordered_map<ObjectId, std::uint32_t> last_sequence;  // of the updates that were applied
   bool has_scene_states = false;    // by its last hello's digest, which may differ from this peer's
   std::uint32_t scene_differs = 0;  // its last hellos in a row whose digest of the scene's states differs
+  // In a large session:
+  bool is_near = true;               // else it is a member because it leads, or led, and only its far hellos come
+  HostTime expected_until{};         // its next far hello comes by then, unless several are lost
+  RegionId channel = kWholeScene;    // by which the numbers of its last datagram count: kNearby where it was `nearby`
+  RegionId echoes_on = kWholeScene;  // .. and those of this peer that its last echo was about
+  FarHello far;                      // the last one
+
+  // Which of its datagrams that count there have come; null: none.
+  [[nodiscard]] const LossMeter* received_on(RegionId numbered_by) const {
+    const auto at = received.find(numbered_by);
+    return at == received.end() ? nullptr : &at->second;
+  }
 
   // The loss of its datagrams in all regions together.
   [[nodiscard]] LossMeter received_in_all() const;
 };
 
 // The other peers that are here. Silence makes a peer lost, a higher incarnation makes it a new one.
+//
+// In a large session (LargeSession) the members are those that are near, and the peer that leads; of the others only
+// FarPeer is known. A far peer of which anything but a far hello arrives is near from then on, and a member that falls
+// silent is far as long as its far hellos come.
 class Membership {
  public:
-  enum class Admission : std::uint8_t { kKnown, kJoined, kRestarted, kStale };
+  // kNear: a far peer, of the same incarnation, is a member from now on. kFar: it is, or remains, no member.
+  enum class Admission : std::uint8_t { kKnown, kJoined, kRestarted, kStale, kNear, kFar };
 
-  explicit Membership(Duration lost_after) : lost_after_(lost_after) {}
+  explicit Membership(Duration lost_after, LargeSession large = {}) : lost_after_(lost_after), large_(large) {}
 
   // Any datagram of a peer. kStale: it belongs to an earlier incarnation of that peer and must be dropped.
   Admission on_datagram(HostTime now, PeerId peer, std::uint64_t incarnation);
-  // Removes the peers that have been silent for longer than lost_after and returns them, ascending.
-  [[nodiscard]] std::vector<std::pair<PeerId, Member>> expire(HostTime now);
+  // Removes the peers that have been silent for longer than lost_after and returns them, ascending. Those whose far
+  // hellos are still expected, for one or a `nearby` datagram has come, are far from now on, and are appended to `far`;
+  // they are lost where `is_due` says that this peer would hear them, and `followed`, or who may lead next, remains.
+  [[nodiscard]] std::vector<std::pair<PeerId, Member>> expire(HostTime now,
+                                                              const std::function<bool(PeerId)>& is_due = {},
+                                                              std::optional<PeerId> followed = std::nullopt,
+                                                              std::vector<PeerId>* far = nullptr);
   std::optional<Member> remove(PeerId peer);
   // Counts the silence of all members anew from now on.
   void restart_silence_of_all(HostTime now);
@@ -69,7 +127,41 @@ class Membership {
 
   [[nodiscard]] Member* find(PeerId peer);
   [[nodiscard]] const std::map<PeerId, Member>& all() const { return members_; }
-  [[nodiscard]] bool contains(PeerId peer) const { return members_.contains(peer); }
+  // Whether the peer is here, near or far.
+  [[nodiscard]] bool contains(PeerId peer) const { return members_.contains(peer) || far_.contains(peer); }
+
+  [[nodiscard]] const std::map<PeerId, FarPeer>& far() const { return far_; }
+  [[nodiscard]] FarPeer* find_far(PeerId peer);
+  [[nodiscard]] std::size_t count() const { return members_.size() + far_.size(); }
+  // A far peer of that incarnation is here from now on, or goes on to be. Returns it, and whether it is new.
+  std::pair<FarPeer*, bool> note_far(HostTime now, PeerId peer, std::uint64_t incarnation);
+  std::optional<FarPeer> remove_far(PeerId peer);
+  // The far peer that has introduced itself as the object's owner; kNobody: none has.
+  [[nodiscard]] PeerId far_owner(ObjectId object) const;
+  // Calls `function` with the last hello to all of each peer: its id, whether it has session time, the hello.
+  void for_each_far_hello(const std::function<void(PeerId, bool, FarHello&)>& function);
+  // Whether the peer is here, near or far, and has session time.
+  [[nodiscard]] bool has_joined(PeerId peer) const;
+  // When the session's run has started, as that peer says, or the lowest that says it; none: nobody has.
+  [[nodiscard]] std::optional<SimTime> start_of(PeerId peer) const;
+  [[nodiscard]] std::optional<SimTime> announced_start() const;
+  // Whether a peer says hello that has no session time yet.
+  [[nodiscard]] bool has_joining(HostTime now) const;
+  // The far peer is a member from now on. `is_near`: else because it leads.
+  Member& promote(HostTime now, PeerId peer, bool is_near);
+  // The lowest of all other peers that have session time; none: nobody has.
+  [[nodiscard]] std::optional<PeerId> lowest() const;
+  // Removes far peers of which several hellos have not come (kFarHellosMissed) and returns them. It looks once a second
+  // at most.
+  [[nodiscard]] std::vector<std::pair<PeerId, FarPeer>> expire_far(HostTime now);
+
+  // Whether the session is large, by how many peers are here; it remains so until a quarter less are, and is so from
+  // there on where others take it for large. `may_be`: this peer is in the session, whose scene is cut into regions.
+  // True where that has changed.
+  bool follow_size(bool may_be);
+  [[nodiscard]] bool is_large() const { return is_large_; }
+  // Where what is for all is numbered and acknowledged.
+  [[nodiscard]] RegionId channel() const { return is_large_ ? kNearby : kWholeScene; }
   [[nodiscard]] std::optional<HostTime> next_expiry() const;
 
   // The mean loss of all members' datagrams on their way here.
@@ -93,8 +185,17 @@ class Membership {
   }
 
  private:
+  // How long after a far hello its sender is lost at the earliest, by how many peers are here.
+  [[nodiscard]] Duration far_patience() const;
+  // Until when a member's next far hello is waited for.
+  [[nodiscard]] HostTime far_hello_until(const Member& member) const;
+
   Duration lost_after_;
+  LargeSession large_;
   std::map<PeerId, Member> members_;  // ordered: output must not depend on hashing
+  std::map<PeerId, FarPeer> far_;     // nobody who is a member
+  bool is_large_ = false;
+  HostTime far_checked_at_{};
 };
 
 }  // namespace peerd::replication

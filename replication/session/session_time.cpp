@@ -51,6 +51,7 @@ bool SessionTime::found_session(HostTime now) {
   const bool awaits_introduction = unintroduced_peer_at_ && now - *unintroduced_peer_at_ < config_.listen_first;
   if (awaits_introduction && listened < kIntroductionPatience * config_.listen_first) return false;
   const OffsetBounds reach = reach_.at(now, os_minus_host(now));
+  if (!members_.far().empty()) return false;  // a large session is here, and who leads it is heard soon
   for (const auto& [peer, member] : members_.all()) {
     const bool leads = member.synchronised ? is_within(now, member, reach) : peer < config_.id;
     if (leads && may_respond(now, member)) return false;
@@ -255,7 +256,12 @@ std::optional<PeerId> SessionTime::choose_leader(HostTime now) {
     const bool stays = session == Session::kUnknown && peer == follows_ && member.clock.at(now, kDrift_ppm);
     if (session == Session::kSame || stays) lowest = std::min(lowest, peer);
   }
-  return later ? later->first : lowest;
+  if (later) return later->first;
+  // Who leads a large session may not be known well enough yet, or be gone. Time goes on as it is until then: nobody
+  // leads but the lowest of all.
+  const auto lowest_of_all = members_.lowest();
+  const bool leads_apart = lowest == config_.id && members_.is_large() && lowest_of_all && *lowest_of_all < config_.id;
+  return leads_apart ? std::nullopt : std::optional(lowest);
 }
 
 // A peer that it would follow if its time were not so far away; one whose time is merely earlier follows this one.

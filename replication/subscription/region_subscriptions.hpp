@@ -51,7 +51,23 @@ class RegionSubscriptions {
   // Sends what is due in datagrams of its own, to all peers: the owner of objects in a region need not listen to it.
   void announce();
 
+  // The regions where this peer publishes its objects, and those whose states it asks for now: who is near listens, or
+  // publishes, there. Where there are none, those where it listens. Ascending.
+  [[nodiscard]] std::vector<RegionId> of_nearby() const;
+  // Those, and where the objects of its decisions were received last.
+  [[nodiscard]] std::vector<RegionId> regions_for(const Message& message) const;
+  // Whether there is anywhere to send it to: not in a large session where this peer neither publishes nor listens.
+  [[nodiscard]] bool reaches_peers(const Message& message) const;
+  // Sends what is for all: to all, or, in a large session, to who is near. Returns its number.
+  std::uint32_t send_to_peers(Message& message, std::span<const EncodedUpdate> updates = {});
+
   // ---- the objects that this peer receives
+
+  // Whether the object's owner publishes it where this peer listens, as far as that is known.
+  [[nodiscard]] bool is_heard(ObjectId object) const {
+    const auto last = last_receptions_.find(object);
+    return last != last_receptions_.end() && interest_.joined(last->second.region) && replica_.receives(object);
+  }
 
   // Another peer owns the object now. Nobody here knows where the object is.
   void on_claimed(ObjectId object, SimTime last_tick);

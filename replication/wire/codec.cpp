@@ -333,6 +333,11 @@ void Codec::encode(const Message& m, std::span<const EncodedUpdate> updates, Byt
   d.set_operations(packed(m.operations));
   d.set_operation_requests(packed(m.operation_requests));
   d.set_leaving(m.leaving);
+  d.set_nearby(m.nearby);
+  if (m.next_hello) {
+    d.set_next_hello_ms(
+        static_cast<std::uint32_t>(std::chrono::ceil<std::chrono::milliseconds>(*m.next_hello).count()));
+  }
   if (m.identity) {
     d.mutable_identity()->set_asker(m.identity->asker);
     d.mutable_identity()->set_world_hash(m.identity->world_hash);
@@ -355,6 +360,10 @@ std::expected<Message*, DecodeError> Codec::decode(std::span<const std::byte> da
   m.sender = PeerId{d.sender()};
   m.number = d.number();
   m.leaving = d.leaving();
+  m.nearby = d.nearby();
+  m.next_hello.reset();
+  if (d.next_hello_ms() > kNextHelloMax.count()) return std::unexpected(DecodeError::kValue);
+  if (d.next_hello_ms() > 0) m.next_hello = std::chrono::milliseconds(d.next_hello_ms());
   if (d.has_identity()) {
     m.identity = IdentityCheck{d.identity().asker(), d.identity().world_hash(), d.identity().answers()};
   }

@@ -165,6 +165,9 @@ struct IdentityCheck {
   bool answers = false;
 };
 
+// No far hello promises the next one later than that.
+inline constexpr std::chrono::milliseconds kNextHelloMax = std::chrono::hours(24);
+
 struct Message {
   PeerId sender;
   std::uint64_t incarnation = 0;  // grows with each start of that peer; incarnation_low() of it without an introduction
@@ -178,6 +181,11 @@ struct Message {
   std::vector<OperationPart> operations;
   std::vector<OperationRange> operation_requests;
   bool leaving = false;
+  // In a large session (LargeSession): what would go to all goes to the regions where the sender publishes, and counts
+  // its `number` apart.
+  bool nearby = false;
+  // A far hello, to all peers of a large session: the next one comes within that time. On the wire, milliseconds.
+  std::optional<Duration> next_hello;
   std::optional<IdentityCheck> identity;
   // The updates that decode() left out, because they name a model that this build does not know.
   std::uint32_t unknown_models = 0;

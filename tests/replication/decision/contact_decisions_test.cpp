@@ -99,7 +99,7 @@ class ShowingThePast : public Deferring {
     begin_worlds();
   }
   double x(Duration t) {
-    replica.ghosts().advance(sim(20s));
+    replica.ghosts().advance(sim(12s));  // the past of 6 s is kept
     return replica.ghost(a, sim(t)).position.x();
   }
 };

@@ -14,7 +14,7 @@ class Admitting : public testing::Test {
  protected:
   std::expected<Known, Drop> admit(const Message& m, HostTime now = host(10s),
                                    std::optional<HostTime> started = host(0s)) {
-    return admission.admit(now, m, started, [this](PeerId peer, const Member& member) {
+    return admission.admit(now, kWholeScene, m, false, started, [this](PeerId peer, const Member& member) {
       EXPECT_FALSE(members.contains(peer)) << "it has been removed already";
       EXPECT_FALSE(outbox.poll()) << "its loss comes before the report of its world";
       lost.emplace_back(peer, member.incarnation);

@@ -30,7 +30,7 @@ class Greeting : public testing::Test {
     greeter.fill_echoes(hello, now, false);
     std::vector<PeerId> peers;
     for (const Echo& echo : hello.echoes) peers.push_back(echo.peer);
-    greeter.on_hello_sent(now, ++number);
+    greeter.on_hello_sent(now, kWholeScene, ++number);
     return peers;
   }
 
@@ -99,7 +99,7 @@ TEST_F(Greeting, KeepsAliveWhereNothingElseWasSentForAPeriod) {
 TEST_F(Greeting, OneHelloInEightIntroduces) {
   for (std::uint32_t i = 0; i < 24; ++i) {
     EXPECT_EQ(greeter.introduces(true), i % 8 == 0) << i;
-    greeter.on_hello_sent(host(5s), i + 1);
+    greeter.on_hello_sent(host(5s), kWholeScene, i + 1);
   }
 }
 
@@ -228,17 +228,124 @@ TEST_F(Greeting, ALostPeerIsLeftOutUntilAllOthersHaveBeenNamed) {
   EXPECT_EQ(hellos, 2);
 }
 
+// All peers together say hello to all as often, however many there are: each the more seldom.
+TEST_F(Greeting, FarHellosOfAllTogetherStayAsMany) {
+  for (const std::uint32_t peers : {100u, 400u}) {
+    PeerConfig conf = config(1);
+    conf.large = {.above = 48, .hellos_per_s = 10.0};
+    Membership many{conf.lost_after, conf.large};
+    for (std::uint32_t p = 2; p <= peers; ++p) (void)many.note_far(host(0s), PeerId{p}, 1);
+    (void)many.follow_size(true);
+    Greeter one{conf, many};
+    one.on_size_changed(host(0s), 0);
+    const HostTime end = host(4000s);
+    std::size_t sent = 0;
+    Duration longest_promise{0};
+    for (HostTime t = host(0s); t < end; t += 100ms) {
+      if (!one.is_far_due(t, false)) continue;
+      longest_promise = std::max(longest_promise, one.schedule_next_far(t, false));
+      ++sent;
+    }
+    const double all_per_s = static_cast<double>(peers) * static_cast<double>(sent) / 4000.0;
+    EXPECT_NEAR(all_per_s, 10.0, 1.5) << peers;
+    EXPECT_EQ(longest_promise, from_seconds(2.0 * peers / 10.0))
+        << "the longest interval is one and a half times the mean";
+  }
+}
+
+// Many may have come while this peer waited: its next hello is put off (RFC 3550, 6.3.3).
+TEST_F(Greeting, AFarHelloIsPutOffWherePeersHaveCome) {
+  PeerConfig conf = config(1);
+  conf.large = {.above = 4, .hellos_per_s = 1.0};
+  Membership many{conf.lost_after, conf.large};
+  for (std::uint32_t p = 2; p <= 10; ++p) (void)many.note_far(host(0s), PeerId{p}, 1);
+  (void)many.follow_size(true);
+  Greeter one{conf, many};
+  one.on_size_changed(host(0s), 0);
+  HostTime t = host(0s);
+  for (int i = 0; i < 3; ++i, t += 250ms) {
+    ASSERT_TRUE(one.is_far_due(t, false)) << "three go at once";
+    (void)one.schedule_next_far(t, false);
+  }
+  for (std::uint32_t p = 11; p <= 100; ++p) (void)many.note_far(host(0s), PeerId{p}, 1);
+  EXPECT_FALSE(one.is_far_due(t + 16s, false)) << "longer than any interval of ten";
+  EXPECT_TRUE(one.is_far_due(t + 151s, false));
+  EXPECT_TRUE(one.is_far_due(t + 1s, true)) << "who leads says hello all the time";
+}
+
+TEST_F(Greeting, WhoLeadsEchoesEachFarHelloOnceAndJoiningPeersFirst) {
+  Membership many{1750ms, LargeSession{.above = 4, .hellos_per_s = 10.0}};
+  for (std::uint32_t p = 2; p <= 20; ++p) {
+    FarPeer& far = *many.note_far(host(0s), PeerId{p}, 1).first;
+    far.synchronised = p != 20;
+    far.hello.receive(p, host(1s) + std::chrono::milliseconds(p));
+  }
+  std::set<PeerId> echoed;
+  Hello first, second, third;
+  Greeter::fill_far_echoes(first, host(2s), many);
+  Greeter::fill_far_echoes(second, host(2s), many);
+  Greeter::fill_far_echoes(third, host(2s), many);
+  ASSERT_EQ(first.echoes.size(), kEchoesMax);
+  EXPECT_EQ(first.echoes[0].peer, PeerId{20}) << "it waits for session time";
+  EXPECT_EQ(first.echoes[0].hello, 20u);
+  EXPECT_EQ(first.echoes[0].hold_time, 980ms);
+  std::vector<Echo> taken;
+  ASSERT_TRUE(take_echoes(packed(first.echoes), taken)) << "also of a peer's first few datagrams";
+  ASSERT_EQ(taken.size(), kEchoesMax);
+  EXPECT_EQ(taken[0].hello, 20u);
+  for (const Hello* hello : {&first, &second}) {
+    for (const Echo& echo : hello->echoes) EXPECT_TRUE(echoed.insert(echo.peer).second);
+  }
+  EXPECT_EQ(echoed.size(), 19u);
+  EXPECT_TRUE(third.echoes.empty());
+}
+
+// Joining peers say hello ten times a second: those whose last echo is longest ago have the next ones.
+TEST_F(Greeting, JoiningPeersTakeTurns) {
+  Membership many{1750ms, LargeSession{.above = 4, .hellos_per_s = 10.0}};
+  for (std::uint32_t p = 2; p <= 40; ++p) (void)many.note_far(host(0s), PeerId{p}, 1);
+  std::map<PeerId, int> echoes;
+  for (int i = 1; i <= 9; ++i) {
+    const HostTime now = host(1s) + i * 100ms;
+    for (std::uint32_t p = 2; p <= 40; ++p) many.find_far(PeerId{p})->hello.receive(100 * p + i, now);
+    Hello hello;
+    Greeter::fill_far_echoes(hello, now, many);
+    for (const Echo& echo : hello.echoes) ++echoes[echo.peer];
+  }
+  EXPECT_EQ(echoes.size(), 39u);
+  for (const auto& [peer, times] : echoes) EXPECT_EQ(times, 3) << peer.value;
+}
+
+TEST_F(Greeting, WhoLeadsSaysHelloMoreOftenWhileAPeerJoins) {
+  PeerConfig conf = config(1);
+  conf.large = {.above = 4, .hellos_per_s = 1.0};
+  Membership many{conf.lost_after, conf.large};
+  for (std::uint32_t p = 2; p <= 10; ++p) many.note_far(host(0s), PeerId{p}, 1).first->synchronised = true;
+  (void)many.follow_size(true);
+  Greeter one{conf, many};
+  one.on_size_changed(host(0s), 0);
+  HostTime t = host(0s);
+  for (int i = 0; i < 3; ++i, t += 250ms) (void)one.schedule_next_far(t, true);
+  EXPECT_FALSE(one.is_far_due(t, true));
+  EXPECT_TRUE(one.is_far_due(t + 250ms, true));
+  many.find_far(PeerId{10})->synchronised = false;
+  many.find_far(PeerId{10})->hello.receive(1, t);
+  EXPECT_FALSE(one.is_far_due(t - 151ms, true));
+  EXPECT_TRUE(one.is_far_due(t - 150ms, true));
+  EXPECT_FALSE(many.has_joining(t + 2s)) << "it has gone";
+}
+
 TEST_F(Greeting, RemembersWhenItsHellosWent) {
-  greeter.on_hello_sent(host(1s), 3);
-  greeter.on_hello_sent(host(2s), 7);
-  EXPECT_EQ(greeter.sent_at(3), host(1s));
-  EXPECT_EQ(greeter.sent_at(7), host(2s));
-  EXPECT_EQ(greeter.sent_at(5), std::nullopt);
-  greeter.on_hello_sent(host(1s) + kHeldMax, 8);
-  EXPECT_EQ(greeter.sent_at(3), host(1s));
-  greeter.on_hello_sent(host(1s) + kHeldMax + 1ns, 9);
-  EXPECT_EQ(greeter.sent_at(3), std::nullopt);
-  EXPECT_EQ(greeter.sent_at(7), host(2s));
+  greeter.on_hello_sent(host(1s), kWholeScene, 3);
+  greeter.on_hello_sent(host(2s), kWholeScene, 7);
+  EXPECT_EQ(greeter.sent_at(kWholeScene, 3), host(1s));
+  EXPECT_EQ(greeter.sent_at(kWholeScene, 7), host(2s));
+  EXPECT_EQ(greeter.sent_at(kWholeScene, 5), std::nullopt);
+  greeter.on_hello_sent(host(1s) + kHeldMax, kWholeScene, 8);
+  EXPECT_EQ(greeter.sent_at(kWholeScene, 3), host(1s));
+  greeter.on_hello_sent(host(1s) + kHeldMax + 1ns, kWholeScene, 9);
+  EXPECT_EQ(greeter.sent_at(kWholeScene, 3), std::nullopt);
+  EXPECT_EQ(greeter.sent_at(kWholeScene, 7), host(2s));
 }
 
 }  // namespace peerd::replication::greeter_test

@@ -331,6 +331,25 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"ZeroTooFar", introducing([](auto& i) { i.world_zero = SimTime::min(); }), false}),
     [](const auto& c) { return std::string(c.param.name); });
 
+TEST(Datagram, OfALargeSessionSaysWhoItIsFor) {
+  Message m = greeting([](auto&) {});
+  m.nearby = true;
+  auto decoded = decode(encode(m), SimTime{});
+  ASSERT_TRUE(decoded);
+  EXPECT_TRUE(decoded->nearby);
+  EXPECT_FALSE(decoded->next_hello);
+  m.nearby = false;
+  m.next_hello = 41'500ms;
+  decoded = decode(encode(m), SimTime{});
+  ASSERT_TRUE(decoded);
+  EXPECT_FALSE(decoded->nearby);
+  EXPECT_EQ(decoded->next_hello, 41'500ms);
+  m.next_hello = kNextHelloMax;
+  EXPECT_TRUE(decode(encode(m), SimTime{}));
+  m.next_hello = kNextHelloMax + 1ms;
+  EXPECT_EQ(decode(encode(m), SimTime{}).error(), DecodeError::kValue);
+}
+
 TEST(Decode, SaysWhyItRefuses) {
   const Bytes good = encode(updating([](auto&) {}));
   EXPECT_EQ(decode(Bytes{}, SimTime{}).error(), DecodeError::kVersion);

@@ -385,6 +385,8 @@ Fields Readers::datagram(std::span<const std::byte> datagram, RegionId region, S
   if (m->number != 0) out.add("number", m->number);
   if (m->introduction() == nullptr && m->incarnation != 0) out.add("boot_low", m->incarnation);
   if (m->hello) add(out, *m->hello, m->incarnation);
+  if (m->nearby) out.add("nearby", 1);
+  if (m->next_hello) out.add("next_hello_ms", *m->next_hello / std::chrono::milliseconds(1));
   for (const UpdateRecord& u : m->updates) add(out, u);
   for (const DecisionRecord& d : m->decisions) add(out, d);
   if (!m->scene.states.empty()) {
