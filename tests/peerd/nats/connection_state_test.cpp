@@ -15,11 +15,13 @@ TEST(ConnectionState, SaysEachChangeOnce) {
   EXPECT_TRUE(state.is_up());
   EXPECT_EQ(taken(state), "nothing") << "describe() says the first";
   state.on_down("gone");
-  state.on_down("gone still");
+  state.on_down("gone");
+  state.on_down("refused");
   EXPECT_FALSE(state.is_up());
   EXPECT_FALSE(state.is_closed());
   state.on_up("back");
   EXPECT_EQ(taken(state), "-gone");
+  EXPECT_EQ(taken(state), "-refused") << "another reason";
   EXPECT_EQ(taken(state), "+back");
   EXPECT_EQ(taken(state), "nothing");
 }
@@ -31,7 +33,7 @@ TEST(ConnectionState, OfAClosedConnectionBeginsAnew) {
   EXPECT_TRUE(state.is_closed());
   state.begin();
   EXPECT_FALSE(state.is_closed());
-  state.on_down("refused again");
+  state.on_down("refused");
   state.on_up("back");
   EXPECT_EQ(taken(state), "-refused");
   EXPECT_EQ(taken(state), "+back");
