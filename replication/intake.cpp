@@ -16,7 +16,8 @@ namespace {
 // A decision may be of what happened up to 3 s ago (contact_decisions.cpp), and repeated where datagrams get lost.
 constexpr Duration kDecisionAgeMax = MotionWorld::kHistory;
 
-// What a far hello may promise at least: twice the longest interval of hellos that a peer can have.
+// A far hello may promise the next one within so long at least: twice the longest interval of hellos that a peer can
+// have.
 constexpr Duration kLeastFarPromise = std::chrono::seconds(8);
 
 // A record of the future counts for so long against the next ones of its sender.
@@ -27,6 +28,18 @@ Duration delay_of(SimTime sent, SimTime came) {
   if (sent >= came) return Duration{0};
   if (sent <= came - kLatencyMax) return Duration{kLatencyMax};  // before a difference could overflow
   return came - sent;
+}
+
+// The kind by which it is counted: the first of these that it has.
+DatagramKind kind_of(const Message& m) {
+  if (m.next_hello) return DatagramKind::kFarHello;
+  if (m.hello) return DatagramKind::kHello;
+  if (!m.decisions.empty()) return DatagramKind::kDecisions;
+  if (!m.subscriptions.empty()) return DatagramKind::kSubscriptions;
+  if (!m.scene.states.empty()) return DatagramKind::kSceneStates;
+  if (!m.operations.empty() || !m.operation_requests.empty()) return DatagramKind::kOperations;
+  if (!m.handovers.empty()) return DatagramKind::kHandovers;
+  return m.updates.empty() ? DatagramKind::kKeepalive : DatagramKind::kUpdates;
 }
 
 }  // namespace
@@ -89,22 +102,13 @@ void Intake::count(RegionId region, const Message& m, std::size_t size_bytes) {
   PeerCounters::Traffic& traffic = p_.counters.regions[region];
   ++traffic.datagrams_in;
   traffic.bytes_in += size_bytes;
-  const DatagramKind kind = m.next_hello                                             ? DatagramKind::kFarHello
-                            : m.hello                                                ? DatagramKind::kHello
-                            : !m.decisions.empty()                                   ? DatagramKind::kDecisions
-                            : !m.subscriptions.empty()                               ? DatagramKind::kSubscriptions
-                            : !m.scene.states.empty()                                ? DatagramKind::kSceneStates
-                            : !m.operations.empty() || !m.operation_requests.empty() ? DatagramKind::kOperations
-                            : !m.handovers.empty()                                   ? DatagramKind::kHandovers
-                            : !m.updates.empty()                                     ? DatagramKind::kUpdates
-                                                                                     : DatagramKind::kKeepalive;
-  PeerCounters::Volume& volume = p_.counters.kinds_in[static_cast<std::size_t>(kind)];
+  PeerCounters::Volume& volume = p_.counters.kinds_in[static_cast<std::size_t>(kind_of(m))];
   ++volume.datagrams;
   volume.bytes += size_bytes;
 }
 
 std::expected<bool, Drop> Intake::admit(HostTime now, RegionId region, const Message& m) {
-  const auto on_lost = [&](PeerId peer, const Member& member) { keeper_.lose(peer, member, now, true); };
+  const auto on_lost = [&](PeerId peer, const OtherPeer& gone) { keeper_.lose(peer, gone, now, true); };
   const bool leads = p_.time.follows() == p_.config.id;
   const auto admission = p_.admission.admit(now, region, m, leads, p_.time.started(), on_lost);
   if (!admission) {
@@ -151,7 +155,7 @@ void Intake::on_far(HostTime now, PeerId sender, const Message& m) {
     until = is_newer ? now + patience : std::max(until, now + patience);
   };
   if (Member* const member = p_.members.find(sender)) {
-    expect(member->expected_until, member->far.number);
+    expect(member->expected_until, member->far_hello.number);
     if (m.number > 0) member->received[kWholeScene].on_datagram(m.number);
     if (m.hello && !m.hello->logs.empty()) operations_.on_message(now, sender, m);
     return on_far_hello(now, sender, *member, m);
@@ -165,11 +169,11 @@ void Intake::on_far(HostTime now, PeerId sender, const Message& m) {
     report_same_name(sender, introduction->name);
     p_.outbox.push(PeerJoined{sender, introduction->name, false});
   }
-  expect(far->expected_until, far->hello.number);
+  expect(far->expected_until, far->far_hello.number);
   if (!m.hello) return;
   far->synchronised = m.hello->session_tx.has_value();
   far->sessions = m.hello->sessions;
-  far->hello.receive(m.number, now);
+  far->far_hello.receive(m.number, now);
   if (introduction != nullptr) {
     far->name = introduction->name;
     far->start = introduction->start;
@@ -184,7 +188,7 @@ void Intake::on_far(HostTime now, PeerId sender, const Message& m) {
   assert(far->incarnation == m.incarnation || introduction == nullptr);
   Member& leading = p_.members.promote(now, sender, false);
   p_.exchange.on_joined(sender);
-  leading.far.number = 0;  // this hello counts for the member
+  leading.far_hello.number = 0;  // this hello counts for the member
   on_far_hello(now, sender, leading, m);
 }
 
@@ -192,8 +196,8 @@ void Intake::on_far(HostTime now, PeerId sender, const Message& m) {
 void Intake::on_far_hello(HostTime now, PeerId sender, Member& member, const Message& m) {
   if (!m.hello) return;
   const Hello& hello = *m.hello;
-  if (m.number <= member.far.number) return;
-  member.far.receive(m.number, now);
+  if (m.number <= member.far_hello.number) return;
+  member.far_hello.receive(m.number, now);
   member.synchronised = hello.session_tx.has_value();  // one that has just joined may be near no more
   if (!member.is_near) {
     member.hello_rx = now;
@@ -229,7 +233,7 @@ void Intake::on_hello(HostTime now, PeerId sender, std::uint32_t number, const H
     member.hello = 0;
   }
   const bool is_newest = number > member.hello;
-  if (member.channel == kWholeScene) member.far.receive(number, now);
+  if (member.channel == kWholeScene) member.far_hello.receive(number, now);
   member.hello = number;
   member.hello_rx = now;
   member.awaits_our_decision = std::ranges::any_of(hello.notes, [&](const ContactNote& n) {
@@ -361,10 +365,7 @@ void Intake::on_records(HostTime now, PeerId sender, Message& m, SimTime session
 // A decision that is refused for what this peer knows now may be taken when it comes again.
 void Intake::on_decision(HostTime now, PeerId sender, std::uint32_t number, const DecisionRecord& d,
                          SimTime session_now) {
-  const auto come_again = [&] {
-    Member& member = *p_.members.find(sender);
-    member.received[member.channel].mark_as_missing(number);
-  };
+  const auto come_again = [&] { p_.members.find(sender)->mark_as_missing(number); };
   if (d.contact < session_now - kDecisionAgeMax) return p_.drop(sender, "decision_time");
   if (d.contact > session_now + kUpdateAheadMax) return drop_of_the_future(now, sender, "decision_time");
   if (!p_.limits.take(now, sender, MemberLimit::kDecisions)) return come_again();

@@ -182,9 +182,8 @@ void OperationKeeper::place_left_behind(HostTime now, SimTime t) {
   std::erase_if(p_.left_behind, [&](const auto& each) {
     return p_.owners.of(each.first) != kNobody || t - each.second.at > kPlacedWithin;
   });
-  const auto is_earlier = [&](const auto& other) { return other.second.synchronised && other.first < p_.config.id; };
-  const bool is_first =
-      std::ranges::none_of(p_.members.all(), is_earlier) && std::ranges::none_of(p_.members.far(), is_earlier);
+  const auto lowest = p_.members.lowest();
+  const bool is_first = !lowest || p_.config.id < *lowest;
   if (!is_first && p_.living.locks().empty()) return;
   for (const auto& [object, left] : LeftObjects(p_.left_behind)) {
     // A locked object is placed by those who may.

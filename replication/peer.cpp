@@ -153,13 +153,11 @@ void Peer::Impl::send_hello(HostTime now, bool leaving) {
   // Each of these takes the room of one subscription.
   const bool as_founder = hello.introduction && hello.introduction->owned_as_founder != 0;
   const std::size_t subscriptions = kSubscriptionsWithHello - (as_founder ? 1 : 0) - (hello.scene_digest != 0 ? 1 : 0);
-  const std::vector<RegionId> regions = parts.regions.of_nearby();  // before: what is asked for there is among them
   if (!leaving) m.subscriptions = parts.regions.take(subscriptions, true);
   operations.add_lengths(m);
-  const bool is_for_all = leaving || !parts.members.is_large();
-  const RegionId channel = is_for_all ? kWholeScene : kNearby;
-  const std::uint32_t number = is_for_all ? parts.outbox.send(m) : parts.outbox.send_nearby(m, regions);
-  parts.greeter.on_hello_sent(now, channel, number);
+  const RegionId channel = leaving ? kWholeScene : parts.members.channel();
+  const std::optional<std::uint32_t> number = leaving ? parts.outbox.send(m) : parts.regions.send_to_peers(m);
+  if (number) parts.greeter.on_hello_sent(now, channel, *number);
 }
 
 void Peer::Impl::introduce(Hello& hello) {

@@ -48,8 +48,8 @@ struct PeerParts {
   PeerParts& operator=(const PeerParts&) = delete;
 
   PeerConfig config;  // look_from() alone changes it
-  const std::vector<ObjectId>&
-      configured;  // of the model that this peer was given: what configurations or the file give to peers, ascending
+  // The objects that configurations or the file give to peers, ascending; of the model that this peer was given.
+  const std::vector<ObjectId>& configured;
   ModelInForce model;
   // The operations that all peers have made, and what they make of the scene. The model begins with what is stored.
   const AuthorId author;  // of this peer's own

@@ -60,7 +60,8 @@ bool SessionKeeper::maintain(HostTime now) {
   return false;
 }
 
-// Who is near, and owns what this peer receives, publishes where this peer listens, and says there that it is here.
+// A near peer that owns an object which this peer receives publishes it where this peer listens, and says there that it
+// is here.
 void SessionKeeper::expire_members(HostTime now) {
   const auto is_due = [&](PeerId peer) {
     return std::ranges::any_of(p_.owners, [&](const auto& each) {
@@ -70,21 +71,14 @@ void SessionKeeper::expire_members(HostTime now) {
   std::vector<PeerId> far;
   for (auto& [peer, member] : p_.members.expire(now, is_due, p_.time.follows(), &far)) lose(peer, member, now, false);
   for (const PeerId peer : far) p_.exchange.on_lost(peer);
-  for (auto& [peer, gone] : p_.members.expire_far(now)) lose_far(peer, gone, now, false);
-}
-
-void SessionKeeper::lose_far(PeerId peer, const FarPeer& far, HostTime now, bool left_gracefully) {
-  Member member;
-  member.name = far.name;
-  member.since = far.since;
-  lose(peer, member, now, left_gracefully);
+  for (auto& [peer, gone] : p_.members.expire_far(now)) lose(peer, gone, now, false);
 }
 
 void SessionKeeper::dismiss_far(PeerId peer, HostTime now) {
   const auto far = p_.members.remove_far(peer);
   if (!far) return;
   p_.admission.note_departed(peer, far->incarnation);
-  lose_far(peer, *far, now, true);
+  lose(peer, *far, now, true);
 }
 
 void SessionKeeper::follow_leader(HostTime now, std::optional<PeerId> sender) {
@@ -420,11 +414,11 @@ void SessionKeeper::follow_scene() {
   watch_all_pairs();
 }
 
-void SessionKeeper::lose(PeerId peer, const Member& member, HostTime now, bool left_gracefully) {
-  orphan_objects_of(peer, member.since, now, left_gracefully);
+void SessionKeeper::lose(PeerId peer, const OtherPeer& gone, HostTime now, bool left_gracefully) {
+  orphan_objects_of(peer, gone.since, now, left_gracefully);
   p_.greeter.on_peer_lost(peer);
   p_.exchange.on_lost(peer);
-  p_.outbox.push(PeerLost{peer, member.name, left_gracefully});
+  p_.outbox.push(PeerLost{peer, gone.name, left_gracefully});
 }
 
 void SessionKeeper::orphan_objects_of(PeerId peer, HostTime since, HostTime now, bool for_good) {

@@ -43,8 +43,8 @@ class SessionKeeper {
   void let_move(ObjectId carrier);
   // Edits have changed the scene of the parts.
   void follow_scene();
-  // A peer has gone, of which `member` was known.
-  void lose(PeerId peer, const Member& member, HostTime now, bool left_gracefully);
+  // A peer has gone, of which that was known.
+  void lose(PeerId peer, const OtherPeer& gone, HostTime now, bool left_gracefully);
   // A far peer has said goodbye.
   void dismiss_far(PeerId peer, HostTime now);
   // A peer has gone, or begins anew: what it owned stands still from now on and belongs to nobody. An operation may
@@ -54,7 +54,6 @@ class SessionKeeper {
   void reintroduce() { p_.greeter.reintroduce(p_.own.size()); }
 
  private:
-  void lose_far(PeerId peer, const FarPeer& far, HostTime now, bool left_gracefully);
   void expire_members(HostTime now);
   void own_as_founder();
   void enter_session(HostTime now);

@@ -186,7 +186,8 @@ void PeerNode::agree_on_start(HostTime now) {
   }
   if (options_.watches && !peer_.owns_any() && !announced) return;
   if (const PeerId other = starter(); other != config_.id) {
-    if (const auto start = peer_.members().start_of(other)) log_.start = start;
+    const replication::OtherPeer* const starting = peer_.members().find_any(other);
+    if (starting != nullptr && starting->start) log_.start = starting->start;
   } else if (!missing().empty()) {
     complete_since_.reset();
   } else if (!log_.start) {
@@ -206,7 +207,9 @@ std::vector<AwaitedPeer> PeerNode::missing() const {
   std::vector<AwaitedPeer> missing;
   if (log_.start) return missing;
   for (const AwaitedPeer& peer : options_.wait_for) {
-    if (peer.id != config_.id && !peer_.members().has_joined(peer.id)) missing.push_back(peer);
+    const replication::OtherPeer* const other = peer_.members().find_any(peer.id);
+    const bool is_here = peer.id == config_.id || (other != nullptr && other->synchronised);
+    if (!is_here) missing.push_back(peer);
   }
   return missing;
 }

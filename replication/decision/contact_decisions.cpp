@@ -359,11 +359,6 @@ void ContactDecisions::on_contact_notes(PeerId sender, const Hello& hello, SimTi
   }
 }
 
-void ContactDecisions::mark_as_missing(PeerId sender, std::uint32_t number) {
-  Member& member = *members_.find(sender);
-  member.received[member.channel].mark_as_missing(number);
-}
-
 // A peer that has just joined may not know yet who owns the objects: it acknowledges the decision as missing, so that
 // it is repeated.
 const char* ContactDecisions::on_decision(PeerId sender, std::uint32_t number, const DecisionRecord& d,
@@ -371,11 +366,11 @@ const char* ContactDecisions::on_decision(PeerId sender, std::uint32_t number, c
   if (!model_->are_paired(d.collider, d.collidee)) {
     const Scene& scene = *model_->scene;
     const bool may_come = !scene.contains(d.collider) || !scene.contains(d.collidee);  // by an operation
-    if (may_come) mark_as_missing(sender, number);
+    if (may_come) members_.find(sender)->mark_as_missing(number);
     return "no_pair";
   }
   if (!may_have_decided(sender, d)) {
-    mark_as_missing(sender, number);
+    members_.find(sender)->mark_as_missing(number);
     return "not_decider";
   }
   if (const char* why = why_void(d)) return why;

@@ -130,7 +130,6 @@ class ContactDecisions {
   [[nodiscard]] std::optional<Pose> camera_pose(const Viewpoint& viewpoint, SimTime at) const;
 
  private:
-  void mark_as_missing(PeerId sender, std::uint32_t number);
   // A contact that this peer has found and another is to decide.
   struct Deferred {
     ContactEvent contact;

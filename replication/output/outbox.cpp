@@ -33,8 +33,7 @@ std::uint32_t Outbox::send(Message& message, RegionId region, std::span<const En
 std::uint32_t Outbox::send_nearby(Message& message, std::span<const RegionId> regions,
                                   std::span<const EncodedUpdate> updates) {
   assert(message.sender == self_ && message.incarnation == incarnation_);
-  assert(std::ranges::is_sorted(regions) && (regions.empty() || regions.front() != kWholeScene));
-  if (regions.empty()) return last_number(kNearby);
+  assert(!regions.empty() && std::ranges::is_sorted(regions) && regions.front() != kWholeScene);
   message.nearby = true;
   message.number = ++numbers_[kNearby];
   for (const RegionId region : regions) put(region, message, updates);

@@ -50,10 +50,10 @@ enum class MemberLimit : std::uint8_t {
 };
 [[nodiscard]] const char* to_string(MemberLimit);
 
-// What a datagram that is received is counted as: the first of these that it has.
+// A received datagram counts as the first of these that it has.
 enum class DatagramKind : std::uint8_t {
-  kHello,
   kFarHello,  // of a large session
+  kHello,
   kDecisions,
   kSubscriptions,
   kSceneStates,

@@ -415,9 +415,9 @@ void Publication::flush_region(RegionId region, std::span<const Handover> handov
 
 void Publication::send(Message& message, RegionId region, std::span<const EncodedUpdate> updates) {
   const bool is_for_all = region == kWholeScene;
-  if (is_for_all && !regions_.reaches_peers(message)) return;
-  const std::uint32_t number =
+  const std::optional<std::uint32_t> number =
       is_for_all ? regions_.send_to_peers(message, updates) : outbox_.send(message, region, updates);
+  if (!number) return;
   if (is_for_all && members_.is_large() && std::ranges::any_of(message.decisions, [&](const DecisionRecord& d) {
         return decisions_.is_of_scene(d);  // whose the scene object is concerns all
       })) {
@@ -426,9 +426,9 @@ void Publication::send(Message& message, RegionId region, std::span<const Encode
     (void)outbox_.send(copy);
   }
   if (is_for_all) {
-    for (const EncodedUpdate& u : updates) repeater_.note_sent(u.record(), number);
+    for (const EncodedUpdate& u : updates) repeater_.note_sent(u.record(), *number);
   }
-  decisions_.note_sent(message.decisions, number);
+  decisions_.note_sent(message.decisions, *number);
 }
 
 }  // namespace peerd::replication

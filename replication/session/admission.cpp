@@ -30,35 +30,23 @@ Admission::Admission(const PeerConfig& config, Membership& members, Outbox& outb
 std::expected<Membership::Admission, Drop> Admission::admit_far(HostTime now, const Message& m, const OnLost& on_lost) {
   assert(m.sender != config_.id);
   const Introduction* const introduction = m.introduction();
-  const Member* const known = members_.find(m.sender);
-  const FarPeer* const far = members_.find_far(m.sender);
+  const OtherPeer* const known = members_.find_any(m.sender);
   if (introduction == nullptr) {
-    const bool is_same = far != nullptr && incarnation_low(far->incarnation) == m.incarnation;
-    if (far != nullptr && !is_same) return std::unexpected(Drop::kStaleIncarnation);
-    return far != nullptr ? std::expected<Membership::Admission, Drop>(Membership::Admission::kFar)
-                          : std::unexpected(Drop::kUnintroduced);
+    if (known == nullptr) return std::unexpected(Drop::kUnintroduced);
+    if (incarnation_low(known->incarnation) != m.incarnation) return std::unexpected(Drop::kStaleIncarnation);
+    return Membership::Admission::kFar;
   }
   const auto departed = departed_peers_.find(m.sender);
   const bool is_over = departed != departed_peers_.end() && m.incarnation <= departed->second;
-  if (known == nullptr && far == nullptr && is_over) return std::unexpected(Drop::kStaleIncarnation);
-  if (known == nullptr && far == nullptr && members_.count() >= kMembersMax) return std::unexpected(Drop::kTooMany);
+  if (known == nullptr && is_over) return std::unexpected(Drop::kStaleIncarnation);
+  if (known == nullptr && members_.count() >= kMembersMax) return std::unexpected(Drop::kTooMany);
   if (introduction->world_hash != config_.world_hash) return reject_other_world(m);
-  const std::uint64_t incarnation = known != nullptr ? known->incarnation : far != nullptr ? far->incarnation : 0;
-  if (incarnation == m.incarnation) return Membership::Admission::kFar;
-  if (m.incarnation < incarnation) return std::unexpected(Drop::kStaleIncarnation);
+  if (known != nullptr && m.incarnation == known->incarnation) return Membership::Admission::kFar;
+  if (known != nullptr && m.incarnation < known->incarnation) return std::unexpected(Drop::kStaleIncarnation);
   if (!limits_.take(now, m.sender, MemberLimit::kRestarts)) return std::unexpected(Drop::kMemberLimit);
   if (const auto member = members_.remove(m.sender)) on_lost(m.sender, *member);
-  lose_far(m.sender, on_lost);
+  if (const auto gone = members_.remove_far(m.sender)) on_lost(m.sender, *gone);
   return Membership::Admission::kFar;
-}
-
-void Admission::lose_far(PeerId peer, const OnLost& on_lost) {
-  const auto gone = members_.remove_far(peer);
-  if (!gone) return;
-  Member member;
-  member.name = gone->name;
-  member.since = gone->since;
-  on_lost(peer, member);
 }
 
 std::expected<Membership::Admission, Drop> Admission::admit(HostTime now, RegionId region, const Message& m, bool leads,
@@ -72,12 +60,11 @@ std::expected<Membership::Admission, Drop> Admission::admit(HostTime now, Region
   if ((far != nullptr || is_new) && members_.is_large() && says_presence_alone(region, m) && !(leads && joins)) {
     return admit_far(now, m, on_lost);
   }
-  if (far != nullptr && introduction == nullptr && incarnation_low(far->incarnation) == m.incarnation) {
-    members_.promote(now, m.sender, true);
-    return Membership::Admission::kNear;
-  }
-  if (far != nullptr && introduction != nullptr && far->incarnation == m.incarnation &&
-      introduction->world_hash == config_.world_hash) {
+  const bool is_same_life =
+      far != nullptr &&
+      (introduction == nullptr ? incarnation_low(far->incarnation) == m.incarnation
+                               : far->incarnation == m.incarnation && introduction->world_hash == config_.world_hash);
+  if (is_same_life) {
     members_.promote(now, m.sender, true);
     return Membership::Admission::kNear;
   }
@@ -101,7 +88,7 @@ std::expected<Membership::Admission, Drop> Admission::admit(HostTime now, Region
   if (far != nullptr && m.incarnation < far->incarnation) return std::unexpected(Drop::kStaleIncarnation);
   const bool starts = known == nullptr || m.incarnation > known->incarnation;
   if (starts && !limits_.take(now, m.sender, MemberLimit::kRestarts)) return std::unexpected(Drop::kMemberLimit);
-  if (far != nullptr) lose_far(m.sender, on_lost);  // it begins anew
+  if (const auto gone = members_.remove_far(m.sender)) on_lost(m.sender, *gone);  // it begins anew
   const Membership::Admission admission = members_.on_datagram(now, m.sender, m.incarnation);
   if (admission == Membership::Admission::kStale) return reject_earlier_life(now, m);
   return admission;

@@ -21,8 +21,8 @@ namespace peerd::replication {
 // world. A message that does not introduce its sender counts if the sender is known.
 class Admission {
  public:
-  // Called for a member that is lost by an admission, after it has been removed.
-  using OnLost = std::function<void(PeerId, const Member&)>;
+  // Called for a peer that is lost by an admission, after it has been removed.
+  using OnLost = std::function<void(PeerId, const OtherPeer&)>;
 
   // All arguments outlive this object.
   Admission(const PeerConfig& config, Membership& members, Outbox& outbox, MemberLimits& limits);
@@ -47,8 +47,6 @@ class Admission {
   [[nodiscard]] bool has_other_world(PeerId peer) const { return other_worlds_.contains(peer); }
 
  private:
-  // A far peer begins anew.
-  void lose_far(PeerId peer, const OnLost& on_lost);
   [[nodiscard]] std::expected<Membership::Admission, Drop> admit_far(HostTime now, const Message& message,
                                                                      const OnLost& on_lost);
   [[nodiscard]] std::unexpected<Drop> admit_own(HostTime now, const Message& message, std::optional<HostTime> started);

@@ -142,19 +142,19 @@ void Greeter::fill_far_echoes(Hello& hello, HostTime now, Membership& members) {
     FarHello* hello;
   };
   std::vector<Candidate> waiting;
-  const auto consider = [&](PeerId peer, bool synchronised, FarHello& far) {
-    if (far.number != 0 && far.number != far.echoed && now - far.rx <= kHeldMax) {
-      waiting.push_back({synchronised, far.echoed_at, peer, &far});
-    }
-  };
   assert(hello.echoes.empty());
-  members.for_each_far_hello(consider);
+  members.for_each([&](PeerId peer, OtherPeer& other) {
+    FarHello& far = other.far_hello;
+    if (far.number != 0 && far.number != far.echoed && now - far.rx <= kHeldMax) {
+      waiting.push_back({other.synchronised, far.echoed_at, peer, &far});
+    }
+  });
   std::ranges::sort(waiting, {}, [](const Candidate& c) { return std::tuple(c.synchronised, c.echoed_at, c.peer); });
   for (std::size_t i = 0; i < std::min(waiting.size(), kEchoesMax); ++i) {
     FarHello& far = *waiting[i].hello;
     far.echoed = far.number;
     far.echoed_at = now;
-    // Who hears that reads the times alone. A full run is the shortest to send.
+    // The peers that receive it read the times alone. A full run is the shortest to send.
     const Received all{far.number, std::min(far.number, Received::kRunMax), ~std::uint64_t{0}};
     hello.echoes.push_back({waiting[i].peer, far.number, now - far.rx, all, 0.0});
   }

@@ -34,29 +34,24 @@ std::vector<std::pair<PeerId, Member>> Membership::expire(HostTime now, const st
                                                           std::optional<PeerId> followed, std::vector<PeerId>* far) {
   std::vector<std::pair<PeerId, Member>> lost;
   for (auto at = members_.begin(); at != members_.end();) {
-    const auto& [peer, member] = *at;
+    const PeerId peer = at->first;
+    const Member& member = at->second;
     if (now - member.last_received < lost_after_) {
       ++at;
       continue;
     }
     const HostTime expected_until = far_hello_until(member);
-    const bool is_expected = expected_until > now;
-    if (is_expected && (peer == followed || peer == lowest()) && !(member.is_near && is_due && is_due(peer))) {
+    const bool is_expected = expected_until > now, is_to_be_heard = member.is_near && is_due && is_due(peer);
+    if (is_expected && !is_to_be_heard && (peer == followed || peer == lowest())) {
       at->second.is_near = false;
       ++at;
       continue;
     }
-    assert(!far_.contains(peer));
-    if (is_expected && !(member.is_near && is_due && is_due(peer))) {
-      FarPeer& gone = far_[peer];
-      gone.incarnation = member.incarnation;
-      gone.name = member.name;
-      gone.since = member.since;
+    if (is_expected && !is_to_be_heard) {
+      assert(!far_.contains(peer));
+      OtherPeer& gone = far_[peer];
+      gone = std::move(at->second);
       gone.expected_until = expected_until;
-      gone.synchronised = member.synchronised;
-      gone.sessions = member.sessions;
-      gone.start = member.start;
-      gone.hello = member.far;
       if (far != nullptr) far->push_back(peer);
       at = members_.erase(at);
       continue;
@@ -108,13 +103,31 @@ PeerId Membership::far_owner(ObjectId object) const {
   return at == far_.end() ? kNobody : at->first;
 }
 
-void Membership::for_each_far_hello(const std::function<void(PeerId, bool, FarHello&)>& function) {
-  for (auto& [peer, member] : members_) function(peer, member.synchronised, member.far);
-  for (auto& [peer, far] : far_) function(peer, far.synchronised, far.hello);
+const OtherPeer* Membership::find_any(PeerId peer) const {
+  if (const auto member = members_.find(peer); member != members_.end()) return &member->second;
+  const auto far = far_.find(peer);
+  return far == far_.end() ? nullptr : &far->second;
 }
 
-// Who says what is `nearby` says far hellos, too, and this peer may not have been here yet for the last one. Those of
-// who leads come all the time.
+void Membership::for_each(const std::function<void(PeerId, OtherPeer&)>& function) {
+  for (auto& [peer, member] : members_) function(peer, member);
+  for (auto& [peer, far] : far_) function(peer, far);
+}
+
+std::pair<PeerId, const OtherPeer*> Membership::lowest_that(const std::function<bool(const OtherPeer&)>& is_so) const {
+  std::pair<PeerId, const OtherPeer*> lowest{kNobody, nullptr};
+  const auto look_in = [&](const auto& peers) {
+    const auto first = std::ranges::find_if(peers, [&](const auto& each) { return is_so(each.second); });
+    if (first == peers.end() || (lowest.second != nullptr && lowest.first < first->first)) return;
+    lowest = {first->first, &first->second};
+  };
+  look_in(members_);
+  look_in(far_);
+  return lowest;
+}
+
+// A peer that says what is `nearby` says far hellos, too, and this peer may not have been here yet for the last one.
+// The far hellos of the peer that leads come all the time.
 HostTime Membership::far_hello_until(const Member& member) const {
   const bool says_nearby = member.received_on(kNearby) != nullptr && !member.leads;
   return says_nearby ? std::max(member.expected_until, member.last_received + far_patience()) : member.expected_until;
@@ -125,67 +138,31 @@ Duration Membership::far_patience() const {
   return kFarHellosMissed * from_seconds(2.0 * all_s) + lost_after_;
 }
 
-bool Membership::has_joined(PeerId peer) const {
-  const auto member = members_.find(peer);
-  if (member != members_.end()) return member->second.synchronised;
-  const auto far = far_.find(peer);
-  return far != far_.end() && far->second.synchronised;
-}
-
-std::optional<SimTime> Membership::start_of(PeerId peer) const {
-  const auto member = members_.find(peer);
-  if (member != members_.end()) return member->second.start;
-  const auto far = far_.find(peer);
-  return far != far_.end() ? far->second.start : std::nullopt;
-}
-
 std::optional<SimTime> Membership::announced_start() const {
-  const auto says_start = [](const auto& each) { return each.second.start.has_value(); };
-  const auto member = std::ranges::find_if(members_, says_start);
-  const auto far = std::ranges::find_if(far_, says_start);
-  if (member == members_.end() || (far != far_.end() && far->first < member->first)) {
-    return far != far_.end() ? far->second.start : std::nullopt;
-  }
-  return member->second.start;
+  const OtherPeer* const announces = lowest_that([](const OtherPeer& each) { return each.start.has_value(); }).second;
+  return announces == nullptr ? std::nullopt : announces->start;
 }
 
 bool Membership::has_joining(HostTime now) const {
-  const auto is_member = [&](const auto& each) {
-    return !each.second.synchronised && now - each.second.last_received < lost_after_;
-  };
-  const auto is_far = [&](const auto& each) {
-    return !each.second.synchronised && now - each.second.hello.rx < lost_after_;
-  };
-  return std::ranges::any_of(members_, is_member) || std::ranges::any_of(far_, is_far);
+  return lowest_that([&](const OtherPeer& each) {
+           return !each.synchronised && now - each.far_hello.rx < lost_after_;
+         }).second != nullptr;
 }
 
 Member& Membership::promote(HostTime now, PeerId peer, bool is_near) {
   auto node = far_.extract(peer);
   assert(!node.empty());
   assert(!members_.contains(peer));
-  FarPeer& far = node.mapped();
   Member& member = members_[peer];
-  member.incarnation = far.incarnation;
-  member.since = far.since;
-  member.name = std::move(far.name);
+  static_cast<OtherPeer&>(member) = std::move(node.mapped());
   member.last_received = now;
-  member.synchronised = far.synchronised;
-  member.sessions = far.sessions;
-  member.start = far.start;
   member.is_near = is_near;
-  member.expected_until = far.expected_until;
-  member.far = far.hello;
   return member;
 }
 
 std::optional<PeerId> Membership::lowest() const {
-  const auto is_in = [](const auto& each) { return each.second.synchronised; };
-  const auto member = std::ranges::find_if(members_, is_in);
-  const auto far = std::ranges::find_if(far_, is_in);
-  if (member == members_.end() && far == far_.end()) return std::nullopt;
-  if (member == members_.end()) return far->first;
-  if (far == far_.end()) return member->first;
-  return std::min(member->first, far->first);
+  const auto [peer, lowest] = lowest_that([](const OtherPeer& each) { return each.synchronised; });
+  return lowest == nullptr ? std::nullopt : std::optional(peer);
 }
 
 std::vector<std::pair<PeerId, FarPeer>> Membership::expire_far(HostTime now) {
@@ -194,7 +171,7 @@ std::vector<std::pair<PeerId, FarPeer>> Membership::expire_far(HostTime now) {
   far_checked_at_ = now;
   const Duration patience = far_patience();
   for (auto at = far_.begin(); at != far_.end();) {
-    if (std::max(at->second.expected_until, at->second.hello.rx + patience) > now) {
+    if (std::max(at->second.expected_until, at->second.far_hello.rx + patience) > now) {
       ++at;
       continue;
     }
@@ -207,10 +184,14 @@ std::vector<std::pair<PeerId, FarPeer>> Membership::expire_far(HostTime now) {
 bool Membership::follow_size(bool may_be) {
   const std::size_t all = count() + 1;
   const bool was = is_large_;
-  // Who came when others took the session for large already is of one mind with them, or nobody would echo the other.
-  const auto says_nearby = [](const auto& each) { return each.second.echoes_on == kNearby; };
-  const bool stays = was || !far_.empty() || std::ranges::any_of(members_, says_nearby);
-  is_large_ = may_be && large_.above > 0 && (all > large_.above || (stays && 4 * all > std::size_t{3} * large_.above));
+  // A peer that comes when others take the session for large already has to be of one mind with them, or neither would
+  // echo the other.
+  const auto is_so_for_others = [this] {
+    return !far_.empty() ||
+           std::ranges::any_of(members_, [](const auto& each) { return each.second.echoes_on == kNearby; });
+  };
+  is_large_ = may_be && large_.above > 0 &&
+              (all > large_.above || (4 * all > std::size_t{3} * large_.above && (was || is_so_for_others())));
   return is_large_ != was;
 }
 

@@ -21,7 +21,7 @@
 
 namespace peerd::replication {
 
-// The last hello that a peer has sent to all of a large session, for who echoes it.
+// The last hello that a peer has sent to all of a large session. The peer that leads echoes it.
 struct FarHello {
   std::uint32_t number = 0;  // 0: none
   HostTime rx{};
@@ -34,17 +34,21 @@ struct FarHello {
   }
 };
 
-// A peer of a large session that is not near: nothing is known of it but that it is here, and what it owns.
-struct FarPeer {
+// All that is known of a far peer, and of a member besides much else.
+struct OtherPeer {
   std::uint64_t incarnation = 0;
+  HostTime since{};  // the first datagram of that incarnation
   std::string name;
-  HostTime since{};
-  HostTime expected_until{};   // its next hello comes by then, unless several are lost
-  bool synchronised = false;   // it has session time
-  std::uint32_t sessions = 0;  // as its hellos say
-  FarHello hello;
-  std::optional<SimTime> start;  // as Member's
-  std::vector<ObjectId> owned;   // by its introductions, ascending
+  bool synchronised = false;     // it has session time
+  std::uint32_t sessions = 0;    // as its hellos say
+  std::optional<SimTime> start;  // the start that it announces
+  FarHello far_hello;
+  HostTime expected_until{};  // its next far hello comes by then, unless several are lost
+};
+
+// A peer of a large session that is not near: nothing is known of it but that it is here, and what it owns.
+struct FarPeer : OtherPeer {
+  std::vector<ObjectId> owned;  // by its introductions, ascending
 };
 
 // The most other peers that are kept, near and far: there are no more on one network, unless a forger invents them.
@@ -55,24 +59,18 @@ inline constexpr std::size_t kMembersMax = 4096;
 inline constexpr int kFarHellosMissed = 2;
 
 // One other peer, as far as its datagrams are received.
-struct Member {
-  std::uint64_t incarnation = 0;
-  HostTime since{};  // the first datagram of that incarnation
-  std::string name;
+struct Member : OtherPeer {
   HostTime last_received{};  // on this host's clock
   std::uint64_t datagrams_in = 0, bytes_in = 0;
   std::map<std::string, std::uint64_t> drops;  // its records that were dropped, by reason
   std::uint32_t hello = 0;                     // the number of its last hello's datagram; 0: none
   HostTime hello_rx{};                         // arrival of that hello, on this host's clock
   bool awaits_our_decision = false;            // it defers a contact that this peer may be the one to decide
-  bool synchronised = false;
-  OffsetInterval clock;                 // its session time minus this host's clock
-  bool leads = false;                   // it says that it leads the session's time
+  OffsetInterval clock;                        // its session time minus this host's clock
+  bool leads = false;                          // it says that it leads the session's time
   Duration clock_error{0};              // the greatest distance of its time from the leader's, where it does not lead
   std::optional<OsClockNote> os_clock;  // as of hello_rx
   bool os_clock_doubted = false;        // its OS clock and this host's contradict the hellos' stamps
-  std::uint32_t sessions = 0;
-  std::optional<SimTime> start;
   std::map<RegionId, LossMeter> received;  // its datagrams, which are numbered by region
   EchoState echo;
   DelayMeter delays;
@@ -83,16 +81,17 @@ struct Member {
   std::uint32_t scene_differs = 0;  // its last hellos in a row whose digest of the scene's states differs
   // In a large session:
   bool is_near = true;               // else it is a member because it leads, or led, and only its far hellos come
-  HostTime expected_until{};         // its next far hello comes by then, unless several are lost
   RegionId channel = kWholeScene;    // by which the numbers of its last datagram count: kNearby where it was `nearby`
   RegionId echoes_on = kWholeScene;  // .. and those of this peer that its last echo was about
-  FarHello far;                      // the last one
 
   // Which of its datagrams that count there have come; null: none.
   [[nodiscard]] const LossMeter* received_on(RegionId numbered_by) const {
     const auto at = received.find(numbered_by);
     return at == received.end() ? nullptr : &at->second;
   }
+
+  // Its last datagram, of that number, is not acknowledged: it comes again.
+  void mark_as_missing(std::uint32_t number) { received[channel].mark_as_missing(number); }
 
   // The loss of its datagrams in all regions together.
   [[nodiscard]] LossMeter received_in_all() const;
@@ -138,12 +137,11 @@ class Membership {
   std::optional<FarPeer> remove_far(PeerId peer);
   // The far peer that has introduced itself as the object's owner; kNobody: none has.
   [[nodiscard]] PeerId far_owner(ObjectId object) const;
-  // Calls `function` with the last hello to all of each peer: its id, whether it has session time, the hello.
-  void for_each_far_hello(const std::function<void(PeerId, bool, FarHello&)>& function);
-  // Whether the peer is here, near or far, and has session time.
-  [[nodiscard]] bool has_joined(PeerId peer) const;
-  // When the session's run has started, as that peer says, or the lowest that says it; none: nobody has.
-  [[nodiscard]] std::optional<SimTime> start_of(PeerId peer) const;
+  // The peer, near or far; null: it is not here.
+  [[nodiscard]] const OtherPeer* find_any(PeerId peer) const;
+  // Calls `function` with each peer, near or far.
+  void for_each(const std::function<void(PeerId, OtherPeer&)>& function);
+  // The start that the lowest of those that know one announces; none: nobody does.
   [[nodiscard]] std::optional<SimTime> announced_start() const;
   // Whether a peer says hello that has no session time yet.
   [[nodiscard]] bool has_joining(HostTime now) const;
@@ -160,7 +158,7 @@ class Membership {
   // True where that has changed.
   bool follow_size(bool may_be);
   [[nodiscard]] bool is_large() const { return is_large_; }
-  // Where what is for all is numbered and acknowledged.
+  // The numbers by which datagrams for all count, and are acknowledged.
   [[nodiscard]] RegionId channel() const { return is_large_ ? kNearby : kWholeScene; }
   [[nodiscard]] std::optional<HostTime> next_expiry() const;
 
@@ -185,6 +183,9 @@ class Membership {
   }
 
  private:
+  // The lowest peer, near or far, that is so; its pointer is null where there is none.
+  [[nodiscard]] std::pair<PeerId, const OtherPeer*> lowest_that(
+      const std::function<bool(const OtherPeer&)>& is_so) const;
   // How long after a far hello its sender is lost at the earliest, by how many peers are here.
   [[nodiscard]] Duration far_patience() const;
   // Until when a member's next far hello is waited for.

@@ -257,8 +257,8 @@ std::optional<PeerId> SessionTime::choose_leader(HostTime now) {
     if (session == Session::kSame || stays) lowest = std::min(lowest, peer);
   }
   if (later) return later->first;
-  // Who leads a large session may not be known well enough yet, or be gone. Time goes on as it is until then: nobody
-  // leads but the lowest of all.
+  // The peer that leads a large session may not be known well enough yet, or be gone. Time goes on as it is until then:
+  // nobody leads but the lowest of all.
   const auto lowest_of_all = members_.lowest();
   const bool leads_apart = lowest == config_.id && members_.is_large() && lowest_of_all && *lowest_of_all < config_.id;
   return leads_apart ? std::nullopt : std::optional(lowest);

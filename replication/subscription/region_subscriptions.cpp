@@ -215,7 +215,7 @@ std::optional<std::vector<Area>> RegionSubscriptions::areas(SimTime t) const {
   const double near_s = config_.policy.track_proximity ? config_.policy.close_proximity_s : 0.0;
   std::ranges::copy(contact_areas(t, ahead_s + near_s), std::back_inserter(areas));
   add_carriers(t, ahead_s, areas);
-  if (view && members_.is_large()) {  // who listens where it publishes is heard there
+  if (view && members_.is_large()) {  // others say where it publishes that they are here
     for (const auto& [object, own] : std::as_const(own_)) areas.push_back({replica_.truth(object, t).position, 0.0});
   }
   if (view) return areas;
@@ -281,50 +281,37 @@ std::vector<Subscription> RegionSubscriptions::take(std::size_t most, bool goes_
 }
 
 void RegionSubscriptions::announce() {
-  const std::vector<RegionId> nearby = of_nearby();
   for (;;) {
     Message m = outbox_.blank();
     m.subscriptions = take(kSubscriptionsMax, false);
     if (m.subscriptions.empty()) return;
-    members_.is_large() ? outbox_.send_nearby(m, nearby) : outbox_.send(m);
+    (void)send_to_peers(m);
   }
 }
 
-std::vector<RegionId> RegionSubscriptions::of_nearby() const {
+// Owners listen where they publish. A peer that publishes nothing says where it listens that it is here: a spectator,
+// or one that decides for others.
+std::vector<RegionId> RegionSubscriptions::regions_for(const Message& message) const {
   std::vector<RegionId> regions;
-  if (!members_.is_large()) return regions;
   for (const auto& [object, own] : std::as_const(own_)) {
     if (own.published_position) regions.push_back(grid_.region_of(*own.published_position));
   }
-  for (const PendingSubscription& p : pending_subscriptions_) regions.push_back(p.subscription.region);
-  // Who publishes nothing says where it listens that it is here: a spectator, or a peer that decides for others.
-  if (regions.empty()) std::ranges::copy(interest_.regions() | std::views::keys, std::back_inserter(regions));
-  std::erase(regions, kWholeScene);
-  std::ranges::sort(regions);
-  regions.erase(std::ranges::unique(regions).begin(), regions.end());
-  return regions;
-}
-
-// A decision goes besides to where its objects are, for who listens there need not listen where its author publishes.
-std::vector<RegionId> RegionSubscriptions::regions_for(const Message& message) const {
-  std::vector<RegionId> regions = of_nearby();
+  for (const Subscription& asked : message.subscriptions) regions.push_back(asked.region);
   for (const DecisionRecord& d : message.decisions) {
-    for (const ObjectId object : {d.collider, d.collidee}) {
-      if (const RegionId region = region_of(object); region != kWholeScene) regions.push_back(region);
-    }
+    for (const ObjectId object : {d.collider, d.collidee}) regions.push_back(region_of(object));
   }
+  std::erase(regions, kWholeScene);
+  if (regions.empty()) std::ranges::copy(interest_.regions() | std::views::keys, std::back_inserter(regions));
   std::ranges::sort(regions);
   regions.erase(std::ranges::unique(regions).begin(), regions.end());
   return regions;
 }
 
-bool RegionSubscriptions::reaches_peers(const Message& message) const {
-  return !members_.is_large() || !regions_for(message).empty();
-}
-
-std::uint32_t RegionSubscriptions::send_to_peers(Message& message, std::span<const EncodedUpdate> updates) {
+std::optional<std::uint32_t> RegionSubscriptions::send_to_peers(Message& message,
+                                                                std::span<const EncodedUpdate> updates) {
   if (!members_.is_large()) return outbox_.send(message, kWholeScene, updates);
-  return outbox_.send_nearby(message, regions_for(message), updates);
+  const std::vector<RegionId> regions = regions_for(message);
+  return regions.empty() ? std::nullopt : std::optional(outbox_.send_nearby(message, regions, updates));
 }
 
 // ---- the objects that this peer receives ----

@@ -51,15 +51,10 @@ class RegionSubscriptions {
   // Sends what is due in datagrams of its own, to all peers: the owner of objects in a region need not listen to it.
   void announce();
 
-  // The regions where this peer publishes its objects, and those whose states it asks for now: who is near listens, or
-  // publishes, there. Where there are none, those where it listens. Ascending.
-  [[nodiscard]] std::vector<RegionId> of_nearby() const;
-  // Those, and where the objects of its decisions were received last.
-  [[nodiscard]] std::vector<RegionId> regions_for(const Message& message) const;
-  // Whether there is anywhere to send it to: not in a large session where this peer neither publishes nor listens.
-  [[nodiscard]] bool reaches_peers(const Message& message) const;
-  // Sends what is for all: to all, or, in a large session, to who is near. Returns its number.
-  std::uint32_t send_to_peers(Message& message, std::span<const EncodedUpdate> updates = {});
+  // Sends a message for all: to all, or, in a large session, to the regions where this peer publishes its objects,
+  // those whose states the message asks for, and those of the objects of its decisions; where there are none, to those
+  // where this peer listens. Returns its number; none: it listens nowhere, and nothing goes out.
+  std::optional<std::uint32_t> send_to_peers(Message& message, std::span<const EncodedUpdate> updates = {});
 
   // ---- the objects that this peer receives
 
@@ -107,6 +102,7 @@ class RegionSubscriptions {
   [[nodiscard]] std::vector<Area> contact_areas(SimTime t, double within_s) const;
 
  private:
+  [[nodiscard]] std::vector<RegionId> regions_for(const Message& message) const;
   struct LastReception {
     RegionId region;
     SimTime at{};  // when this peer received it

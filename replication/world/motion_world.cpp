@@ -244,10 +244,7 @@ void MotionWorld::lay_base(std::size_t index, SimTime t, const MotionModel& mode
     }
     return;
   }
-  events_.push_back(ContactsRetracted{o.id, t - Duration{1}});
-  retract(index, t);
-  forget_bursts(index, t);
-  retract_contacts_of_carried(index, t);
+  retract_all(index, t);
   const KinematicState before = o.timeline.at(t);
   const bool stays = before.position == model.state.position &&
                      before.orientation.coeffs() == model.state.orientation.coeffs() &&
@@ -266,6 +263,13 @@ void MotionWorld::lay_base(std::size_t index, SimTime t, const MotionModel& mode
   if (stays && o.borne) settle(index, index, t);
 }
 
+void MotionWorld::retract_all(std::size_t index, SimTime t) {
+  events_.push_back(ContactsRetracted{objects_[index].id, t - Duration{1}});
+  retract(index, t);
+  forget_bursts(index, t);
+  retract_contacts_of_carried(index, t);
+}
+
 void MotionWorld::forget_bases(ObjectId object, SimTime t) {
   assert(replays_bases_);
   const std::size_t index = objects_.index_of(object);
@@ -274,10 +278,7 @@ void MotionWorld::forget_bases(ObjectId object, SimTime t) {
   std::erase_if(o.bases, [&](const Base& base) { return base.at >= t; });
   if (o.timeline.last_segment().from < t) return;
   ++o.revision;
-  events_.push_back(ContactsRetracted{o.id, t - Duration{1}});
-  retract(index, t);
-  forget_bursts(index, t);
-  retract_contacts_of_carried(index, t);
+  retract_all(index, t);
   o.timeline.truncate_from(t);
   objects_.timeline_changed(index);
   reopen_pairs(index, t, true);

@@ -104,8 +104,8 @@ class MotionWorld {
   using AuthorityOf = std::function<ContactAuthority(ObjectId collider, ObjectId collidee, SimTime contact)>;
   void set_authority(AuthorityOf authority_of) { authority_of_ = std::move(authority_of); }
 
-  // What was set for the object from t on is void, and so is what followed from it: the object goes on from t as it was
-  // set before. For worlds that replay bases; set_base() does it before it sets one.
+  // Makes void the laws that were set for the object from t on, and all that followed from them: the object goes on
+  // from t as it was set before. For worlds that replay bases; set_base() does it before it sets one.
   void forget_bases(ObjectId object, SimTime t);
 
   // Sets the object's motion from t on, in the frame of its carrier, after an update, a sample or a decision. t may lie
@@ -198,6 +198,8 @@ class MotionWorld {
   [[nodiscard]] bool may_meet(std::size_t object) const;
   void lay_base(std::size_t object, SimTime t, const MotionModel& model);
   void note_base(MovingObject& object, SimTime t, const MotionModel& model);
+  // Makes void all that followed from the object's motion from t on.
+  void retract_all(std::size_t object, SimTime t);
   // The object's timeline has lost its laws from t on: its bases from then on are to be laid again.
   void take_back_bases(const MovingObject& object, SimTime t);
   // Lays the earliest one of those that are to be laid again.

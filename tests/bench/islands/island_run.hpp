@@ -8,7 +8,7 @@
 
 namespace peerd::bench {
 
-// What a peer has received of one kind, or sent, on average of all peers, in a second of the measured part.
+// The traffic of one kind that a peer has received, or sent, in a second of the measured part: the mean of all peers.
 struct Rate {
   double datagrams = 0.0, bytes = 0.0;
 };
@@ -30,7 +30,7 @@ struct IslandCosts {
 // Runs it on the simulated network. Throws std::runtime_error where it cannot.
 [[nodiscard]] IslandCosts run_islands(const IslandWorld& world);
 
-// Of y = c x^a by least squares of the logarithms: a. At least two points of different x.
+// Returns the a of y = c x^a by least squares of the logarithms. It takes two points of different x at least.
 [[nodiscard]] double fitted_exponent(const std::vector<std::pair<double, double>>& points);
 
 }  // namespace peerd::bench

@@ -14,10 +14,10 @@ class Admitting : public testing::Test {
  protected:
   std::expected<Known, Drop> admit(const Message& m, HostTime now = host(10s),
                                    std::optional<HostTime> started = host(0s)) {
-    return admission.admit(now, kWholeScene, m, false, started, [this](PeerId peer, const Member& member) {
+    return admission.admit(now, region, m, leads, started, [this](PeerId peer, const OtherPeer& gone) {
       EXPECT_FALSE(members.contains(peer)) << "it has been removed already";
       EXPECT_FALSE(outbox.poll()) << "its loss comes before the report of its world";
-      lost.emplace_back(peer, member.incarnation);
+      lost.emplace_back(peer, gone.incarnation);
     });
   }
   static Message introduction(std::uint32_t id, std::uint64_t incarnation = 100) {
@@ -35,8 +35,57 @@ class Admitting : public testing::Test {
   Outbox outbox{own.id, own.incarnation, counters};
   MemberLimits limits{members, outbox, counters};
   Admission admission{own, members, outbox, limits};
+  RegionId region = kWholeScene;  // that datagrams come to
+  bool leads = false;             // this peer
   std::vector<std::pair<PeerId, std::uint64_t>> lost;
 };
+
+// ---- large sessions ----
+
+class AdmittingFar : public Admitting {
+ protected:
+  AdmittingFar() { members = Membership(own.lost_after, LargeSession{.above = 1}); }
+  static Message far_hello(std::uint32_t id, std::uint64_t incarnation = 100) {
+    Message m = introduction(id, incarnation);
+    m.next_hello = 10s;
+    return m;
+  }
+};
+
+TEST_F(AdmittingFar, AFarPeerComesNearByWhatItSaysToARegion) {
+  EXPECT_EQ(admit(far_hello(2)), Known::kFar);
+  EXPECT_EQ(members.find(PeerId{2}), nullptr);
+  (void)members.note_far(host(10s), PeerId{2}, 100);
+  region = RegionId{4};
+  EXPECT_EQ(admit(message_of(2, 99)), std::unexpected(Drop::kUnintroduced)) << "another incarnation's";
+  EXPECT_EQ(admit(message_of(2, 100)), Known::kNear);
+  EXPECT_NE(members.find(PeerId{2}), nullptr);
+  EXPECT_EQ(admit(far_hello(2)), Known::kFar) << "it says nothing of who is near";
+  EXPECT_NE(members.find(PeerId{2}), nullptr);
+  EXPECT_TRUE(lost.empty());
+}
+
+TEST_F(AdmittingFar, WhatBeginsAnewIsLostBefore) {
+  for (const std::uint32_t id : {2u, 3u}) (void)members.note_far(host(10s), PeerId{id}, 100);
+  EXPECT_EQ(admit(far_hello(2, 99)), std::unexpected(Drop::kStaleIncarnation));
+  EXPECT_EQ(admit(introduction(3, 99)), std::unexpected(Drop::kStaleIncarnation));
+  EXPECT_TRUE(lost.empty());
+  EXPECT_EQ(admit(far_hello(2, 101)), Known::kFar);
+  EXPECT_EQ(admit(introduction(3, 101)), Known::kJoined);
+  EXPECT_EQ(lost, (std::vector<std::pair<PeerId, std::uint64_t>>{{PeerId{2}, 100}, {PeerId{3}, 100}}));
+}
+
+// In a large session only the peer that leads answers a joining one; for the others it is far.
+TEST_F(AdmittingFar, WhoSaysItsPresenceAloneIsFar) {
+  (void)members.note_far(host(10s), PeerId{9}, 100);
+  ASSERT_TRUE(members.follow_size(true));
+  Message joining = introduction(2);
+  joining.hello->session_tx.reset();
+  EXPECT_EQ(admit(joining), Known::kFar);
+  leads = true;
+  EXPECT_EQ(admit(joining), Known::kJoined);
+  EXPECT_EQ(admit(introduction(3)), Known::kFar) << "it has session time already";
+}
 
 TEST_F(Admitting, APeerIsKnownOnceItHasIntroducedItself) {
   EXPECT_EQ(admit(message_of(2)), std::unexpected(Drop::kUnintroduced));

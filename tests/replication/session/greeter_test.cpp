@@ -278,7 +278,7 @@ TEST_F(Greeting, WhoLeadsEchoesEachFarHelloOnceAndJoiningPeersFirst) {
   for (std::uint32_t p = 2; p <= 20; ++p) {
     FarPeer& far = *many.note_far(host(0s), PeerId{p}, 1).first;
     far.synchronised = p != 20;
-    far.hello.receive(p, host(1s) + std::chrono::milliseconds(p));
+    far.far_hello.receive(p, host(1s) + std::chrono::milliseconds(p));
   }
   std::set<PeerId> echoed;
   Hello first, second, third;
@@ -307,7 +307,7 @@ TEST_F(Greeting, JoiningPeersTakeTurns) {
   std::map<PeerId, int> echoes;
   for (int i = 1; i <= 9; ++i) {
     const HostTime now = host(1s) + i * 100ms;
-    for (std::uint32_t p = 2; p <= 40; ++p) many.find_far(PeerId{p})->hello.receive(100 * p + i, now);
+    for (std::uint32_t p = 2; p <= 40; ++p) many.find_far(PeerId{p})->far_hello.receive(100 * p + i, now);
     Hello hello;
     Greeter::fill_far_echoes(hello, now, many);
     for (const Echo& echo : hello.echoes) ++echoes[echo.peer];
@@ -329,7 +329,7 @@ TEST_F(Greeting, WhoLeadsSaysHelloMoreOftenWhileAPeerJoins) {
   EXPECT_FALSE(one.is_far_due(t, true));
   EXPECT_TRUE(one.is_far_due(t + 250ms, true));
   many.find_far(PeerId{10})->synchronised = false;
-  many.find_far(PeerId{10})->hello.receive(1, t);
+  many.find_far(PeerId{10})->far_hello.receive(1, t);
   EXPECT_FALSE(one.is_far_due(t - 151ms, true));
   EXPECT_TRUE(one.is_far_due(t - 150ms, true));
   EXPECT_FALSE(many.has_joining(t + 2s)) << "it has gone";

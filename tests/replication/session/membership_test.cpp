@@ -128,7 +128,7 @@ TEST(Membership, AFarPeerIsWaitedForAsLongAsManyPeersTake) {
   Membership members(2s, kLarge);
   FarPeer& five = *members.note_far(host(0s), kFive, 7).first;
   five.expected_until = host(4s);
-  five.hello.receive(1, host(0s));
+  five.far_hello.receive(1, host(0s));
   for (std::uint32_t p = 6; p <= 104; ++p) members.note_far(host(0s), PeerId{p}, 1).first->expected_until = host(90s);
   EXPECT_TRUE(members.expire_far(host(41s)).empty());
   EXPECT_EQ(members.expire_far(host(43s)).size(), 1u) << "four mean intervals, and what makes any peer lost";
@@ -168,14 +168,15 @@ TEST(Membership, TheLowestIsOneThatHasJoined) {
   members.on_datagram(host(0s), kTwo, 7);
   (void)members.note_far(host(0s), kThree, 7);
   EXPECT_EQ(members.lowest(), std::nullopt);
-  EXPECT_FALSE(members.has_joined(kThree));
   members.note_far(host(0s), kFive, 7).first->synchronised = true;
   EXPECT_EQ(members.lowest(), kFive);
   members.find_far(kThree)->synchronised = true;
   EXPECT_EQ(members.lowest(), kThree);
   members.find(kTwo)->synchronised = true;
   EXPECT_EQ(members.lowest(), kTwo);
-  EXPECT_TRUE(members.has_joined(kThree));
+  EXPECT_EQ(members.find_any(kTwo), members.find(kTwo));
+  EXPECT_EQ(members.find_any(kThree), members.find_far(kThree));
+  EXPECT_EQ(members.find_any(PeerId{4}), nullptr);
 }
 
 TEST(Membership, TheStartIsKnownOfFarPeersToo) {
@@ -186,8 +187,6 @@ TEST(Membership, TheStartIsKnownOfFarPeersToo) {
   EXPECT_EQ(members.announced_start(), SimTime{5s});
   members.note_far(host(0s), kTwo, 7).first->start = SimTime{4s};
   EXPECT_EQ(members.announced_start(), SimTime{4s});
-  EXPECT_EQ(members.start_of(kThree), SimTime{5s});
-  EXPECT_EQ(members.start_of(kFive), std::nullopt);
 }
 
 // 37 to 48 peers: some have seen a 49th and others have not.

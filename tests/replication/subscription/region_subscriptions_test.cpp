@@ -474,6 +474,78 @@ TEST(RegionSubscriptions, EarlierRegionsLearnTheLatest) {
   EXPECT_TRUE(s.part().take_handovers([](RegionId) { return true; }).empty());
 }
 
+// ---- where a message for all goes in a large session ----
+
+struct InALargeSession : Subscribing {
+  InALargeSession() {
+    members = Membership(conf.lost_after, LargeSession{.above = 1});
+    add_member(members, 2);
+    EXPECT_TRUE(members.follow_size(true));
+    place(50);
+    part().follow_interest(sim(0s), sim(0s));
+    part().measure_contact_ranges(std::vector{0u}, true);
+  }
+  // The regions that the message goes to, in datagrams of one number.
+  std::vector<std::uint32_t> regions_of(Message m) {
+    while (outbox.poll()) {
+    }
+    const auto number = part().send_to_peers(m);
+    std::vector<std::uint32_t> all;
+    while (const auto output = outbox.poll()) {
+      if (const auto* sent = std::get_if<Send>(&*output)) all.push_back(sent->region.value);
+    }
+    EXPECT_EQ(number.has_value(), !all.empty());
+    EXPECT_TRUE(all.empty() || (m.nearby && number == m.number));
+    return all;
+  }
+  Message decision() {
+    Message m = outbox.blank();
+    m.decisions.push_back({});
+    m.decisions[0].collider = mine;
+    m.decisions[0].collidee = fast;
+    return m;
+  }
+};
+using Regions = std::vector<std::uint32_t>;
+
+TEST(RegionSubscriptions, AMessageForAllGoesWhereItsSenderPublishes) {
+  InALargeSession s;
+  s.publish(250, sim(0s));
+  EXPECT_EQ(s.regions_of(s.outbox.blank()), (Regions{3}));
+  Message asks = s.outbox.blank();
+  asks.subscriptions = {{RegionId{7}, sim(0s)}};
+  EXPECT_EQ(s.regions_of(asks), (Regions{3, 7})) << "owners listen where they publish";
+}
+
+// A bystander that listens where one of the two objects is need not listen where the decider publishes.
+TEST(RegionSubscriptions, ADecisionGoesWhereItsObjectsAre) {
+  InALargeSession s;
+  s.publish(250, sim(0s));
+  EXPECT_EQ(s.regions_of(s.decision()), (Regions{3})) << "FAST has never been received";
+  ASSERT_TRUE(s.accept(s.fast, 60));
+  EXPECT_EQ(s.regions_of(s.decision()), (Regions{1, 3}));
+}
+
+// A spectator, or a peer that decides for others.
+TEST(RegionSubscriptions, WithoutPublishedObjectsItGoesWhereThePeerListens) {
+  InALargeSession s;
+  ASSERT_EQ(s.joined(), std::set<RegionId>{RegionId{1}});
+  EXPECT_EQ(s.regions_of(s.outbox.blank()), (Regions{1}));
+  ASSERT_TRUE(s.accept(s.fast, 60));
+  EXPECT_EQ(s.regions_of(s.decision()), (Regions{1}));
+}
+
+TEST(RegionSubscriptions, InASmallSessionItGoesToAll) {
+  InALargeSession s;
+  EXPECT_TRUE(s.members.follow_size(false));
+  Message m = s.outbox.blank();
+  EXPECT_TRUE(s.part().send_to_peers(m));
+  EXPECT_FALSE(m.nearby);
+  s.publish(250, sim(0s));
+  EXPECT_TRUE(s.part().send_to_peers(m));
+  EXPECT_FALSE(m.nearby);
+}
+
 TEST(RegionSubscriptions, ASubscriberIsSentWhatWasNotPublishedSince) {
   Subscribing s;
   s.publish(50, sim(10s));
