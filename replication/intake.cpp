@@ -144,14 +144,14 @@ std::expected<bool, Drop> Intake::admit(HostTime now, RegionId region, const Mes
 void Intake::on_far(HostTime now, PeerId sender, const Message& m) {
   assert(sender != p_.config.id && (m.hello || !m.next_hello));
   if (m.leaving) return keeper_.dismiss_far(sender, now);
-  // Nobody promises more than the most peers that there may be need. Who does not say when its next hello comes says
-  // that it is here as often as in a small session.
+  // No peer promises a longer interval than that of kMembersMax peers. A peer that promises none says hello as often as
+  // in a small session.
   const Duration most = std::max(kLeastFarPromise, from_seconds(2.0 * kMembersMax / p_.config.large.hellos_per_s));
   const Duration patience = m.next_hello
                                 ? kFarHellosMissed * std::min<Duration>(*m.next_hello, most) + p_.config.lost_after
                                 : 2 * p_.config.lost_after;
   const auto expect = [&](HostTime& until, std::uint32_t last) {
-    const bool is_newer = m.next_hello && m.number > last;  // who has come to lead promises less
+    const bool is_newer = m.next_hello && m.number > last;  // a new leader promises less
     until = is_newer ? now + patience : std::max(until, now + patience);
   };
   if (Member* const member = p_.members.find(sender)) {
@@ -426,6 +426,7 @@ void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, Sim
   p_.display.on_update(u.at, session_now);
   p_.replica.note_update(u);
   if (u.carrier && !p_.model->is_carrier(*u.carrier)) keeper_.let_move(*u.carrier);  // its owner's hello may be lost
+  if (!p_.replica.ghosts().has(u.object)) p_.replica.declare_remote(u.object, Role::kPredicted);
   p_.replica.set_ghost(u.object, u.at, p_.replica.in_own_frame(u), p_.own.contains(u.object));
 }
 

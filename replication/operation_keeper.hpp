@@ -36,7 +36,8 @@ class OperationKeeper {
   void follow_writers() { p_.living.follow_writers(); }
   // A datagram of a member has come.
   void on_message(HostTime now, PeerId sender, const Message& message);
-  // Says where what owners have left behind stands: the peer of the lowest id that is here does.
+  // Says where objects stand that owners have left behind. The peer of the lowest id that is here does; where regions
+  // cut the world, the lowest one that knows.
   void place_left_behind(HostTime now, SimTime t);
   // Lets what takes effect until t do so: both worlds are advanced to each such instant.
   void apply_until(SimTime t);

@@ -40,6 +40,14 @@ struct RemovedObject {
   SimTime decided{};  // a decision of that contact time has lent it to its owner; SimTime{}: none has
 };
 
+// An object whose owner is gone: whose it was, when this peer noticed that, and whether it received the object, and so
+// may know where it stood.
+struct LeftBehind {
+  PeerId owner;
+  SimTime at{};
+  bool was_received = true;
+};
+
 // The parts of a peer. Each owns its fields and knows those above it in this list, which is the order of the rooms;
 // SessionKeeper, contact_report and Intake do what concerns several of them.
 struct PeerParts {
@@ -70,7 +78,7 @@ struct PeerParts {
   // The world, as far as this peer knows it.
   Presence presence;
   Owners owners;
-  LeftObjects left_behind;  // by owners who are gone, since then; no operation says yet where these stand
+  std::map<ObjectId, LeftBehind> left_behind;  // no operation says yet where these stand
   std::map<ObjectId, RemovedObject> removed;
   OwnObjects own;
   SceneObjects scene;

@@ -153,8 +153,8 @@ void SessionKeeper::move_to_session_time(SimTime before, SimTime now, bool same_
   declare_all();
   MotionWorld &truth = p_.replica.truth(), &ghosts = p_.replica.ghosts();
   for (const ObjectId object : old.ghosts.objects()) {
-    const bool orphan = !ghosts.has(object);
-    if (orphan) ghosts.declare(object, Role::kScene);
+    const bool orphan = p_.owners.of(object) == kNobody && !ghosts.has(object);
+    if (!ghosts.has(object)) ghosts.declare(object, orphan ? Role::kScene : Role::kPredicted);
     if (truth.has(object)) {
       if (const auto free = old.truth.free_acceleration(object)) truth.set_free_acceleration(object, *free);
       truth.set_base(object, now, old.truth.model_at(object, before));
@@ -378,6 +378,7 @@ void SessionKeeper::end_owning(ObjectId object, SimTime at) {
   p_.regions.on_known_everywhere(object);
   MotionWorld& ghosts = p_.replica.ghosts();
   if (!p_.scene.contains(object)) {
+    if (!ghosts.has(object)) p_.replica.declare_remote(object, Role::kScene);
     p_.replica.set_ghost(object, at, at_rest(ghosts.relative_at(object, at).pose()), false);
     p_.replica.declare_remote(object, Role::kScene);
     p_.regions.on_orphaned(object);
@@ -393,14 +394,18 @@ void SessionKeeper::end_owning(ObjectId object, SimTime at) {
 }
 
 // Each peer has noticed at another instant that the owner is gone, so that the object stands elsewhere at each: until
-// an operation says where (PlaceObject), which may be there already.
-void SessionKeeper::leave_behind(PeerId owner, ObjectId object, SimTime since, SimTime at) {
-  const auto left = p_.living.left().find(object);
-  const bool is_said = left != p_.living.left().end() && left->second.owner == owner && left->second.at >= since;
-  const Pose pose = is_said ? p_.place_by_scene(object) : p_.replica.ghosts().relative_at(object, at).pose();
-  p_.replica.set_ghost(object, at, at_rest(pose), false);
+// an operation says where (PlaceObject), which may be there already. An object without a ghost stands where the scene
+// has it. `since`: the owner has been here since then.
+void SessionKeeper::leave_behind(ObjectId object, const LeftBehind& left, SimTime since) {
+  if (!p_.replica.ghosts().has(object)) return;
+  const auto said = p_.living.left().find(object);
+  const bool is_said =
+      said != p_.living.left().end() && said->second.owner == left.owner && said->second.at >= since;
+  const Pose pose =
+      is_said ? p_.place_by_scene(object) : p_.replica.ghosts().relative_at(object, left.at).pose();
+  p_.replica.set_ghost(object, left.at, at_rest(pose), false);
   // The ghost of what could collide may be in what its owner would have met: no place for all.
-  if (!is_said && p_.model->pairs_of(object).empty()) p_.left_behind[object] = {owner, at};
+  if (!is_said && p_.model->pairs_of(object).empty()) p_.left_behind[object] = left;
 }
 
 void SessionKeeper::let_move(ObjectId carrier) {
@@ -433,24 +438,25 @@ void SessionKeeper::orphan_objects_of(PeerId peer, HostTime since, HostTime now,
   for (const auto& [object, owner] : p_.owners) {
     if (owner != peer) continue;
     owned_any = true;
+    const LeftBehind left{owner, t, p_.replica.receives(object)};
     if (p_.scene.contains(object) && p_.replica.begun()) {
       scene_.orphan(object, t);
       continue;
     }
     if (p_.replica.begun() && p_.living.owners().contains(object)) {
-      if (p_.replica.receives(object)) p_.outbox.push(ObjectOrphaned{object, peer});
+      if (left.was_received) p_.outbox.push(ObjectOrphaned{object, peer});
       take_from(peer, object);
       if (for_good) p_.decisions.end_life_of(object, t);
       p_.owners.set(object, kNobody);
       end_owning(object, t);
-      if (!p_.scene.contains(object)) leave_behind(peer, object, p_.to_session(since), t);
+      if (!p_.scene.contains(object)) leave_behind(object, left, p_.to_session(since));
       continue;
     }
     if (p_.replica.begun()) {
       p_.replica.compute_ghost(object);
-      leave_behind(peer, object, p_.to_session(since), t);
+      leave_behind(object, left, p_.to_session(since));
       p_.replica.declare_remote(object, Role::kScene);
-      if (p_.replica.receives(object)) p_.outbox.push(ObjectOrphaned{object, peer});
+      if (left.was_received) p_.outbox.push(ObjectOrphaned{object, peer});
       p_.replica.forget_update_of(object);
     }
     p_.regions.on_orphaned(object);

@@ -65,7 +65,7 @@ class SessionKeeper {
   void follow_owners(std::span<const ObjectId> changed, SimTime at);
   void begin_owning(ObjectId object, SimTime at);
   void end_owning(ObjectId object, SimTime at);
-  void leave_behind(PeerId owner, ObjectId object, SimTime since, SimTime at);
+  void leave_behind(ObjectId object, const LeftBehind& left, SimTime since);
 
   PeerParts& p_;
   SceneKeeper& scene_;

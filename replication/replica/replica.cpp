@@ -47,7 +47,9 @@ std::vector<MovingObjects::Placed> Replica::change_scene(const WorldModel& next,
   renew_flexible(next);
   std::erase_if(last_updates_, [&](const auto& update) { return !next.scene->contains(update.first); });
   std::erase_if(kept_updates_, [&](const auto& updates) { return !next.scene->contains(updates.first); });
-  std::erase_if(unreceived_, [&](ObjectId object) { return !next.scene->contains(object); });
+  for (std::uint32_t i = 0; i < model_->scene->instances.size(); ++i) {
+    if (const ObjectId id = model_->scene->id_of(i); !next.scene->contains(id)) unreceived_.set(id, false);
+  }
   std::erase_if(changed_, [&](ObjectId object) { return !next.scene->contains(object); });
   colliding_.change_scene(next, at);
   if (!begun()) return {};
@@ -80,6 +82,7 @@ void Replica::note_changes() {
 }
 
 void Replica::declare_remote(ObjectId object, Role role) {
+  if (!receives(object) && !ghosts().has(object)) return;
   compute_ghost(object);
   note_change_ahead(object);
   colliding_.wake(object);  // it is where the other world has it from now on

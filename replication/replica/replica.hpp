@@ -3,7 +3,6 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <set>
 #include <span>
 #include <unordered_map>
 #include <utility>
@@ -11,6 +10,7 @@
 
 #include "core/ids.hpp"
 #include "core/kinematics.hpp"
+#include "core/object_table.hpp"
 #include "core/time.hpp"
 #include "replication/wire/wire.hpp"
 #include "replication/world/colliding_objects.hpp"
@@ -161,17 +161,19 @@ class Replica {
   // Sets the motion that all peers predict for the object from t on, in the frame of its carrier. The truth follows
   // unless the object is owned here.
   void set_ghost(ObjectId object, SimTime t, const MotionModel& model, bool owned);
-  // The role of an object that is not owned here. One that nothing can meet is in the ghosts alone.
+  // The role of an object that is not owned here. One that nothing can meet is in the ghosts alone, and has no place
+  // there before this peer receives it for the first time.
   void declare_remote(ObjectId object, Role role);
 
   // Whether this peer receives the object's updates: false for objects in regions that it does not listen to. What it
   // says of those is void; they meet nothing here.
-  [[nodiscard]] bool receives(ObjectId object) const { return !unreceived_.contains(object); }
+  [[nodiscard]] bool receives(ObjectId object) const { return !unreceived_.of(object); }
   // Sets whether this peer receives the object. False where that changes nothing.
   bool set_received(ObjectId object, bool received) {
-    const bool changed = received ? unreceived_.erase(object) > 0 : unreceived_.insert(object).second;
-    if (changed) ++received_revision_;
-    return changed;
+    if (receives(object) == received) return false;
+    unreceived_.set(object, !received);
+    ++received_revision_;
+    return true;
   }
   // A number that changes with what this peer receives.
   [[nodiscard]] std::uint64_t received_revision() const { return received_revision_; }
@@ -210,7 +212,7 @@ class Replica {
   std::unique_ptr<FlexibleParts> flexible_;  // null: nothing flexes
   Advancer* advancer_ = nullptr;             // null: the worlds themselves
   std::vector<ObjectId> changed_;            // since the last take_changed(); some of them twice
-  std::set<ObjectId> unreceived_;
+  ObjectTable<bool> unreceived_{false};
   std::uint64_t received_revision_ = 0;
   std::unordered_map<ObjectId, UpdateRecord> last_updates_;
   bool keeps_updates_ = false;

@@ -56,7 +56,7 @@ std::expected<Membership::Admission, Drop> Admission::admit(HostTime now, Region
   if (m.next_hello) return admit_far(now, m, on_lost);
   const FarPeer* const far = members_.find_far(m.sender);
   const bool is_new = far == nullptr && members_.find(m.sender) == nullptr;
-  const bool joins = m.hello && !m.hello->session_tx;  // who leads answers it
+  const bool joins = m.hello && !m.hello->session_tx;  // the leader answers it
   if ((far != nullptr || is_new) && members_.is_large() && says_presence_alone(region, m) && !(leads && joins)) {
     return admit_far(now, m, on_lost);
   }

@@ -113,7 +113,8 @@ class Membership {
   Admission on_datagram(HostTime now, PeerId peer, std::uint64_t incarnation);
   // Removes the peers that have been silent for longer than lost_after and returns them, ascending. Those whose far
   // hellos are still expected, for one or a `nearby` datagram has come, are far from now on, and are appended to `far`;
-  // they are lost where `is_due` says that this peer would hear them, and `followed`, or who may lead next, remains.
+  // they are lost where `is_due` says that this peer would hear them. `followed`, the leader, remains, and so does the
+  // peer that may lead next.
   [[nodiscard]] std::vector<std::pair<PeerId, Member>> expire(HostTime now,
                                                               const std::function<bool(PeerId)>& is_due = {},
                                                               std::optional<PeerId> followed = std::nullopt,

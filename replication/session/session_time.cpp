@@ -51,7 +51,7 @@ bool SessionTime::found_session(HostTime now) {
   const bool awaits_introduction = unintroduced_peer_at_ && now - *unintroduced_peer_at_ < config_.listen_first;
   if (awaits_introduction && listened < kIntroductionPatience * config_.listen_first) return false;
   const OffsetBounds reach = reach_.at(now, os_minus_host(now));
-  if (!members_.far().empty()) return false;  // a large session is here, and who leads it is heard soon
+  if (!members_.far().empty()) return false;  // a large session is here, and its leader is heard soon
   for (const auto& [peer, member] : members_.all()) {
     const bool leads = member.synchronised ? is_within(now, member, reach) : peer < config_.id;
     if (leads && may_respond(now, member)) return false;

@@ -582,6 +582,28 @@ TEST_F(Regions, OrphanedObjectsStayWithAPeerThatLeavesTheirRegion) {
   EXPECT_EQ(orphaned.front().object, world["A"]);
 }
 
+// The lowest peer has never received the object.
+TEST_F(Regions, APeerThatKnowsSaysWhereALeftObjectStands) {
+  const auto swings = [](SimTime t) {
+    const double s = to_seconds(t.time_since_epoch());
+    return moving({5 + std::sin(s), 2, 0}, {std::cos(s), 0, 0});
+  };
+  lan.add(looking_from(in_regions(1, {}, 3.0), 45));
+  lan.add(looking_from(in_regions(2, {}, 3.0), 5));
+  lan.add(looking_from(in_regions(3, {}, 3.0), 5));
+  const auto owner = lan.add(in_regions(4, {{world["A"], true}}, 3.0), 0s, {{world["A"], swings}});
+  lan.run_until(5s);
+  EXPECT_FALSE(holds(0, "A"));
+  EXPECT_TRUE(holds(1, "A"));
+  EXPECT_TRUE(holds(2, "A"));
+  lan.kill(owner);
+  lan.run_until(9s);
+  const auto place = [&](std::size_t i) { return lan.peer(i).ghost(world["A"], lan.session_now(i)); };
+  EXPECT_EQ(place(0).position.y(), 2.0) << "not where the file has it";
+  EXPECT_TRUE(same_bits(place(0), place(1)));
+  EXPECT_TRUE(same_bits(place(0), place(2)));
+}
+
 TEST_F(Regions, ASubscriptionIsRepeatedTwice) {
   const auto comes = [&](SimTime t) {
     const double s = to_seconds(t - (lan.session_now(0) - lan.now()));

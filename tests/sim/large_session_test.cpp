@@ -29,7 +29,7 @@ IslandCosts costs_of(std::uint32_t peers, const std::vector<std::string>& sets) 
   return run_islands(world);
 }
 
-// With the threshold at 16 both are large; what they receive differs by who lives at the border of the world.
+// With the threshold at 16 both are large; what they receive differs by how many of them are at the border of the world.
 TEST(LargeSession, TrafficOfAPeerDoesNotGrowWithTheWorld) {
   const std::vector<std::string> sets{"replication.large_session_above=16", "replication.far_hellos_per_s=10"};
   const IslandCosts small = costs_of(36, sets), twice = costs_of(81, sets);
@@ -38,8 +38,8 @@ TEST(LargeSession, TrafficOfAPeerDoesNotGrowWithTheWorld) {
   EXPECT_GT(small.received_objects, 0.0);
   const auto of_each_near = [](const IslandCosts& costs) { return costs.in_all.bytes / costs.near_members; };
   EXPECT_LT(bench::fitted_exponent({{36.0, of_each_near(small)}, {81.0, of_each_near(twice)}}), 0.3);
-  EXPECT_LT(twice.near_members, 26.0) << "who lives in the 25 squares around, and who leads";
-  EXPECT_GT(twice.in.at("hello").datagrams, 1.0) << "who is near says hello as often as in a small session";
+  EXPECT_LT(twice.near_members, 26.0) << "the peers of the 25 squares around, and the leader";
+  EXPECT_GT(twice.in.at("hello").datagrams, 1.0) << "near peers say hello as often as in a small session";
   EXPECT_LT(twice.in.at("far_hello").datagrams, 15.0) << "of all together, with those of the peer that leads";
   EXPECT_LT(twice.clock_error_ms, 20.0);
 }

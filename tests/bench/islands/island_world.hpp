@@ -8,7 +8,7 @@ namespace peerd::bench {
 
 // A session that grows at constant density. Each peer owns the objects of a square of its own; the squares lie in a
 // grid, and each is a region. A peer sees what is near its objects: its own square and the eight around it. In the
-// network the peers are on islands, so that most of who is near in the world is far away in the network.
+// network the peers are on islands, so that neighbours in the world are mostly far away in the network.
 struct IslandWorld {
   std::uint32_t peers = 100;
   std::uint32_t objects = 20;   // of each peer, >= 1

@@ -60,7 +60,7 @@ TEST_F(AdmittingFar, AFarPeerComesNearByWhatItSaysToARegion) {
   EXPECT_EQ(admit(message_of(2, 99)), std::unexpected(Drop::kUnintroduced)) << "another incarnation's";
   EXPECT_EQ(admit(message_of(2, 100)), Known::kNear);
   EXPECT_NE(members.find(PeerId{2}), nullptr);
-  EXPECT_EQ(admit(far_hello(2)), Known::kFar) << "it says nothing of who is near";
+  EXPECT_EQ(admit(far_hello(2)), Known::kFar) << "it does not make its sender near";
   EXPECT_NE(members.find(PeerId{2}), nullptr);
   EXPECT_TRUE(lost.empty());
 }

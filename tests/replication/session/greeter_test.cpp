@@ -270,7 +270,7 @@ TEST_F(Greeting, AFarHelloIsPutOffWherePeersHaveCome) {
   for (std::uint32_t p = 11; p <= 100; ++p) (void)many.note_far(host(0s), PeerId{p}, 1);
   EXPECT_FALSE(one.is_far_due(t + 16s, false)) << "longer than any interval of ten";
   EXPECT_TRUE(one.is_far_due(t + 151s, false));
-  EXPECT_TRUE(one.is_far_due(t + 1s, true)) << "who leads says hello all the time";
+  EXPECT_TRUE(one.is_far_due(t + 1s, true)) << "the leader says hello all the time";
 }
 
 TEST_F(Greeting, WhoLeadsEchoesEachFarHelloOnceAndJoiningPeersFirst) {
