@@ -117,9 +117,13 @@ void Membership::for_each(const std::function<void(PeerId, OtherPeer&)>& functio
 std::pair<PeerId, const OtherPeer*> Membership::lowest_that(const std::function<bool(const OtherPeer&)>& is_so) const {
   std::pair<PeerId, const OtherPeer*> lowest{kNobody, nullptr};
   const auto look_in = [&](const auto& peers) {
-    const auto first = std::ranges::find_if(peers, [&](const auto& each) { return is_so(each.second); });
-    if (first == peers.end() || (lowest.second != nullptr && lowest.first < first->first)) return;
-    lowest = {first->first, &first->second};
+    for (const auto& [peer, each] : peers) {
+      if (lowest.second != nullptr && lowest.first < peer) return;
+      if (is_so(each)) {
+        lowest = {peer, &each};
+        return;
+      }
+    }
   };
   look_in(members_);
   look_in(far_);
