@@ -80,7 +80,11 @@ std::expected<void, Drop> Intake::on_packet(HostTime now, RegionId region, std::
   member.bytes_in += datagram.size();
   member.is_near = true;
   member.channel = m.nearby ? kNearby : region;
-  if (m.number > 0) member.received[member.channel].on_datagram(m.number);
+  LossMeter& received = member.received[member.channel];
+  // A peer that listens to several of the sender's regions gets as many copies.
+  const bool is_copy = m.nearby && received.received().has(m.number);
+  if (m.number > 0) received.on_datagram(m.number);
+  if (is_copy) return {};
   if (m.hello) on_hello(now, m.sender, m.number, *m.hello);
   operations_.on_message(now, m.sender, m);
   if (m.leaving) {
@@ -150,12 +154,13 @@ void Intake::on_far(HostTime now, PeerId sender, const Message& m) {
   const Duration patience = m.next_hello
                                 ? kFarHellosMissed * std::min<Duration>(*m.next_hello, most) + p_.config.lost_after
                                 : 2 * p_.config.lost_after;
-  const auto expect = [&](HostTime& until, std::uint32_t last) {
-    const bool is_newer = m.next_hello && m.number > last;  // a new leader promises less
-    until = is_newer ? now + patience : std::max(until, now + patience);
+  const auto expect = [&](OtherPeer& other) {
+    const bool is_newer = m.next_hello && m.number > other.far_hello.number;  // a new leader promises less
+    other.expected_until = is_newer ? now + patience : std::max(other.expected_until, now + patience);
+    if (m.hello) other.promises_hellos = m.next_hello.has_value();
   };
   if (Member* const member = p_.members.find(sender)) {
-    expect(member->expected_until, member->far_hello.number);
+    expect(*member);
     if (m.number > 0) member->received[kWholeScene].on_datagram(m.number);
     if (m.hello && !m.hello->logs.empty()) operations_.on_message(now, sender, m);
     return on_far_hello(now, sender, *member, m);
@@ -163,13 +168,13 @@ void Intake::on_far(HostTime now, PeerId sender, const Message& m) {
   const Introduction* const introduction = m.introduction();
   FarPeer* far = p_.members.find_far(sender);
   if (far == nullptr) {
-    assert(introduction != nullptr && "who is not known yet introduces itself");
+    assert(introduction != nullptr && "an unknown peer introduces itself");
     const auto [noted, is_new] = p_.members.note_far(now, sender, m.incarnation);
     far = noted;
     report_same_name(sender, introduction->name);
     p_.outbox.push(PeerJoined{sender, introduction->name, false});
   }
-  expect(far->expected_until, far->far_hello.number);
+  expect(*far);
   if (!m.hello) return;
   far->synchronised = m.hello->session_tx.has_value();
   far->sessions = m.hello->sessions;
@@ -183,8 +188,10 @@ void Intake::on_far(HostTime now, PeerId sender, const Message& m) {
     far->owned = std::move(all);
   }
   if (!m.hello->logs.empty()) operations_.on_message(now, sender, m);
-  // The lowest of all leads, or will: its time counts, however far it is.
-  if (p_.members.lowest() != sender || (sender > p_.config.id && p_.time.clock().synchronised())) return;
+  // The time of a leader counts, however far it is, and so does that of the lowest peer, which is to lead.
+  const bool leads = m.hello->session_tx && !m.hello->clock_error;
+  const bool is_lower = sender < p_.config.id || !p_.time.clock().synchronised();
+  if (!leads && !(is_lower && p_.members.lowest() == sender)) return;
   assert(far->incarnation == m.incarnation || introduction == nullptr);
   Member& leading = p_.members.promote(now, sender, false);
   p_.exchange.on_joined(sender);
@@ -198,6 +205,7 @@ void Intake::on_far_hello(HostTime now, PeerId sender, Member& member, const Mes
   const Hello& hello = *m.hello;
   if (m.number <= member.far_hello.number) return;
   member.far_hello.receive(m.number, now);
+  if (!hello.echoes.empty()) member.echoing = now;
   member.synchronised = hello.session_tx.has_value();  // one that has just joined may be near no more
   if (!member.is_near) {
     member.hello_rx = now;
@@ -233,7 +241,10 @@ void Intake::on_hello(HostTime now, PeerId sender, std::uint32_t number, const H
     member.hello = 0;
   }
   const bool is_newest = number > member.hello;
-  if (member.channel == kWholeScene) member.far_hello.receive(number, now);
+  if (member.channel == kWholeScene) {
+    member.far_hello.receive(number, now);
+    member.promises_hellos = false;
+  }
   member.hello = number;
   member.hello_rx = now;
   member.awaits_our_decision = std::ranges::any_of(hello.notes, [&](const ContactNote& n) {
@@ -302,9 +313,9 @@ bool Intake::may_claim(HostTime now, PeerId sender, std::span<const ObjectId> ob
 
 void Intake::report_same_name(PeerId sender, const std::string& name) {
   if (name == p_.config.name) return p_.outbox.push(NameInUse{sender, p_.config.id, name});
-  const auto same = std::ranges::find_if(
-      p_.members.all(), [&](const auto& entry) { return entry.first != sender && entry.second.name == name; });
-  if (same != p_.members.all().end()) p_.outbox.push(NameInUse{sender, same->first, name});
+  p_.members.for_each([&](PeerId peer, const OtherPeer& other) {
+    if (peer != sender && other.name == name) p_.outbox.push(NameInUse{sender, peer, name});
+  });
 }
 
 // `echo`: what the sender's hello says of this peer's datagrams; null: nothing.

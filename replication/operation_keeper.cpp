@@ -21,11 +21,11 @@ constexpr Duration kLeadMin = std::chrono::milliseconds(100);
 constexpr Duration kLateMax = std::chrono::seconds(3);
 // The peer of the lowest id says where left objects stand; where it is gone, too, another one does within this time.
 constexpr Duration kPlacedWithin = std::chrono::seconds(10);
-// Where regions cut the world, each peer that has received an object leaves this time to every lower one that is near
-// to say it first: longer than an operation is under way, mostly, and 48 of them are over within kUnseenAfter.
+// Where regions cut the world, each peer that received an object leaves this time to every lower one that is near to
+// say first where the object stands: mostly longer than an operation is under way.
 constexpr Duration kTurn = std::chrono::milliseconds(150);
-// The peer of the lowest id says it after this time where it has not received the object, and nobody else says it.
-constexpr Duration kUnseenAfter = std::chrono::seconds(8);
+// Peers that have only received the object earlier say it from then on, in the same turns.
+constexpr Duration kUnseenAfter = std::chrono::seconds(4);
 // A hello's datagram leaves so much besides its lists at most.
 constexpr std::size_t kMargin_bytes = 16;
 
@@ -192,13 +192,14 @@ void OperationKeeper::place_left_behind(HostTime now, SimTime t) {
   const auto is_lower = [&](const auto& member) { return member.second.synchronised && member.first < p_.config.id; };
   const auto lower = std::ranges::count_if(p_.members.all(), is_lower);
   const auto is_our_turn = [&](const LeftBehind& left) {
-    if (!p_.regions.cuts()) return is_first;
-    return left.was_received ? t - left.at >= lower * kTurn : is_first && t - left.at >= kUnseenAfter;
+    const Duration patience = left.was_received ? Duration{0} : Duration{kUnseenAfter};
+    return t - left.at >= patience + std::min<Duration>(lower * kTurn, kPlacedWithin / 2);
   };
   for (const auto& [object, left] : std::map(p_.left_behind)) {
     // A locked object is placed by those who may.
     const bool is_locked = p_.living.lock_around(object).has_value();
-    if (is_locked ? !p_.living.why_locked(object, p_.author).empty() : !is_our_turn(left)) continue;
+    if (is_locked && !p_.living.why_locked(object, p_.author).empty()) continue;
+    if (p_.regions.cuts() ? !is_our_turn(left) : !is_locked && !is_first) continue;
     p_.left_behind.erase(object);
     p_.replica.compute_ghost(object);
     const auto placement = placement_of_state(object, p_.replica.ghosts().relative_at(object, t));

@@ -395,7 +395,7 @@ void SessionKeeper::end_owning(ObjectId object, SimTime at) {
 
 // Each peer has noticed at another instant that the owner is gone, so that the object stands elsewhere at each: until
 // an operation says where (PlaceObject), which may be there already. An object without a ghost stands where the scene
-// has it. `since`: the owner has been here since then.
+// has it, and this peer cannot say more. `since`: the owner has been here since then.
 void SessionKeeper::leave_behind(ObjectId object, const LeftBehind& left, SimTime since) {
   if (!p_.replica.ghosts().has(object)) return;
   const auto said = p_.living.left().find(object);
@@ -432,6 +432,8 @@ void SessionKeeper::orphan_objects_of(PeerId peer, HostTime since, HostTime now,
     p_.scripted.restart();
   }
   const SimTime t = p_.to_session(now);
+  // The places of its objects are read below: with a bounded latency some of their laws may wait to be laid again.
+  if (p_.replica.begun() && p_.replica.keeps_updates()) p_.replica.catch_up_ghosts();
   p_.own.forget_acknowledgements_of(peer);
   std::erase_if(p_.removed, [&](const auto& each) { return each.second.owner == peer; });
   bool owned_any = false;

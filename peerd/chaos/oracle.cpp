@@ -321,7 +321,7 @@ bool Oracle::is_one_world() const {
   const auto all = alive();
   for (const Life* life : all) {
     const Peer& peer = life->node->peer();
-    if (peer.members().all().size() + 1 != all.size()) return false;
+    if (peer.members().count() + 1 != all.size()) return false;
     if (peer.logs().lengths() != all.front()->node->peer().logs().lengths()) return false;
   }
   std::string first;
@@ -362,8 +362,8 @@ void Oracle::check_logs(double now_s) {
   const auto all = alive();
   for (const Life* life : all) {
     const Peer &peer = life->node->peer(), &first = all.front()->node->peer();
-    if (peer.members().all().size() + 1 != all.size()) {
-      violate(now_s, fmt::format("{} knows {} other peers of {}", name_of(*life), peer.members().all().size(),
+    if (peer.members().count() + 1 != all.size()) {
+      violate(now_s, fmt::format("{} knows {} other peers of {}", name_of(*life), peer.members().count(),
                                  all.size() - 1));
     }
     for (const auto& [author, written] : written_) {

@@ -40,7 +40,9 @@ struct ReplicationSettings {
 
   // Peers whose hash of the world, the regions, the bound and the engine is another one are of another session.
   [[nodiscard]] std::uint64_t session_hash(std::uint64_t world_hash) const {
-    return collision.session_hash(bounded_latency.session_hash(regions.session_hash(world_hash)), tick_hz);
+    const bool cuts = regions.cell_m > 0.0;
+    const std::uint64_t hash = cuts ? large.session_hash(regions.session_hash(world_hash)) : world_hash;
+    return collision.session_hash(bounded_latency.session_hash(hash), tick_hz);
   }
 };
 [[nodiscard]] ReplicationSettings read_replication(TomlReader reader);

@@ -203,7 +203,7 @@ double peerd_session_time(peerd_peer* peer) {
 }
 
 size_t peerd_member_count(peerd_peer* peer) {
-  return with(peer, std::size_t{0}, [](EmbeddedPeer& held) { return held.node().peer().members().all().size(); });
+  return with(peer, std::size_t{0}, [](EmbeddedPeer& held) { return held.node().peer().members().count(); });
 }
 
 peerd_object peerd_find(peerd_peer* peer, const char* path) {

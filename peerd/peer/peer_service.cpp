@@ -50,7 +50,7 @@ PeerService::PeerService(Parts parts)
 }
 
 std::string PeerService::status() const {
-  const std::size_t others = parts_.node.peer().members().all().size();
+  const std::size_t others = parts_.node.peer().members().count();
   return fmt::format("peer {} (id {}) in {}, with {} other peer{}", parts_.peer, parts_.node.peer().id().value,
                      parts_.world, others, others == 1 ? "" : "s");
 }

@@ -26,9 +26,10 @@ void MemberLogs::set(Logs& logs, const LogLength& log) {
 }
 
 void MemberLogs::on_lengths(PeerId peer, std::span<const LogLength> logs) {
-  Logs& member = members_[peer];
-  member.has_spoken = true;
-  for (const LogLength& log : logs) set(member, log);
+  const auto member = members_.find(peer);
+  if (member == members_.end()) return;
+  member->second.has_spoken = true;
+  for (const LogLength& log : logs) set(member->second, log);
 }
 
 void MemberLogs::at_least(PeerId peer, const LogLength& log) {

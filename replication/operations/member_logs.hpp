@@ -18,7 +18,7 @@ class MemberLogs {
   // A member that is new has not said yet what it holds.
   void on_joined(PeerId peer) { members_[peer] = {}; }
   void on_lost(PeerId peer) { members_.erase(peer); }
-  // A member says how long its logs are. It may leave some out.
+  // A member says how long its logs are. It may leave some out. Of a peer that is no member nothing is kept.
   void on_lengths(PeerId peer, std::span<const LogLength> logs);
   // A member has sent a part that ends there.
   void at_least(PeerId peer, const LogLength& log);

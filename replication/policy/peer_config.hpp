@@ -12,6 +12,7 @@
 #include "replication/interest/interest.hpp"
 #include "replication/motion/convergence.hpp"
 #include "replication/policy/bounded_latency.hpp"
+#include "replication/policy/large_session.hpp"
 #include "replication/policy/publish_policy.hpp"
 #include "replication/policy/rare_branches.hpp"
 #include "replication/wire/decision_policy.hpp"
@@ -78,14 +79,6 @@ struct View {
 struct SightSettings {
   bool skip_unseen = false;
   std::vector<View> views;
-};
-
-// How a session of many peers saves traffic, where the scene is cut into regions (docs/scale.md). A peer that knows of
-// more than `above` peers, itself included, says hello to the regions where it publishes, and to all peers only so
-// often that the far hellos of all together are `hellos_per_s`.
-struct LargeSession {
-  std::uint32_t above = 48;    // 0: no session is large
-  double hellos_per_s = 24.0;  // > 0
 };
 
 struct PeerConfig {

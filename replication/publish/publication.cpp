@@ -417,7 +417,6 @@ void Publication::send(Message& message, RegionId region, std::span<const Encode
   const bool is_for_all = region == kWholeScene;
   const std::optional<std::uint32_t> number =
       is_for_all ? regions_.send_to_peers(message, updates) : outbox_.send(message, region, updates);
-  if (!number) return;
   if (is_for_all && members_.is_large() && std::ranges::any_of(message.decisions, [&](const DecisionRecord& d) {
         return decisions_.is_of_scene(d);  // whose the scene object is concerns all
       })) {
@@ -425,6 +424,7 @@ void Publication::send(Message& message, RegionId region, std::span<const Encode
     copy.decisions = message.decisions;
     (void)outbox_.send(copy);
   }
+  if (!number) return;
   if (is_for_all) {
     for (const EncodedUpdate& u : updates) repeater_.note_sent(u.record(), *number);
   }

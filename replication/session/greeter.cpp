@@ -105,9 +105,7 @@ void Greeter::on_size_changed(HostTime now, std::uint32_t last_number) {
 
 Duration Greeter::far_interval(HostTime now, bool leads) const {
   if (leads) return members_.has_joining(now) ? kJoiningHelloPeriod : kLeadersFarPeriod;
-  assert(config_.large.hellos_per_s > 0.0);
-  const double all_s = static_cast<double>(members_.count() + 1) / config_.large.hellos_per_s;
-  const Duration mean = std::max<Duration>(config_.settled_hello_period, from_seconds(all_s));
+  const Duration mean = std::max<Duration>(config_.settled_hello_period, members_.mean_far_interval());
   // Between half of it and one and a half, by bits that no other peer has.
   const std::uint64_t bits = mixed_bits(mixed_bits(config_.incarnation ^ config_.id.value) + far_hellos_);
   const double share = 0.5 + static_cast<double>(bits >> 11) * 0x1.0p-53;
@@ -130,8 +128,7 @@ Duration Greeter::schedule_next_far(HostTime now, bool leads) {
   if (far_at_once_ > 0) --far_at_once_;
   if (leads) return kLeadersFarPeriod;
   // More peers may have come by then.
-  const double all_s = static_cast<double>(members_.count() + 1) / config_.large.hellos_per_s;
-  return std::max<Duration>(2 * config_.settled_hello_period, from_seconds(2.0 * all_s));
+  return 2 * std::max<Duration>(config_.settled_hello_period, members_.mean_far_interval());
 }
 
 void Greeter::fill_far_echoes(Hello& hello, HostTime now, Membership& members) {

@@ -130,17 +130,25 @@ std::pair<PeerId, const OtherPeer*> Membership::lowest_that(const std::function<
   return lowest;
 }
 
-// A peer that says what is `nearby` says far hellos, too, and this peer may not have been here yet for the last one.
-// The far hellos of the peer that leads come all the time.
-HostTime Membership::far_hello_until(const Member& member) const {
-  const bool says_nearby = member.received_on(kNearby) != nullptr && !member.leads;
-  return says_nearby ? std::max(member.expected_until, member.last_received + far_patience()) : member.expected_until;
+// More peers may have come since the last far hello, so that the next one may come later than it promised.
+HostTime Membership::far_hello_until(const OtherPeer& peer) const {
+  return peer.promises_hellos ? std::max(peer.expected_until, peer.far_hello.rx + far_patience()) : peer.expected_until;
 }
 
-Duration Membership::far_patience() const {
-  const double all_s = static_cast<double>(count() + 1) / large_.hellos_per_s;
-  return kFarHellosMissed * from_seconds(2.0 * all_s) + lost_after_;
+// The far hellos of the leader come all the time. A peer that says what is `nearby` says far hellos, too, and this peer
+// may not have been here yet for the last one.
+HostTime Membership::far_hello_until(const Member& member) const {
+  if (member.leads) return member.expected_until;
+  const HostTime until = far_hello_until(static_cast<const OtherPeer&>(member));
+  return member.received_on(kNearby) == nullptr ? until : std::max(until, member.last_received + far_patience());
 }
+
+Duration Membership::mean_far_interval() const {
+  assert(large_.hellos_per_s > 0.0);
+  return from_seconds(static_cast<double>(count() + 1) / large_.hellos_per_s);
+}
+
+Duration Membership::far_patience() const { return kFarHellosMissed * 2 * mean_far_interval() + lost_after_; }
 
 std::optional<SimTime> Membership::announced_start() const {
   const OtherPeer* const announces = lowest_that([](const OtherPeer& each) { return each.start.has_value(); }).second;
@@ -159,7 +167,7 @@ Member& Membership::promote(HostTime now, PeerId peer, bool is_near) {
   assert(!members_.contains(peer));
   Member& member = members_[peer];
   static_cast<OtherPeer&>(member) = std::move(node.mapped());
-  member.last_received = now;
+  member.last_received = member.echoing = now;
   member.is_near = is_near;
   return member;
 }
@@ -173,9 +181,8 @@ std::vector<std::pair<PeerId, FarPeer>> Membership::expire_far(HostTime now) {
   std::vector<std::pair<PeerId, FarPeer>> lost;
   if (now - far_checked_at_ < std::chrono::seconds(1)) return lost;
   far_checked_at_ = now;
-  const Duration patience = far_patience();
   for (auto at = far_.begin(); at != far_.end();) {
-    if (std::max(at->second.expected_until, at->second.far_hello.rx + patience) > now) {
+    if (far_hello_until(at->second) > now) {
       ++at;
       continue;
     }
@@ -188,8 +195,8 @@ std::vector<std::pair<PeerId, FarPeer>> Membership::expire_far(HostTime now) {
 bool Membership::follow_size(bool may_be) {
   const std::size_t all = count() + 1;
   const bool was = is_large_;
-  // A peer that comes when others take the session for large already has to be of one mind with them, or neither would
-  // echo the other.
+  // Of two peers that do not both take the session for large, neither echoes the other: a joining peer does as the others
+  // do already.
   const auto is_so_for_others = [this] {
     return !far_.empty() ||
            std::ranges::any_of(members_, [](const auto& each) { return each.second.echoes_on == kNearby; });

@@ -43,7 +43,8 @@ struct OtherPeer {
   std::uint32_t sessions = 0;    // as its hellos say
   std::optional<SimTime> start;  // the start that it announces
   FarHello far_hello;
-  HostTime expected_until{};  // its next far hello comes by then, unless several are lost
+  bool promises_hellos = false;  // its last hello to all has said when the next one comes
+  HostTime expected_until{};     // its next far hello comes by then, unless several are lost
 };
 
 // A peer of a large session that is not near: nothing is known of it but that it is here, and what it owns.
@@ -80,9 +81,10 @@ struct Member : OtherPeer {
   bool has_scene_states = false;    // by its last hello's digest, which may differ from this peer's
   std::uint32_t scene_differs = 0;  // its last hellos in a row whose digest of the scene's states differs
   // In a large session:
-  bool is_near = true;               // else it is a member because it leads, or led, and only its far hellos come
-  RegionId channel = kWholeScene;    // by which the numbers of its last datagram count: kNearby where it was `nearby`
-  RegionId echoes_on = kWholeScene;  // .. and those of this peer that its last echo was about
+  bool is_near = true;  // else it is a member because it leads, led, or may lead next, and only its far hellos come
+  RegionId channel = kWholeScene;    // the region by which its last datagram is numbered: kNearby where it was `nearby`
+  RegionId echoes_on = kWholeScene;  // the region by which the datagrams are numbered that its last echo acknowledges
+  HostTime echoing{};                // its last far hello that echoed anybody; else when it became a member
 
   // Which of its datagrams that count there have come; null: none.
   [[nodiscard]] const LossMeter* received_on(RegionId numbered_by) const {
@@ -154,6 +156,9 @@ class Membership {
   // at most.
   [[nodiscard]] std::vector<std::pair<PeerId, FarPeer>> expire_far(HostTime now);
 
+  // The interval at which each peer says a far hello, on average, so that all together say LargeSession::hellos_per_s.
+  [[nodiscard]] Duration mean_far_interval() const;
+
   // Whether the session is large, by how many peers are here; it remains so until a quarter less are, and is so from
   // there on where others take it for large. `may_be`: this peer is in the session, whose scene is cut into regions.
   // True where that has changed.
@@ -189,7 +194,8 @@ class Membership {
       const std::function<bool(const OtherPeer&)>& is_so) const;
   // How long after a far hello its sender is lost at the earliest, by how many peers are here.
   [[nodiscard]] Duration far_patience() const;
-  // Until when a member's next far hello is waited for.
+  // Until when the next far hello is waited for.
+  [[nodiscard]] HostTime far_hello_until(const OtherPeer& peer) const;
   [[nodiscard]] HostTime far_hello_until(const Member& member) const;
 
   Duration lost_after_;

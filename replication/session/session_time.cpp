@@ -12,6 +12,10 @@ namespace {
 // Two session times that are surely farther apart are those of two sessions, or one of the hosts was stopped. Slewing
 // would take longer than 10 s.
 constexpr Duration kOtherSession = std::chrono::milliseconds(500);
+// A leader of a large session echoes the far hellos of all: one that has echoed nobody's for so long receives nothing.
+constexpr Duration kDeafAfter = std::chrono::seconds(5);
+// A new peer founds a session of its own where it receives a large one, and nobody there answers it for so long.
+constexpr Duration kLargePatience = std::chrono::seconds(20);
 // Before this many exchanges a single queued packet could still set the clock.
 constexpr std::uint64_t kExchangesToStart = 4;
 // A peer waits so many times as long as it listens anyway for a received peer to introduce itself, which may have a
@@ -51,7 +55,9 @@ bool SessionTime::found_session(HostTime now) {
   const bool awaits_introduction = unintroduced_peer_at_ && now - *unintroduced_peer_at_ < config_.listen_first;
   if (awaits_introduction && listened < kIntroductionPatience * config_.listen_first) return false;
   const OffsetBounds reach = reach_.at(now, os_minus_host(now));
-  if (!members_.far().empty()) return false;  // a large session is here, and its leader is heard soon
+  const bool is_large_here =
+      std::ranges::any_of(members_.far(), [](const auto& each) { return each.second.synchronised; });
+  if (is_large_here && listened < kLargePatience) return false;
   for (const auto& [peer, member] : members_.all()) {
     const bool leads = member.synchronised ? is_within(now, member, reach) : peer < config_.id;
     if (leads && may_respond(now, member)) return false;
@@ -257,11 +263,24 @@ std::optional<PeerId> SessionTime::choose_leader(HostTime now) {
     if (session == Session::kSame || stays) lowest = std::min(lowest, peer);
   }
   if (later) return later->first;
-  // The peer that leads a large session may not be known well enough yet, or be gone. Time goes on as it is until then:
-  // nobody leads but the lowest of all.
-  const auto lowest_of_all = members_.lowest();
-  const bool leads_apart = lowest == config_.id && members_.is_large() && lowest_of_all && *lowest_of_all < config_.id;
-  return leads_apart ? std::nullopt : std::optional(lowest);
+  const bool would_begin = lowest == config_.id && follows_ != config_.id && members_.is_large();
+  return would_begin && awaits_lower_leader(now, own_error) ? std::nullopt : std::optional(lowest);
+}
+
+// In a large session the clock of a lower peer that leads, or is to lead, may not be known well enough yet, or the peer
+// may be gone. Nobody else begins to lead meanwhile: session time goes on as it is.
+bool SessionTime::awaits_lower_leader(HostTime now, Duration own_error) const {
+  const OffsetBounds reach = reach_.at(now, os_minus_host(now));
+  for (const auto& [peer, member] : members_.all()) {  // ascending
+    if (peer >= config_.id) break;
+    if (!member.synchronised || !is_within(now, member, reach)) continue;
+    if (session_of(now, member, own_error) == Session::kEarlier) continue;  // it follows this one
+    const bool is_deaf =
+        member.is_near ? member.echo.unreachable : member.leads && now - member.echoing >= kDeafAfter;
+    if (!is_deaf) return true;
+  }
+  const auto& far = members_.far();
+  return std::any_of(far.begin(), far.lower_bound(config_.id), [](const auto& each) { return each.second.synchronised; });
 }
 
 // A peer that it would follow if its time were not so far away; one whose time is merely earlier follows this one.

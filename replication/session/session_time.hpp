@@ -87,6 +87,7 @@ class SessionTime {
   [[nodiscard]] bool is_within(HostTime now, const Member& member, const OffsetBounds& reach) const;
   [[nodiscard]] std::optional<PeerId> choose_first_leader(HostTime now) const;
   [[nodiscard]] std::optional<PeerId> choose_leader(HostTime now);
+  [[nodiscard]] bool awaits_lower_leader(HostTime now, Duration own_error) const;
   void name_if_too_far_ahead(HostTime now, PeerId sender);
 
   const PeerConfig& config_;

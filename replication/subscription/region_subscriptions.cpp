@@ -296,12 +296,16 @@ std::vector<RegionId> RegionSubscriptions::regions_for(const Message& message) c
   for (const auto& [object, own] : std::as_const(own_)) {
     if (own.published_position) regions.push_back(grid_.region_of(*own.published_position));
   }
+  const bool publishes = !regions.empty();
   for (const Subscription& asked : message.subscriptions) regions.push_back(asked.region);
   for (const DecisionRecord& d : message.decisions) {
     for (const ObjectId object : {d.collider, d.collidee}) regions.push_back(region_of(object));
   }
   std::erase(regions, kWholeScene);
-  if (regions.empty()) std::ranges::copy(interest_.regions() | std::views::keys, std::back_inserter(regions));
+  if (!publishes && (message.hello || regions.empty())) {
+    std::ranges::copy(interest_.regions() | std::views::keys, std::back_inserter(regions));
+    std::erase(regions, kWholeScene);
+  }
   std::ranges::sort(regions);
   regions.erase(std::ranges::unique(regions).begin(), regions.end());
   return regions;

@@ -289,25 +289,25 @@ void MotionWorld::note_base(MovingObject& o, SimTime t, const MotionModel& model
   o.bases.push_back({t, model});
 }
 
-void MotionWorld::take_back_bases(const MovingObject& o, SimTime t) {
+void MotionWorld::retract_bases(const MovingObject& o, SimTime t) {
   for (auto base = o.bases.rbegin(); base != o.bases.rend() && base->at >= t; ++base) {
-    taken_back_.emplace(base->at, o.id);
+    retracted_bases_.emplace(base->at, o.id);
   }
 }
 
 // The laws that the object had before are void from there on, those of its later bases included. A base may have been
-// replaced since it was taken back, and an edit may have removed its object.
+// replaced since it was retracted, and an edit may have removed its object.
 void MotionWorld::lay_next_base() {
-  assert(!taken_back_.empty());
-  const auto [t, id] = *taken_back_.begin();
-  taken_back_.erase(taken_back_.begin());
+  assert(!retracted_bases_.empty());
+  const auto [t, id] = *retracted_bases_.begin();
+  retracted_bases_.erase(retracted_bases_.begin());
   if (objects_.find(id) == nullptr) return;
   const std::size_t index = objects_.index_of(id);
   const auto base = std::ranges::find(objects_[index].bases, t, &Base::at);
   if (base == objects_[index].bases.end()) return;
   lay_base(index, t, MotionModel(base->model));
-  take_back_bases(objects_[index], t + Duration{1});
-  taken_back_.erase({t, id});  // answers of the object itself may just have been retracted
+  retract_bases(objects_[index], t + Duration{1});
+  retracted_bases_.erase({t, id});  // answers of the object itself may just have been retracted
 }
 
 void MotionWorld::set_free_acceleration(ObjectId object, const Vec3& acceleration) {
@@ -401,7 +401,7 @@ void MotionWorld::retract_answers(std::size_t index, std::optional<ObjectId> cau
   const SimTime from = o.timeline.segment(wrong).from;
   if (o.base_time >= from) return;  // its owner has published since
   o.timeline.truncate_from(from);
-  take_back_bases(o, from);
+  retract_bases(o, from);
   objects_.timeline_changed(index);
   ++o.revision;
   events_.push_back(ContactsRetracted{o.id, from - Duration{1}});
@@ -571,7 +571,7 @@ void MotionWorld::change_motion(std::size_t index, SimTime t, const MotionModel&
   // Other contacts of the same instant were answered before, and stand.
   retract(index, t + Duration{1});
   o.timeline.replace_from(t, after, cause);
-  take_back_bases(o, t + Duration{1});
+  retract_bases(o, t + Duration{1});
   note_answer(index, objects_.index_of(cause), t);
   // A later update is gone from here: it was of another way than the one that is decided here.
   o.base_time = std::min(o.base_time, t);
@@ -834,8 +834,8 @@ std::optional<std::size_t> MotionWorld::first_contact_until(SimTime to) {
 void MotionWorld::advance(SimTime to) {
   std::size_t contacts = 0;
   for (;;) {
-    const bool lays = !taken_back_.empty() && taken_back_.begin()->first <= to;
-    const SimTime until = lays ? taken_back_.begin()->first : to;
+    const bool lays = !retracted_bases_.empty() && retracted_bases_.begin()->first <= to;
+    const SimTime until = lays ? retracted_bases_.begin()->first : to;
     const auto first = first_contact_until(until);
     if (lays && (!first || *pairs_[*first].contact == until)) {
       lay_next_base();
@@ -860,7 +860,7 @@ void MotionWorld::advance(SimTime to) {
     }
     reschedule(*first);
   }
-  while (!taken_back_.empty()) lay_next_base();  // of the time that is still to come
+  while (!retracted_bases_.empty()) lay_next_base();  // of the time that is still to come
   advanced_ = std::max(advanced_, to);
   objects_.prune_timelines(advanced_);
 }

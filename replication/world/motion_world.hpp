@@ -201,7 +201,7 @@ class MotionWorld {
   // Makes void all that followed from the object's motion from t on.
   void retract_all(std::size_t object, SimTime t);
   // The object's timeline has lost its laws from t on: its bases from then on are to be laid again.
-  void take_back_bases(const MovingObject& object, SimTime t);
+  void retract_bases(const MovingObject& object, SimTime t);
   // Lays the earliest one of those that are to be laid again.
   void lay_next_base();
 
@@ -288,7 +288,7 @@ class MotionWorld {
   std::vector<bool> in_pair_checks_;
   std::set<std::uint32_t> stopped_;  // into pairs_
   bool replays_bases_ = false;
-  std::set<std::pair<SimTime, ObjectId>> taken_back_;  // bases that are to be laid again
+  std::set<std::pair<SimTime, ObjectId>> retracted_bases_;  // bases that are to be laid again
   AuthorityOf authority_of_;                           // none: kAsPublished for all
   std::vector<MotionEvent> events_;
   std::size_t polled_ = 0;  // of events_

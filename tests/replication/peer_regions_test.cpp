@@ -604,6 +604,48 @@ TEST_F(Regions, APeerThatKnowsSaysWhereALeftObjectStands) {
   EXPECT_TRUE(same_bits(place(0), place(2)));
 }
 
+// Nobody receives the object any more when its owner goes. One peer has, and says where it saw the object last.
+TEST_F(Regions, APeerThatKnewSaysWhereALeftObjectStands) {
+  const auto goes = [&](SimTime t) {
+    const double s = to_seconds(t - (lan.session_now(0) - lan.now()));
+    const double x = s < 6 ? 5 : s < 10 ? 5 + 10 * (s - 6) : 45;
+    return moving({x, 2, 0}, {s < 6 || s > 10 ? 0.0 : 10.0, 0, 0});
+  };
+  lan.add(looking_from(in_regions(1, {}, 3.0), 75));
+  lan.add(looking_from(in_regions(2, {}, 3.0), 5));
+  lan.add(looking_from(in_regions(3, {}, 3.0), 65));
+  const auto owner = lan.add(in_regions(4, {{world["A"], true}}, 3.0), 0s, {{world["A"], goes}});
+  lan.run_until(5s);
+  EXPECT_TRUE(holds(1, "A"));
+  lan.run_until(11s);
+  for (const std::size_t i : {0, 1, 2}) EXPECT_FALSE(holds(i, "A"));
+  lan.kill(owner);
+  lan.run_until(20s);
+  const auto place = [&](std::size_t i) { return lan.peer(i).ghost(world["A"], lan.session_now(i)); };
+  EXPECT_EQ(place(0).position.y(), 2.0) << "not where the file has it";
+  EXPECT_TRUE(same_bits(place(0), place(1)));
+  EXPECT_TRUE(same_bits(place(0), place(2)));
+}
+
+// A peer that listens to six regions gets six copies of a `nearby` hello. Twenty hellos that echo nobody would make
+// their sender unreachable.
+TEST_F(Regions, CopiesOfAHelloCountOnce) {
+  const auto self = lan.add(in_regions(1));
+  lan.run_until(2s);
+  Message hello = hello_of(8, lan.host_now(self));
+  hello.nearby = true;
+  const auto send = [&] {
+    ++hello.number;
+    for (std::uint32_t region = 1; region <= 6; ++region) lan.inject(self, encode(hello), RegionId{region});
+  };
+  for (int i = 0; i < 4; ++i) send();
+  const Member& member = lan.peer(self).members().all().at(PeerId{8});
+  EXPECT_FALSE(member.echo.unreachable);
+  EXPECT_EQ(member.received.at(kNearby).duplicates(), 20u);
+  for (int i = 0; i < 20; ++i) send();
+  EXPECT_TRUE(member.echo.unreachable) << "else this is no test of it";
+}
+
 TEST_F(Regions, ASubscriptionIsRepeatedTwice) {
   const auto comes = [&](SimTime t) {
     const double s = to_seconds(t - (lan.session_now(0) - lan.now()));

@@ -42,7 +42,9 @@ TEST(MemberLogs, HoldersHaveRanks) {
     for (std::uint32_t self = 1; self <= kPeers; ++self) {
       MemberLogs members;
       for (std::uint32_t peer = 1; peer <= kPeers + 5; ++peer) {
-        if (peer != self) members.on_lengths(PeerId{peer}, {peer <= kPeers ? &log : &shorter, 1});
+        if (peer == self) continue;
+        members.on_joined(PeerId{peer});
+        members.on_lengths(PeerId{peer}, {peer <= kPeers ? &log : &shorter, 1});
       }
       const std::size_t rank = members.rank(PeerId{self}, range, block);
       EXPECT_TRUE(ranks.insert(rank).second);
@@ -51,6 +53,13 @@ TEST(MemberLogs, HoldersHaveRanks) {
     EXPECT_EQ(*ranks.rbegin(), kPeers - 1);
   }
   EXPECT_EQ(firsts.size(), kPeers);
+}
+
+// A far peer of a large session says in its hellos what it holds, too.
+TEST(MemberLogs, KeepNothingOfWhoIsNoMember) {
+  MemberLogs members;
+  members.on_lengths(PeerId{1}, std::vector{LogLength{kOne, 10}});
+  EXPECT_TRUE(members.empty());
 }
 
 TEST(MemberLogs, AreLimited) {

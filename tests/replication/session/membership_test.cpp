@@ -83,7 +83,7 @@ TEST(Membership, WhoFallsSilentIsFarAsLongAsItsFarHellosCome) {
   EXPECT_EQ(members.count(), 2u);
 }
 
-// .. but one whose objects this peer receives says there that it is here: it is lost.
+// A peer whose objects this peer receives says there that it is here. It is silent, and lost.
 TEST(Membership, WhoIsToBeHeardIsLost) {
   Membership members(2s, kLarge);
   for (PeerId p : {kTwo, kThree}) {
@@ -128,10 +128,25 @@ TEST(Membership, AFarPeerIsWaitedForAsLongAsManyPeersTake) {
   Membership members(2s, kLarge);
   FarPeer& five = *members.note_far(host(0s), kFive, 7).first;
   five.expected_until = host(4s);
+  five.promises_hellos = true;
   five.far_hello.receive(1, host(0s));
   for (std::uint32_t p = 6; p <= 104; ++p) members.note_far(host(0s), PeerId{p}, 1).first->expected_until = host(90s);
   EXPECT_TRUE(members.expire_far(host(41s)).empty());
   EXPECT_EQ(members.expire_far(host(43s)).size(), 1u) << "four mean intervals, and what makes any peer lost";
+}
+
+// The same of one that has come near for a moment: an operation of its may have come to all.
+TEST(Membership, AMemberThatWasFarIsWaitedForAsLong) {
+  Membership members(2s, kLarge);
+  FarPeer& five = *members.note_far(host(0s), kFive, 7).first;
+  five.expected_until = host(4s);
+  five.promises_hellos = true;
+  five.far_hello.receive(1, host(0s));
+  for (std::uint32_t p = 6; p <= 104; ++p) members.note_far(host(0s), PeerId{p}, 1).first->expected_until = host(90s);
+  members.promote(host(3s), kFive, true);
+  std::vector<PeerId> far;
+  EXPECT_TRUE(members.expire(host(6s), {}, std::nullopt, &far).empty()) << "not lost";
+  EXPECT_EQ(far, std::vector{kFive});
 }
 
 // A peer that has just come hears one that is near, and moves away, before its first far hello.

@@ -44,7 +44,7 @@ class Timing : public testing::Test {
 
   PeerConfig own = config(2);
   PeerCounters counters;
-  Membership members{own.lost_after};
+  Membership members{own.lost_after, own.large};
   Outbox outbox{own.id, own.incarnation, counters};
   MemberLimits limits{members, outbox, counters};
   SessionTime time{own, members, outbox, counters, limits};
@@ -101,6 +101,21 @@ INSTANTIATE_TEST_SUITE_P(Table, Waiting,
                                          WaitCase{"HigherInASession", 3, true, true, {}},
                                          WaitCase{"HigherInASessionThatDoesNotReceiveUs", 3, true, false, 4s}),
                          [](const auto& c) { return std::string(c.param.name); });
+
+// In a large session the leader answers a joining peer; a far peer without session time is a joining peer itself.
+TEST_F(Timing, ALargeSessionThatAnswersNothingIsWaitedForForAWhile) {
+  time.start(host(0s));
+  FarPeer& far = *members.note_far(host(0s), PeerId{7}, 1).first;
+  far.synchronised = true;
+  EXPECT_FALSE(time.found_session(host(20s) - 1ns));
+  EXPECT_TRUE(time.found_session(host(20s)));
+}
+
+TEST_F(Timing, FarPeersWithoutSessionTimeAreNotWaitedFor) {
+  time.start(host(0s));
+  members.note_far(host(0s), PeerId{7}, 1);
+  EXPECT_TRUE(time.found_session(host(1s)));
+}
 
 TEST_F(Timing, WaitsForAnIntroductionButNotForEver) {
   time.start(host(0s));
@@ -185,6 +200,59 @@ TEST_F(Timing, LosesItsLeader) {
   EXPECT_TRUE((time.follows() == PeerId{2})) << "nobody else is left";
   EXPECT_FALSE(time.has_lost_leader());
   EXPECT_EQ(time.clock().error_bound(host(2s)), 0s);
+}
+
+// ---- who leads a large session ----
+
+class TimingOfALargeSession : public Timing {
+ protected:
+  TimingOfALargeSession() {
+    for (std::uint32_t id = 100; id < 160; ++id) {
+      members.note_far(host(0s), PeerId{id}, 1).first->synchronised = true;
+    }
+    EXPECT_TRUE(members.follow_size(true));
+  }
+  // A far hello of peer 1, which says that it leads. Its clock is not known.
+  void claim_to_lead(HostTime now, bool echoes) {
+    if (members.find_far(PeerId{1}) == nullptr && !members.contains(PeerId{1})) {
+      members.note_far(now, PeerId{1}, 1).first->synchronised = true;
+    }
+    Member& member = members.contains(PeerId{1}) && members.find(PeerId{1}) != nullptr
+                         ? *members.find(PeerId{1})
+                         : members.promote(now, PeerId{1}, false);
+    member.leads = true;
+    member.last_received = now;
+    if (echoes) member.echoing = now;
+  }
+  std::optional<PeerId> leader_at(HostTime now, std::optional<PeerId> sender = {}) {
+    EXPECT_FALSE(time.follow_leader(now, sender, true));
+    return time.follows();
+  }
+};
+
+TEST_F(TimingOfALargeSession, ItsLeaderLeadsUntilItFollowsALowerPeer) {
+  time.start(host(0s));
+  ASSERT_TRUE(time.found_session(host(20s)));
+  claim_to_lead(host(21s), true);
+  EXPECT_EQ(leader_at(host(21s), PeerId{1}), PeerId{2}) << "the other may receive nothing";
+  hear_four(1, host(22s), 21ms, true);
+  EXPECT_EQ(time.follows(), PeerId{1});
+}
+
+// The followed leader has gone. A lower peer claims to lead; as long as it answers others this peer waits for it.
+TEST_F(TimingOfALargeSession, NobodyBeginsToLeadWhileALowerPeerMay) {
+  time.start(host(0s));
+  EXPECT_TRUE(hear_four(3, host(1s), 0s, false)) << "a session that was there before";
+  ASSERT_EQ(time.follows(), PeerId{3});
+  members.remove(PeerId{3});
+  members.note_far(host(2s), PeerId{1}, 1).first->synchronised = true;
+  EXPECT_EQ(leader_at(host(2s)), std::nullopt) << "a far peer may lead next";
+  claim_to_lead(host(3s), false);
+  EXPECT_EQ(leader_at(host(3s)), std::nullopt);
+  claim_to_lead(host(7s), true);
+  EXPECT_EQ(leader_at(host(11s)), std::nullopt) << "it has echoed somebody four seconds ago";
+  claim_to_lead(host(12s), false);
+  EXPECT_EQ(leader_at(host(12s)), PeerId{2}) << "it echoes nobody: it receives nothing";
 }
 
 TEST_F(Timing, AHelloWithoutTimeForgetsWhatWasKnownOfIt) {

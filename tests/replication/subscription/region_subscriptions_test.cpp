@@ -531,7 +531,10 @@ TEST(RegionSubscriptions, WithoutPublishedObjectsItGoesWhereThePeerListens) {
   InALargeSession s;
   ASSERT_EQ(s.joined(), std::set<RegionId>{RegionId{1}});
   EXPECT_EQ(s.regions_of(s.outbox.blank()), (Regions{1}));
-  ASSERT_TRUE(s.accept(s.fast, 60));
+  Message hello = s.outbox.blank();
+  hello.hello.emplace();
+  hello.subscriptions = {{RegionId{7}, sim(0s)}};
+  EXPECT_EQ(s.regions_of(hello), (Regions{1, 7})) << "those that are near in region 1 wait for it as well";
   EXPECT_EQ(s.regions_of(s.decision()), (Regions{1}));
 }
 

@@ -524,6 +524,15 @@ TEST(HelloSize, AFullHelloFits) {
   h.scene_digest = ~std::uint64_t{0};  // instead of one of the subscriptions
   m.subscriptions.pop_back();
   EXPECT_LE(encode(m).size(), kDatagramMax_bytes);
+  m.leaving = false;
+  m.nearby = true;
+  EXPECT_LE(encode(m).size(), kDatagramMax_bytes);
+  m.nearby = false;
+  m.subscriptions.clear();
+  h.notes.clear();
+  h.scene_digest = 0;
+  m.next_hello = std::chrono::hours(24);
+  EXPECT_LE(encode(m).size(), kDatagramMax_bytes) << "a far hello";
 }
 
 }  // namespace peerd::replication::codec_test
