@@ -6,9 +6,9 @@
 namespace peerd::replication {
 namespace {
 
-// So many members, each with a few limits, are as many as may be (admission.cpp). What is idle is forgotten beyond
-// that.
-constexpr std::size_t kStatesMax = 4 * 4096;
+// So many members, each with a few limits, are as many as may be (admission.cpp). Idle states are forgotten whenever
+// there are twice as many as were left last time, within these bounds.
+constexpr std::size_t kStatesMax = 4 * 4096, kStatesLeast = 256;
 
 // The use of a bucket after so long.
 double drained(double used, Duration since, const LimitRate& rate) {
@@ -49,13 +49,13 @@ std::optional<LimitRate> rate_of(MemberLimit limit) {
 }
 
 MemberLimits::MemberLimits(Membership& members, Outbox& outbox, PeerCounters& counters)
-    : members_(members), outbox_(outbox), counters_(counters) {}
+    : members_(members), outbox_(outbox), counters_(counters), prune_at_(kStatesLeast) {}
 
-// Forgets the states of peers that are not here, have used up nothing, and were not named lately.
+// Forgets the states of peers that are no members, have used up nothing, and were not named lately.
 void MemberLimits::forget_idle(HostTime now) {
   std::erase_if(states_, [&](const auto& each) {
     const auto& [key, state] = each;
-    if (members_.contains(key.first)) return false;
+    if (members_.all().contains(key.first)) return false;
     if (state.named_at && now - *state.named_at < kNamedApart) return false;
     const auto rate = rate_of(key.second);
     return !rate || drained(state.used, now - state.used_at, *rate) == 0.0;
@@ -63,7 +63,10 @@ void MemberLimits::forget_idle(HostTime now) {
 }
 
 MemberLimits::State& MemberLimits::state(HostTime now, PeerId peer, MemberLimit limit) {
-  if (states_.size() >= kStatesMax && !states_.contains({peer, limit})) forget_idle(now);
+  if (states_.size() >= prune_at_ && !states_.contains({peer, limit})) {
+    forget_idle(now);
+    prune_at_ = std::clamp(2 * states_.size(), kStatesLeast, kStatesMax);
+  }
   const auto [at, is_new] = states_.try_emplace({peer, limit});
   if (is_new) at->second.used_at = now;
   return at->second;

@@ -39,6 +39,9 @@ class MemberLimits {
   // The sender has gone beyond the limit.
   void refuse(HostTime now, PeerId sender, MemberLimit limit);
 
+  // How many pairs of a peer and a limit are remembered.
+  [[nodiscard]] std::size_t states() const { return states_.size(); }
+
  private:
   struct State {
     double used = 0.0;  // of the bucket, at used_at
@@ -54,6 +57,7 @@ class MemberLimits {
   Outbox& outbox_;
   PeerCounters& counters_;
   std::map<std::pair<PeerId, MemberLimit>, State> states_;
+  std::size_t prune_at_;  // the number of states at which idle ones are forgotten next
 };
 
 }  // namespace peerd::replication

@@ -41,4 +41,18 @@ TEST_F(Limits, ARestartForgetsNothing) {
   EXPECT_EQ(drain<LimitMet>(outbox).size(), 1u);
 }
 
+// Each far peer of a large session says hello now and then.
+TEST_F(Limits, FarPeersLeaveNothing) {
+  add_member(members, 2);
+  EXPECT_TRUE(limits.take(host(0s), PeerId{2}, MemberLimit::kDatagrams));
+  limits.refuse(host(0s), PeerId{3}, MemberLimit::kClockAhead);
+  for (std::uint32_t id = 100; id < 2100; ++id) {
+    members.note_far(host(0s), PeerId{id}, 1);
+    EXPECT_TRUE(limits.take(host(10ms * id), PeerId{id}, MemberLimit::kDatagrams));
+  }
+  EXPECT_LT(limits.states(), 600u);
+  limits.refuse(host(22s), PeerId{3}, MemberLimit::kClockAhead);
+  EXPECT_EQ(drain<LimitMet>(outbox).size(), 1u) << "what was named is remembered for a minute";
+}
+
 }  // namespace peerd::replication::member_limits_test
