@@ -27,6 +27,12 @@ double resident_bytes() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
+// What all peers have allocated, without what the allocator keeps between their blocks.
+double allocated_bytes() {
+  const struct mallinfo2 info = mallinfo2();
+  return static_cast<double>(info.uordblks + info.hblkhd);
+}
+
 template <class T>
 T must(Result<T> result) {
   if (!result) throw std::runtime_error(result.error().text);
@@ -46,8 +52,8 @@ class NoRows final : public LogRows {
 // Sees all peers at the beginning and at the end of the measured part.
 class Watch final : public sim::PeersWatch {
  public:
-  Watch(const IslandWorld& world, double before_bytes, IslandCosts& costs)
-      : world_(world), before_bytes_(before_bytes), costs_(costs) {}
+  Watch(const IslandWorld& world, IslandCosts& costs)
+      : world_(world), resident_before_(resident_bytes()), allocated_before_(allocated_bytes()), costs_(costs) {}
 
   [[nodiscard]] std::uint32_t rate_hz() const override { return 1; }
   void begin(SimTime, HostTime) override {}
@@ -83,7 +89,8 @@ class Watch final : public sim::PeersWatch {
     costs_.took_s = s;
     costs_.cpu_s = (cpu_now_s() - cpu_s_) / s / n;
     malloc_trim(0);
-    costs_.memory_bytes = (resident_bytes() - before_bytes_) / n;
+    costs_.memory_bytes = (resident_bytes() - resident_before_) / n;
+    costs_.allocated_bytes = (allocated_bytes() - allocated_before_) / n;
     std::optional<SimTime> leader;
     for (std::size_t i = 0; i < peers.size(); ++i) {
       const replication::Peer& peer = peers[i].node->peer();
@@ -125,7 +132,7 @@ class Watch final : public sim::PeersWatch {
   }
 
   const IslandWorld& world_;
-  double before_bytes_;
+  double resident_before_, allocated_before_;
   IslandCosts& costs_;
   double from_s_ = 0.0, cpu_s_ = 0.0;
   std::vector<replication::Peer::Counters> before_;
@@ -151,7 +158,7 @@ IslandCosts run_islands(const IslandWorld& world) {
   costs.objects = world.peers * world.objects;
   malloc_trim(0);
   NoRows rows;
-  Watch watch(world, resident_bytes(), costs);
+  Watch watch(world, costs);
   // Nobody lingers behind the end of what is measured.
   const sim::Progress progress = [&](std::optional<double>) { return !watch.has_measured(); };
   const auto logs =

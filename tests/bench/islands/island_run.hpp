@@ -20,9 +20,10 @@ struct IslandCosts {
   double members = 0.0, near_members = 0.0, regions = 0.0, received_objects = 0.0;  // means over the peers, at the end
   double clock_error_ms = 0.0;  // the worst at the end, of any peer against the leader
   double decisions = 0.0;
-  std::size_t lost = 0;       // times that a peer has lost another one in the measured part, where all are here
-  double memory_bytes = 0.0;  // of the process, for each peer
-  double cpu_s = 0.0;         // of the measured part, for each peer and second of it
+  std::size_t lost = 0;          // times that a peer has lost another one in the measured part, where all are here
+  double memory_bytes = 0.0;     // resident memory of the process, for each peer
+  double allocated_bytes = 0.0;  // of it what the peers have allocated; what lies between their blocks is the rest
+  double cpu_s = 0.0;            // of the measured part, for each peer and second of it
   double took_s = 0.0;
   std::string wrong;  // why the run proves nothing; empty if it does
 };

@@ -27,9 +27,9 @@ using Points = std::vector<std::pair<double, double>>;
 void print(const IslandCosts& costs) {
   std::printf(
       "%u peers, %u objects: a peer receives %.0f bytes/s in %.1f datagrams (at most %.0f), sends %.0f bytes/s in "
-      "%.1f; %.0f KiB and %.2f ms of a core for each second\n",
+      "%.1f; %.0f KiB (%.0f allocated) and %.2f ms of a core for each second\n",
       costs.peers, costs.objects, costs.in_all.bytes, costs.in_all.datagrams, costs.in_worst.bytes, costs.out_all.bytes,
-      costs.out_all.datagrams, costs.memory_bytes / 1024, costs.cpu_s * 1e3);
+      costs.out_all.datagrams, costs.memory_bytes / 1024, costs.allocated_bytes / 1024, costs.cpu_s * 1e3);
   std::printf(
       "  knows %.1f others, %.1f of them near, listens to %.1f regions, receives %.1f objects of others, "
       "decides %.3f contacts/s; clocks within %.2f ms\n",
@@ -50,6 +50,7 @@ void add(const IslandCosts& costs, std::vector<Figure>& figures) {
   figure("in_datagrams", costs.in_all.datagrams, "1/s");
   figure("out", costs.out_all.bytes, "bytes/s");
   figure("memory", costs.memory_bytes, "bytes");
+  figure("allocated", costs.allocated_bytes, "bytes");
   figure("cpu", costs.cpu_s, "s/s");
   figure("members_near", costs.near_members, "peers");
   figure("objects_received", costs.received_objects, "objects");
@@ -87,7 +88,7 @@ int run(const Options& options) {
   if (sizes.empty())
     sizes = options.quick ? std::vector<std::uint32_t>{9, 16} : std::vector<std::uint32_t>{30, 100, 300, 1000};
   std::vector<Figure> figures;
-  Points traffic, memory, cpu;
+  Points traffic, memory, allocated, cpu;
   int status = 0;
   for (const std::uint32_t peers : sizes) {
     world.peers = peers;
@@ -103,10 +104,12 @@ int run(const Options& options) {
     if (peers < kBeyond) continue;
     traffic.emplace_back(peers, costs.in_all.bytes);
     memory.emplace_back(peers, costs.memory_bytes);
+    allocated.emplace_back(peers, costs.allocated_bytes);
     cpu.emplace_back(peers, costs.cpu_s);
   }
   if (!fit("traffic", traffic, figures)) status = 1;
   (void)fit("memory", memory, figures);
+  (void)fit("allocated", allocated, figures);
   (void)fit("cpu", cpu, figures);
   const bool written = write_beside(options, "islands.wrl", world_text(world)) &&
                        write_beside(options, "islands.toml", scenario_text(world, "islands.wrl"));
