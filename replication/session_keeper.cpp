@@ -399,10 +399,8 @@ void SessionKeeper::end_owning(ObjectId object, SimTime at) {
 void SessionKeeper::leave_behind(ObjectId object, const LeftBehind& left, SimTime since) {
   if (!p_.replica.ghosts().has(object)) return;
   const auto said = p_.living.left().find(object);
-  const bool is_said =
-      said != p_.living.left().end() && said->second.owner == left.owner && said->second.at >= since;
-  const Pose pose =
-      is_said ? p_.place_by_scene(object) : p_.replica.ghosts().relative_at(object, left.at).pose();
+  const bool is_said = said != p_.living.left().end() && said->second.owner == left.owner && said->second.at >= since;
+  const Pose pose = is_said ? p_.place_by_scene(object) : p_.replica.ghosts().relative_at(object, left.at).pose();
   p_.replica.set_ghost(object, left.at, at_rest(pose), false);
   // The ghost of what could collide may be in what its owner would have met: no place for all.
   if (!is_said && p_.model->pairs_of(object).empty()) p_.left_behind[object] = left;

@@ -363,8 +363,8 @@ void Oracle::check_logs(double now_s) {
   for (const Life* life : all) {
     const Peer &peer = life->node->peer(), &first = all.front()->node->peer();
     if (peer.members().count() + 1 != all.size()) {
-      violate(now_s, fmt::format("{} knows {} other peers of {}", name_of(*life), peer.members().count(),
-                                 all.size() - 1));
+      violate(now_s,
+              fmt::format("{} knows {} other peers of {}", name_of(*life), peer.members().count(), all.size() - 1));
     }
     for (const auto& [author, written] : written_) {
       const OperationRange whole{author, 0, std::max(written, std::uint64_t{1})};

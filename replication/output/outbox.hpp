@@ -27,8 +27,8 @@ class Outbox {
   // Encodes a message to a region and numbers it; `updates`, whose times count from the first one's, go in place of the
   // message's own. The result fits in kDatagramMax_bytes. Returns its number, from 1 in each region.
   std::uint32_t send(Message& message, RegionId region = kWholeScene, std::span<const EncodedUpdate> updates = {});
-  // Encodes a message for near peers (Message::nearby), once to each of the regions: at least one, ascending. All copies
-  // have one number, which is counted apart. Returns it.
+  // Encodes a message for near peers (Message::nearby), once to each of the regions: at least one, ascending. All
+  // copies have one number, which is counted apart. Returns it.
   std::uint32_t send_nearby(Message& message, std::span<const RegionId> regions,
                             std::span<const EncodedUpdate> updates = {});
   // Encodes a message to all peers without a number: nobody counts it as one of this peer's.

@@ -30,8 +30,8 @@ class Admission {
   // Returns how the sender is known, never kStale, or why the message is dropped. `started`: when this peer was
   // started; none: not yet. `on_lost` is called for a member that turns out to have another world, before that is
   // reported. kFar: the message is of a peer of a large session that is not near, and says nothing but that it is here;
-  // a peer that restarts so has been removed, and reported to `on_lost`. `leads`: this peer is the leader, which answers
-  // joining peers.
+  // a peer that restarts so has been removed, and reported to `on_lost`. `leads`: this peer is the leader, which
+  // answers joining peers.
   [[nodiscard]] std::expected<Membership::Admission, Drop> admit(HostTime now, RegionId region, const Message& message,
                                                                  bool leads, std::optional<HostTime> started,
                                                                  const OnLost& on_lost);

@@ -275,12 +275,12 @@ bool SessionTime::awaits_lower_leader(HostTime now, Duration own_error) const {
     if (peer >= config_.id) break;
     if (!member.synchronised || !is_within(now, member, reach)) continue;
     if (session_of(now, member, own_error) == Session::kEarlier) continue;  // it follows this one
-    const bool is_deaf =
-        member.is_near ? member.echo.unreachable : member.leads && now - member.echoing >= kDeafAfter;
+    const bool is_deaf = member.is_near ? member.echo.unreachable : member.leads && now - member.echoing >= kDeafAfter;
     if (!is_deaf) return true;
   }
   const auto& far = members_.far();
-  return std::any_of(far.begin(), far.lower_bound(config_.id), [](const auto& each) { return each.second.synchronised; });
+  return std::any_of(far.begin(), far.lower_bound(config_.id),
+                     [](const auto& each) { return each.second.synchronised; });
 }
 
 // A peer that it would follow if its time were not so far away; one whose time is merely earlier follows this one.

@@ -53,8 +53,8 @@ class RegionSubscriptions {
 
   // Sends a message for all: to all, or, in a large session, to the regions where this peer publishes its objects,
   // those whose states the message asks for, and those of the objects of its decisions. Where this peer publishes
-  // nothing, its hellos, and what has none of these regions, go to those where it listens. Returns the message's number;
-  // none: it listens nowhere, and nothing goes out.
+  // nothing, its hellos, and what has none of these regions, go to those where it listens. Returns the message's
+  // number; none: it listens nowhere, and nothing goes out.
   std::optional<std::uint32_t> send_to_peers(Message& message, std::span<const EncodedUpdate> updates = {});
 
   // ---- the objects that this peer receives

@@ -289,7 +289,7 @@ class MotionWorld {
   std::set<std::uint32_t> stopped_;  // into pairs_
   bool replays_bases_ = false;
   std::set<std::pair<SimTime, ObjectId>> retracted_bases_;  // bases that are to be laid again
-  AuthorityOf authority_of_;                           // none: kAsPublished for all
+  AuthorityOf authority_of_;                                // none: kAsPublished for all
   std::vector<MotionEvent> events_;
   std::size_t polled_ = 0;  // of events_
   Counters counters_;

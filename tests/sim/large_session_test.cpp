@@ -29,7 +29,8 @@ IslandCosts costs_of(std::uint32_t peers, const std::vector<std::string>& sets) 
   return run_islands(world);
 }
 
-// With the threshold at 16 both are large; what they receive differs by how many of them are at the border of the world.
+// With the threshold at 16 both are large; what they receive differs by how many of them are at the border of the
+// world.
 TEST(LargeSession, TrafficOfAPeerDoesNotGrowWithTheWorld) {
   const std::vector<std::string> sets{"replication.large_session_above=16", "replication.far_hellos_per_s=10"};
   const IslandCosts small = costs_of(36, sets), twice = costs_of(81, sets);
