@@ -22,7 +22,7 @@ struct IslandCosts {
   double decisions = 0.0;
   std::size_t lost = 0;          // times that a peer has lost another one in the measured part, where all are here
   double memory_bytes = 0.0;     // resident memory of the process, for each peer
-  double allocated_bytes = 0.0;  // of it what the peers have allocated; what lies between their blocks is the rest
+  double allocated_bytes = 0.0;  // what the peers have allocated, also where they have not touched it
   double cpu_s = 0.0;            // of the measured part, for each peer and second of it
   double took_s = 0.0;
   std::string wrong;  // why the run proves nothing; empty if it does
