@@ -14,8 +14,6 @@ namespace {
 constexpr Duration kOtherSession = std::chrono::milliseconds(500);
 // A leader of a large session echoes the far hellos of all: one that has echoed nobody's for so long receives nothing.
 constexpr Duration kDeafAfter = std::chrono::seconds(5);
-// A new peer founds a session of its own where it receives a large one, and nobody there answers it for so long.
-constexpr Duration kLargePatience = std::chrono::seconds(20);
 // Before this many exchanges a single queued packet could still set the clock.
 constexpr std::uint64_t kExchangesToStart = 4;
 // A peer waits so many times as long as it listens anyway for a received peer to introduce itself, which may have a
@@ -55,9 +53,8 @@ bool SessionTime::found_session(HostTime now) {
   const bool awaits_introduction = unintroduced_peer_at_ && now - *unintroduced_peer_at_ < config_.listen_first;
   if (awaits_introduction && listened < kIntroductionPatience * config_.listen_first) return false;
   const OffsetBounds reach = reach_.at(now, os_minus_host(now));
-  const bool is_large_here =
-      std::ranges::any_of(members_.far(), [](const auto& each) { return each.second.synchronised; });
-  if (is_large_here && listened < kLargePatience) return false;
+  // A large session is here. Its leader may take long to answer while many peers join.
+  if (std::ranges::any_of(members_.far(), [](const auto& each) { return each.second.synchronised; })) return false;
   for (const auto& [peer, member] : members_.all()) {
     const bool leads = member.synchronised ? is_within(now, member, reach) : peer < config_.id;
     if (leads && may_respond(now, member)) return false;
@@ -275,7 +272,7 @@ bool SessionTime::awaits_lower_leader(HostTime now, Duration own_error) const {
     if (peer >= config_.id) break;
     if (!member.synchronised || !is_within(now, member, reach)) continue;
     if (session_of(now, member, own_error) == Session::kEarlier) continue;  // it follows this one
-    const bool is_deaf = member.is_near ? member.echo.unreachable : member.leads && now - member.echoing >= kDeafAfter;
+    const bool is_deaf = member.leads ? now - member.echoing >= kDeafAfter : member.is_near && member.echo.unreachable;
     if (!is_deaf) return true;
   }
   const auto& far = members_.far();

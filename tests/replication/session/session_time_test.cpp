@@ -103,12 +103,11 @@ INSTANTIATE_TEST_SUITE_P(Table, Waiting,
                          [](const auto& c) { return std::string(c.param.name); });
 
 // In a large session the leader answers a joining peer; a far peer without session time is a joining peer itself.
-TEST_F(Timing, ALargeSessionThatAnswersNothingIsWaitedForForAWhile) {
+TEST_F(Timing, ALargeSessionIsWaitedFor) {
   time.start(host(0s));
   FarPeer& far = *members.note_far(host(0s), PeerId{7}, 1).first;
   far.synchronised = true;
-  EXPECT_FALSE(time.found_session(host(20s) - 1ns));
-  EXPECT_TRUE(time.found_session(host(20s)));
+  EXPECT_FALSE(time.found_session(host(100s)));
 }
 
 TEST_F(Timing, FarPeersWithoutSessionTimeAreNotWaitedFor) {
@@ -232,6 +231,7 @@ class TimingOfALargeSession : public Timing {
 
 TEST_F(TimingOfALargeSession, ItsLeaderLeadsUntilItFollowsALowerPeer) {
   time.start(host(0s));
+  for (std::uint32_t id = 100; id < 160; ++id) members.find_far(PeerId{id})->synchronised = false;
   ASSERT_TRUE(time.found_session(host(20s)));
   claim_to_lead(host(21s), true);
   EXPECT_EQ(leader_at(host(21s), PeerId{1}), PeerId{2}) << "the other may receive nothing";
