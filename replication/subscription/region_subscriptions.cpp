@@ -289,20 +289,19 @@ void RegionSubscriptions::announce() {
   }
 }
 
-// Owners listen where they publish. A peer that publishes nothing says where it listens that it is here: a spectator,
-// or one that decides for others.
+// Owners listen where they publish. A peer that owns nothing says where it listens that it is here: a spectator, or one
+// that decides for others. One that is yet to publish its objects listens to everything: all would be near to it.
 std::vector<RegionId> RegionSubscriptions::regions_for(const Message& message) const {
   std::vector<RegionId> regions;
   for (const auto& [object, own] : std::as_const(own_)) {
     if (own.published_position) regions.push_back(grid_.region_of(*own.published_position));
   }
-  const bool publishes = !regions.empty();
   for (const Subscription& asked : message.subscriptions) regions.push_back(asked.region);
   for (const DecisionRecord& d : message.decisions) {
     for (const ObjectId object : {d.collider, d.collidee}) regions.push_back(region_of(object));
   }
   std::erase(regions, kWholeScene);
-  if (!publishes && (message.hello || regions.empty())) {
+  if (regions.empty() || (own_.size() == 0 && message.hello)) {
     std::ranges::copy(interest_.regions() | std::views::keys, std::back_inserter(regions));
     std::erase(regions, kWholeScene);
   }

@@ -52,8 +52,8 @@ class RegionSubscriptions {
   void announce();
 
   // Sends a message for all: to all, or, in a large session, to the regions where this peer publishes its objects,
-  // those whose states the message asks for, and those of the objects of its decisions. Where this peer publishes
-  // nothing, its hellos, and what has none of these regions, go to those where it listens. Returns the message's
+  // those whose states the message asks for, and those of the objects of its decisions. What has none of these regions
+  // goes to those where this peer listens, and so do the hellos of a peer that owns nothing. Returns the message's
   // number; none: it listens nowhere, and nothing goes out.
   std::optional<std::uint32_t> send_to_peers(Message& message, std::span<const EncodedUpdate> updates = {});
 
