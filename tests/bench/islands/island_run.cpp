@@ -122,12 +122,15 @@ class Watch final : public sim::PeersWatch {
     if (costs_.lost > 0 && costs_.wrong.empty()) costs_.wrong = std::to_string(costs_.lost) + " peers were lost";
   }
 
-  // A peer has session time, and has heard of all others but those few whose hello the network has lost.
+  // A peer has session time, and has heard of all others but those few whose hello the network has lost. Nobody edits:
+  // an operation would say where the objects of a peer stand that somebody has taken for gone.
   void check(const replication::Peer& peer, std::size_t all) {
     const std::size_t others = all - 1, known = peer.members().count();
     const std::string name = "peer " + std::to_string(peer.id().value);
     if (known + others / 50 < others) costs_.wrong = name + " knows " + std::to_string(known) + " others";
     if (!peer.clock().synchronised()) costs_.wrong = name + " has no session time";
+    if (!peer.logs().lengths().empty())
+      costs_.wrong = name + " has " + std::to_string(peer.logs().lengths().size()) + " logs";
     if (known > others) costs_.wrong = name + " knows others who are not there";
   }
 
