@@ -186,6 +186,7 @@ void Intake::on_far(HostTime now, PeerId sender, const Message& m) {
     std::ranges::set_union(far->owned, introduction->owned, std::back_inserter(all));
     std::erase_if(all, [&](ObjectId object) { return !p_.model->scene->contains(object); });
     far->owned = std::move(all);
+    give_back_left_behind(sender, introduction->owned);
   }
   if (!m.hello->logs.empty()) operations_.on_message(now, sender, m);
   // The time of a leader counts, however far it is, and so does that of the lowest peer, which is to lead.
@@ -197,6 +198,16 @@ void Intake::on_far(HostTime now, PeerId sender, const Message& m) {
   p_.exchange.on_joined(sender);
   leading.far_hello.number = 0;  // this hello counts for the member
   on_far_hello(now, sender, leading, m);
+}
+
+// A far peer that was taken for gone, for it was silent where this peer listens, goes on to own what it says.
+void Intake::give_back_left_behind(PeerId sender, std::span<const ObjectId> owned) {
+  std::vector<ObjectId> back;
+  std::ranges::copy_if(owned, std::back_inserter(back), [&](ObjectId object) {
+    const auto left = p_.left_behind.find(object);
+    return left != p_.left_behind.end() && left->second.owner == sender && p_.owners.of(object) == kNobody;
+  });
+  if (!back.empty()) keeper_.claim(sender, back);
 }
 
 // The hello says nothing about what is received of this peer, but it may echo this peer's last far hello.
@@ -313,9 +324,11 @@ bool Intake::may_claim(HostTime now, PeerId sender, std::span<const ObjectId> ob
 
 void Intake::report_same_name(PeerId sender, const std::string& name) {
   if (name == p_.config.name) return p_.outbox.push(NameInUse{sender, p_.config.id, name});
+  std::optional<PeerId> same;
   p_.members.for_each([&](PeerId peer, const OtherPeer& other) {
-    if (peer != sender && other.name == name) p_.outbox.push(NameInUse{sender, peer, name});
+    if (!same && peer != sender && other.name == name) same = peer;
   });
+  if (same) p_.outbox.push(NameInUse{sender, *same, name});
 }
 
 // `echo`: what the sender's hello says of this peer's datagrams; null: nothing.

@@ -31,6 +31,7 @@ class Intake {
   void count(RegionId region, const Message& message, std::size_t size_bytes);
   // A datagram of a peer that is far, or a far hello.
   void on_far(HostTime now, PeerId sender, const Message& message);
+  void give_back_left_behind(PeerId sender, std::span<const ObjectId> owned);
   void on_far_hello(HostTime now, PeerId sender, Member& member, const Message& message);
   void on_hello(HostTime now, PeerId sender, std::uint32_t number, const Hello& hello);
   // A peer has said its name, which may be that of another one.

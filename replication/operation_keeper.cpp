@@ -21,8 +21,8 @@ constexpr Duration kLeadMin = std::chrono::milliseconds(100);
 constexpr Duration kLateMax = std::chrono::seconds(3);
 // The peer of the lowest id says where left objects stand; where it is gone, too, another one does within this time.
 constexpr Duration kPlacedWithin = std::chrono::seconds(10);
-// Where regions cut the world, each peer that received an object leaves this time to every lower one that is near to
-// say first where the object stands: mostly longer than an operation is under way.
+// A peer that received an object, where regions cut the world, leaves this time to every lower one that is near to say
+// first where the object stands: mostly longer than an operation is under way.
 constexpr Duration kTurn = std::chrono::milliseconds(150);
 // Peers that have only received the object earlier say it from then on, in the same turns.
 constexpr Duration kUnseenAfter = std::chrono::seconds(4);
@@ -184,16 +184,18 @@ std::expected<Taking, std::string> OperationKeeper::own(HostTime now, ObjectId o
 
 void OperationKeeper::place_left_behind(HostTime now, SimTime t) {
   if (p_.left_behind.empty()) return;
+  // In a large session an owner that is silent here may only be elsewhere: its far hello says so by then.
+  const Duration unsure = p_.members.is_large() ? p_.members.far_patience() : Duration{0};
   std::erase_if(p_.left_behind, [&](const auto& each) {
-    return p_.owners.of(each.first) != kNobody || t - each.second.at > kPlacedWithin;
+    return p_.owners.of(each.first) != kNobody || t - each.second.at > unsure + kPlacedWithin;
   });
   const auto lowest = p_.members.lowest();
   const bool is_first = !lowest || p_.config.id < *lowest;
   const auto is_lower = [&](const auto& member) { return member.second.synchronised && member.first < p_.config.id; };
   const auto lower = std::ranges::count_if(p_.members.all(), is_lower);
+  const Duration turn = std::min<Duration>(lower * kTurn, kPlacedWithin / 2);
   const auto is_our_turn = [&](const LeftBehind& left) {
-    const Duration patience = left.was_received ? Duration{0} : Duration{kUnseenAfter};
-    return t - left.at >= patience + std::min<Duration>(lower * kTurn, kPlacedWithin / 2);
+    return t - left.at >= unsure + (left.was_received ? Duration{0} : Duration{kUnseenAfter}) + turn;
   };
   for (const auto& [object, left] : std::map(p_.left_behind)) {
     // A locked object is placed by those who may.

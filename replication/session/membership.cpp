@@ -195,8 +195,8 @@ std::vector<std::pair<PeerId, FarPeer>> Membership::expire_far(HostTime now) {
 bool Membership::follow_size(bool may_be) {
   const std::size_t all = count() + 1;
   const bool was = is_large_;
-  // Of two peers that do not both take the session for large, neither echoes the other: a joining peer does as the
-  // others do already.
+  // Two peers echo each other only if both take the session for large, or neither: a joining peer does as the others do
+  // already.
   const auto is_so_for_others = [this] {
     return !far_.empty() ||
            std::ranges::any_of(members_, [](const auto& each) { return each.second.echoes_on == kNearby; });

@@ -158,6 +158,8 @@ class Membership {
 
   // The interval at which each peer says a far hello, on average, so that all together say LargeSession::hellos_per_s.
   [[nodiscard]] Duration mean_far_interval() const;
+  // How long after a far hello its sender is lost at the earliest, by how many peers are here.
+  [[nodiscard]] Duration far_patience() const;
 
   // Whether the session is large, by how many peers are here; it remains so until a quarter less are, and is so from
   // there on where others take it for large. `may_be`: this peer is in the session, whose scene is cut into regions.
@@ -192,8 +194,6 @@ class Membership {
   // The lowest peer, near or far, that is so; its pointer is null where there is none.
   [[nodiscard]] std::pair<PeerId, const OtherPeer*> lowest_that(
       const std::function<bool(const OtherPeer&)>& is_so) const;
-  // How long after a far hello its sender is lost at the earliest, by how many peers are here.
-  [[nodiscard]] Duration far_patience() const;
   // Until when the next far hello is waited for.
   [[nodiscard]] HostTime far_hello_until(const OtherPeer& peer) const;
   [[nodiscard]] HostTime far_hello_until(const Member& member) const;

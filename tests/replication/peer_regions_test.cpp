@@ -84,6 +84,13 @@ class Regions : public testing::Test {
     return same_bits(lan.peer(i).ghost(world[object], t), lan.peer(owner).ghost(world[object], t));
   }
 
+  // The first peers have A where its owner has left it, at y = 2.
+  void expect_one_place(std::size_t peers) const {
+    const auto place = [&](std::size_t i) { return lan.peer(i).ghost(world["A"], lan.session_now(i)); };
+    EXPECT_EQ(place(0).position.y(), 2.0) << "not where the file has it";
+    for (std::size_t i = 1; i < peers; ++i) EXPECT_TRUE(same_bits(place(0), place(i))) << "at peer " << i + 1;
+  }
+
   World world{box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "0 0 5") + box("C", "1 1 1", "0 0 9")};
   Lan lan{world, {.latency = 40ms}};
   std::vector<Sent> sent;
@@ -598,10 +605,7 @@ TEST_F(Regions, APeerThatKnowsSaysWhereALeftObjectStands) {
   EXPECT_TRUE(holds(2, "A"));
   lan.kill(owner);
   lan.run_until(9s);
-  const auto place = [&](std::size_t i) { return lan.peer(i).ghost(world["A"], lan.session_now(i)); };
-  EXPECT_EQ(place(0).position.y(), 2.0) << "not where the file has it";
-  EXPECT_TRUE(same_bits(place(0), place(1)));
-  EXPECT_TRUE(same_bits(place(0), place(2)));
+  expect_one_place(3);
 }
 
 // Nobody receives the object any more when its owner goes. One peer has, and says where it saw the object last.
@@ -621,10 +625,41 @@ TEST_F(Regions, APeerThatKnewSaysWhereALeftObjectStands) {
   for (const std::size_t i : {0, 1, 2}) EXPECT_FALSE(holds(i, "A"));
   lan.kill(owner);
   lan.run_until(20s);
-  const auto place = [&](std::size_t i) { return lan.peer(i).ghost(world["A"], lan.session_now(i)); };
-  EXPECT_EQ(place(0).position.y(), 2.0) << "not where the file has it";
-  EXPECT_TRUE(same_bits(place(0), place(1)));
-  EXPECT_TRUE(same_bits(place(0), place(2)));
+  expect_one_place(3);
+}
+
+// In a large session a peer takes another one for gone that it does not receive any more where it listens. The far
+// hellos of the other still come.
+TEST_F(Regions, OnlyAnOwnerThatIsGoneLeavesObjectsBehind) {
+  const auto in_large = [](PeerConfig c) {
+    c.large = {.above = 2};
+    return c;
+  };
+  const auto swings = [](SimTime t) {
+    const double s = to_seconds(t.time_since_epoch());
+    return moving({5 + std::sin(s), 2, 0}, {std::cos(s), 0, 0});
+  };
+  lan.add(in_large(looking_from(in_regions(1, {}, 3.0), 45)));
+  lan.add(in_large(looking_from(in_regions(2, {}, 3.0), 5)));
+  const auto owner = lan.add(in_large(in_regions(3, {{world["A"], true}}, 3.0)), 0s, {{world["A"], swings}});
+  lan.run_until(8s);
+  EXPECT_TRUE(holds(1, "A"));
+  EXPECT_TRUE(lan.peer(1).members().is_large());
+  bool is_silent = true;
+  lan.filter = [&](std::size_t from, std::size_t to, const Message& m) {
+    return !is_silent || from != owner || to != 1 || m.next_hello;
+  };
+  lan.run_until(24s);
+  EXPECT_FALSE(lan.seen<ObjectOrphaned>(1).empty()) << "else this is no test of it";
+  EXPECT_EQ(lan.peer(1).owner(world["A"]), PeerId{3});
+  EXPECT_FALSE(holds(1, "A"));
+  for (const std::size_t i : {0, 1, 2}) EXPECT_TRUE(lan.peer(i).logs().lengths().empty()) << "at peer " << i + 1;
+  is_silent = false;
+  lan.run_until(28s);
+  EXPECT_TRUE(holds(1, "A"));
+  lan.kill(owner);
+  lan.run_until(40s);
+  expect_one_place(2);
 }
 
 // A peer that listens to six regions gets six copies of a `nearby` hello. Twenty hellos that echo nobody would make

@@ -27,7 +27,7 @@ double resident_bytes() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
 }
 
-// What the process has allocated, touched or not, without what the allocator keeps between the blocks.
+// Returns what the process has allocated, touched or not. The allocator's room between the blocks does not count.
 double allocated_bytes() {
   const struct mallinfo2 info = mallinfo2();
   return static_cast<double>(info.uordblks + info.hblkhd);

@@ -122,15 +122,19 @@ TEST(Membership, AFarPeerWhoseHellosCeaseIsLostOnce) {
   EXPECT_TRUE(members.expire_far(host(13s)).empty());
 }
 
-// It promised its next hello for what it knew of then: three peers. There are a hundred now, each of which says hello
-// every ten seconds.
-TEST(Membership, AFarPeerIsWaitedForAsLongAsManyPeersTake) {
-  Membership members(2s, kLarge);
+// Peer 5 has promised its next hello for what it knew of then: three peers. There are a hundred now, each of which says
+// hello every ten seconds.
+void note_five_and_a_hundred(Membership& members) {
   FarPeer& five = *members.note_far(host(0s), kFive, 7).first;
   five.expected_until = host(4s);
   five.promises_hellos = true;
   five.far_hello.receive(1, host(0s));
   for (std::uint32_t p = 6; p <= 104; ++p) members.note_far(host(0s), PeerId{p}, 1).first->expected_until = host(90s);
+}
+
+TEST(Membership, AFarPeerIsWaitedForAsLongAsManyPeersTake) {
+  Membership members(2s, kLarge);
+  note_five_and_a_hundred(members);
   EXPECT_TRUE(members.expire_far(host(41s)).empty());
   EXPECT_EQ(members.expire_far(host(43s)).size(), 1u) << "four mean intervals, and what makes any peer lost";
 }
@@ -138,11 +142,7 @@ TEST(Membership, AFarPeerIsWaitedForAsLongAsManyPeersTake) {
 // The same of one that has come near for a moment: an operation of its may have come to all.
 TEST(Membership, AMemberThatWasFarIsWaitedForAsLong) {
   Membership members(2s, kLarge);
-  FarPeer& five = *members.note_far(host(0s), kFive, 7).first;
-  five.expected_until = host(4s);
-  five.promises_hellos = true;
-  five.far_hello.receive(1, host(0s));
-  for (std::uint32_t p = 6; p <= 104; ++p) members.note_far(host(0s), PeerId{p}, 1).first->expected_until = host(90s);
+  note_five_and_a_hundred(members);
   members.promote(host(3s), kFive, true);
   std::vector<PeerId> far;
   EXPECT_TRUE(members.expire(host(6s), {}, std::nullopt, &far).empty()) << "not lost";
