@@ -81,7 +81,9 @@ class TryDocs(unittest.TestCase):
         self.assert_wrong(page.replace("^C\nbye", "^C\nhi"), 16, "this line is shown")
         self.assert_wrong(page.replace("; exit: 3", ""), 14, "ends with 3, not with 0")
         self.assert_wrong(page.replace("a -->\n```console\nwent", "a; limit: 1 -->\n```console\ncame"), 11, "this line is shown")
-        self.assert_wrong("<!-- terminal: a; stays -->\n```console\n$ echo up\nup\n```\n<!-- terminal: a -->\n```console\n^C\n```\n", 3, "does not stay")
+        # What is shown is printed only when the command is over.
+        ends_first = "(while kill -0 $$ 2>/dev/null; do sleep 0.01; done; echo up) &"
+        self.assert_wrong(f"<!-- terminal: a; stays -->\n```console\n$ {ends_first}\nup\n```\n", 3, "does not stay")
         self.assert_wrong("<!-- terminal: a; limit: 1 -->\n```console\n$ sleep 30\n```\n", 3, "still runs after 1 s")
         self.assert_wrong("```console\nwent\n```\n", 1, "no command runs")
 
