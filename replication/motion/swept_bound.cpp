@@ -50,6 +50,12 @@ double piece_error_m(const Timeline::Segment& law, const collision::Body& body, 
 
 }  // namespace
 
+double reach_m(const collision::Body& body) {
+  double extent_m = body.extent_m();
+  if (body.sphere) extent_m = std::max(extent_m, body.sphere->center.norm() + body.sphere->radius_m);
+  return kBoxReach * extent_m;
+}
+
 SweptBound swept_bound(const Timeline& timeline, const collision::Body& body, SimTime s, SimTime begin, SimTime end) {
   assert(begin <= s && s < end);
   SweptBound bound;

@@ -10,6 +10,9 @@ namespace peerd::replication {
 // (sqrt(3), rounded up).
 inline constexpr double kBoxReach = 1.7320508075688774;
 
+// However the body is turned, no point of it, nor of its box, is farther from its origin [m].
+[[nodiscard]] double reach_m(const collision::Body& body);
+
 // The region in which a body can be from some instant on, as long as the piece of its timeline and the time that
 // searches look ahead last: the box of the centre of its bounding sphere, and the radius of the sphere. The region
 // contains the path at constant acceleration, the tangents that a search may take in its place, and all that rounding

@@ -45,9 +45,10 @@ class Replica {
   std::vector<MovingObjects::Placed> change_scene(const WorldModel& next, SimTime at,
                                                   const std::function<bool(ObjectId)>& is_moved,
                                                   const RoleOf& role_in_truth, const RoleOf& role_in_ghosts);
-  // Begins both worlds anew at t, with everything at its place in the file.
+  // Begins both worlds anew at t, with everything at its place in the file, and no pair watched.
   void begin(SimTime t) {
-    worlds_.emplace(Worlds{MotionWorld(*model_, t), MotionWorld(*model_, t)});
+    worlds_.emplace(Worlds{MotionWorld(*model_, t, MotionWorld::Watched::kNone),
+                           MotionWorld(*model_, t, MotionWorld::Watched::kNone)});
     if (flexible_) {
       worlds_->truth.set_flexible(*flexible_);
       worlds_->ghosts.set_flexible(*flexible_);

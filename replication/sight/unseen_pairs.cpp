@@ -22,12 +22,6 @@ static_assert(kDoubtMax < MotionWorld::kHistory);
 // not count (codec.hpp).
 constexpr Duration kDecidedBy = kLatencyMax;
 
-double extent_of(const collision::Body& body) {
-  double extent_m = body.extent_m();
-  if (body.sphere) extent_m = std::max(extent_m, body.sphere->center.norm() + body.sphere->radius_m);
-  return kBoxReach * extent_m;
-}
-
 void keep_each_once(std::vector<std::uint32_t>& all) {
   std::ranges::sort(all);
   all.erase(std::ranges::unique(all).begin(), all.end());
@@ -36,46 +30,56 @@ void keep_each_once(std::vector<std::uint32_t>& all) {
 }  // namespace
 
 UnseenPairs::UnseenPairs(const WorldModel& model)
-    : model_(&model), unit_of_node_(model.nodes.size()), nodes_(model.nodes.size()), pairs_(model.part_pairs.size()) {
-  for (std::uint32_t i = 0; i < model.nodes.size(); ++i) {  // a carrier stands before what is below it
-    const std::uint32_t carrier = model.nodes[i].carrier;
-    assert(carrier == ModelNode::kNone || carrier < i);
-    if (carrier == ModelNode::kNone) {
-      unit_of_node_[i] = static_cast<std::uint32_t>(units_.size());
-      units_.emplace_back();
+    : model_(&model), unit_of_node_(model.nodes.size(), kNone), pairs_(model.part_pairs.size()) {}
+
+std::uint32_t UnseenPairs::unit_with(std::uint32_t node) {
+  if (unit_of_node_[node] != kNone) return unit_of_node_[node];
+  std::uint32_t top = node;
+  while (model_->nodes[top].carrier != kNone) top = model_->nodes[top].carrier;
+  const auto number = static_cast<std::uint32_t>(units_.size());
+  Unit& unit = units_.emplace_back();
+  const auto add = [&](std::uint32_t i) {
+    unit_of_node_[i] = number;
+    unit.nodes.push_back({i});
+    unit.is_scripted |= std::ranges::binary_search(model_->moving, model_->nodes[i].object);
+  };
+  add(top);
+  std::ranges::for_each(model_->carried_by[top], add);
+  for (const FlexiblePart& part : model_->flexible) {
+    if (part.carrier != kNone) unit.flexes |= unit_of_node_[part.carrier] == number;
+  }
+  return number;
+}
+
+void UnseenPairs::take_in(const MotionWorld& world) {
+  const auto watched = world.ever_watched();
+  for (std::size_t k = pairs_.numbers().size(); k < watched.size(); ++k) take_in_pair(watched[k]);
+}
+
+void UnseenPairs::take_in_pair(std::uint32_t i) {
+  const PartPair& parts = model_->part_pairs[i];
+  PartPairState& pair = pairs_.add(i, {.units = {}, .can_wait = !parts.fixed});
+  const auto add_part = [&](std::uint32_t part) {
+    if (model_->is_flexible(part)) pair.can_wait = false;
+    if (model_->frame_of(part) != kNone) pair.units.push_back(unit_with(model_->frame_of(part)));
+  };
+  for (const bool collider : {true, false}) {
+    const std::uint32_t node = node_of_end(i, collider), end = unit_with(node), part = collider ? parts.a : parts.b;
+    pair.units.push_back(end);
+    if (part != kNone) {
+      add_part(part);
     } else {
-      unit_of_node_[i] = unit_of_node_[carrier];
+      for (const std::uint32_t each : model_->parts_of_node[node]) add_part(each);
     }
-    Unit& unit = units_[unit_of_node_[i]];
-    unit.nodes.push_back(i);
-    unit.is_scripted |= std::ranges::binary_search(model.moving, model.nodes[i].object);
+    if (!answers(i, collider)) continue;
+    units_[end].answering.push_back(node);
+    keep_each_once(units_[end].answering);
   }
-  for (std::uint32_t i = 0; i < pairs_.size(); ++i) {
-    const PartPair& parts = model.part_pairs[i];
-    pairs_[i].can_wait = !parts.fixed;
-    const auto add_part = [&](std::uint32_t part) {
-      if (model.is_flexible(part)) pairs_[i].can_wait = false;
-      if (model.frame_of(part) != ModelNode::kNone) pairs_[i].units.push_back(unit_of_node_[model.frame_of(part)]);
-    };
-    for (const bool collider : {true, false}) {
-      const std::uint32_t end = unit_of_end(i, collider), part = collider ? parts.a : parts.b;
-      pairs_[i].units.push_back(end);
-      if (part != ModelNode::kNone) {
-        add_part(part);
-      } else {
-        const CollisionPair& pair = model.pairs[parts.pair];
-        const std::uint32_t node = model.index_of(collider ? pair.collider : pair.collidee);
-        for (const std::uint32_t each : model.parts_of_node[node]) add_part(each);
-      }
-      if (answers(i, collider)) units_[end].answering.push_back(node_of_end(i, collider));
-    }
-    keep_each_once(pairs_[i].units);
-    for (const std::uint32_t unit : pairs_[i].units) units_[unit].pairs.push_back(i);
+  keep_each_once(pair.units);
+  for (const std::uint32_t unit : pair.units) {
+    units_[unit].pairs.push_back(i);
+    units_[unit].applied.reset();
   }
-  for (const FlexiblePart& part : model.flexible) {
-    if (part.carrier != ModelNode::kNone) units_[unit_of_node_[part.carrier]].flexes = true;
-  }
-  for (Unit& unit : units_) keep_each_once(unit.answering);
 }
 
 std::uint32_t UnseenPairs::node_of_end(std::uint32_t i, bool collider) const {
@@ -84,7 +88,12 @@ std::uint32_t UnseenPairs::node_of_end(std::uint32_t i, bool collider) const {
 }
 
 const UnseenPairs::Unit* UnseenPairs::unit_of(ObjectId object) const {
-  return model_->node(object) == nullptr ? nullptr : &units_[unit_of_node_[model_->index_of(object)]];
+  const std::uint32_t unit = model_->node(object) == nullptr ? kNone : unit_of_node_[model_->index_of(object)];
+  return unit == kNone ? nullptr : &units_[unit];
+}
+
+UnseenPairs::Standing UnseenPairs::standing_of(std::uint32_t node) const {
+  return std::ranges::lower_bound(units_[unit_of_node_[node]].nodes, node, {}, &UnitNode::index)->standing;
 }
 
 bool UnseenPairs::answers(std::uint32_t i, bool collider) const {
@@ -96,13 +105,9 @@ void UnseenPairs::restart(SimTime t) {
   last_ = before_ = t;
   put_off_count_ = 0;
   woken_.clear();
-  for (PartPairState& pair : pairs_) pair.put_off = false;
-  nodes_.assign(nodes_.size(), {});
-  for (Unit& unit : units_) {
-    unit.awake = true;
-    unit.doubt.reset();
-    unit.applied.reset();
-  }
+  std::ranges::fill(unit_of_node_, kNone);
+  units_.clear();
+  pairs_ = SparseTable<PartPairState>(pairs_.size());
 }
 
 bool UnseenPairs::touch(const Ball& a, const Ball& b, double margin_m) {
@@ -121,7 +126,7 @@ double UnseenPairs::friction_of(const MotionWorld& world, ObjectId object, SimTi
 double UnseenPairs::reach_m_s(const Unit& unit) {
   assert(unit.speed_m_s >= 0.0);
   // What a contact turns round in its carrier is faster in the world by twice its speed relative to that.
-  const bool is_hit_within = !unit.answering.empty() && unit.answering.back() != unit.nodes.front();
+  const bool is_hit_within = !unit.answering.empty() && unit.answering.back() != unit.nodes.front().index;
   return (is_hit_within ? 5.0 : 1.0) * unit.speed_m_s;
 }
 
@@ -139,11 +144,11 @@ void UnseenPairs::grow_ball(const MotionWorld& world, Unit& unit, SimTime to) co
   }
   bool first = true;
   double speed_m_s = 0.0, acceleration_m_s2 = 0.0, friction_m_s2 = std::numeric_limits<double>::infinity();
-  for (const std::uint32_t i : unit.nodes) {
-    const ObjectId object = model_->nodes[i].object;
+  for (const UnitNode& node : unit.nodes) {
+    const ObjectId object = model_->nodes[node.index].object;
     const KinematicState state = world.at(object, from);
     if (std::exchange(first, false)) unit.ball = {state.position, 0.0};
-    const double extent_m = extent_of(model_->bodies[i]);
+    const double extent_m = reach_m(model_->bodies[node.index]);
     const double away_m = (state.position - unit.ball.center).norm();
     unit.ball.radius_m = std::max(unit.ball.radius_m, kBoxReach * away_m + extent_m);
     speed_m_s = std::max({speed_m_s, state.velocity.norm(), world.at(object, last_).velocity.norm()});
@@ -165,13 +170,13 @@ void UnseenPairs::grow_ball(const MotionWorld& world, Unit& unit, SimTime to) co
   assert(h >= 0.0 && unit.ball.radius_m >= 0.0);
 }
 
-SimTime UnseenPairs::certain_until(const MotionWorld& world, const Unit& unit) {
+SimTime UnseenPairs::certain_until(const MotionWorld& world, Unit& unit) const {
   assert(before_ <= last_);
   SimTime certain = last_;
-  for (const std::uint32_t i : unit.nodes) {
-    const ObjectId object = model_->nodes[i].object;
+  for (UnitNode& node : unit.nodes) {
+    const ObjectId object = model_->nodes[node.index].object;
     const std::uint64_t revision = world.revision(object);
-    if (std::exchange(nodes_[i].revision, revision) != revision) certain = std::min(certain, world.base_time(object));
+    if (std::exchange(node.revision, revision) != revision) certain = std::min(certain, world.base_time(object));
   }
   return certain;
 }
@@ -180,7 +185,7 @@ SimTime UnseenPairs::certain_until(const MotionWorld& world, const Unit& unit) {
 bool UnseenPairs::carries_an_end_of_the_scene(const Unit& unit) const {
   return unit.nodes.size() > 1 && std::ranges::any_of(unit.pairs, [&](std::uint32_t i) {
            const auto of_nobody = [&](bool collider) {
-             return nodes_[node_of_end(i, collider)].standing <= Standing::kFree;
+             return standing_of(node_of_end(i, collider)) <= Standing::kFree;
            };
            return (answers(i, true) || answers(i, false)) && of_nobody(true) && of_nobody(false);
          });
@@ -189,9 +194,9 @@ bool UnseenPairs::carries_an_end_of_the_scene(const Unit& unit) const {
 void UnseenPairs::find_standing(const Peer& peer) {
   for (Unit& unit : units_) {
     unit.standing = Standing::kScene;
-    for (const std::uint32_t i : unit.nodes) {
-      nodes_[i].standing = peer.standing(model_->nodes[i].object);
-      unit.standing = std::max(unit.standing, nodes_[i].standing);
+    for (UnitNode& node : unit.nodes) {
+      node.standing = peer.standing(model_->nodes[node.index].object);
+      unit.standing = std::max(unit.standing, node.standing);
     }
   }
   for (Unit& unit : units_) {
@@ -213,8 +218,8 @@ void UnseenPairs::measure(const MotionWorld& world, SimTime to, const Peer& peer
       if (updated || unit.awake) unit.doubt.reset();
     }
     if (!moves(unit)) continue;
-    for (const std::uint32_t i : unit.nodes) {
-      fastest_m_s_ = std::max(fastest_m_s_, world.at(model_->nodes[i].object, last_).velocity.norm());
+    for (const UnitNode& node : unit.nodes) {
+      fastest_m_s_ = std::max(fastest_m_s_, world.at(model_->nodes[node.index].object, last_).velocity.norm());
     }
   }
   for (Unit& unit : units_) {
@@ -343,6 +348,7 @@ bool UnseenPairs::apply(MotionWorld& world) {
 
 bool UnseenPairs::update(MotionWorld& world, SimTime to, const Peer& peer, std::optional<ObjectId> awake) {
   assert(peer.standing && peer.is_decided && peer.ahead_s >= 0.0);
+  take_in(world);
   measure(world, to, peer);
   note_stops(world, to, peer);
   was_awake_.assign(units_.size(), false);
@@ -358,13 +364,13 @@ bool UnseenPairs::update(MotionWorld& world, SimTime to, const Peer& peer, std::
     unit.awake = unit.standing == Standing::kKept || old || seen;
   }
   if (awake) {
-    if (model_->node(*awake) != nullptr) units_[unit_of_node_[model_->index_of(*awake)]].awake = true;
+    if (const Unit* const unit = unit_of(*awake)) units_[static_cast<std::size_t>(unit - units_.data())].awake = true;
   }
   wake_what_is_near_kept(to);
   follow_doubts(world, to, peer.ahead_s);
   for (std::size_t i = 0; i < units_.size(); ++i) {
     if (was_awake_[i] || !units_[i].awake || !units_[i].doubt) continue;
-    for (const std::uint32_t node : units_[i].nodes) woken_.push_back(model_->nodes[node].object);
+    for (const UnitNode& node : units_[i].nodes) woken_.push_back(model_->nodes[node.index].object);
   }
   if (to > last_) before_ = std::exchange(last_, to);
   return apply(world);
@@ -374,13 +380,13 @@ bool UnseenPairs::take_up_all(MotionWorld& world) {
   bool taken_up = false;
   for (Unit& unit : units_) {
     if (unit.doubt) {
-      for (const std::uint32_t node : unit.nodes) woken_.push_back(model_->nodes[node].object);
+      for (const UnitNode& node : unit.nodes) woken_.push_back(model_->nodes[node.index].object);
     }
     unit.awake = true;
     unit.doubt.reset();
     unit.applied.reset();
   }
-  for (std::uint32_t i = 0; i < pairs_.size(); ++i) {
+  for (const std::uint32_t i : pairs_.numbers()) {
     if (!std::exchange(pairs_[i].put_off, false)) continue;
     taken_up |= world.stopped().contains(i);
     world.put_off(i, false);

@@ -7,6 +7,7 @@
 
 #include "core/ids.hpp"
 #include "core/math.hpp"
+#include "core/sparse_table.hpp"
 #include "core/time.hpp"
 #include "replication/world/motion_world.hpp"
 #include "replication/world/world_model.hpp"
@@ -50,7 +51,7 @@ class UnseenPairs {
   // off.
   explicit UnseenPairs(const WorldModel& model);
 
-  // The world has begun anew at t: nothing of it is put off.
+  // The world has begun anew at t, with no pair that was ever watched.
   void restart(SimTime t);
   // Puts pairs off, and takes pairs up, for a world that is about to be advanced to `to`, or has just been; `awake` is
   // taken up in any case. True where one that had stopped is searched again: its contacts since wait for an advance().
@@ -73,6 +74,8 @@ class UnseenPairs {
   }
 
  private:
+  static constexpr std::uint32_t kNone = ModelNode::kNone;
+
   struct Ball {
     Vec3 center = Vec3::Zero();
     double radius_m = 0.0;
@@ -81,8 +84,14 @@ class UnseenPairs {
     SimTime since;
     double hit_by_m_s = 0.0;  // the speed of the fastest that may have hit it; what stands makes nothing faster
   };
+  // A node of a unit, by what this object was told last.
+  struct UnitNode {
+    std::uint32_t index;  // in the model
+    Standing standing = Standing::kScene;
+    std::uint64_t revision = 0;
+  };
   struct Unit {
-    std::vector<std::uint32_t> nodes;      // of the model
+    std::vector<UnitNode> nodes;           // ascending
     std::vector<std::uint32_t> answering;  // those of them that answer contacts
     std::vector<std::uint32_t> pairs;      // part pairs that its motion changes
     bool is_scripted = false;              // the file moves some of it
@@ -101,12 +110,6 @@ class UnseenPairs {
     bool put_off = false;
   };
 
-  // Of one world, by what this object was told last.
-  struct NodeState {
-    Standing standing = Standing::kScene;
-    std::uint64_t revision = 0;
-  };
-
   [[nodiscard]] static bool moves(const Unit& unit) {
     return unit.standing != Standing::kScene || unit.is_scripted || !unit.answering.empty();
   }
@@ -117,17 +120,22 @@ class UnseenPairs {
   [[nodiscard]] static double reach_m_s(const Unit& unit);
   [[nodiscard]] bool answers(std::uint32_t pair, bool collider) const;
   [[nodiscard]] std::uint32_t node_of_end(std::uint32_t pair, bool collider) const;
-  [[nodiscard]] std::uint32_t unit_of_end(std::uint32_t pair, bool collider) const {
+  [[nodiscard]] std::uint32_t unit_of_end(std::uint32_t pair, bool collider) const {  // of a pair that is here
     return unit_of_node_[node_of_end(pair, collider)];
   }
   [[nodiscard]] const Unit* unit_of(ObjectId object) const;
+  [[nodiscard]] Standing standing_of(std::uint32_t node) const;
+  // Takes in the pairs that the world has, and did not have before, and what moves them.
+  void take_in(const MotionWorld& world);
+  void take_in_pair(std::uint32_t pair);
+  [[nodiscard]] std::uint32_t unit_with(std::uint32_t node);
   [[nodiscard]] static bool touch(const Ball& a, const Ball& b, double margin_m);
   void find_standing(const Peer& peer);
   [[nodiscard]] bool carries_an_end_of_the_scene(const Unit& unit) const;
   void measure(const MotionWorld& world, SimTime to, const Peer& peer);
   void grow_ball(const MotionWorld& world, Unit& unit, SimTime to) const;
   // What has got another way since the last update has gone that way since this instant.
-  [[nodiscard]] SimTime certain_until(const MotionWorld& world, const Unit& unit);
+  [[nodiscard]] SimTime certain_until(const MotionWorld& world, Unit& unit) const;
   void note_doubt(std::uint32_t unit, SimTime since, double hit_by_m_s, const MotionWorld& world, SimTime to);
   void note_stops(MotionWorld& world, SimTime to, const Peer& peer);
   [[nodiscard]] double friction_of(const MotionWorld& world, ObjectId object, SimTime t) const;
@@ -137,10 +145,9 @@ class UnseenPairs {
   bool apply(MotionWorld& world);
 
   const WorldModel* model_;
-  std::vector<std::uint32_t> unit_of_node_;
-  std::vector<NodeState> nodes_;
+  std::vector<std::uint32_t> unit_of_node_;  // kNone: none of its pairs was ever watched
   std::vector<Unit> units_;
-  std::vector<PartPairState> pairs_;
+  SparseTable<PartPairState> pairs_;  // that were ever watched
   std::vector<bool> was_awake_;
   std::size_t put_off_count_ = 0;
   SimTime last_{}, before_{};  // until which the world has been advanced, and had been before that

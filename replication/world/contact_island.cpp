@@ -5,8 +5,8 @@
 
 namespace peerd::replication {
 
-ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, std::span<const WatchedPair> pairs,
-                        std::size_t a, std::size_t b, SimTime t, Touching which, Quantity quantity) {
+ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs, std::size_t a,
+                        std::size_t b, SimTime t, Touching which, Quantity quantity) {
   ContactIsland island;
   const auto add = [&](std::size_t index, bool moves) {
     const auto object = static_cast<std::uint32_t>(index);
@@ -32,7 +32,9 @@ ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, s
     const std::uint32_t object = island.objects[next];
     if (object == ContactIsland::kNone) continue;
     for (const std::uint32_t i : model.part_pairs_of(object)) {
-      const WatchedPair& pair = pairs[i];
+      const WatchedPair* const known = pairs.find(i);
+      if (known == nullptr) continue;
+      const WatchedPair& pair = *known;
       const bool touches =
           pair.bears_at(t) || (which == Touching::kAny && met_lately(pair.touched, t, kShortestFlight));
       if (!touches || !pair.watched || std::ranges::find(seen, i) != seen.end()) continue;

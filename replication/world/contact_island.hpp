@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "core/least_change.hpp"
@@ -22,9 +21,8 @@ enum class Touching : std::uint8_t { kBearing, kAny };  // the pairs that bear, 
 enum class Quantity : std::uint8_t { kVelocity, kAcceleration };
 
 // The island around two objects at t.
-[[nodiscard]] ContactIsland island_of(const WorldModel& model, const MovingObjects& objects,
-                                      std::span<const WatchedPair> pairs, std::size_t a, std::size_t b, SimTime t,
-                                      Touching which, Quantity quantity);
+[[nodiscard]] ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
+                                      std::size_t a, std::size_t b, SimTime t, Touching which, Quantity quantity);
 
 // The values become those that the constraints allow. Returns the pairs that had to be left out: of them one comes
 // and gives way to nothing, and the other has no room.

@@ -23,39 +23,44 @@ bool holds(const SweptBound& place, const SweptBound& bound) {
 
 }  // namespace
 
-FarPairs::FarPairs(const WorldModel& model, const MovingObjects& objects, std::span<const WatchedPair> pairs)
+FarPairs::FarPairs(const WorldModel& model)
     : model_(&model),
       places_(model.nodes.size()),
       checks_(model.nodes.size()),
-      is_far_(pairs.size(), false),
-      may_be_far_(pairs.size()),
-      near_index_(pairs.size()) {
+      is_far_(model.part_pairs.size(), false),
+      near_index_(model.part_pairs.size()) {}
+
+bool FarPairs::is_collider(std::uint32_t object, std::uint32_t pair) const {
+  return model_->pairs[model_->part_pairs[pair].pair].collider == model_->nodes[object].object;
+}
+
+bool FarPairs::may_be_far(const WatchedPair& pair) const {
   const auto is_single = [&](std::uint32_t i) {
-    return objects.carried_by(i).empty() && objects[i].carrier == MovingObjects::kNone;
+    return model_->carried_by[i].empty() && model_->nodes[i].carrier == ModelNode::kNone && model_->all_pairs_move[i];
   };
-  for (std::uint32_t i = 0; i < places_.size(); ++i) {
-    const auto moved = model.part_pairs_moved_by(i);
-    places_[i].near.assign(moved.begin(), moved.end());
-    places_[i].all_pairs_move = std::ranges::equal(moved, model.part_pairs_of(i));
-    for (std::uint32_t k = 0; k < moved.size(); ++k) {
-      if (pairs[moved[k]].collider == i) near_index_[moved[k]][0] = k;
-      if (pairs[moved[k]].collidee == i) near_index_[moved[k]][1] = k;
-    }
+  return pair.is_plain && !pair.is_flexible && !pair.fixed && pair.has_exact_search && is_single(pair.collider) &&
+         is_single(pair.collidee);
+}
+
+FarPairs::Place& FarPairs::place_of(std::uint32_t object) {
+  if (Place* const known = places_.find(object)) return *known;
+  const auto moved = model_->part_pairs_moved_by(object);
+  for (std::uint32_t k = 0; k < moved.size(); ++k) {
+    near_index_[moved[k]][is_collider(object, moved[k]) ? 0 : 1] = k;
   }
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const WatchedPair& p = pairs[k];
-    may_be_far_[k] = p.is_plain && !p.is_flexible && !p.fixed && p.has_exact_search && is_single(p.collider) &&
-                     is_single(p.collidee) && places_[p.collider].all_pairs_move && places_[p.collidee].all_pairs_move;
-  }
+  return places_.add(object, {.bound = {}, .near{moved.begin(), moved.end()}});
 }
 
 std::span<const std::uint32_t> FarPairs::near(std::size_t object) const {
   if (object >= places_.size()) return {};
-  return places_[object].near;
+  const Place* const place = places_.find(object);
+  return place == nullptr ? model_->part_pairs_moved_by(object) : place->near;
 }
 
 bool FarPairs::near_since(std::size_t object, SimTime t) const {
-  return object < places_.size() && places_[object].all_pairs_move && t >= places_[object].last_added;
+  if (object >= places_.size() || !model_->all_pairs_move[object]) return false;
+  const Place* const place = places_.find(object);
+  return place == nullptr || t >= place->last_added;
 }
 
 void FarPairs::push_near(std::uint32_t pair, std::size_t side, std::uint32_t object) {
@@ -63,13 +68,12 @@ void FarPairs::push_near(std::uint32_t pair, std::size_t side, std::uint32_t obj
   places_[object].near.push_back(pair);
 }
 
-void FarPairs::erase_near(std::uint32_t pair, std::size_t side, std::uint32_t object,
-                          std::span<const WatchedPair> pairs) {
+void FarPairs::erase_near(std::uint32_t pair, std::size_t side, std::uint32_t object) {
   std::vector<std::uint32_t>& near = places_[object].near;
   const std::uint32_t at = near_index_[pair][side], last = near.back();
   assert(near[at] == pair);
   near[at] = last;
-  near_index_[last][pairs[last].collider == object ? 0 : 1] = at;
+  near_index_[last][is_collider(object, last) ? 0 : 1] = at;
   near.pop_back();
 }
 
@@ -86,12 +90,12 @@ void FarPairs::make_place(std::size_t object, SimTime s, MovingObjects& objects)
   place.bound.high += Vec3::Constant(wider_m);
 }
 
-bool FarPairs::add(std::size_t pair, SimTime s, MovingObjects& objects, std::span<WatchedPair> pairs) {
-  if (!may_be_far_[pair] || is_far_[pair]) return false;
+bool FarPairs::add(std::size_t pair, SimTime s, MovingObjects& objects, WatchedPairs& pairs) {
   WatchedPair& p = pairs[pair];
+  if (is_far_[pair] || !may_be_far(p)) return false;
   assert(!p.contact && !p.bears && !p.inside);
   for (const std::uint32_t object : {p.collider, p.collidee}) {
-    Place& place = places_[object];
+    Place& place = place_of(object);
     if (place.far == 0 && (place.since > s || place.known_until <= s)) make_place(object, s, objects);
     if (place.since > s || place.known_until <= s) return false;
   }
@@ -100,8 +104,8 @@ bool FarPairs::add(std::size_t pair, SimTime s, MovingObjects& objects, std::spa
   is_far_[pair] = true;
   p.clear_until = s;
   const auto number = static_cast<std::uint32_t>(pair);
-  erase_near(number, 0, p.collider, pairs);
-  erase_near(number, 1, p.collidee, pairs);
+  erase_near(number, 0, p.collider);
+  erase_near(number, 1, p.collidee);
   for (const std::uint32_t object : {p.collider, p.collidee}) {
     Place& place = places_[object];
     place.last_added = std::max(place.last_added, s);
@@ -121,7 +125,7 @@ bool FarPairs::stays_until(std::size_t object, SimTime until, MovingObjects& obj
   return true;
 }
 
-void FarPairs::open_all(std::size_t object, std::span<WatchedPair> pairs, std::vector<std::uint32_t>& opened) {
+void FarPairs::open_all(std::size_t object, WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
   for (const std::uint32_t i : model_->part_pairs_moved_by(object)) {
     if (!is_far_[i]) continue;
     WatchedPair& p = pairs[i];
@@ -140,10 +144,11 @@ void FarPairs::open_all(std::size_t object, std::span<WatchedPair> pairs, std::v
   place.last_added = SimTime::min();
 }
 
-void FarPairs::moved(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, std::span<WatchedPair> pairs,
+void FarPairs::moved(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
                      std::vector<std::uint32_t>& opened) {
-  if (object >= places_.size()) return;
-  Place& place = places_[object];
+  Place* const at = object < places_.size() ? places_.find(object) : nullptr;
+  if (at == nullptr) return;
+  Place& place = *at;
   if (place.far == 0) {
     place.since = SimTime::max();
     return;
@@ -157,14 +162,13 @@ void FarPairs::moved(std::size_t object, SimTime t, SimTime until, MovingObjects
   open_all(object, pairs, opened);
 }
 
-void FarPairs::open(std::span<WatchedPair> pairs, std::vector<std::uint32_t>& opened) {
-  for (std::size_t i = 0; i < places_.size(); ++i) {
+void FarPairs::open(WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
+  for (const std::uint32_t i : places_.numbers()) {
     if (places_[i].far > 0) open_all(i, pairs, opened);
   }
 }
 
-void FarPairs::follow(SimTime until, MovingObjects& objects, std::span<WatchedPair> pairs,
-                      std::vector<std::uint32_t>& opened) {
+void FarPairs::follow(SimTime until, MovingObjects& objects, WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
   for (std::size_t i = checks_.next_due(0, until); i != checks_.size(); i = checks_.next_due(i + 1, until)) {
     if (!stays_until(i, until, objects)) open_all(i, pairs, opened);
   }

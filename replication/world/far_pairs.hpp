@@ -16,25 +16,26 @@ namespace peerd::replication {
 // carrier, or with flexible parts, are always near.
 class FarPairs {
  public:
-  FarPairs(const WorldModel& model, const MovingObjects& objects, std::span<const WatchedPair> pairs);
+  explicit FarPairs(const WorldModel& model);
 
   [[nodiscard]] bool contains(std::size_t pair) const { return is_far_[pair]; }
-  // The pairs that the object's own motion may change and that are not far, in any order.
+  // The pairs that the object's own motion may change and that are not far, in any order; some of them are not watched
+  // yet.
   [[nodiscard]] std::span<const std::uint32_t> near(std::size_t object) const;
   // Whether what is far of the object has been so since t, and all its pairs are those that its own motion may change:
   // then near() has all that met anything from t on.
   [[nodiscard]] bool near_since(std::size_t object, SimTime t) const;
 
   // The two are apart at s, by their bounds. Keeps the pair as far if their places are apart, too.
-  bool add(std::size_t pair, SimTime s, MovingObjects& objects, std::span<WatchedPair> pairs);
+  bool add(std::size_t pair, SimTime s, MovingObjects& objects, WatchedPairs& pairs);
   // The object moves otherwise from t on. Appends to `opened` what is far no more: all of its pairs, unless it is known
   // to stay in its place until `until`.
-  void moved(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, std::span<WatchedPair> pairs,
+  void moved(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
              std::vector<std::uint32_t>& opened);
   // Appends all that is far to `opened`: nothing is far any more.
-  void open(std::span<WatchedPair> pairs, std::vector<std::uint32_t>& opened);
+  void open(WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
   // Follows all objects until that time.
-  void follow(SimTime until, MovingObjects& objects, std::span<WatchedPair> pairs, std::vector<std::uint32_t>& opened);
+  void follow(SimTime until, MovingObjects& objects, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
   // Whether what is far is so at t.
   [[nodiscard]] bool is_known_at(SimTime t) const { return checks_.next_due(0, t) == checks_.size(); }
 
@@ -45,20 +46,22 @@ class FarPairs {
     SimTime known_until = SimTime::min();  // until then, at least
     SimTime last_added = SimTime::min();   // the latest instant since which one of its pairs is far
     std::uint32_t far = 0;                 // the number of its pairs that are far
-    bool all_pairs_move = false;           // the model's part_pairs_of() are its part_pairs_moved_by()
     std::vector<std::uint32_t> near;
   };
 
+  [[nodiscard]] bool may_be_far(const WatchedPair& pair) const;
+  [[nodiscard]] Place& place_of(std::uint32_t object);
+  [[nodiscard]] bool is_collider(std::uint32_t object, std::uint32_t pair) const;
   void make_place(std::size_t object, SimTime s, MovingObjects& objects);
   [[nodiscard]] bool stays_until(std::size_t object, SimTime until, MovingObjects& objects);
-  void open_all(std::size_t object, std::span<WatchedPair> pairs, std::vector<std::uint32_t>& opened);
+  void open_all(std::size_t object, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
   void push_near(std::uint32_t pair, std::size_t side, std::uint32_t object);
-  void erase_near(std::uint32_t pair, std::size_t side, std::uint32_t object, std::span<const WatchedPair> pairs);
+  void erase_near(std::uint32_t pair, std::size_t side, std::uint32_t object);
 
   const WorldModel* model_ = nullptr;
-  std::vector<Place> places_;                             // by the model's nodes
+  SparseTable<Place> places_;                             // by the model's nodes: of those that have had a far pair
   Schedule checks_;                                       // by object: known_until, where any of its pairs is far
-  std::vector<bool> is_far_, may_be_far_;                 // by pair
+  std::vector<bool> is_far_;                              // by pair
   std::vector<std::array<std::uint32_t, 2>> near_index_;  // of a pair in `near` of its collider and of its collidee
 };
 

@@ -23,6 +23,8 @@ constexpr std::size_t kContactsMax = std::size_t{1} << 17;
 constexpr std::size_t kNormalsMax = 8;
 // Normals with a cosine above this are of one face but for rounding.
 constexpr double kSameNormal = 1.0 - 0x1p-40;
+// The margin, as a fraction of all lengths involved, with which two are apart that wait to move.
+constexpr double kMargin = 0x1p-30;
 // A caller that asks for all objects does so in order: a piece is fetched so far ahead, and the law where it is
 // needed.
 constexpr std::size_t kPieceAhead = 8, kLawAhead = 4;
@@ -45,43 +47,38 @@ MotionCounters& MotionCounters::operator+=(const MotionCounters& other) {
   return *this;
 }
 
-MotionWorld::MotionWorld(const WorldModel& model, SimTime start)
+MotionWorld::MotionWorld(const WorldModel& model, SimTime start, Watched first)
     : model_(&model),
       start_(start),
       advanced_(start),
       objects_(model, start),
-      pairs_(pairs_to_watch(model, start)),
-      far_(model, objects_, pairs_),
+      pairs_(first == Watched::kAll ? all_watched(model, start) : WatchedPairs(model.part_pairs.size())),
+      far_(model),
       answers_to_(model.nodes.size()),
       pair_checks_(pairs_.size()),
-      in_pair_checks_(pairs_.size()) {
-  note_who_answers();
-  for (std::size_t i = 0; i < pairs_.size(); ++i) reschedule(i);
-}
-
-void MotionWorld::note_who_answers() {
-  for (const WatchedPair& pair : pairs_) {
-    objects_[pair.collider].answers |= pair.collider_responds;
-    objects_[pair.collidee].answers |= pair.collidee_responds;
-  }
+      in_pair_checks_(pairs_.size()),
+      waiting_(model.pairs.size()) {
+  for (const std::uint32_t i : pairs_.numbers()) reschedule(i);
 }
 
 template <class ChangeObjects>
 void MotionWorld::replace_model(const WorldModel& next, SimTime t, ChangeObjects change_objects) {
-  assert(stopped_.empty() && std::ranges::none_of(pairs_, &WatchedPair::put_off));
+  assert(stopped_.empty());
   far_.open(pairs_, opened_);
   reschedule_opened();
-  for (WatchedPair& pair : pairs_) {  // they are not searched, but may be from now on
-    if (pair.fixed && !pair.is_answered() && !pair.unsupported)
+  for (const std::uint32_t i : pairs_.numbers()) {
+    WatchedPair& pair = pairs_[i];
+    assert(!pair.put_off);
+    if (pair.fixed && !pair.is_answered() && !pair.unsupported)  // it is not searched, but may be from now on
       pair.inside = search().fixed_parts_touch(pair, advanced_);
   }
-  std::vector<WatchedPair> pairs = pairs_to_watch(next, start_);
-  const std::vector<std::uint32_t> added = carry_over(*model_, std::move(pairs_), next, pairs);
+  const std::vector<CollisionPair> waiting = waiting_interests();
+  WatchedPairs pairs(next.part_pairs.size());
+  const std::vector<std::uint32_t> added = carry_over(*model_, std::move(pairs_), next, start_, pairs);
   change_objects();
   model_ = &next;
   pairs_ = std::move(pairs);
-  far_ = FarPairs(next, objects_, pairs_);
-  note_who_answers();
+  far_ = FarPairs(next);
   note_answers();
   for (const std::uint32_t i : added) {
     WatchedPair& pair = pairs_[i];
@@ -92,13 +89,17 @@ void MotionWorld::replace_model(const WorldModel& next, SimTime t, ChangeObjects
   }
   pair_checks_ = Schedule(pairs_.size());
   in_pair_checks_.assign(pairs_.size(), false);
-  watched_ = 0;
-  for (std::size_t i = 0; i < pairs_.size(); ++i) reschedule(i);
+  watched_ = waiting_count_ = 0;
+  waiting_.assign(next.pairs.size(), false);
+  for (const std::uint32_t i : pairs_.numbers()) reschedule(i);
+  for (const CollisionPair& each : waiting) {
+    if (next.scene->contains(each.collider) && next.scene->contains(each.collidee)) watch_alike(each);
+  }
 }
 
 void MotionWorld::change_model(const WorldModel& next) {
   replace_model(next, advanced_, [&] { objects_.change_model(next, advanced_); });
-  for (std::size_t i = 0; i < objects_.size(); ++i) {  // what bore an object may be another part now
+  for (const std::uint32_t i : objects_.asked_for()) {  // what bore an object may be another part now
     if (objects_[i].borne) settle(i, i, advanced_);
   }
 }
@@ -126,19 +127,37 @@ std::vector<MovingObjects::Placed> MotionWorld::change_scene(const WorldModel& n
   if (objects_.flexible() != nullptr) reopen_flexible(t);
   for (const auto& [object, law] : placed) set_base(object, t, law);
   for (const ObjectId id : answer_otherwise) reopen_pairs(objects_.index_of(id), t, true);
-  for (std::size_t i = 0; i < objects_.size(); ++i) {  // what bore an object may be gone
+  for (const std::uint32_t i : objects_.asked_for()) {  // what bore an object may be gone
     if (objects_[i].borne) settle(i, i, std::max(t, advanced_));
   }
   return placed;
 }
 
 void MotionWorld::declare(ObjectId object, Role role) {
-  if (objects_.find(object) == nullptr) objects_.add({object});  // the model does not need it: it meets nothing
+  if (!objects_.contains(object)) objects_.add(object);  // the model does not need it: it meets nothing
   const std::size_t index = objects_.index_of(object);
-  objects_[index].role = role;
+  objects_.set_role(index, role);
   for (const std::uint32_t i : model_->part_pairs_moved_by(index)) {
-    pairs_[i].clear_until = std::max(pairs_[i].clear_until, advanced_);
+    WatchedPair* const pair = pairs_.find(i);
+    if (pair == nullptr) continue;
+    pair->clear_until = std::max(pair->clear_until, advanced_);
     reschedule(i);
+  }
+}
+
+std::vector<CollisionPair> MotionWorld::waiting_interests() const {
+  std::vector<CollisionPair> interests;
+  for (std::uint32_t number = 0; number < waiting_.size(); ++number) {
+    if (waiting_[number]) interests.push_back(model_->pairs[number]);
+  }
+  return interests;
+}
+
+void MotionWorld::watch_alike(const CollisionPair& interest) {
+  for (const std::uint32_t number : model_->pairs_of(interest.collider)) {
+    const CollisionPair& pair = model_->pairs[number];
+    if (pair.type == interest.type && pair.collider == interest.collider && pair.collidee == interest.collidee)
+      watch(number, true);
   }
 }
 
@@ -151,7 +170,15 @@ void MotionWorld::watch(ObjectId a, ObjectId b, bool on) {
 }
 
 void MotionWorld::watch(std::uint32_t number, bool on) {
-  assert(number < model_->pairs.size());
+  if (on && may_wait(number)) {
+    if (!waiting_[number]) ++waiting_count_;
+    waiting_[number] = true;
+    return;
+  }
+  if (waiting_[number]) --waiting_count_;
+  waiting_[number] = false;
+  if (!on && !has_pairs_of(number)) return;
+  need_pairs_of(number);
   for (std::uint32_t i = model_->first_part_pair[number]; i < model_->first_part_pair[number + 1]; ++i) {
     WatchedPair& pair = pairs_[i];
     if (pair.watched == on) continue;
@@ -162,6 +189,50 @@ void MotionWorld::watch(std::uint32_t number, bool on) {
     pair.clear_until = std::max(pair.clear_until, advanced_);
     reschedule(i);
   }
+}
+
+// Whether the two, which are one rigid body each, have never moved and are apart in the file. All tests are
+// conservative.
+bool MotionWorld::may_wait(std::uint32_t number) const {
+  const std::uint32_t first = model_->first_part_pair[number];
+  if (model_->first_part_pair[number + 1] != first + 1 || pairs_.contains(first)) return false;
+  const PartPair& parts = model_->part_pairs[first];
+  const auto stands_alone = [&](std::uint32_t part) {
+    return part != kNone && !model_->is_flexible(part) && model_->nodes[part].carrier == kNone &&
+           model_->carried_by[part].empty() && model_->bodies[part].unsupported.empty() &&
+           objects_.has_never_moved(part);
+  };
+  const CollisionPair& pair = model_->pairs[number];
+  if (parts.fixed || !stands_alone(parts.a) || !stands_alone(parts.b)) return false;
+  if (model_->nodes[parts.a].object != pair.collider || model_->nodes[parts.b].object != pair.collidee) return false;
+  const collision::Body &a = model_->bodies[parts.a], &b = model_->bodies[parts.b];
+  if (pair.type != CollisionType::kBox && !collision::has_exact_answer(a, b)) return false;
+  const Vec3 at_a = objects_.place_of(parts.a), at_b = objects_.place_of(parts.b);
+  const double reach = reach_m(a) + reach_m(b);
+  return (at_a - at_b).norm() > reach + kMargin * (at_a.norm() + at_b.norm() + reach);
+}
+
+void MotionWorld::end_waits_of(std::size_t object) {
+  if (waiting_count_ == 0 || object >= model_->nodes.size()) return;
+  for (const std::uint32_t number : model_->pairs_of_node[object]) {
+    if (!waiting_[number]) continue;
+    waiting_[number] = false;
+    --waiting_count_;
+    add_pairs(pairs_, *model_, number, SimTime::max(), true);
+    const std::uint32_t i = model_->first_part_pair[number];
+    pairs_[i].searched = true;
+    opened_.push_back(i);
+  }
+}
+
+bool MotionWorld::has_pairs_of(std::uint32_t number) const {
+  const std::uint32_t first = model_->first_part_pair[number];
+  return first == model_->first_part_pair[number + 1] || pairs_.contains(first);
+}
+
+void MotionWorld::need_pairs_of(std::uint32_t number) {
+  assert(!waiting_[number]);
+  if (!has_pairs_of(number)) add_pairs(pairs_, *model_, number, start_, false);
 }
 
 void MotionWorld::unstop(std::uint32_t i) {
@@ -200,12 +271,12 @@ void MotionWorld::reschedule(std::size_t i) {
 
 void MotionWorld::set_flexible(FlexibleParts& flexible) {
   objects_.set_flexible(flexible);
-  for (std::size_t i = 0; i < pairs_.size(); ++i) reschedule(i);
+  for (const std::uint32_t i : pairs_.numbers()) reschedule(i);
 }
 
 void MotionWorld::reopen_flexible(SimTime t) {
   assert(objects_.flexible() != nullptr);
-  for (std::size_t i = 0; i < pairs_.size(); ++i) {
+  for (const std::uint32_t i : pairs_.numbers()) {
     WatchedPair& pair = pairs_[i];
     if (!pair.is_flexible) continue;
     pair.contact.reset();
@@ -248,8 +319,9 @@ void MotionWorld::lay_base(std::size_t index, SimTime t, const MotionModel& mode
   const KinematicState before = o.timeline.at(t);
   const bool stays = before.position == model.state.position &&
                      before.orientation.coeffs() == model.state.orientation.coeffs() &&
-                     std::ranges::none_of(pairs_touched_since(index, t),
-                                          [&](std::uint32_t i) { return pairs_[i].bears && pairs_[i].touched > t; });
+                     std::ranges::none_of(pairs_touched_since(index, t), [&](std::uint32_t i) {
+                       return pairs_.contains(i) && pairs_[i].bears && pairs_[i].touched > t;
+                     });
   MotionModel base = model;
   if (!stays) o.borne = false;
   const bool weightless_slide = base.kind == MotionKind::kSliding && o.free.isZero(0.0);
@@ -301,7 +373,7 @@ void MotionWorld::lay_next_base() {
   assert(!retracted_bases_.empty());
   const auto [t, id] = *retracted_bases_.begin();
   retracted_bases_.erase(retracted_bases_.begin());
-  if (objects_.find(id) == nullptr) return;
+  if (!objects_.contains(id)) return;
   const std::size_t index = objects_.index_of(id);
   const auto base = std::ranges::find(objects_[index].bases, t, &Base::at);
   if (base == objects_[index].bases.end()) return;
@@ -329,6 +401,7 @@ void MotionWorld::retract_contacts_of_carried(std::size_t object, SimTime t) {
   if (objects_.carried_by(object).empty()) return;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> met;  // what is carried, and what it may have met
   for (const std::uint32_t i : model_->part_pairs_moved_by(object)) {
+    if (!pairs_.contains(i)) continue;
     const std::uint32_t collider = pairs_[i].collider, collidee = pairs_[i].collidee;
     if (collider == object || collidee == object) continue;  // retracted with all of its own
     const bool has_collider = objects_.is_in_side(object, collider, pairs_[i].part_a);
@@ -370,12 +443,13 @@ void MotionWorld::note_answer(std::size_t object, std::size_t cause, SimTime t) 
 
 void MotionWorld::note_answers() {
   answers_to_.assign(model_->nodes.size(), {});
-  for (std::size_t i = 0; i < model_->nodes.size(); ++i) {
+  for (const std::uint32_t i : objects_.asked_for()) {
+    if (i >= model_->nodes.size()) break;
     const Timeline& timeline = objects_[i].timeline;
     for (std::size_t k = 0; k < timeline.segment_count(); ++k) {
       const Timeline::Segment& law = timeline.segment(k);
-      const MovingObject* const cause = law.cause ? objects_.find(*law.cause) : nullptr;  // it may be gone
-      if (cause != nullptr) note_answer(i, objects_.index_of(cause->id), law.from);
+      if (!law.cause || !objects_.contains(*law.cause)) continue;  // it may be gone
+      note_answer(i, objects_.index_of(*law.cause), law.from);
     }
   }
 }
@@ -413,6 +487,7 @@ void MotionWorld::retract_answers(std::size_t index, std::optional<ObjectId> cau
 
 void MotionWorld::forget_bursts(std::size_t object, SimTime t) {
   for (const std::uint32_t i : pairs_touched_since(object, t)) {
+    if (!pairs_.contains(i)) continue;
     WatchedPair& pair = pairs_[i];
     if (pair.touched >= t) pair.at_once = pair.in_burst = pair.squeezed = 0;
   }
@@ -427,9 +502,11 @@ SimTime MotionWorld::reopened_from(const WatchedPair& pair, bool lived, SimTime 
 // are not searched again in the past because another object moved otherwise; its own change (a decision) makes them
 // searched there.
 void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
+  end_waits_of(object);
   far_.moved(object, t, advanced_, objects_, pairs_, opened_);
   reschedule_opened(NewLaw{object, t});
   for (const std::uint32_t i : far_.near(object)) {
+    if (!pairs_.contains(i)) continue;
     WatchedPair& pair = pairs_[i];
     const bool of_collider =
         pair.is_plain ? pair.collider == object : objects_.is_in_side(object, pair.collider, pair.part_a);
@@ -462,6 +539,8 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
 
 bool MotionWorld::ends_touch(ObjectId a, ObjectId b, SimTime t) {
   return model_->any_pair(a, b, [&](std::uint32_t number) {
+    if (waiting_[number]) return false;
+    need_pairs_of(number);
     for (std::uint32_t i = model_->first_part_pair[number]; i < model_->first_part_pair[number + 1]; ++i) {
       WatchedPair& pair = pairs_[i];
       if (pair.unsupported) continue;
@@ -739,6 +818,7 @@ void MotionWorld::hold_against_wall(WatchedPair& wall, SimTime t) {
   const bool stood = is_motionless(objects_.world_law(held, t).state);
   std::vector<std::uint32_t> through;
   for (const std::uint32_t i : model_->part_pairs_of(held)) {
+    if (!pairs_.contains(i)) continue;
     WatchedPair& pair = pairs_[i];
     if (!pair.is_answered()) continue;  // it presses nothing
     if (!met_lately(pair.touched, t, kShortestFlight) || stands_firm(pair, t)) continue;
@@ -758,8 +838,8 @@ void MotionWorld::hold_against_wall(WatchedPair& wall, SimTime t) {
 
 void MotionWorld::release_parting(std::size_t object, SimTime t) {
   for (const std::uint32_t i : model_->part_pairs_of(object)) {
+    if (!pairs_.contains(i) || !pairs_[i].bears_at(t)) continue;
     WatchedPair& pair = pairs_[i];
-    if (!pair.bears_at(t)) continue;
     const Vec3 a = objects_.world_law(pair.collider, t).state.velocity;
     const Vec3 b = objects_.world_law(pair.collidee, t).state.velocity;
     std::erase_if(pair.normals, [&](const Vec3& n) { return n.dot(a - b) > kRounding * (a.norm() + b.norm()); });
@@ -776,8 +856,8 @@ void MotionWorld::settle(std::size_t a, std::size_t b, SimTime t) {
     const std::uint32_t index = island.objects[i];
     if (index == kNone) continue;
     MovingObject& o = objects_[index];
-    const bool borne =
-        std::ranges::any_of(model_->part_pairs_of(index), [&](std::uint32_t pair) { return pairs_[pair].bears; });
+    const bool borne = std::ranges::any_of(
+        model_->part_pairs_of(index), [&](std::uint32_t pair) { return pairs_.contains(pair) && pairs_[pair].bears; });
     if (!borne && !o.borne) continue;
     if (!o.borne) o.free = objects_.free_acceleration_of(index, t);
     o.borne = borne;
@@ -808,7 +888,7 @@ void MotionWorld::lift(WatchedPair& pair, SimTime t) {
 
 std::optional<std::size_t> MotionWorld::first_contact_until(SimTime to) {
   std::optional<std::size_t> first;
-  const std::size_t watched = watched_;
+  const std::size_t watched = watched_ + waiting_count_;
   std::size_t checked = 0;
   far_.follow(to, objects_, pairs_, opened_);
   reschedule_opened();
@@ -867,7 +947,7 @@ void MotionWorld::advance(SimTime to) {
 
 std::vector<ObjectId> MotionWorld::objects() const {
   std::vector<ObjectId> ids;
-  for (const MovingObject& o : objects_) ids.push_back(o.id);
+  for (const std::uint32_t i : objects_.asked_for()) ids.push_back(objects_.id_of(i));
   std::ranges::sort(ids);
   return ids;
 }
@@ -875,8 +955,8 @@ std::vector<ObjectId> MotionWorld::objects() const {
 KinematicState MotionWorld::at(ObjectId object, SimTime t) const {
   const std::size_t index = objects_.index_of(object);
   if (index + kPieceAhead < objects_.size()) {
-    objects_[index + kPieceAhead].timeline.prefetch_piece();
-    objects_[index + kLawAhead].timeline.prefetch_law(t);
+    if (const MovingObject* const ahead = objects_.peek(index + kPieceAhead)) ahead->timeline.prefetch_piece();
+    if (const MovingObject* const ahead = objects_.peek(index + kLawAhead)) ahead->timeline.prefetch_law(t);
   }
   return objects_.world_at(index, t);
 }
@@ -922,8 +1002,9 @@ MotionModel MotionWorld::model_at(ObjectId object, SimTime t) const {
 }
 
 bool MotionWorld::has_history_at(ObjectId object, SimTime t) const {
-  const MovingObject* o = objects_.find(object);
-  return o != nullptr && o->timeline.segment_at(advanced_ - objects_.history_of(*o)).from <= t;
+  if (!objects_.contains(object)) return false;
+  const MovingObject& o = objects_[objects_.index_of(object)];
+  return o.timeline.segment_at(advanced_ - objects_.history_of(o)).from <= t;
 }
 
 SimTime MotionWorld::law_since(ObjectId object, SimTime t) const {

@@ -41,7 +41,8 @@ namespace peerd::replication {
 // no room left stops. No answer of two objects that both respond adds energy (response.hpp).
 //
 // A tick costs what is due: pairs wait for the instant at which they need a check, objects for that at which their
-// timelines are pruned. An object that no interest names costs nothing between two changes of its motion.
+// timelines are pruned. An object that no interest names costs nothing between two changes of its motion. Two that have
+// never moved, and are apart in the file, cost a few bytes, however many interests name them.
 class MotionWorld {
  public:
   using Counters = MotionCounters;
@@ -49,7 +50,10 @@ class MotionWorld {
   // Timelines keep this much of the past, for updates and decisions that arrive late.
   static constexpr Duration kHistory = MovingObjects::kHistory;
 
-  MotionWorld(const WorldModel& model, SimTime start);
+  // Which pairs are watched at first.
+  enum class Watched : std::uint8_t { kAll, kNone };
+
+  MotionWorld(const WorldModel& model, SimTime start, Watched first = Watched::kAll);
   // Goes on with another model of the same scene, in which more nodes are carriers (extended()); the model before is
   // not needed any more. What goes with a new carrier stood still relative to it until now. Parts that are new are
   // searched from the last advance() on. No pair is put off.
@@ -69,9 +73,12 @@ class MotionWorld {
   void set_tick_detection(TickDetection& detection) { detection_ = &detection; }
   // World time has another beginning: contacts of flexible parts from t on are searched anew.
   void reopen_flexible(SimTime t);
-  // Turns watching of a pair on or off; all pairs start watched.
+  // Turns watching of a pair on or off. One that was never watched costs nothing but a few bytes.
   void watch(ObjectId a, ObjectId b, bool on);
   void watch(std::uint32_t number, bool on);  // in WorldModel::pairs
+
+  // The part pairs that are watched, or have been, in the order in which they came.
+  [[nodiscard]] std::span<const std::uint32_t> ever_watched() const { return pairs_.numbers(); }
 
   // Makes the world a function of the bases, whatever order they come in; called before the first of them. An object
   // then answers contacts of before its later bases, too, and what it has answered without cause is retracted;
@@ -125,7 +132,8 @@ class MotionWorld {
 
   // For a caller that sets many objects in turn: fetches from memory what set_base() will need of this one.
   [[gnu::always_inline]] inline void prefetch(ObjectId object) const {
-    if (const MovingObject* o = objects_.find(object)) peerd::prefetch(*o);
+    if (!objects_.contains(object)) return;
+    if (const MovingObject* const o = objects_.peek(objects_.index_of(object))) peerd::prefetch(*o);
   }
 
   // Finds all contacts up to `to`, in time order, and responds to them.
@@ -134,7 +142,8 @@ class MotionWorld {
   // again.
   void catch_up() { advance(advanced_); }
 
-  [[nodiscard]] bool has(ObjectId object) const { return objects_.find(object) != nullptr; }
+  [[nodiscard]] bool has(ObjectId object) const { return objects_.contains(object); }
+  // The objects that may be elsewhere than the file says, and those that somebody has asked for, ascending.
   [[nodiscard]] std::vector<ObjectId> objects() const;
   // The state in the world.
   [[nodiscard]] KinematicState at(ObjectId object, SimTime t) const;
@@ -182,7 +191,15 @@ class MotionWorld {
 
  private:
   [[nodiscard]] PairSearch search() { return {*model_, objects_, pairs_, start_, counters_, events_, detection_}; }
-  void note_who_answers();
+  // Whether the part pairs of an interest are there; from need_pairs_of() on they are.
+  [[nodiscard]] bool has_pairs_of(std::uint32_t number) const;
+  void need_pairs_of(std::uint32_t number);
+  [[nodiscard]] bool may_wait(std::uint32_t number) const;
+  // What the object waits to meet is watched from now on, as it moves.
+  void end_waits_of(std::size_t object);
+  [[nodiscard]] std::vector<CollisionPair> waiting_interests() const;
+  // Watches the pair of the same interest.
+  void watch_alike(const CollisionPair& interest);
   // Goes on with the pairs of another model. `change_objects` does so with the objects. Pairs that are new are searched
   // from t on.
   template <class ChangeObjects>
@@ -274,7 +291,7 @@ class MotionWorld {
   TickDetection* detection_ = nullptr;
   SimTime start_, advanced_;
   MovingObjects objects_;
-  std::vector<WatchedPair> pairs_;  // the model's part pairs
+  WatchedPairs pairs_;
   FarPairs far_;
   std::vector<std::uint32_t> opened_;  // pairs that are far no more, and not in the schedule yet
   // For each node those of its partners whose timelines have, or had lately, a law with it as the cause; ascending.
@@ -286,6 +303,9 @@ class MotionWorld {
   Schedule pair_checks_;     // for each pair that is not far, when the next check is due
   std::size_t watched_ = 0;  // the number of pairs with a check, whenever that is due; the far ones included
   std::vector<bool> in_pair_checks_;
+  std::vector<bool>
+      waiting_;  // by interest: it is watched, and none of its part pairs is there until one of the two moves
+  std::size_t waiting_count_ = 0;
   std::set<std::uint32_t> stopped_;  // into pairs_
   bool replays_bases_ = false;
   std::set<std::pair<SimTime, ObjectId>> retracted_bases_;  // bases that are to be laid again

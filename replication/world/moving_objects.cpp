@@ -19,53 +19,89 @@ constexpr std::int64_t kPruningSlots = 128;
 
 }  // namespace
 
-MovingObjects::MovingObjects(const WorldModel& model, SimTime start) : model_(&model), start_(start) {
-  for (const ModelNode& node : model.nodes) add(node);
-  assert(objects_.size() == model.nodes.size());
+MovingObjects::MovingObjects(const WorldModel& model, SimTime start)
+    : model_(&model), start_(start), objects_(model.nodes.size()), roles_(model.nodes.size(), Role::kScene) {}
+
+KinematicState MovingObjects::state_in_file(const ModelNode& node) const {
+  const KinematicState state = at_rest(model_->scene->rigid_pose(node.object));
+  if (node.carrier == kNone) return state;
+  return relative_to(at_rest(model_->scene->rigid_pose(model_->nodes[node.carrier].object)), state);
 }
 
-void MovingObjects::add(const ModelNode& node) {
-  assert(find(node.object) == nullptr);
-  KinematicState initial = at_rest(model_->scene->rigid_pose(node.object));
-  if (node.carrier != kNone) {
-    const KinematicState carrier = at_rest(model_->scene->rigid_pose(model_->nodes[node.carrier].object));
-    initial = relative_to(carrier, initial);
-  }
-  index_by_id_.set(node.object, static_cast<std::uint32_t>(objects_.size()));
-  objects_.push_back({.id = node.object,
-                      .role = Role::kScene,
-                      .timeline = Timeline(start_, initial),
-                      .base_time = start_,
-                      .carrier = node.carrier,
-                      .bound = {}});
+MovingObject MovingObjects::made(const ModelNode& node, Role role) const {
+  return {.id = node.object,
+          .role = role,
+          .timeline = Timeline(start_, state_in_file(node)),
+          .base_time = start_,
+          .answers = model_->answers(node.object),
+          .carrier = node.carrier,
+          .bound = {}};
+}
+
+MovingObject& MovingObjects::make(std::size_t node) const {
+  assert(node < model_->nodes.size());
+  return objects_.add(node, made(model_->nodes[node], roles_[node]));
+}
+
+void MovingObjects::add(ObjectId object) {
+  assert(!contains(object));
+  declared_.set(object, static_cast<std::uint32_t>(objects_.size()));
+  objects_.push_back(made({object}, Role::kScene));
+  roles_.push_back(Role::kScene);
+}
+
+bool MovingObjects::has_never_moved(std::size_t node) const {
+  const MovingObject* const o = peek(node);
+  return o == nullptr || (o->revision == 0 && o->timeline.begin() == start_ && o->timeline.segment_count() == 1);
+}
+
+Vec3 MovingObjects::place_of(std::size_t node) const {
+  assert(has_never_moved(node));
+  const MovingObject* const o = peek(node);
+  return o == nullptr ? state_in_file(model_->nodes[node]).position : o->timeline.segment(0).model.state.position;
+}
+
+std::vector<std::uint32_t> MovingObjects::asked_for() const {
+  const auto numbers = objects_.numbers();
+  std::vector<std::uint32_t> ascending(numbers.begin(), numbers.end());
+  std::ranges::sort(ascending);
+  return ascending;
+}
+
+std::optional<ObjectId> MovingObjects::carrier_of(std::size_t index) const {
+  const std::uint32_t carrier = index < model_->nodes.size() ? model_->nodes[index].carrier : kNone;
+  return carrier == kNone ? std::nullopt : std::optional(model_->nodes[carrier].object);
+}
+
+void MovingObjects::set_role(std::size_t index, Role role) {
+  roles_[index] = role;
+  if (MovingObject* const o = objects_.find(index)) o->role = role;
 }
 
 void MovingObjects::change_model(const WorldModel& next, SimTime now) {
   assert(next.scene == model_->scene);
-  MovingObjects before = std::exchange(*this, MovingObjects(next, start_));
+  const MovingObjects before = std::exchange(*this, MovingObjects(next, start_));
   flexible_ = before.flexible_;
   driven_history_ = before.driven_history_;
-  const auto id_of = [](const WorldModel& model, std::uint32_t node) {
-    return node == kNone ? std::nullopt : std::optional(model.nodes[node].object);
-  };
-  const WorldModel& model_before = *before.model_;
   std::map<ObjectId, Pose> moved;  // new carriers that have left their places in the file
-  for (const MovingObject& old : before.objects_) {
-    if (next.is_carrier(old.id) && !model_before.is_carrier(old.id)) moved[old.id] = old.timeline.at(now).pose();
+  for (const std::uint32_t i : before.asked_for()) {
+    const ObjectId id = before.id_of(i);
+    if (next.is_carrier(id) && !before.model_->is_carrier(id)) moved[id] = before[i].timeline.at(now).pose();
   }
   const auto pose_in = [&](std::optional<ObjectId> outer, ObjectId id) {
     if (const auto at = moved.find(id); at != moved.end()) return at->second;
     const KinematicState frame = outer ? at_rest(next.scene->rigid_pose(*outer)) : KinematicState{};
     return relative_to(frame, at_rest(next.scene->rigid_pose(id))).pose();
   };
-  for (MovingObject& old : before.objects_) {
-    if (find(old.id) == nullptr) add({old.id});  // nothing needs it: it meets nothing
-    MovingObject& o = objects_[index_of(old.id)];
-    const std::uint32_t carrier = o.carrier;
-    const auto from = id_of(model_before, old.carrier), to = id_of(next, carrier);
-    o = std::move(old);
-    o.carrier = carrier;
-    o.answers = o.pruning_scheduled = o.changed = false;
+  for (std::uint32_t i = 0; i < before.size(); ++i) {
+    const ObjectId id = before.id_of(i);
+    if (!contains(id)) add(id);  // nothing needs it: it meets nothing
+    const std::size_t index = index_of(id);
+    set_role(index, before.roles_[i]);
+    const auto from = before.carrier_of(i), to = carrier_of(index);
+    if (before.peek(i) == nullptr && from == to) continue;
+    MovingObject& o = (*this)[index];
+    continue_as(o, before[i]);
     if (from != to) {
       assert(to && "there are more carriers, so the nearest one is nearer");
       const Pose frame = pose_in(from, *to);
@@ -73,8 +109,17 @@ void MovingObjects::change_model(const WorldModel& next, SimTime now) {
       for (Base& base : o.bases) base.model = in_frame(frame, base.model);
     }
   }
-  assert(objects_.size() >= next.nodes.size() && objects_.size() >= before.objects_.size());
-  for (std::size_t i = 0; i < objects_.size(); ++i) timeline_changed(i);
+  assert(size() >= next.nodes.size() && size() >= before.size());
+  for (const std::uint32_t i : asked_for()) timeline_changed(i);
+}
+
+void MovingObjects::continue_as(MovingObject& o, const MovingObject& before) const {
+  const std::uint32_t carrier = o.carrier;
+  const bool answers = o.answers;
+  o = before;
+  o.carrier = carrier;
+  o.answers = answers;
+  o.pruning_scheduled = o.changed = false;
 }
 
 std::vector<MovingObjects::Placed> MovingObjects::change_scene(const WorldModel& next, const SceneChange& change) {
@@ -82,54 +127,53 @@ std::vector<MovingObjects::Placed> MovingObjects::change_scene(const WorldModel&
   flexible_ = before.flexible_;
   driven_history_ = before.driven_history_;
   const Scene &scene_before = *before.model_->scene, &scene = *next.scene;
-  for (const MovingObject& old : before.objects_) {
-    if (scene.contains(old.id) && find(old.id) == nullptr) add({old.id});  // nothing needs it: it meets nothing
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const ObjectId id = before.id_of(i);
+    if (scene.contains(id) && !contains(id)) add(id);  // nothing needs it: it meets nothing
   }
   const auto is_same_pose = [](const KinematicState& a, const KinematicState& b) {
     return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
-  };
-  const auto frame_of = [](const MovingObjects& objects, const MovingObject& o) {
-    return o.carrier == kNone ? std::nullopt : std::optional(objects.objects_[o.carrier].id);
   };
   const auto place_in_file = [](const Scene& of, std::optional<ObjectId> carrier, ObjectId id) {
     const KinematicState world = at_rest(of.rigid_pose(id));
     return carrier ? relative_to(at_rest(of.rigid_pose(*carrier)), world) : world;
   };
   std::vector<Placed> placed;
-  for (std::size_t i = 0; i < objects_.size(); ++i) {  // carriers come before what they carry
-    MovingObject& o = objects_[i];
-    const KinematicState in_file = o.timeline.at(start_);
-    const std::optional<ObjectId> carrier = frame_of(*this, o);
-    const MovingObject* const old = before.find(o.id);
-    const bool was_there = scene_before.contains(o.id) && (!carrier || scene_before.contains(*carrier));
-    const bool stays = was_there && is_same_pose(place_in_file(scene_before, carrier, o.id), in_file);
-    if (old == nullptr) {
-      o.role = change.role_of(o.id);
-      if (!stays) o.timeline = Timeline(change.at, in_file);
+  for (std::uint32_t i = 0; i < size(); ++i) {  // carriers come before what they carry
+    const ObjectId id = id_of(i);
+    const std::optional<ObjectId> carrier = carrier_of(i);
+    const KinematicState in_file = place_in_file(scene, carrier, id);
+    const bool was_there = scene_before.contains(id) && (!carrier || scene_before.contains(*carrier));
+    const bool stays = was_there && is_same_pose(place_in_file(scene_before, carrier, id), in_file);
+    if (!before.contains(id)) {
+      set_role(i, change.role_of(id));
+      if (!stays) (*this)[i].timeline = Timeline(change.at, in_file);
       continue;
     }
-    const bool same_frame = frame_of(before, *old) == carrier;
-    const std::uint32_t index = o.carrier;
+    const std::size_t k = before.index_of(id);
+    set_role(i, before.roles_[k]);
+    const bool same_frame = before.carrier_of(k) == carrier;
+    if (before.peek(k) == nullptr && same_frame && stays) continue;
+    const MovingObject& old = before[k];
+    MovingObject& o = (*this)[i];
     Timeline fresh = stays ? o.timeline : Timeline(change.at, in_file);
-    o = *old;
-    o.carrier = index;
-    o.answers = o.pruning_scheduled = o.changed = false;
+    continue_as(o, old);
     if (!same_frame) o.bases.clear();
-    const bool is_moved = change.is_moved(o.id);
+    const bool is_moved = change.is_moved(id);
     if (same_frame) {
-      if (!stays && !is_moved) placed.push_back({o.id, in_file});
+      if (!stays && !is_moved) placed.push_back({id, in_file});
       continue;
     }
     MotionModel law = in_file;
     if (is_moved) {
-      const KinematicState world = before.world_at(before.index_of(o.id), change.at);
-      law = MotionModel(index == kNone ? world : relative_to(world_at(index, change.at), world));
+      const KinematicState world = before.world_at(k, change.at);
+      law = MotionModel(carrier ? relative_to(world_at(o.carrier, change.at), world) : world);
       fresh = Timeline(change.at, law);
     }
     o.timeline = std::move(fresh);
-    placed.push_back({o.id, law});
+    placed.push_back({id, law});
   }
-  for (std::size_t i = 0; i < objects_.size(); ++i) timeline_changed(i);
+  for (const std::uint32_t i : asked_for()) timeline_changed(i);
   return placed;
 }
 
@@ -140,36 +184,36 @@ std::span<const std::uint32_t> MovingObjects::carried_by(std::size_t object) con
 
 MovingObjects::OwnChain MovingObjects::chain_of(std::uint32_t object, std::uint32_t common) const {
   OwnChain chain;
-  for (std::uint32_t i = object; i != kNone && i != common; i = objects_[i].carrier) {
-    chain.insert(chain.begin(), &objects_[i].timeline);
+  for (std::uint32_t i = object; i != kNone && i != common; i = (*this)[i].carrier) {
+    chain.insert(chain.begin(), &(*this)[i].timeline);
   }
   return chain;
 }
 
 KinematicState MovingObjects::world_at(std::size_t object, SimTime t) const {
-  const MovingObject& o = objects_[object];
+  const MovingObject& o = (*this)[object];
   if (o.carrier == kNone) return o.timeline.at(t);
   const OwnChain chain = chain_of(static_cast<std::uint32_t>(object));
   return composed_at({chain.data(), chain.size()}, t);
 }
 
 KinematicState MovingObjects::carrier_at(std::size_t object, SimTime t) const {
-  assert(objects_[object].carrier != kNone);
-  return world_at(objects_[object].carrier, t);
+  assert((*this)[object].carrier != kNone);
+  return world_at((*this)[object].carrier, t);
 }
 
 Vec3 MovingObjects::in_frame_of_carrier(std::size_t object, SimTime t, const Vec3& world) const {
-  if (objects_[object].carrier == kNone) return world;
+  if ((*this)[object].carrier == kNone) return world;
   return carrier_at(object, t).orientation.conjugate() * world;
 }
 
 MotionModel MovingObjects::world_law(std::size_t object, SimTime t) const {
-  const MovingObject& o = objects_[object];
+  const MovingObject& o = (*this)[object];
   return o.carrier == kNone ? o.timeline.model_at(t) : MotionModel(world_at(object, t));
 }
 
 Vec3 MovingObjects::free_acceleration_of(std::size_t index, SimTime t) const {
-  const MovingObject& o = objects_[index];
+  const MovingObject& o = (*this)[index];
   if (o.borne) return o.free;
   const MotionModel law = world_law(index, t);
   return law.kind == MotionKind::kSliding ? Vec3(Vec3::Zero()) : law.state.acceleration;
@@ -189,22 +233,22 @@ bool MovingObjects::is_in_side(std::size_t object, std::size_t end, std::uint32_
 }
 
 bool MovingObjects::is_lived(std::size_t end) const {
-  for (auto i = static_cast<std::uint32_t>(end); i != kNone; i = objects_[i].carrier) {
-    if (objects_[i].role == Role::kAuthoritative || objects_[i].role == Role::kDriven) return true;
+  for (auto i = static_cast<std::uint32_t>(end); i != kNone; i = (*this)[i].carrier) {
+    if ((*this)[i].role == Role::kAuthoritative || (*this)[i].role == Role::kDriven) return true;
   }
   return false;
 }
 
 SimTime MovingObjects::known_since(std::size_t end) const {
-  SimTime known = objects_[end].timeline.begin();
-  for (std::uint32_t i = objects_[end].carrier; i != kNone; i = objects_[i].carrier) {
-    known = std::max(known, objects_[i].timeline.begin());
+  SimTime known = (*this)[end].timeline.begin();
+  for (std::uint32_t i = (*this)[end].carrier; i != kNone; i = (*this)[i].carrier) {
+    known = std::max(known, (*this)[i].timeline.begin());
   }
   return known;
 }
 
 const SweptBound& MovingObjects::bound_of(std::size_t object, SimTime s) {
-  MovingObject& o = objects_[object];
+  MovingObject& o = (*this)[object];
   if (!o.bound.answers_for(s)) o.bound = make_bound(static_cast<std::uint32_t>(object), kNone, s);
   return o.bound;
 }
@@ -243,7 +287,7 @@ Duration MovingObjects::history_of(const MovingObject& o) const {
 }
 
 void MovingObjects::note_change(std::size_t index) {
-  if (std::exchange(objects_[index].changed, true)) return;
+  if (std::exchange((*this)[index].changed, true)) return;
   changed_.push_back(static_cast<std::uint32_t>(index));
 }
 
@@ -252,13 +296,13 @@ void MovingObjects::timeline_changed(std::size_t index) {
   note_change(index);
   for (const std::uint32_t carried : carried_by(index)) {
     note_change(carried);
-    objects_[carried].bound.until = SimTime::min();
+    (*this)[carried].bound.until = SimTime::min();
   }
   schedule_pruning(index);
 }
 
 void MovingObjects::schedule_pruning(std::size_t index) {
-  MovingObject& o = objects_[index];
+  MovingObject& o = (*this)[index];
   o.bound.until = SimTime::min();
   if (o.pruning_scheduled || o.timeline.segment_count() < 2) return;
   o.pruning_scheduled = true;
@@ -275,7 +319,7 @@ void MovingObjects::prune_timelines(SimTime advanced) {
     const Pruning due = prunings_.front();
     std::ranges::pop_heap(prunings_, std::greater{});
     prunings_.pop_back();
-    MovingObject& o = objects_[due.object];
+    MovingObject& o = (*this)[due.object];
     o.pruning_scheduled = false;
     o.timeline.forget_before(advanced - history_of(o));
     schedule_pruning(due.object);

@@ -10,6 +10,7 @@
 #include <boost/container/small_vector.hpp>
 
 #include "core/object_table.hpp"
+#include "core/sparse_table.hpp"
 #include "core/time.hpp"
 #include "replication/motion/swept_bound.hpp"
 #include "replication/motion/timeline.hpp"
@@ -67,7 +68,8 @@ struct SceneChange {
 };
 
 // The objects of a MotionWorld with their timelines, by index: the model's nodes, then the other declared objects in
-// order of declaration. Laws are relative to the carrier of an object; states in the world are composed.
+// order of declaration. Laws are relative to the carrier of an object; states in the world are composed. A node costs
+// nothing but a few bytes until somebody asks for it: it stands at its place in the file.
 class MovingObjects {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -80,20 +82,33 @@ class MovingObjects {
   MovingObjects(const WorldModel& model, SimTime start);
 
   [[nodiscard]] std::size_t size() const { return objects_.size(); }
-  [[nodiscard]] MovingObject& operator[](std::size_t index) { return objects_[index]; }
-  [[nodiscard]] const MovingObject& operator[](std::size_t index) const { return objects_[index]; }
-  [[nodiscard]] auto begin() const { return objects_.begin(); }
-  [[nodiscard]] auto end() const { return objects_.end(); }
-  [[nodiscard]] const MovingObject* find(ObjectId id) const {
-    const std::uint32_t index = index_by_id_.of(id);
-    return index == kNone ? nullptr : &objects_[index];
+  [[nodiscard]] MovingObject& operator[](std::size_t index) {
+    MovingObject* const known = objects_.find(index);
+    return known != nullptr ? *known : make(index);
   }
+  [[nodiscard]] const MovingObject& operator[](std::size_t index) const {
+    const MovingObject* const known = objects_.find(index);
+    return known != nullptr ? *known : make(index);
+  }
+  // Those that somebody has asked for, ascending.
+  [[nodiscard]] std::vector<std::uint32_t> asked_for() const;
+  // Whether the node has stood at its place in the file all the time.
+  [[nodiscard]] bool has_never_moved(std::size_t node) const;
+  // Where a node that has never moved is [m, frame of its carrier].
+  [[nodiscard]] Vec3 place_of(std::size_t node) const;
+  // Null where nobody has asked for it.
+  [[nodiscard]] const MovingObject* peek(std::size_t index) const { return objects_.find(index); }
+  [[nodiscard]] bool contains(ObjectId id) const { return index_or_none(id) != kNone; }
+  [[nodiscard]] ObjectId id_of(std::size_t index) const {
+    return index < model_->nodes.size() ? model_->nodes[index].object : objects_[index].id;
+  }
+  void set_role(std::size_t index, Role role);
   [[nodiscard]] std::size_t index_of(ObjectId id) const {
-    const std::uint32_t index = index_by_id_.of(id);
+    const std::uint32_t index = index_or_none(id);
     assert(index != kNone);
     return index;
   }
-  void add(const ModelNode& node);
+  void add(ObjectId object);  // one that the model does not need
   // Goes on by another model of the same scene, in which more nodes are carriers. Indices change.
   void change_model(const WorldModel& next, SimTime now);
   // Goes on by the model of another scene, which edits have made of the one before. Indices change. Returns the laws,
@@ -152,6 +167,17 @@ class MovingObjects {
   }
 
  private:
+  [[nodiscard]] std::uint32_t index_or_none(ObjectId id) const {
+    const ModelNode* const node = model_->node(id);
+    return node != nullptr ? static_cast<std::uint32_t>(node - model_->nodes.data()) : declared_.of(id);
+  }
+  // How an object that nobody has asked for stands in its carrier.
+  [[nodiscard]] KinematicState state_in_file(const ModelNode& node) const;
+  [[nodiscard]] std::optional<ObjectId> carrier_of(std::size_t index) const;
+  [[nodiscard]] MovingObject made(const ModelNode& node, Role role) const;
+  [[gnu::noinline]] MovingObject& make(std::size_t node) const;
+  // The object goes on as one of another model.
+  void continue_as(MovingObject& o, const MovingObject& before) const;
   // The instant at which a timeline is pruned of what is too old by then.
   struct Pruning {
     SimTime at;
@@ -163,11 +189,12 @@ class MovingObjects {
   const WorldModel* model_;
   SimTime start_;
   FlexibleParts* flexible_ = nullptr;
-  std::optional<Duration> driven_history_;  // none: as for all other objects
-  std::vector<MovingObject> objects_;
-  ObjectTable<std::uint32_t> index_by_id_{kNone};  // indices into objects_
-  std::vector<Pruning> prunings_;                  // a heap, the earliest first
-  std::vector<std::uint32_t> changed_;             // indices into objects_
+  std::optional<Duration> driven_history_;      // none: as for all other objects
+  mutable SparseTable<MovingObject> objects_;   // a question makes a node, too
+  std::vector<Role> roles_;                     // also of what is not made
+  ObjectTable<std::uint32_t> declared_{kNone};  // indices of what the model does not need
+  std::vector<Pruning> prunings_;               // a heap, the earliest first
+  std::vector<std::uint32_t> changed_;          // indices into objects_
 };
 
 }  // namespace peerd::replication

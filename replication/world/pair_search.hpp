@@ -1,5 +1,4 @@
 #pragma once
-#include <span>
 #include <vector>
 
 #include "replication/world/motion_event.hpp"
@@ -23,7 +22,7 @@ struct NewLaw {
 // outlives it. What is found stays in the pair.
 class PairSearch {
  public:
-  PairSearch(const WorldModel& model, MovingObjects& objects, std::span<WatchedPair> pairs, SimTime start,
+  PairSearch(const WorldModel& model, MovingObjects& objects, WatchedPairs& pairs, SimTime start,
              MotionCounters& counters, std::vector<MotionEvent>& events, TickDetection* detection = nullptr)
       : model_(model),
         objects_(objects),
@@ -66,7 +65,7 @@ class PairSearch {
 
   const WorldModel& model_;
   MovingObjects& objects_;
-  std::span<WatchedPair> pairs_;
+  WatchedPairs& pairs_;
   SimTime start_;
   MotionCounters& counters_;
   std::vector<MotionEvent>& events_;

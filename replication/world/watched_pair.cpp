@@ -23,76 +23,90 @@ PartKey key_of_part(const WorldModel& model, std::uint32_t part) {
   return {model.bodies[part].surface.get(), model.nodes[part].object};
 }
 
-InterestKey key_of_interest(const WorldModel& model, const WatchedPair& pair) {
-  const CollisionPair& interest = model.pairs[pair.number];
-  return {interest.type, interest.collider, interest.collidee};
-}
+InterestKey key_of_interest(const CollisionPair& pair) { return {pair.type, pair.collider, pair.collidee}; }
 
 PairKey key_of_pair(const WorldModel& model, const WatchedPair& pair) {
-  return {key_of_interest(model, pair), key_of_part(model, pair.part_a), key_of_part(model, pair.part_b)};
+  return {key_of_interest(model.pairs[pair.number]), key_of_part(model, pair.part_a), key_of_part(model, pair.part_b)};
 }
 
 }  // namespace
 
-std::vector<WatchedPair> pairs_to_watch(const WorldModel& model, SimTime start) {
-  std::vector<WatchedPair> pairs;
-  pairs.reserve(model.part_pairs.size());
-  for (const PartPair& parts : model.part_pairs) {
-    const CollisionPair& p = model.pairs[parts.pair];
-    const auto answers = [&](ObjectId id) { return model.response_of(id) != nullptr; };
-    const std::uint32_t collider = model.index_of(p.collider), collidee = model.index_of(p.collidee);
+void add_pairs(WatchedPairs& pairs, const WorldModel& model, std::uint32_t interest, SimTime start, bool watched) {
+  const CollisionPair& p = model.pairs[interest];
+  const auto answers = [&](ObjectId id) { return model.response_of(id) != nullptr; };
+  const auto flexes = [&](std::uint32_t part) { return model.is_flexible(part); };
+  const std::uint32_t collider = model.index_of(p.collider), collidee = model.index_of(p.collidee);
+  const bool is_carried =
+      model.nodes[collider].carrier != ModelNode::kNone || model.nodes[collidee].carrier != ModelNode::kNone;
+  for (std::uint32_t i = model.first_part_pair[interest]; i < model.first_part_pair[interest + 1]; ++i) {
+    const PartPair& parts = model.part_pairs[i];
     const bool box = p.type == CollisionType::kBox, whole = parts.a == ModelNode::kNone;
-    const auto flexes = [&](std::uint32_t part) { return model.is_flexible(part); };
     const bool flexible = whole ? std::ranges::any_of(model.parts_of_node[collider], flexes) ||
                                       std::ranges::any_of(model.parts_of_node[collidee], flexes)
                                 : flexes(parts.a) || flexes(parts.b);
-    const bool is_carried =
-        model.nodes[collider].carrier != ModelNode::kNone || model.nodes[collidee].carrier != ModelNode::kNone;
-    pairs.push_back({.collider = collider,
-                     .collidee = collidee,
-                     .part_a = parts.a,
-                     .part_b = parts.b,
-                     .common = parts.common,
-                     .number = parts.pair,
-                     .type = p.type,
-                     .fixed = parts.fixed,
-                     .is_plain = parts.a == collider && parts.b == collidee && !is_carried,
-                     .is_flexible = flexible,
-                     .collider_responds = answers(p.collider),
-                     .collidee_responds = p.mutual && answers(p.collidee),
-                     .has_exact_search =
-                         box || flexible || collision::has_exact_answer(model.bodies[parts.a], model.bodies[parts.b]),
-                     .clear_until = start,
-                     .contact = {},
-                     .free_at = {},
-                     .normals = {}});
+    pairs.add(i, {.collider = collider,
+                  .collidee = collidee,
+                  .part_a = parts.a,
+                  .part_b = parts.b,
+                  .common = parts.common,
+                  .number = interest,
+                  .type = p.type,
+                  .fixed = parts.fixed,
+                  .is_plain = parts.a == collider && parts.b == collidee && !is_carried,
+                  .is_flexible = flexible,
+                  .collider_responds = answers(p.collider),
+                  .collidee_responds = p.mutual && answers(p.collidee),
+                  .has_exact_search =
+                      box || flexible || collision::has_exact_answer(model.bodies[parts.a], model.bodies[parts.b]),
+                  .watched = watched,
+                  .clear_until = start,
+                  .contact = {},
+                  .free_at = {},
+                  .normals = {}});
   }
+}
+
+WatchedPairs all_watched(const WorldModel& model, SimTime start) {
+  WatchedPairs pairs(model.part_pairs.size());
+  for (std::uint32_t number = 0; number < model.pairs.size(); ++number) add_pairs(pairs, model, number, start, true);
   return pairs;
 }
 
-std::vector<std::uint32_t> carry_over(const WorldModel& before, std::vector<WatchedPair> known, const WorldModel& next,
-                                      std::vector<WatchedPair>& pairs) {
+std::vector<std::uint32_t> carry_over(const WorldModel& before, WatchedPairs known, const WorldModel& next,
+                                      SimTime start, WatchedPairs& pairs) {
   assert(known.size() == before.part_pairs.size() && pairs.size() == next.part_pairs.size());
   std::map<PairKey, WatchedPair*> same;
   struct Known {
-    bool watched = true, inside = false;
+    bool is_there = false, watched = false, inside = false;
   };
   std::map<InterestKey, Known> interests;
-  for (WatchedPair& pair : known) {
-    Known& interest = interests[key_of_interest(before, pair)];
+  for (const CollisionPair& interest : before.pairs) interests.emplace(key_of_interest(interest), Known{});
+  for (const std::uint32_t i : known.numbers()) {
+    WatchedPair& pair = known[i];
+    Known& interest = interests.at(key_of_interest(before.pairs[pair.number]));
+    interest.is_there = true;
     interest.watched = pair.watched;
     interest.inside |= pair.inside;
     same.emplace(key_of_pair(before, pair), &pair);
   }
   std::vector<std::uint32_t> added;
-  for (std::uint32_t i = 0; i < pairs.size(); ++i) {
-    WatchedPair& pair = pairs[i];
-    const auto at = same.find(key_of_pair(next, pair));
-    const auto is_same = [&](const WatchedPair& other) {
-      return other.fixed == pair.fixed && other.collider_responds == pair.collider_responds &&
-             other.collidee_responds == pair.collidee_responds;
-    };
-    if (at != same.end() && is_same(*at->second)) {
+  for (std::uint32_t number = 0; number < next.pairs.size(); ++number) {
+    const auto interest = interests.find(key_of_interest(next.pairs[number]));
+    const bool is_new = interest == interests.end();
+    if (!is_new && !interest->second.is_there) continue;
+    add_pairs(pairs, next, number, start, is_new || interest->second.watched);
+    for (std::uint32_t i = next.first_part_pair[number]; i < next.first_part_pair[number + 1]; ++i) {
+      WatchedPair& pair = pairs[i];
+      const auto at = same.find(key_of_pair(next, pair));
+      const auto is_same = [&](const WatchedPair& other) {
+        return other.fixed == pair.fixed && other.collider_responds == pair.collider_responds &&
+               other.collidee_responds == pair.collidee_responds;
+      };
+      if (at == same.end() || !is_same(*at->second)) {
+        if (!is_new) pair.inside = interest->second.inside && !pair.fixed;
+        added.push_back(i);
+        continue;
+      }
       const WatchedPair fresh = std::exchange(pair, std::move(*at->second));
       pair.collider = fresh.collider;
       pair.collidee = fresh.collidee;
@@ -102,12 +116,6 @@ std::vector<std::uint32_t> carry_over(const WorldModel& before, std::vector<Watc
       pair.number = fresh.number;
       pair.fixed = fresh.fixed;
       pair.is_plain = fresh.is_plain;
-    } else {
-      if (const auto interest = interests.find(key_of_interest(next, pair)); interest != interests.end()) {
-        pair.watched = interest->second.watched;
-        pair.inside = interest->second.inside && !pair.fixed;
-      }
-      added.push_back(i);
     }
   }
   return added;

@@ -5,6 +5,7 @@
 
 #include "core/math.hpp"
 #include "core/scene/scene.hpp"
+#include "core/sparse_table.hpp"
 #include "core/time.hpp"
 #include "replication/motion/response.hpp"
 #include "replication/world/world_model.hpp"
@@ -23,7 +24,7 @@ struct WatchedPair {
   bool is_flexible;
   bool collider_responds, collidee_responds;
   bool has_exact_search;  // collision has an answer
-  bool watched = true;
+  bool watched = false;
   bool put_off = false;                  // its searches are put off (MotionWorld::put_off())
   bool stopped = false;                  // for that reason, at clear_until; it has no contact, and bears nothing
   bool unsupported = false;              // counted once, then never searched again
@@ -63,13 +64,18 @@ inline constexpr Duration kShortestFlight{static_cast<std::int64_t>(kShortestFli
 
 [[nodiscard]] inline bool met_lately(SimTime met, SimTime t, Duration within) { return met <= t && t <= met + within; }
 
-// The model's part pairs, of which nothing is known from `start` on.
-[[nodiscard]] std::vector<WatchedPair> pairs_to_watch(const WorldModel& model, SimTime start);
+// The model's part pairs that are watched, or have been: all of an interest, or none.
+using WatchedPairs = SparseTable<WatchedPair>;
+
+// Begins with the part pairs of an interest, of which none is there: nothing is known of them from `start` on.
+void add_pairs(WatchedPairs& pairs, const WorldModel& model, std::uint32_t interest, SimTime start, bool watched);
+// All part pairs of the model, watched from `start` on.
+[[nodiscard]] WatchedPairs all_watched(const WorldModel& model, SimTime start);
 
 // Gives the pairs of `next` what is known of those of `before`, where their interest, their two parts and who answers
-// are the same. Returns the indices of the other ones: each is watched unless its ends were not, and `inside` if
-// another pair of its ends was.
-std::vector<std::uint32_t> carry_over(const WorldModel& before, std::vector<WatchedPair> known, const WorldModel& next,
-                                      std::vector<WatchedPair>& pairs);
+// are the same. Returns the indices of the other ones, ascending: those of interests that `before` has not are watched
+// from `start` on; the others are watched unless their ends were not, and `inside` if another pair of their ends was.
+std::vector<std::uint32_t> carry_over(const WorldModel& before, WatchedPairs known, const WorldModel& next,
+                                      SimTime start, WatchedPairs& pairs);
 
 }  // namespace peerd::replication

@@ -326,6 +326,9 @@ class ModelBuilder {
       }
     }
     for (std::vector<std::uint32_t>& moved : model_.moved_part_pairs) keep_each_once(moved);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      model_.all_pairs_move.push_back(model_.moved_part_pairs[i] == model_.part_pairs_of_node[i]);
+    }
   }
 
   void name_unanswered_pairs() {
@@ -368,6 +371,12 @@ std::span<const std::uint32_t> WorldModel::pairs_of(ObjectId id) const {
 const CollisionResponse* WorldModel::response_of(ObjectId id) const {
   const auto& response = scene->object(id).response;
   return response ? &*response : nullptr;
+}
+
+bool WorldModel::answers(ObjectId id) const {
+  return std::ranges::any_of(pairs_of(id), [&](std::uint32_t number) {
+    return (pairs[number].collider == id || pairs[number].mutual) && response_of(id) != nullptr;
+  });
 }
 
 bool WorldModel::may_carry(ObjectId carrier, ObjectId object) const {

@@ -70,6 +70,7 @@ struct WorldModel {
   // consists of as an end.
   std::vector<std::vector<std::uint32_t>> pairs_of_node, partners_of_node, part_pairs_of_node, moved_part_pairs,
       carried_by, parts_of_node;
+  std::vector<bool> all_pairs_move;  // of each node: whether part_pairs_of_node and moved_part_pairs are the same
   std::vector<std::uint32_t> first_part_pair;  // by pair, and one more: the range of its part pairs
 
   [[nodiscard]] const collision::Body* body(ObjectId id) const;
@@ -103,6 +104,7 @@ struct WorldModel {
     return moved_part_pairs[node];
   }
   [[nodiscard]] const CollisionResponse* response_of(ObjectId id) const;  // null where the object has none
+  [[nodiscard]] bool answers(ObjectId id) const;                          // contacts of some pair
   // Whether `holds` of any pair of the two.
   template <class Predicate>
   [[nodiscard]] bool any_pair(ObjectId a, ObjectId b, Predicate holds) const {

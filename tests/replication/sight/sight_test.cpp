@@ -122,7 +122,10 @@ TEST(Sight, WhatOthersGoByIsComputedFirst) {
 // The parts of a peer that skips, and of one that does not; both are told the same.
 struct TwoPeers {
   explicit TwoPeers(const World& w) : world(w), skips(skipper(), *w.model), computes(config(3), *w.model) {
-    for (PeerParts* const p : {&skips, &computes}) p->replica.begin(sim(0s));
+    for (PeerParts* const p : {&skips, &computes}) {
+      p->replica.begin(sim(0s));
+      for (std::uint32_t number = 0; number < w.model->pairs.size(); ++number) p->replica.ghosts().watch(number, true);
+    }
   }
   static PeerConfig skipper() {
     PeerConfig c = config(2);

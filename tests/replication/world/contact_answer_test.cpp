@@ -32,7 +32,7 @@ class Closing : public testing::Test {
   World world{box("A", "1 1 1", "-0.5 0 0", kBounces) + box("B", "1 1 1", "0.5 0 0", kBounces) +
               interest("A", "\"B\"") + interest("B", "\"A\"")};
   MovingObjects objects{*world.model, sim(0s)};
-  std::vector<WatchedPair> pairs = pairs_to_watch(*world.model, sim(0s));
+  WatchedPairs pairs = all_watched(*world.model, sim(0s));
 };
 
 TEST_F(Closing, WhatTurnsStopsItsSpinWhicheverItIs) {

@@ -15,14 +15,14 @@ using testing::IsEmpty;
 class CarryOver : public testing::Test {
  protected:
   [[nodiscard]] std::vector<std::uint32_t> carry_over() {
-    return replication::carry_over(*world.model, known, *next, pairs);
+    return replication::carry_over(*world.model, std::move(known), *next, sim(2s), pairs);
   }
 
   World world{box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")) +
               box("CURB", "0.5 0.6 4", "8 0.5 0", kBounces) + box("BIRD", "1 1 1", "0 9 0") +
               interest("CAR", "\"CURB\"") + interest("CURB", "\"BIRD\"")};
   std::unique_ptr<const WorldModel> next = extended(*world.model, std::vector{world["WHEEL"]});
-  std::vector<WatchedPair> known = pairs_to_watch(*world.model, sim(1s)), pairs = pairs_to_watch(*next, sim(1s));
+  WatchedPairs known = all_watched(*world.model, sim(1s)), pairs{next->part_pairs.size()};
 };
 
 TEST_F(CarryOver, PairsAreThoseOfTheModel) {
@@ -32,8 +32,9 @@ TEST_F(CarryOver, PairsAreThoseOfTheModel) {
   EXPECT_FALSE(known[0].is_answered());
   EXPECT_TRUE(known[1].collider_responds);
   EXPECT_FALSE(known[1].collidee_responds);
+  pairs = all_watched(*next, sim(1s));
   EXPECT_FALSE(pairs[1].is_plain) << "the wheel is a part of the car";
-  for (const WatchedPair& pair : pairs) EXPECT_EQ(pair.clear_until, sim(1s));
+  for (const std::uint32_t i : {0u, 1u, 2u}) EXPECT_EQ(pairs[i].clear_until, sim(1s));
 }
 
 TEST_F(CarryOver, ThePairOfTheSamePartsKeepsWhatIsKnownOfIt) {
@@ -61,9 +62,27 @@ TEST_F(CarryOver, OtherPartsOfAnInterestAreWatchedAndInsideAsTheWholeWas) {
   EXPECT_TRUE(pairs[2].watched);
 }
 
+TEST_F(CarryOver, WhatWasNeverWatchedIsNot) {
+  known = WatchedPairs(known.size());
+  add_pairs(known, *world.model, 1, sim(1s), false);
+  EXPECT_THAT(carry_over(), IsEmpty());
+  EXPECT_THAT(pairs.numbers(), ElementsAre(2)) << "the car's are still not there";
+  EXPECT_FALSE(pairs[2].watched);
+}
+
+TEST_F(CarryOver, PairsOfANewInterestAreWatched) {
+  const World without{box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")) +
+                      box("CURB", "0.5 0.6 4", "8 0.5 0", kBounces) + box("BIRD", "1 1 1", "0 9 0") +
+                      interest("CAR", "\"CURB\"")};
+  known = WatchedPairs(without.model->part_pairs.size());
+  EXPECT_THAT(replication::carry_over(*without.model, std::move(known), *next, sim(2s), pairs), ElementsAre(2));
+  EXPECT_TRUE(pairs[2].watched);
+  EXPECT_EQ(pairs[2].clear_until, sim(2s));
+}
+
 TEST_F(CarryOver, TheSameModelChangesNothing) {
   next = extended(*world.model, {});
-  pairs = pairs_to_watch(*next, sim(1s));
+  pairs = WatchedPairs(next->part_pairs.size());
   known[0].inside = true;
   EXPECT_THAT(carry_over(), IsEmpty());
   EXPECT_TRUE(pairs[0].inside);
