@@ -4,6 +4,7 @@
 #include <cassert>
 #include <iterator>
 #include <numeric>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -152,7 +153,11 @@ void SessionKeeper::move_to_session_time(SimTime before, SimTime now, bool same_
   p_.publication.restart();
   declare_all();
   MotionWorld &truth = p_.replica.truth(), &ghosts = p_.replica.ghosts();
-  for (const ObjectId object : old.ghosts.objects()) {
+  std::set<ObjectId> moved;
+  for (const MotionWorld* const world : {&old.truth, &old.ghosts}) {
+    std::ranges::copy(world->objects(), std::inserter(moved, moved.end()));
+  }
+  for (const ObjectId object : moved) {
     const bool orphan = p_.owners.of(object) == kNobody && !ghosts.has(object);
     if (!ghosts.has(object)) ghosts.declare(object, orphan ? Role::kScene : Role::kPredicted);
     if (truth.has(object)) {

@@ -56,6 +56,11 @@ double reach_m(const collision::Body& body) {
   return kBoxReach * extent_m;
 }
 
+bool always_apart(const collision::Body& a, const Vec3& at_a, const collision::Body& b, const Vec3& at_b) {
+  const double reach = reach_m(a) + reach_m(b);
+  return (at_a - at_b).norm() > reach + kMargin * (at_a.norm() + at_b.norm() + reach);
+}
+
 SweptBound swept_bound(const Timeline& timeline, const collision::Body& body, SimTime s, SimTime begin, SimTime end) {
   assert(begin <= s && s < end);
   SweptBound bound;

@@ -12,6 +12,8 @@ inline constexpr double kBoxReach = 1.7320508075688774;
 
 // However the body is turned, no point of it, nor of its box, is farther from its origin [m].
 [[nodiscard]] double reach_m(const collision::Body& body);
+// Whether two bodies with their origins at these places [m] are apart, and so are their boxes, however they are turned.
+[[nodiscard]] bool always_apart(const collision::Body& a, const Vec3& at_a, const collision::Body& b, const Vec3& at_b);
 
 // The region in which a body can be from some instant on, as long as the piece of its timeline and the time that
 // searches look ahead last: the box of the centre of its bounding sphere, and the radius of the sphere. The region

@@ -52,8 +52,8 @@ std::uint32_t UnseenPairs::unit_with(std::uint32_t node) {
 }
 
 void UnseenPairs::take_in(const MotionWorld& world) {
-  const auto watched = world.ever_watched();
-  for (std::size_t k = pairs_.numbers().size(); k < watched.size(); ++k) take_in_pair(watched[k]);
+  const auto known = world.known_pairs();
+  for (std::size_t k = pairs_.numbers().size(); k < known.size(); ++k) take_in_pair(known[k]);
 }
 
 void UnseenPairs::take_in_pair(std::uint32_t i) {
@@ -87,9 +87,8 @@ std::uint32_t UnseenPairs::node_of_end(std::uint32_t i, bool collider) const {
   return model_->index_of(collider ? pair.collider : pair.collidee);
 }
 
-const UnseenPairs::Unit* UnseenPairs::unit_of(ObjectId object) const {
-  const std::uint32_t unit = model_->node(object) == nullptr ? kNone : unit_of_node_[model_->index_of(object)];
-  return unit == kNone ? nullptr : &units_[unit];
+std::uint32_t UnseenPairs::unit_of(ObjectId object) const {
+  return model_->node(object) == nullptr ? kNone : unit_of_node_[model_->index_of(object)];
 }
 
 UnseenPairs::Standing UnseenPairs::standing_of(std::uint32_t node) const {
@@ -363,9 +362,7 @@ bool UnseenPairs::update(MotionWorld& world, SimTime to, const Peer& peer, std::
     const bool seen = peer.in_sight && peer.in_sight(unit.ball.center, unit.ball.radius_m);
     unit.awake = unit.standing == Standing::kKept || old || seen;
   }
-  if (awake) {
-    if (const Unit* const unit = unit_of(*awake)) units_[static_cast<std::size_t>(unit - units_.data())].awake = true;
-  }
+  if (awake && unit_of(*awake) != kNone) units_[unit_of(*awake)].awake = true;
   wake_what_is_near_kept(to);
   follow_doubts(world, to, peer.ahead_s);
   for (std::size_t i = 0; i < units_.size(); ++i) {
@@ -397,15 +394,13 @@ bool UnseenPairs::take_up_all(MotionWorld& world) {
 }
 
 bool UnseenPairs::is_in_doubt(ObjectId object) const {
-  const Unit* const unit = unit_of(object);
-  assert(unit == nullptr || !unit->nodes.empty());
-  return unit != nullptr && unit->doubt && !unit->awake;
+  const std::uint32_t unit = unit_of(object);
+  return unit != kNone && units_[unit].doubt && !units_[unit].awake;
 }
 
 bool UnseenPairs::others_depend_on(const MotionWorld& world, ObjectId object) const {
-  const Unit* const found = unit_of(object);
-  if (found == nullptr) return false;
-  const Unit& unit = *found;
+  if (unit_of(object) == kNone) return false;
+  const Unit& unit = units_[unit_of(object)];
   if (unit.awake || !is_predicted(unit) || unit.answering.empty()) return false;
   return std::ranges::any_of(unit.pairs, [&](std::uint32_t i) {
     const bool stopped = world.stopped().contains(i);

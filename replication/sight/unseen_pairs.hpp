@@ -51,7 +51,7 @@ class UnseenPairs {
   // off.
   explicit UnseenPairs(const WorldModel& model);
 
-  // The world has begun anew at t, with no pair that was ever watched.
+  // The world has begun anew, or goes on by another model, at t: nothing of it is put off.
   void restart(SimTime t);
   // Puts pairs off, and takes pairs up, for a world that is about to be advanced to `to`, or has just been; `awake` is
   // taken up in any case. True where one that had stopped is searched again: its contacts since wait for an advance().
@@ -123,7 +123,7 @@ class UnseenPairs {
   [[nodiscard]] std::uint32_t unit_of_end(std::uint32_t pair, bool collider) const {  // of a pair that is here
     return unit_of_node_[node_of_end(pair, collider)];
   }
-  [[nodiscard]] const Unit* unit_of(ObjectId object) const;
+  [[nodiscard]] std::uint32_t unit_of(ObjectId object) const;  // kNone: none of its pairs is known
   [[nodiscard]] Standing standing_of(std::uint32_t node) const;
   // Takes in the pairs that the world has, and did not have before, and what moves them.
   void take_in(const MotionWorld& world);
@@ -145,9 +145,9 @@ class UnseenPairs {
   bool apply(MotionWorld& world);
 
   const WorldModel* model_;
-  std::vector<std::uint32_t> unit_of_node_;  // kNone: none of its pairs was ever watched
+  std::vector<std::uint32_t> unit_of_node_;  // kNone: none of its pairs is known
   std::vector<Unit> units_;
-  SparseTable<PartPairState> pairs_;  // that were ever watched
+  SparseTable<PartPairState> pairs_;  // MotionWorld::known_pairs()
   std::vector<bool> was_awake_;
   std::size_t put_off_count_ = 0;
   SimTime last_{}, before_{};  // until which the world has been advanced, and had been before that

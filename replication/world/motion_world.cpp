@@ -23,8 +23,6 @@ constexpr std::size_t kContactsMax = std::size_t{1} << 17;
 constexpr std::size_t kNormalsMax = 8;
 // Normals with a cosine above this are of one face but for rounding.
 constexpr double kSameNormal = 1.0 - 0x1p-40;
-// The margin, as a fraction of all lengths involved, with which two are apart that wait to move.
-constexpr double kMargin = 0x1p-30;
 // A caller that asks for all objects does so in order: a piece is fetched so far ahead, and the law where it is
 // needed.
 constexpr std::size_t kPieceAhead = 8, kLawAhead = 4;
@@ -57,7 +55,7 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start, Watched first)
       answers_to_(model.nodes.size()),
       pair_checks_(pairs_.size()),
       in_pair_checks_(pairs_.size()),
-      waiting_(model.pairs.size()) {
+      waiting_(model) {
   for (const std::uint32_t i : pairs_.numbers()) reschedule(i);
 }
 
@@ -72,7 +70,7 @@ void MotionWorld::replace_model(const WorldModel& next, SimTime t, ChangeObjects
     if (pair.fixed && !pair.is_answered() && !pair.unsupported)  // it is not searched, but may be from now on
       pair.inside = search().fixed_parts_touch(pair, advanced_);
   }
-  const std::vector<CollisionPair> waiting = waiting_interests();
+  const std::set<InterestKey> waiting = waiting_.interests();
   WatchedPairs pairs(next.part_pairs.size());
   const std::vector<std::uint32_t> added = carry_over(*model_, std::move(pairs_), next, start_, pairs);
   change_objects();
@@ -89,11 +87,11 @@ void MotionWorld::replace_model(const WorldModel& next, SimTime t, ChangeObjects
   }
   pair_checks_ = Schedule(pairs_.size());
   in_pair_checks_.assign(pairs_.size(), false);
-  watched_ = waiting_count_ = 0;
-  waiting_.assign(next.pairs.size(), false);
+  watched_ = 0;
+  waiting_ = WaitingPairs(next);
   for (const std::uint32_t i : pairs_.numbers()) reschedule(i);
-  for (const CollisionPair& each : waiting) {
-    if (next.scene->contains(each.collider) && next.scene->contains(each.collidee)) watch_alike(each);
+  for (std::uint32_t number = 0; number < next.pairs.size() && !waiting.empty(); ++number) {
+    if (waiting.contains(key_of(next.pairs[number]))) watch(number, true);
   }
 }
 
@@ -145,22 +143,6 @@ void MotionWorld::declare(ObjectId object, Role role) {
   }
 }
 
-std::vector<CollisionPair> MotionWorld::waiting_interests() const {
-  std::vector<CollisionPair> interests;
-  for (std::uint32_t number = 0; number < waiting_.size(); ++number) {
-    if (waiting_[number]) interests.push_back(model_->pairs[number]);
-  }
-  return interests;
-}
-
-void MotionWorld::watch_alike(const CollisionPair& interest) {
-  for (const std::uint32_t number : model_->pairs_of(interest.collider)) {
-    const CollisionPair& pair = model_->pairs[number];
-    if (pair.type == interest.type && pair.collider == interest.collider && pair.collidee == interest.collidee)
-      watch(number, true);
-  }
-}
-
 void MotionWorld::watch(ObjectId a, ObjectId b, bool on) {
   if (model_->pairs_of(b).size() < model_->pairs_of(a).size()) std::swap(a, b);
   for (const std::uint32_t number : model_->pairs_of(a)) {
@@ -170,14 +152,10 @@ void MotionWorld::watch(ObjectId a, ObjectId b, bool on) {
 }
 
 void MotionWorld::watch(std::uint32_t number, bool on) {
-  if (on && may_wait(number)) {
-    if (!waiting_[number]) ++waiting_count_;
-    waiting_[number] = true;
-    return;
-  }
-  if (waiting_[number]) --waiting_count_;
-  waiting_[number] = false;
-  if (!on && !has_pairs_of(number)) return;
+  assert(number < model_->pairs.size());
+  if (on && waiting_.contains(number)) return;
+  waiting_.set(number, on && !has_pairs_of(number) && waiting_.may_wait(number, objects_));
+  if (waiting_.contains(number) || (!on && !has_pairs_of(number))) return;
   need_pairs_of(number);
   for (std::uint32_t i = model_->first_part_pair[number]; i < model_->first_part_pair[number + 1]; ++i) {
     WatchedPair& pair = pairs_[i];
@@ -191,37 +169,11 @@ void MotionWorld::watch(std::uint32_t number, bool on) {
   }
 }
 
-// Whether the two, which are one rigid body each, have never moved and are apart in the file. All tests are
-// conservative.
-bool MotionWorld::may_wait(std::uint32_t number) const {
-  const std::uint32_t first = model_->first_part_pair[number];
-  if (model_->first_part_pair[number + 1] != first + 1 || pairs_.contains(first)) return false;
-  const PartPair& parts = model_->part_pairs[first];
-  const auto stands_alone = [&](std::uint32_t part) {
-    return part != kNone && !model_->is_flexible(part) && model_->nodes[part].carrier == kNone &&
-           model_->carried_by[part].empty() && model_->bodies[part].unsupported.empty() &&
-           objects_.has_never_moved(part);
-  };
-  const CollisionPair& pair = model_->pairs[number];
-  if (parts.fixed || !stands_alone(parts.a) || !stands_alone(parts.b)) return false;
-  if (model_->nodes[parts.a].object != pair.collider || model_->nodes[parts.b].object != pair.collidee) return false;
-  const collision::Body &a = model_->bodies[parts.a], &b = model_->bodies[parts.b];
-  if (pair.type != CollisionType::kBox && !collision::has_exact_answer(a, b)) return false;
-  const Vec3 at_a = objects_.place_of(parts.a), at_b = objects_.place_of(parts.b);
-  const double reach = reach_m(a) + reach_m(b);
-  return (at_a - at_b).norm() > reach + kMargin * (at_a.norm() + at_b.norm() + reach);
-}
-
+// They are as pairs that were far: apart until now, and reopen_pairs() says from when on that is not known any more.
 void MotionWorld::end_waits_of(std::size_t object) {
-  if (waiting_count_ == 0 || object >= model_->nodes.size()) return;
-  for (const std::uint32_t number : model_->pairs_of_node[object]) {
-    if (!waiting_[number]) continue;
-    waiting_[number] = false;
-    --waiting_count_;
+  for (const std::uint32_t number : waiting_.take_of(object)) {
     add_pairs(pairs_, *model_, number, SimTime::max(), true);
-    const std::uint32_t i = model_->first_part_pair[number];
-    pairs_[i].searched = true;
-    opened_.push_back(i);
+    opened_.push_back(model_->first_part_pair[number]);
   }
 }
 
@@ -231,7 +183,7 @@ bool MotionWorld::has_pairs_of(std::uint32_t number) const {
 }
 
 void MotionWorld::need_pairs_of(std::uint32_t number) {
-  assert(!waiting_[number]);
+  assert(!waiting_.contains(number));
   if (!has_pairs_of(number)) add_pairs(pairs_, *model_, number, start_, false);
 }
 
@@ -539,7 +491,7 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
 
 bool MotionWorld::ends_touch(ObjectId a, ObjectId b, SimTime t) {
   return model_->any_pair(a, b, [&](std::uint32_t number) {
-    if (waiting_[number]) return false;
+    if (waiting_.contains(number)) return false;
     need_pairs_of(number);
     for (std::uint32_t i = model_->first_part_pair[number]; i < model_->first_part_pair[number + 1]; ++i) {
       WatchedPair& pair = pairs_[i];
@@ -888,7 +840,7 @@ void MotionWorld::lift(WatchedPair& pair, SimTime t) {
 
 std::optional<std::size_t> MotionWorld::first_contact_until(SimTime to) {
   std::optional<std::size_t> first;
-  const std::size_t watched = watched_ + waiting_count_;
+  const std::size_t watched = watched_ + waiting_.count();
   std::size_t checked = 0;
   far_.follow(to, objects_, pairs_, opened_);
   reschedule_opened();

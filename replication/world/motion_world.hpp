@@ -17,6 +17,7 @@
 #include "replication/world/motion_event.hpp"
 #include "replication/world/moving_objects.hpp"
 #include "replication/world/pair_search.hpp"
+#include "replication/world/waiting_pairs.hpp"
 #include "replication/world/world_model.hpp"
 
 namespace peerd::replication {
@@ -77,8 +78,9 @@ class MotionWorld {
   void watch(ObjectId a, ObjectId b, bool on);
   void watch(std::uint32_t number, bool on);  // in WorldModel::pairs
 
-  // The part pairs that are watched, or have been, in the order in which they came.
-  [[nodiscard]] std::span<const std::uint32_t> ever_watched() const { return pairs_.numbers(); }
+  // The part pairs that are watched and do not wait, that were so, or that somebody has asked for, in the order in
+  // which they came.
+  [[nodiscard]] std::span<const std::uint32_t> known_pairs() const { return pairs_.numbers(); }
 
   // Makes the world a function of the bases, whatever order they come in; called before the first of them. An object
   // then answers contacts of before its later bases, too, and what it has answered without cause is retracted;
@@ -194,12 +196,8 @@ class MotionWorld {
   // Whether the part pairs of an interest are there; from need_pairs_of() on they are.
   [[nodiscard]] bool has_pairs_of(std::uint32_t number) const;
   void need_pairs_of(std::uint32_t number);
-  [[nodiscard]] bool may_wait(std::uint32_t number) const;
-  // What the object waits to meet is watched from now on, as it moves.
+  // What the object waits to meet is followed from now on, as it moves.
   void end_waits_of(std::size_t object);
-  [[nodiscard]] std::vector<CollisionPair> waiting_interests() const;
-  // Watches the pair of the same interest.
-  void watch_alike(const CollisionPair& interest);
   // Goes on with the pairs of another model. `change_objects` does so with the objects. Pairs that are new are searched
   // from t on.
   template <class ChangeObjects>
@@ -303,9 +301,7 @@ class MotionWorld {
   Schedule pair_checks_;     // for each pair that is not far, when the next check is due
   std::size_t watched_ = 0;  // the number of pairs with a check, whenever that is due; the far ones included
   std::vector<bool> in_pair_checks_;
-  std::vector<bool>
-      waiting_;  // by interest: it is watched, and none of its part pairs is there until one of the two moves
-  std::size_t waiting_count_ = 0;
+  WaitingPairs waiting_;             // of them none of the part pairs is there
   std::set<std::uint32_t> stopped_;  // into pairs_
   bool replays_bases_ = false;
   std::set<std::pair<SimTime, ObjectId>> retracted_bases_;  // bases that are to be laid again

@@ -52,7 +52,10 @@ void MovingObjects::add(ObjectId object) {
 
 bool MovingObjects::has_never_moved(std::size_t node) const {
   const MovingObject* const o = peek(node);
-  return o == nullptr || (o->revision == 0 && o->timeline.begin() == start_ && o->timeline.segment_count() == 1);
+  if (o == nullptr) return true;
+  const Timeline::Segment& law = o->timeline.segment(0);
+  const bool is_first = o->revision == 0 && o->timeline.segment_count() == 1 && law.from == start_ && !law.cause;
+  return is_first && is_motionless(law.model.state);
 }
 
 Vec3 MovingObjects::place_of(std::size_t node) const {

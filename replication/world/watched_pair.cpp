@@ -14,7 +14,6 @@ namespace {
 // A part by what does not depend on the model: a body shares its surface with its copies, and a Shape that flexes has
 // none.
 using PartKey = std::pair<const collision::Surface*, ObjectId>;
-using InterestKey = std::tuple<CollisionType, ObjectId, ObjectId>;  // the type, the collider, the collidee
 using PairKey = std::tuple<InterestKey, PartKey, PartKey>;
 
 PartKey key_of_part(const WorldModel& model, std::uint32_t part) {
@@ -23,10 +22,8 @@ PartKey key_of_part(const WorldModel& model, std::uint32_t part) {
   return {model.bodies[part].surface.get(), model.nodes[part].object};
 }
 
-InterestKey key_of_interest(const CollisionPair& pair) { return {pair.type, pair.collider, pair.collidee}; }
-
 PairKey key_of_pair(const WorldModel& model, const WatchedPair& pair) {
-  return {key_of_interest(model.pairs[pair.number]), key_of_part(model, pair.part_a), key_of_part(model, pair.part_b)};
+  return {key_of(model.pairs[pair.number]), key_of_part(model, pair.part_a), key_of_part(model, pair.part_b)};
 }
 
 }  // namespace
@@ -80,10 +77,10 @@ std::vector<std::uint32_t> carry_over(const WorldModel& before, WatchedPairs kno
     bool is_there = false, watched = false, inside = false;
   };
   std::map<InterestKey, Known> interests;
-  for (const CollisionPair& interest : before.pairs) interests.emplace(key_of_interest(interest), Known{});
+  for (const CollisionPair& interest : before.pairs) interests.emplace(key_of(interest), Known{});
   for (const std::uint32_t i : known.numbers()) {
     WatchedPair& pair = known[i];
-    Known& interest = interests.at(key_of_interest(before.pairs[pair.number]));
+    Known& interest = interests.at(key_of(before.pairs[pair.number]));
     interest.is_there = true;
     interest.watched = pair.watched;
     interest.inside |= pair.inside;
@@ -91,7 +88,7 @@ std::vector<std::uint32_t> carry_over(const WorldModel& before, WatchedPairs kno
   }
   std::vector<std::uint32_t> added;
   for (std::uint32_t number = 0; number < next.pairs.size(); ++number) {
-    const auto interest = interests.find(key_of_interest(next.pairs[number]));
+    const auto interest = interests.find(key_of(next.pairs[number]));
     const bool is_new = interest == interests.end();
     if (!is_new && !interest->second.is_there) continue;
     add_pairs(pairs, next, number, start, is_new || interest->second.watched);

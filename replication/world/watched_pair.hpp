@@ -73,8 +73,9 @@ void add_pairs(WatchedPairs& pairs, const WorldModel& model, std::uint32_t inter
 [[nodiscard]] WatchedPairs all_watched(const WorldModel& model, SimTime start);
 
 // Gives the pairs of `next` what is known of those of `before`, where their interest, their two parts and who answers
-// are the same. Returns the indices of the other ones, ascending: those of interests that `before` has not are watched
-// from `start` on; the others are watched unless their ends were not, and `inside` if another pair of their ends was.
+// are the same. Interests without pairs in `known` stay without. Returns the indices of the other ones, ascending:
+// those of interests that `before` has not are watched from `start` on; the others are watched unless their ends were
+// not, and `inside` if another pair of their ends was.
 std::vector<std::uint32_t> carry_over(const WorldModel& before, WatchedPairs known, const WorldModel& next,
                                       SimTime start, WatchedPairs& pairs);
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -22,6 +23,10 @@ struct CollisionPair {
   CollisionType type = CollisionType::kWitness;
   bool mutual = false;  // the collidee is registered for the collider as well, and so responds too
 };
+
+// What an interest is, in any model of the scene: its type, its collider and its collidee.
+using InterestKey = std::tuple<CollisionType, ObjectId, ObjectId>;
+[[nodiscard]] inline InterestKey key_of(const CollisionPair& pair) { return {pair.type, pair.collider, pair.collidee}; }
 
 // A node that collision or a carrier needs: an end of an interest, or a carrier above or below one (core/motion/
 // carriers.hpp). The carriers below an end are parts of it that move in it.

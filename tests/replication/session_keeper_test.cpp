@@ -211,6 +211,22 @@ TEST_F(Keeping, AloneItGoesOnFromWhereItWasAfterASuspension) {
   EXPECT_EQ(p.launches.unpublished().at(o0), sim(13s));
 }
 
+// What has been launched and not published yet is where it is in the truth alone.
+TEST(KeepingALaunch, ASuspensionBeforeTheFirstTickDoesNotLoseIt) {
+  const World world(box("BALL", "1 1 1", "0 0 0") + box("WALL", "1 1 1", "90 0 0") + interest("BALL", "\"WALL\""));
+  PeerConfig c = config(5, {{world["BALL"]}});
+  c.owned[0].launch.velocity = Vec3(1, 0, 0);
+  PeerParts p(c, *world.model);
+  SceneKeeper scene(p);
+  SessionKeeper keeper(p, scene);
+  for (Duration t = 0s; t <= 1s; t += 100ms) (void)keeper.maintain(host(t));
+  ASSERT_TRUE(p.replica.begun());
+  EXPECT_EQ(p.replica.truth().at(world["BALL"], sim(1s)).velocity, Vec3(1, 0, 0));
+  EXPECT_FALSE(keeper.maintain(host(11s)));
+  ASSERT_EQ(drain<HostSuspended>(p.outbox).size(), 1u);
+  EXPECT_EQ(p.replica.truth().at(world["BALL"], sim(11s)).velocity, Vec3(1, 0, 0));
+}
+
 TEST_F(Keeping, AmongOthersASuspensionIsReportedAndTheyAreNotBlamed) {
   found();
   member_owns(7, {o2}, host(1s));

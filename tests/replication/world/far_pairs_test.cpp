@@ -150,12 +150,18 @@ TEST(FarPairs, OutliveAChangeOfTheModel) {
   EXPECT_EQ(met, std::vector{w["C"]});
 }
 
+void watch_all(MotionWorld& world, const World& w) {
+  for (std::uint32_t number = 0; number < w.model->pairs.size(); ++number) world.watch(number, true);
+}
+
 using Found = std::tuple<SimTime, ObjectId, ObjectId, double, double>;
 // Twelve bodies that bounce in pairs of all with all; updates, some of the past, send them hither and thither.
-std::vector<Found> run(const World& w, std::uint64_t seed, Duration step) {
+std::vector<Found> run(const World& w, std::uint64_t seed, Duration step,
+                       MotionWorld::Watched first = MotionWorld::Watched::kAll) {
   std::mt19937_64 rng(seed);
   const auto draw = [&](int most) { return static_cast<double>(rng() % 2001) / 1000.0 * most - most; };
-  MotionWorld world(*w.model, sim(0s));
+  MotionWorld world(*w.model, sim(0s), first);
+  watch_all(world, w);
   std::vector<ObjectId> objects;
   for (int i = 0; i < 12; ++i) objects.push_back(w[("O" + std::to_string(i)).c_str()]);
   for (const ObjectId o : objects) world.declare(o, Role::kPredicted);
@@ -186,7 +192,8 @@ std::vector<Found> run(const World& w, std::uint64_t seed, Duration step) {
   return found;
 }
 
-TEST(FarPairs, GiveTheSameContactsHoweverOftenTheWorldAdvances) {
+// Twelve bodies that bounce, 8 m apart, and interests in all pairs.
+std::string twelve() {
   std::string text;
   for (int i = 0; i < 12; ++i) {
     const std::string name = "O" + std::to_string(i);
@@ -197,12 +204,27 @@ TEST(FarPairs, GiveTheSameContactsHoweverOftenTheWorldAdvances) {
     for (int k = 0; k < 12; ++k) others += k == i ? "" : " \"O" + std::to_string(k) + '"';
     text += interest("O" + std::to_string(i), others);
   }
-  const World w(text);
+  return text;
+}
+
+TEST(FarPairs, GiveTheSameContactsHoweverOftenTheWorldAdvances) {
+  const World w(twelve());
   std::size_t met = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const std::vector<Found> often = run(w, seed, 5ms), seldom = run(w, seed, 100ms);
     EXPECT_EQ(often, seldom) << "seed " << seed;
     met += often.size() - 12;
+  }
+  EXPECT_GT(met, 100U);
+}
+
+TEST(WaitingPairs, GiveTheSameContactsAsThoseThatWereWatchedAllTheTime) {
+  const World w(twelve());
+  std::size_t met = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const std::vector<Found> all = run(w, seed, 100ms), waiting = run(w, seed, 100ms, MotionWorld::Watched::kNone);
+    EXPECT_EQ(waiting, all) << "seed " << seed;
+    met += all.size() - 12;
   }
   EXPECT_GT(met, 100U);
 }

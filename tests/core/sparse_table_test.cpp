@@ -1,0 +1,45 @@
+#include "core/sparse_table.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace peerd {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+TEST(SparseTable, BeginsWithoutItems) {
+  const SparseTable<std::string> table(3);
+  EXPECT_EQ(table.size(), 3u);
+  EXPECT_THAT(table.numbers(), IsEmpty());
+  for (const std::size_t i : {0u, 1u, 2u}) EXPECT_EQ(table.find(i), nullptr);
+}
+
+TEST(SparseTable, NamesItemsInTheOrderInWhichTheyCame) {
+  SparseTable<std::string> table(3);
+  table.add(2, "two");
+  table.add(0, "zero");
+  table.push_back("three");
+  EXPECT_THAT(table.numbers(), ElementsAre(2, 0, 3));
+  EXPECT_EQ(table.size(), 4u);
+  EXPECT_EQ(table[0], "zero");
+  EXPECT_EQ(table[3], "three");
+  EXPECT_FALSE(table.contains(1));
+}
+
+TEST(SparseTable, ItemsStayWhereTheyAre) {
+  SparseTable<int> table(1000);
+  const int* const first = &table.add(500, 7);
+  for (std::size_t i = 0; i < 500; ++i) table.add(i, 0);
+  for (int i = 0; i < 1000; ++i) table.push_back(i);
+  EXPECT_EQ(table.find(500), first);
+  const SparseTable<int> moved = std::move(table);
+  EXPECT_EQ(moved.find(500), first);
+  EXPECT_EQ(moved[500], 7);
+}
+
+}  // namespace
+}  // namespace peerd
