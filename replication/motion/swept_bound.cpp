@@ -50,15 +50,15 @@ double piece_error_m(const Timeline::Segment& law, const collision::Body& body, 
 
 }  // namespace
 
-double reach_m(const collision::Body& body) {
+double radius_about_origin_m(const collision::Body& body) {
   double extent_m = body.extent_m();
   if (body.sphere) extent_m = std::max(extent_m, body.sphere->center.norm() + body.sphere->radius_m);
   return kBoxReach * extent_m;
 }
 
 bool always_apart(const collision::Body& a, const Vec3& at_a, const collision::Body& b, const Vec3& at_b) {
-  const double reach = reach_m(a) + reach_m(b);
-  return (at_a - at_b).norm() > reach + kMargin * (at_a.norm() + at_b.norm() + reach);
+  const double both_m = radius_about_origin_m(a) + radius_about_origin_m(b);
+  return (at_a - at_b).norm() > both_m + kMargin * (at_a.norm() + at_b.norm() + both_m);
 }
 
 SweptBound swept_bound(const Timeline& timeline, const collision::Body& body, SimTime s, SimTime begin, SimTime end) {

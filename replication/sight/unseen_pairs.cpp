@@ -36,6 +36,7 @@ std::uint32_t UnseenPairs::unit_with(std::uint32_t node) {
   if (unit_of_node_[node] != kNone) return unit_of_node_[node];
   std::uint32_t top = node;
   while (model_->nodes[top].carrier != kNone) top = model_->nodes[top].carrier;
+  assert(unit_of_node_[top] == kNone && "a unit is taken in whole");
   const auto number = static_cast<std::uint32_t>(units_.size());
   Unit& unit = units_.emplace_back();
   const auto add = [&](std::uint32_t i) {
@@ -53,6 +54,7 @@ std::uint32_t UnseenPairs::unit_with(std::uint32_t node) {
 
 void UnseenPairs::take_in(const MotionWorld& world) {
   const auto known = world.known_pairs();
+  assert(known.size() >= pairs_.numbers().size());
   for (std::size_t k = pairs_.numbers().size(); k < known.size(); ++k) take_in_pair(known[k]);
 }
 
@@ -92,6 +94,7 @@ std::uint32_t UnseenPairs::unit_of(ObjectId object) const {
 }
 
 UnseenPairs::Standing UnseenPairs::standing_of(std::uint32_t node) const {
+  assert(unit_of_node_[node] != kNone);
   return std::ranges::lower_bound(units_[unit_of_node_[node]].nodes, node, {}, &UnitNode::index)->standing;
 }
 
@@ -147,7 +150,7 @@ void UnseenPairs::grow_ball(const MotionWorld& world, Unit& unit, SimTime to) co
     const ObjectId object = model_->nodes[node.index].object;
     const KinematicState state = world.at(object, from);
     if (std::exchange(first, false)) unit.ball = {state.position, 0.0};
-    const double extent_m = reach_m(model_->bodies[node.index]);
+    const double extent_m = radius_about_origin_m(model_->bodies[node.index]);
     const double away_m = (state.position - unit.ball.center).norm();
     unit.ball.radius_m = std::max(unit.ball.radius_m, kBoxReach * away_m + extent_m);
     speed_m_s = std::max({speed_m_s, state.velocity.norm(), world.at(object, last_).velocity.norm()});

@@ -17,7 +17,6 @@
 #include "replication/world/motion_event.hpp"
 #include "replication/world/moving_objects.hpp"
 #include "replication/world/pair_search.hpp"
-#include "replication/world/waiting_pairs.hpp"
 #include "replication/world/world_model.hpp"
 
 namespace peerd::replication {

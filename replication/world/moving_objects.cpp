@@ -53,6 +53,7 @@ void MovingObjects::add(ObjectId object) {
 bool MovingObjects::has_never_moved(std::size_t node) const {
   const MovingObject* const o = peek(node);
   if (o == nullptr) return true;
+  assert(o->carrier == model_->nodes[node].carrier);
   const Timeline::Segment& law = o->timeline.segment(0);
   const bool is_first = o->revision == 0 && o->timeline.segment_count() == 1 && law.from == start_ && !law.cause;
   return is_first && is_motionless(law.model.state);
@@ -77,6 +78,7 @@ std::optional<ObjectId> MovingObjects::carrier_of(std::size_t index) const {
 }
 
 void MovingObjects::set_role(std::size_t index, Role role) {
+  assert(index < size() && roles_.size() == size());
   roles_[index] = role;
   if (MovingObject* const o = objects_.find(index)) o->role = role;
 }
