@@ -23,7 +23,7 @@ MovingObjects::MovingObjects(const WorldModel& model, SimTime start)
     : model_(&model), start_(start), objects_(model.nodes.size()), roles_(model.nodes.size(), Role::kScene) {}
 
 KinematicState MovingObjects::state_in_file(const ModelNode& node) const {
-  const KinematicState state = at_rest(model_->scene->rigid_pose(node.object));
+  KinematicState state = at_rest(model_->scene->rigid_pose(node.object));
   if (node.carrier == kNone) return state;
   return relative_to(at_rest(model_->scene->rigid_pose(model_->nodes[node.carrier].object)), state);
 }
