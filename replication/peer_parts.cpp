@@ -187,8 +187,7 @@ void PeerParts::change_scene(std::shared_ptr<const Scene> edited_scene, SimTime 
 }
 
 bool PeerParts::is_scene_object(const WorldModel& of, ObjectId object) const {
-  return answers_contacts(of, object) && !std::ranges::binary_search(configured, object) &&
-         !of.scene->object(object).enslaved;
+  return of.answers(object) && !std::ranges::binary_search(configured, object) && !of.scene->object(object).enslaved;
 }
 
 std::vector<ObjectId> PeerParts::follow_scene_objects(SimTime since) {

@@ -7,19 +7,12 @@
 
 namespace peerd::replication {
 
-bool answers_contacts(const WorldModel& model, ObjectId object) {
-  if (model.response_of(object) == nullptr) return false;
-  return std::ranges::any_of(model.pairs_of(object), [&](std::uint32_t number) {
-    return object == model.pairs[number].collider || model.pairs[number].mutual;
-  });
-}
-
 SceneObjects::SceneObjects(const ModelInForce& model) : model_(model) { (void)add_all({}, Owners()); }
 
 std::vector<ObjectId> SceneObjects::add_all(SimTime since, const Owners& owners) {
   std::vector<ObjectId> added;
   for (const ModelNode& node : model_->nodes) {
-    if (owners.of(node.object) != kNobody || !answers_contacts(*model_, node.object)) continue;
+    if (owners.of(node.object) != kNobody || !model_->answers(node.object)) continue;
     const auto [at, is_new] = all_.try_emplace(node.object);
     if (!is_new) continue;
     at->second.since = since;

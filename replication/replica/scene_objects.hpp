@@ -31,10 +31,6 @@ struct SceneObject {
   std::optional<SimTime> ghost_reset{};  // the instant at which its ghost was last given the motion of the truth
 };
 
-// Whether the object answers contacts by itself where nobody owns it: it is registered as a collider with a
-// CollisionResponse.
-[[nodiscard]] bool answers_contacts(const WorldModel& model, ObjectId object);
-
 // The scene objects that answer contacts, but for those that the caller removes, as a configuration gives them to a
 // peer (PeerParts::is_scene_object). As long as nothing but scene objects meets them, they are functions of world time.
 // A decision on a contact makes the deciding peer the owner, until the object rests.

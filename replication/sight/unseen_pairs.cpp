@@ -100,7 +100,7 @@ UnseenPairs::Standing UnseenPairs::standing_of(std::uint32_t node) const {
 
 bool UnseenPairs::answers(std::uint32_t i, bool collider) const {
   const CollisionPair& pair = model_->pairs[model_->part_pairs[i].pair];
-  return (collider || pair.mutual) && model_->response_of(collider ? pair.collider : pair.collidee) != nullptr;
+  return model_->answers(pair, collider ? pair.collider : pair.collidee);
 }
 
 void UnseenPairs::restart(SimTime t) {

@@ -194,7 +194,7 @@ bool WaitingPairs::may_wait(std::uint32_t number, const MovingObjects& objects) 
   if (parts.fixed || !stands_alone(parts.a, pair.collider) || !stands_alone(parts.b, pair.collidee)) return false;
   const collision::Body &a = model_->bodies[parts.a], &b = model_->bodies[parts.b];
   if (pair.type != CollisionType::kBox && !collision::has_exact_answer(a, b)) return false;
-  return always_apart(a, objects.place_of(parts.a), b, objects.place_of(parts.b));
+  return always_apart(a, objects.first_position(parts.a), b, objects.first_position(parts.b));
 }
 
 void WaitingPairs::set(std::uint32_t number, bool waits) {

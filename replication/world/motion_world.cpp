@@ -154,8 +154,9 @@ void MotionWorld::watch(ObjectId a, ObjectId b, bool on) {
 void MotionWorld::watch(std::uint32_t number, bool on) {
   assert(number < model_->pairs.size());
   if (on && waiting_.contains(number)) return;
-  waiting_.set(number, on && !has_pairs_of(number) && waiting_.may_wait(number, objects_));
-  if (waiting_.contains(number) || (!on && !has_pairs_of(number))) return;
+  const bool is_new = !has_pairs_of(number);
+  waiting_.set(number, on && is_new && waiting_.may_wait(number, objects_));
+  if (is_new && (!on || waiting_.contains(number))) return;
   need_pairs_of(number);
   for (std::uint32_t i = model_->first_part_pair[number]; i < model_->first_part_pair[number + 1]; ++i) {
     WatchedPair& pair = pairs_[i];

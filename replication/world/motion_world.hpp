@@ -195,7 +195,7 @@ class MotionWorld {
   // Whether the part pairs of an interest are there; from need_pairs_of() on they are.
   [[nodiscard]] bool has_pairs_of(std::uint32_t number) const;
   void need_pairs_of(std::uint32_t number);
-  // What the object waits to meet is followed from now on, as it moves.
+  // Ends the waits of the object's pairs: it moves, so that they are searched from now on.
   void end_waits_of(std::size_t object);
   // Goes on with the pairs of another model. `change_objects` does so with the objects. Pairs that are new are searched
   // from t on.

@@ -59,7 +59,7 @@ bool MovingObjects::has_never_moved(std::size_t node) const {
   return is_first && is_motionless(law.model.state);
 }
 
-Vec3 MovingObjects::place_of(std::size_t node) const {
+Vec3 MovingObjects::first_position(std::size_t node) const {
   assert(has_never_moved(node));
   const MovingObject* const o = peek(node);
   return o == nullptr ? state_in_file(model_->nodes[node]).position : o->timeline.segment(0).model.state.position;

@@ -94,8 +94,8 @@ class MovingObjects {
   [[nodiscard]] std::vector<std::uint32_t> asked_for() const;
   // Whether the node has stood at its place in the file all the time.
   [[nodiscard]] bool has_never_moved(std::size_t node) const;
-  // Where a node that has never moved is [m, frame of its carrier].
-  [[nodiscard]] Vec3 place_of(std::size_t node) const;
+  // Returns the position of a node that has never moved [m, frame of its carrier].
+  [[nodiscard]] Vec3 first_position(std::size_t node) const;
   // Null where nobody has asked for it.
   [[nodiscard]] const MovingObject* peek(std::size_t index) const { return objects_.find(index); }
   [[nodiscard]] bool contains(ObjectId id) const { return index_or_none(id) != kNone; }

@@ -30,7 +30,6 @@ PairKey key_of_pair(const WorldModel& model, const WatchedPair& pair) {
 
 void add_pairs(WatchedPairs& pairs, const WorldModel& model, std::uint32_t interest, SimTime start, bool watched) {
   const CollisionPair& p = model.pairs[interest];
-  const auto answers = [&](ObjectId id) { return model.response_of(id) != nullptr; };
   const auto flexes = [&](std::uint32_t part) { return model.is_flexible(part); };
   const std::uint32_t collider = model.index_of(p.collider), collidee = model.index_of(p.collidee);
   const bool is_carried =
@@ -51,8 +50,8 @@ void add_pairs(WatchedPairs& pairs, const WorldModel& model, std::uint32_t inter
                   .fixed = parts.fixed,
                   .is_plain = parts.a == collider && parts.b == collidee && !is_carried,
                   .is_flexible = flexible,
-                  .collider_responds = answers(p.collider),
-                  .collidee_responds = p.mutual && answers(p.collidee),
+                  .collider_responds = model.answers(p, p.collider),
+                  .collidee_responds = model.answers(p, p.collidee),
                   .has_exact_search =
                       box || flexible || collision::has_exact_answer(model.bodies[parts.a], model.bodies[parts.b]),
                   .watched = watched,

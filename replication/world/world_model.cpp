@@ -374,9 +374,7 @@ const CollisionResponse* WorldModel::response_of(ObjectId id) const {
 }
 
 bool WorldModel::answers(ObjectId id) const {
-  return std::ranges::any_of(pairs_of(id), [&](std::uint32_t number) {
-    return (pairs[number].collider == id || pairs[number].mutual) && response_of(id) != nullptr;
-  });
+  return std::ranges::any_of(pairs_of(id), [&](std::uint32_t number) { return answers(pairs[number], id); });
 }
 
 bool WorldModel::may_carry(ObjectId carrier, ObjectId object) const {
@@ -387,7 +385,7 @@ bool WorldModel::may_carry(ObjectId carrier, ObjectId object) const {
 bool WorldModel::is_answered(ObjectId a, ObjectId b) const {
   return any_pair(a, b, [&](std::uint32_t number) {
     const CollisionPair& pair = pairs[number];
-    return response_of(pair.collider) != nullptr || (pair.mutual && response_of(pair.collidee) != nullptr);
+    return answers(pair, pair.collider) || answers(pair, pair.collidee);
   });
 }
 

@@ -24,7 +24,7 @@ struct CollisionPair {
   bool mutual = false;  // the collidee is registered for the collider as well, and so responds too
 };
 
-// What an interest is, in any model of the scene: its type, its collider and its collidee.
+// An InterestKey names an interest in any model of the scene: by its type, its collider and its collidee.
 using InterestKey = std::tuple<CollisionType, ObjectId, ObjectId>;
 [[nodiscard]] inline InterestKey key_of(const CollisionPair& pair) { return {pair.type, pair.collider, pair.collidee}; }
 
@@ -109,7 +109,13 @@ struct WorldModel {
     return moved_part_pairs[node];
   }
   [[nodiscard]] const CollisionResponse* response_of(ObjectId id) const;  // null where the object has none
-  [[nodiscard]] bool answers(ObjectId id) const;                          // contacts of some pair
+  // Whether an end of the pair answers its contacts, being registered for them with a CollisionResponse; whether the
+  // object answers those of some pair.
+  [[nodiscard]] bool answers(const CollisionPair& pair, ObjectId end) const {
+    assert(end == pair.collider || end == pair.collidee);
+    return (end == pair.collider || pair.mutual) && response_of(end) != nullptr;
+  }
+  [[nodiscard]] bool answers(ObjectId id) const;
   // Whether `holds` of any pair of the two.
   template <class Predicate>
   [[nodiscard]] bool any_pair(ObjectId a, ObjectId b, Predicate holds) const {

@@ -211,7 +211,7 @@ TEST_F(Keeping, AloneItGoesOnFromWhereItWasAfterASuspension) {
   EXPECT_EQ(p.launches.unpublished().at(o0), sim(13s));
 }
 
-// What has been launched and not published yet is where it is in the truth alone.
+// The truth alone knows where an object is that has been launched and not published yet.
 TEST(KeepingALaunch, ASuspensionBeforeTheFirstTickDoesNotLoseIt) {
   const World world(box("BALL", "1 1 1", "0 0 0") + box("WALL", "1 1 1", "90 0 0") + interest("BALL", "\"WALL\""));
   PeerConfig c = config(5, {{world["BALL"]}});

@@ -325,7 +325,7 @@ TEST(WaitingPairs, AreNoneOfWhatHasHadAnotherLawFromTheBeginOn) {
   }
 }
 
-// What overlaps in the file, or whose boxes may, or who has moved already, does not wait.
+// Two whose boxes may overlap in the file do not wait, and neither do two of which one has moved already.
 TEST(WaitingPairs, AreNoneThatMayTouchInTheFileOrHaveMoved) {
   const World near(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "2 0 0") + interest("A", "\"B\""));
   MotionWorld touching(*near.model, sim(0s), MotionWorld::Watched::kNone);
