@@ -97,7 +97,15 @@ std::expected<void, Drop> Intake::on_packet(HostTime now, RegionId region, std::
     return dropped(region, Drop::kNotYetInSession);
   }
   on_records(now, m.sender, m, p_.to_session(now));
+  on_ghost_checks(region, m, p_.to_session(now));
   return {};
+}
+
+void Intake::on_ghost_checks(RegionId region, const Message& m, SimTime session_now) {
+  if (m.ghosts) p_.ghost_check.on_digest(m.sender, region, *m.ghosts, session_now);
+  if (m.ghost_question) p_.ghost_check.on_question(m.sender, *m.ghost_question, session_now);
+  if (!m.ghost_answer.states.empty()) p_.ghost_check.on_answer(m.sender, m.ghost_answer, session_now);
+  if (!m.ghost_reports.empty()) p_.ghost_check.on_reports(m.sender, m.ghost_reports, session_now);
 }
 
 void Intake::count(RegionId region, const Message& m, std::size_t size_bytes) {
@@ -373,17 +381,71 @@ void Intake::on_records(HostTime now, PeerId sender, Message& m, SimTime session
     p_.regions.on_subscriptions(sender, m.subscriptions, session_now);
   }
   p_.regions.on_handovers(sender, m.handovers, session_now);
+  take_early(now, p_.reached());
   for (UpdateRecord& u : m.updates) {
     if (u.at < session_now - kUpdateAgeMax) {
       p_.drop(sender, "update_time");
     } else if (u.at > session_now + kUpdateAheadMax) {
       drop_of_the_future(now, sender, "update_time");
-    } else {
+    } else if (reach(now, u.at)) {
       on_update(sender, m.number, u, session_now);
+    } else {
+      wait(sender, m.number, u.at, u);
     }
   }
-  if (!m.scene.states.empty()) scene_.on_states(sender, m.scene);
+  if (!m.scene.states.empty()) on_scene_states(now, sender, m.number, m.scene, session_now);
   for (const DecisionRecord& d : m.decisions) on_decision(now, sender, m.number, d, session_now);
+}
+
+// ---- records of an instant that is still to come ----
+
+bool Intake::reach(HostTime now, SimTime at) {
+  if (at <= p_.reached()) return true;
+  const SimTime session_now = p_.to_session(now);
+  const bool tick_is_due = p_.ticks.number_at(session_now) > p_.ticks.last();
+  if (at > session_now || tick_is_due) return false;
+  p_.advance_worlds(at);
+  return true;
+}
+
+void Intake::wait(PeerId sender, std::uint32_t number, SimTime at, decltype(EarlyRecord::record) record) {
+  if (std::exchange(early_life_, p_.replica.lives()) != p_.replica.lives()) early_.clear();
+  if (early_.add({at, sender, number, std::move(record)})) {
+    ++p_.counters.records_early;
+    return;
+  }
+  p_.members.find(sender)->mark_as_missing(number);
+  p_.drop(sender, "too_many_early");
+}
+
+void Intake::take_early(HostTime now, SimTime t) {
+  if (early_life_ != p_.replica.lives()) return;  // they are of worlds that are no more
+  while (auto early = early_.take_until(t)) {
+    if (early->at > p_.reached()) p_.advance_worlds(early->at);
+    if (p_.members.find(early->sender) == nullptr) continue;  // it has left meanwhile
+    const SimTime session_now = std::max(p_.to_session(now), early->at);
+    if (auto* const update = std::get_if<UpdateRecord>(&early->record)) {
+      on_update(early->sender, early->number, *update, session_now);
+    } else if (const auto* const states = std::get_if<SceneStates>(&early->record)) {
+      scene_.on_states(early->sender, *states);
+    } else {
+      const auto& decision = std::get<DecisionRecord>(early->record);
+      if (const char* why = p_.decisions.on_decision(early->sender, early->number, decision, session_now)) {
+        p_.drop(early->sender, why);
+      }
+    }
+  }
+}
+
+// A state of longer than a second ahead is refused by the scene.
+void Intake::on_scene_states(HostTime now, PeerId sender, std::uint32_t number, SceneStates& scene,
+                             SimTime session_now) {
+  std::erase_if(scene.states, [&](const UpdateRecord& state) {
+    if (state.at > session_now + kUpdateAheadMax || reach(now, state.at)) return false;
+    wait(sender, number, state.at, SceneStates{scene.since, {state}});
+    return true;
+  });
+  if (!scene.states.empty()) scene_.on_states(sender, scene);
 }
 
 // A decision that is refused for what this peer knows now may be taken when it comes again.
@@ -398,6 +460,7 @@ void Intake::on_decision(HostTime now, PeerId sender, std::uint32_t number, cons
     p_.limits.refuse(now, sender, *broken);
     return come_again();
   }
+  if (!reach(now, d.contact)) return wait(sender, number, d.contact, d);
   if (const char* why = p_.decisions.on_decision(sender, number, d, session_now)) p_.drop(sender, why);
 }
 
@@ -431,7 +494,10 @@ void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, Sim
     ++p_.counters.updates_duplicate;
     return;
   }
-  if (u.sequence < last) return p_.drop(sender, "old_sequence");
+  if (u.sequence < last) {
+    take_overtaken(u);
+    return p_.drop(sender, "old_sequence");
+  }
   if (last > 0 && p_.replica.receives(u.object)) p_.display.on_missing(u.sequence - last - 1);
   last = u.sequence;
   p_.display.on_update_age(session_now - u.at);
@@ -444,7 +510,7 @@ void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, Sim
   if (!p_.regions.accept(u, session_now)) return;
   const SimTime decided = p_.decisions.last_binding(u.object);
   if (!p_.decisions.counts(u, decided)) {
-    if (p_.display.is_bounded() && u.at < decided) show_until_decision(u, session_now);
+    if (u.at < decided) take_until_decision(u, session_now);
     return p_.drop(sender, "before_decision");
   }
   p_.display.on_update(u.at, session_now);
@@ -454,10 +520,19 @@ void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, Sim
   p_.replica.set_ghost(u.object, u.at, p_.replica.in_own_frame(u), p_.own.contains(u.object));
 }
 
-// With a bounded latency the time from the update to the decision is still to be shown, as its owner shows it, unless
-// an earlier decision makes the update void for all. From the decision on the object goes as it did, and the truth
-// stays: the contact has been found in it.
-void Intake::show_until_decision(const UpdateRecord& u, SimTime session_now) {
+// A later update has come before it. Until the instant of that one the ghost goes by this one, as its owner's does, and
+// others may have met it there. The truth stays. Updates to regions may be of a time in which this peer did not receive
+// the object.
+void Intake::take_overtaken(const UpdateRecord& u) {
+  if (p_.regions.cuts() || !p_.replica.ghosts().has(u.object)) return;
+  if (p_.replica.keep_overtaken(u)) p_.decisions.replay_ghost(u.object, u.at);
+}
+
+// The update does not know of a later decision. From the update to that decision the ghost goes as its owner has shown
+// it, unless an earlier decision makes the update void for all: others may have met the ghost then, and with a bounded
+// latency that time is still to be shown. From the decision on the object goes as it did, and the truth stays: the
+// contact has been found in it.
+void Intake::take_until_decision(const UpdateRecord& u, SimTime session_now) {
   const bool counts = p_.decisions.counts(u, p_.decisions.last_binding(u.object, u.at));
   if (!counts || p_.own.contains(u.object) || !p_.replica.ghosts().has(u.object)) return;
   p_.display.on_update(u.at, session_now);

@@ -60,6 +60,8 @@ void Peer::Impl::on_tick(HostTime now, std::span<const OwnSample> samples) {
     ++parts.counters.ticks;
     parts.counters.ticks_missed += static_cast<std::uint64_t>(number - parts.ticks.last() - 1);
     parts.ticks.set_last(number);
+    operations.apply_until(*due);
+    intake.take_early(now, *due);
     tick(*due, samples);
     operations.place_left_behind(now, *due);
     parts.regions.follow_interest(*due, parts.to_session(now));
@@ -90,7 +92,6 @@ void Peer::Impl::on_tick(HostTime now, std::span<const OwnSample> samples) {
 }
 
 void Peer::Impl::tick(SimTime t, std::span<const OwnSample> samples) {
-  operations.apply_until(t);
   parts.extend_motions(t);
   parts.replica.advance_truth(t);
   parts.publication.take(t, samples);
@@ -98,6 +99,7 @@ void Peer::Impl::tick(SimTime t, std::span<const OwnSample> samples) {
   report_contacts(parts, t);
   parts.publication.publish(t);
   scene.maintain(t);
+  parts.ghost_check.on_tick(t);
   if (const auto delay = parts.display.poll_delay(t)) parts.outbox.push(*delay);
   if (const auto late = parts.display.poll_late(t)) parts.outbox.push(*late);
   parts.counters.predictions_unseen += parts.sight.pairs_put_off();
@@ -364,6 +366,18 @@ void Peer::look(std::vector<View> views) { impl_->parts.sight.look(std::move(vie
 void Peer::look_from(const std::optional<Viewpoint>& viewpoint) {
   impl_->parts.config.decisions.viewpoint = viewpoint;
   impl_->keeper.reintroduce();
+}
+
+std::optional<double> Peer::ghost_difference_m(ObjectId object, HostTime now) const {
+  return impl_->parts.ghost_check.difference_m(object, impl_->parts.to_session(now));
+}
+
+void Peer::displace_ghost(ObjectId object, SimTime t, const Vec3& by_m) {
+  Replica& replica = impl_->parts.replica;
+  assert(replica.begun() && replica.ghosts().has(object));
+  MotionModel law = replica.ghosts().model_at(object, t);
+  law.state.position += by_m;
+  replica.ghosts().set_base(object, t, law);
 }
 
 Pose Peer::shown(ObjectId object, SimTime t) { return impl_->parts.display.shown(object, t); }

@@ -110,14 +110,12 @@ class Peer {
   [[nodiscard]] const Membership& members() const;
   [[nodiscard]] PeerId owner(ObjectId object) const { return owners().of(object); }
   [[nodiscard]] const Owners& owners() const;
-  [[nodiscard]] bool owns_any() const;  // this peer
-  // The error threshold [m] with which an own object was checked last; none: it is none, or has not been checked.
-  [[nodiscard]] std::optional<double> threshold_m(ObjectId object) const;
+  [[nodiscard]] bool owns_any() const;                                     // this peer
+  [[nodiscard]] std::optional<double> threshold_m(ObjectId object) const;  // of an own object's last check [m]
   // Session time at which the world's TimeSensors began, the same on all peers; none until one of them has said.
   [[nodiscard]] std::optional<SimTime> world_zero() const;
-  // World time [s] since which the world's TimeSensors stand still (PredefinedMotion::transition_limit_reached_at).
-  [[nodiscard]] std::optional<double> time_sensors_limited_at() const;
-  // A vector in the frame of the object's parent, as files have velocities, in the world's, as the parent stands then.
+  [[nodiscard]] std::optional<double> time_sensors_limited_at() const;  // PredefinedMotion's limit, world time [s]
+  // A vector in the frame of the object's parent, as files have it, in the world's, as the parent stands then.
   [[nodiscard]] Vec3 to_world(SimTime at, ObjectId object, const Vec3& in_parent);
 
   // The state of an object as this peer knows it, and as all peers predict it. Both need a session. Of the past 4 s; of
@@ -135,6 +133,8 @@ class Peer {
   void look_from(const std::optional<Viewpoint>& viewpoint);  // .. and has that viewpoint, as all others hear
   // What a viewer draws after advance_ghosts(t); t never goes back. It goes through nothing that the ghost didn't.
   [[nodiscard]] Pose shown(ObjectId object, SimTime t);
+  [[nodiscard]] std::optional<double> ghost_difference_m(ObjectId object, HostTime now) const;  // GhostCheck
+  void displace_ghost(ObjectId object, SimTime t, const Vec3& by_m);  // for tests: a difference from t on
   [[nodiscard]] std::optional<Duration> bound(SimTime t);  // of BoundedLatency, at about now; none: without that mode
 
   [[nodiscard]] const Counters& counters() const;

@@ -99,9 +99,9 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
       decisions(config, model, members, owners, scene, own, replica, display, ticks, outbox, counters,
                 [this](ObjectId object, PeerId by, SimTime contact) { give_scene_object(object, by, contact); }),
       decision_check(model, members, owners, replica, ticks),
+      ghost_check(config, members, owners, scene, own, replica, sight, regions, decisions, outbox, counters),
       publication(config, model, members, owners, own, launches, replica, regions, decisions, ticks, outbox, counters) {
   assert(std::ranges::is_sorted(configured));
-  if (config.bounded_latency.is_on()) replica.keep_updates();
   counters.scene_changes += model.revision();
   time.begin_behind(stored_until);
   for (const auto& [object, each] : std::as_const(own)) {
@@ -132,6 +132,12 @@ void PeerParts::extend_motions(SimTime t) {
   replica.set_world_zero(world_time.zero(), t);
   scripted.extend(t, world_time.zero(), owners, scene, replica);
   launches.begin_due(t, [this](SimTime at, ObjectId object) { return file_velocity(at, object); });
+}
+
+void PeerParts::advance_worlds(SimTime t) {
+  extend_motions(t);
+  replica.advance_truth(t);
+  replica.advance_ghosts(t);
 }
 
 bool PeerParts::let_move(std::span<const ObjectId> objects) {

@@ -1,10 +1,12 @@
 #pragma once
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <span>
 
 #include "replication/decision/contact_decisions.hpp"
 #include "replication/decision/decision_check.hpp"
+#include "replication/ghost_check/ghost_check.hpp"
 #include "replication/operations/operation_exchange.hpp"
 #include "replication/operations/operation_log.hpp"
 #include "replication/output/outbox.hpp"
@@ -91,6 +93,7 @@ struct PeerParts {
   RegionSubscriptions regions;
   ContactDecisions decisions;
   DecisionCheck decision_check;
+  GhostCheck ghost_check;
   Publication publication;
 
   // Session time of `now`.
@@ -100,6 +103,10 @@ struct PeerParts {
   // Gives both worlds, which have begun, the motion by the file until t, and the truth the launches by this peer until
   // then.
   void extend_motions(SimTime t);
+  // Advances both worlds to t, an instant before the next tick, or of it.
+  void advance_worlds(SimTime t);
+  // The instant to which both worlds have been advanced.
+  [[nodiscard]] SimTime reached() const { return std::min(replica.truth().advanced(), replica.ghosts().advanced()); }
   // These objects are moved by somebody from now on, or others relative to them: the model in force has them as
   // carriers from now on. Returns whether that makes another model of it; then all of its pairs are to be watched anew.
   [[nodiscard]] bool let_move(std::span<const ObjectId> objects);

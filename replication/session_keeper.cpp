@@ -435,8 +435,8 @@ void SessionKeeper::orphan_objects_of(PeerId peer, HostTime since, HostTime now,
     p_.scripted.restart();
   }
   const SimTime t = p_.to_session(now);
-  // The places of its objects are read below: with a bounded latency some of their laws may wait to be laid again.
-  if (p_.replica.begun() && p_.replica.keeps_updates()) p_.replica.catch_up_ghosts();
+  // The places of its objects are read below: some of their laws may wait to be laid again.
+  if (p_.replica.begun()) p_.replica.catch_up_ghosts();
   p_.own.forget_acknowledgements_of(peer);
   std::erase_if(p_.removed, [&](const auto& each) { return each.second.owner == peer; });
   bool owned_any = false;

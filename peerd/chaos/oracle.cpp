@@ -236,6 +236,8 @@ void Oracle::on_output(double now_s, std::size_t host, const Output& output) {
   } else if (const auto* overruled = std::get_if<Overruled>(&output)) {
     life.outcomes.erase({overruled->contact, std::minmax(overruled->collider, overruled->collidee)});
     count("decision overruled");
+  } else if (const auto* differs = std::get_if<GhostDiffers>(&output)) {
+    on_difference(now_s, life, *differs);
   } else if (std::holds_alternative<ContactsRetracted>(output)) {
     count("contacts retracted");
   } else if (std::holds_alternative<ObjectOrphaned>(output)) {
@@ -448,6 +450,16 @@ void Oracle::check_owners(double now_s) {
       }
     }
   }
+}
+
+// Once the network has healed, whatever a peer shows elsewhere than its owner believes must have a reason.
+void Oracle::on_difference(double now_s, const Life& life, const GhostDiffers& differs) {
+  if (differs.owner == life.node->peer().id()) return;  // who shows it says why
+  count(differs.explained ? "ghost differs, explained" : "ghost differs");
+  if (differs.explained || !trusts_datagrams_ || !calm_since_ || differs.at < *calm_since_) return;
+  violate(now_s, fmt::format("{} shows {} {:.3g} m from where its owner believes at session time {} ns", name_of(life),
+                             path_or_id(life.node->scene(), differs.object), differs.distance_m,
+                             differs.at.time_since_epoch().count()));
 }
 
 void Oracle::check_outcomes(double now_s) {

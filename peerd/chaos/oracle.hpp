@@ -101,6 +101,7 @@ class Oracle final : public LogRows {
   void note_written(replication::AuthorId author, std::uint64_t bytes);
   void on_growth(std::size_t host, const replication::OperationRange& grown);
   void on_contact(Life& life, const replication::ContactSeen& seen);
+  void on_difference(double now_s, const Life& life, const replication::GhostDiffers& differs);
   void check_held(double now_s);
   void check_stored(double now_s);
   void check_logs(double now_s);

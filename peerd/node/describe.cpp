@@ -227,6 +227,11 @@ struct LineOf {
     return LogLine{LogLevel::kWarning, fmt::format("{} and {} overlap from the start", path_or_id(scene, o.collider),
                                                    path_or_id(scene, o.collidee))};
   }
+  Line operator()(const GhostDiffers& d) const {
+    const auto level = d.explained ? LogLevel::kDebug : LogLevel::kWarning;
+    return LogLine{level, fmt::format("peer {} shows {} {:.3g} m from where its owner, peer {}, believes; it is mended",
+                                      d.by.value, path_or_id(scene, d.object), d.distance_m, d.owner.value)};
+  }
   Line operator()(const NotColliding& n) const {
     return LogLine{LogLevel::kDebug,
                    fmt::format("{} notColliding {}", path_or_id(scene, n.object), n.value ? "TRUE" : "FALSE")};

@@ -68,6 +68,15 @@ replication::SightSettings sight_of(const config::PeerSettings& settings, const 
   return sight;
 }
 
+void count_ghost_checks(const replication::PeerCounters& c, std::map<std::string, std::uint64_t>& counters) {
+  counters["ghost_checks"] = c.ghost_checks;
+  counters["ghost_questions"] = c.ghost_questions;
+  counters["ghost_answers"] = c.ghost_answers;
+  counters["ghosts_differ"] = c.ghosts_differ;
+  counters["ghosts_differ_explained"] = c.ghosts_differ_explained;
+  counters["ghosts_reported"] = c.ghosts_reported;
+}
+
 void count_late(const replication::PeerCounters& c, std::map<std::string, std::uint64_t>& counters) {
   counters["updates_late"] = c.updates_late;
   counters["updates_missing"] = c.updates_missing;
@@ -635,6 +644,7 @@ const PeerLog& PeerNode::log() {
        {"scene_changes", c.scene_changes},
        {"models_changed", c.models_changed},
        {"updates_duplicate", c.updates_duplicate},
+       {"records_early", c.records_early},
        {"updates_relayed", c.updates_relayed},
        {"updates_withheld", c.updates_withheld},
        {"states_out_of_range", c.states_out_of_range},
@@ -665,6 +675,7 @@ const PeerLog& PeerNode::log() {
        {"clock_steps", c.clock_steps},
        {"clock_contradictions", c.clock_contradictions},
        {"os_clocks_doubted", c.os_clocks_doubted}};
+  count_ghost_checks(c, n);
   for (std::size_t i = 0; i < c.update_sizes_out.size(); ++i) {
     const bool longer = i == replication::kRecordSizes.size();
     const std::size_t size_bytes = replication::kRecordSizes[longer ? i - 1 : i];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <iterator>
 #include <map>
 #include <utility>
 
@@ -294,7 +295,6 @@ bool ContactDecisions::awaits_decision_on(ObjectId object) const {
 // it was the lower one that said nothing, and else once a decision of the lower one would have come: the lower one may
 // not have found the contact.
 void ContactDecisions::resolve_overdue(SimTime t) {
-  apply_early(t);
   log_.forget_before(t - kRememberedFor);
   const Duration patience = 2 * lookback() + 3 * config_.hello_period;
   const Duration lower_id_delay = lookback() + config_.hello_period;
@@ -363,6 +363,7 @@ void ContactDecisions::on_contact_notes(PeerId sender, const Hello& hello, SimTi
 // it is repeated.
 const char* ContactDecisions::on_decision(PeerId sender, std::uint32_t number, const DecisionRecord& d,
                                           SimTime known_at) {
+  assert(d.contact <= known_at);
   if (!model_->are_paired(d.collider, d.collidee)) {
     const Scene& scene = *model_->scene;
     const bool may_come = !scene.contains(d.collider) || !scene.contains(d.collidee);  // by an operation
@@ -375,15 +376,6 @@ const char* ContactDecisions::on_decision(PeerId sender, std::uint32_t number, c
   }
   if (const char* why = why_void(d)) return why;
   if (log_.count(sender, d.collider, d.collidee) >= kOfPairMax) return "too_many_decisions";
-  if (d.contact > known_at) {
-    if (early_.size() >= kOfPairMax) return "too_many_decisions";
-    const bool known = std::ranges::any_of(early_, [&](const Early& e) {
-      return e.author == sender && e.decision.contact == d.contact && of_pair(e.decision, d.collider, d.collidee);
-    });
-    if (known) return "decision_known";
-    early_.push_back({d, sender});
-    return nullptr;
-  }
   const auto changes = log_.add(d, sender);
   if (!changes) return "decision_known";
   if (changes->empty()) {
@@ -408,20 +400,6 @@ const char* ContactDecisions::why_void(const DecisionRecord& d) const {
     if (d.contact < begins) return "decision_before_life";
   }
   return nullptr;
-}
-
-// A way that begins later has no contacts before that: until its time a decision would take an object through a wall.
-void ContactDecisions::apply_early(SimTime t) {
-  std::vector<Early> due;
-  for (const Early& e : early_) {
-    if (e.decision.contact <= t) due.push_back(e);
-  }
-  std::erase_if(early_, [&](const Early& e) { return e.decision.contact <= t; });
-  std::ranges::sort(due, {}, [](const Early& e) { return std::pair(e.decision.contact, e.author); });
-  for (const auto& [d, author] : due) {
-    if (!may_have_decided(author, d) || why_void(d) != nullptr) continue;
-    if (const auto changes = log_.add(d, author)) apply(*changes, t);
-  }
 }
 
 // The decision itself gives a scene object to its author. A decision that has been overruled names no owner.
@@ -456,7 +434,7 @@ void ContactDecisions::apply(const std::vector<DecisionLog::Change>& changes, Si
     outbox_.push(Overruled{d.collider, d.collidee, d.contact});
     for (const ObjectId object : {d.collider, d.collidee}) {
       own_.republish(object);
-      if (replica_.keeps_updates() && binds(d, object)) replay_ghost(object, d.contact);
+      if (binds(d, object)) replay_ghost(object, d.contact);
     }
   }
   replica_.catch_up_truth();  // walls that an own object met after the contact
@@ -543,24 +521,6 @@ void ContactDecisions::rebase(ObjectId object, SimTime from) {
   replay(object, from, true);
 }
 
-// The updates that may be laid again, ascending: all of the last kHistory where the ghosts are asked for their past,
-// else the last one.
-std::vector<UpdateRecord> ContactDecisions::updates_since(ObjectId object, SimTime from) const {
-  std::vector<UpdateRecord> updates;
-  const auto take = [&](const UpdateRecord& update) {
-    if (update.at >= from) updates.push_back(update);
-  };
-  if (replica_.keeps_updates()) {
-    for (const UpdateRecord& update : replica_.kept_updates(object)) take(update);
-    return updates;
-  }
-  const OwnObject* const own = own_.find(object);
-  const UpdateRecord* last = replica_.last_update_of(object);
-  if (own != nullptr) last = own->delivery.record ? &*own->delivery.record : nullptr;
-  if (last != nullptr) take(*last);
-  return updates;
-}
-
 // Without a decision on an earlier contact that came later there would be a gap in which the two meet once more. The
 // truth of an own object that physics moves takes the decisions, and no update. `in_truth`: the truth changes as well.
 void ContactDecisions::replay(ObjectId object, SimTime from, bool in_truth) {
@@ -569,11 +529,11 @@ void ContactDecisions::replay(ObjectId object, SimTime from, bool in_truth) {
   const auto lay = [&](SimTime t, const MotionModel& model) {
     replica_.set_ghost(object, t, model, owned || !in_truth);
   };
-  if (replica_.keeps_updates()) {
-    replica_.note_change_ahead(object);
-    replica_.ghosts().forget_bases(object, from);
-  }
-  const std::vector<UpdateRecord> updates = updates_since(object, from);
+  replica_.note_change_ahead(object);
+  replica_.ghosts().forget_bases(object, from);
+  std::vector<UpdateRecord> updates;
+  std::ranges::copy_if(replica_.kept_updates(object), std::back_inserter(updates),
+                       [&](const UpdateRecord& update) { return update.at >= from; });
   auto next = updates.begin();
   SimTime decided = last_binding(object, from - Duration{1});
   const auto lay_updates_until = [&](SimTime end) {
@@ -686,7 +646,6 @@ void ContactDecisions::note_sent(std::span<const DecisionRecord> decisions, std:
 void ContactDecisions::remove(ObjectId object) {
   std::erase_if(deferred_,
                 [&](const Deferred& d) { return d.contact.collider == object || d.contact.collidee == object; });
-  std::erase_if(early_, [&](const Early& e) { return e.decision.collider == object || e.decision.collidee == object; });
   log_.forget(object);
   life_since_.erase(object);
 }
@@ -695,7 +654,6 @@ void ContactDecisions::restart(bool same_session) {
   deferred_.clear();
   if (same_session) return;
   log_.clear();
-  early_.clear();
   life_since_.clear();
   last_found_.clear();
 }

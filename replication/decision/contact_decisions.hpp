@@ -61,15 +61,15 @@ class ContactDecisions {
   void note_found(const ContactEvent& contact);
   // Another peer is to decide the contact.
   void defer(const ContactEvent& contact);
-  // At a tick: applies the decisions whose time has come, and decides the deferred contacts on which nobody else has
-  // said anything in time (fallback).
+  // At a tick: decides the deferred contacts on which nobody else has said anything in time (fallback).
   void resolve_overdue(SimTime t);
   [[nodiscard]] bool awaits_decision_on(ObjectId object) const;
   [[nodiscard]] bool has_deferred() const { return !deferred_.empty(); }
 
   // ---- what other peers say
 
-  // Null, or why the decision changed nothing.
+  // Null, or why the decision changed nothing. Its contact is not later than `known_at`, which both worlds have
+  // reached: a way that begins later has no contacts before that, so that it would take an object through a wall.
   [[nodiscard]] const char* on_decision(PeerId sender, std::uint32_t number, const DecisionRecord& decision,
                                         SimTime known_at);
   // The contact notes of a sender's hello: whether it has found the contacts that this peer leaves to it.
@@ -136,14 +136,7 @@ class ContactDecisions {
     PeerId decider;
   };
 
-  // A decision whose time has not come here: its author's clock is ahead.
-  struct Early {
-    DecisionRecord decision;
-    PeerId author;
-  };
-
   [[nodiscard]] const char* why_void(const DecisionRecord& decision) const;
-  void apply_early(SimTime t);
   [[nodiscard]] bool binds(const DecisionRecord& decision, ObjectId object) const;
   [[nodiscard]] bool may_have_decided(PeerId peer, const DecisionRecord& decision) const;
   [[nodiscard]] bool searches_contacts_of(ObjectId a, ObjectId b) const;
@@ -168,7 +161,6 @@ class ContactDecisions {
   void apply(const DecisionRecord& decision, PeerId author, SimTime known_at);
   void rebase(ObjectId object, SimTime from);
   void replay(ObjectId object, SimTime from, bool in_truth);
-  [[nodiscard]] std::vector<UpdateRecord> updates_since(ObjectId object, SimTime from) const;
   void repeat(DecisionLog::Entry& own);
   [[nodiscard]] bool is_acknowledged_by_all(const DecisionLog::Entry& own) const;
 
@@ -186,7 +178,6 @@ class ContactDecisions {
   OnDecided on_decided_;
   DecisionLog log_;
   std::vector<Deferred> deferred_;
-  std::vector<Early> early_;
   // The last contact that was found of each interest, of pairs with several; by the lower and the higher object.
   std::map<std::tuple<ObjectId, ObjectId, CollisionType>, SimTime> last_found_;
   std::map<ObjectId, SimTime> life_since_;  // of objects whose owner has left once

@@ -26,6 +26,7 @@ Message Outbox::blank() const {
 std::uint32_t Outbox::send(Message& message, RegionId region, std::span<const EncodedUpdate> updates) {
   assert(message.sender == self_ && message.incarnation == incarnation_);
   message.number = ++numbers_[region];
+  take_rider(region, message);
   put(region, message, updates);
   return message.number;
 }
@@ -36,13 +37,33 @@ std::uint32_t Outbox::send_nearby(Message& message, std::span<const RegionId> re
   assert(!regions.empty() && std::ranges::is_sorted(regions) && regions.front() != kWholeScene);
   message.nearby = true;
   message.number = ++numbers_[kNearby];
-  for (const RegionId region : regions) put(region, message, updates);
+  for (const RegionId region : regions) {
+    take_rider(region, message);
+    put(region, message, updates);
+  }
   return message.number;
 }
 
 void Outbox::send_unnumbered(const Message& message) {
   assert(message.sender == self_ && message.number == 0);
   put(kWholeScene, message, {});
+}
+
+void Outbox::ride(RegionId region, const GhostDigest& digest) {
+  const auto at = std::ranges::find(riders_, region, &std::pair<RegionId, GhostDigest>::first);
+  if (at == riders_.end()) {
+    riders_.emplace_back(region, digest);
+  } else {
+    at->second = digest;
+  }
+}
+
+void Outbox::take_rider(RegionId region, Message& message) {
+  message.ghosts.reset();
+  const auto at = std::ranges::find(riders_, region, &std::pair<RegionId, GhostDigest>::first);
+  if (at == riders_.end()) return;
+  message.ghosts = at->second;
+  riders_.erase(at);
 }
 
 void Outbox::put(RegionId region, const Message& message, std::span<const EncodedUpdate> updates) {
@@ -52,6 +73,12 @@ void Outbox::put(RegionId region, const Message& message, std::span<const Encode
     spare_.pop_back();
   }
   codec_.encode(message, updates, datagram);
+  if (datagram.size() > kDatagramMax_bytes && message.ghosts) {  // the digest waits for the next one
+    ride(region, *message.ghosts);
+    Message without = message;
+    without.ghosts.reset();
+    codec_.encode(without, updates, datagram);
+  }
   assert(datagram.size() <= kDatagramMax_bytes);
   ++counters_.datagrams_out;
   counters_.bytes_out += datagram.size();

@@ -33,6 +33,10 @@ class Outbox {
                             std::span<const EncodedUpdate> updates = {});
   // Encodes a message to all peers without a number: nobody counts it as one of this peer's.
   void send_unnumbered(const Message& message);
+  // The digest goes with the next numbered datagram to that region which has room for it, in place of one that waits.
+  void ride(RegionId region, const GhostDigest& digest);
+  void forget_riders() { riders_.clear(); }
+  [[nodiscard]] PeerId self() const { return self_; }
   void push(Output output) { outputs_.push_back(std::move(output)); }
 
   [[nodiscard]] std::optional<Output> poll();
@@ -44,6 +48,7 @@ class Outbox {
   [[nodiscard]] ByteBudget& bytes() { return bytes_; }
 
  private:
+  void take_rider(RegionId region, Message& message);
   void put(RegionId region, const Message& message, std::span<const EncodedUpdate> updates);
 
   PeerId self_;
@@ -51,7 +56,8 @@ class Outbox {
   PeerCounters& counters_;
   Codec codec_;
   std::map<RegionId, std::uint32_t> numbers_;
-  std::vector<Bytes> spare_;  // memory for datagrams to come
+  std::vector<std::pair<RegionId, GhostDigest>> riders_;  // at most one a region
+  std::vector<Bytes> spare_;                              // memory for datagrams to come
   ByteBudget bytes_;
   std::vector<Output> outputs_;
   std::size_t polled_ = 0;  // the number of outputs_ that have been polled

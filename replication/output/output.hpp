@@ -179,10 +179,18 @@ struct ContactSeen {
   SimTime known_at;
   PeerId decider = kNobody;  // whose finding or decision it is; nobody's: kPredicted and kScene
 };
+// A peer shows an object elsewhere than its owner believes; said by both.
+struct GhostDiffers {
+  ObjectId object;
+  PeerId owner, by;  // `by` shows it elsewhere
+  SimTime at{};
+  double distance_m = 0.0;
+  bool explained = false;  // by what has been lost, or has not come yet; the owner does not ask for the reason
+};
 using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined,
                             PeerLost, ObjectOrphaned, OtherVersion, OtherWorld, IdInUse, NameInUse, LimitMet,
                             OwnershipConflict, FounderGaveWay, SceneEdited, DataChanged, MessageReceived, OperationHeld,
                             ObjectGiven, ObjectRequested, RequestRefused, LogGrown, DelayShown, CameTooLate, Published,
-                            ContactSeen, Overruled, ContactsRetracted, BodiesOverlap, NotColliding>;
+                            ContactSeen, Overruled, ContactsRetracted, BodiesOverlap, NotColliding, GhostDiffers>;
 
 }  // namespace peerd::replication

@@ -1,5 +1,7 @@
 #include "replication/replica/replica.hpp"
 
+#include <algorithm>
+
 #include "replication/parts/contact_polygons.hpp"
 
 namespace peerd::replication {
@@ -92,11 +94,23 @@ void Replica::declare_remote(ObjectId object, Role role) {
 
 // A later update of an earlier time makes those after that void.
 void Replica::keep_update(const UpdateRecord& update) {
-  if (!keeps_updates_ || model_->pairs_of(update.object).empty()) return;
+  if (model_->pairs_of(update.object).empty()) return;
   std::vector<UpdateRecord>& kept = kept_updates_[update.object];
   const SimTime oldest = update.at - MotionWorld::kHistory;
   std::erase_if(kept, [&](const UpdateRecord& each) { return each.at >= update.at || each.at < oldest; });
   kept.push_back(update);
+}
+
+bool Replica::keep_overtaken(const UpdateRecord& update) {
+  const auto at = kept_updates_.find(update.object);
+  if (at == kept_updates_.end() || at->second.empty()) return false;
+  std::vector<UpdateRecord>& kept = at->second;
+  const bool is_void = std::ranges::any_of(kept, [&](const UpdateRecord& each) {
+    return each.sequence == update.sequence || (each.sequence > update.sequence && each.at <= update.at);
+  });
+  if (is_void || update.at < kept.back().at - MotionWorld::kHistory) return false;
+  kept.insert(std::ranges::upper_bound(kept, update.at, {}, &UpdateRecord::at), update);
+  return true;
 }
 
 std::span<const UpdateRecord> Replica::kept_updates(ObjectId object) const {

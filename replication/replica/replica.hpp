@@ -45,7 +45,8 @@ class Replica {
   std::vector<MovingObjects::Placed> change_scene(const WorldModel& next, SimTime at,
                                                   const std::function<bool(ObjectId)>& is_moved,
                                                   const RoleOf& role_in_truth, const RoleOf& role_in_ghosts);
-  // Begins both worlds anew at t, with everything at its place in the file, and no pair watched.
+  // Begins both worlds anew at t, with everything at its place in the file, and no pair watched. The ghosts replay
+  // their bases: what all peers predict must not depend on the order in which datagrams have come here.
   void begin(SimTime t) {
     worlds_.emplace(Worlds{MotionWorld(*model_, t, MotionWorld::Watched::kNone),
                            MotionWorld(*model_, t, MotionWorld::Watched::kNone)});
@@ -58,7 +59,7 @@ class Replica {
       worlds_->ghosts.set_tick_detection(*detection_);
     }
     changed_.clear();
-    if (keeps_updates_) worlds_->ghosts.replay_bases();
+    worlds_->ghosts.replay_bases();
     begun_at_ = t;
     ++lives_;
   }
@@ -191,13 +192,12 @@ class Replica {
     last_updates_.clear();
     kept_updates_.clear();
   }
-  // From now on the updates of the last kHistory are kept, and the ghosts are a function of what has been set
-  // (MotionWorld::replay_bases()), also after the worlds have begun anew.
-  void keep_updates() { keeps_updates_ = true; }
-  [[nodiscard]] bool keeps_updates() const { return keeps_updates_; }
-  // An update of any object, own ones too, that has an effect on the ghost; it is kept if the object may meet anything.
-  // Updates of one object come in the order of their sequence.
+  // Keeps an update of any object, own ones too, that has an effect on the ghost, for kHistory, if the object may meet
+  // anything. Updates of one object come in the order of their sequence.
   void keep_update(const UpdateRecord& update);
+  // Keeps an update that comes after one of a higher sequence. False where it is kept already, or has no effect on the
+  // ghost.
+  [[nodiscard]] bool keep_overtaken(const UpdateRecord& update);
   // In the order of their times.
   [[nodiscard]] std::span<const UpdateRecord> kept_updates(ObjectId object) const;
 
@@ -216,7 +216,6 @@ class Replica {
   ObjectTable<bool> unreceived_{false};
   std::uint64_t received_revision_ = 0;
   std::unordered_map<ObjectId, UpdateRecord> last_updates_;
-  bool keeps_updates_ = false;
   std::unordered_map<ObjectId, std::vector<UpdateRecord>> kept_updates_;
 };
 

@@ -77,7 +77,8 @@ struct Member : OtherPeer {
   DelayMeter delays;
   Duration latency{0};  // the latency that it publishes: how late it receives others
   std::optional<Viewpoint> viewpoint;
-  std::unordered_map<ObjectId, std::uint32_t> last_sequence;  // of the updates that were applied
+  std::unordered_map<ObjectId, std::uint32_t> last_sequence;     // of the updates that were applied
+  std::uint64_t ghosts_differ = 0, ghosts_differ_explained = 0;  // own objects of the member (GhostCheck)
   bool has_scene_states = false;    // by its last hello's digest, which may differ from this peer's
   std::uint32_t scene_differs = 0;  // its last hellos in a row whose digest of the scene's states differs
   // In a large session:

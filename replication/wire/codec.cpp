@@ -10,6 +10,7 @@
 
 #include "proto/peerd.pb.h"
 #include "replication/wire/decision_bits.hpp"
+#include "replication/wire/ghost_lists.hpp"
 #include "replication/wire/hello_lists.hpp"
 #include "replication/wire/operation_lists.hpp"
 #include "replication/wire/varint.hpp"
@@ -138,6 +139,19 @@ void put(const std::vector<Handover>& handovers, proto::Datagram* out) {
   }
 }
 
+// The states are all of one instant.
+void put(const GhostAnswer& answer, proto::Datagram* out) {
+  if (answer.states.empty()) return;
+  std::string& bytes = *out->mutable_ghost_answer();
+  const SimTime at = answer.states.front().at;
+  append_time(at, bytes);
+  std::array<std::byte, kRecordMax_bytes> record;
+  for (const UpdateRecord& state : answer.states) {
+    assert(state.at == at);
+    bytes.append(reinterpret_cast<const char*>(record.data()), encode_record(state, at, record));
+  }
+}
+
 // Clears the parts that decode() does not set anyway; lists keep their memory.
 void clear(Message& m) {
   m.hello.reset();
@@ -150,6 +164,10 @@ void clear(Message& m) {
   m.operations.clear();
   m.operation_requests.clear();
   m.identity.reset();
+  m.ghosts.reset();
+  m.ghost_question.reset();
+  m.ghost_answer.states.clear();
+  m.ghost_reports.clear();
   m.unknown_models = 0;
 }
 
@@ -218,6 +236,22 @@ bool take_scene(const proto::Datagram& in, Message& m) {
   if (!take_each(bytes.subspan(2 * kTime_bytes), base, m.scene.states, m.unknown_models)) return false;
   if (m.scene.states.empty()) m.scene.since = SimTime{};
   return std::ranges::none_of(m.scene.states, [](const UpdateRecord& u) { return u.position_step_log2.has_value(); });
+}
+
+bool take_ghost_checks(const proto::Datagram& in, SimTime near, Message& m) {
+  if (!in.ghost_digest().empty() && !take_ghosts(in.ghost_digest(), near, m.ghosts.emplace())) return false;
+  if (!in.ghost_question().empty() && !take_ghosts(in.ghost_question(), near, m.ghost_question.emplace())) return false;
+  if (!take_ghosts(in.ghost_reports(), m.ghost_reports)) return false;
+  const auto bytes = std::as_bytes(std::span(in.ghost_answer()));
+  if (bytes.empty()) return true;
+  SimTime at;
+  if (bytes.size() <= kTime_bytes || !take_whole_time(bytes.first<kTime_bytes>(), at)) return false;
+  std::vector<UpdateRecord>& states = m.ghost_answer.states;
+  if (!take_each(bytes.subspan(kTime_bytes), at, states, m.unknown_models) || states.size() > kGhostAnswerMax) {
+    return false;
+  }
+  return std::ranges::all_of(states,
+                             [&](const UpdateRecord& u) { return u.at == at && !u.position_step_log2.has_value(); });
 }
 
 bool take_subscriptions(const proto::Datagram& in, std::vector<Subscription>& subscriptions) {
@@ -338,6 +372,10 @@ void Codec::encode(const Message& m, std::span<const EncodedUpdate> updates, Byt
     d.set_next_hello_ms(
         static_cast<std::uint32_t>(std::chrono::ceil<std::chrono::milliseconds>(*m.next_hello).count()));
   }
+  if (m.ghosts) d.set_ghost_digest(packed(*m.ghosts));
+  if (m.ghost_question) d.set_ghost_question(packed(*m.ghost_question));
+  put(m.ghost_answer, &d);
+  if (!m.ghost_reports.empty()) d.set_ghost_reports(packed(m.ghost_reports));
   if (m.identity) {
     d.mutable_identity()->set_asker(m.identity->asker);
     d.mutable_identity()->set_world_hash(m.identity->world_hash);
@@ -371,7 +409,7 @@ std::expected<Message*, DecodeError> Codec::decode(std::span<const std::byte> da
   m.incarnation =
       m.introduction() != nullptr ? d.hello().introduction().incarnation() : incarnation_low(d.incarnation_low());
   if (!take_records(d, near, m)) return std::unexpected(DecodeError::kValue);
-  if (!take_scene(d, m)) return std::unexpected(DecodeError::kValue);
+  if (!take_scene(d, m) || !take_ghost_checks(d, near, m)) return std::unexpected(DecodeError::kValue);
   if (!take_decisions(d, near, m.decisions)) return std::unexpected(DecodeError::kValue);
   if (!take_subscriptions(d, m.subscriptions) || !take_handovers(d, m.handovers))
     return std::unexpected(DecodeError::kValue);

@@ -8,7 +8,7 @@ namespace {
 
 // Fields of a Datagram, of its Hello, and of the Introduction in that.
 constexpr std::uint64_t kVersion = 1, kSender = 2, kNumber = 3, kIncarnation = 4, kHello = 5, kDecisions = 6;
-constexpr std::uint64_t kRecords = 8, kHandovers = 11, kScene = 13;
+constexpr std::uint64_t kRecords = 8, kHandovers = 11, kScene = 13, kGhostDigest = 18;
 constexpr std::uint64_t kIntroduction = 6, kOwned = 4;
 
 // Takes what fields of Protobuf are made of from the front of bytes; each answers whether it is there.
@@ -84,6 +84,7 @@ std::optional<Envelope> envelope_of(std::span<const std::byte> datagram) {
       case kVersion:
       case kNumber:
       case kIncarnation:
+      case kGhostDigest:  // a false one costs its receivers a question
         break;
       case kRecords:
         envelope.changes_world = true;

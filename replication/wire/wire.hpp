@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -157,6 +158,42 @@ struct SceneStates {
   std::vector<UpdateRecord> states;  // exact ones, of any age
 };
 
+// ---- what peers believe of each other's ghosts (replication/ghost_check) ----
+
+// Digests are of instants that are multiples of this in session time; a byte on the wire says which.
+inline constexpr Duration kGhostGrid = std::chrono::milliseconds(250);
+// An owner's objects fall into so many groups, and those of a group into so many buckets, by their ids.
+inline constexpr std::size_t kGhostGroups = 4, kGhostBuckets = 32;
+
+// Where the sender believes that every receiver shows its objects at that instant, a number for each group. The number
+// of a group without objects is 0.
+struct GhostDigest {
+  SimTime at{};
+  std::array<std::uint16_t, kGhostGroups> groups{};
+  friend bool operator==(const GhostDigest&, const GhostDigest&) = default;
+};
+// To an owner: what the sender shows of a group that its digest says otherwise of.
+struct GhostQuestion {
+  PeerId owner;
+  RegionId region;  // of the objects that are meant; kWholeScene where the scene is not cut
+  SimTime at{};
+  std::uint32_t group = 0;  // < kGhostGroups
+  std::array<std::uint16_t, kGhostBuckets> buckets{};
+};
+// The ghosts of own objects in buckets that differ: the state at that instant, the number of the last update, and the
+// last decision.
+struct GhostAnswer {
+  std::vector<UpdateRecord> states;  // all of one instant, exact
+};
+// To the object's owner: the sender has shown it that far from where the owner believed.
+struct GhostReport {
+  ObjectId object;
+  float distance_m = 0.0f;  // finite, >= 0
+};
+inline constexpr std::size_t kGhostReportsMax = 16, kGhostAnswerMax = 12;
+// The bytes that a digest adds to a datagram.
+inline constexpr std::size_t kGhostDigest_bytes = 3 + 1 + 2 * kGhostGroups;
+
 // A program that starts asks whether a peer of its id, the sender's, is alive in a world, or such a peer answers that
 // it is. Peers of other ids have nothing to do with it.
 struct IdentityCheck {
@@ -187,6 +224,10 @@ struct Message {
   // A far hello, to all peers of a large session: the next one comes within that time. On the wire, milliseconds.
   std::optional<Duration> next_hello;
   std::optional<IdentityCheck> identity;
+  std::optional<GhostDigest> ghosts;
+  std::optional<GhostQuestion> ghost_question;
+  GhostAnswer ghost_answer;
+  std::vector<GhostReport> ghost_reports;
   // The updates that decode() left out, because they name a model that this build does not know.
   std::uint32_t unknown_models = 0;
 

@@ -201,7 +201,7 @@ void MotionWorld::put_off(std::uint32_t i, bool on, bool from_now) {
   for (const auto& [index, registered] :
        {std::pair{pair.collider, pair.collider_responds}, std::pair{pair.collidee, pair.collidee_responds}}) {
     const MovingObject& o = objects_[index];
-    if (!from_now && registered && o.is_answering()) from = std::min(from, o.base_time);
+    if (!from_now && registered && o.is_answering()) from = std::min(from, base_time(o.id));
   }
   const SimTime known = std::max(objects_.known_since(pair.collider), objects_.known_since(pair.collidee));
   pair.clear_until = std::max({pair.clear_until, from, known, advanced_ - kHistory});
@@ -442,8 +442,16 @@ void MotionWorld::forget_bursts(std::size_t object, SimTime t) {
   for (const std::uint32_t i : pairs_touched_since(object, t)) {
     if (!pairs_.contains(i)) continue;
     WatchedPair& pair = pairs_[i];
-    if (pair.touched >= t) pair.at_once = pair.in_burst = pair.squeezed = 0;
+    if (replays_bases_) {
+      pair.rewind_course(t);
+    } else if (pair.touched >= t) {
+      pair.at_once = pair.in_burst = pair.squeezed = 0;
+    }
   }
+}
+
+void MotionWorld::remember_course(WatchedPair& pair, SimTime t) {
+  if (replays_bases_) pair.remember_course(t, advanced_ - kHistory);
 }
 
 SimTime MotionWorld::reopened_from(const WatchedPair& pair, bool lived, SimTime t) const {
@@ -469,7 +477,7 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
       pair.contact.reset();
       pair.lifts = false;
     }
-    if (pair.free_at && *pair.free_at >= from) pair.free_at.reset();
+    pair.forget_free_since(from);
     if (from < pair.clear_until) unstop(i);
     pair.clear_until = std::min(pair.clear_until, from);
     const bool given_up = pair.squeezed >= kGivenUp && met_lately(pair.touched, from, kShortestFlight);
@@ -512,6 +520,7 @@ bool MotionWorld::ends_touch(ObjectId a, ObjectId b, SimTime t) {
 void MotionWorld::respond_to_contact(WatchedPair& pair) {
   assert(pair.contact);
   const SimTime t = *pair.contact;
+  remember_course(pair, t);
   if (pair.lifts) {
     lift(pair, t);
     return;
@@ -602,6 +611,7 @@ void MotionWorld::change_motion(std::size_t index, SimTime t, const MotionModel&
   if (o.timeline.last_segment().from > t) events_.push_back(ContactsRetracted{o.id, t});
   // Other contacts of the same instant were answered before, and stand.
   retract(index, t + Duration{1});
+  if (replays_bases_) forget_bursts(index, t + Duration{1});
   o.timeline.replace_from(t, after, cause);
   retract_bases(o, t + Duration{1});
   note_answer(index, objects_.index_of(cause), t);
@@ -694,6 +704,7 @@ void MotionWorld::settle_velocities(WatchedPair& pair, SimTime t, Touching which
   ContactIsland island = island_of(*model_, objects_, pairs_, a, b, t, which, Quantity::kVelocity);
   const std::vector<std::uint32_t> through = solve(island);
   for (const std::uint32_t i : through) {
+    remember_course(pairs_[i], t);
     pairs_[i].bears = false;
     pairs_[i].squeezed = kGivenUp;
   }
@@ -717,7 +728,9 @@ void MotionWorld::let_through(std::uint32_t i, SimTime t) {
   assert(pair.is_answered() && std::min(pair.touched, pair.bore_since) <= t);
   const bool lived = objects_.is_lived(pair.collider) || objects_.is_lived(pair.collidee);
   const bool is_ahead = far_.contains(i) || (!pair.contact && pair.clear_until > reopened_from(pair, lived, t));
-  if (!is_ahead) pair.inside = true;
+  if (is_ahead) return;
+  remember_course(pair, t);
+  pair.inside = true;
 }
 
 bool MotionWorld::is_squeezed(const WatchedPair& pair, SimTime t) const {
@@ -775,6 +788,7 @@ void MotionWorld::hold_against_wall(WatchedPair& wall, SimTime t) {
     WatchedPair& pair = pairs_[i];
     if (!pair.is_answered()) continue;  // it presses nothing
     if (!met_lately(pair.touched, t, kShortestFlight) || stands_firm(pair, t)) continue;
+    remember_course(pair, t);
     pair.bears = pair.lifts = false;
     pair.squeezed = kGivenUp;
     through.push_back(i);
@@ -795,7 +809,10 @@ void MotionWorld::release_parting(std::size_t object, SimTime t) {
     WatchedPair& pair = pairs_[i];
     const Vec3 a = objects_.world_law(pair.collider, t).state.velocity;
     const Vec3 b = objects_.world_law(pair.collidee, t).state.velocity;
-    std::erase_if(pair.normals, [&](const Vec3& n) { return n.dot(a - b) > kRounding * (a.norm() + b.norm()); });
+    const auto parts = [&](const Vec3& n) { return n.dot(a - b) > kRounding * (a.norm() + b.norm()); };
+    if (!pair.normals.empty() && std::ranges::none_of(pair.normals, parts)) continue;
+    remember_course(pair, t);
+    std::erase_if(pair.normals, parts);
     pair.bears = !pair.normals.empty();
   }
 }
@@ -964,7 +981,10 @@ SimTime MotionWorld::law_since(ObjectId object, SimTime t) const {
   return objects_[objects_.index_of(object)].timeline.segment_at(t).from;
 }
 
-SimTime MotionWorld::base_time(ObjectId object) const { return objects_[objects_.index_of(object)].base_time; }
+SimTime MotionWorld::base_time(ObjectId object) const {
+  const MovingObject& o = objects_[objects_.index_of(object)];
+  return o.bases.empty() ? o.base_time : o.bases.back().at;
+}
 
 std::uint64_t MotionWorld::revision(ObjectId object) const { return objects_[objects_.index_of(object)].revision; }
 

@@ -142,6 +142,8 @@ class MotionWorld {
   // Finds anew what a set_base() in the past has made void, until the last advance(): states until then are right
   // again.
   void catch_up() { advance(advanced_); }
+  // The latest instant to which the world has been advanced.
+  [[nodiscard]] SimTime advanced() const { return advanced_; }
 
   [[nodiscard]] bool has(ObjectId object) const { return objects_.contains(object); }
   // The objects that may be elsewhere than the file says, and those that somebody has asked for, ascending.
@@ -274,8 +276,11 @@ class MotionWorld {
   void retract(std::size_t cause, SimTime t);
   // Retracts the answers of an object to `cause`, or to anything, from t on, and what followed from them.
   void retract_answers(std::size_t object, std::optional<ObjectId> cause, SimTime t);
-  // Forgets the counts of contacts since then.
+  // Forgets what the pairs of the object have been through since then: all of it in a world that replays, else the
+  // counts of contacts.
   void forget_bursts(std::size_t object, SimTime t);
+  // Called before something of t changes what the pair has been through.
+  void remember_course(WatchedPair& pair, SimTime t);
   // The instant from which the pair is searched again if one of the two moves otherwise from t on; `lived`: this peer
   // moves the other one, or both.
   [[nodiscard]] SimTime reopened_from(const WatchedPair& pair, bool lived, SimTime t) const;

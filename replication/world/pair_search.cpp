@@ -172,7 +172,7 @@ void PairSearch::note_apart(WatchedPair& pair, SimTime s) {
   };
   if (is_given_later(pair.collider, pair.collider_responds)) return;
   if (is_given_later(pair.collidee, pair.collidee_responds)) return;
-  pair.free_at = s;
+  pair.note_free(s);
 }
 
 // At contact times what has been answered is apart; at ticks it may be on its way out.
@@ -199,7 +199,7 @@ void PairSearch::note_was_far(WatchedPair& pair, const std::optional<NewLaw>& la
   };
   if (is_given_later(pair.collider, pair.collider_responds)) return;
   if (is_given_later(pair.collidee, pair.collidee_responds)) return;
-  if (!pair.free_at || last > *pair.free_at) pair.free_at = last;
+  if (!pair.free_at || last > *pair.free_at) pair.note_free(last);
 }
 
 // A contact that nobody answers is one for as long as it lasts.

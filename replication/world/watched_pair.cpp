@@ -28,6 +28,42 @@ PairKey key_of_pair(const WorldModel& model, const WatchedPair& pair) {
 
 }  // namespace
 
+void WatchedPair::note_free(SimTime t) {
+  if (free_at == t) return;
+  std::shift_right(free_before.begin(), free_before.end(), 1);
+  free_before.front() = free_at;
+  free_at = t;
+}
+
+void WatchedPair::forget_free_since(SimTime from) {
+  while (free_at && *free_at >= from) {
+    free_at = free_before.front();
+    std::shift_left(free_before.begin(), free_before.end(), 1);
+    free_before.back().reset();
+  }
+}
+
+void WatchedPair::remember_course(SimTime t, SimTime oldest) {
+  if (!past.empty() && past.back().at >= t) return;
+  std::erase_if(past, [&](const Past& each) { return each.at < oldest; });
+  past.push_back({t,
+                  {inside, bears, parted, parted_from, bore_since, touched, lifted, held_until, at_once, in_burst,
+                   squeezed, normals}});
+}
+
+void WatchedPair::rewind_course(SimTime from) {
+  const auto first = std::ranges::lower_bound(past, from, {}, &Past::at);
+  if (first == past.end()) return;
+  std::tie(inside, bears, parted, parted_from, bore_since, touched, lifted, held_until) =
+      std::tuple(first->before.inside, first->before.bears, first->before.parted, first->before.parted_from,
+                 first->before.bore_since, first->before.touched, first->before.lifted, first->before.held_until);
+  at_once = first->before.at_once;
+  in_burst = first->before.in_burst;
+  squeezed = first->before.squeezed;
+  normals = std::move(first->before.normals);
+  past.erase(first, past.end());
+}
+
 void add_pairs(WatchedPairs& pairs, const WorldModel& model, std::uint32_t interest, SimTime start, bool watched) {
   const CollisionPair& p = model.pairs[interest];
   const auto flexes = [&](std::uint32_t part) { return model.is_flexible(part); };

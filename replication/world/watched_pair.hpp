@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -11,6 +12,14 @@
 #include "replication/world/world_model.hpp"
 
 namespace peerd::replication {
+
+// What the contacts of a pair so far have left behind: what a world that goes through the past again has to take back.
+struct PairCourse {
+  bool inside = false, bears = false;
+  SimTime parted, parted_from, bore_since, touched, lifted, held_until;
+  std::uint32_t at_once = 0, in_burst = 0, squeezed = 0;
+  std::vector<Vec3> normals;
+};
 
 // Two parts of two ends of an interest (PartPair). What answers is the end.
 struct WatchedPair {
@@ -49,10 +58,25 @@ struct WatchedPair {
   std::optional<SimTime> free_at;        // the last instant at which the two were known to be apart: setBack goes there
   Vec3 normal = Vec3::Zero();            // of `contact`
   std::vector<Vec3> normals;             // of the contacts of the burst, and those along which the two bear each other
+  std::array<std::optional<SimTime>, 3> free_before{};  // earlier values of free_at, the latest first
+  // The course before each of the last contacts that changed it, ascending; empty in a world that does not replay.
+  struct Past {
+    SimTime at;
+    PairCourse before;
+  };
+  std::vector<Past> past{};
 
   [[nodiscard]] bool is_answered() const { return collider_responds || collidee_responds; }
   // A world that goes through the past again may hold pairs that came to rest later than where it is.
   [[nodiscard]] bool bears_at(SimTime t) const { return bears && bore_since <= t; }
+  // The two are known to be apart at t.
+  void note_free(SimTime t);
+  // Forgets that they were known to be apart at `from` or later.
+  void forget_free_since(SimTime from);
+  // Called before something of t changes the course; `oldest`: what is older is not gone back to any more.
+  void remember_course(SimTime t, SimTime oldest);
+  // Takes back all that has changed the course at `from` or later.
+  void rewind_course(SimTime from);
   void begin_to_bear(SimTime t) {
     if (!bears_at(t)) bore_since = t;
     bears = true;

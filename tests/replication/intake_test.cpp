@@ -15,6 +15,7 @@ class Arriving : public testing::Test {
  protected:
   Arriving() {
     for (Duration t = 0s; t <= 2s; t += 100ms) (void)keeper.maintain(host(t));
+    p.ticks.set_last(p.ticks.number_at(sim(2s)));  // no tick is due
     Message hello = hello_of(7, host(2s), {o1});
     EXPECT_TRUE(take(hello).has_value());
   }
@@ -246,6 +247,11 @@ TEST_F(Arriving, UpdatesCountWithinTheirTimesLimits) {
   EXPECT_EQ(p.members.find(PeerId{7})->drops["update_time"], 2u);
   EXPECT_EQ(p.counters.updates_in, 0u);
   ASSERT_TRUE(take(update(1, 4.0, sim(2s + kUpdateAheadMax))));
+  EXPECT_EQ(p.counters.updates_in, 0u) << "it waits for its instant";
+  EXPECT_EQ(p.counters.records_early, 1u);
+  intake.take_early(host(2s), sim(2s + kUpdateAheadMax - 1ns));
+  EXPECT_EQ(p.counters.updates_in, 0u);
+  intake.take_early(host(2s), sim(2s + kUpdateAheadMax));
   EXPECT_EQ(p.counters.updates_in, 1u);
 }
 

@@ -95,7 +95,6 @@ class ShowingThePast : public Deferring {
   ShowingThePast() {
     conf.bounded_latency.least = 500ms;
     conf.decisions.policy = DecisionPolicy::kVelocity;
-    replica.keep_updates();
     begin_worlds();
   }
   double x(Duration t) {

@@ -48,6 +48,26 @@ TEST_F(Copy, WhatNothingCanMeetIsInTheGhostsAlone) {
   EXPECT_EQ(replica.truth(lone, sim(2s)).position, Vec3(0, 20, 1)) << "its truth is its ghost";
 }
 
+TEST_F(Copy, AnOvertakenUpdateTakesItsPlaceAmongThoseThatAreKept) {
+  const auto update = [&](std::uint32_t sequence, Duration at) {
+    UpdateRecord u;
+    u.object = ball;
+    u.sequence = sequence;
+    u.at = sim(at);
+    return u;
+  };
+  EXPECT_FALSE(replica.keep_overtaken(update(1, 2s))) << "none has overtaken it";
+  for (const std::uint32_t sequence : {2u, 5u, 6u}) replica.keep_update(update(sequence, seconds(sequence)));
+  EXPECT_TRUE(replica.keep_overtaken(update(4, 4s)));
+  EXPECT_FALSE(replica.keep_overtaken(update(4, 4s))) << "a copy";
+  EXPECT_FALSE(replica.keep_overtaken(update(3, 4s))) << "a later update of that instant makes it void";
+  EXPECT_TRUE(replica.keep_overtaken(update(3, 3s)));
+  EXPECT_FALSE(replica.keep_overtaken(update(1, -1s))) << "it is too old for anybody to ask";
+  std::vector<std::uint32_t> kept;
+  for (const UpdateRecord& each : replica.kept_updates(ball)) kept.push_back(each.sequence);
+  EXPECT_EQ(kept, (std::vector<std::uint32_t>{2, 3, 4, 5, 6}));
+}
+
 TEST_F(Copy, BeginningAnewForgetsTheWorldsButNotWhatIsReceived) {
   replica.set_ghost(ball, sim(1s), moving({7, 0, 0}), false);
   replica.set_received(ball, false);

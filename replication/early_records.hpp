@@ -1,0 +1,40 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "core/ids.hpp"
+#include "core/time.hpp"
+#include "replication/wire/wire.hpp"
+
+namespace peerd::replication {
+
+// A record of an instant that this peer's worlds have not reached. It waits until they do: a law that was laid before
+// would make its object meet nothing on the rest of its old way, which the sender's ghosts have met.
+struct EarlyRecord {
+  SimTime at;  // the record's own instant
+  PeerId sender;
+  std::uint32_t number = 0;                                        // of the datagram that carried it
+  std::variant<UpdateRecord, SceneStates, DecisionRecord> record;  // of scene states a single one
+};
+
+// The records that wait. Those of one instant leave as those of one message would be taken: updates, scene states, then
+// decisions; of one kind in the order in which they came.
+class EarlyRecords {
+ public:
+  // A second of all updates of a large scene. A peer with a right clock sends none that has to wait longer than a tick.
+  static constexpr std::size_t kMax = 8192;
+
+  // Returns false where too many wait: the record is not taken.
+  [[nodiscard]] bool add(EarlyRecord record);
+  // The first record that is not of an instant after t; none: there is no such record. It waits no more.
+  [[nodiscard]] std::optional<EarlyRecord> take_until(SimTime t);
+  void clear() { waiting_.clear(); }
+
+ private:
+  std::vector<EarlyRecord> waiting_;  // in reverse, so that the first one is the last element
+};
+
+}  // namespace peerd::replication

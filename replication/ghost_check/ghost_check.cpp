@@ -1,0 +1,246 @@
+#include "replication/ghost_check/ghost_check.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <utility>
+
+#include "replication/motion/composed_motion.hpp"
+#include "replication/wire/wire_limits.hpp"
+
+namespace peerd::replication {
+namespace {
+
+// A digest is of an instant whose updates and decisions have come everywhere: the longest latency of any peer ago, and
+// longer by this for its jitter and a peer's ticks.
+constexpr Duration kDigestMargin = std::chrono::milliseconds(50);
+// Digests are so many instants of the grid apart, or half of that where datagrams get lost.
+constexpr std::int64_t kDigestEvery = 2;
+// A peer asks an owner, and answers a receiver, no more often.
+constexpr Duration kAskedApart = std::chrono::milliseconds(450), kAnsweredApart = std::chrono::milliseconds(200);
+// Peers that have only just met have not exchanged all states yet; nor have peers that meet again in a region, after no
+// digest has come for so long.
+constexpr Duration kSettledAfter = std::chrono::seconds(2), kHeardPause = std::chrono::seconds(2);
+// Two places, or orientations, are the same up to this.
+constexpr double kSamePlace_m = 1e-6, kSameAngle_rad = 4e-6;
+// Whether a digest is due is checked so often.
+constexpr Duration kLooksApart = std::chrono::milliseconds(50);
+// A difference is shown for so long.
+constexpr Duration kShownFor = std::chrono::seconds(2);
+
+}  // namespace
+
+GhostCheck::GhostCheck(const PeerConfig& config, Membership& members, const Owners& owners, const SceneObjects& scene,
+                       OwnObjects& own, Replica& replica, const Sight& sight, RegionSubscriptions& regions,
+                       const ContactDecisions& decisions, Outbox& outbox, PeerCounters& counters)
+    : config_(config),
+      members_(members),
+      owners_(owners),
+      scene_(scene),
+      own_(own),
+      replica_(replica),
+      sight_(sight),
+      regions_(regions),
+      decisions_(decisions),
+      outbox_(outbox),
+      counters_(counters) {}
+
+// Ghosts of pairs that nobody here sees are not computed (Sight), and nothing that they say can be compared.
+bool GhostCheck::knows_ghosts_at(SimTime t) const {
+  return replica_.begun() && t >= replica_.begun_at() && t <= replica_.ghosts().advanced() &&
+         t > replica_.ghosts().advanced() - MotionWorld::kHistory && sight_.pairs_put_off() == 0;
+}
+
+const GhostCheck::Sums& GhostCheck::sums_at(SimTime t) {
+  assert(knows_ghosts_at(t));
+  for (auto& [of, sums] : sums_) sums = {};  // their memory is used again
+  sums_of_ = t;
+  for (const auto& [object, owner] : owners_) {
+    const RegionId region = regions_.cuts() ? regions_.region_of(object) : kWholeScene;
+    if (regions_.cuts() && region == kWholeScene) continue;  // nobody has published it
+    if (scene_.contains(object) || !replica_.receives(object)) continue;
+    sums_[{owner, region}].add(object, replica_.ghost(object, t));
+  }
+  return sums_;
+}
+
+Duration GhostCheck::digest_age() const { return members_.longest_latency() + kDigestMargin; }
+
+Duration GhostCheck::digests_apart() const {
+  const bool lossy = copies_against(members_.worst_loss_to_peers(), 2) > 1;
+  return kGhostGrid * (lossy ? 1 : kDigestEvery);
+}
+
+void GhostCheck::on_tick(SimTime t) {
+  if (std::exchange(life_, replica_.lives()) != replica_.lives()) {
+    sums_of_.reset();
+    sums_.clear();
+    digested_ = looked_ = SimTime::min();
+    heard_.clear();
+    differences_.clear();
+  }
+  if (t < looked_ + kLooksApart && t >= looked_ && !regions_.cuts()) return;
+  looked_ = t;
+  // A digest of a region's objects says which these are, too: a datagram of a later tick would find others there.
+  if (regions_.cuts()) outbox_.forget_riders();
+  if (own_.size() == 0 || members_.all().empty()) return;
+  // Who has no room for its updates has none for what would come of a digest.
+  if (std::exchange(withheld_, counters_.updates_withheld) != counters_.updates_withheld) return;
+  const SimTime at = floor_to(t - digest_age(), digests_apart());
+  if (at <= digested_ || !knows_ghosts_at(at)) return;
+  digested_ = at;
+  std::erase_if(differences_, [&](const auto& each) { return t - each.second.noticed > kShownFor; });
+  const PeerId self = outbox_.self();
+  for (const auto& [of, sums] : sums_at(at)) {
+    if (of.first == self && !sums.empty()) outbox_.ride(of.second, {at, sums.groups()});
+  }
+}
+
+bool GhostCheck::is_settled(PeerId owner, RegionId region, SimTime t) {
+  const auto [at, is_new] = heard_.try_emplace({owner, region}, Heard{t, t});
+  Heard& heard = at->second;
+  if (t - heard.last > kHeardPause || t < heard.first) heard.first = t;
+  heard.last = t;
+  return t >= std::max(heard.first, replica_.begun_at()) + kSettledAfter;
+}
+
+void GhostCheck::on_digest(PeerId sender, RegionId region, const GhostDigest& digest, SimTime now) {
+  if (!knows_ghosts_at(digest.at) || (regions_.cuts() && region == kWholeScene)) return;
+  if (!is_settled(sender, region, digest.at)) return;
+  ++counters_.ghost_checks;
+  const std::pair of{sender, regions_.cuts() ? region : kWholeScene};
+  const auto same = [&] {
+    const auto at = sums_.find(of);
+    return at != sums_.end() && at->second.groups() == digest.groups;
+  };
+  // What has come since the sums were made may have changed them.
+  if (sums_of_ == digest.at && same()) return;
+  (void)sums_at(digest.at);
+  if (same()) return;
+  const auto [asked, is_first] = asked_.try_emplace(sender, now);
+  if (!is_first && now - asked->second < kAskedApart && now >= asked->second) return;
+  asked->second = now;
+  const GhostSums& sums = sums_[of];
+  for (std::size_t group = 0; group < kGhostGroups; ++group) {
+    if (sums.of_group(group) == digest.groups[group]) continue;
+    Message m = outbox_.blank();
+    m.ghost_question = {sender, of.second, digest.at, static_cast<std::uint32_t>(group), sums.buckets_of(group)};
+    ++counters_.ghost_questions;
+    send(m);
+  }
+}
+
+// The receiver has not confirmed the last update, and there was hardly time: it is repeated as any other that gets lost
+// (UpdateRepeater).
+bool GhostCheck::is_on_its_way(const OwnObject& own, PeerId receiver, SimTime now) const {
+  if (regions_.cuts() || !own.last_sent) return false;  // updates to regions are not acknowledged
+  const Duration patience = members_.acknowledged_within(config_.settled_hello_period);
+  return !own.delivery.acknowledged_by.contains(receiver) && now - *own.last_sent < 2 * patience;
+}
+
+void GhostCheck::on_question(PeerId sender, const GhostQuestion& question, SimTime now) {
+  if (question.owner != outbox_.self() || !knows_ghosts_at(question.at)) return;
+  if (regions_.cuts() != (question.region != kWholeScene)) return;
+  const auto [answered, is_first] = answered_.try_emplace({sender, question.group}, now);
+  if (!is_first && now - answered->second < kAnsweredApart && now >= answered->second) return;
+  answered->second = now;
+  const auto is_meant = [&](ObjectId object) {
+    return !scene_.contains(object) && ghost_group(object) == question.group &&
+           (!regions_.cuts() || regions_.region_of(object) == question.region);
+  };
+  GhostSums sums;
+  for (const auto& [object, own] : std::as_const(own_)) {
+    if (is_meant(object)) sums.add(object, replica_.ghost(object, question.at));
+  }
+  const auto buckets = sums.buckets_of(question.group);
+  std::vector<ObjectId> suspects;
+  for (const auto& [object, own] : std::as_const(own_)) {
+    const std::size_t bucket = ghost_bucket(object);
+    if (is_meant(object) && buckets[bucket] != question.buckets[bucket]) suspects.push_back(object);
+  }
+  if (suspects.empty()) return;
+  // What does not fit takes turns: the ones that differ may be the last ones of a full bucket.
+  const std::size_t first = suspects.size() <= kGhostAnswerMax ? 0 : kGhostAnswerMax * answers_++ % suspects.size();
+  Message m = outbox_.blank();
+  for (std::size_t k = 0; k < std::min(suspects.size(), kGhostAnswerMax); ++k) {
+    const ObjectId object = suspects[(first + k) % suspects.size()];
+    if (!is_on_its_way(own_.at(object), sender, now)) own_.republish(object);
+    const MotionModel state(replica_.ghosts().has(object) ? replica_.ghosts().relative_at(object, question.at)
+                                                          : at_rest(replica_.model().scene->rigid_pose(object)));
+    if (!acceptable(state.state)) continue;
+    const bool in_ghosts = replica_.ghosts().has(object);
+    m.ghost_answer.states.push_back({object,
+                                     std::max(1u, own_.at(object).sequence),
+                                     question.at,
+                                     state,
+                                     decisions_.last_on(object),
+                                     {},
+                                     in_ghosts ? replica_.model().carrier_of(object) : std::nullopt});
+  }
+  ++counters_.ghost_answers;
+  send(m);
+}
+
+bool GhostCheck::has_lost_datagrams() const {
+  return std::ranges::any_of(members_.all(), [](const auto& each) {
+    return std::ranges::any_of(each.second.received, [](const auto& numbered) {
+      const Received received = numbered.second.received();
+      return received.run < std::min(received.highest, Received::kWindow);
+    });
+  });
+}
+
+// Where the scene is cut, the owner may have predicted a contact with what this peer does not receive, or the other way
+// round.
+bool GhostCheck::is_explained(PeerId owner, const UpdateRecord& state) const {
+  if (regions_.cuts() || has_lost_datagrams() || decisions_.last_on(state.object) != state.decision) return true;
+  const auto& sequences = members_.all().at(owner).last_sequence;
+  const auto last = sequences.find(state.object);
+  return std::max(1u, last == sequences.end() ? 0u : last->second) != state.sequence;
+}
+
+void GhostCheck::on_answer(PeerId sender, const GhostAnswer& answer, SimTime now) {
+  const auto asked = asked_.find(sender);
+  if (asked == asked_.end() || now - asked->second > kShownFor) return;  // somebody else has asked
+  Message m = outbox_.blank();
+  for (const UpdateRecord& state : answer.states) {
+    if (owners_.of(state.object) != sender || !knows_ghosts_at(state.at) || !replica_.receives(state.object)) continue;
+    if (state.carrier && !replica_.model().may_carry(*state.carrier, state.object)) continue;
+    const KinematicState& said = state.model.state;
+    const KinematicState there = state.carrier ? composed(replica_.ghost(*state.carrier, state.at), said) : said;
+    const KinematicState here = replica_.ghost(state.object, state.at);
+    const double distance_m = (here.position - there.position).norm();
+    const double angle_rad = here.orientation.angularDistance(there.orientation);
+    if (distance_m <= kSamePlace_m && angle_rad <= kSameAngle_rad) continue;  // it has become the same meanwhile
+    // Two answers may be of one instant: each group is asked about apart, and others ask, too.
+    const auto known = differences_.find(state.object);
+    if (known != differences_.end() && known->second.at == state.at) continue;
+    const bool explained = is_explained(sender, state);
+    Member& owner = *members_.find(sender);
+    ++(explained ? counters_.ghosts_differ_explained : counters_.ghosts_differ);
+    ++(explained ? owner.ghosts_differ_explained : owner.ghosts_differ);
+    differences_[state.object] = {distance_m, now, state.at};
+    outbox_.push(GhostDiffers{state.object, sender, outbox_.self(), state.at, distance_m, explained});
+    if (m.ghost_reports.size() == kGhostReportsMax) continue;
+    m.ghost_reports.push_back({state.object, static_cast<float>(std::min(distance_m, kMagnitudeMax))});
+  }
+  if (!m.ghost_reports.empty()) send(m);
+}
+
+void GhostCheck::on_reports(PeerId sender, std::span<const GhostReport> reports, SimTime now) {
+  for (const GhostReport& report : reports) {
+    if (!own_.contains(report.object)) continue;
+    differences_[report.object] = {report.distance_m, now, now};
+    ++counters_.ghosts_reported;
+    outbox_.push(GhostDiffers{report.object, outbox_.self(), sender, now, report.distance_m, true});
+  }
+}
+
+std::optional<double> GhostCheck::difference_m(ObjectId object, SimTime now) const {
+  const auto at = differences_.find(object);
+  if (at == differences_.end() || now - at->second.noticed > kShownFor) return std::nullopt;
+  return at->second.distance_m;
+}
+
+void GhostCheck::send(Message& message) { (void)regions_.send_to_peers(message); }
+
+}  // namespace peerd::replication
