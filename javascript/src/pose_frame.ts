@@ -10,7 +10,7 @@ const kHeadBytes = 40;
 const kLeastRowBytes = 56;
 
 export const PoseKind = { shown: 0, truth: 1, ghost: 2 } as const;
-export const PoseFlag = { own: 1, driven: 2, notReceived: 4, orphaned: 8 } as const;
+export const PoseFlag = { own: 1, driven: 2, notReceived: 4, orphaned: 8, differs: 16 } as const;
 
 export interface PoseFrame {
   readonly sessionTime_s: number; // NaN: the peer has no session yet

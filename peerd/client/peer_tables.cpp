@@ -26,9 +26,12 @@ std::string remark_on(const Json& object) {
   return object.at("driven").get<bool>() ? "by a formula" : "";
 }
 
-std::string with_lock(const Json& object, const std::string& remark) {
-  if (!object.contains("locked_by")) return remark;
-  return (remark.empty() ? "" : remark + ", ") + "locked by " + object.at("locked_by").get<std::string>();
+std::string remarks_on(const Json& object) {
+  std::string remarks = remark_on(object);
+  const auto add = [&](const std::string& remark) { remarks += (remarks.empty() ? "" : ", ") + remark; };
+  if (object.contains("differs_m")) add(fmt::format("peers differ by {:.3g} m", object.at("differs_m").get<double>()));
+  if (object.contains("locked_by")) add("locked by " + object.at("locked_by").get<std::string>());
+  return remarks;
 }
 
 }  // namespace
@@ -45,7 +48,7 @@ std::vector<Column> object_columns(const Json& objects, const PeerNames& names) 
     speed.cells.push_back(fixed(vector_of(object.at("velocity_m_s")).norm(), 2));
     position.cells.push_back(fmt::format("{:.2f} {:.2f} {:.2f}", at.x(), at.y(), at.z()));
     error.cells.push_back(number_or_dash(object.value("ghost_error_m", Json(nullptr)), 4));
-    remark.cells.push_back(with_lock(object, remark_on(object)));
+    remark.cells.push_back(remarks_on(object));
   }
   return {path, owner, speed, position, error, remark};
 }
@@ -55,7 +58,7 @@ std::vector<Column> peer_columns(const Json& reply) {
       round_trip{"", "round trip [ms]", true, {}}, ahead{"clock", "ahead [ms]", true, {}},
       error{"clock", "error [ms]", true, {}}, lost_here{"lost", "here [%]", true, {}},
       lost_there{"lost", "there [%]", true, {}}, datagrams{"received", "datagrams", true, {}},
-      bytes{"received", "bytes", true, {}};
+      bytes{"received", "bytes", true, {}}, differ{"ghosts", "differ", true, {}};
   for (const Json& peer : reply.at("peers")) {
     const bool is_followed = reply.at("clock").at("follows") == peer.at("id");
     name.cells.push_back(peer.at("name").get<std::string>() + (is_followed ? " (followed)" : ""));
@@ -68,8 +71,11 @@ std::vector<Column> peer_columns(const Json& reply) {
     lost_there.cells.push_back(number_or_dash(peer.at("loss_out"), 1, 100.0));
     datagrams.cells.push_back(std::to_string(peer.at("datagrams_in").get<std::uint64_t>()));
     bytes.cells.push_back(std::to_string(peer.at("bytes_in").get<std::uint64_t>()));
+    const auto differing = peer.value("ghosts_differ", std::uint64_t{0});
+    const auto explained = peer.value("ghosts_differ_explained", std::uint64_t{0});
+    differ.cells.push_back(std::to_string(differing) + (explained > 0 ? " +" + std::to_string(explained) : ""));
   }
-  return {name, id, delay, round_trip, ahead, error, lost_here, lost_there, datagrams, bytes};
+  return {name, id, delay, round_trip, ahead, error, lost_here, lost_there, datagrams, bytes, differ};
 }
 
 std::string table_of(const std::vector<Column>& columns) {

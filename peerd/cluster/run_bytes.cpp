@@ -96,8 +96,10 @@ void fields(A& a, typename A::template Of<report::UpdateTotals>& s) {
 }
 template <class A>
 void fields(A& a, typename A::template Of<report::ViewMeasured>& s) {
-  auto& [observer, object, not_finite, ghost_error_m, shown_error_m, view_difference_m, inconsistency_m_s] = s;
-  a(observer, object, not_finite, ghost_error_m, shown_error_m, view_difference_m, inconsistency_m_s);
+  auto& [observer, object, not_finite, ghost_error_m, shown_error_m, view_difference_m, inconsistency_m_s, rest_samples,
+         rest_error_max_m] = s;
+  a(observer, object, not_finite, ghost_error_m, shown_error_m, view_difference_m, inconsistency_m_s, rest_samples,
+    rest_error_max_m);
 }
 template <class A>
 void fields(A& a, typename A::template Of<report::Measured>& s) {

@@ -27,6 +27,8 @@ constexpr Measure kMeasures[] = {
     error("view_difference_m.p99"),
     error("view_difference_m.max"),
     error("inconsistency_m_s"),
+    error("rest.ghost_error_max_m"),
+    count("rest.samples"),
     of_run("collisions.decided"),
     of_run("collisions.agreed"),
     of_run("collisions.disagreed"),

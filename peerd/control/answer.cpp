@@ -31,8 +31,9 @@ std::string line_of(const ordered_json& reply) {
 
 ordered_json good() { return {{"v", feed::kMessageVersion}, {"ok", true}}; }
 
-ordered_json object_row(const PeerNode& node, SimTime t, ObjectId object, PeerId owner) {
+ordered_json object_row(const PeerNode& node, HostTime now, ObjectId object, PeerId owner) {
   const replication::Peer& peer = node.peer();
+  const SimTime t = peer.clock().to_session(now);
   const bool own = owner == peer.id();
   const KinematicState s = own ? peer.truth(object, t) : peer.ghost(object, t);
   ordered_json row = {
@@ -46,7 +47,12 @@ ordered_json object_row(const PeerNode& node, SimTime t, ObjectId object, PeerId
       {"orientation_xyzw", {s.orientation.x(), s.orientation.y(), s.orientation.z(), s.orientation.w()}},
       {"velocity_m_s", numbers(s.velocity)},
       {"angular_velocity_rad_s", numbers(s.angular_velocity_body)}};
-  if (own) row["ghost_error_m"] = (s.position - peer.ghost(object, t).position).norm();
+  const auto differs_m = peer.ghost_difference_m(object, now);
+  // A receiver that has shown it elsewhere knows better than this peer's own copy of the ghosts.
+  if (own) {
+    row["ghost_error_m"] = std::max((s.position - peer.ghost(object, t).position).norm(), differs_m.value_or(0.0));
+  }
+  if (differs_m) row["differs_m"] = *differs_m;
   if (const auto lock = peer.lock_around(object)) row["locked_by"] = lock->by;
   if (!peer.receives(object)) row["heard"] = false;
   return row;
@@ -58,14 +64,13 @@ void add_objects(ordered_json& reply, const PeerNode& node, HostTime now, const 
   reply["objects"] = ordered_json::array();
   reply["next"] = nullptr;
   if (!node.peer().clock().synchronised()) return;  // without session time nothing has a position yet
-  const SimTime t = node.peer().clock().to_session(now);
   for (const auto& [object, owner] : node.peer().owners().from(ObjectId::unpacked(request.from))) {
     if (own && owner != node.peer().id()) continue;
     if (reply["objects"].size() == request.count) {
       reply["next"] = object.packed();
       return;
     }
-    reply["objects"].push_back(object_row(node, t, object, owner));
+    reply["objects"].push_back(object_row(node, now, object, owner));
   }
 }
 
@@ -164,6 +169,8 @@ ordered_json peers_reply(const PeerNode& node, HostTime now, const PeersRequest&
          {"loss_out", part(member.echo.reported_loss())},
          {"duplicates", received.duplicates()},
          {"overtaken", received.overtaken()},
+         {"ghosts_differ", member.ghosts_differ},
+         {"ghosts_differ_explained", member.ghosts_differ_explained},
          {"drops", member.drops}});
   }
   std::map<RegionId, replication::LossMeter> received;  // from all members

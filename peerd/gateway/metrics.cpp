@@ -148,6 +148,10 @@ constexpr std::array kOfPeers{
     Column{"loss_out", "peerd_peer_loss_out_ratio", "gauge", "part of the datagrams to it that was lost"},
     Column{"duplicates", "peerd_peer_duplicates_total", "counter", "its datagrams that came twice"},
     Column{"overtaken", "peerd_peer_overtaken_total", "counter", "its datagrams that came after a later one"},
+    Column{"ghosts_differ", "peerd_peer_ghosts_differ_total", "counter",
+           "its objects shown elsewhere than it believes, for no known reason"},
+    Column{"ghosts_differ_explained", "peerd_peer_ghosts_differ_explained_total", "counter",
+           "its objects shown elsewhere, as something was lost or is late"},
 };
 constexpr std::array kOfRegions{
     Column{"datagrams_in", "peerd_region_datagrams_in_total", "counter", "datagrams of the region received"},

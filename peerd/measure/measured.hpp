@@ -20,7 +20,15 @@ struct ViewMeasured {
   std::uint64_t not_finite = 0;  // samples whose error is no number, which the statistics leave out
   Statistics ghost_error_m, shown_error_m, view_difference_m;
   double inconsistency_m_s = 0.0;  // time integral of the ghost error
+  // The samples of an object that has stood still for kRestsAfter_s and goes on to do so for kRestsFor_s, and the
+  // largest ghost error of those.
+  std::uint64_t rest_samples = 0;
+  double rest_error_max_m = 0.0;
 };
+
+// An object that has stood still for so long is at rest: whatever its receivers had to know has come, but for long
+// losses. What moves it next may be known elsewhere before its owner knows it, so that the last moments do not count.
+inline constexpr double kRestsAfter_s = 2.0, kRestsFor_s = 1.0;
 
 // What is measured of a run, or of a part of it, of which not every row is kept.
 struct Measured {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <tuple>
+#include <utility>
 
 #include "peerd/measure/lookup.hpp"
 
@@ -37,6 +38,28 @@ void ViewMeter::add(const GhostSample& sample) {
   ghost_m_.add(ghost_m);
   shown_m_.add(shown_m);
   difference_m_.add(difference_m);
+  const bool stands =
+      sample.truth.position == place_.position && sample.truth.orientation.coeffs() == place_.orientation.coeffs();
+  if (first || !stands || sample.t_s < stands_since_s_) {
+    place_ = sample.truth;
+    stands_since_s_ = latest_since_s_ = sample.t_s;
+    recent_ = latest_ = {};
+  }
+  if (sample.t_s - stands_since_s_ >= kRestsAfter_s) add_rest(sample.t_s, ghost_m);
+}
+
+void ViewMeter::add_rest(double t_s, double ghost_m) {
+  if (t_s - latest_since_s_ >= kRestsFor_s) {
+    rest_.add(recent_);
+    recent_ = std::exchange(latest_, {});
+    latest_since_s_ = t_s;
+  }
+  latest_.add({1, ghost_m});
+}
+
+void ViewMeter::Rest::add(const Rest& other) {
+  samples += other.samples;
+  error_max_m = std::max(error_max_m, other.error_max_m);
 }
 
 ViewMeasured ViewMeter::result(PeerId observer, ObjectId object) const {
@@ -46,7 +69,9 @@ ViewMeasured ViewMeter::result(PeerId observer, ObjectId object) const {
           .ghost_error_m = ghost_m_.result(),
           .shown_error_m = shown_m_.result(),
           .view_difference_m = difference_m_.result(),
-          .inconsistency_m_s = integral_m_s_};
+          .inconsistency_m_s = integral_m_s_,
+          .rest_samples = rest_.samples,
+          .rest_error_max_m = rest_.error_max_m};
 }
 
 RunMeter::RunMeter(double duration_s, double sample_hz, const RowLimits& limits, std::vector<TimeSpan> parts)

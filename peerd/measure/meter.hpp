@@ -40,6 +40,18 @@ class ViewMeter {
   std::uint64_t count_ = 0, not_finite_ = 0;
   double last_s_ = 0.0, last_m_ = 0.0;  // the latest sample with a number
   double integral_m_s_ = 0.0;
+  Pose place_;  // of the truth, unchanged since stands_since_s_
+  double stands_since_s_ = 0.0;
+  struct Rest {
+    std::uint64_t samples = 0;
+    double error_max_m = 0.0;
+
+    void add(const Rest& other);
+  };
+  void add_rest(double t_s, double ghost_m);
+  Rest rest_;             // of what is known to have stood on
+  Rest recent_, latest_;  // of the last kRestsFor_s to twice that long, and of what has come since
+  double latest_since_s_ = 0.0;
 };
 
 // Measures a run while its rows come, and keeps as many of them as the limits allow. Its memory grows with the number

@@ -41,7 +41,8 @@ Json object_json(const RunRecord& run, const ObjectInfo& object, const PeerInfo&
           {"ghost_error_m", error_json(view.ghost_error_m)},
           {"shown_error_m", error_json(view.shown_error_m)},
           {"view_difference_m", error_json(view.view_difference_m)},
-          {"inconsistency_m_s", view.inconsistency_m_s}};
+          {"inconsistency_m_s", view.inconsistency_m_s},
+          {"rest", {{"samples", view.rest_samples}, {"ghost_error_max_m", view.rest_error_max_m}}}};
 }
 
 Json collisions_json(const RunRecord& run) {

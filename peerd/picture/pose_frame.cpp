@@ -169,6 +169,7 @@ void PoseTable::refresh(PeerNode& node, HostTime now, PoseKinds kinds) {
       if (!peer.receives(id)) row.flags |= kNotReceived;
       if (!peer.members().contains(owner)) row.flags |= kOrphaned;
     }
+    if (peer.ghost_difference_m(id, now)) row.flags |= kDiffers;
     if (asked(PoseKind::kShown)) add_row(PoseKind::kShown, row, shown_[i]);
     if (owner == kNobody) continue;
     if (own && asked(PoseKind::kTruth)) add_row(PoseKind::kTruth, row, peer.truth(id, *at_).pose());

@@ -28,7 +28,8 @@ using PoseKinds = std::uint8_t;
   return static_cast<PoseKinds>(1U << static_cast<unsigned>(kind));
 }
 
-enum PoseFlag : std::uint16_t { kOwn = 1, kDriven = 2, kNotReceived = 4, kOrphaned = 8 };
+// kDiffers: another peer has lately shown it elsewhere (Peer::ghost_difference_m()).
+enum PoseFlag : std::uint16_t { kOwn = 1, kDriven = 2, kNotReceived = 4, kOrphaned = 8, kDiffers = 16 };
 
 // One row of a frame, as it is in memory of a little-endian machine.
 struct PoseRow {

@@ -22,6 +22,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Two that are no farther apart than this are at one place, for whoever looks.
+constexpr double kSameAtRest_m = 1e-6;
+
 std::vector<std::string> observers_of(const Json& summary, const std::string& path) {
   std::vector<std::string> names;
   for (const Json& run : summary.at("runs")) {
@@ -231,6 +234,25 @@ std::map<std::string, ObjectTotals> totals_by_path(const Json& summary) {
   return totals;
 }
 
+// The ghost of an object at rest that was farthest from the truth, over all runs; empty where nothing was at rest.
+std::string rest_line(const Json& summary) {
+  const Json* worst = nullptr;
+  const auto error_m = [](const Json& row) { return row.at("rest").at("ghost_error_max_m").get<double>(); };
+  for (const Json& run : summary.at("runs")) {
+    for (const Json& row : run.at("objects")) {
+      if (row.at("rest").at("samples") == 0) continue;
+      if (worst == nullptr || error_m(row) > error_m(*worst)) worst = &row;
+    }
+  }
+  if (worst == nullptr) return "";
+  if (error_m(*worst) <= kSameAtRest_m) return "at rest: every ghost is where its object is";
+  const auto name_of = [&](const char* what, std::size_t most) {
+    return ending(worst->at(what).get<std::string>(), most);
+  };
+  return "at rest, the worst: " + name_of("path", 28) + " at " + name_of("observer", 8) + ", " +
+         fixed(error_m(*worst), 6) + " m";
+}
+
 std::string heading(const Json& summary, const std::string& path) {
   const std::size_t count = summary.at("runs").size();
   std::string text = summary.at("scenario").get<std::string>() + " (" + summary.at("mode").get<std::string>() +
@@ -313,6 +335,7 @@ std::string objects_table(const Json& summary) {
   append_rows(out, columns);
   if (count > kRows)
     append_line(out, "and " + std::to_string(count - kRows) + " more, in report.html and summary.json");
+  if (const std::string rest = rest_line(summary); !rest.empty()) append_line(out, rest);
   return out;
 }
 

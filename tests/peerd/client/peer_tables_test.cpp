@@ -27,12 +27,13 @@ TEST(PeerTables, NoRowsAreNoTable) { EXPECT_EQ(table_of(object_columns(ordered_j
 TEST(PeerTables, WhatIsNotKnownOfAPeerIsADash) {
   const ordered_json reply = ordered_json::parse(R"({"clock":{"follows":7},"peers":[
     {"id":7,"name":"ben","delay_ms":0.25,"round_trip_ms":null,"clock_ahead_ms":-1.5,"clock_error_ms":0.125,
-     "loss_in":0.015,"loss_out":null,"datagrams_in":12,"bytes_in":3456}]})");
+     "loss_in":0.015,"loss_out":null,"datagrams_in":12,"bytes_in":3456,"ghosts_differ":2,
+     "ghosts_differ_explained":3}]})");
   const auto columns = peer_columns(reply);
   std::vector<std::string> row;
   for (const report::Column& column : columns) row.push_back(column.cells.at(0));
   EXPECT_EQ(row, (std::vector<std::string>{"ben (followed)", "7", "0.250", "-", "-1.500", "0.125", "1.5", "-", "12",
-                                           "3456"}));
+                                           "3456", "2 +3"}));
 }
 
 }  // namespace peerd::peer_tables_test

@@ -103,6 +103,8 @@ TEST(Metrics, PeersAreLabelsAndUnitsAreSeconds) {
            {"loss_out", nullptr},
            {"duplicates", 0},
            {"overtaken", 3},
+           {"ghosts_differ", 1},
+           {"ghosts_differ_explained", 2},
            {"drops", {{"stale", 4}}}};
   replies.peers["peers"] = json::array({row});
   const std::string text = metrics_text(replies.status, replies.peers);
@@ -134,6 +136,8 @@ TEST(Metrics, TheDashboardAsksForWhatThereIs) {
            {"loss_out", 0.5},
            {"duplicates", 0},
            {"overtaken", 0},
+           {"ghosts_differ", 0},
+           {"ghosts_differ_explained", 0},
            {"drops", json::object()}};
   replies.peers["peers"] = json::array({row});
   replies.peers["clock"]["os_clock_error_ms"] = 1.0;

@@ -65,6 +65,21 @@ TEST(RunMeter, CountsSamplesWithoutANumber) {
   EXPECT_DOUBLE_EQ(view.inconsistency_m_s, 2.0) << "from the first number on";
 }
 
+// An object stands until 10 s, and what moves it then is known to its receiver a moment before its owner knows it.
+TEST(RunMeter, MeasuresWhatIsAtRestApart) {
+  RunRecord rows = samples::quiet_run();
+  RunMeter meter(rows.duration_s, 60.0, {}, {});
+  for (double t_s = 0.0; t_s < 12.0; t_s += 0.25) {
+    const double at_m = t_s < 10.0 ? 0.0 : t_s - 10.0, off_m = t_s < 1.5 ? 3.0 : t_s < 9.5 ? 0.01 : 2.0;
+    meter.add(samples::ghost_sample(t_s, kB, kCar, {at_m, 0, 0}, {at_m + off_m, 0, 0}));
+  }
+  meter.finish(rows, rows.duration_s);
+  const ViewMeasured view = *rows.measured->whole.view(kB, kCar);
+  EXPECT_NEAR(view.rest_error_max_m, 0.01, 1e-12) << "neither the first 2 s nor the last one count";
+  EXPECT_GE(view.rest_samples, 4u * 5u);
+  EXPECT_LE(view.rest_samples, 4u * 7u);
+}
+
 TEST(RunMeter, TakesSamplesWhereSessionTimeStepsBack) {
   RunRecord rows = samples::quiet_run();
   RunMeter meter(rows.duration_s, 60.0, {}, {});

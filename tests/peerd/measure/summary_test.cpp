@@ -30,7 +30,7 @@ TEST(Summary, HasTheShapeOfTheDesign) {
                                                  "state_roots_equal", "counters"));
   EXPECT_THAT(keys_of(run["objects"][0]),
               testing::ElementsAre("path", "owner", "observer", "updates_sent", "bytes_sent", "samples",
-                                   "ghost_error_m", "shown_error_m", "view_difference_m", "inconsistency_m_s"));
+                                   "ghost_error_m", "shown_error_m", "view_difference_m", "inconsistency_m_s", "rest"));
   EXPECT_THAT(keys_of(run["objects"][0]["ghost_error_m"]), testing::ElementsAre("mean", "rms", "p99", "max"));
   EXPECT_THAT(keys_of(run["collisions"]), testing::ElementsAre("decided", "agreed", "disagreed", "spurious", "missed",
                                                                "revised", "shared", "decision_latency_ms"));

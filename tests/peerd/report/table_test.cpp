@@ -59,7 +59,8 @@ std::size_t width_of(const std::string& line) {
 
 TEST(ObjectsTable, ListsTheWorstFirstAndMarksThePrincipal) {
   const auto lines = lines_of(objects_table(summarise(kInfo, samples::zigzag_sweep())));
-  ASSERT_EQ(lines.size(), 3u + 2u);
+  ASSERT_EQ(lines.size(), 3u + 2u + 1u);
+  EXPECT_EQ(lines[5], "at rest: every ghost is where its object is");
   EXPECT_THAT(lines[3], testing::StartsWith("*  CAR     a"));
   EXPECT_THAT(lines[4], testing::StartsWith("   CUBE    b"));
   EXPECT_THAT(lines[3], testing::HasSubstr("5.0")) << "updates a run";
@@ -85,8 +86,14 @@ TEST(ObjectsTable, FitsATerminalAndSaysHowManyMore) {
   }
   const auto lines = lines_of(objects_table(summarise(kInfo, {&run, 1})));
   for (const std::string& line : lines) EXPECT_LE(width_of(line), 80u) << line;
-  EXPECT_EQ(lines.back(), "and 50 more, in report.html and summary.json");
+  EXPECT_EQ(lines[lines.size() - 2], "and 50 more, in report.html and summary.json");
   EXPECT_THAT(lines[6], testing::HasSubstr("OBJECT_1")) << "the end of a path tells objects apart";
+}
+
+TEST(ObjectsTable, NamesTheWorstThatIsAtRest) {
+  RunRecord run = samples::quiet_run();
+  for (int i = 0; i < 5; ++i) run.ghost_samples.push_back(ghost_sample(i, samples::kB, kCar, {0, 0, 0}, {0.25, 0, 0}));
+  EXPECT_EQ(lines_of(objects_table(summarise(kInfo, {&run, 1}))).back(), "at rest, the worst: CAR at b, 0.250000 m");
 }
 
 TEST(ObjectsTable, OfOneObjectIsLeftOut) {

@@ -37,7 +37,9 @@ export class ObjectsPanel implements Panel {
       const { index } = row.node;
       setText(row.owner, this.nameOf(poses.owner[index]));
       const own = (poses.flags[index] & PoseFlag.own) !== 0;
-      row.dot.dataset['whose'] = own ? 'own' : poses.owner[index] === 0 ? 'nobodys' : 'remote';
+      const differs = (poses.flags[index] & PoseFlag.differs) !== 0;
+      row.element.title = differs ? 'Peers show it at different places' : '';
+      row.dot.dataset['whose'] = differs ? 'differs' : own ? 'own' : poses.owner[index] === 0 ? 'nobodys' : 'remote';
       row.element.setAttribute('aria-selected', String(index === selected));
     }
   }

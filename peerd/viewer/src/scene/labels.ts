@@ -32,7 +32,8 @@ export class Labels implements Overlay {
       this.point.y += 0.75 * view.radiusOf(node);
       const p = this.point.project(view.rig.camera);
       if (p.z > 1 || Math.abs(p.x) > 1 || Math.abs(p.y) > 1) continue;
-      const whose = (shown.flags[node.index] & PoseFlag.own) !== 0 ? 'own' : shown.owner[node.index] === 0 ? 'nobodys' : 'remote';
+      const differs = (shown.flags[node.index] & PoseFlag.differs) !== 0;
+      const whose = differs ? 'differs' : (shown.flags[node.index] & PoseFlag.own) !== 0 ? 'own' : shown.owner[node.index] === 0 ? 'nobodys' : 'remote';
       const name = node.def !== '' ? node.def : (node.path.split('/').at(-1) ?? node.path);
       found.push({ name, x: ((p.x + 1) / 2) * width, y: ((1 - p.y) / 2) * height, depth: p.z, whose });
     }
