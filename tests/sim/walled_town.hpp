@@ -35,7 +35,7 @@ class TownWriter {
       town.scenario += std::string("\n[peer.") + (east ? "east" : "west") + "]\nid = " + (east ? "2" : "1") +
                        "\nowns = [\"*_?_" + (east ? "E" : "W") + "*\"" + (east ? east_ : west_) + "]\n";
     }
-    town.scenario += tables_;
+    town.scenario += tables_ + kExpectations;
     town.viewers = viewers_;
     return town;
   }
@@ -54,6 +54,11 @@ class TownWriter {
       "    DEF CRATE Shape { geometry Box { size 0.8 0.8 0.8 } }\n"
       "  ]\n}\n";
 
+  inline static const std::string kExpectations =
+      "\n# What the report must show (docs/reference/configuration.md, [expect.NAME]).\n"
+      "[expect.peers-show-the-same]\nthat = \"counters.ghosts_differ\"\nequals = 0\n"
+      "\n[expect.same-at-rest]\nthat = \"rest.ghost_error_max_m\"\nat_most = 1e-6\nobject = \"BOX_*\"\n"
+      "observer = \"west\"\n";
   inline static const std::string kScenarioHead =
       "# Traffic in a town of walled districts, of which each of five viewers sees a tenth: contacts that nobody sees "
       "are not\n"
