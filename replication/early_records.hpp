@@ -1,9 +1,10 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
+#include <utility>
 #include <variant>
-#include <vector>
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
@@ -16,6 +17,7 @@ namespace peerd::replication {
 struct EarlyRecord {
   SimTime at;  // the record's own instant
   PeerId sender;
+  std::uint64_t incarnation = 0;                                   // of the sender
   std::uint32_t number = 0;                                        // of the datagram that carried it
   std::variant<UpdateRecord, SceneStates, DecisionRecord> record;  // of scene states a single one
 };
@@ -24,17 +26,18 @@ struct EarlyRecord {
 // decisions; of one kind in the order in which they came.
 class EarlyRecords {
  public:
-  // A second of all updates of a large scene. A peer with a right clock sends none that has to wait longer than a tick.
-  static constexpr std::size_t kMax = 8192;
+  // The most of one sender: what a peer with a right clock sends in a tick is far less, and waits no longer.
+  static constexpr std::size_t kOfSenderMax = 1024;
 
-  // Returns false where too many wait: the record is not taken.
+  // Returns false where too many of that sender wait: the record is not taken.
   [[nodiscard]] bool add(EarlyRecord record);
   // The first record that is not of an instant after t; none: there is no such record. It waits no more.
   [[nodiscard]] std::optional<EarlyRecord> take_until(SimTime t);
-  void clear() { waiting_.clear(); }
+  void clear();
 
  private:
-  std::vector<EarlyRecord> waiting_;  // in reverse, so that the first one is the last element
+  std::multimap<std::pair<SimTime, std::size_t>, EarlyRecord> waiting_;  // by instant and kind
+  std::map<PeerId, std::size_t> of_sender_;
 };
 
 }  // namespace peerd::replication

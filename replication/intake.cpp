@@ -64,7 +64,8 @@ std::expected<void, Drop> Intake::on_packet(HostTime now, RegionId region, std::
   assert(m.sender != kNobody);
   if (m.identity) return dropped(region, p_.admission.on_identity_check(now, m));
   const bool for_all = m.hello || m.leaving || !m.decisions.empty() || !m.subscriptions.empty() ||
-                       !m.scene.states.empty() || !m.operations.empty() || !m.operation_requests.empty();
+                       !m.scene.states.empty() || !m.operations.empty() || !m.operation_requests.empty() ||
+                       m.ghost_question || !m.ghost_answer.states.empty() || !m.ghost_reports.empty();
   if (m.nearby ? region == kWholeScene : for_all && region != kWholeScene) return dropped(region, Drop::kRegion);
   if (m.next_hello && (m.nearby || !m.hello)) return dropped(region, Drop::kRegion);
   const auto admitted = admit(now, region, m);
@@ -381,7 +382,7 @@ void Intake::on_records(HostTime now, PeerId sender, Message& m, SimTime session
     p_.regions.on_subscriptions(sender, m.subscriptions, session_now);
   }
   p_.regions.on_handovers(sender, m.handovers, session_now);
-  take_early(now, p_.reached());
+  take_early(now, is_tick_due(now) ? p_.reached() : session_now);
   for (UpdateRecord& u : m.updates) {
     if (u.at < session_now - kUpdateAgeMax) {
       p_.drop(sender, "update_time");
@@ -399,18 +400,19 @@ void Intake::on_records(HostTime now, PeerId sender, Message& m, SimTime session
 
 // ---- records of an instant that is still to come ----
 
+bool Intake::is_tick_due(HostTime now) const { return p_.ticks.number_at(p_.to_session(now)) > p_.ticks.last(); }
+
 bool Intake::reach(HostTime now, SimTime at) {
   if (at <= p_.reached()) return true;
-  const SimTime session_now = p_.to_session(now);
-  const bool tick_is_due = p_.ticks.number_at(session_now) > p_.ticks.last();
-  if (at > session_now || tick_is_due) return false;
+  if (at > p_.to_session(now) || is_tick_due(now)) return false;
   p_.advance_worlds(at);
   return true;
 }
 
 void Intake::wait(PeerId sender, std::uint32_t number, SimTime at, decltype(EarlyRecord::record) record) {
   if (std::exchange(early_life_, p_.replica.lives()) != p_.replica.lives()) early_.clear();
-  if (early_.add({at, sender, number, std::move(record)})) {
+  const std::uint64_t incarnation = p_.members.find(sender)->incarnation;
+  if (early_.add({at, sender, incarnation, number, std::move(record)})) {
     ++p_.counters.records_early;
     return;
   }
@@ -422,7 +424,8 @@ void Intake::take_early(HostTime now, SimTime t) {
   if (early_life_ != p_.replica.lives()) return;  // they are of worlds that are no more
   while (auto early = early_.take_until(t)) {
     if (early->at > p_.reached()) p_.advance_worlds(early->at);
-    if (p_.members.find(early->sender) == nullptr) continue;  // it has left meanwhile
+    const Member* const sender = p_.members.find(early->sender);
+    if (sender == nullptr || sender->incarnation != early->incarnation) continue;  // it has left meanwhile
     const SimTime session_now = std::max(p_.to_session(now), early->at);
     if (auto* const update = std::get_if<UpdateRecord>(&early->record)) {
       on_update(early->sender, early->number, *update, session_now);

@@ -46,6 +46,7 @@ class Intake {
   [[nodiscard]] bool may_claim(HostTime now, PeerId sender, std::span<const ObjectId> objects);
   void on_ghost_checks(RegionId region, const Message& message, SimTime session_now);
   void on_records(HostTime now, PeerId sender, Message& message, SimTime session_now);
+  [[nodiscard]] bool is_tick_due(HostTime now) const;
   // Whether the worlds have reached that instant; they are advanced to it where no tick comes before it.
   [[nodiscard]] bool reach(HostTime now, SimTime at);
   // The record is of an instant that the worlds have not reached.

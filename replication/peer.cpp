@@ -116,6 +116,7 @@ void Peer::Impl::publish_now(HostTime now, std::span<const OwnSample> samples) {
   }
   if (urgent.empty() && parts.launches.unpublished().empty()) return;
   const std::uint64_t published_before = parts.counters.updates_out;
+  intake.take_early(now, t);
   parts.extend_motions(t);
   parts.replica.advance_truth(t);
   for (const OwnSample* sample : urgent) {

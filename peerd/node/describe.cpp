@@ -229,8 +229,9 @@ struct LineOf {
   }
   Line operator()(const GhostDiffers& d) const {
     const auto level = d.explained ? LogLevel::kDebug : LogLevel::kWarning;
-    return LogLine{level, fmt::format("peer {} shows {} {:.3g} m from where its owner, peer {}, believes; it is mended",
-                                      d.by.value, path_or_id(scene, d.object), d.distance_m, d.owner.value)};
+    return LogLine{
+        level, fmt::format("peer {} shows {} {:.3g} m from where its owner, peer {}, believes; it is published anew",
+                           d.by.value, path_or_id(scene, d.object), d.distance_m, d.owner.value)};
   }
   Line operator()(const NotColliding& n) const {
     return LogLine{LogLevel::kDebug,

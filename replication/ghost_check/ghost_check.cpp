@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "replication/motion/composed_motion.hpp"
+#include "replication/wire/codec.hpp"
 #include "replication/wire/wire_limits.hpp"
 
 namespace peerd::replication {
@@ -15,15 +16,22 @@ namespace {
 constexpr Duration kDigestMargin = std::chrono::milliseconds(50);
 // Digests are so many instants of the grid apart, or half of that where datagrams get lost.
 constexpr std::int64_t kDigestEvery = 2;
-// A peer asks an owner, and answers a receiver, no more often.
-constexpr Duration kAskedApart = std::chrono::milliseconds(450), kAnsweredApart = std::chrono::milliseconds(200);
+// A peer asks an owner no more often; up to kAskedApartMost where its questions find nothing, so that false digests
+// cost little. After that time a difference is asked about at once again.
+constexpr Duration kAskedApart = std::chrono::milliseconds(450), kAskedApartMost = std::chrono::seconds(8);
+// An owner answers about a group no more often: its answers go to all.
+constexpr Duration kAnsweredApart = std::chrono::milliseconds(900);
+// Digests of one owner are compared no more often. They are at least kGhostGrid apart.
+constexpr Duration kComparedApart = std::chrono::milliseconds(200);
+// Header and time of an answer leave so much for states.
+constexpr std::size_t kAnswerMax_bytes = kDatagramMax_bytes - 40;
 // Peers that have only just met have not exchanged all states yet; nor have peers that meet again in a region, after no
 // digest has come for so long.
-constexpr Duration kSettledAfter = std::chrono::seconds(2), kHeardPause = std::chrono::seconds(2);
+constexpr Duration kSettledAfter = std::chrono::seconds(2), kDigestPause = std::chrono::seconds(2);
 // Two places, or orientations, are the same up to this.
 constexpr double kSamePlace_m = 1e-6, kSameAngle_rad = 4e-6;
 // Whether a digest is due is checked so often.
-constexpr Duration kLooksApart = std::chrono::milliseconds(50);
+constexpr Duration kChecksApart = std::chrono::milliseconds(50);
 // A difference is shown for so long.
 constexpr Duration kShownFor = std::chrono::seconds(2);
 
@@ -60,6 +68,7 @@ const GhostCheck::Sums& GhostCheck::sums_at(SimTime t) {
     if (scene_.contains(object) || !replica_.receives(object)) continue;
     sums_[{owner, region}].add(object, replica_.ghost(object, t));
   }
+  std::erase_if(sums_, [](const auto& each) { return each.second.empty(); });
   return sums_;
 }
 
@@ -74,12 +83,13 @@ void GhostCheck::on_tick(SimTime t) {
   if (std::exchange(life_, replica_.lives()) != replica_.lives()) {
     sums_of_.reset();
     sums_.clear();
-    digested_ = looked_ = SimTime::min();
-    heard_.clear();
+    digested_ = checked_ = SimTime::min();
+    received_.clear();
     differences_.clear();
   }
-  if (t < looked_ + kLooksApart && t >= looked_ && !regions_.cuts()) return;
-  looked_ = t;
+  if (t < checked_ + kChecksApart && t >= checked_ && !regions_.cuts()) return;
+  checked_ = t;
+  forget_old(t);
   // A digest of a region's objects says which these are, too: a datagram of a later tick would find others there.
   if (regions_.cuts()) outbox_.forget_riders();
   if (own_.size() == 0 || members_.all().empty()) return;
@@ -88,24 +98,31 @@ void GhostCheck::on_tick(SimTime t) {
   const SimTime at = floor_to(t - digest_age(), digests_apart());
   if (at <= digested_ || !knows_ghosts_at(at)) return;
   digested_ = at;
-  std::erase_if(differences_, [&](const auto& each) { return t - each.second.noticed > kShownFor; });
   const PeerId self = outbox_.self();
   for (const auto& [of, sums] : sums_at(at)) {
     if (of.first == self && !sums.empty()) outbox_.ride(of.second, {at, sums.groups()});
   }
 }
 
-bool GhostCheck::is_settled(PeerId owner, RegionId region, SimTime t) {
-  const auto [at, is_new] = heard_.try_emplace({owner, region}, Heard{t, t});
-  Heard& heard = at->second;
-  if (t - heard.last > kHeardPause || t < heard.first) heard.first = t;
-  heard.last = t;
-  return t >= std::max(heard.first, replica_.begun_at()) + kSettledAfter;
+void GhostCheck::forget_old(SimTime t) {
+  const auto is_gone = [&](PeerId peer) { return !members_.contains(peer); };
+  std::erase_if(differences_, [&](const auto& each) { return t - each.second.noticed > kShownFor; });
+  std::erase_if(asked_, [&](const auto& each) { return is_gone(each.first); });
+  std::erase_if(received_,
+                [&](const auto& each) { return is_gone(each.first.first) || t - each.second.last > 2 * kDigestPause; });
+}
+
+GhostCheck::Digests& GhostCheck::note_digest(PeerId owner, RegionId region, SimTime t) {
+  Digests& digests = received_.try_emplace({owner, region}, Digests{t, t}).first->second;
+  if (t - digests.last > kDigestPause || t < digests.first) digests.first = t;
+  digests.last = t;
+  return digests;
 }
 
 void GhostCheck::on_digest(PeerId sender, RegionId region, const GhostDigest& digest, SimTime now) {
   if (!knows_ghosts_at(digest.at) || (regions_.cuts() && region == kWholeScene)) return;
-  if (!is_settled(sender, region, digest.at)) return;
+  Digests& digests = note_digest(sender, region, digest.at);
+  if (digest.at < std::max(digests.first, replica_.begun_at()) + kSettledAfter) return;
   ++counters_.ghost_checks;
   const std::pair of{sender, regions_.cuts() ? region : kWholeScene};
   const auto same = [&] {
@@ -114,11 +131,19 @@ void GhostCheck::on_digest(PeerId sender, RegionId region, const GhostDigest& di
   };
   // What has come since the sums were made may have changed them.
   if (sums_of_ == digest.at && same()) return;
+  if (now < digests.computed + kComparedApart && now >= digests.computed) return;
+  digests.computed = now;
+  replica_.catch_up_ghosts();
   (void)sums_at(digest.at);
   if (same()) return;
-  const auto [asked, is_first] = asked_.try_emplace(sender, now);
-  if (!is_first && now - asked->second < kAskedApart && now >= asked->second) return;
-  asked->second = now;
+  const auto [at, is_first] = asked_.try_emplace(sender, Asked{now, digest.at, kAskedApart});
+  if (!is_first) {
+    Asked& asked = at->second;
+    const Duration since = now - asked.when;
+    if (since >= Duration{0} && since < asked.wait) return;
+    const bool is_again = since >= Duration{0} && since < 2 * kAskedApartMost;
+    asked = {now, digest.at, is_again ? std::min<Duration>(2 * asked.wait, kAskedApartMost) : Duration{kAskedApart}};
+  }
   const GhostSums& sums = sums_[of];
   for (std::size_t group = 0; group < kGhostGroups; ++group) {
     if (sums.of_group(group) == digest.groups[group]) continue;
@@ -140,9 +165,10 @@ bool GhostCheck::is_on_its_way(const OwnObject& own, PeerId receiver, SimTime no
 void GhostCheck::on_question(PeerId sender, const GhostQuestion& question, SimTime now) {
   if (question.owner != outbox_.self() || !knows_ghosts_at(question.at)) return;
   if (regions_.cuts() != (question.region != kWholeScene)) return;
-  const auto [answered, is_first] = answered_.try_emplace({sender, question.group}, now);
-  if (!is_first && now - answered->second < kAnsweredApart && now >= answered->second) return;
-  answered->second = now;
+  std::optional<SimTime>& answered = answered_[question.group];
+  if (answered && now - *answered < kAnsweredApart && now >= *answered) return;
+  answered = now;
+  replica_.catch_up_ghosts();
   const auto is_meant = [&](ObjectId object) {
     return !scene_.contains(object) && ghost_group(object) == question.group &&
            (!regions_.cuts() || regions_.region_of(object) == question.region);
@@ -159,22 +185,28 @@ void GhostCheck::on_question(PeerId sender, const GhostQuestion& question, SimTi
   }
   if (suspects.empty()) return;
   // What does not fit takes turns: the ones that differ may be the last ones of a full bucket.
-  const std::size_t first = suspects.size() <= kGhostAnswerMax ? 0 : kGhostAnswerMax * answers_++ % suspects.size();
+  std::size_t& turn = turns_[question.group];
   Message m = outbox_.blank();
+  std::size_t used_bytes = 0;
   for (std::size_t k = 0; k < std::min(suspects.size(), kGhostAnswerMax); ++k) {
-    const ObjectId object = suspects[(first + k) % suspects.size()];
-    if (!is_on_its_way(own_.at(object), sender, now)) own_.republish(object);
-    const MotionModel state(replica_.ghosts().has(object) ? replica_.ghosts().relative_at(object, question.at)
-                                                          : at_rest(replica_.model().scene->rigid_pose(object)));
-    if (!acceptable(state.state)) continue;
+    const ObjectId object = suspects[turn % suspects.size()];
     const bool in_ghosts = replica_.ghosts().has(object);
-    m.ghost_answer.states.push_back({object,
-                                     std::max(1u, own_.at(object).sequence),
-                                     question.at,
-                                     state,
-                                     decisions_.last_on(object),
-                                     {},
-                                     in_ghosts ? replica_.model().carrier_of(object) : std::nullopt});
+    const MotionModel model(in_ghosts ? replica_.ghosts().relative_at(object, question.at)
+                                      : at_rest(replica_.model().scene->rigid_pose(object)));
+    const UpdateRecord state{object,
+                             std::max(1u, own_.at(object).sequence),
+                             question.at,
+                             model,
+                             decisions_.last_on(object),
+                             {},
+                             in_ghosts ? replica_.model().carrier_of(object) : std::nullopt};
+    if (acceptable(model.state)) {
+      used_bytes += encoded_size_bytes(state, question.at);
+      if (used_bytes > kAnswerMax_bytes) break;
+      m.ghost_answer.states.push_back(state);
+    }
+    ++turn;
+    if (!is_on_its_way(own_.at(object), sender, now)) own_.republish(object);
   }
   ++counters_.ghost_answers;
   send(m);
@@ -200,7 +232,9 @@ bool GhostCheck::is_explained(PeerId owner, const UpdateRecord& state) const {
 
 void GhostCheck::on_answer(PeerId sender, const GhostAnswer& answer, SimTime now) {
   const auto asked = asked_.find(sender);
-  if (asked == asked_.end() || now - asked->second > kShownFor) return;  // somebody else has asked
+  if (asked == asked_.end() || now - asked->second.when > kShownFor) return;
+  if (answer.states.front().at != asked->second.instant) return;  // somebody else has asked
+  replica_.catch_up_ghosts();
   Message m = outbox_.blank();
   for (const UpdateRecord& state : answer.states) {
     if (owners_.of(state.object) != sender || !knows_ghosts_at(state.at) || !replica_.receives(state.object)) continue;
@@ -219,6 +253,7 @@ void GhostCheck::on_answer(PeerId sender, const GhostAnswer& answer, SimTime now
     ++(explained ? counters_.ghosts_differ_explained : counters_.ghosts_differ);
     ++(explained ? owner.ghosts_differ_explained : owner.ghosts_differ);
     differences_[state.object] = {distance_m, now, state.at};
+    asked->second.wait = kAskedApart;
     outbox_.push(GhostDiffers{state.object, sender, outbox_.self(), state.at, distance_m, explained});
     if (m.ghost_reports.size() == kGhostReportsMax) continue;
     m.ghost_reports.push_back({state.object, static_cast<float>(std::min(distance_m, kMagnitudeMax))});
@@ -228,7 +263,8 @@ void GhostCheck::on_answer(PeerId sender, const GhostAnswer& answer, SimTime now
 
 void GhostCheck::on_reports(PeerId sender, std::span<const GhostReport> reports, SimTime now) {
   for (const GhostReport& report : reports) {
-    if (!own_.contains(report.object)) continue;
+    const std::optional<SimTime>& answered = answered_[ghost_group(report.object)];
+    if (!own_.contains(report.object) || !answered || now - *answered > kShownFor) continue;
     differences_[report.object] = {report.distance_m, now, now};
     ++counters_.ghosts_reported;
     outbox_.push(GhostDiffers{report.object, outbox_.self(), sender, now, report.distance_m, true});

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -68,11 +69,24 @@ class GhostCheck {
     SimTime noticed, at;  // at: the instant at which they differed, as far as this peer knows it
   };
 
+  // The last questions to an owner: when they went, of which instant, and how long the next ones wait.
+  struct Asked {
+    SimTime when, instant;
+    Duration wait;
+  };
+  // The first and the last one of the digests of an owner that have come without a long pause, and when this peer last
+  // computed its own for one of them.
+  struct Digests {
+    SimTime first, last;
+    SimTime computed = SimTime::min();
+  };
+
   [[nodiscard]] bool knows_ghosts_at(SimTime t) const;
   [[nodiscard]] const Sums& sums_at(SimTime t);
   [[nodiscard]] Duration digest_age() const;
   [[nodiscard]] Duration digests_apart() const;
-  [[nodiscard]] bool is_settled(PeerId owner, RegionId region, SimTime t);
+  [[nodiscard]] Digests& note_digest(PeerId owner, RegionId region, SimTime t);
+  void forget_old(SimTime t);
   [[nodiscard]] bool is_on_its_way(const OwnObject& own, PeerId receiver, SimTime now) const;
   [[nodiscard]] bool has_lost_datagrams() const;
   [[nodiscard]] bool is_explained(PeerId owner, const UpdateRecord& state) const;
@@ -92,17 +106,13 @@ class GhostCheck {
   std::optional<SimTime> sums_of_;  // the instant of `sums_`
   std::uint64_t life_ = 0;          // of the worlds that `sums_` and `digested_` are of
   Sums sums_;
-  SimTime looked_ = SimTime::min();                               // when this peer last checked whether a digest is due
-  std::uint64_t withheld_ = 0;                                    // updates, until then (PeerCounters)
-  SimTime digested_ = SimTime::min();                             // the instant of the last digest of this peer
-  std::map<PeerId, SimTime> asked_;                               // when this peer last asked an owner
-  std::map<std::pair<PeerId, std::uint32_t>, SimTime> answered_;  // when this peer last answered a receiver on a group
-  std::size_t answers_ = 0;                                       // that had no room for all
-  // The first and the last one of the digests of an owner that have come without a long pause.
-  struct Heard {
-    SimTime first, last;
-  };
-  std::map<std::pair<PeerId, RegionId>, Heard> heard_;
+  SimTime checked_ = SimTime::min();   // when this peer last checked whether a digest is due
+  std::uint64_t withheld_ = 0;         // updates, until then (PeerCounters)
+  SimTime digested_ = SimTime::min();  // the instant of the last digest of this peer
+  std::map<PeerId, Asked> asked_;
+  std::array<std::optional<SimTime>, kGhostGroups> answered_{};  // when this peer last answered about a group
+  std::array<std::size_t, kGhostGroups> turns_{};                // of answers that had no room for all
+  std::map<std::pair<PeerId, RegionId>, Digests> received_;
   std::map<ObjectId, Difference> differences_;
 };
 

@@ -19,8 +19,9 @@ constexpr std::array<std::uint64_t, 7> kFactors = [] {
   return factors;
 }();
 
-// Rounded half away from 0. Limits of the wire keep a place below 2^60 steps (wire_limits.hpp).
+// Rounded half away from 0. A ghost may have gone on beyond all limits: then one number stands for all such places.
 std::uint64_t whole(double value) {
+  if (!(value > -0x1p62 && value < 0x1p62)) return std::uint64_t{1} << 63;
   return static_cast<std::uint64_t>(static_cast<std::int64_t>(value < 0.0 ? value - 0.5 : value + 0.5));
 }
 

@@ -109,6 +109,8 @@ bool Replica::keep_overtaken(const UpdateRecord& update) {
     return each.sequence == update.sequence || (each.sequence > update.sequence && each.at <= update.at);
   });
   if (is_void || update.at < kept.back().at - MotionWorld::kHistory) return false;
+  std::erase_if(kept,
+                [&](const UpdateRecord& each) { return each.sequence < update.sequence && each.at >= update.at; });
   kept.insert(std::ranges::upper_bound(kept, update.at, {}, &UpdateRecord::at), update);
   return true;
 }

@@ -8,8 +8,8 @@ namespace peerd::replication::early_records_test {
 
 using namespace test;
 
-EarlyRecord update(Duration at, std::uint32_t number) { return {sim(at), PeerId{7}, number, UpdateRecord{}}; }
-EarlyRecord decision(Duration at, std::uint32_t number) { return {sim(at), PeerId{7}, number, DecisionRecord{}}; }
+EarlyRecord update(Duration at, std::uint32_t number) { return {sim(at), PeerId{7}, 100, number, UpdateRecord{}}; }
+EarlyRecord decision(Duration at, std::uint32_t number) { return {sim(at), PeerId{7}, 100, number, DecisionRecord{}}; }
 
 std::vector<std::uint32_t> numbers_until(EarlyRecords& records, Duration t) {
   std::vector<std::uint32_t> numbers;
@@ -29,10 +29,13 @@ TEST(EarlyRecords, LeaveByTheirInstantsThenKindsThenArrivals) {
   EXPECT_EQ(numbers_until(records, 10s), (std::vector<std::uint32_t>{5}));
 }
 
-TEST(EarlyRecords, AreLimited) {
+TEST(EarlyRecords, AreLimitedForEachSender) {
   EarlyRecords records;
-  for (std::size_t k = 0; k < EarlyRecords::kMax; ++k) ASSERT_TRUE(records.add(update(1s, 1)));
+  for (std::size_t k = 0; k < EarlyRecords::kOfSenderMax; ++k) ASSERT_TRUE(records.add(update(1s, 1)));
   EXPECT_FALSE(records.add(update(1s, 2)));
+  EarlyRecord another = update(1s, 2);
+  another.sender = PeerId{8};
+  EXPECT_TRUE(records.add(another));
   EXPECT_TRUE(records.take_until(sim(1s)).has_value());
   EXPECT_TRUE(records.add(update(1s, 2)));
 }

@@ -102,6 +102,49 @@ TEST_F(Displaced, ManyAreMendedToo) {
   EXPECT_GE(lan->peer(1).counters().ghosts_differ, kObjects / 2);
 }
 
+// Exact states of what tumbles and falls are long: twelve of them are more than a datagram.
+TEST(GhostAnswers, FitADatagram) {
+  constexpr std::uint32_t kTumbling = 64;
+  const World world(field(kTumbling));
+  Lan lan(world, {.latency = 20ms});
+  PeerConfig owner = config(1);
+  for (std::uint32_t k = 0; k < kTumbling; ++k) {
+    owner.owned.push_back({world[("O" + std::to_string(k)).c_str()],
+                           false,
+                           {.velocity = Vec3(0.1, 0.7, 0.3),
+                            .acceleration = Vec3(0, -1e-3, 0),
+                            .angular_velocity = Vec3(0.3, 0.2 + 0.01 * k, 0.1)}});
+  }
+  lan.add(owner);
+  lan.add(config(2));
+  lan.run_until(8s);
+  for (std::uint32_t k = 0; k < kTumbling; ++k) {
+    lan.peer(1).displace_ghost(world[("O" + std::to_string(k)).c_str()], lan.session_now(1), {0, 0.1, 0});
+  }
+  lan.run_until(14s);
+  const SimTime t = lan.session_now(0);
+  for (std::uint32_t k = 0; k < kTumbling; ++k) {
+    const ObjectId object = world[("O" + std::to_string(k)).c_str()];
+    EXPECT_EQ(lan.peer(1).ghost(object, t).position, lan.peer(0).ghost(object, t).position) << k;
+  }
+}
+
+// A member says digests that are not true. It costs a few questions, ever fewer.
+TEST_F(Displaced, FalseDigestsCostLittle) {
+  begin({.latency = 20ms});
+  lan->forge = [](std::size_t from, const Message& m) -> std::optional<Message> {
+    if (from != 0 || !m.ghosts) return std::nullopt;
+    Message wrong = m;
+    for (std::uint16_t& group : wrong.ghosts->groups) ++group;
+    return wrong;
+  };
+  const std::uint64_t updates = lan->peer(0).counters().updates_out;
+  lan->run_until(lan->now() + 60s);
+  EXPECT_LE(lan->peer(1).counters().ghost_questions, 4u * 14u);
+  EXPECT_EQ(differences(), 0u);
+  EXPECT_LE(lan->peer(0).counters().updates_out - updates, 2u * kObjects) << "what does not differ is not published";
+}
+
 TEST_F(Displaced, WhoHasLostDatagramsKnowsWhy) {
   begin({.latency = 20ms});
   lan->filter = [&](std::size_t from, std::size_t to, const Message& m) {
