@@ -1,6 +1,7 @@
 #include "replication/world/motion_world.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <tuple>
@@ -17,6 +18,9 @@ constexpr Duration kInstant = std::chrono::nanoseconds(2);
 // After so many contacts of a pair in turn all that touch are answered at once; after as many of those again the two
 // stop, and after as many again no answer is sought.
 constexpr std::uint32_t kAnswersMax = 32, kGivenUp = 2 * kAnswersMax;
+// A body is trapped where the contacts of a burst are closer than this in the mean and nothing that it meets gives way:
+// in a gap of 0.1 um it would bounce a million times a second.
+constexpr Duration kTrappedMean = std::chrono::microseconds(100);
 // A bound on the work of one advance(): after so many contacts what meets anything stops.
 constexpr std::size_t kContactsMax = std::size_t{1} << 17;
 // Normals of one pair at one instant that are told apart; more than the faces that meet in any corner of a box.
@@ -76,6 +80,10 @@ void MotionWorld::replace_model(const WorldModel& next, SimTime t, ChangeObjects
   change_objects();
   model_ = &next;
   pairs_ = std::move(pairs);
+  with_past_.clear();
+  for (const std::uint32_t i : pairs_.numbers()) {
+    if (!pairs_[i].past.empty()) with_past_.insert(i);
+  }
   far_ = FarPairs(next);
   note_answers();
   for (const std::uint32_t i : added) {
@@ -310,7 +318,7 @@ void MotionWorld::forget_bases(ObjectId object, SimTime t) {
 }
 
 void MotionWorld::note_base(MovingObject& o, SimTime t, const MotionModel& model) {
-  std::erase_if(o.bases, [&](const Base& base) { return base.at >= t || base.at < advanced_ - kHistory; });
+  forget_kept(o.bases, t, advanced_);
   o.bases.push_back({t, model});
 }
 
@@ -328,8 +336,9 @@ void MotionWorld::lay_next_base() {
   retracted_bases_.erase(retracted_bases_.begin());
   if (!objects_.contains(id)) return;
   const std::size_t index = objects_.index_of(id);
-  const auto base = std::ranges::find(objects_[index].bases, t, &Base::at);
-  if (base == objects_[index].bases.end()) return;
+  const std::vector<Base>& bases = objects_[index].bases;
+  const auto base = std::ranges::lower_bound(bases, t, {}, &Base::at);
+  if (base == bases.end() || base->at != t) return;
   lay_base(index, t, MotionModel(base->model));
   retract_bases(objects_[index], t + Duration{1});
   retracted_bases_.erase({t, id});  // answers of the object itself may just have been retracted
@@ -450,8 +459,20 @@ void MotionWorld::forget_bursts(std::size_t object, SimTime t) {
   }
 }
 
-void MotionWorld::remember_course(WatchedPair& pair, SimTime t) {
-  if (replays_bases_) pair.remember_course(t, advanced_ - kHistory);
+void MotionWorld::remember_course(std::uint32_t i, SimTime t) {
+  if (!replays_bases_) return;
+  pairs_[i].remember_course(t);
+  with_past_.insert(i);
+}
+
+void MotionWorld::forget_old_courses() {
+  if (advanced_ < courses_forgotten_ + kHistory) return;
+  courses_forgotten_ = advanced_;
+  std::erase_if(with_past_, [&](std::uint32_t i) {
+    if (!pairs_.contains(i)) return true;
+    pairs_[i].forget_course_before(advanced_ - kHistory);
+    return pairs_[i].past.empty();
+  });
 }
 
 SimTime MotionWorld::reopened_from(const WatchedPair& pair, bool lived, SimTime t) const {
@@ -520,7 +541,6 @@ bool MotionWorld::ends_touch(ObjectId a, ObjectId b, SimTime t) {
 void MotionWorld::respond_to_contact(WatchedPair& pair) {
   assert(pair.contact);
   const SimTime t = *pair.contact;
-  remember_course(pair, t);
   if (pair.lifts) {
     lift(pair, t);
     return;
@@ -530,6 +550,8 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
   const ContactAuthority authority =
       authority_of_ ? authority_of_(collider, collidee, t) : ContactAuthority::kAsPublished;
   ContactAnswer answer = answer_to(*model_, objects_, pair, authority);
+  pair.both_changed = !moves_alike(answer.before_a.state, answer.after_a.state) &&
+                      !moves_alike(answer.before_b.state, answer.after_b.state);
   const std::size_t a = pair.collider, b = pair.collidee;
   if (pair.squeezed >= kGivenUp && stands_firm(pair, t)) {
     hold_against_wall(pair, t);
@@ -625,6 +647,7 @@ void MotionWorld::note_touch(WatchedPair& pair, SimTime t) {
   if (!met_lately(pair.touched, t, kInstant)) pair.at_once = 0;
   if (!met_lately(pair.touched, t, kShortestFlight)) {
     pair.in_burst = pair.squeezed = 0;
+    pair.burst_from = t;
     if (!pair.bears) pair.normals.clear();
   }
   pair.touched = t;
@@ -704,7 +727,7 @@ void MotionWorld::settle_velocities(WatchedPair& pair, SimTime t, Touching which
   ContactIsland island = island_of(*model_, objects_, pairs_, a, b, t, which, Quantity::kVelocity);
   const std::vector<std::uint32_t> through = solve(island);
   for (const std::uint32_t i : through) {
-    remember_course(pairs_[i], t);
+    remember_course(i, t);
     pairs_[i].bears = false;
     pairs_[i].squeezed = kGivenUp;
   }
@@ -729,12 +752,23 @@ void MotionWorld::let_through(std::uint32_t i, SimTime t) {
   const bool lived = objects_.is_lived(pair.collider) || objects_.is_lived(pair.collidee);
   const bool is_ahead = far_.contains(i) || (!pair.contact && pair.clear_until > reopened_from(pair, lived, t));
   if (is_ahead) return;
-  remember_course(pair, t);
+  remember_course(i, t);
   pair.inside = true;
 }
 
 bool MotionWorld::is_squeezed(const WatchedPair& pair, SimTime t) const {
-  return pair.at_once > kAnswersMax || (pair.in_burst > kAnswersMax && is_driven(pair, t));
+  if (pair.at_once > kAnswersMax) return true;
+  return pair.in_burst > kAnswersMax && (is_driven(pair, t) || is_trapped(pair, t));
+}
+
+bool MotionWorld::is_trapped(const WatchedPair& pair, SimTime t) const {
+  if (t - pair.burst_from >= pair.in_burst * kTrappedMean) return false;
+  const auto gives = [&](std::uint32_t i) {
+    return pairs_.contains(i) && pairs_[i].both_changed && met_lately(pairs_[i].touched, t, kShortestFlight);
+  };
+  return std::ranges::none_of(std::array{pair.collider, pair.collidee}, [&](std::uint32_t object) {
+    return objects_[object].is_answering() && std::ranges::any_of(model_->part_pairs_of(object), gives);
+  });
 }
 
 bool MotionWorld::is_driven(const WatchedPair& pair, SimTime t) const {
@@ -788,7 +822,7 @@ void MotionWorld::hold_against_wall(WatchedPair& wall, SimTime t) {
     WatchedPair& pair = pairs_[i];
     if (!pair.is_answered()) continue;  // it presses nothing
     if (!met_lately(pair.touched, t, kShortestFlight) || stands_firm(pair, t)) continue;
-    remember_course(pair, t);
+    remember_course(i, t);
     pair.bears = pair.lifts = false;
     pair.squeezed = kGivenUp;
     through.push_back(i);
@@ -811,7 +845,7 @@ void MotionWorld::release_parting(std::size_t object, SimTime t) {
     const Vec3 b = objects_.world_law(pair.collidee, t).state.velocity;
     const auto parts = [&](const Vec3& n) { return n.dot(a - b) > kRounding * (a.norm() + b.norm()); };
     if (!pair.normals.empty() && std::ranges::none_of(pair.normals, parts)) continue;
-    remember_course(pair, t);
+    remember_course(i, t);
     std::erase_if(pair.normals, parts);
     pair.bears = !pair.normals.empty();
   }
@@ -894,6 +928,7 @@ void MotionWorld::advance(SimTime to) {
     if (!first) break;
     WatchedPair& pair = pairs_[*first];
     assert(*pair.contact <= until);
+    remember_course(static_cast<std::uint32_t>(*first), *pair.contact);
     if (++contacts <= kContactsMax) {
       respond_to_contact(pair);
     } else {
@@ -913,6 +948,7 @@ void MotionWorld::advance(SimTime to) {
   while (!retracted_bases_.empty()) lay_next_base();  // of the time that is still to come
   advanced_ = std::max(advanced_, to);
   objects_.prune_timelines(advanced_);
+  forget_old_courses();
 }
 
 std::vector<ObjectId> MotionWorld::objects() const {

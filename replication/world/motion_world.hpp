@@ -235,6 +235,8 @@ class MotionWorld {
   [[nodiscard]] bool is_squeezed(const WatchedPair& pair, SimTime t) const;
   // Whether what gives way to nothing comes into those that met within the burst around the pair.
   [[nodiscard]] bool is_driven(const WatchedPair& pair, SimTime t) const;
+  // Whether the two meet far too often, and nothing that they met within the burst gives way.
+  [[nodiscard]] bool is_trapped(const WatchedPair& pair, SimTime t) const;
   // All that met within the burst are answered at once.
   void answer_squeezed(WatchedPair& pair, SimTime t);
   // The two stand from t on, as far as they respond: there is no room left for any other answer.
@@ -280,7 +282,9 @@ class MotionWorld {
   // counts of contacts.
   void forget_bursts(std::size_t object, SimTime t);
   // Called before something of t changes what the pair has been through.
-  void remember_course(WatchedPair& pair, SimTime t);
+  void remember_course(std::uint32_t i, SimTime t);
+  // Of longer than kHistory ago.
+  void forget_old_courses();
   // The instant from which the pair is searched again if one of the two moves otherwise from t on; `lived`: this peer
   // moves the other one, or both.
   [[nodiscard]] SimTime reopened_from(const WatchedPair& pair, bool lived, SimTime t) const;
@@ -294,6 +298,8 @@ class MotionWorld {
   SimTime start_, advanced_;
   MovingObjects objects_;
   WatchedPairs pairs_;
+  std::set<std::uint32_t> with_past_;  // of pairs_: those that have a past
+  SimTime courses_forgotten_ = SimTime::min();
   FarPairs far_;
   std::vector<std::uint32_t> opened_;  // pairs that are far no more, and not in the schedule yet
   // For each node those of its partners whose timelines have, or had lately, a law with it as the cause; ascending.

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cassert>
 #include <cstdint>
 #include <functional>
@@ -32,6 +33,24 @@ struct Base {
   SimTime at;
   MotionModel model;
 };
+
+// How much of the past worlds keep, for updates and decisions that arrive late.
+inline constexpr Duration kWorldHistory = std::chrono::seconds(6);
+
+// The most that is kept of one object's bases or updates: beyond what 600 ticks a second say in kHistory.
+inline constexpr std::size_t kKeptMax = 4096;
+
+// Makes room in what is kept, ascending by its `at`, for what comes at t: what is of that time or later is void, and
+// what is older than kHistory before `now` is forgotten, some of it a second later.
+template <class Kept>
+void forget_kept(std::vector<Kept>& kept, SimTime t, SimTime now) {
+  while (!kept.empty() && kept.back().at >= t) kept.pop_back();
+  const SimTime oldest = now - kWorldHistory;
+  if (!kept.empty() && kept.front().at < oldest - std::chrono::seconds(1)) {
+    kept.erase(kept.begin(), std::ranges::lower_bound(kept, oldest, {}, &Kept::at));
+  }
+  if (kept.size() >= kKeptMax) kept.erase(kept.begin(), kept.begin() + kKeptMax / 2);
+}
 
 struct MovingObject {
   ObjectId id;
@@ -74,7 +93,7 @@ class MovingObjects {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   // Timelines keep this much of the past, for updates and decisions that arrive late.
-  static constexpr Duration kHistory = std::chrono::seconds(6);
+  static constexpr Duration kHistory = kWorldHistory;
   // The time that a bound of a moving body is for reaches no farther than to the next multiple of this. A longer one
   // finds contacts that the next update makes void; a shorter one searches more often.
   static constexpr Duration kLookahead = std::chrono::milliseconds(250);

@@ -43,24 +43,19 @@ void WatchedPair::forget_free_since(SimTime from) {
   }
 }
 
-void WatchedPair::remember_course(SimTime t, SimTime oldest) {
-  if (!past.empty() && past.back().at >= t) return;
-  std::erase_if(past, [&](const Past& each) { return each.at < oldest; });
-  past.push_back({t,
-                  {inside, bears, parted, parted_from, bore_since, touched, lifted, held_until, at_once, in_burst,
-                   squeezed, normals}});
+void WatchedPair::remember_course(SimTime t) {
+  if (past.empty() || past.back().at < t) past.push_back({t, static_cast<const PairCourse&>(*this)});
+}
+
+void WatchedPair::forget_course_before(SimTime oldest) {
+  past.erase(past.begin(), std::ranges::lower_bound(past, oldest, {}, &Past::at));
+  if (past.empty()) past.shrink_to_fit();
 }
 
 void WatchedPair::rewind_course(SimTime from) {
   const auto first = std::ranges::lower_bound(past, from, {}, &Past::at);
   if (first == past.end()) return;
-  std::tie(inside, bears, parted, parted_from, bore_since, touched, lifted, held_until) =
-      std::tuple(first->before.inside, first->before.bears, first->before.parted, first->before.parted_from,
-                 first->before.bore_since, first->before.touched, first->before.lifted, first->before.held_until);
-  at_once = first->before.at_once;
-  in_burst = first->before.in_burst;
-  squeezed = first->before.squeezed;
-  normals = std::move(first->before.normals);
+  static_cast<PairCourse&>(*this) = std::move(first->before);
   past.erase(first, past.end());
 }
 
@@ -76,25 +71,24 @@ void add_pairs(WatchedPairs& pairs, const WorldModel& model, std::uint32_t inter
     const bool flexible = whole ? std::ranges::any_of(model.parts_of_node[collider], flexes) ||
                                       std::ranges::any_of(model.parts_of_node[collidee], flexes)
                                 : flexes(parts.a) || flexes(parts.b);
-    pairs.add(i, {.collider = collider,
-                  .collidee = collidee,
-                  .part_a = parts.a,
-                  .part_b = parts.b,
-                  .common = parts.common,
-                  .number = interest,
-                  .type = p.type,
-                  .fixed = parts.fixed,
-                  .is_plain = parts.a == collider && parts.b == collidee && !is_carried,
-                  .is_flexible = flexible,
-                  .collider_responds = model.answers(p, p.collider),
-                  .collidee_responds = model.answers(p, p.collidee),
-                  .has_exact_search =
-                      box || flexible || collision::has_exact_answer(model.bodies[parts.a], model.bodies[parts.b]),
-                  .watched = watched,
-                  .clear_until = start,
-                  .contact = {},
-                  .free_at = {},
-                  .normals = {}});
+    WatchedPair pair{};
+    pair.collider = collider;
+    pair.collidee = collidee;
+    pair.part_a = parts.a;
+    pair.part_b = parts.b;
+    pair.common = parts.common;
+    pair.number = interest;
+    pair.type = p.type;
+    pair.fixed = parts.fixed;
+    pair.is_plain = parts.a == collider && parts.b == collidee && !is_carried;
+    pair.is_flexible = flexible;
+    pair.collider_responds = model.answers(p, p.collider);
+    pair.collidee_responds = model.answers(p, p.collidee);
+    pair.has_exact_search =
+        box || flexible || collision::has_exact_answer(model.bodies[parts.a], model.bodies[parts.b]);
+    pair.watched = watched;
+    pair.clear_until = start;
+    pairs.add(i, std::move(pair));
   }
 }
 

@@ -13,16 +13,27 @@
 
 namespace peerd::replication {
 
-// What the contacts of a pair so far have left behind: what a world that goes through the past again has to take back.
+// The marks that the contacts of a pair so far have left on it. A world that goes through the past again takes them
+// back.
 struct PairCourse {
-  bool inside = false, bears = false;
-  SimTime parted, parted_from, bore_since, touched, lifted, held_until;
-  std::uint32_t at_once = 0, in_burst = 0, squeezed = 0;
-  std::vector<Vec3> normals;
+  bool inside = false;                   // a contact without a response goes on; it is reported once
+  bool bears = false;                    // the two rest against each other, along all of `normals`
+  SimTime parted = SimTime::min();       // when `inside` was last over
+  SimTime parted_from = SimTime::min();  // the contact that was over then
+  SimTime bore_since = SimTime::max();   // when the two last came to rest against each other
+  SimTime touched = SimTime::min();      // of the last contact
+  SimTime lifted = SimTime::min();       // when the two last came apart after they bore each other
+  SimTime held_until = SimTime::min();   // the two do not come apart before
+  SimTime burst_from = SimTime::min();   // the first contact of the burst
+  std::uint32_t at_once = 0;             // contacts until `touched`, each at the instant of the one before
+  std::uint32_t in_burst = 0;            // contacts until `touched`, each within kShortestFlight_s of the one before
+  std::uint32_t squeezed = 0;            // of the burst: those answered for all that touched
+  bool both_changed = false;             // the last contact gave both another motion, and not one alone
+  std::vector<Vec3> normals{};           // of the contacts of the burst, and those along which the two bear each other
 };
 
 // Two parts of two ends of an interest (PartPair). What answers is the end.
-struct WatchedPair {
+struct WatchedPair : PairCourse {
   std::uint32_t collider, collidee;  // the ends, into MovingObjects
   std::uint32_t part_a, part_b;      // the model's parts that meet; kNone: the boxes of both whole ends
   std::uint32_t common;              // the two meet in the frame of that object; kNone: in the world
@@ -34,30 +45,18 @@ struct WatchedPair {
   bool collider_responds, collidee_responds;
   bool has_exact_search;  // collision has an answer
   bool watched = false;
-  bool put_off = false;                  // its searches are put off (MotionWorld::put_off())
-  bool stopped = false;                  // for that reason, at clear_until; it has no contact, and bears nothing
-  bool unsupported = false;              // counted once, then never searched again
-  bool searched = false;                 // some search has been answered
-  bool overlapped = false;               // `contact` is an overlap, not a touch
-  bool resting = false;                  // at `contact` the two are pressed together and do not approach
-  bool lifts = false;                    // at `contact` the two come apart: they bore each other until then
-  std::optional<bool> fixed_touch{};     // whether the two, which are fixed to each other, touch; none: not known yet
-  bool inside = false;                   // a contact without a response goes on; it is reported once
-  bool bears = false;                    // the two rest against each other, along all of `normals`
-  SimTime parted = SimTime::min();       // when `inside` was last over
-  SimTime parted_from = SimTime::min();  // the contact that was over then
-  SimTime bore_since = SimTime::max();   // when the two last came to rest against each other
-  SimTime touched = SimTime::min();      // of the last contact
-  SimTime lifted = SimTime::min();       // when the two last came apart after they bore each other
-  SimTime held_until = SimTime::min();   // the two do not come apart before
-  std::uint32_t at_once = 0;             // contacts until `touched`, each at the instant of the one before
-  std::uint32_t in_burst = 0;            // contacts until `touched`, each within kShortestFlight_s of the one before
-  std::uint32_t squeezed = 0;            // of the burst: those answered for all that touched
-  SimTime clear_until;                   // all contacts before this have been dealt with
-  std::optional<SimTime> contact;        // the next contact, at clear_until, if the search found one
-  std::optional<SimTime> free_at;        // the last instant at which the two were known to be apart: setBack goes there
-  Vec3 normal = Vec3::Zero();            // of `contact`
-  std::vector<Vec3> normals;             // of the contacts of the burst, and those along which the two bear each other
+  bool put_off = false;               // its searches are put off (MotionWorld::put_off())
+  bool stopped = false;               // for that reason, at clear_until; it has no contact, and bears nothing
+  bool unsupported = false;           // counted once, then never searched again
+  bool searched = false;              // some search has been answered
+  bool overlapped = false;            // `contact` is an overlap, not a touch
+  bool resting = false;               // at `contact` the two are pressed together and do not approach
+  bool lifts = false;                 // at `contact` the two come apart: they bore each other until then
+  std::optional<bool> fixed_touch{};  // whether the two, which are fixed to each other, touch; none: not known yet
+  SimTime clear_until;                // all contacts before this have been dealt with
+  std::optional<SimTime> contact;     // the next contact, at clear_until, if the search found one
+  std::optional<SimTime> free_at;     // the last instant at which the two were known to be apart: setBack goes there
+  Vec3 normal = Vec3::Zero();         // of `contact`
   std::array<std::optional<SimTime>, 3> free_before{};  // earlier values of free_at, the latest first
   // The course before each of the last contacts that changed it, ascending; empty in a world that does not replay.
   struct Past {
@@ -73,8 +72,10 @@ struct WatchedPair {
   void note_free(SimTime t);
   // Forgets that they were known to be apart at `from` or later.
   void forget_free_since(SimTime from);
-  // Called before something of t changes the course; `oldest`: what is older is not gone back to any more.
-  void remember_course(SimTime t, SimTime oldest);
+  // Called before something of t changes the course.
+  void remember_course(SimTime t);
+  // A world does not go back to before `oldest`.
+  void forget_course_before(SimTime oldest);
   // Takes back all that has changed the course at `from` or later.
   void rewind_course(SimTime from);
   void begin_to_bear(SimTime t) {

@@ -11,6 +11,48 @@ using namespace test;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
+TEST(PairCourse, IsTakenBackFromAnInstantOn) {
+  WatchedPair pair{};
+  pair.remember_course(sim(1s));
+  pair.bears = true;
+  pair.normals = {Vec3::UnitY()};
+  pair.remember_course(sim(2s));
+  pair.in_burst = 5;
+  pair.remember_course(sim(2s));
+  pair.in_burst = 6;
+  pair.rewind_course(sim(2001ms));
+  EXPECT_EQ(pair.in_burst, 6u);
+  pair.rewind_course(sim(2s));
+  EXPECT_EQ(pair.in_burst, 0u) << "of one instant all is taken back";
+  EXPECT_TRUE(pair.bears);
+  EXPECT_THAT(pair.normals, ElementsAre(Vec3(Vec3::UnitY())));
+  pair.rewind_course(sim(500ms));
+  EXPECT_FALSE(pair.bears);
+  EXPECT_THAT(pair.normals, IsEmpty());
+  EXPECT_THAT(pair.past, IsEmpty());
+}
+
+TEST(PairCourse, IsForgottenBeforeAnInstant) {
+  WatchedPair pair{};
+  for (std::uint32_t k = 1; k <= 5; ++k) {
+    pair.remember_course(sim(k * 1s));
+    pair.in_burst = k;
+  }
+  pair.forget_course_before(sim(3s));
+  EXPECT_EQ(pair.past.size(), 3u);
+  pair.rewind_course(sim(1s));
+  EXPECT_EQ(pair.in_burst, 2u) << "that before the first one that is left";
+}
+
+TEST(PairCourse, KnowsWhenItWasFreeBefore) {
+  WatchedPair pair{};
+  for (const Duration t : {1s, 2s, 3s}) pair.note_free(sim(t));
+  pair.forget_free_since(sim(2s));
+  EXPECT_EQ(pair.free_at, sim(1s));
+  pair.forget_free_since(sim(0s));
+  EXPECT_EQ(pair.free_at, std::nullopt);
+}
+
 // CAR meets CURB with its own body and, once somebody moves it, with WHEEL; CURB meets BIRD.
 class CarryOver : public testing::Test {
  protected:
