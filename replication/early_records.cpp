@@ -5,6 +5,7 @@
 namespace peerd::replication {
 
 bool EarlyRecords::add(EarlyRecord record) {
+  if (waiting_.size() >= kOfAllMax) return false;
   std::size_t& of_sender = of_sender_[record.sender];
   if (of_sender >= kOfSenderMax) return false;
   ++of_sender;

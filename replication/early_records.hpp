@@ -12,8 +12,9 @@
 
 namespace peerd::replication {
 
-// A record of an instant that this peer's worlds have not reached. It waits until they do: a law that was laid before
-// would make its object meet nothing on the rest of its old way, which the sender's ghosts have met.
+// A record of an instant that this peer's worlds have not reached. It waits until they do: if its law were laid at
+// once, the object would no longer be searched for contacts on its old way up to that instant, although the sender's
+// ghost has had them.
 struct EarlyRecord {
   SimTime at;  // the record's own instant
   PeerId sender;
@@ -26,10 +27,11 @@ struct EarlyRecord {
 // decisions; of one kind in the order in which they came.
 class EarlyRecords {
  public:
-  // The most of one sender: what a peer with a right clock sends in a tick is far less, and waits no longer.
-  static constexpr std::size_t kOfSenderMax = 1024;
+  // The most of one sender, and of all. A peer whose clock is right sends far fewer within a tick, and none of them
+  // waits longer than that.
+  static constexpr std::size_t kOfSenderMax = 1024, kOfAllMax = 16'384;
 
-  // Returns false where too many of that sender wait: the record is not taken.
+  // Returns false where too many of that sender, or of all, wait: the record is not taken.
   [[nodiscard]] bool add(EarlyRecord record);
   // The first record that is not of an instant after t; none: there is no such record. It waits no more.
   [[nodiscard]] std::optional<EarlyRecord> take_until(SimTime t);

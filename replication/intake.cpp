@@ -21,6 +21,9 @@ constexpr Duration kDecisionAgeMax = MotionWorld::kHistory;
 constexpr Duration kLeastFarPromise = std::chrono::seconds(8);
 
 // A record of the future counts for so long against the next ones of its sender.
+// Records of many instants advance the worlds to each of these, up to this often in a tick. Those beyond it are laid
+// late.
+constexpr int kAdvancesMax = 64;
 constexpr Duration kAheadForgotten = std::chrono::minutes(1);
 
 // The delay of a hello, in session time; a negative one counts as 0, and one longer than any latency as kLatencyMax.
@@ -402,9 +405,14 @@ void Intake::on_records(HostTime now, PeerId sender, Message& m, SimTime session
 
 bool Intake::is_tick_due(HostTime now) const { return p_.ticks.number_at(p_.to_session(now)) > p_.ticks.last(); }
 
+bool Intake::may_advance() {
+  if (std::exchange(advanced_since_, p_.ticks.last()) != p_.ticks.last()) advances_ = 0;
+  return advances_++ < kAdvancesMax;
+}
+
 bool Intake::reach(HostTime now, SimTime at) {
   if (at <= p_.reached()) return true;
-  if (at > p_.to_session(now) || is_tick_due(now)) return false;
+  if (at > p_.to_session(now) || is_tick_due(now) || !may_advance()) return false;
   p_.advance_worlds(at);
   return true;
 }
@@ -423,7 +431,7 @@ void Intake::wait(PeerId sender, std::uint32_t number, SimTime at, decltype(Earl
 void Intake::take_early(HostTime now, SimTime t) {
   if (early_life_ != p_.replica.lives()) return;  // they are of worlds that are no more
   while (auto early = early_.take_until(t)) {
-    if (early->at > p_.reached()) p_.advance_worlds(early->at);
+    if (early->at > p_.reached() && may_advance()) p_.advance_worlds(early->at);
     const Member* const sender = p_.members.find(early->sender);
     if (sender == nullptr || sender->incarnation != early->incarnation) continue;  // it has left meanwhile
     const SimTime session_now = std::max(p_.to_session(now), early->at);
@@ -432,10 +440,7 @@ void Intake::take_early(HostTime now, SimTime t) {
     } else if (const auto* const states = std::get_if<SceneStates>(&early->record)) {
       scene_.on_states(early->sender, *states);
     } else {
-      const auto& decision = std::get<DecisionRecord>(early->record);
-      if (const char* why = p_.decisions.on_decision(early->sender, early->number, decision, session_now)) {
-        p_.drop(early->sender, why);
-      }
+      take_decision(now, early->sender, early->number, std::get<DecisionRecord>(early->record), session_now);
     }
   }
 }
@@ -443,27 +448,37 @@ void Intake::take_early(HostTime now, SimTime t) {
 // A state of longer than a second ahead is refused by the scene.
 void Intake::on_scene_states(HostTime now, PeerId sender, std::uint32_t number, SceneStates& scene,
                              SimTime session_now) {
-  std::erase_if(scene.states, [&](const UpdateRecord& state) {
-    if (state.at > session_now + kUpdateAheadMax || reach(now, state.at)) return false;
-    wait(sender, number, state.at, SceneStates{scene.since, {state}});
-    return true;
-  });
+  std::vector<UpdateRecord> reached;
+  for (const UpdateRecord& state : scene.states) {
+    if (state.at > session_now + kUpdateAheadMax || reach(now, state.at)) {
+      reached.push_back(state);
+    } else {
+      wait(sender, number, state.at, SceneStates{scene.since, {state}});
+    }
+  }
+  scene.states = std::move(reached);
   if (!scene.states.empty()) scene_.on_states(sender, scene);
 }
 
-// A decision that is refused for what this peer knows now may be taken when it comes again.
 void Intake::on_decision(HostTime now, PeerId sender, std::uint32_t number, const DecisionRecord& d,
                          SimTime session_now) {
-  const auto come_again = [&] { p_.members.find(sender)->mark_as_missing(number); };
   if (d.contact < session_now - kDecisionAgeMax) return p_.drop(sender, "decision_time");
   if (d.contact > session_now + kUpdateAheadMax) return drop_of_the_future(now, sender, "decision_time");
-  if (!p_.limits.take(now, sender, MemberLimit::kDecisions)) return come_again();
+  if (!p_.limits.take(now, sender, MemberLimit::kDecisions)) {
+    return p_.members.find(sender)->mark_as_missing(number);
+  }
+  if (!reach(now, d.contact)) return wait(sender, number, d.contact, d);
+  take_decision(now, sender, number, d, session_now);
+}
+
+// A decision that is refused for what this peer knows now may be taken when it comes again.
+void Intake::take_decision(HostTime now, PeerId sender, std::uint32_t number, const DecisionRecord& d,
+                           SimTime session_now) {
   const bool is_pair = p_.model->are_paired(d.collider, d.collidee);
   if (const auto broken = is_pair ? p_.decision_check.broken_by(now, sender, d) : std::nullopt) {
     p_.limits.refuse(now, sender, *broken);
-    return come_again();
+    return p_.members.find(sender)->mark_as_missing(number);
   }
-  if (!reach(now, d.contact)) return wait(sender, number, d.contact, d);
   if (const char* why = p_.decisions.on_decision(sender, number, d, session_now)) p_.drop(sender, why);
 }
 

@@ -51,8 +51,12 @@ class Intake {
   [[nodiscard]] bool reach(HostTime now, SimTime at);
   // The record is of an instant that the worlds have not reached.
   void wait(PeerId sender, std::uint32_t number, SimTime at, decltype(EarlyRecord::record) record);
+  // Whether the worlds may be advanced once more before the next tick.
+  [[nodiscard]] bool may_advance();
   void on_decision(HostTime now, PeerId sender, std::uint32_t number, const DecisionRecord& decision,
                    SimTime session_now);
+  void take_decision(HostTime now, PeerId sender, std::uint32_t number, const DecisionRecord& decision,
+                     SimTime session_now);
   void on_scene_states(HostTime now, PeerId sender, std::uint32_t number, SceneStates& scene, SimTime session_now);
   // A record more than a second ahead of session time is dropped. It is false where hellos that its sender has said
   // since the first such record share this peer's time: until then the sender may have stepped into another session.
@@ -67,6 +71,8 @@ class Intake {
   OperationKeeper& operations_;
   Codec codec_;
   EarlyRecords early_;
+  std::int64_t advanced_since_ = 0;         // a tick's number
+  int advances_ = 0;                        // of the worlds, for records, since that tick
   std::uint64_t early_life_ = 0;            // of the worlds that `early_` waits for (Replica::lives())
   std::map<PeerId, HostTime> ahead_since_;  // the first record of the future, of members whose clocks are not ahead
 };

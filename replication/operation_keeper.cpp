@@ -269,7 +269,7 @@ void OperationKeeper::publish_data(const LivingScene::Change& change) {
   }
 }
 
-void OperationKeeper::apply_until(SimTime t) {
+void OperationKeeper::apply_until(SimTime t, const std::function<void(SimTime)>& before_advancing) {
   assert(p_.replica.begun());
   far_ahead_ = t + kStampAheadMax;
   if (!withheld_.empty()) give_withheld();
@@ -282,9 +282,8 @@ void OperationKeeper::apply_until(SimTime t) {
     if (!change->scene && change->given.empty()) continue;
     const SimTime at = std::max({change->at, t - kLateMax, p_.replica.begun_at()});
     const SimTime now = std::max(at, known);
-    p_.extend_motions(now);
-    p_.replica.advance_truth(now);
-    p_.replica.advance_ghosts(now);
+    before_advancing(now);
+    p_.advance_worlds(now);
     report_contacts(p_, now);
     keeper_.give(change->given, at);  // before: what nobody owns from now on goes to its place in the scene
     if (!change->scene) continue;

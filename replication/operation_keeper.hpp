@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <expected>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -39,8 +40,9 @@ class OperationKeeper {
   // Says where objects stand that owners have left behind. The peer of the lowest id that is here does; where regions
   // cut the world, the lowest one that knows.
   void place_left_behind(HostTime now, SimTime t);
-  // Lets what takes effect until t do so: both worlds are advanced to each such instant.
-  void apply_until(SimTime t);
+  // Lets what takes effect until t do so: both worlds are advanced to each such instant, of which `before_advancing` is
+  // told first.
+  void apply_until(SimTime t, const std::function<void(SimTime)>& before_advancing);
   // Sends what is due, and says which own operations are held by others.
   void send(HostTime now);
   // The lengths of the logs, as far as they fit into the message, which has a hello.

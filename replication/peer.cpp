@@ -60,8 +60,9 @@ void Peer::Impl::on_tick(HostTime now, std::span<const OwnSample> samples) {
     ++parts.counters.ticks;
     parts.counters.ticks_missed += static_cast<std::uint64_t>(number - parts.ticks.last() - 1);
     parts.ticks.set_last(number);
-    operations.apply_until(*due);
-    intake.take_early(now, *due);
+    const auto take_early = [&](SimTime until) { intake.take_early(now, until); };
+    operations.apply_until(*due, take_early);
+    take_early(*due);
     tick(*due, samples);
     operations.place_left_behind(now, *due);
     parts.regions.follow_interest(*due, parts.to_session(now));

@@ -111,10 +111,10 @@ class Peer {
   [[nodiscard]] PeerId owner(ObjectId object) const { return owners().of(object); }
   [[nodiscard]] const Owners& owners() const;
   [[nodiscard]] bool owns_any() const;                                     // this peer
-  [[nodiscard]] std::optional<double> threshold_m(ObjectId object) const;  // of an own object's last check [m]
+  [[nodiscard]] std::optional<double> threshold_m(ObjectId object) const;  // [m]; none: not own, or not checked yet
   // Session time at which the world's TimeSensors began, the same on all peers; none until one of them has said.
   [[nodiscard]] std::optional<SimTime> world_zero() const;
-  [[nodiscard]] std::optional<double> time_sensors_limited_at() const;  // PredefinedMotion's limit, world time [s]
+  [[nodiscard]] std::optional<double> time_sensors_limited_at() const;  // they stand still from then on, world time [s]
   // A vector in the frame of the object's parent, as files have it, in the world's, as the parent stands then.
   [[nodiscard]] Vec3 to_world(SimTime at, ObjectId object, const Vec3& in_parent);
 

@@ -11,28 +11,29 @@
 namespace peerd::replication {
 namespace {
 
-// A digest is of an instant whose updates and decisions have come everywhere: the longest latency of any peer ago, and
-// longer by this for its jitter and a peer's ticks.
+// The age of a digest's instant is the longest latency that any peer publishes, and this for jitter and ticks: by then
+// all peers have the updates and decisions of that instant.
 constexpr Duration kDigestMargin = std::chrono::milliseconds(50);
-// Digests are so many instants of the grid apart, or half of that where datagrams get lost.
+// A peer makes a digest of every second instant of the grid, or of every one where datagrams get lost.
 constexpr std::int64_t kDigestEvery = 2;
-// A peer asks an owner no more often; up to kAskedApartMost where its questions find nothing, so that false digests
-// cost little. After that time a difference is asked about at once again.
+// Each question that finds nothing doubles the time until the next one, up to kAskedApartMost, so that false digests
+// cost little. One that finds a difference, or twice kAskedApartMost without a question, brings it back to kAskedApart.
 constexpr Duration kAskedApart = std::chrono::milliseconds(450), kAskedApartMost = std::chrono::seconds(8);
-// An owner answers about a group no more often: its answers go to all.
+// An owner answers a peer about a group no more often, and no more peers in that time.
 constexpr Duration kAnsweredApart = std::chrono::milliseconds(900);
+constexpr std::size_t kAnsweredAtOnce = 8;
+// An answer that comes later after the question, or a report that comes later after the answer, is of something else.
+constexpr Duration kAnswerAge = std::chrono::seconds(2);
 // Digests of one owner are compared no more often. They are at least kGhostGrid apart.
 constexpr Duration kComparedApart = std::chrono::milliseconds(200);
 // Header and time of an answer leave so much for states.
 constexpr std::size_t kAnswerMax_bytes = kDatagramMax_bytes - 40;
-// Peers that have only just met have not exchanged all states yet; nor have peers that meet again in a region, after no
-// digest has come for so long.
+// Peers that have only just met have not exchanged all states yet: a peer compares an owner's digests once they have
+// come for kSettledAfter without a pause of kDigestPause.
 constexpr Duration kSettledAfter = std::chrono::seconds(2), kDigestPause = std::chrono::seconds(2);
-// Two places, or orientations, are the same up to this.
-constexpr double kSamePlace_m = 1e-6, kSameAngle_rad = 4e-6;
-// Whether a digest is due is checked so often.
+// A peer checks at this interval whether its next digest is due.
 constexpr Duration kChecksApart = std::chrono::milliseconds(50);
-// A difference is shown for so long.
+// ctl and the page show a difference for this long.
 constexpr Duration kShownFor = std::chrono::seconds(2);
 
 }  // namespace
@@ -68,7 +69,7 @@ const GhostCheck::Sums& GhostCheck::sums_at(SimTime t) {
     if (scene_.contains(object) || !replica_.receives(object)) continue;
     sums_[{owner, region}].add(object, replica_.ghost(object, t));
   }
-  std::erase_if(sums_, [](const auto& each) { return each.second.empty(); });
+  std::erase_if(sums_, [](const auto& each) { return each.second.empty(); });  // of who has nothing there any more
   return sums_;
 }
 
@@ -93,14 +94,14 @@ void GhostCheck::on_tick(SimTime t) {
   // A digest of a region's objects says which these are, too: a datagram of a later tick would find others there.
   if (regions_.cuts()) outbox_.forget_riders();
   if (own_.size() == 0 || members_.all().empty()) return;
-  // Who has no room for its updates has none for what would come of a digest.
+  // A peer that withholds updates for want of bytes sends no digest: the answers to questions would take more bytes.
   if (std::exchange(withheld_, counters_.updates_withheld) != counters_.updates_withheld) return;
   const SimTime at = floor_to(t - digest_age(), digests_apart());
   if (at <= digested_ || !knows_ghosts_at(at)) return;
   digested_ = at;
   const PeerId self = outbox_.self();
   for (const auto& [of, sums] : sums_at(at)) {
-    if (of.first == self && !sums.empty()) outbox_.ride(of.second, {at, sums.groups()});
+    if (of.first == self) outbox_.ride(of.second, {at, sums.groups()});
   }
 }
 
@@ -123,16 +124,19 @@ void GhostCheck::on_digest(PeerId sender, RegionId region, const GhostDigest& di
   if (!knows_ghosts_at(digest.at) || (regions_.cuts() && region == kWholeScene)) return;
   Digests& digests = note_digest(sender, region, digest.at);
   if (digest.at < std::max(digests.first, replica_.begun_at()) + kSettledAfter) return;
-  ++counters_.ghost_checks;
   const std::pair of{sender, regions_.cuts() ? region : kWholeScene};
   const auto same = [&] {
     const auto at = sums_.find(of);
     return at != sums_.end() && at->second.groups() == digest.groups;
   };
-  // What has come since the sums were made may have changed them.
-  if (sums_of_ == digest.at && same()) return;
+  // Records that have come since the sums were made may have changed them.
+  if (sums_of_ == digest.at && same()) {
+    ++counters_.ghost_checks;
+    return;
+  }
   if (now < digests.computed + kComparedApart && now >= digests.computed) return;
   digests.computed = now;
+  ++counters_.ghost_checks;
   replica_.catch_up_ghosts();
   (void)sums_at(digest.at);
   if (same()) return;
@@ -165,9 +169,10 @@ bool GhostCheck::is_on_its_way(const OwnObject& own, PeerId receiver, SimTime no
 void GhostCheck::on_question(PeerId sender, const GhostQuestion& question, SimTime now) {
   if (question.owner != outbox_.self() || !knows_ghosts_at(question.at)) return;
   if (regions_.cuts() != (question.region != kWholeScene)) return;
-  std::optional<SimTime>& answered = answered_[question.group];
-  if (answered && now - *answered < kAnsweredApart && now >= *answered) return;
-  answered = now;
+  Answered& answered = answered_[question.group];
+  std::erase_if(answered.peers,
+                [&](const auto& each) { return now < each.second || now - each.second >= kAnsweredApart; });
+  if (answered.peers.size() >= kAnsweredAtOnce || !answered.peers.emplace(sender, now).second) return;
   replica_.catch_up_ghosts();
   const auto is_meant = [&](ObjectId object) {
     return !scene_.contains(object) && ghost_group(object) == question.group &&
@@ -184,12 +189,11 @@ void GhostCheck::on_question(PeerId sender, const GhostQuestion& question, SimTi
     if (is_meant(object) && buckets[bucket] != question.buckets[bucket]) suspects.push_back(object);
   }
   if (suspects.empty()) return;
-  // What does not fit takes turns: the ones that differ may be the last ones of a full bucket.
-  std::size_t& turn = turns_[question.group];
+  // Objects for which an answer has no room come first in the next one: one of these may be the one that differs.
   Message m = outbox_.blank();
   std::size_t used_bytes = 0;
   for (std::size_t k = 0; k < std::min(suspects.size(), kGhostAnswerMax); ++k) {
-    const ObjectId object = suspects[turn % suspects.size()];
+    const ObjectId object = suspects[answered.turn % suspects.size()];
     const bool in_ghosts = replica_.ghosts().has(object);
     const MotionModel model(in_ghosts ? replica_.ghosts().relative_at(object, question.at)
                                       : at_rest(replica_.model().scene->rigid_pose(object)));
@@ -205,10 +209,11 @@ void GhostCheck::on_question(PeerId sender, const GhostQuestion& question, SimTi
       if (used_bytes > kAnswerMax_bytes) break;
       m.ghost_answer.states.push_back(state);
     }
-    ++turn;
+    ++answered.turn;
     if (!is_on_its_way(own_.at(object), sender, now)) own_.republish(object);
   }
   ++counters_.ghost_answers;
+  answered.last = now;
   send(m);
 }
 
@@ -221,8 +226,8 @@ bool GhostCheck::has_lost_datagrams() const {
   });
 }
 
-// Where the scene is cut, the owner may have predicted a contact with what this peer does not receive, or the other way
-// round.
+// The owner and this peer predict contacts with different objects where the scene is cut, for they receive different
+// regions.
 bool GhostCheck::is_explained(PeerId owner, const UpdateRecord& state) const {
   if (regions_.cuts() || has_lost_datagrams() || decisions_.last_on(state.object) != state.decision) return true;
   const auto& sequences = members_.all().at(owner).last_sequence;
@@ -232,7 +237,7 @@ bool GhostCheck::is_explained(PeerId owner, const UpdateRecord& state) const {
 
 void GhostCheck::on_answer(PeerId sender, const GhostAnswer& answer, SimTime now) {
   const auto asked = asked_.find(sender);
-  if (asked == asked_.end() || now - asked->second.when > kShownFor) return;
+  if (asked == asked_.end() || now - asked->second.when > kAnswerAge) return;
   if (answer.states.front().at != asked->second.instant) return;  // somebody else has asked
   replica_.catch_up_ghosts();
   Message m = outbox_.blank();
@@ -242,7 +247,8 @@ void GhostCheck::on_answer(PeerId sender, const GhostAnswer& answer, SimTime now
     const KinematicState& said = state.model.state;
     const KinematicState there = state.carrier ? composed(replica_.ghost(*state.carrier, state.at), said) : said;
     const KinematicState here = replica_.ghost(state.object, state.at);
-    const double distance_m = (here.position - there.position).norm();
+    const double apart_m = (here.position - there.position).norm();
+    const double distance_m = apart_m < kMagnitudeMax ? apart_m : kMagnitudeMax;  // nor is it NaN
     const double angle_rad = here.orientation.angularDistance(there.orientation);
     if (distance_m <= kSamePlace_m && angle_rad <= kSameAngle_rad) continue;  // it has become the same meanwhile
     // Two answers may be of one instant: each group is asked about apart, and others ask, too.
@@ -256,15 +262,15 @@ void GhostCheck::on_answer(PeerId sender, const GhostAnswer& answer, SimTime now
     asked->second.wait = kAskedApart;
     outbox_.push(GhostDiffers{state.object, sender, outbox_.self(), state.at, distance_m, explained});
     if (m.ghost_reports.size() == kGhostReportsMax) continue;
-    m.ghost_reports.push_back({state.object, static_cast<float>(std::min(distance_m, kMagnitudeMax))});
+    m.ghost_reports.push_back({state.object, static_cast<float>(distance_m)});
   }
   if (!m.ghost_reports.empty()) send(m);
 }
 
 void GhostCheck::on_reports(PeerId sender, std::span<const GhostReport> reports, SimTime now) {
   for (const GhostReport& report : reports) {
-    const std::optional<SimTime>& answered = answered_[ghost_group(report.object)];
-    if (!own_.contains(report.object) || !answered || now - *answered > kShownFor) continue;
+    const std::optional<SimTime>& answered = answered_[ghost_group(report.object)].last;
+    if (!own_.contains(report.object) || !answered || now - *answered > kAnswerAge) continue;
     differences_[report.object] = {report.distance_m, now, now};
     ++counters_.ghosts_reported;
     outbox_.push(GhostDiffers{report.object, outbox_.self(), sender, now, report.distance_m, true});

@@ -36,10 +36,10 @@ namespace peerd::replication {
 // Scene objects that a contact has lent are left out: until a decision comes, each peer predicts them by itself, and
 // SceneKeeper compares where they come to lie.
 //
-// What differs is explained where this peer cannot have known better: a datagram was lost lately, or the last update or
+// A difference is explained where this peer cannot have known better: a datagram was lost lately, the last update or
 // decision of the object has not come yet, or the scene is cut, so that the two peers predict contacts with different
-// objects. Everything else is an error of the program. Peers that have only just met
-// have not exchanged all states yet, and compare nothing.
+// objects. Any other difference is an error of the program. Peers that have only just met have not exchanged all states
+// yet, and compare nothing.
 class GhostCheck {
  public:
   // All arguments outlive this object.
@@ -73,6 +73,13 @@ class GhostCheck {
   struct Asked {
     SimTime when, instant;
     Duration wait;
+  };
+  // Answers about a group: the last one, and to whom within kAnsweredApart. Objects for which an answer has no room
+  // take turns.
+  struct Answered {
+    std::optional<SimTime> last;
+    std::map<PeerId, SimTime> peers;
+    std::size_t turn = 0;
   };
   // The first and the last one of the digests of an owner that have come without a long pause, and when this peer last
   // computed its own for one of them.
@@ -110,8 +117,7 @@ class GhostCheck {
   std::uint64_t withheld_ = 0;         // updates, until then (PeerCounters)
   SimTime digested_ = SimTime::min();  // the instant of the last digest of this peer
   std::map<PeerId, Asked> asked_;
-  std::array<std::optional<SimTime>, kGhostGroups> answered_{};  // when this peer last answered about a group
-  std::array<std::size_t, kGhostGroups> turns_{};                // of answers that had no room for all
+  std::array<Answered, kGhostGroups> answered_{};
   std::map<std::pair<PeerId, RegionId>, Digests> received_;
   std::map<ObjectId, Difference> differences_;
 };

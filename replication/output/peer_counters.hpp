@@ -82,12 +82,12 @@ struct PeerCounters {
   std::uint64_t objects_given = 0;      // times that operations gave an object to another peer, or to nobody
   std::uint64_t models_changed = 0;     // times that the world's model was made anew, because more of it moves
   std::uint64_t updates_duplicate = 0;  // copies of updates that were applied already
-  // Digests of ghosts that this peer has compared, questions that it has asked, and answers that it has given; objects
-  // that it showed elsewhere than their owners believed, those that losses and delays explain apart; and own objects
-  // that others showed elsewhere.
+  // Digests of ghosts that this peer has compared, questions that it has asked, and answers that it has given.
   std::uint64_t ghost_checks = 0, ghost_questions = 0, ghost_answers = 0;
-  std::uint64_t ghosts_differ = 0, ghosts_differ_explained = 0, ghosts_reported = 0;
-  std::uint64_t records_early = 0;  // records that waited until this peer had reached their instant
+  // How often this peer has shown an object elsewhere than its owner believed: without and with a known reason.
+  std::uint64_t ghosts_differ = 0, ghosts_differ_explained = 0;
+  std::uint64_t ghosts_reported = 0;  // times that another peer has shown an own object elsewhere
+  std::uint64_t records_early = 0;    // records that waited until this peer had reached their instant
   std::uint64_t updates_relayed = 0;
   std::uint64_t updates_withheld = 0;     // due, but beyond the byte budget; counted at each tick
   std::uint64_t states_out_of_range = 0;  // states that were replaced by rest, for receivers would refuse them

@@ -84,7 +84,8 @@ class Publication {
   [[nodiscard]] std::optional<PublishReason> why_due(ObjectId object, OwnObject& own, SimTime t, double threshold_m,
                                                      const KinematicState& truth, const KinematicState& ghost,
                                                      const GhostError& error) const;
-  [[nodiscard]] SimTime next_check(ObjectId object, const OwnObject& own, SimTime t, const GhostError& error) const;
+  [[nodiscard]] SimTime next_check(ObjectId object, const OwnObject& own, SimTime t, const KinematicState& truth,
+                                   const KinematicState& ghost, const GhostError& error) const;
   [[nodiscard]] bool published_since_tick(const OwnObject& own) const;
   std::size_t publish_update(ObjectId object, OwnObject& own, SimTime at, SimTime t, PublishReason reason,
                              double threshold_m);

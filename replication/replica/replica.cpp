@@ -96,22 +96,25 @@ void Replica::declare_remote(ObjectId object, Role role) {
 void Replica::keep_update(const UpdateRecord& update) {
   if (model_->pairs_of(update.object).empty()) return;
   std::vector<UpdateRecord>& kept = kept_updates_[update.object];
-  const SimTime oldest = update.at - MotionWorld::kHistory;
-  std::erase_if(kept, [&](const UpdateRecord& each) { return each.at >= update.at || each.at < oldest; });
+  forget_kept(kept, update.at, update.at);
   kept.push_back(update);
 }
+
+// Laying an overtaken update costs as much as laying all later ones. A jitter of some ticks lets a few overtake it.
+constexpr std::ptrdiff_t kOvertakenBy = 8;
 
 bool Replica::keep_overtaken(const UpdateRecord& update) {
   const auto at = kept_updates_.find(update.object);
   if (at == kept_updates_.end() || at->second.empty()) return false;
   std::vector<UpdateRecord>& kept = at->second;
-  const bool is_void = std::ranges::any_of(kept, [&](const UpdateRecord& each) {
-    return each.sequence == update.sequence || (each.sequence > update.sequence && each.at <= update.at);
-  });
-  if (is_void || update.at < kept.back().at - MotionWorld::kHistory) return false;
-  std::erase_if(kept,
-                [&](const UpdateRecord& each) { return each.sequence < update.sequence && each.at >= update.at; });
-  kept.insert(std::ranges::upper_bound(kept, update.at, {}, &UpdateRecord::at), update);
+  const auto later = std::ranges::upper_bound(kept, update.at, {}, &UpdateRecord::at);
+  if (kept.end() - later > kOvertakenBy) return false;
+  if (later != kept.begin() && std::prev(later)->sequence >= update.sequence) return false;
+  const auto is_not_void = [&](const UpdateRecord& each) { return each.sequence >= update.sequence; };
+  const auto next = std::find_if(later, kept.end(), is_not_void);
+  if (next != kept.end() && next->sequence == update.sequence) return false;
+  const auto first = std::ranges::lower_bound(kept, update.at, {}, &UpdateRecord::at);
+  kept.insert(kept.erase(first, next), update);
   return true;
 }
 

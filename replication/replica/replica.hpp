@@ -195,8 +195,8 @@ class Replica {
   // Keeps an update of any object, own ones too, that has an effect on the ghost, for kHistory, if the object may meet
   // anything. Updates of one object come in the order of their sequence.
   void keep_update(const UpdateRecord& update);
-  // Keeps an update that comes after one of a higher sequence. False where it is kept already, or has no effect on the
-  // ghost.
+  // Keeps an update that comes after one of a higher sequence. False where it is kept already, has no effect on the
+  // ghost, or has been overtaken by too many.
   [[nodiscard]] bool keep_overtaken(const UpdateRecord& update);
   // In the order of their times.
   [[nodiscard]] std::span<const UpdateRecord> kept_updates(ObjectId object) const;

@@ -162,17 +162,17 @@ struct SceneStates {
 
 // Digests are of instants that are multiples of this in session time; a byte on the wire says which.
 inline constexpr Duration kGhostGrid = std::chrono::milliseconds(250);
-// An owner's objects fall into so many groups, and those of a group into so many buckets, by their ids.
+// The ids of an owner's objects divide them into kGhostGroups groups, and each group into kGhostBuckets buckets.
 inline constexpr std::size_t kGhostGroups = 4, kGhostBuckets = 32;
 
-// Where the sender believes that every receiver shows its objects at that instant, a number for each group. The number
-// of a group without objects is 0.
+// A number for each group of the sender's objects, by the places at which the sender believes that every receiver shows
+// them at that instant. The number of a group without objects is 0.
 struct GhostDigest {
   SimTime at{};
   std::array<std::uint16_t, kGhostGroups> groups{};
   friend bool operator==(const GhostDigest&, const GhostDigest&) = default;
 };
-// To an owner: what the sender shows of a group that its digest says otherwise of.
+// To the owner of a group whose digest is not the sender's: the sender's numbers, by buckets.
 struct GhostQuestion {
   PeerId owner;
   RegionId region;  // of the objects that are meant; kWholeScene where the scene is not cut
@@ -185,14 +185,12 @@ struct GhostQuestion {
 struct GhostAnswer {
   std::vector<UpdateRecord> states;  // all of one instant, exact
 };
-// To the object's owner: the sender has shown it that far from where the owner believed.
+// To the object's owner: the sender has shown the object at that distance from where the owner believed it.
 struct GhostReport {
   ObjectId object;
   float distance_m = 0.0f;  // finite, >= 0
 };
 inline constexpr std::size_t kGhostReportsMax = 16, kGhostAnswerMax = 12;
-// The bytes that a digest adds to a datagram.
-inline constexpr std::size_t kGhostDigest_bytes = 3 + 1 + 2 * kGhostGroups;
 
 // A program that starts asks whether a peer of its id, the sender's, is alive in a world, or such a peer answers that
 // it is. Peers of other ids have nothing to do with it.

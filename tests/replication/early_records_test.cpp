@@ -40,6 +40,18 @@ TEST(EarlyRecords, AreLimitedForEachSender) {
   EXPECT_TRUE(records.add(update(1s, 2)));
 }
 
+TEST(EarlyRecords, AreLimitedForAllSenders) {
+  EarlyRecords records;
+  for (std::size_t k = 0; k < EarlyRecords::kOfAllMax; ++k) {
+    EarlyRecord record = update(1s, 1);
+    record.sender = PeerId{static_cast<std::uint32_t>(1 + k / EarlyRecords::kOfSenderMax)};
+    ASSERT_TRUE(records.add(record));
+  }
+  EarlyRecord another = update(1s, 2);
+  another.sender = PeerId{1000};
+  EXPECT_FALSE(records.add(another));
+}
+
 TEST(EarlyRecords, ForgetAllOfAnotherLife) {
   EarlyRecords records;
   EXPECT_TRUE(records.add(update(1s, 1)));

@@ -13,14 +13,13 @@ class Displaced : public testing::Test {
  protected:
   static constexpr std::uint32_t kObjects = 40;
 
-  void begin(Link link, std::uint64_t seed = 1, double cell_m = 0.0) {
+  void begin(Link link, std::uint64_t seed = 1) {
     lan.emplace(world, link, seed);
     std::vector<OwnedObject> owned;
     for (std::uint32_t k = 0; k < kObjects; ++k) owned.push_back({world[("O" + std::to_string(k)).c_str()], false});
     for (const std::uint32_t id : {1u, 2u, 3u}) {
       PeerConfig c = config(id);
       if (id == 1) c.owned = owned;
-      c.regions.cell_m = cell_m;
       lan->add(c);
     }
     lan->run_until(8s);
@@ -53,7 +52,7 @@ class Displaced : public testing::Test {
 };
 
 TEST_F(Displaced, IsFoundMendedAndSaidByBoth) {
-  begin({.latency = 100ms});
+  ASSERT_NO_FATAL_FAILURE(begin({.latency = 100ms}));
   const ObjectId object = world["O17"];
   lan->peer(1).displace_ghost(object, lan->session_now(1), {0.5, 0, 0});
   EXPECT_LE(until([&] { return lan->peer(1).counters().ghost_questions > 0; }), 1s);
@@ -81,19 +80,18 @@ TEST_F(Displaced, IsFoundMendedAndSaidByBoth) {
 TEST_F(Displaced, IsMendedWhereDatagramsGetLost) {
   std::size_t in_time = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    begin({.latency = 100ms, .loss = 0.05}, seed);
+    ASSERT_NO_FATAL_FAILURE(begin({.latency = 100ms, .loss = 0.05}, seed));
     const ObjectId object = world["O17"];
     lan->peer(1).displace_ghost(object, lan->session_now(1), {0.5, 0, 0});
     const Duration found = until([&] { return lan->peer(1).counters().ghost_questions > 0; });
     const Duration mended = found + until([&] { return apart_m(object) == 0.0; });
     in_time += found <= 1s && mended <= 2s ? 1 : 0;
-    EXPECT_LE(mended, 4s) << "seed " << seed;
   }
   EXPECT_EQ(in_time, 20u);
 }
 
 TEST_F(Displaced, ManyAreMendedToo) {
-  begin({.latency = 20ms});
+  ASSERT_NO_FATAL_FAILURE(begin({.latency = 20ms}));
   for (std::uint32_t k = 0; k < kObjects; ++k) {
     lan->peer(1).displace_ghost(world[("O" + std::to_string(k)).c_str()], lan->session_now(1), {0, 0.1, 0});
   }
@@ -131,7 +129,7 @@ TEST(GhostAnswers, FitADatagram) {
 
 // A member says digests that are not true. It costs a few questions, ever fewer.
 TEST_F(Displaced, FalseDigestsCostLittle) {
-  begin({.latency = 20ms});
+  ASSERT_NO_FATAL_FAILURE(begin({.latency = 20ms}));
   lan->forge = [](std::size_t from, const Message& m) -> std::optional<Message> {
     if (from != 0 || !m.ghosts) return std::nullopt;
     Message wrong = m;
@@ -140,13 +138,36 @@ TEST_F(Displaced, FalseDigestsCostLittle) {
   };
   const std::uint64_t updates = lan->peer(0).counters().updates_out;
   lan->run_until(lan->now() + 60s);
+  EXPECT_GT(lan->peer(1).counters().ghost_questions, 0u);
   EXPECT_LE(lan->peer(1).counters().ghost_questions, 4u * 14u);
   EXPECT_EQ(differences(), 0u);
   EXPECT_LE(lan->peer(0).counters().updates_out - updates, 2u * kObjects) << "what does not differ is not published";
 }
 
+// A member asks about a group all the time, as if it showed nothing of it.
+TEST_F(Displaced, WhoAsksInVainKeepsNobodyFromAnswers) {
+  ASSERT_NO_FATAL_FAILURE(begin({.latency = 20ms}));
+  lan->forge = [&](std::size_t from, const Message& m) -> std::optional<Message> {
+    if (from != 2 || m.ghost_question) return std::nullopt;
+    Message asks = m;
+    asks.ghost_question = {PeerId{1}, kWholeScene, floor_to(lan->session_now(2) - 500ms, kGhostGrid), 0, {}};
+    return asks;
+  };
+  lan->run_until(lan->now() + 1s);
+  for (std::uint32_t k = 0; k < kObjects; ++k) {
+    lan->peer(1).displace_ghost(world[("O" + std::to_string(k)).c_str()], lan->session_now(1), {0, 0.1, 0});
+  }
+  const auto is_mended = [&] {
+    for (std::uint32_t k = 0; k < kObjects; ++k) {
+      if (apart_m(world[("O" + std::to_string(k)).c_str()]) != 0.0) return false;
+    }
+    return true;
+  };
+  EXPECT_LE(until(is_mended), 5s);
+}
+
 TEST_F(Displaced, WhoHasLostDatagramsKnowsWhy) {
-  begin({.latency = 20ms});
+  ASSERT_NO_FATAL_FAILURE(begin({.latency = 20ms}));
   lan->filter = [&](std::size_t from, std::size_t to, const Message& m) {
     return from != 0 || to != 1 || m.ghosts.has_value() || !m.ghost_answer.states.empty();
   };

@@ -114,6 +114,27 @@ INSTANTIATE_TEST_SUITE_P(Table, Why,
                                          WhyCase{"Decision", true, false, true, 100ms, PublishReason::kDecision}),
                          [](const auto& c) { return std::string(c.param.name); });
 
+// A ghost that is off by less than the threshold is mended once its object rests: it would stand there for a minute.
+TEST(Publication, WhatRestsIsPublishedExactly) {
+  Publishing s;
+  (void)s.tick(1s);
+  const ObjectId object = s.world["O1"];
+  MotionModel off = s.p.replica.ghosts().model_at(object, sim(1s));
+  off.state.position.x() += 0.006;
+  s.p.replica.ghosts().set_base(object, sim(1100ms), off);
+  std::size_t updates = 0;
+  for (Duration t = 1200ms; t < 5900ms; t += 100ms) {
+    for (const Published& each : s.tick(t)) {
+      EXPECT_EQ(each.object, object) << "what is driven may be off by the threshold";
+      EXPECT_EQ(each.reason, PublishReason::kError);
+      EXPECT_GE(t, Duration(2s));
+      ++updates;
+    }
+  }
+  EXPECT_EQ(updates, 1u);
+  EXPECT_EQ(s.p.replica.ghost(object, sim(6s)).position, s.p.replica.truth(object, sim(6s)).position);
+}
+
 TEST(Publication, ObjectsThatPhysicsMovesAndThatRestAreNotCheckedAtEachTick) {
   Publishing s;
   (void)s.tick(1s);

@@ -62,10 +62,12 @@ TEST_F(Copy, AnOvertakenUpdateTakesItsPlaceAmongThoseThatAreKept) {
   EXPECT_FALSE(replica.keep_overtaken(update(4, 4s))) << "a copy";
   EXPECT_FALSE(replica.keep_overtaken(update(3, 4s))) << "a later update of that instant makes it void";
   EXPECT_TRUE(replica.keep_overtaken(update(3, 3s)));
-  EXPECT_FALSE(replica.keep_overtaken(update(1, -1s))) << "it is too old for anybody to ask";
+  for (std::uint32_t sequence = 7; sequence <= 10; ++sequence)
+    replica.keep_update(update(sequence, 6s + seconds(0.01 * sequence)));
+  EXPECT_FALSE(replica.keep_overtaken(update(1, 1s))) << "nine others have overtaken it";
   std::vector<std::uint32_t> kept;
   for (const UpdateRecord& each : replica.kept_updates(ball)) kept.push_back(each.sequence);
-  EXPECT_EQ(kept, (std::vector<std::uint32_t>{2, 3, 4, 5, 6}));
+  EXPECT_EQ(kept, (std::vector<std::uint32_t>{2, 3, 4, 5, 6, 7, 8, 9, 10}));
 }
 
 TEST_F(Copy, BeginningAnewForgetsTheWorldsButNotWhatIsReceived) {
