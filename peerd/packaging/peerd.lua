@@ -129,6 +129,15 @@ local F = {
     since = field("int64", "scene.since_ns", "The scene is computed since [ns]"),
     base = field("int64", "scene.base_ns", "Base time [ns]"),
   },
+  ghosts = {
+    time = field("int64", "ghosts.time_ns", "Ghosts at [ns]"),
+    number = field("uint16", "ghosts.number", "Number of a group or bucket", base.HEX),
+    owner = field("uint32", "ghosts.owner", "Asked of"),
+    region = field("uint32", "ghosts.region", "Objects of region"),
+    group = field("uint32", "ghosts.group", "Group"),
+    reported = field("uint64", "ghosts.reported", "Shown elsewhere: object"),
+    distance = field("double", "ghosts.distance", "Shown elsewhere: distance [m]"),
+  },
   log = {
     author = field("uint32", "log.author", "Author"),
     bytes = field("uint64", "log.bytes", "Bytes of its log"),
@@ -685,6 +694,7 @@ local function check_limits(kind, m)
   end
 end
 
+-- Returns the offset after the record, and its time unless it is of an unknown kind.
 local function dissect_record(tvb, tree, at, base_time, only_exact)
   local bits = Bits.new(tvb, at)
   local kind, step = bits:get(4), bits:get(4)
@@ -736,7 +746,7 @@ local function dissect_record(tvb, tree, at, base_time, only_exact)
   for _, name in ipairs({ "position", "velocity", "acceleration", "jerk", "rate", "orientation", "spin", "spin_up" }) do
     if m[name] then add_vector(sub, R[name], range, m[name]) end
   end
-  return at + range:len()
+  return at + range:len(), time
 end
 
 -- Returns the time with those lowest 5 bytes that is nearest to the capture's time. Receivers use session time.
@@ -775,6 +785,68 @@ local function dissect_scene(tvb, tree)
     count = count + 1
   end
   return count
+end
+
+-- Takes the lowest byte of a number of quarter seconds. Returns the time that is nearest to the capture's time.
+local function ghost_time(low, pinfo)
+  local here = math.floor(tonumber(pinfo.abs_ts) * 4)
+  local ahead = (low - here) % 256
+  if ahead >= 128 then ahead = ahead - 256 end
+  return check_time(Int64.new(here + ahead, 0) * Int64.new(250000000, 0))
+end
+local function ghost_numbers(bits, tree, count)
+  for _ = 1, count do
+    local number = bits:get(16)
+    tree:add(F.ghosts.number, bits.tvb(bits.bit / 8 - 2, 2), number)
+  end
+  if not bits:at_end() then refuse("numbers of ghosts that are too many") end
+end
+
+local function dissect_ghost_digest(tvb, tree, pinfo)
+  local bits = Bits.new(tvb, 0)
+  tree:add(F.ghosts.time, tvb(0, 1), ghost_time(bits:get(8), pinfo))
+  ghost_numbers(bits, tree, 4)
+end
+
+local function dissect_ghost_question(tvb, tree, pinfo)
+  local bits, G = Bits.new(tvb, 0), F.ghosts
+  local owner, region, time = bits:varint32(), bits:varint32(), ghost_time(bits:get(8), pinfo)
+  local group = bits:varint32()
+  if owner == 0 or group > 3 then refuse("a question to nobody, or about no group") end
+  local range = bits:range()
+  tree:add(G.owner, range, owner)
+  tree:add(G.region, range, region)
+  tree:add(G.time, range, time)
+  tree:add(G.group, range, group)
+  ghost_numbers(bits, tree, 32)
+end
+
+local function dissect_ghost_answer(tvb, tree)
+  if tvb:len() <= 8 then refuse("a time without states") end
+  local base_time = check_time(tvb(0, 8):le_int64())
+  tree:add(F.ghosts.time, tvb(0, 8), base_time)
+  local at, count, time = 8, 0, nil
+  while at < tvb:len() do
+    at, time = dissect_record(tvb, tree, at, base_time, true)
+    if time and time ~= base_time then refuse("ghosts of two instants") end
+    if time then count = count + 1 end
+  end
+  if count > 12 then refuse("more than 12 ghosts") end
+end
+
+local function dissect_ghost_reports(tvb, tree)
+  local bits, count = Bits.new(tvb, 0), 0
+  while not bits:at_end() do
+    local begin = bits.bit / 8
+    local object = bits:varint64()
+    local at = bits.bit / 8
+    bits:get(32)
+    local distance = tvb(at, 4):le_float()
+    count = count + 1
+    if count > 16 or not (distance >= 0 and distance < math.huge) then refuse("a report that nobody sends") end
+    tree:add(F.ghosts.reported, tvb(begin, at - begin), object)
+    tree:add(F.ghosts.distance, tvb(at, 4), distance)
+  end
 end
 
 -- ---- hellos -------------------------------------------------------------------------------------------------------
@@ -1566,6 +1638,13 @@ local function dissect_datagram(tvb, tree, pinfo, whole)
     kinds[#kinds + 1] = kind
     tree:add(F.kind, range, kind)
   end
+  local function about_ghosts(kind, dissect)
+    return { bytes = function(inner, range)
+      if not inner then return end
+      dissect(inner, tree:add(range, (kind:gsub("^g", "G"))), pinfo)
+      is(kind, range)
+    end }
+  end
   each_field(tvb, tree, {
     uint32(tree, F.version, function(v)
       version = v
@@ -1599,6 +1678,10 @@ local function dissect_datagram(tvb, tree, pinfo, whole)
     uint32(tree, F.next_hello, function(v)
       if v > NEXT_HELLO_MOST_MS then refuse("a next hello later than in a day") end
     end),
+    about_ghosts("ghost digest", dissect_ghost_digest),
+    about_ghosts("ghost question", dissect_ghost_question),
+    about_ghosts("ghost answer", dissect_ghost_answer),
+    about_ghosts("ghost reports", dissect_ghost_reports),
   })
   if version ~= VERSION then refuse("version " .. version .. ", and this dissector knows " .. VERSION) end
   if sender == 0 then refuse("sender 0") end

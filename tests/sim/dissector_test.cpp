@@ -125,6 +125,29 @@ Message of_operations() {
   return m;
 }
 
+// No two peers of a scenario show an object at different places.
+Message of_ghosts() {
+  Message m;
+  m.sender = PeerId{3};
+  m.number = 1;
+  const SimTime at{std::chrono::seconds(9'999'990)};
+  m.ghosts = {.at = at, .groups = {0, 1, 0x8001, 0xFFFF}};
+  GhostQuestion& question = m.ghost_question.emplace();
+  question = {.owner = PeerId{4'000'000'000}, .region = RegionId{300}, .at = at + std::chrono::milliseconds(250)};
+  question.group = 3;
+  for (std::size_t i = 0; i < kGhostBuckets; ++i) question.buckets[i] = static_cast<std::uint16_t>(2000 * i);
+  for (std::uint32_t i = 1; i <= kGhostAnswerMax; ++i) {
+    UpdateRecord& state = m.ghost_answer.states.emplace_back();
+    state.object = ObjectId{i, 5};
+    state.sequence = i;
+    state.at = at + std::chrono::nanoseconds(1);
+    if (i % 2 == 0) state.decision = at - std::chrono::seconds(1);
+    state.model.state.position = Vec3(1.0 / 3.0, i, 0);
+  }
+  m.ghost_reports = {{ObjectId{2, 2'000'000'000}, 0.1f}, {ObjectId{1}, 0.0f}, {ObjectId{7}, 1e6f}};
+  return m;
+}
+
 Message of_identity() {
   Message m;
   m.sender = PeerId{3};
@@ -190,10 +213,10 @@ TEST_F(Dissector, SaysOfAllDatagramsWhatTheDecoderSays) {
     compare_all(folder, file, seen);
   }
   compare_all(folder, capture_of(sealed()), seen);
-  compare_all(
-      folder,
-      capture_of({encode(farewell()), encode(of_a_good_clock()), encode(of_operations()), encode(of_identity())}),
-      seen);
+  compare_all(folder,
+              capture_of({encode(farewell()), encode(of_a_good_clock()), encode(of_operations()), encode(of_identity()),
+                          encode(of_ghosts())}),
+              seen);
   for (const std::string& name : fields_of_datagrams()) {
     if (!name.starts_with("peerd.operation.") &&
         name != "peerd.operation") {  // dissector/operations_test.cpp has these
@@ -285,7 +308,7 @@ TEST_F(Dissector, MarksWhatTheDecoderRefuses) {
       }
     }
   }
-  for (int i = 0; i < 300; ++i) real.push_back(encode(of_operations()));
+  for (int i = 0; i < 300; ++i) real.push_back(encode(i % 3 == 0 ? of_ghosts() : of_operations()));
   std::mt19937_64 random(20261120);
   constexpr int kCount = 4000;
   std::vector<Bytes> hostile;

@@ -119,6 +119,32 @@ void add(Expected& out, const DecisionRecord& d) {
   if (d.known != SimTime{}) out.add("decision.known_ns", d.known);
 }
 
+template <std::size_t Count>
+void add_numbers(Expected& out, const std::array<std::uint16_t, Count>& numbers) {
+  for (const std::uint16_t number : numbers) out.add("ghosts.number", number);
+}
+
+void add_ghosts(Expected& out, const Message& m) {
+  if (m.ghosts) {
+    out.add("ghosts.time_ns", m.ghosts->at);
+    add_numbers(out, m.ghosts->groups);
+  }
+  if (m.ghost_question) {
+    out.add("ghosts.owner", m.ghost_question->owner.value);
+    out.add("ghosts.region", m.ghost_question->region.value);
+    out.add("ghosts.time_ns", m.ghost_question->at);
+    out.add("ghosts.group", m.ghost_question->group);
+    add_numbers(out, m.ghost_question->buckets);
+  }
+  const std::vector<UpdateRecord>& states = m.ghost_answer.states;
+  if (!states.empty()) out.add("ghosts.time_ns", states.front().at);
+  for (const UpdateRecord& u : states) add(out, u);
+  for (const GhostReport& report : m.ghost_reports) {
+    out.add("ghosts.reported", report.object.packed());
+    out.add("ghosts.distance", static_cast<double>(report.distance_m));
+  }
+}
+
 void add(Expected& out, const AddNodes& a) {
   if (a.parent) out.add("operation.parent", a.parent->packed());
   if (a.before) out.add("operation.before", a.before->packed());
@@ -393,6 +419,7 @@ Fields Readers::datagram(std::span<const std::byte> datagram, RegionId region, S
     out.add("scene.since_ns", m->scene.since);
     for (const UpdateRecord& u : m->scene.states) add(out, u);
   }
+  add_ghosts(out, *m);
   for (const Subscription& e : m->subscriptions) {
     out.add("entered.region", e.region.value);
     out.add("entered.since_ns", e.since);

@@ -65,6 +65,7 @@ std::vector<std::string> fields_of_datagrams() {
   with("hello.", {"session_tx_ns", "sessions", "latency_ms", "clock_error_us", "os_minus_session_ns", "os_error_us",
                   "scene_digest"});
   with("scene.", {"since_ns"});
+  with("ghosts.", {"time_ns", "number", "owner", "region", "group", "reported", "distance"});
   with("echo.", {"peer", "hello", "held_ns", "newer", "run", "absent", "loss_permille"});
   with("note.", {"collider", "collidee", "contact_ns", "held"});
   with("introduction.", {"name", "world_hash", "boot", "enslaved", "owned_as_founder", "start_ns", "world_zero_ns"});
