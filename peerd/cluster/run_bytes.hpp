@@ -16,7 +16,7 @@ struct RunResult {
 
 // The bytes begin with the number of their format (kRunFormat). The report of a result that was read from its bytes is
 // the same, byte for byte, as that of the result.
-inline constexpr std::uint32_t kRunFormat = 1;
+inline constexpr std::uint32_t kRunFormat = 2;
 [[nodiscard]] std::string to_bytes(const RunResult& result);
 // Parses hostile input; the error is one sentence.
 [[nodiscard]] std::expected<RunResult, std::string> run_result_from(std::string_view bytes);
