@@ -25,13 +25,6 @@ Json error_json(const Statistics& s) {
   return json;
 }
 
-// Without a sample at rest there is no error that could be small.
-Json rest_json(const ViewMeasured& view) {
-  Json json = {{"samples", view.rest_samples}};
-  if (view.rest_samples > 0) json["ghost_error_max_m"] = view.rest_error_max_m;
-  return json;
-}
-
 // The row of one observer's ghost of one object. Samples whose error is not a number (a formula's 1/0) are in
 // errors.csv but cannot be part of a mean.
 Json object_json(const RunRecord& run, const ObjectInfo& object, const PeerInfo& observer, const Measured& measured) {
@@ -49,7 +42,7 @@ Json object_json(const RunRecord& run, const ObjectInfo& object, const PeerInfo&
           {"shown_error_m", error_json(view.shown_error_m)},
           {"view_difference_m", error_json(view.view_difference_m)},
           {"inconsistency_m_s", view.inconsistency_m_s},
-          {"rest", rest_json(view)}};
+          {"rest", {{"samples", view.rest_samples}, {"ghost_error_max_m", view.rest_error_max_m}}}};
 }
 
 Json collisions_json(const RunRecord& run) {

@@ -792,7 +792,8 @@ local function ghost_time(low, pinfo)
   local here = math.floor(tonumber(pinfo.abs_ts) * 4)
   local ahead = (low - here) % 256
   if ahead >= 128 then ahead = ahead - 256 end
-  return check_time(Int64.new(here + ahead, 0) * Int64.new(250000000, 0))
+  local quarters = here + ahead
+  return check_time(Int64.new(quarters % TWO32, math.floor(quarters / TWO32)) * Int64.new(250000000, 0))
 end
 local function ghost_numbers(bits, tree, count)
   for _ = 1, count do

@@ -92,7 +92,7 @@ TEST(RunBytes, APartOfAResultIsRefused) {
 TEST(RunBytes, AnotherFormatIsNamed) {
   std::string bytes = to_bytes(full_result());
   bytes[0] = 9;
-  EXPECT_EQ(run_result_from(bytes).error(), "it is of format 9, and this program reads 1");
+  EXPECT_EQ(run_result_from(bytes).error(), "it is of format 9, and this program reads 2");
 }
 
 TEST(RunBytes, AnUnknownKindOfContactIsRefused) {

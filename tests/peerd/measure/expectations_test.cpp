@@ -155,6 +155,21 @@ TEST_F(ExpectationsReport, WhatIsAboutNoRunIsNeitherHeldNorFailed) {
   EXPECT_THAT(expectations_table(std::vector{check(e)}, rows), HasSubstr("expect.mine was not checked"));
 }
 
+TEST_F(ExpectationsReport, WhatNeverRestsIsNotCheckedAtRest) {
+  Expectation e = that("rest.ghost_error_max_m");
+  e.at_most = 1e-6;
+  for (Json& run : rows) {
+    for (Json& view : run["objects"]) view["rest"] = {{"samples", 0}, {"ghost_error_max_m", 0.0}};
+  }
+  EXPECT_FALSE(check(e).checked());
+  EXPECT_THAT(expectations_table(std::vector{check(e)}, rows), HasSubstr("or nothing came to rest"));
+  rows[1]["objects"][0]["rest"] = {{"samples", 3}, {"ghost_error_max_m", 0.5}};
+  const CheckedExpectation checked = check(e);
+  EXPECT_EQ(checked.values, 1u);
+  ASSERT_EQ(checked.failures.size(), 1u);
+  EXPECT_EQ(checked.failures[0].found, Json(0.5));
+}
+
 TEST_F(ExpectationsReport, IsWrittenDown) {
   Expectation e = that("ghost_error_m.mean");
   e.at_most = 0.25;
