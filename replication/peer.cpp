@@ -98,6 +98,7 @@ void Peer::Impl::tick(SimTime t, std::span<const OwnSample> samples) {
   parts.publication.take(t, samples);
   parts.replica.advance_ghosts(t);
   report_contacts(parts, t);
+  parts.follow_resting_ghosts(t);
   parts.publication.publish(t);
   scene.maintain(t);
   parts.ghost_check.on_tick(t);

@@ -140,6 +140,25 @@ void PeerParts::advance_worlds(SimTime t) {
   replica.advance_ghosts(t);
 }
 
+// The truth of a remote object may have gone another way at a contact with a third peer's. The owner, whose ghost
+// stands where it believes the object, sends no update for up to a minute; what this peer moves would meet it where it
+// is not.
+void PeerParts::follow_resting_ghosts(SimTime t) {
+  assert(replica.begun() && t <= reached());
+  const SimTime instant = floor_to(t, std::chrono::milliseconds(500));
+  if (std::exchange(resting_followed, instant) == instant) return;
+  const SimTime settled = t - std::chrono::seconds(1) - 2 * members.longest_latency();
+  MotionWorld& truth = replica.truth();
+  const MotionWorld& ghosts = replica.ghosts();
+  for (const auto& [object, owner] : owners) {
+    if (own.contains(object) || scene.contains(object) || !replica.receives(object)) continue;
+    if (!truth.has(object) || !ghosts.has(object) || !ghosts.is_at_rest_from(object, t)) continue;
+    if (ghosts.law_since(object, t) > settled || truth.law_since(object, t) > settled) continue;
+    const KinematicState stands = ghosts.relative_at(object, t);
+    if (!moves_alike(truth.relative_at(object, t), stands)) truth.set_base(object, t, stands);
+  }
+}
+
 bool PeerParts::let_move(std::span<const ObjectId> objects) {
   const auto is_owned = [&](ObjectId object) { return owners.of(object) != kNobody; };
   const auto needs = [&](ObjectId object) { return needs_carrier(*model, object, is_owned); };

@@ -81,6 +81,7 @@ struct PeerParts {
   Presence presence;
   Owners owners;
   std::map<ObjectId, LeftBehind> left_behind;  // no operation says yet where these stand
+  SimTime resting_followed = SimTime::min();   // the half second in which follow_resting_ghosts() has looked
   std::map<ObjectId, RemovedObject> removed;
   OwnObjects own;
   SceneObjects scene;
@@ -105,6 +106,9 @@ struct PeerParts {
   void extend_motions(SimTime t);
   // Advances both worlds to t, an instant before the next tick, or of it.
   void advance_worlds(SimTime t);
+  // What others own, and what stands in the ghosts so long that every decision on it has come, stands there in the
+  // truth, too. At a tick; it looks twice a second.
+  void follow_resting_ghosts(SimTime t);
   // The instant to which both worlds have been advanced.
   [[nodiscard]] SimTime reached() const { return std::min(replica.truth().advanced(), replica.ghosts().advanced()); }
   // These objects are moved by somebody from now on, or others relative to them: the model in force has them as

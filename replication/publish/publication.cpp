@@ -29,13 +29,14 @@ constexpr std::ptrdiff_t kOwnAhead = 4, kSamplesAhead = 2;
 // have come. Where the ghost can't lie there, because another ghost does, the object is published once in this time and
 // not at each tick.
 constexpr Duration kRestMendedAfter = std::chrono::seconds(1);
+// An object has come to rest once it has stood this long: those of a rack that is struck stand for a moment.
+constexpr Duration kRestKnownAfter = std::chrono::milliseconds(1500);
 
-// Whether physics has brought the object to rest at another place than its ghost. That would stand for a minute,
-// however small it is beside the threshold, and physics can be published exactly.
-bool rests_elsewhere(const OwnObject& own, const KinematicState& truth, const KinematicState& ghost,
-                     const GhostError& error) {
+// Whether physics has brought the object to rest at another place than its ghost. The ghost would stand there for a
+// minute, or creep away as far as the threshold allows, and physics can be published exactly.
+bool rests_elsewhere(const OwnObject& own, const KinematicState& truth, const GhostError& error) {
   const bool is_elsewhere = error.distance_m > kSamePlace_m || error.angle_rad > kSameAngle_rad;
-  return !own.driven && is_elsewhere && is_motionless(truth) && is_motionless(ghost);
+  return !own.driven && is_elsewhere && is_motionless(truth);
 }
 
 // Whether receivers take the model: it is not too far or too fast. A model that is may come from what drives the
@@ -132,14 +133,17 @@ std::optional<PublishReason> Publication::why_due(ObjectId object, OwnObject& ow
   if (own.resend) return PublishReason::kJoiner;
   if (regions_.has_left_region(own, replica_.truth().at(object, t).position)) return PublishReason::kRegion;
   if (is_worth_an_update(own, t, error)) return PublishReason::kGain;
-  if (rests_elsewhere(own, truth, ghost, error) && t - *own.last_sent >= kRestMendedAfter) return PublishReason::kError;
+  if (rests_elsewhere(own, truth, error) && t - *own.last_sent >= kRestMendedAfter &&
+      t - replica_.truth().law_since(object, t) >= kRestKnownAfter) {
+    return PublishReason::kError;
+  }
   return std::nullopt;
 }
 
 // When a tick has to check an object next that physics moves and of which no update is due at t. Where it stands, and
 // its ghost too, that is when its time is up: a change before that changes a timeline, or calls OwnObjects::check().
 SimTime Publication::next_check(ObjectId object, const OwnObject& own, SimTime t, const KinematicState& truth,
-                                const KinematicState& ghost, const GhostError& error) const {
+                                const GhostError& error) const {
   const PublishPolicy& policy = config_.policy;
   if (policy.snapshots_hz > 0) return t;
   if (!replica_.truth().is_at_rest_from(object, t) || !replica_.ghosts().is_at_rest_from(object, t)) return t;
@@ -147,7 +151,7 @@ SimTime Publication::next_check(ObjectId object, const OwnObject& own, SimTime t
   const GhostError most{error.distance_m / policy.piggyback_fraction, error.angle_rad / policy.piggyback_fraction};
   if (due(policy, thresholds_.least_m(object), most, t, t)) return t;
   const Duration longest = longest_interval(policy, tracks_acknowledgements() && repeater_.is_acknowledged_by_all(own));
-  return *own.last_sent + (rests_elsewhere(own, truth, ghost, error) ? std::min(longest, kRestMendedAfter) : longest);
+  return *own.last_sent + (rests_elsewhere(own, truth, error) ? std::min(longest, kRestMendedAfter) : longest);
 }
 
 bool Publication::published_since_tick(const OwnObject& own) const {
@@ -191,7 +195,7 @@ void Publication::publish(SimTime t) {
     }
     if (config_.policy.piggyback_fraction < 1.0) not_due_.push_back({object, &own, error, threshold_m});
     if (!own.driven && !undecided && is_motionless(truth))
-      own_.check_from(index, next_check(object, own, t, truth, ghost, error));
+      own_.check_from(index, next_check(object, own, t, truth, error));
   }
   publish_most_urgent(t);
   if (over_byte_budget_) return;

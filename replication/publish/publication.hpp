@@ -85,7 +85,7 @@ class Publication {
                                                      const KinematicState& truth, const KinematicState& ghost,
                                                      const GhostError& error) const;
   [[nodiscard]] SimTime next_check(ObjectId object, const OwnObject& own, SimTime t, const KinematicState& truth,
-                                   const KinematicState& ghost, const GhostError& error) const;
+                                   const GhostError& error) const;
   [[nodiscard]] bool published_since_tick(const OwnObject& own) const;
   std::size_t publish_update(ObjectId object, OwnObject& own, SimTime at, SimTime t, PublishReason reason,
                              double threshold_m);

@@ -107,6 +107,7 @@ bool Replica::keep_overtaken(const UpdateRecord& update) {
   const auto at = kept_updates_.find(update.object);
   if (at == kept_updates_.end() || at->second.empty()) return false;
   std::vector<UpdateRecord>& kept = at->second;
+  assert(kept.front().at <= kept.back().at);
   const auto later = std::ranges::upper_bound(kept, update.at, {}, &UpdateRecord::at);
   if (kept.end() - later > kOvertakenBy) return false;
   if (later != kept.begin() && std::prev(later)->sequence >= update.sequence) return false;

@@ -460,6 +460,7 @@ void MotionWorld::forget_bursts(std::size_t object, SimTime t) {
 }
 
 void MotionWorld::remember_course(std::uint32_t i, SimTime t) {
+  assert(pairs_.contains(i));
   if (!replays_bases_) return;
   pairs_[i].remember_course(t);
   with_past_.insert(i);

@@ -53,6 +53,7 @@ void WatchedPair::forget_course_before(SimTime oldest) {
 }
 
 void WatchedPair::rewind_course(SimTime from) {
+  assert(past.empty() || past.front().at <= past.back().at);
   const auto first = std::ranges::lower_bound(past, from, {}, &Past::at);
   if (first == past.end()) return;
   static_cast<PairCourse&>(*this) = std::move(first->before);
