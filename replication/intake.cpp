@@ -20,10 +20,11 @@ constexpr Duration kDecisionAgeMax = MotionWorld::kHistory;
 // have.
 constexpr Duration kLeastFarPromise = std::chrono::seconds(8);
 
-// A record of the future counts for so long against the next ones of its sender.
-// Records of many instants advance the worlds to each of these, up to this often in a tick. Those beyond it are laid
-// late.
+// Records of many instants advance the worlds to each of these, up to this often in a tick. The others wait until the
+// tick has.
 constexpr int kAdvancesMax = 64;
+
+// A record of the future counts for so long against the next ones of its sender.
 constexpr Duration kAheadForgotten = std::chrono::minutes(1);
 
 // The delay of a hello, in session time; a negative one counts as 0, and one longer than any latency as kLatencyMax.
@@ -405,15 +406,18 @@ void Intake::on_records(HostTime now, PeerId sender, Message& m, SimTime session
 
 bool Intake::is_tick_due(HostTime now) const { return p_.ticks.number_at(p_.to_session(now)) > p_.ticks.last(); }
 
-bool Intake::may_advance() {
+bool Intake::may_advance() const { return advanced_since_ != p_.ticks.last() || advances_ < kAdvancesMax; }
+
+void Intake::advance(SimTime at) {
   if (std::exchange(advanced_since_, p_.ticks.last()) != p_.ticks.last()) advances_ = 0;
-  return advances_++ < kAdvancesMax;
+  ++advances_;
+  p_.advance_worlds(at);
 }
 
 bool Intake::reach(HostTime now, SimTime at) {
   if (at <= p_.reached()) return true;
   if (at > p_.to_session(now) || is_tick_due(now) || !may_advance()) return false;
-  p_.advance_worlds(at);
+  advance(at);
   return true;
 }
 
@@ -430,8 +434,8 @@ void Intake::wait(PeerId sender, std::uint32_t number, SimTime at, decltype(Earl
 
 void Intake::take_early(HostTime now, SimTime t) {
   if (early_life_ != p_.replica.lives()) return;  // they are of worlds that are no more
-  while (auto early = early_.take_until(t)) {
-    if (early->at > p_.reached() && may_advance()) p_.advance_worlds(early->at);
+  while (auto early = early_.take_until(may_advance() ? t : std::min(t, p_.reached()))) {
+    if (early->at > p_.reached()) advance(early->at);
     const Member* const sender = p_.members.find(early->sender);
     if (sender == nullptr || sender->incarnation != early->incarnation) continue;  // it has left meanwhile
     const SimTime session_now = std::max(p_.to_session(now), early->at);

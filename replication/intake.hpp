@@ -51,8 +51,9 @@ class Intake {
   [[nodiscard]] bool reach(HostTime now, SimTime at);
   // The record is of an instant that the worlds have not reached.
   void wait(PeerId sender, std::uint32_t number, SimTime at, decltype(EarlyRecord::record) record);
-  // Whether the worlds may be advanced once more before the next tick.
-  [[nodiscard]] bool may_advance();
+  // Whether the worlds may be advanced once more, for a record, before the next tick.
+  [[nodiscard]] bool may_advance() const;
+  void advance(SimTime at);
   void on_decision(HostTime now, PeerId sender, std::uint32_t number, const DecisionRecord& decision,
                    SimTime session_now);
   void take_decision(HostTime now, PeerId sender, std::uint32_t number, const DecisionRecord& decision,

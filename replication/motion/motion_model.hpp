@@ -9,10 +9,10 @@
 
 namespace peerd::replication {
 
-// The law by which an object moves from one instant on. An update names one, and every receiver obeys it.
 // Two places, or orientations, that peers show of an object are the same up to this.
 inline constexpr double kSamePlace_m = 1e-6, kSameAngle_rad = 4e-6;
 
+// The law by which an object moves from one instant on. An update names one, and every receiver obeys it.
 enum class MotionKind : std::uint8_t {
   kFirst = 1,        // constant velocity
   kSecond = 2,       // constant acceleration, as in ballistic flight: exact after one update

@@ -37,8 +37,9 @@ namespace peerd::replication {
 //
 // Contacts of one instant are answered in turn; each later one sees what the earlier ones have changed, and none is
 // undone for it. Where that does not end (contacts a nanosecond apart; a ball between a wall and a driven car that
-// comes, ever faster), those that met within kShortestFlight_s are answered at once, without restitution, and what has
-// no room left stops. No answer of two objects that both respond adds energy (response.hpp).
+// comes, ever faster; or between two that stand a few micrometres apart from it), those that met within
+// kShortestFlight_s are answered at once, without restitution, and what has no room left stops. No answer of two
+// objects that both respond adds energy (response.hpp).
 //
 // A tick costs what is due: pairs wait for the instant at which they need a check, objects for that at which their
 // timelines are pruned. An object that no interest names costs nothing between two changes of its motion. Two that have
@@ -283,7 +284,7 @@ class MotionWorld {
   void forget_bursts(std::size_t object, SimTime t);
   // Called before something of t changes what the pair has been through.
   void remember_course(std::uint32_t i, SimTime t);
-  // Of longer than kHistory ago.
+  // Forgets what pairs went through longer than kHistory ago; it looks once in that time.
   void forget_old_courses();
   // The instant from which the pair is searched again if one of the two moves otherwise from t on; `lived`: this peer
   // moves the other one, or both.
@@ -298,7 +299,7 @@ class MotionWorld {
   SimTime start_, advanced_;
   MovingObjects objects_;
   WatchedPairs pairs_;
-  std::set<std::uint32_t> with_past_;  // of pairs_: those that have a past
+  std::set<std::uint32_t> with_past_;  // the pairs of which a course is remembered
   SimTime courses_forgotten_ = SimTime::min();
   FarPairs far_;
   std::vector<std::uint32_t> opened_;  // pairs that are far no more, and not in the schedule yet

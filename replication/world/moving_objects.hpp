@@ -34,14 +34,14 @@ struct Base {
   MotionModel model;
 };
 
-// How much of the past worlds keep, for updates and decisions that arrive late.
+// Timelines keep this much of the past, for updates and decisions that arrive late.
 inline constexpr Duration kWorldHistory = std::chrono::seconds(6);
 
-// The most that is kept of one object's bases or updates: beyond what 600 ticks a second say in kHistory.
+// The most that is kept of one object's bases or updates: beyond what 600 ticks a second say in kWorldHistory.
 inline constexpr std::size_t kKeptMax = 4096;
 
 // Makes room in what is kept, ascending by its `at`, for what comes at t: what is of that time or later is void, and
-// what is older than kHistory before `now` is forgotten, some of it a second later.
+// what is older than kWorldHistory before `now` is forgotten, some of it a second later.
 template <class Kept>
 void forget_kept(std::vector<Kept>& kept, SimTime t, SimTime now) {
   while (!kept.empty() && kept.back().at >= t) kept.pop_back();
@@ -92,7 +92,6 @@ struct SceneChange {
 class MovingObjects {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-  // Timelines keep this much of the past, for updates and decisions that arrive late.
   static constexpr Duration kHistory = kWorldHistory;
   // The time that a bound of a moving body is for reaches no farther than to the next multiple of this. A longer one
   // finds contacts that the next update makes void; a shorter one searches more often.

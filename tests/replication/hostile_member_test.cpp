@@ -94,6 +94,27 @@ TEST_F(HostileMember, PutsNobodysObjectElsewhere) {
   EXPECT_EQ(cube().position, Vec3(0, 0, 0));
 }
 
+// When the decision comes nobody knows the pair yet, and nothing of it can be checked.
+TEST(HostileMemberBeforeAnEdit, PutsNobodysObjectElsewhere) {
+  const World world{box("CAR", "1 1 1", "2 0 0") + box("CUBE", "1 1 1", "0 0 0", kBounces)};
+  const ObjectId car = world["CAR"], cube = world["CUBE"];
+  Lan lan{world};
+  lan.add(config(5, {{cube}}));
+  lan.add(config(1, {{car}}));
+  lan.run_until(15s);
+  const AddNodes pair{{}, {}, "#VRML V2.0 utf8\n" + interest("CUBE", "\"CAR\""), 0, 0, {{"CUBE", cube}, {"CAR", car}}};
+  ASSERT_TRUE(lan.peer(0).edit(lan.host_now(0), pair));
+  Message m = message_of(1, incarnation_low(100));
+  m.number = 1'000'000;
+  m.decisions.push_back({cube, car, lan.session_now(0) + 200ms, Vec3::UnitX(), moving({1e6, 0, 0}),
+                         moving({1e6 + 1, 0, 0}), moving({1e6, 0, 0}), moving({1e6 + 1, 0, 0}), DecisionRule::kId});
+  ASSERT_TRUE(lan.inject(0, encode(m)));
+  EXPECT_EQ(lan.peer(0).counters().records_early, 1u);
+  lan.run_until(16s);
+  EXPECT_EQ(lan.drops(0, to_string(MemberLimit::kDecisionElsewhere)), 1u);
+  EXPECT_EQ(lan.peer(0).truth(cube, lan.session_now(0)).position, Vec3(0, 0, 0));
+}
+
 TEST_F(HostileMember, DecidesNothingOnWhatIsFarApart) {
   decide(decision({0, 0, 0}, {-1e6, 0, 0}, {0, 0, 0}, {9, 0, 0}));
   EXPECT_EQ(met(MemberLimit::kDecisionImpossible), 1u);

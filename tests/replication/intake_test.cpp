@@ -255,6 +255,21 @@ TEST_F(Arriving, UpdatesCountWithinTheirTimesLimits) {
   EXPECT_EQ(p.counters.updates_in, 1u);
 }
 
+// Records that come between two ticks advance the worlds to their instants, a number of times. The others wait, and are
+// taken once a tick has.
+TEST_F(Arriving, RecordsAdvanceTheWorldsOnlySoOften) {
+  constexpr std::uint32_t kMany = 100;
+  const auto at = [](std::uint32_t k) { return 2s + std::chrono::microseconds(k); };
+  for (std::uint32_t k = 1; k <= kMany; ++k)
+    ASSERT_TRUE(take(update(k, 4.0 + k, sim(at(k))), kWholeScene, host(at(k))));
+  EXPECT_EQ(p.counters.updates_in, 64u);
+  EXPECT_EQ(p.counters.records_early, kMany - 64u);
+  EXPECT_EQ(p.replica.truth().advanced(), sim(at(64)));
+  p.advance_worlds(sim(at(kMany)));
+  intake.take_early(host(at(kMany)), sim(at(kMany)));
+  EXPECT_EQ(p.counters.updates_in, kMany);
+}
+
 TEST_F(Arriving, OnlyItsOwnerMovesAnObject) {
   ASSERT_TRUE(take(hello_of(8, host(2s))));
   ASSERT_TRUE(take(update(1, 4.0, sim(2s), 8)));
