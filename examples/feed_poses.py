@@ -12,7 +12,7 @@ control socket, where every message is answered if it is asked to be:
 
     python3 examples/feed_poses.py --socket a.sock
 
-All members of a message: peerd/api/README.md.
+All members of a message: docs/reference/control-protocol.md#poses.
 """
 import argparse
 import json

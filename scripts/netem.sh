@@ -5,7 +5,7 @@ repository=$PWD
 as_root=()
 [ "$(id -u)" -eq 0 ] || as_root=(sudo)
 
-# The running kernel makes all that peerd/netem needs, in a namespace that is gone with the question.
+# The running kernel makes all that peerd/lab/live needs, in a namespace that is gone with the question.
 kernel_has_netem() {
   "${as_root[@]}" unshare --net sh -c 'ip link add b type bridge && ip link add v type veth && ip link add i type ifb &&
     tc qdisc add dev v root netem && tc qdisc add dev b clsact &&

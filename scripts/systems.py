@@ -219,7 +219,7 @@ def page(engines, replication):
              "is one that differs from ours, of all interests at all ticks.", ""]
     lines += engine_table(engines)
     lines += ["", "RAPID, QuickCD and SOLID answer in floating-point numbers; here their trees lead to the exact test of triangles, so that what is",
-              "compared is the way there. `collision/baselines/README.md` says what each leaves out.", "",
+              "compared is the way there. `collision/engines/README.md` says what each leaves out.", "",
               "## Ways to share a world", "",
               "`peerd compare SCENARIO --set network.latency_ms=100 --with NAME`. *Error* is between what an observer shows and the truth of",
               "that instant, the mean over all views; *p99* is the worst view's. *Views differ*: between what an observer and the owner see. *Late* is how much",

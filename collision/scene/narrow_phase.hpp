@@ -17,7 +17,7 @@ struct NumberedSoup {
 };
 
 // A NarrowPhase answers whether two soups touch, and with which polygons. SceneQuery asks it in place of the wide trees
-// (set_narrow_phase()), so that other systems' ways can be tried on the same scenes (collision/baselines).
+// (set_narrow_phase()), so that other systems' ways can be tried on the same scenes (collision/engines).
 class NarrowPhase {
  public:
   virtual ~NarrowPhase() = default;

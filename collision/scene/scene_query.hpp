@@ -57,7 +57,7 @@ class SceneQuery {
   // Sets what kBox compares from now on.
   void set_box_bound(BoxBound bound);
 
-  // Lets another way answer about pairs of Shapes from now on (collision/baselines); null: ours. It outlives this
+  // Lets another way answer about pairs of Shapes from now on (collision/engines); null: ours. It outlives this
   // object.
   void set_narrow_phase(NarrowPhase* narrow_phase);
 

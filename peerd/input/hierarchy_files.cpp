@@ -14,7 +14,7 @@
 #include "collision/tree/hierarchy_file.hpp"
 #include "peerd/input/world_file.hpp"
 
-namespace peerd::config {
+namespace peerd {
 namespace {
 
 std::string last_error() { return std::strerror(errno); }
@@ -108,4 +108,4 @@ std::expected<std::filesystem::path, std::string> write_hierarchy_file(const std
   return *path;
 }
 
-}  // namespace peerd::config
+}  // namespace peerd

@@ -6,7 +6,7 @@
 
 #include "collision/scene/scene_query.hpp"
 
-namespace peerd::config {
+namespace peerd {
 
 // These functions reach the files that a world's `hierarchyFile`s name, and only in or below the world's folder: a
 // world's text is no reason to write anywhere else.
@@ -20,4 +20,4 @@ namespace peerd::config {
                                                                                      std::string_view url,
                                                                                      std::string_view bytes);
 
-}  // namespace peerd::config
+}  // namespace peerd

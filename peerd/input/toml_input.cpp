@@ -11,7 +11,7 @@
 #include "core/suggestion.hpp"
 #include "peerd/input/number.hpp"
 
-namespace peerd::config {
+namespace peerd {
 namespace {
 
 std::string located(const toml::source_region& at, const std::string& sentence) {
@@ -328,4 +328,4 @@ void merge(toml::table& base, const toml::table& over) {
   }
 }
 
-}  // namespace peerd::config
+}  // namespace peerd

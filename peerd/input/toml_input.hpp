@@ -11,7 +11,7 @@
 
 #include "peerd/input/input_error.hpp"
 
-namespace peerd::config {
+namespace peerd {
 
 // Reads one table of a configuration. Every key that is asked for is known; finish() refuses the first key that nobody
 // asked for and names the key that was probably meant. The first error counts; later calls then do nothing.
@@ -84,4 +84,4 @@ void merge(toml::table& base, const toml::table& over);
 // The word of `words` that is closest to a misspelt one, if any is close.
 [[nodiscard]] std::optional<std::string> did_you_mean(std::string_view word, const std::vector<std::string>& words);
 
-}  // namespace peerd::config
+}  // namespace peerd

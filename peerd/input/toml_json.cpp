@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace peerd::config {
+namespace peerd {
 
 nlohmann::ordered_json to_json(const toml::node& node) {
   if (const auto* x = node.as_integer()) return x->get();
@@ -26,4 +26,4 @@ nlohmann::ordered_json to_json(const toml::node& node) {
   return text.str();
 }
 
-}  // namespace peerd::config
+}  // namespace peerd

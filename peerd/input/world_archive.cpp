@@ -9,7 +9,7 @@
 
 #include "peerd/input/compression.hpp"
 
-namespace peerd::config {
+namespace peerd {
 namespace {
 
 // The first line of an archive; a frame of zstd follows.
@@ -122,4 +122,4 @@ std::expected<WorldArchive, std::string> unpack(std::string_view bytes, std::uin
   return archive;
 }
 
-}  // namespace peerd::config
+}  // namespace peerd

@@ -7,7 +7,7 @@
 
 #include "core/vrml/file_loader.hpp"
 
-namespace peerd::config {
+namespace peerd {
 
 // A URL in one file of an archive, and the file that it led to.
 struct ArchivedUrl {
@@ -40,4 +40,4 @@ struct WorldArchive {
 // Parses hostile input: the error says in a few words what is wrong. No more than `text_bytes` are unpacked.
 [[nodiscard]] std::expected<WorldArchive, std::string> unpack(std::string_view bytes, std::uint64_t text_bytes);
 
-}  // namespace peerd::config
+}  // namespace peerd

@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-namespace peerd::config {
+namespace peerd {
 namespace {
 
 constexpr std::string_view kWorldAdvice = "the option expansion allows more, up to 4095 MiB";
@@ -147,4 +147,4 @@ WorldArchive archive_of(const WorldFile& world) {
   return archive;
 }
 
-}  // namespace peerd::config
+}  // namespace peerd

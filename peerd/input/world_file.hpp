@@ -12,7 +12,7 @@
 #include "peerd/input/input_error.hpp"
 #include "peerd/input/world_archive.hpp"
 
-namespace peerd::config {
+namespace peerd {
 
 // The path that a URL names, with %-escapes resolved. It is empty where the URL names no file of this machine.
 [[nodiscard]] std::optional<std::filesystem::path> local_path(std::string_view url);
@@ -56,4 +56,4 @@ struct WorldFile {
 // All that has been read of a world, as one archive.
 [[nodiscard]] WorldArchive archive_of(const WorldFile& world);
 
-}  // namespace peerd::config
+}  // namespace peerd

@@ -8,11 +8,11 @@
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
-#include "replication/output/outbox.hpp"
-#include "replication/output/peer_counters.hpp"
-#include "replication/policy/peer_config.hpp"
 #include "replication/session/member_limits.hpp"
 #include "replication/session/membership.hpp"
+#include "replication/settings/output/outbox.hpp"
+#include "replication/settings/output/peer_counters.hpp"
+#include "replication/settings/policy/peer_config.hpp"
 #include "replication/wire/wire.hpp"
 
 namespace peerd::replication {

@@ -10,8 +10,8 @@
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
-#include "replication/policy/peer_config.hpp"
 #include "replication/session/membership.hpp"
+#include "replication/settings/policy/peer_config.hpp"
 #include "replication/wire/wire.hpp"
 
 namespace peerd::replication {

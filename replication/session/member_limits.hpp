@@ -6,9 +6,9 @@
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
-#include "replication/output/outbox.hpp"
-#include "replication/output/peer_counters.hpp"
 #include "replication/session/membership.hpp"
+#include "replication/settings/output/outbox.hpp"
+#include "replication/settings/output/peer_counters.hpp"
 
 namespace peerd::replication {
 

@@ -11,11 +11,11 @@
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
-#include "replication/interest/region_grid.hpp"
-#include "replication/policy/peer_config.hpp"
 #include "replication/session/delay_meter.hpp"
 #include "replication/session/echo_state.hpp"
 #include "replication/session/offset_interval.hpp"
+#include "replication/settings/grid/region_grid.hpp"
+#include "replication/settings/policy/peer_config.hpp"
 #include "replication/wire/loss_meter.hpp"
 #include "replication/wire/wire.hpp"
 

@@ -49,8 +49,8 @@ class OffsetInterval {
     HostTime t1;
     SimTime t2;
   };
-  // Two stamps of the kernel that are turned into a host's time (peerd/os/arrival_clock.hpp) may each be early by so
-  // much. A late stamp makes the interval wider, and not wrong.
+  // Two stamps of the kernel that are turned into a host's time (peerd/net/os/arrival_clock.hpp) may each be early by
+  // so much. A late stamp makes the interval wider, and not wrong.
   static constexpr Duration kStampError = std::chrono::microseconds(2);
 
   // A hello left at t3 on the other clock and arrived at t4 on this one. `drift_ppm`: the most by which the two clocks

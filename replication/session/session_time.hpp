@@ -4,13 +4,13 @@
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
-#include "replication/output/outbox.hpp"
-#include "replication/output/peer_counters.hpp"
-#include "replication/policy/peer_config.hpp"
 #include "replication/session/clock_reach.hpp"
 #include "replication/session/member_limits.hpp"
 #include "replication/session/membership.hpp"
 #include "replication/session/session_clock.hpp"
+#include "replication/settings/output/outbox.hpp"
+#include "replication/settings/output/peer_counters.hpp"
+#include "replication/settings/policy/peer_config.hpp"
 
 namespace peerd::replication {
 

@@ -10,7 +10,7 @@
 #include "core/kinematics.hpp"
 #include "core/math.hpp"
 #include "core/time.hpp"
-#include "replication/motion/motion_model.hpp"
+#include "replication/physics/laws/motion_model.hpp"
 #include "replication/wire/decision_policy.hpp"
 #include "replication/wire/loss_meter.hpp"
 #include "replication/wire/operation.hpp"
@@ -158,7 +158,7 @@ struct SceneStates {
   std::vector<UpdateRecord> states;  // exact ones, of any age
 };
 
-// ---- what peers believe of each other's ghosts (replication/ghost_check) ----
+// ---- what peers believe of each other's ghosts (replication/objects/ghosts) ----
 
 // Digests are of instants that are multiples of this in session time; a byte on the wire says which.
 inline constexpr Duration kGhostGrid = std::chrono::milliseconds(250);

@@ -5,8 +5,8 @@
 #include <span>
 #include <sstream>
 
-#include "peerd/record/capture.hpp"
-#include "peerd/record/udp_packet.hpp"
+#include "peerd/peer/record/capture.hpp"
+#include "peerd/peer/record/udp_packet.hpp"
 
 namespace {
 

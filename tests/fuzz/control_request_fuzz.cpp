@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 
 #include "core/scene/reader.hpp"
-#include "peerd/control/answer.hpp"
-#include "peerd/control/request.hpp"
-#include "peerd/feed/json_members.hpp"
+#include "peerd/peer/control/answer.hpp"
+#include "peerd/peer/control/request.hpp"
+#include "peerd/peer/feed/json_members.hpp"
 #include "replication/wire/codec.hpp"
 
 namespace {
@@ -70,11 +70,11 @@ class Driver {
   }
 
   void ask(std::string_view line) {
-    const api::Answer answer = api::answer(*node_, now_, line);
+    const control::Answer answer = control::answer(*node_, now_, line);
     require(answer.line.find('\n') == std::string::npos);
     const auto reply = nlohmann::json::parse(answer.line);
     require(reply.at("v") == feed::kMessageVersion && reply.at("ok").is_boolean());
-    require(reply.at("ok") == api::parse_request(line).has_value());
+    require(reply.at("ok") == control::parse_request(line).has_value());
     pass();
   }
 
@@ -91,7 +91,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::string_view rest(reinterpret_cast<const char*>(data), size);
   for (int i = 0; i < kLinesMax && !rest.empty(); ++i) {
     const std::size_t end = std::min(rest.find('\n'), rest.size());
-    driver.ask(rest.substr(0, std::min(end, api::kLineMax_bytes)));
+    driver.ask(rest.substr(0, std::min(end, control::kLineMax_bytes)));
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
   return 0;

@@ -10,7 +10,7 @@
 #include <span>
 
 #include "core/scene/reader.hpp"
-#include "replication/peer.hpp"
+#include "replication/peer/peer.hpp"
 #include "replication/wire/codec.hpp"
 
 namespace {

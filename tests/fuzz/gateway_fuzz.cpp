@@ -16,15 +16,15 @@
 #include <nlohmann/json.hpp>
 
 #include "core/scene/reader.hpp"
-#include "peerd/control/answer.hpp"
-#include "peerd/feed/json_members.hpp"
-#include "peerd/gateway/gateway.hpp"
-#include "peerd/gateway/metrics.hpp"
-#include "peerd/insight/hierarchy_level.hpp"
-#include "peerd/insight/surroundings.hpp"
-#include "peerd/picture/gltf_writer.hpp"
-#include "peerd/picture/live_picture.hpp"
-#include "peerd/picture/scene_picture.hpp"
+#include "peerd/peer/control/answer.hpp"
+#include "peerd/peer/feed/json_members.hpp"
+#include "peerd/view/gateway/gateway.hpp"
+#include "peerd/view/gateway/metrics.hpp"
+#include "peerd/view/picks/hierarchy_level.hpp"
+#include "peerd/view/picks/surroundings.hpp"
+#include "peerd/view/picture/gltf_writer.hpp"
+#include "peerd/view/picture/live_picture.hpp"
+#include "peerd/view/picture/scene_picture.hpp"
 
 namespace {
 
@@ -68,9 +68,9 @@ class Source : public gateway::GatewaySource {
     }
   }
 
-  api::Answer ask(std::string_view request) override {
+  control::Answer ask(std::string_view request) override {
     pass();
-    return api::answer(*node_, now_, request);
+    return control::answer(*node_, now_, request);
   }
   std::string metrics() override {
     const auto reply = [&](const char* request) { return nlohmann::json::parse(ask(request).line); };
@@ -82,10 +82,10 @@ class Source : public gateway::GatewaySource {
   }
   void make_scene(std::function<void(const gateway::SceneFile&)> done) override {
     const std::uint32_t current = revision();
-    const auto glb = picture::write_glb(picture::picture_of(picture_.input(*node_, now_)));
+    const auto glb = view::write_glb(view::picture_of(picture_.input(*node_, now_)));
     done({current, std::make_shared<const std::string>(glb.value()), {}});
   }
-  std::span<const std::byte> next_frame(picture::PoseStream& client) override {
+  std::span<const std::byte> next_frame(view::PoseStream& client) override {
     (void)revision();
     picture_.refresh(*node_, now_, client.watched().kinds);
     picture_.refresh_looks(now_);
@@ -95,7 +95,7 @@ class Source : public gateway::GatewaySource {
     (void)revision();
     return picture_.pick(*node_, now_, origin, direction).dump();
   }
-  std::string walk(const avatar::AvatarSize& size, const avatar::Stride& stride, const std::string& except) override {
+  std::string walk(const view::AvatarSize& size, const view::Stride& stride, const std::string& except) override {
     (void)revision();
     return picture_.walk(*node_, now_, size, stride, except).dump();
   }
@@ -106,13 +106,13 @@ class Source : public gateway::GatewaySource {
   std::string surroundings() override {
     (void)revision();
     const auto at = picture_.advance(*node_, now_);
-    return at ? insight::surroundings(*node_, *at, picture_.movers().ids).dump() : R"({"ok":false})";
+    return at ? view::surroundings(*node_, *at, picture_.movers().ids).dump() : R"({"ok":false})";
   }
   std::string hierarchy(const std::string& path, std::uint32_t level) override {
     const auto id = node_->scene().find(path);
     if (!id) return R"({"ok":false})";
-    const auto found = insight::hierarchy_level(node_->scene(), *id, level);
-    return found ? insight::to_json(*found).dump() : R"({"ok":false})";
+    const auto found = view::hierarchy_level(node_->scene(), *id, level);
+    return found ? view::to_json(*found).dump() : R"({"ok":false})";
   }
 
   [[nodiscard]] bool is_as_it_was() {
@@ -124,7 +124,7 @@ class Source : public gateway::GatewaySource {
  private:
   SharedWorld world_;
   std::unique_ptr<PeerNode> node_;
-  picture::LivePicture picture_;
+  view::LivePicture picture_;
   HostTime now_{std::chrono::seconds(1'000)};
 };
 

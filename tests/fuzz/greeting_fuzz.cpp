@@ -7,9 +7,9 @@
 #include <cstdlib>
 #include <span>
 
-#include "peerd/greeting/known_peers.hpp"
-#include "peerd/greeting/relay_choice.hpp"
-#include "peerd/seal/sealed_greetings.hpp"
+#include "peerd/net/greeting/known_peers.hpp"
+#include "peerd/net/greeting/relay_choice.hpp"
+#include "peerd/net/seal/sealed_greetings.hpp"
 
 namespace {
 
@@ -31,7 +31,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (const auto header = read_relay_header(datagram)) {
     require(std::ranges::equal(relay_header(*header), datagram.first(kRelayHeaderBytes)));
   }
-  static seal::SealedGreetings sealed(seal::SymmetricKey::random(), [](const std::string&) {});
+  static seal::SealedGreetings sealed(keys::SymmetricKey::random(), [](const std::string&) {});
   require(!sealed.open(datagram, HostTime{}, {}));
   auto greeting = decode_greeting(datagram, v4);
   if (!greeting) return 0;

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "peerd/keys/invitation.hpp"
+#include "peerd/net/keys/invitation.hpp"
 
 namespace {
 
@@ -16,7 +16,7 @@ void require(bool condition) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace peerd::seal;
+  using namespace peerd::keys;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   if (const auto invitation = read_invitation(text)) {
     require((invitation->roster ? text_of(*invitation->roster) : text_of(invitation->world, *invitation->key)) == text);

@@ -5,10 +5,10 @@
 #include <span>
 #include <string_view>
 
-#include "peerd/config/shared_settings.hpp"
-#include "peerd/discovery/beacon.hpp"
 #include "peerd/input/world_archive.hpp"
-#include "peerd/snapshot/snapshot_message.hpp"
+#include "peerd/net/discovery/beacon.hpp"
+#include "peerd/net/snapshot/snapshot_message.hpp"
+#include "peerd/peer/config/shared_settings.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace peerd;
@@ -23,9 +23,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     assert(snapshot::decode_reply(snapshot::encode(*reply)) == *reply);
   }
   constexpr std::uint64_t kMost_bytes = 1 << 20;
-  if (const auto archive = config::unpack(text, kMost_bytes)) {
+  if (const auto archive = unpack(text, kMost_bytes)) {
     const auto load = archive->loader("w");
-    for (const config::ArchivedUrl& each : archive->urls) (void)load(each.url, "w");
+    for (const ArchivedUrl& each : archive->urls) (void)load(each.url, "w");
   }
   (void)config::check_shared(std::string(text));
   return 0;

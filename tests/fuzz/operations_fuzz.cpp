@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "replication/operations/operation_exchange.hpp"
+#include "replication/edits/log/operation_exchange.hpp"
 #include "replication/wire/codec.hpp"
 
 namespace {

@@ -9,10 +9,10 @@
 #include <string_view>
 
 #include "core/scene/reader.hpp"
-#include "peerd/control/request.hpp"
-#include "peerd/feed/pose_message.hpp"
-#include "peerd/node/describe.hpp"
-#include "peerd/node/peer_node.hpp"
+#include "peerd/peer/control/request.hpp"
+#include "peerd/peer/feed/pose_message.hpp"
+#include "peerd/peer/node/describe.hpp"
+#include "peerd/peer/node/peer_node.hpp"
 #include "replication/wire/codec.hpp"
 
 namespace {
@@ -73,8 +73,8 @@ class Driver {
   void hear(std::string_view datagram) {
     const auto message = feed::parse_pose_message(datagram);
     // The control socket understands the same poses.
-    const auto request = api::parse_request(datagram);
-    const auto* poses = request ? std::get_if<api::PoseRequest>(&*request) : nullptr;
+    const auto request = control::parse_request(datagram);
+    const auto* poses = request ? std::get_if<control::PoseRequest>(&*request) : nullptr;
     require((poses != nullptr) == message.has_value());
     const std::uint64_t before = count("poses_taken") + count("poses_refused");
     const std::uint64_t messages_before = count("pose_messages_refused");

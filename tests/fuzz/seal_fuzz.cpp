@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "peerd/seal/sealer.hpp"
-#include "peerd/seal/stream_seal.hpp"
+#include "peerd/net/seal/sealer.hpp"
+#include "peerd/net/seal/stream_seal.hpp"
 
 namespace {
 
@@ -20,9 +20,9 @@ void require(bool holds) {
 }
 
 struct Session {
-  seal::SymmetricKey key = seal::SymmetricKey::random();
-  Sealer one{key, {.peer = PeerId{1}, .identity = seal::Identity::random()}};
-  Sealer other{key, {.peer = PeerId{2}, .identity = seal::Identity::random()}};
+  keys::SymmetricKey key = keys::SymmetricKey::random();
+  Sealer one{key, {.peer = PeerId{1}, .identity = keys::Identity::random()}};
+  Sealer other{key, {.peer = PeerId{2}, .identity = keys::Identity::random()}};
   HostTime now{};
 
   Session() {
@@ -56,7 +56,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       break;
     }
     default:
-      if (const auto key = seal::SymmetricKey::of_text(text)) require(key->text() == text);
+      if (const auto key = keys::SymmetricKey::of_text(text)) require(key->text() == text);
   }
   return 0;
 }

@@ -18,13 +18,13 @@
 #include <span>
 #include <string>
 
-#include "peerd/chaos/simulated_folder.hpp"
 #include "peerd/input/compression.hpp"
-#include "peerd/store/author_file.hpp"
-#include "peerd/store/operation_store.hpp"
-#include "peerd/store/part_row.hpp"
-#include "peerd/store/stored_world.hpp"
-#include "replication/operations/operation_log.hpp"
+#include "peerd/lab/chaos/simulated_folder.hpp"
+#include "peerd/peer/store/author_file.hpp"
+#include "peerd/peer/store/operation_store.hpp"
+#include "peerd/peer/store/part_row.hpp"
+#include "peerd/peer/store/stored_world.hpp"
+#include "replication/edits/log/operation_log.hpp"
 
 namespace {
 

@@ -3,10 +3,10 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "peerd/cluster/chaos_bytes.hpp"
-#include "peerd/cluster/run_bytes.hpp"
-#include "peerd/cluster/slurm.hpp"
-#include "peerd/cluster/work_list.hpp"
+#include "peerd/lab/cluster/chaos_bytes.hpp"
+#include "peerd/lab/cluster/run_bytes.hpp"
+#include "peerd/lab/cluster/slurm.hpp"
+#include "peerd/lab/cluster/work_list.hpp"
 
 namespace {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "core/scene/reader.hpp"
-#include "peerd/transport/unicast_fan_out.hpp"
-#include "replication/peer.hpp"
+#include "peerd/net/transport/unicast_fan_out.hpp"
+#include "replication/peer/peer.hpp"
 #include "replication/wire/codec.hpp"
 #include "tests/net/allocation_meter.hpp"
 #include "tests/net/listener.hpp"

@@ -10,7 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/control/control_client.hpp"
+#include "peerd/peer/control/control_client.hpp"
 #include "tests/net/process.hpp"
 
 namespace peerd::testing_support {
@@ -26,7 +26,7 @@ class ControlledPeers : public testing::Test {
     return Process(folder, name, PEERD_PROGRAM, words, user);
   }
   [[nodiscard]] nlohmann::json ask(const std::string& name, const nlohmann::json& request) const {
-    const auto line = api::ask(folder / (name + ".sock"), request.dump());
+    const auto line = control::ask(folder / (name + ".sock"), request.dump());
     return line ? nlohmann::json::parse(*line, nullptr, false) : nlohmann::json();
   }
   template <class Condition>

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <regex>
 
-#include "peerd/node/peer_log.hpp"
+#include "peerd/peer/node/peer_log.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 

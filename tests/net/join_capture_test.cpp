@@ -8,7 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/record/capture.hpp"
+#include "peerd/peer/record/capture.hpp"
 #include "replication/wire/codec.hpp"
 #include "tests/net/controlled_peers.hpp"
 #include "tests/net/listener.hpp"

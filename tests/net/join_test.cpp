@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/keys/key_file.hpp"
+#include "peerd/net/keys/key_file.hpp"
 #include "tests/net/controlled_peers.hpp"
 #include "tests/net/listener.hpp"
 
@@ -253,7 +253,7 @@ TEST_F(Joining, WhoAsksOnePeerIsToldAtOnceHowItIsSealed) {
   };
   EXPECT_THAT(why_not(14, {"--open"}), HasSubstr("it is sealed, and begins with a key: leave out --open"));
   EXPECT_THAT(why_not(15, {}), HasSubstr("it is open: say --open"));
-  ASSERT_TRUE(seal::read_or_make_key(folder / "other.key"));
+  ASSERT_TRUE(keys::read_or_make_key(folder / "other.key"));
   EXPECT_THAT(why_not(14, {"--key", (folder / "other.key").string()}), HasSubstr("as who has another key does"));
 }
 

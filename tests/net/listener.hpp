@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "peerd/transport/multicast_socket.hpp"
+#include "peerd/net/transport/multicast_socket.hpp"
 
 namespace peerd::net::testing_support {
 

@@ -9,8 +9,8 @@
 #include <set>
 #include <vector>
 
-#include "peerd/transport/multicast_probe.hpp"
-#include "peerd/transport/multicast_socket.hpp"
+#include "peerd/net/transport/multicast_probe.hpp"
+#include "peerd/net/transport/multicast_socket.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/wire.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "tests/net/controlled_peers.hpp"
 #include "tests/net/wire.hpp"
-#include "tests/peerd/nats/nats_server.hpp"
+#include "tests/peerd/net/nats/nats_server.hpp"
 
 namespace peerd::nats_process_test {
 

@@ -17,7 +17,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/control/control_client.hpp"
+#include "peerd/peer/control/control_client.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 
@@ -54,7 +54,7 @@ class StoreProcess : public testing::Test {
   }
   // The reply; null: no peer answers.
   [[nodiscard]] json ask(const json& request, const std::string& name = "a") const {
-    const auto line = api::ask(socket_of(name), request.dump());
+    const auto line = control::ask(socket_of(name), request.dump());
     return line ? json::parse(*line, nullptr, false) : json();
   }
   template <class Condition>

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "peerd/measure/summary.hpp"
-#include "peerd/scenario/assemble.hpp"
+#include "peerd/lab/live/assemble.hpp"
+#include "peerd/lab/measure/summary.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 #include "tests/net/wire.hpp"
@@ -57,7 +57,7 @@ class UnicastProcess : public testing::Test {
     }
     auto record = assemble(scenario->runs.front(), **shared, logs);
     if (!record) throw std::runtime_error(record.error().text);
-    return report::summarise({"eq47", "real", 1, {}}, {&*record, 1})["runs"][0];
+    return measure::summarise({"eq47", "real", 1, {}}, {&*record, 1})["runs"][0];
   }
   void expect_shared_world(std::initializer_list<Process*> peers, const std::string& why) {
     for (Process* p : peers) {

@@ -14,7 +14,7 @@
 #include <system_error>
 #include <thread>
 
-#include "peerd/os/interfaces.hpp"
+#include "peerd/net/os/interfaces.hpp"
 
 namespace peerd::net::testing_support {
 

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import tempfile
 
-HEADER, LIST = "peerd/embed/include/peerd/peerd.h", "peerd/embed/abi/libpeerd-0.1.txt"
+HEADER, LIST = "peerd/daemon/embed/include/peerd/peerd.h", "peerd/daemon/embed/abi/libpeerd-0.1.txt"
 SYMBOLS = "debian/libpeerd0.1.symbols"
 
 # What is changed (a file, a text, another one), and what a line of the findings says of it.

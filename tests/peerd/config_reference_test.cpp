@@ -8,8 +8,8 @@
 #include <set>
 #include <sstream>
 
-#include "peerd/config/link_settings.hpp"
-#include "peerd/config/scenario.hpp"
+#include "peerd/peer/config/link_settings.hpp"
+#include "peerd/peer/config/scenario.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::config::config_reference_test {
@@ -17,7 +17,7 @@ namespace peerd::config::config_reference_test {
 using testing::HasSubstr;
 
 const std::filesystem::path kReference = PEERD_SOURCE_DIR "/docs/reference/configuration.md";
-const std::filesystem::path kParsers[] = {PEERD_SOURCE_DIR "/peerd/config", PEERD_SOURCE_DIR "/peerd/motion"};
+const std::filesystem::path kParsers[] = {PEERD_SOURCE_DIR "/peerd/peer/config", PEERD_SOURCE_DIR "/peerd/peer/motion"};
 
 std::string text_of(const std::filesystem::path& path) {
   std::ifstream in(path);

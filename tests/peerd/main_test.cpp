@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/peerd/program/program.hpp"
+#include "tests/peerd/cli/program/program.hpp"
 
 namespace peerd::main_test {
 

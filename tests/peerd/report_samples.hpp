@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "peerd/measure/run_record.hpp"
+#include "peerd/lab/measure/run_record.hpp"
 
-namespace peerd::report::samples {
+namespace peerd::measure::samples {
 
 inline constexpr PeerId kA{1}, kB{2}, kC{3};
 inline constexpr ObjectId kCar{10}, kCube{11}, kWall{17};
@@ -21,7 +21,8 @@ inline RunRecord quiet_run(double duration_s = 10.0) {
   return run;
 }
 
-inline GhostSample ghost_sample(double t_s, PeerId observer, ObjectId object, const Vec3& truth, const Vec3& ghost) {
+inline GhostSample ghost_sample(double t_s, PeerId observer, ObjectId object, const Vec3& truth,
+                                         const Vec3& ghost) {
   GhostSample s;
   s.t_s = t_s;
   s.observer = observer;
@@ -69,4 +70,4 @@ inline std::vector<RunRecord> zigzag_sweep() {
   return runs;
 }
 
-}  // namespace peerd::report::samples
+}  // namespace peerd::measure::samples

@@ -13,7 +13,7 @@ const std::string kMeeting = PEERD_SOURCE_DIR "/tests/sim/worlds/meeting.toml";
 
 // The state that a peer held of an object at the end, as its log says.
 KinematicState last_word(const Ran& ran, const std::string& peer, const std::string& path) {
-  const auto object = std::ranges::find(ran.record.objects, path, &report::ObjectInfo::path)->object;
+  const auto object = std::ranges::find(ran.record.objects, path, &measure::ObjectInfo::path)->object;
   for (const PeerLog& log : ran.logs) {
     if (log.name != peer) continue;
     for (auto b = log.object_samples.rbegin(); b != log.object_samples.rend(); ++b) {
@@ -43,10 +43,10 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_P(BodiesMeet, OnePeerDecidesAndAllHoldOneOutcome) {
   const Ran ran = run_scenario(kMeeting, GetParam().sets).front();
-  const report::ContactRow* decided = nullptr;
+  const measure::ContactRow* decided = nullptr;
   std::size_t applied = 0;
   for (const auto& c : ran.record.contacts) {
-    const std::string peer = std::ranges::find(ran.record.peers, c.peer, &report::PeerInfo::peer)->name;
+    const std::string peer = std::ranges::find(ran.record.peers, c.peer, &measure::PeerInfo::peer)->name;
     EXPECT_NE(c.kind, "owner") << "neither body is one peer's own business";
     if (c.kind == "decided") {
       EXPECT_EQ(decided, nullptr) << "decided twice";
@@ -81,7 +81,7 @@ TEST_P(BodiesMeet, OnePeerDecidesAndAllHoldOneOutcome) {
 // A peer's log goes by its own ticks, so positions of a moving body are compared through the report, at one true time.
 TEST_P(BodiesMeet, NoGhostIsWrongForLongerThanTheLatency) {
   const Ran ran = run_scenario(kMeeting, GetParam().sets).front();
-  const auto decided = std::ranges::find(ran.record.contacts, "decided", &report::ContactRow::kind);
+  const auto decided = std::ranges::find(ran.record.contacts, "decided", &measure::ContactRow::kind);
   ASSERT_NE(decided, ran.record.contacts.end());
   const double news_s = decided->t_s + 1e-3 * ran.settings.network.latency_ms + 0.25;
   std::size_t late_samples = 0;
@@ -120,7 +120,7 @@ TEST(BodiesMeetPrediction, SparesTheObserverTheLatency) {
   const Ran dr = run_scenario(kMeeting, {"replication.approach=dr", "network.latency_ms=400"}).front();
   const Ran rcp = run_scenario(kMeeting, {"replication.approach=dr+rcp", "network.latency_ms=400"}).front();
   const auto worst_m = [](const Ran& ran) {  // error of LEFT at c, once c knows the start
-    const ObjectId left = std::ranges::find(ran.record.objects, "LEFT", &report::ObjectInfo::path)->object;
+    const ObjectId left = std::ranges::find(ran.record.objects, "LEFT", &measure::ObjectInfo::path)->object;
     double worst = 0.0;
     for (const auto& s : ran.record.ghost_samples) {
       if (s.observer == PeerId{3} && s.object == left && s.t_s > 1.0)

@@ -142,7 +142,7 @@ TEST_P(CarriedWorlds, EveryPeerFindsWhatCollideFinds) {
     ++expected;
     for (const std::uint32_t peer : {1u, 2u, 3u}) {
       double nearest_s = INFINITY;
-      for (const report::ContactRow& row : ran.record.contacts) {
+      for (const measure::ContactRow& row : ran.record.contacts) {
         const bool same = row.collider == contact.collider && row.collidee == contact.collidee;
         const bool turned = row.collider == contact.collidee && row.collidee == contact.collider;
         if (row.peer != PeerId{peer} || !(same || turned)) continue;
@@ -163,7 +163,7 @@ TEST_P(CarriedWorlds, NoPeerFindsMore) {
   folder.write("w.wrl", text);
   const Ran ran = run_scenario(folder.write("s.toml", scenario_of(c.owned))).front();
   const auto contacts = contacts_of(text);
-  for (const report::ContactRow& row : ran.record.contacts) {
+  for (const measure::ContactRow& row : ran.record.contacts) {
     const bool there = std::ranges::any_of(contacts, [&](const Contact& contact) {
       const bool same = row.collider == contact.collider && row.collidee == contact.collidee;
       const bool turned = row.collider == contact.collidee && row.collidee == contact.collider;

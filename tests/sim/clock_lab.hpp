@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "peerd/sim/network.hpp"
-#include "replication/peer.hpp"
+#include "peerd/lab/sim/network.hpp"
+#include "replication/peer/peer.hpp"
 
 namespace peerd::sim::testing_support {
 

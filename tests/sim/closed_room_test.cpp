@@ -40,7 +40,7 @@ class Faults {
       if (room.one_owner && log.start) take_energies(log);
     }
     const auto record = must(assemble(scenario.runs[0], *shared, logs));
-    take(report::summarise({scenario.name, "sim", scenario.seed, {}}, {&record, 1})["runs"][0]);
+    take(measure::summarise({scenario.name, "sim", scenario.seed, {}}, {&record, 1})["runs"][0]);
   }
   [[nodiscard]] const std::vector<std::string>& lines() const { return lines_; }
 

@@ -12,8 +12,8 @@
 
 namespace peerd::sim::contact_rows_test {
 
+using measure::ContactRow;
 using peerd::testing_support::ScratchFolder;
-using report::ContactRow;
 using testing_support::Ran;
 using testing_support::run_scenario;
 

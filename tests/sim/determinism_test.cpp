@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "peerd/report/write.hpp"
+#include "peerd/lab/report/write.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 #include "tests/sim/run_scenario.hpp"
 
@@ -25,7 +25,7 @@ std::vector<std::string> with(std::vector<std::string> sets, const std::string& 
 // The four files that promise to be the same, and the peers' logs.
 std::vector<std::string> outputs(const std::vector<std::string>& sets) {
   const ScratchFolder folder;
-  std::vector<report::RunRecord> records;
+  std::vector<measure::RunRecord> records;
   std::vector<std::string> texts;
   for (auto& ran : run_scenario(kEq47, sets)) {
     for (const PeerLog& log : ran.logs) {

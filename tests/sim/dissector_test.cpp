@@ -6,11 +6,11 @@
 #include <map>
 #include <random>
 
-#include "peerd/greeting/unicast_frame.hpp"
-#include "peerd/record/capture.hpp"
-#include "peerd/record/udp_packet.hpp"
-#include "peerd/seal/sealed_greetings.hpp"
-#include "peerd/seal/sealer.hpp"
+#include "peerd/net/greeting/unicast_frame.hpp"
+#include "peerd/net/seal/sealed_greetings.hpp"
+#include "peerd/net/seal/sealer.hpp"
+#include "peerd/peer/record/capture.hpp"
+#include "peerd/peer/record/udp_packet.hpp"
 #include "replication/wire/codec.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 #include "tests/sim/dissector/tshark.hpp"
@@ -157,11 +157,11 @@ Message of_identity() {
 
 // Two datagrams of a sealed session, and a greeting.
 std::vector<Bytes> sealed() {
-  seal::Sealer sealer(seal::SymmetricKey::random(),
-                      {.peer = PeerId{4'000'000'000}, .identity = seal::Identity::random()});
+  seal::Sealer sealer(keys::SymmetricKey::random(),
+                      {.peer = PeerId{4'000'000'000}, .identity = keys::Identity::random()});
   const auto datagram = sealer.seal(HostTime{}, RegionId{4}, encode(of_identity()), true);
   const auto announcement = sealer.announcement_due(HostTime{}).value();
-  seal::SealedGreetings greetings(seal::SymmetricKey::random(), [](const std::string&) {});
+  seal::SealedGreetings greetings(keys::SymmetricKey::random(), [](const std::string&) {});
   return {announcement, {datagram.begin(), datagram.end()}, greetings.seal(Bytes(20))};
 }
 

@@ -19,7 +19,7 @@ const std::string kHeadOn = PEERD_SOURCE_DIR "/configs/scenarios/head-on.toml";
 // When the peers' decision says that the two cubes met, as each peer has it [s].
 std::vector<double> decided_at(const Ran& ran) {
   std::vector<double> times;
-  for (const report::ContactRow& c : ran.record.contacts) {
+  for (const measure::ContactRow& c : ran.record.contacts) {
     if (c.kind == "decided" || c.kind == "applied") times.push_back(c.t_s);
   }
   return times;

@@ -116,7 +116,7 @@ std::size_t updates_between(const Ran& ran, double from_s, double to_s, bool nee
 }
 // CAR's velocity along x around that time, as b believes it: the difference over ten ticks.
 double ghost_velocity_x(const Ran& ran, PeerId observer, double t_s) {
-  const report::GhostSample *first = nullptr, *last = nullptr;
+  const measure::GhostSample *first = nullptr, *last = nullptr;
   for (const auto& s : ran.record.ghost_samples) {
     if (s.observer != observer || ran.record.objects.front().object != s.object) continue;
     if (s.t_s <= t_s + 1e-6) first = &s;

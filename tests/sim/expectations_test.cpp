@@ -1,8 +1,8 @@
 // The repository's own scenarios meet their own expectations.
 #include <gmock/gmock.h>
 
-#include "peerd/measure/expectations.hpp"
-#include "peerd/measure/wrong_outcomes.hpp"
+#include "peerd/lab/measure/expectations.hpp"
+#include "peerd/lab/measure/wrong_outcomes.hpp"
 #include "tests/sim/run_scenario.hpp"
 
 namespace peerd::sim::expectations_test {
@@ -18,23 +18,24 @@ void compare_outcomes(Ran& ran) {
   const config::RunSettings ideal = without_latency(ran.settings);
   const auto shared =
       must(share_world(must(config::read_scenario({.file = kHeadOn, .configs = {}, .sets = {}, .seed = {}})).world));
-  ran.record.wrong = report::wrong_outcomes(ran.record, must(assemble(ideal, *shared, must(simulate(ideal, *shared)))));
-  ran.summary = report::summarise({"head-on", "sim", ran.settings.seed, {}}, {&ran.record, 1})["runs"][0];
+  ran.record.wrong =
+      measure::wrong_outcomes(ran.record, must(assemble(ideal, *shared, must(simulate(ideal, *shared)))));
+  ran.summary = measure::summarise({"head-on", "sim", ran.settings.seed, {}}, {&ran.record, 1})["runs"][0];
 }
 
-std::vector<report::CheckedExpectation> checked(const std::string& name, const std::vector<std::string>& sets = {},
-                                                const std::vector<std::filesystem::path>& configs = {}) {
+std::vector<measure::CheckedExpectation> checked(const std::string& name, const std::vector<std::string>& sets = {},
+                                                 const std::vector<std::filesystem::path>& configs = {}) {
   const std::string file = PEERD_SOURCE_DIR "/configs/scenarios/" + name + ".toml";
   const auto expectations =
       must(config::read_scenario({.file = file, .configs = configs, .sets = sets, .seed = {}})).expectations;
-  std::vector<report::RunRecord> records;
+  std::vector<measure::RunRecord> records;
   auto rows = nlohmann::ordered_json::array();
   for (auto& ran : run_scenario(file, sets, configs)) {
     if (ran.settings.compare_outcomes) compare_outcomes(ran);
     records.push_back(std::move(ran.record));
     rows.push_back(std::move(ran.summary));
   }
-  return report::check_expectations(expectations, "sim", records, rows);
+  return measure::check_expectations(expectations, "sim", records, rows);
 }
 
 class Expectations : public testing::TestWithParam<const char*> {};
@@ -66,7 +67,7 @@ TEST(Expectations, HoldInTheTownWithoutAccelerations) {
 // A network that loses half of everything is not what eq47 expects of itself.
 TEST(ExpectationsThatDoNotHold, Fail) {
   const auto all = checked("eq47", {"network.loss=0.5"});
-  const auto failed = [](const report::CheckedExpectation& e) { return e.failed(); };
+  const auto failed = [](const measure::CheckedExpectation& e) { return e.failed(); };
   EXPECT_TRUE(std::ranges::any_of(all, failed));
   EXPECT_FALSE(std::ranges::all_of(all, failed)) << "all have the same world, whatever is lost";
 }

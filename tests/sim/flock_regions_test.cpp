@@ -13,11 +13,11 @@ const std::filesystem::path kBest = PEERD_SOURCE_DIR "/configs/best.toml";
 constexpr double kTick_ms = 1000.0 / 60.0;
 
 struct Seen {
-  report::InterestRecord interest;
+  measure::InterestRecord interest;
   std::vector<PeerLog> logs;
   [[nodiscard]] double received_over_interest() const {
     double received = 0.0, wanted = 0.0;
-    for (const report::PeerInterest& p : interest.peers) {
+    for (const measure::PeerInterest& p : interest.peers) {
       received += static_cast<double>(p.received_bytes);
       wanted += static_cast<double>(p.interest_bytes);
     }
@@ -30,7 +30,7 @@ Seen see(std::vector<std::string> sets) {
       must(config::read_scenario({.file = kFlock, .configs = {kBest}, .sets = sets, .seed = {}}));
   const auto shared = must(share_world(scenario.world));
   if (scenario.runs.size() != 1) throw std::runtime_error("one run was meant");
-  std::optional<report::InterestRecord> interest;
+  std::optional<measure::InterestRecord> interest;
   Seen seen;
   seen.logs = must(simulate(scenario.runs.front(), *shared, {}, {}, &interest));
   seen.interest = interest.value();
@@ -49,7 +49,7 @@ TEST_P(FlockOverRegions, NothingIsMissingAndLittleComesForNothing) {
   EXPECT_LE(seen.interest.longest_missing_ms, latency_ms + kTick_ms);
   EXPECT_LE(seen.interest.longest_outdated_ms, latency_ms + kTick_ms);
   EXPECT_LE(seen.received_over_interest(), 1.3);
-  for (const report::PeerInterest& p : seen.interest.peers) {
+  for (const measure::PeerInterest& p : seen.interest.peers) {
     SCOPED_TRACE(p.peer.value);
     EXPECT_GT(p.joins, 5u);
     EXPECT_GT(p.leaves, 5u);

@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include "peerd/measure/wrong_outcomes.hpp"
+#include "peerd/lab/measure/wrong_outcomes.hpp"
 #include "tests/sim/run_scenario.hpp"
 
 namespace peerd::sim::head_on_test {
@@ -14,10 +14,10 @@ using testing_support::run_scenario;
 
 const std::string kHeadOn = PEERD_SOURCE_DIR "/configs/scenarios/head-on.toml";
 
-report::WrongOutcomes compare(const Ran& ran) {
+measure::WrongOutcomes compare(const Ran& ran) {
   const auto shared = must(share_world(PEERD_SOURCE_DIR "/configs/worlds/head-on.wrl"));
   const config::RunSettings ideal = without_latency(ran.settings);
-  return report::wrong_outcomes(ran.record, must(assemble(ideal, *shared, must(simulate(ideal, *shared)))));
+  return measure::wrong_outcomes(ran.record, must(assemble(ideal, *shared, must(simulate(ideal, *shared)))));
 }
 
 class HeadOn : public testing::TestWithParam<int> {};  // seeds
@@ -30,7 +30,7 @@ TEST_P(HeadOn, OneOutcomeEverywhereAndExpectedErrorIsBest) {
     EXPECT_EQ(collisions["agreed"], 2 * collisions["decided"].get<int>());
     EXPECT_EQ(collisions["disagreed"], 0);
     EXPECT_EQ(collisions["missed"], 0);
-    const report::WrongOutcomes w = compare(ran);
+    const measure::WrongOutcomes w = compare(ran);
     EXPECT_EQ(w.truth, 15u);
     wrong[ran.settings.params["decisions.policy"].get<std::string>()] += w.missing + w.spurious;
   }

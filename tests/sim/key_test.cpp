@@ -20,7 +20,7 @@ constexpr double kLatency_s = 0.1, kTick_s = 1.0 / 60;
 // The state of an object at its owner, or as another peer believed it, in time of the scenario.
 std::vector<std::pair<double, KinematicState>> states(const Ran& ran, std::size_t peer, const std::string& path) {
   const PeerLog& log = ran.logs.at(peer);
-  const auto known = std::ranges::find(ran.record.objects, path, &report::ObjectInfo::path);
+  const auto known = std::ranges::find(ran.record.objects, path, &measure::ObjectInfo::path);
   if (known == ran.record.objects.end()) throw std::runtime_error("nobody runs " + path);
   const ObjectId object = known->object;
   std::vector<std::pair<double, KinematicState>> rows;

@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "peerd/config/scenario.hpp"
-#include "peerd/sim/simulation.hpp"
-#include "tests/bench/islands/island_run.hpp"
+#include "bench/islands/island_run.hpp"
+#include "peerd/lab/sim/simulation.hpp"
+#include "peerd/peer/config/scenario.hpp"
 
 namespace peerd::sim::large_session_test {
 

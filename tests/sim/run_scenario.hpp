@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "peerd/measure/summary.hpp"
-#include "peerd/scenario/assemble.hpp"
-#include "peerd/sim/simulation.hpp"
+#include "peerd/lab/live/assemble.hpp"
+#include "peerd/lab/measure/summary.hpp"
+#include "peerd/lab/sim/simulation.hpp"
 
 // A scenario of the repository, run on the simulated network, with what its report says of it.
 namespace peerd::sim::testing_support {
@@ -25,7 +25,7 @@ T must(Result<T> result) {
 struct Ran {
   config::RunSettings settings;
   std::vector<PeerLog> logs;
-  report::RunRecord record;
+  measure::RunRecord record;
   nlohmann::ordered_json summary;  // this run's part
 
   // One observer's view of one object.
@@ -45,8 +45,8 @@ struct Ran {
     throw std::runtime_error("nobody observes " + path);
   }
   // Contacts of that kind that a peer stated, in order of time.
-  [[nodiscard]] std::vector<report::ContactRow> contacts(PeerId peer, const std::string& kind) const {
-    std::vector<report::ContactRow> rows;
+  [[nodiscard]] std::vector<measure::ContactRow> contacts(PeerId peer, const std::string& kind) const {
+    std::vector<measure::ContactRow> rows;
     std::ranges::copy_if(record.contacts, std::back_inserter(rows),
                          [&](const auto& c) { return c.peer == peer && c.kind == kind; });
     return rows;
@@ -65,7 +65,7 @@ inline std::vector<Ran> run_scenario(const std::string& file, const std::vector<
     ran.settings = settings;
     ran.logs = must(simulate(settings, *shared));
     ran.record = must(assemble(settings, *shared, ran.logs));
-    ran.summary = report::summarise({scenario.name, "sim", scenario.seed, {}}, {&ran.record, 1})["runs"][0];
+    ran.summary = measure::summarise({scenario.name, "sim", scenario.seed, {}}, {&ran.record, 1})["runs"][0];
   }
   return runs;
 }

@@ -56,7 +56,7 @@ TEST(Ball, BouncesOffTheWallAsTheBoxDoes) {
   EXPECT_THAT(shared->model->unsupported, testing::IsEmpty());
   const Ran ran = run_scenario(kWorlds + "ball.toml").front();
   const auto id = [&](const char* path) {
-    return std::ranges::find(ran.record.objects, path, &report::ObjectInfo::path)->object;
+    return std::ranges::find(ran.record.objects, path, &measure::ObjectInfo::path)->object;
   };
   for (const char* name : {"BALL", "BOX"}) {
     std::size_t hits = 0;

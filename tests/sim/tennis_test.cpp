@@ -119,7 +119,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 std::size_t met(const Ran& ran, const Scene& scene, const char* path) {
   const ObjectId object = *scene.find(path);
-  return static_cast<std::size_t>(std::ranges::count_if(ran.record.contacts, [&](const report::ContactRow& c) {
+  return static_cast<std::size_t>(std::ranges::count_if(ran.record.contacts, [&](const measure::ContactRow& c) {
     return (c.kind == "owner" || c.kind == "decided") && (c.collider == object || c.collidee == object);
   }));
 }

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/replication/worlds.hpp"
+#include "tests/replication/peer/worlds.hpp"
 
 namespace peerd::stress::counted_contacts_test {
 

@@ -3,7 +3,7 @@
 #include "collision/broad_phase/broad_phase.hpp"
 #include "collision/query/wide_query.hpp"
 #include "collision/scene/collision_watch.hpp"
-#include "tests/replication/lan.hpp"
+#include "tests/replication/peer/lan.hpp"
 
 namespace peerd::crowds_test {
 

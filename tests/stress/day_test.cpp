@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tests/replication/worlds.hpp"
+#include "tests/replication/peer/worlds.hpp"
 
 namespace peerd::stress::day_test {
 

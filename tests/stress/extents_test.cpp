@@ -12,7 +12,7 @@
 #include "tests/collision/shapes.hpp"
 #include "tests/oracle/triangle_cases.hpp"
 #include "tests/oracle/triangle_oracle.hpp"
-#include "tests/replication/lan.hpp"
+#include "tests/replication/peer/lan.hpp"
 
 namespace peerd::extents_test {
 

@@ -8,7 +8,7 @@
 #include "collision/scene/collision_watch.hpp"
 #include "core/motion/predefined_motion.hpp"
 #include "core/scene/reader.hpp"
-#include "replication/world/motion_world.hpp"
+#include "replication/physics/world/motion_world.hpp"
 
 namespace peerd::file_extremes_test {
 

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "tests/replication/lan.hpp"
+#include "tests/replication/peer/lan.hpp"
 
 // Two peers that share a world for hours, and how far apart they, and the world, are in the end.
 namespace peerd::stress {

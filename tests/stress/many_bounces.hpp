@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "tests/replication/worlds.hpp"
+#include "tests/replication/peer/worlds.hpp"
 
 // Bodies that bounce without loss, a great many times.
 namespace peerd::stress {

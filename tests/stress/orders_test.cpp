@@ -5,7 +5,7 @@
 
 #include "collision/scene/scene_query.hpp"
 #include "tests/collision/shapes.hpp"
-#include "tests/replication/lan.hpp"
+#include "tests/replication/peer/lan.hpp"
 
 namespace peerd::replication::orders_test {
 

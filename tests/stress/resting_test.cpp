@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/replication/worlds.hpp"
+#include "tests/replication/peer/worlds.hpp"
 #include "tests/stress/resting_place.hpp"
 
 namespace peerd::stress::resting_test {

@@ -2,7 +2,7 @@
 // table; here are the rows that no other test has.
 #include "collision/scene/collision_watch.hpp"
 #include "core/scene/reader.hpp"
-#include "tests/replication/lan.hpp"
+#include "tests/replication/peer/lan.hpp"
 
 namespace peerd::replication::skips_test {
 

@@ -13,8 +13,8 @@
 #include <chrono>
 #include <cstdio>
 
+#include "bench/figures.hpp"
 #include "collision/query/wide_query.hpp"
-#include "tests/bench/figures.hpp"
 #include "tests/collision/soups.hpp"
 #include "tests/stress/long_life.hpp"
 #include "tests/stress/many_bounces.hpp"

@@ -1,7 +1,7 @@
 // Ticks of any length, late ones and none at all: contacts are of the instant at which things meet.
 #include <random>
 
-#include "tests/replication/lan.hpp"
+#include "tests/replication/peer/lan.hpp"
 
 namespace peerd::replication::ticks_test {
 

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "replication/wire/wire_limits.hpp"
-#include "tests/replication/lan.hpp"
+#include "tests/replication/peer/lan.hpp"
 
 namespace peerd::replication::wire_extremes_test {
 

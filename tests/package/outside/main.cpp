@@ -5,7 +5,7 @@
 
 #include "collision/contact/contact_time.hpp"
 #include "core/scene/reader.hpp"
-#include "replication/peer.hpp"
+#include "replication/peer/peer.hpp"
 
 int main(int, char** argv) {
   std::ifstream file(argv[1]);

@@ -9,7 +9,7 @@
 #include "collision/tree/hierarchy_file.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd::config::hierarchy_files_test {
+namespace peerd::hierarchy_files_test {
 
 using testing::HasSubstr;
 using testing_support::ScratchFolder;
@@ -77,4 +77,4 @@ TEST(HierarchyFiles, APipeIsNotWaitedFor) {
               HasSubstr("another file of that name"));
 }
 
-}  // namespace peerd::config::hierarchy_files_test
+}  // namespace peerd::hierarchy_files_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace peerd::config::toml_input_test {
+namespace peerd::toml_input_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -204,4 +204,4 @@ TEST(TomlReader, NumbersAreFiniteAndInRange) {
   EXPECT_THAT(read("axis = [0, 1e10, 0]").error, HasSubstr("10000000000 is out of range: -1000000000 to 1000000000"));
 }
 
-}  // namespace peerd::config::toml_input_test
+}  // namespace peerd::toml_input_test

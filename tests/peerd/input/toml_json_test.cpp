@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace peerd::config::toml_json_test {
+namespace peerd::toml_json_test {
 
 TEST(TomlJson, KeepsValuesTypesAndOrder) {
   const toml::table table = toml::parse(
@@ -19,4 +19,4 @@ TEST(TomlJson, ADateBecomesItsText) {
   EXPECT_NE(json["when"].get<std::string>().find("2003-05-01"), std::string::npos);
 }
 
-}  // namespace peerd::config::toml_json_test
+}  // namespace peerd::toml_json_test

@@ -9,7 +9,7 @@
 #include "peerd/input/world_file.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd::config::world_archive_test {
+namespace peerd::world_archive_test {
 
 using testing_support::ScratchFolder;
 
@@ -102,4 +102,4 @@ TEST(WorldArchive, UnpacksNoMoreThanItMay) {
   EXPECT_THAT(archive.error(), testing::HasSubstr("more than 1048576 bytes"));
 }
 
-}  // namespace peerd::config::world_archive_test
+}  // namespace peerd::world_archive_test

@@ -5,7 +5,7 @@
 
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd::config::world_file_test {
+namespace peerd::world_file_test {
 
 using testing::HasSubstr;
 using testing_support::ScratchFolder;
@@ -82,4 +82,4 @@ TEST(LocalFiles, RefuseByName) {
   EXPECT_EQ(load("a", base)->bytes, "text");
 }
 
-}  // namespace peerd::config::world_file_test
+}  // namespace peerd::world_file_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/replication/worlds.hpp"
+#include "tests/replication/peer/worlds.hpp"
 
 namespace peerd::replication::echo_state_test {
 

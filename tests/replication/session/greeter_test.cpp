@@ -7,8 +7,8 @@
 #include <set>
 
 #include "replication/wire/hello_lists.hpp"
-#include "tests/replication/lan.hpp"
-#include "tests/replication/parts.hpp"
+#include "tests/replication/peer/lan.hpp"
+#include "tests/replication/peer/parts.hpp"
 
 namespace peerd::replication::greeter_test {
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/replication/parts.hpp"
+#include "tests/replication/peer/parts.hpp"
 
 namespace peerd::replication::member_limits_test {
 

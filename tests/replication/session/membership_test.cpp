@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/replication/worlds.hpp"
+#include "tests/replication/peer/worlds.hpp"
 
 namespace peerd::replication::membership_test {
 

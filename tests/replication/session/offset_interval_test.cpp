@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "tests/replication/worlds.hpp"
+#include "tests/replication/peer/worlds.hpp"
 
 namespace peerd::replication::offset_interval_test {
 

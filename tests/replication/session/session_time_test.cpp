@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/replication/lan.hpp"
-#include "tests/replication/parts.hpp"
+#include "tests/replication/peer/lan.hpp"
+#include "tests/replication/peer/parts.hpp"
 
 namespace peerd::replication::session_time_test {
 

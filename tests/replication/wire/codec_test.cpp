@@ -6,7 +6,7 @@
 #include <limits>
 #include <set>
 
-#include "tests/replication/messages.hpp"
+#include "tests/replication/peer/messages.hpp"
 
 namespace peerd::replication::codec_test {
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "tests/replication/messages.hpp"
+#include "tests/replication/peer/messages.hpp"
 
 namespace peerd::replication::decision_bits_test {
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "replication/wire/codec.hpp"
-#include "tests/replication/worlds.hpp"
+#include "tests/replication/peer/worlds.hpp"
 
 namespace peerd::replication::ghost_lists_test {
 

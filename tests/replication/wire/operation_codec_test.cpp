@@ -4,7 +4,7 @@
 
 #include "replication/wire/operation.hpp"
 #include "replication/wire/wire_limits.hpp"
-#include "tests/replication/operations.hpp"
+#include "tests/replication/peer/operations.hpp"
 
 namespace peerd::replication::operation_codec_test {
 

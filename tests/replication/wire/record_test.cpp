@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "tests/replication/traffic.hpp"
+#include "tests/replication/peer/traffic.hpp"
 
 namespace peerd::replication::record_test {
 

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "replication/wire/record.hpp"
-#include "tests/replication/worlds.hpp"
+#include "tests/replication/peer/worlds.hpp"
 
 namespace peerd::replication::smallest_three_test {
 

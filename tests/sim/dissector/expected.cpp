@@ -8,9 +8,9 @@
 #include <utility>
 #include <variant>
 
-#include "peerd/discovery/beacon.hpp"
 #include "peerd/input/compression.hpp"
-#include "peerd/snapshot/snapshot_message.hpp"
+#include "peerd/net/discovery/beacon.hpp"
+#include "peerd/net/snapshot/snapshot_message.hpp"
 
 namespace peerd::sim::dissector_test {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/kinematics.hpp"
-#include "replication/operations/operation_log.hpp"
+#include "replication/edits/log/operation_log.hpp"
 #include "replication/wire/codec.hpp"
 
 namespace peerd::sim::dissector_test {

@@ -7,9 +7,9 @@
 #include <random>
 #include <variant>
 
-#include "peerd/discovery/beacon.hpp"
 #include "peerd/input/compression.hpp"
-#include "peerd/snapshot/snapshot_message.hpp"
+#include "peerd/net/discovery/beacon.hpp"
+#include "peerd/net/snapshot/snapshot_message.hpp"
 #include "tests/net/process.hpp"
 #include "tests/sim/dissector/wire.hpp"
 

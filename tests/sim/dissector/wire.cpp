@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "peerd/record/udp_packet.hpp"
+#include "peerd/peer/record/udp_packet.hpp"
 #include "tests/net/process.hpp"
 
 namespace peerd::sim::dissector_test {

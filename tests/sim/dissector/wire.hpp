@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/time.hpp"
-#include "peerd/record/pcapng.hpp"
+#include "peerd/peer/record/pcapng.hpp"
 #include "tests/sim/dissector/tshark.hpp"
 
 namespace peerd::sim::dissector_test {

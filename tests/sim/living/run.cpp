@@ -81,7 +81,7 @@ void write_texts(const World& world, const std::filesystem::path& folder) {
   std::ofstream(folder / "living.toml") << scenario_of(world);
 }
 
-report::RunRecord run_peers(const World& world, const std::filesystem::path& folder) {
+measure::RunRecord run_peers(const World& world, const std::filesystem::path& folder) {
   write_texts(world, folder);
   const auto file = folder / "living.toml";
   const config::Scenario scenario = must(config::read_scenario({.file = file, .configs = {}, .sets = {}, .seed = {}}));
@@ -98,7 +98,7 @@ bool must_be_found(const World& world, const Contact& contact) {
          contact.began_s < world.duration_s - 0.1;
 }
 
-std::vector<std::size_t> pairs_of(const Reference& reference, const report::ContactRow& row) {
+std::vector<std::size_t> pairs_of(const Reference& reference, const measure::ContactRow& row) {
   std::vector<std::size_t> found;
   for (std::size_t p = 0; p < reference.pairs.size(); ++p) {
     const Pair& pair = reference.pairs[p];
@@ -109,13 +109,13 @@ std::vector<std::size_t> pairs_of(const Reference& reference, const report::Cont
   return found;
 }
 
-Comparison compare(const World& world, const Reference& reference, const report::RunRecord& record) {
+Comparison compare(const World& world, const Reference& reference, const measure::RunRecord& record) {
   Comparison comparison;
   std::map<PeerId, std::vector<std::vector<double>>> times_s;  // by peer and pair
   for (std::size_t p = 0; p < world.peers.size(); ++p) {
     times_s[PeerId{std::uint32_t(p + 1)}].resize(reference.pairs.size());
   }
-  for (const report::ContactRow& row : record.contacts) {
+  for (const measure::ContactRow& row : record.contacts) {
     const auto pairs = pairs_of(reference, row);
     bool expected = false;
     for (const std::size_t pair : pairs) {
@@ -169,7 +169,7 @@ class Judge {
       : world_(world), reference_(reference), motion_(world), oracles_(reference.pairs.size()) {}
 
   // None where the row is not to be judged.
-  std::optional<ContactOracle::Verdict> verdict(const report::ContactRow& row, std::size_t pair) {
+  std::optional<ContactOracle::Verdict> verdict(const measure::ContactRow& row, std::size_t pair) {
     const double known_s = known_from_s(world_);
     const Pair& ends = reference_.pairs[pair];
     if (row.reported_at_s < known_s && depends_on_others(world_, ends, row.peer)) return std::nullopt;
@@ -194,10 +194,10 @@ class Judge {
 
 }  // namespace
 
-Judgement judge(const World& world, const Reference& reference, const std::vector<report::ContactRow>& rows) {
+Judgement judge(const World& world, const Reference& reference, const std::vector<measure::ContactRow>& rows) {
   Judge oracle(world, reference);
   Judgement out;
-  for (const report::ContactRow& row : rows) {
+  for (const measure::ContactRow& row : rows) {
     std::optional<Fault> fault;
     bool good = false, judged = false;
     for (const std::size_t pair : pairs_of(reference, row)) {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "peerd/measure/run_record.hpp"
+#include "peerd/lab/measure/run_record.hpp"
 #include "tests/sim/living/oracle.hpp"
 #include "tests/sim/living/world.hpp"
 
@@ -36,7 +36,7 @@ inline constexpr double kReference_hz = 1000.0;
 [[nodiscard]] Reference reference_of(const World& world);
 
 // The record of a world's scenario, run on the simulated network. `folder` gets its texts: living.wrl and living.toml.
-[[nodiscard]] report::RunRecord run_peers(const World& world, const std::filesystem::path& folder);
+[[nodiscard]] measure::RunRecord run_peers(const World& world, const std::filesystem::path& folder);
 void write_texts(const World& world, const std::filesystem::path& folder);
 
 // A contact that every peer has to find: it lasts 2 ms, comes later than a latency and 10 ms after the start, when what
@@ -54,19 +54,19 @@ struct Missing {
   std::optional<double> nearest_s;  // the peer's nearest row of that pair
 };
 struct Comparison {
-  std::size_t compared = 0;                 // contacts that must be found, times the peers
-  std::vector<Missing> missing;             // of these, those without a row of that peer within kAgreed_s
-  std::vector<report::ContactRow> besides;  // rows of an interest's pair that no contact began within kAgreed_s of
+  std::size_t compared = 0;                  // contacts that must be found, times the peers
+  std::vector<Missing> missing;              // of these, those without a row of that peer within kAgreed_s
+  std::vector<measure::ContactRow> besides;  // rows of an interest's pair that no contact began within kAgreed_s of
 };
-[[nodiscard]] Comparison compare(const World& world, const Reference& reference, const report::RunRecord& record);
+[[nodiscard]] Comparison compare(const World& world, const Reference& reference, const measure::RunRecord& record);
 
 // The pairs that a row can be about: where it says its type, one at most.
-[[nodiscard]] std::vector<std::size_t> pairs_of(const Reference& reference, const report::ContactRow& row);
+[[nodiscard]] std::vector<std::size_t> pairs_of(const Reference& reference, const measure::ContactRow& row);
 
 // A row of which the oracle says for certain that it is wrong. Rows from the time before the peer can know how what
 // others own moves are left out, and those of contacts that have begun in that time.
 struct Fault {
-  report::ContactRow row;
+  measure::ContactRow row;
   std::size_t pair = 0;
   ContactOracle::Verdict verdict;
 };
@@ -78,7 +78,7 @@ struct Judgement {
 };
 // Judges rows of interests: of one that may be about several pairs, the pair counts that suits it best.
 [[nodiscard]] Judgement judge(const World& world, const Reference& reference,
-                              const std::vector<report::ContactRow>& rows);
+                              const std::vector<measure::ContactRow>& rows);
 
 [[nodiscard]] std::string text_of(const World& world, const Reference& reference, const Missing& missing);
 [[nodiscard]] std::string text_of(const World& world, const Reference& reference, const Fault& fault);

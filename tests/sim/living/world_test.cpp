@@ -35,7 +35,7 @@ void expect_found(std::uint64_t seed, const ScratchFolder& folder) {
   const World world = make_world(seed);
   const Reference reference = reference_of(world);
   EXPECT_THAT(reference.problems, testing::Each(testing::HasSubstr(kMirrored))) << where(world);
-  const report::RunRecord record = run_peers(world, folder.path());
+  const measure::RunRecord record = run_peers(world, folder.path());
   const Comparison comparison = compare(world, reference, record);
   for (const Missing& missing : comparison.missing) {
     ADD_FAILURE() << text_of(world, reference, missing) << '\n' << where(world);
@@ -225,7 +225,7 @@ TEST(Comparison, FindsWhatIsMissingAndWhatIsWrong) {
   const World world = make_world(3);
   const Reference reference = reference_of(world);
   const OracleMotion motion(world);
-  report::RunRecord record;
+  measure::RunRecord record;
   std::size_t contacts = 0;
   for (const Contact& contact : reference.contacts) {
     if (!must_be_found(world, contact)) continue;
@@ -234,7 +234,7 @@ TEST(Comparison, FindsWhatIsMissingAndWhatIsWrong) {
     ContactOracle oracle(motion, world, pair.collider, pair.collidee, pair.type);
     const double t_s = touch_s(oracle, contact.began_s - 1.0 / kReference_hz, contact.began_s);
     for (std::size_t p = 0; p < world.peers.size(); ++p) {
-      report::ContactRow row{};
+      measure::ContactRow row{};
       row.t_s = t_s;
       row.peer = PeerId{std::uint32_t(p + 1)};
       row.collider = pair.collidee_object;  // the other way round

@@ -1,0 +1,341 @@
+#include "peerd/cli/commands/check_command.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <ostream>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "core/geometry/tessellate.hpp"
+#include "core/motion/predefined_motion.hpp"
+#include "core/scene/scene_defects.hpp"
+#include "core/scene/scene_statistics.hpp"
+#include "core/writer/writer.hpp"
+#include "peerd/cli/shell/error_json.hpp"
+#include "peerd/cli/shell/problems.hpp"
+#include "peerd/input/printable.hpp"
+#include "peerd/input/text_file.hpp"
+#include "peerd/input/world_file.hpp"
+#include "replication/physics/world/motion_world.hpp"
+
+namespace peerd {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// A short text can ask for many more polygons. So many take about 20 s, and 2 GB where half of them are one geometry's,
+// which is the most that the reader allows.
+constexpr std::uint64_t kMostPolygons = std::uint64_t{1} << 25;
+
+// The number of polygons in the meshes that collision makes of objects that interests name. An object inside another
+// one counts again.
+std::uint64_t polygons_of_bodies(const Scene& scene) {
+  std::vector<std::uint64_t> of_geometry;
+  for (const Geometry& geometry : scene.geometries) {
+    of_geometry.push_back(mesh_size(geometry, scene.tessellation).polygons);
+  }
+  std::vector<std::uint64_t> before = {0};  // number of polygons of the instances before each instance
+  for (const Instance& instance : scene.instances) {
+    const bool solid = instance.geometry != Instance::kNone && instance.collides;
+    before.push_back(before.back() + (solid ? of_geometry[instance.geometry] : 0));
+  }
+  std::set<ObjectId> named;
+  for (const CollisionInterest& interest : scene.interests) {
+    named.insert(interest.collider);
+    named.insert(interest.collidees.begin(), interest.collidees.end());
+  }
+  std::uint64_t polygons = 0;
+  for (const ObjectId id : named) polygons += before[scene.at(id).subtree_end] - before[scene.index_of(id)];
+  return polygons;
+}
+
+// All that is printed. Without a file, only the first two members count.
+struct Finding {
+  std::string path;
+  double read_ms = 0.0;
+  const ReadResult* result = nullptr;
+  double defects_ms = 0.0;
+  SceneStatistics statistics{};  // these three are of a good world
+  std::optional<SceneDefects> defects{};
+  std::vector<std::string> unsupported{};
+
+  [[nodiscard]] bool good() const { return result != nullptr && result->scene.has_value(); }
+};
+
+struct Row {
+  const char* name;
+  std::uint64_t count;
+  const char* what;
+};
+using StatisticsRows = std::array<Row, 20>;
+using DefectRows = std::array<Row, kDefects>;
+using EdgeRows = std::array<Row, 4>;
+
+StatisticsRows rows_of(const SceneStatistics& s) {
+  return {{{"nodes", s.nodes, "PROTOs expanded"},
+           {"instances", s.instances, "groups and shapes; a USE counts again"},
+           {"groups", s.groups, ""},
+           {"shapes", s.shapes, ""},
+           {"shapes_not_colliding", s.shapes_not_colliding, "not chosen, replaced by a proxy, .."},
+           {"depth", s.depth, "of the deepest instance"},
+           {"geometries", s.geometries, "stored once however often they are used"},
+           {"geometries_without_surface", s.geometries_without_surface, "lines, points and text"},
+           {"polygons", s.polygons, "of the geometries"},
+           {"triangles", s.triangles, "that the polygons are cut into"},
+           {"faces", s.faces, "of the polygons: as the files write them"},
+           {"face_triangles", s.face_triangles, ""},
+           {"polygons_instanced", s.polygons_instanced, "a USE counts again"},
+           {"triangles_instanced", s.triangles_instanced, ""},
+           {"collision_interests", s.collision_interests, ""},
+           {"interests", s.interests, "pairs registered for collision"},
+           {"key_sensors", s.key_sensors, ""},
+           {"routes", s.routes, ""},
+           {"moving_objects", s.moving_objects, "Transforms with a velocity of their own"},
+           {"pending_inlines", s.pending_inlines, ""}}};
+}
+
+// The rows are in the order of Defect.
+DefectRows polygon_rows_of(const SceneDefects& d) {
+  return {{{"degenerate", d[Defect::kDegenerate].polygons, "polygons without an area"},
+           {"duplicate", d[Defect::kDuplicate].polygons, "with the corners of an earlier one"},
+           {"non_planar", d[Defect::kNonPlanar].polygons, "by however little, most by rounding alone"},
+           {"warped", d[Defect::kWarped].polygons, "non-planar by more than 1/10,000 of the longest edge"},
+           {"non_manifold", d[Defect::kNonManifold].polygons, "with an edge of more than two polygons"}}};
+}
+
+EdgeRows edge_rows_of(const SceneDefects& d) {
+  return {{{"non_manifold_edges", d.non_manifold_edges, "of more than two polygons"},
+           {"boundary_edges", d.boundary_edges, "where a surface ends"},
+           {"same_direction_edges", d.same_direction_edges, "between a front and a back"},
+           {"edges_without_length", d.edges_without_length, ""}}};
+}
+
+void print_row(const Row& row, const std::string& where, std::ostream& out) {
+  std::string label = std::string("  ") + row.name;
+  for (char& c : label) c = c == '_' ? ' ' : c;
+  label.resize(30, ' ');
+  std::string number = std::to_string(row.count);
+  if (number.size() < 10) number.insert(0, 10 - number.size(), ' ');
+  out << label << number << (*row.what == '\0' && where.empty() ? "" : "  ") << row.what << where << '\n';
+}
+
+std::string first_of(const SceneDefects::Count& count, const Scene& scene) {
+  return "; first: " + (count.shape ? scene.path_of(*count.shape) : "a geometry of no Shape") + " polygon " +
+         std::to_string(count.polygon);
+}
+
+void print_defects(const SceneDefects& defects, const Scene& scene, std::ostream& out) {
+  const DefectRows polygons = polygon_rows_of(defects);
+  const EdgeRows edges = edge_rows_of(defects);
+  const auto some = [](const Row& row) { return row.count > 0; };
+  if (std::ranges::none_of(polygons, some) && std::ranges::none_of(edges, some)) {
+    out << "no defects of polygons\n";
+    return;
+  }
+  out << "defects\n";
+  for (std::size_t i = 0; i < polygons.size(); ++i) {
+    if (some(polygons[i])) print_row(polygons[i], first_of(defects.counts[i], scene), out);
+  }
+  for (const Row& row : edges) {
+    if (some(row)) print_row(row, "", out);
+  }
+}
+
+std::string milliseconds(double ms) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), ms, std::chars_format::fixed, 2).ptr;
+  return std::string(text.data(), end) + " ms";
+}
+
+std::size_t bytes_of(const ReadResult& result) {
+  std::size_t bytes = 0;
+  for (const Source& source : result.sources) bytes += source.text.size();
+  return bytes;
+}
+
+ProblemCount print_problems(const Finding& finding, std::ostream& err) {
+  const ProblemCount count = print_problems(*finding.result, err);
+  for (std::size_t i = 0; i < std::min(kShownProblems, finding.unsupported.size()); ++i) {
+    err << finding.path << ": note: unsupported: " << finding.unsupported[i] << '\n';
+  }
+  std::string more;
+  const auto add = [&](std::size_t all, const char* what) {
+    if (all > kShownProblems) more += (more.empty() ? "" : ", ") + counted(all - kShownProblems, what);
+  };
+  add(count.errors, "more error");
+  add(count.warnings, "more warning");
+  add(finding.unsupported.size(), "more unsupported request");
+  if (!more.empty()) err << finding.path << ": note: " << more << "; --json lists all\n";
+  return count;
+}
+
+void print_text(const Finding& finding, std::ostream& out, std::ostream& err) {
+  const ProblemCount count = print_problems(finding, err);
+  const ReadResult& result = *finding.result;
+  out << finding.path << ": " << (finding.good() ? "good" : counted(count.errors, "error"));
+  if (count.warnings > 0) out << ", " << counted(count.warnings, "warning");
+  out << "; " << counted(bytes_of(result), "byte") << " in " << counted(result.sources.size(), "file") << " read in "
+      << milliseconds(finding.read_ms) << '\n';
+  if (!finding.good()) return;
+  for (const Row& row : rows_of(finding.statistics)) {
+    if (row.count > 0) print_row(row, "", out);
+  }
+  if (finding.defects) print_defects(*finding.defects, *result.scene, out);
+}
+
+Json defects_to_json(const SceneDefects& defects, const Scene& scene) {
+  Json json = Json::object(), first = Json::object();
+  const DefectRows polygons = polygon_rows_of(defects);
+  for (std::size_t i = 0; i < polygons.size(); ++i) {
+    const SceneDefects::Count& count = defects.counts[i];
+    json[polygons[i].name] = count.polygons;
+    Json& place = first[polygons[i].name];
+    if (count.polygons == 0) continue;
+    place = {{"shape", count.shape ? Json(scene.path_of(*count.shape)) : Json()}, {"polygon", count.polygon}};
+  }
+  for (const Row& row : edge_rows_of(defects)) json[row.name] = row.count;
+  json["first"] = std::move(first);
+  return json;
+}
+
+Json to_json(const Finding& finding) {
+  Json errors = Json::array(), warnings = Json::array(), statistics, defects;
+  std::size_t files = 0, bytes = 0;
+  if (finding.result != nullptr) {
+    for (const Diagnostic& d : finding.result->diagnostics) {
+      (d.severity == Severity::kError ? errors : warnings)
+          .push_back({{"file", finding.result->sources.at(d.source).name},
+                      {"line", d.where.line},
+                      {"column", d.where.column},
+                      {"message", d.message}});
+    }
+    files = finding.result->sources.size();
+    bytes = bytes_of(*finding.result);
+  }
+  if (finding.good()) {
+    for (const Row& row : rows_of(finding.statistics)) statistics[row.name] = row.count;
+    if (finding.defects) defects = defects_to_json(*finding.defects, *finding.result->scene);
+  }
+  const auto rounded = [](double ms) { return std::round(ms * 1e3) / 1e3; };  // rounded to microseconds
+  return {{"world", finding.path},
+          {"good", finding.good()},
+          {"errors", std::move(errors)},
+          {"warnings", std::move(warnings)},
+          {"unsupported", finding.unsupported},
+          {"statistics", std::move(statistics)},
+          {"defects", std::move(defects)},
+          {"files", files},
+          {"bytes", bytes},
+          {"read_ms", rounded(finding.read_ms)},
+          {"defects_ms", rounded(finding.defects_ms)}};
+}
+
+// Paths and messages may hold bytes that are not UTF-8, which JSON may not.
+void print(const Json& json, std::ostream& out) {
+  out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+}
+
+// What there is to say although the command has failed: the world can't be read, or its copy not be written.
+Json with_error(const Finding& finding, const InputError& error) {
+  Json json = to_json(finding);
+  json["good"] = false;
+  const Json said = error_json(error);
+  for (const Json& entry : said["errors"]) json["errors"].push_back(entry);
+  return json;
+}
+
+double ms_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+Json moving_at(const Scene& scene, double t_s, std::vector<std::string>& unsupported) {
+  Json list = Json::array();
+  PredefinedMotion motion(scene);
+  for (const ObjectId id : motion.driven_transforms()) {
+    const Pose pose = motion.rigid_pose(id, t_s);
+    const Vec3& p = pose.position;
+    const Quat& q = pose.orientation;
+    list.push_back({{"path", scene.path_of(id)},
+                    {"position", {p.x(), p.y(), p.z()}},
+                    {"orientation", {q.x(), q.y(), q.z(), q.w()}}});
+  }
+  if (const std::optional<double> since = motion.transition_limit_reached_at()) {
+    unsupported.push_back("TimeSensors that start each other so often: they stand still from " +
+                          std::to_string(*since) + " s on");
+  }
+  return list;
+}
+
+Result<void> write_copy(const Scene& scene, const std::string& copy, std::ostream& err) {
+  const auto written = write_world(scene);
+  if (!written) return std::unexpected(InputError{copy + ": error: not written: " + written.error(), 1});
+  for (const std::string& note : written->notes) err << copy << ": note: " << note << '\n';
+  return write_text_file(copy, written->text);
+}
+
+// Answers what a good world is asked.
+void examine(const Scene& scene, Finding& finding) {
+  // Interests that collision cannot answer are not errors of the world.
+  if (polygons_of_bodies(scene) <= kMostPolygons) {
+    finding.unsupported = replication::make_world_model(scene)->unsupported;
+  } else {
+    finding.unsupported.push_back("interests in more than " + std::to_string(kMostPolygons) +
+                                  " polygons: they are not looked at");
+  }
+  finding.statistics = statistics_of(scene);
+  if (finding.statistics.polygons > kMostPolygons) {
+    finding.unsupported.push_back("defects of more than " + std::to_string(kMostPolygons) + " polygons");
+    return;
+  }
+  const auto defects_start = std::chrono::steady_clock::now();
+  finding.defects = defects_of(scene);
+  finding.defects_ms = ms_since(defects_start);
+}
+
+}  // namespace
+
+int run_check(const std::string& path, const CheckOptions& options, std::ostream& out, std::ostream& err) {
+  Finding finding{.path = path};
+  const auto start = std::chrono::steady_clock::now();
+  const auto file = read_world_asked_for(path, options.reading);
+  finding.read_ms = ms_since(start);
+  const auto failed_with = [&](const InputError& error) {
+    err << error.text << '\n';
+    if (options.json) print(with_error(finding, error), out);
+    return error.exit_code;
+  };
+  if (!file) return failed_with(file.error());
+  finding.result = &(*file)->result;
+  if (finding.good()) examine(*finding.result->scene, finding);
+  Json moving = Json::array();
+  if (finding.good() && options.at_s) {
+    moving = moving_at(*finding.result->scene, *options.at_s, finding.unsupported);
+  }
+  if (finding.good() && !options.copy.empty()) {
+    const auto written = write_copy(*finding.result->scene, options.copy, err);
+    if (!written) return failed_with(written.error());
+  }
+  if (options.json) {
+    Json json = to_json(finding);
+    if (options.at_s) json["moving"] = moving;
+    print(json, out);
+  } else {
+    print_text(finding, out, err);
+    for (const Json& m : moving) {
+      out << "  " << m["path"].get<std::string>() << "  at " << m["position"] << "  turned " << m["orientation"]
+          << '\n';
+    }
+  }
+  return finding.good() ? 0 : 1;
+}
+
+}  // namespace peerd

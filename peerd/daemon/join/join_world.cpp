@@ -1,0 +1,221 @@
+#include "peerd/daemon/join/join_world.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <spdlog/fmt/fmt.h>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+
+#include "peerd/daemon/join/worlds_here.hpp"
+#include "peerd/daemon/open/roster_file.hpp"
+#include "peerd/input/json_line.hpp"
+#include "peerd/input/printable.hpp"
+#include "peerd/input/toml_input.hpp"
+#include "peerd/net/keys/key_file.hpp"
+#include "peerd/net/snapshot/snapshot_fetch.hpp"
+#include "peerd/peer/store/store_folder.hpp"
+#include "peerd/peer/store/stored_world.hpp"
+
+namespace peerd {
+namespace {
+
+namespace asio = boost::asio;
+
+constexpr Duration kAsked = std::chrono::seconds(1);
+
+Result<snapshot::Provider> provider_at(const std::string& address) {
+  const auto colon = address.rfind(':');
+  const auto wrong = [&](const std::string& why) {
+    return std::unexpected(InputError{"error: --from " + address + ": " + why, 2});
+  };
+  if (colon == std::string::npos || colon == 0) return wrong("it has to be HOST:PORT, as a peer's log says");
+  std::string host = address.substr(0, colon);
+  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  asio::io_context io;
+  boost::system::error_code failed;
+  const auto found = asio::ip::tcp::resolver(io).resolve(host, address.substr(colon + 1), failed);
+  if (failed || found.empty()) return wrong(failed.message());
+  return snapshot::Provider{address, found.begin()->endpoint()};
+}
+
+Result<std::vector<snapshot::Provider>> providers_of(const World& world) {
+  std::vector<snapshot::Provider> providers;
+  for (const discovery::Found& peer : world.peers) {
+    if (peer.beacon.snapshot_port == 0) continue;
+    providers.push_back({peer.beacon.name, {peer.address, peer.beacon.snapshot_port}});
+  }
+  if (!providers.empty()) return providers;
+  return std::unexpected(InputError{"error: no peer of \"" + world.name + "\" gives it to who joins", kNoSuchWorld});
+}
+
+// In a session by unicast without relays, a joining peer first greets the peers that gave it the world.
+Result<void> greet_first(const std::vector<snapshot::Provider>& providers, const std::string& settings,
+                         PeerOptions& peer) {
+  const auto shared = parse_toml(settings, "the settings that were given");
+  if (!shared) return std::unexpected(shared.error());
+  if (shared->at_path("transport.multicast").value_or(std::string()) != "never") return {};
+  const toml::array* const relays = shared->at_path("transport.relays").as_array();
+  if (relays != nullptr && !relays->empty()) return {};
+  const auto port = shared->at_path("transport.port").value_or(std::int64_t{net::kDefaultPort});
+  std::vector<std::string> addresses;
+  for (const snapshot::Provider& provider : providers) {
+    const auto address = provider.at.address();
+    addresses.push_back(fmt::format(fmt::runtime(address.is_v6() ? "[{}]:{}" : "{}:{}"), address.to_string(), port));
+  }
+  peer.sets.push_back("transport.peers=" + json_line(addresses));
+  return {};
+}
+
+// The key that this user's roster of the world has for this user; none: there is no roster.
+Result<std::optional<keys::SessionKey>> key_by_roster(const std::string& world, const SayLine& say) {
+  const auto file = chosen_roster_file({}, world);
+  if (!file) return std::nullopt;
+  const auto roster = read_roster(*file);
+  if (!roster) return std::unexpected(roster.error());
+  if (!*roster) return std::nullopt;
+  const auto identity = peer_identity({}, say);
+  if (!identity) return std::unexpected(identity.error());
+  const auto key = (*roster)->session_key(*identity);
+  if (!key) return std::unexpected(not_a_member(*file, *identity));
+  return keys::SessionKey{*key, "the roster " + file->string()};
+}
+
+// The key of a session that others have begun; none: it is open. Nobody makes one for it.
+Result<std::optional<keys::SessionKey>> key_of(const JoinRequest& request, const std::string& world,
+                                               const SayLine& say) {
+  if (request.open) return std::nullopt;
+  if (world.empty() && request.key.key_file.empty()) {
+    return std::unexpected(
+        InputError{"error: which key? Say the world's name, or --key FILE; --open, if it is open", 2});
+  }
+  if (request.key.key_file.empty() && request.key.password_file.empty()) {
+    auto by_roster = key_by_roster(world, say);
+    if (!by_roster || *by_roster) return by_roster;
+  }
+  auto key = keys::session_key(request.key, world, keys::IfMissing::kFail);
+  if (key) return *std::move(key);
+  const bool has_password = !request.key.password_file.empty();
+  return std::unexpected(InputError{key.error().text + (has_password ? ""
+                                                                     : "; whoever runs that world has its key: --key "
+                                                                       "FILE says a copy, and --open that there is "
+                                                                       "none"),
+                                    key.error().exit_code});
+}
+
+Result<JoinedWorld> joined_by_peers(const std::vector<snapshot::Provider>& providers, std::uint64_t session,
+                                    const std::string& world, const JoinRequest& request, PeerOptions& peer,
+                                    const SayLine& say) {
+  const auto key = key_of(request, world, say);
+  if (!key) return std::unexpected(key.error());
+  peer.key = *key;
+  const auto began = std::chrono::steady_clock::now();
+  auto snapshot =
+      snapshot::fetch_snapshot(providers, session, {.key = *key ? std::optional((*key)->key) : std::nullopt});
+  if (!snapshot) return std::unexpected(InputError{"error: " + snapshot.error(), kNoSuchWorld});
+  for (const std::string& note : snapshot->notes) say({LogLevel::kWarning, note});
+  if (auto done = greet_first(providers, snapshot->offer.settings, peer); !done) return std::unexpected(done.error());
+  const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  snapshot::Offer& offer = snapshot->offer;
+  say({LogLevel::kInfo,
+       fmt::format("got \"{}\" from {} in {:.2f} s over {}: {} of its files, operations of {}; {}", offer.world,
+                   snapshot->provided_by, took_s, counted(snapshot->connections, "connection"),
+                   counted(snapshot->archive.size(), "byte"), counted(snapshot->logs.size(), "author"),
+                   snapshot->checked_with.empty() ? "nobody else is here to compare it with"
+                                                  : snapshot->checked_with + " has the same")});
+  return JoinedWorld{{offer.world, offer.genesis, std::move(offer.settings), std::move(snapshot->archive)},
+                     offer.session,
+                     std::move(snapshot->logs)};
+}
+
+// Nobody is here: whoever comes back brings the world back.
+Result<JoinedWorld> joined_by_store(const JoinRequest& request, PeerOptions& peer, const SayLine& say) {
+  const auto& folder = peer.store.folder;
+  std::vector<std::filesystem::path> folders;
+  if (folder && !folder->empty()) {
+    folders.push_back(*folder);
+  } else if (!folder) {
+    folders = store::stores_of_world(request.world);
+    const auto is_of_this_peer = [&](const std::filesystem::path& each) { return each.filename() == peer.peer; };
+    if (std::ranges::count_if(folders, is_of_this_peer) == 1) std::erase_if(folders, std::not_fn(is_of_this_peer));
+  }
+  const std::string what = request.world.empty() ? "a world" : "\"" + request.world + "\"";
+  std::string all;
+  for (const auto& each : folders) {
+    auto world = store::read_world_of_store(each);
+    if (!world) return std::unexpected(world.error());
+    all += "\n  " + each.string();
+    const bool is_asked_for = *world && (request.world.empty() || (*world)->name == request.world);
+    if (!is_asked_for || folders.size() > 1) continue;
+    peer.store.folder = each;
+    say({LogLevel::kInfo,
+         fmt::format("no peer of \"{}\" is here: begins with the store {}", (*world)->name, each.string())});
+    return JoinedWorld{**std::move(world), 0, {}};
+  }
+  if (folders.size() > 1) {
+    return std::unexpected(InputError{
+        "error: no peer of " + what + " is here, and there is more than one store: say --store DIR with one of" + all,
+        kNoSuchWorld});
+  }
+  return std::unexpected(
+      InputError{"error: no peer of " + what +
+                     " answers in this network, and this user has no store of it; peerd ls shows who "
+                     "is here, and --from HOST:PORT asks one peer",
+                 kNoSuchWorld});
+}
+
+Result<JoinedWorld> find_world(const JoinRequest& request, PeerOptions& peer, const SayLine& say) {
+  if (!request.from.empty()) {
+    const auto provider = provider_at(request.from);
+    if (!provider) return std::unexpected(provider.error());
+    return joined_by_peers({*provider}, 0, request.world, request, peer, say);
+  }
+  const auto worlds = worlds_here(request.transport, kAsked);
+  if (!worlds) return std::unexpected(worlds.error());
+  const auto world = choose_world(*worlds, request.world);
+  if (!world) return std::unexpected(world.error());
+  if (*world == nullptr) return joined_by_store(request, peer, say);
+  const auto providers = providers_of(**world);
+  if (!providers) return std::unexpected(providers.error());
+  if (const bool sealed = (*world)->is_sealed(); sealed == request.open) {
+    return std::unexpected(
+        InputError{"error: \"" + (*world)->name + (sealed ? "\" is sealed" : "\" is open: say --open"), 2});
+  }
+  return joined_by_peers(*providers, (*world)->session, (*world)->name, request, peer, say);
+}
+
+}  // namespace
+
+Result<void> accept_invitation(const keys::Invitation& invitation, JoinRequest& request, const SayLine& say) {
+  if (!request.world.empty() && request.world != invitation.world) {
+    return std::unexpected(InputError{"error: the invitation is to \"" + invitation.world + "\"", 2});
+  }
+  request.world = invitation.world;
+  if (invitation.roster) {
+    const auto file = chosen_roster_file({}, request.world);
+    if (!file) return std::unexpected(InputError{"error: this user has no home for a roster", 2});
+    return save_roster(*file, *invitation.roster);
+  }
+  const auto file = keys::chosen_key_file({}, request.world);
+  if (!file) return std::unexpected(file.error());
+  if (const auto kept = keys::keep_key(*file, *invitation.key); !kept) return kept;
+  say({LogLevel::kInfo, "keeps the key of \"" + request.world + "\" in " + file->string()});
+  return {};
+}
+
+Result<void> join_world(const JoinRequest& request, PeerOptions& peer, const SayLine& say) {
+  auto given = find_world(request, peer, say);
+  if (!given) return std::unexpected(given.error());
+  // The path only names the world, in messages and in a capture.
+  peer.sets.push_back("world=" + json_line(given->world.name));
+  peer.joined = *std::move(given);
+  return {};
+}
+
+}  // namespace peerd

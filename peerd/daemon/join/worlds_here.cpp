@@ -1,0 +1,60 @@
+#include "peerd/daemon/join/worlds_here.hpp"
+
+#include <utility>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "peerd/net/os/host_clock.hpp"
+#include "peerd/net/transport/transport_options.hpp"
+#include "replication/wire/codec.hpp"
+
+namespace peerd {
+
+using discovery::Found;
+
+Result<std::vector<World>> worlds_here(const net::TransportSettings& settings, Duration time) {
+  auto reach = net::transport_options(settings, {});
+  if (!reach) return std::unexpected(reach.error());
+  const net::HostClock clock;
+  auto found = discovery::ask_who_is_here(clock, reach->multicast, time);
+  if (!found) return std::unexpected(input_error(found.error()));
+  std::vector<World> worlds;
+  for (Found& each : *found) {
+    const bool goes_on =
+        !worlds.empty() && worlds.back().name == each.beacon.world && worlds.back().session == each.beacon.session;
+    if (!goes_on) worlds.push_back({each.beacon.world, each.beacon.session, {}});
+    worlds.back().peers.push_back(std::move(each));
+  }
+  return worlds;
+}
+
+std::string line_of(const World& world) {
+  std::string peers;
+  for (const Found& peer : world.peers) {
+    peers += (peers.empty() ? "" : ", ") +
+             fmt::format("{} (id {}) at {}", peer.beacon.name, peer.beacon.peer.value, peer.address.to_string());
+  }
+  const std::uint32_t protocol = world.peers.front().beacon.protocol;
+  const std::string other = protocol == replication::kProtocolVersion
+                                ? ""
+                                : fmt::format("; it speaks version {} of the protocol, this program {}", protocol,
+                                              replication::kProtocolVersion);
+  return fmt::format("{}  (session {:016x}{}): {}{}\n", world.name, world.session, world.is_sealed() ? "" : ", open",
+                     peers, other);
+}
+
+Result<const World*> choose_world(const std::vector<World>& worlds, const std::string& name) {
+  std::vector<const World*> named;
+  for (const World& world : worlds) {
+    if (name.empty() || world.name == name) named.push_back(&world);
+  }
+  if (named.size() > 1) {
+    std::string all;
+    for (const World* const world : named) all += "\n  " + line_of(*world);
+    return std::unexpected(InputError{
+        "error: which of these worlds? Say its name, or --from HOST:PORT of one of its peers:" + all, kNoSuchWorld});
+  }
+  return named.empty() ? nullptr : named.front();
+}
+
+}  // namespace peerd

@@ -1,0 +1,34 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/time.hpp"
+#include "peerd/input/input_error.hpp"
+#include "peerd/net/discovery/discovery.hpp"
+#include "peerd/peer/config/peer_settings.hpp"
+
+namespace peerd {
+
+// The exit code of a program that finds no such world.
+inline constexpr int kNoSuchWorld = 3;
+
+// The peers of one world that meet each other.
+struct World {
+  std::string name;
+  std::uint64_t session = 0;
+  std::vector<discovery::Found> peers;  // at least one
+
+  [[nodiscard]] bool is_sealed() const { return peers.front().beacon.sealed; }
+};
+
+// Asks for `time` which worlds there are in this network, by interface and group of the settings. Blocks meanwhile.
+[[nodiscard]] Result<std::vector<World>> worlds_here(const net::TransportSettings& settings, Duration time);
+
+// The world of that name; with an empty name the only one. Null: there is none. Error: there are several.
+[[nodiscard]] Result<const World*> choose_world(const std::vector<World>& worlds, const std::string& name);
+
+// One line for a person: its name, its session, its peers and where they are.
+[[nodiscard]] std::string line_of(const World& world);
+
+}  // namespace peerd

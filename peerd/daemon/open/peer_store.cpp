@@ -1,0 +1,128 @@
+#include "peerd/daemon/open/peer_store.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <iterator>
+#include <map>
+#include <utility>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "peerd/input/printable.hpp"
+#include "peerd/net/seal/operation_signer.hpp"
+#include "peerd/peer/store/store_folder.hpp"
+#include "replication/edits/log/operation_log.hpp"
+#include "replication/edits/log/signed_log.hpp"
+
+namespace peerd {
+namespace {
+
+std::string store_line(const store::OperationStore& store, const std::filesystem::path& folder) {
+  std::uint64_t operations = 0;
+  for (const store::StoredLog& log : store.logs()) operations += log.operations;
+  return fmt::format("the store {} has {} of {}; this peer is author {}", folder.string(),
+                     counted(operations, "operation"), counted(store.logs().size(), "author"), store.author().value);
+}
+
+// Locks the folder of the store, and puts aside what is in it where it is to be a fresh one.
+Result<store::FolderLock> lock_store(const StoreOptions& options, const std::filesystem::path& folder, bool by_default,
+                                     std::vector<LogLine>& lines) {
+  const auto lock_again = [&] { return by_default ? store::lock_first_free(folder) : store::lock_folder(folder); };
+  auto lock = lock_again();
+  if (!lock || !options.fresh) return lock;
+  const auto locked = lock->folder();
+  const auto aside = store::put_aside(*std::move(lock));
+  if (!aside) return std::unexpected(aside.error());
+  if (*aside) lines.push_back({LogLevel::kInfo, "the store before is now " + (*aside)->string()});
+  return by_default ? lock_again() : store::lock_folder(locked);
+}
+
+}  // namespace
+
+// Nobody has asked for the store of a peer that has one by default: where it can't be made, the peer runs without.
+Result<OpenedStore> open_store(const StoreOptions& options, std::uint64_t genesis, const std::string& peer,
+                               const keys::Identity& identity) {
+  OpenedStore opened;
+  const bool by_default = !options.folder && options.by_default;
+  const auto folder = by_default ? store::default_folder(genesis, peer) : options.folder;
+  if (by_default && !folder) {
+    opened.lines.push_back({LogLevel::kWarning, "runs without a store: this user has no home; say --store DIR"});
+  }
+  if (!folder || folder->empty()) return opened;
+  auto lock = lock_store(options, *folder, by_default, opened.lines);
+  const std::filesystem::path at = lock ? lock->folder() : *folder;
+  const replication::Author fresh = seal::fresh_author(identity.public_key());
+  auto store = lock ? store::OperationStore::open(*std::move(lock), genesis, fresh) : std::unexpected(lock.error());
+  if (!store && by_default && !store::OperationStore::exists(at)) {
+    opened.lines.push_back({LogLevel::kWarning, "runs without a store: " + store.error().text});
+    return opened;
+  }
+  if (!store) return std::unexpected(store.error());
+  opened.store = *std::move(store);
+  opened.folder = at;
+  if (seal::author_of(identity.public_key(), opened.store->author_salt()) != opened.store->author()) {
+    opened.store->begin_log(fresh);
+    opened.lines.push_back(
+        {LogLevel::kWarning, "the store's log is by another identity: this peer begins a log of its own"});
+  }
+  opened.lines.push_back({LogLevel::kInfo, store_line(*opened.store, at)});
+  if (opened.store->is_copy()) {
+    opened.lines.push_back(
+        {LogLevel::kWarning,
+         "the store is a copy, or an older one that was put back: this peer begins a log of its own"});
+  }
+  if (!opened.store->author_error().empty()) {
+    opened.lines.push_back({LogLevel::kWarning, opened.store->author_error()});
+  }
+  if (!opened.store->packing_error().empty()) {
+    opened.lines.push_back(
+        {LogLevel::kWarning, "the store takes more room than it needs: " + opened.store->packing_error()});
+  }
+  opened.log = opened.store->take_log();
+  return opened;
+}
+
+Result<void> check_signatures(const OpenedStore& opened, const replication::LogSigner& signer) {
+  std::map<replication::AuthorId, replication::SignedLog> logs;
+  for (const replication::OperationPart& part : opened.log) {  // each of whole operations
+    const auto checked = logs[part.author].check(signer, part.author, part.bytes);
+    if (checked.wrong == nullptr && checked.bytes == part.bytes.size()) continue;
+    return std::unexpected(InputError{
+        fmt::format("error: the store {} has operations of author {} that their author has not signed; --fresh puts "
+                    "the store aside",
+                    opened.folder.string(), part.author.value),
+        1});
+  }
+  return {};
+}
+
+Result<void> add_joined(const std::vector<replication::OperationPart>& provided, const replication::LogSigner& signer,
+                        OpenedStore& opened) {
+  replication::OperationLogs logs(replication::kNoAuthor, &signer);
+  for (const replication::OperationPart& part : opened.log) {
+    [[maybe_unused]] const auto read = logs.restore(part);
+    assert(read);
+  }
+  std::vector<replication::OperationPart> added;
+  for (const replication::OperationPart& part : provided) {
+    const std::uint64_t before = logs.length(part.author);
+    const std::uint64_t end = std::max<std::uint64_t>(before, part.bytes.size());
+    const auto read = logs.restore(part);
+    if (!read || logs.whole(part.author) != end) {
+      const std::string why = read ? "it is cut short or damaged" : read.error();
+      return std::unexpected(
+          InputError{fmt::format("error: the log of author {} that was provided can't be used: {}{}", part.author.value,
+                                 why, before > 0 ? "; --fresh puts the store aside, which has it, too" : ""),
+                     1});
+    }
+    const auto tail = logs.bytes({part.author, before, end});
+    if (!tail.empty()) added.push_back({part.author, before, {tail.begin(), tail.end()}});
+  }
+  if (opened.store) {
+    if (auto stored = opened.store->append(added); !stored) return stored;
+  }
+  std::ranges::move(added, std::back_inserter(opened.log));
+  return {};
+}
+
+}  // namespace peerd

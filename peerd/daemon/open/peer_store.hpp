@@ -1,0 +1,54 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "peerd/input/input_error.hpp"
+#include "peerd/net/keys/identity.hpp"
+#include "peerd/peer/node/describe.hpp"
+#include "peerd/peer/store/operation_store.hpp"
+#include "peerd/peer/store/stored_world.hpp"
+#include "replication/edits/log/log_signer.hpp"
+
+namespace peerd {
+
+// The place where a peer keeps the edits of the world.
+struct StoreOptions {
+  std::optional<std::filesystem::path> folder;  // of --store; empty: no store
+  bool by_default = false;                      // without `folder`, a peer has one in its user's own folders
+  bool fresh = false;                           // what is there is put aside
+
+  [[nodiscard]] bool is_wanted() const { return folder ? !folder->empty() : by_default; }
+};
+
+// A world that came from a peer, or from a store, in place of a file.
+struct JoinedWorld {
+  store::StoredWorld world;
+  std::uint64_t session = 0;                     // that its peers are in; 0: nobody has said
+  std::vector<replication::OperationPart> logs;  // each from its beginning
+};
+
+struct OpenedStore {
+  std::unique_ptr<store::OperationStore> store;  // null: there is none
+  std::filesystem::path folder;
+  std::vector<replication::OperationPart> log;  // all that the peer begins with
+  std::vector<LogLine> lines;                   // what a person should know
+};
+
+// Opens the store of a world's peer, or none where none is wanted. `genesis`: the hash of the world's file;
+// `identity`: whose operations it will have.
+[[nodiscard]] Result<OpenedStore> open_store(const StoreOptions& options, std::uint64_t genesis,
+                                             const std::string& peer, const keys::Identity& identity);
+
+// Whether authors have signed all that the store has of theirs. Else somebody has put it there.
+[[nodiscard]] Result<void> check_signatures(const OpenedStore& opened, const replication::LogSigner& signer);
+
+// Adds the logs that other peers have provided to those of the store, whose signatures are right, and to the store. All
+// are read first: a log that is damaged, that its author has not signed, or that contradicts the store's, is refused.
+[[nodiscard]] Result<void> add_joined(const std::vector<replication::OperationPart>& provided,
+                                      const replication::LogSigner& signer, OpenedStore& opened);
+
+}  // namespace peerd

@@ -1,7 +1,0 @@
-#include "peerd/gateway/viewer_assets.hpp"
-
-namespace peerd::gateway {
-
-ViewerAssets built_viewer() { return {}; }
-
-}  // namespace peerd::gateway

@@ -1,0 +1,24 @@
+#pragma once
+#include <expected>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "peerd/lab/measure/run_record.hpp"
+
+namespace peerd::cluster {
+
+// All that a report needs of one run of a scenario.
+struct RunResult {
+  measure::RunRecord record;
+  std::vector<std::string> warnings;  // one sentence each, in the order in which they came up
+};
+
+// The bytes begin with the number of their format (kRunFormat). The report of a result that was read from its bytes is
+// the same, byte for byte, as that of the result.
+inline constexpr std::uint32_t kRunFormat = 2;
+[[nodiscard]] std::string to_bytes(const RunResult& result);
+// Parses hostile input; the error is one sentence.
+[[nodiscard]] std::expected<RunResult, std::string> run_result_from(std::string_view bytes);
+
+}  // namespace peerd::cluster

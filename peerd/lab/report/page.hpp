@@ -1,0 +1,18 @@
+#pragma once
+#include <span>
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "peerd/lab/measure/run_record.hpp"
+#include "peerd/lab/measure/summary.hpp"
+#include "peerd/lab/report/pictures.hpp"
+
+namespace peerd::report {
+
+// Makes report.html: a whole report on one self-contained page, with the command, the table of runs, the pictures, and
+// each run's details, folded. Its size is bounded, and it says where something is left out.
+[[nodiscard]] std::string report_page(const measure::ScenarioInfo& info, std::span<const measure::RunRecord> runs,
+                                      const nlohmann::ordered_json& summary, const Pictures& pictures);
+
+}  // namespace peerd::report

@@ -1,0 +1,75 @@
+#include "peerd/lab/sim/simulated_run.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include "peerd/lab/measure/wrong_outcomes.hpp"
+
+namespace peerd::sim {
+
+namespace {
+
+// Watches for the time at which a run is stopped.
+class Stop {
+ public:
+  explicit Stop(const Progress& progress) : progress_(progress) {}
+  bool operator()(std::optional<double> run_s) {
+    if (!progress_ || progress_(run_s)) return true;
+    at_s_ = std::max(0.0, run_s.value_or(0.0));
+    return false;
+  }
+  [[nodiscard]] std::optional<double> at_s() const { return at_s_; }  // none: it was not
+
+ private:
+  const Progress& progress_;
+  std::optional<double> at_s_;
+};
+
+}  // namespace
+
+Result<measure::RunRecord> simulated_run(const config::RunSettings& run, const SharedWorld& shared,
+                                         const Observer& observer, const ActionObserver& action_observer,
+                                         const Captures* captures, Measuring measuring, const Progress& progress,
+                                         PeersWatch* watch) {
+  auto assembler = RunAssembler::make(run, shared, std::move(measuring));
+  if (!assembler) return std::unexpected(assembler.error());
+  std::optional<measure::InterestRecord> interest;
+  Stop stop(progress);
+  const auto logs =
+      simulate(run, shared, observer, action_observer, &interest, captures, assembler->get(), std::ref(stop), watch);
+  if (!logs) return std::unexpected(logs.error());
+  if (stop.at_s() == 0.0) {
+    measure::RunRecord nothing;
+    nothing.stopped = true;
+    return nothing;
+  }
+  // What lingers after the end belongs to a whole run.
+  const bool cut = stop.at_s() && *stop.at_s() < run.duration_s;
+  auto record = (*assembler)->finish(*logs, cut ? stop.at_s() : std::nullopt);
+  if (!record) return record;
+  record->interest = std::move(interest);
+  if (!run.compare_outcomes || stop.at_s()) return record;
+  auto wrong = compare_outcomes(*record, run, shared, progress);
+  if (!wrong) return std::unexpected(wrong.error());
+  record->wrong = *wrong;
+  return record;
+}
+
+Result<std::optional<measure::WrongOutcomes>> compare_outcomes(const measure::RunRecord& record,
+                                                               const config::RunSettings& run,
+                                                               const SharedWorld& shared, const Progress& progress) {
+  const config::RunSettings ideal = without_latency(run);
+  auto assembler = RunAssembler::make(ideal, shared, {.limits = {0, 0, 0}, .parts = {}});
+  if (!assembler) return std::unexpected(assembler.error());
+  Stop stop(progress);
+  const auto logs = simulate(ideal, shared, {}, {}, nullptr, nullptr, assembler->get(), std::ref(stop));
+  if (!logs) return std::unexpected(logs.error());
+  if (stop.at_s()) return std::nullopt;
+  const auto truth = (*assembler)->finish(*logs);
+  if (!truth) return std::unexpected(truth.error());
+  return measure::wrong_outcomes(record, *truth);
+}
+
+}  // namespace peerd::sim

@@ -1,0 +1,68 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include "core/time.hpp"
+#include "peerd/net/seal/stream_seal.hpp"
+
+namespace peerd::snapshot {
+
+// A TCP connection over which both sides send frames: four bytes, the least significant first, say how long one is.
+// With a seal the first frame of each side is its hello, and all others are sealed. Handlers keep the stream alive
+// until they have been called. After close() none is.
+class FramedStream : public std::enable_shared_from_this<FramedStream> {
+ public:
+  using Socket = boost::asio::ip::tcp::socket;
+  // Called with the content of the next frame.
+  using OnFrame = std::function<void(std::string frame)>;
+  using OnDone = std::function<void()>;
+  // Called once, with the reason in a few words: the other side has closed, sends too long a frame or one that is not
+  // opened, or was silent for too long.
+  using OnFailure = std::function<void(const std::string& why)>;
+
+  // Each read and each write has to end within `patience`.
+  FramedStream(Socket socket, std::size_t frame_max_bytes, Duration patience, OnFailure on_failure,
+               std::optional<seal::StreamSeal> seal);
+
+  // To be called first, by who connects and by who has accepted the connection.
+  void connect(const boost::asio::ip::tcp::endpoint& to, OnDone done);
+  void begin(OnDone done);
+  // One read and one write may be under way at a time.
+  void read(OnFrame on_frame);
+  void write(const std::string& content, OnDone done);
+  void close();
+  // It is sealed, and nothing that the other side has sent was opened: that may have another key, or none.
+  [[nodiscard]] bool is_unproven() const { return seal_ && !is_proven_; }
+  // It is sealed, and the other side has begun with something else than a key: that is open.
+  [[nodiscard]] bool is_open_there() const { return is_open_there_; }
+
+ private:
+  // A handler that calls `next` unless there was an error or the stream is closed.
+  template <class Next>
+  auto guarded(Next next);
+  void read_frame(std::size_t max_bytes, OnFrame on_frame);
+  void read_content(std::size_t max_bytes, OnFrame on_frame);
+  void write_frame(std::string_view content, OnDone done);
+  void fail(const std::string& why);
+  void await();
+
+  Socket socket_;
+  std::size_t frame_max_bytes_;
+  Duration patience_;
+  OnFailure on_failure_;
+  std::optional<seal::StreamSeal> seal_;
+  boost::asio::steady_timer deadline_;
+  int under_way_ = 0;  // reads and writes
+  bool over_ = false, is_proven_ = false, is_open_there_ = false;
+  std::array<unsigned char, 4> head_{};
+  std::string in_, out_;
+};
+
+}  // namespace peerd::snapshot

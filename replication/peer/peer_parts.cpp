@@ -1,0 +1,346 @@
+#include "replication/peer/peer_parts.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <iterator>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "core/mixed_bits.hpp"
+
+namespace peerd::replication {
+namespace {
+
+template <class T>
+std::vector<T> without_doubles(std::vector<T> all) {
+  std::ranges::sort(all);
+  all.erase(std::ranges::unique(all).begin(), all.end());
+  return all;
+}
+
+// The author of the operations of one life of a peer: of two that are not the same the numbers differ, but for one case
+// in 2^31.
+AuthorId author_of(PeerId peer, std::uint64_t incarnation) {
+  const std::uint64_t bits = mixed_bits(mixed_bits(incarnation) + peer.value);
+  return AuthorId{1 + static_cast<std::uint32_t>(bits % kAuthorMax)};
+}
+
+Writer writer_of(AuthorId author, const OperationLogs& logs, const PeerConfig& config, bool is_own) {
+  if (config.signer == nullptr) return writer_without_key(author);
+  const auto key = logs.key(author);
+  return config.signer->writer(key.empty() && is_own ? config.signer->own_key() : key);
+}
+
+PeerConfig without_log(PeerConfig config) {
+  config.log = {};
+  return config;
+}
+
+// Takes the logs that the configuration has. All of it has taken effect, whatever the clock says now: the scene that it
+// makes is that which the peer begins with. Returns the stamp of the last operation; min(): there is none.
+SimTime restore(const std::vector<OperationPart>& stored, OperationLogs& logs, LivingScene& living,
+                ModelInForce& model) {
+  for (const OperationPart& part : stored) {
+    auto operations = logs.restore(part);
+    assert(operations);  // who gives a peer a log has read it
+    for (Operation& operation : *operations) living.add(std::move(operation));
+  }
+  SimTime last = SimTime::min();
+  for (const LogLength& log : logs.lengths()) {
+    assert(logs.whole(log.author) == log.bytes);
+    last = std::max(last, logs.last_stamp(log.author));
+  }
+  if (const auto change = living.apply(SimTime::max(), SimTime::max()); change && change->scene) {
+    model.replace(edited(*model, change->scene));
+  }
+  return last;
+}
+
+// The ones that the scene still has.
+std::vector<OwnedObject> existing(const std::vector<OwnedObject>& objects, const Scene& scene) {
+  std::vector<OwnedObject> all = objects;
+  std::erase_if(all, [&](const OwnedObject& each) { return !scene.contains(each.object); });
+  return all;
+}
+
+}  // namespace
+
+PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
+    : config(without_log(peer_config)),
+      configured(world_model.owned),
+      model(world_model),
+      author(config.author.value_or(author_of(config.id, config.incarnation))),
+      logs(author, config.signer),
+      living(*world_model.scene, config.rare,
+             OperationBodies([this](OperationId id) { return logs.operation(id).body; }),
+             [this](AuthorId of) { return writer_of(of, logs, config, of == author); }),
+      stored_until(restore(peer_config.log, logs, living, model)),
+      ticks(config.tick_hz),
+      outbox(config.id, config.incarnation, counters),
+      members(config.lost_after, config.large),
+      limits(members, outbox, counters),
+      admission(config, members, outbox, limits),
+      time(config, members, outbox, counters, limits),
+      greeter(config, members),
+      exchange(logs, config.id, author, mixed_bits(author.value), {}, config.rare),
+      own(model, existing(config.owned, *model->scene), config.policy.surface_error),
+      scene(model),
+      replica(model, config.detection.get()),
+      scripted(model),
+      launches(model, own, replica),
+      display(config, model, own, replica, counters),
+      sight(config, model, members, owners, own, scene, replica, [this](ObjectId object) { display.forget(object); }),
+      regions(config, model, members, owners, own, replica, ticks, outbox, counters,
+              [this](ObjectId object, bool received) {
+                if (received) display.forget(object);
+                watch_pairs_of(object);
+              }),
+      decisions(config, model, members, owners, scene, own, replica, display, ticks, outbox, counters,
+                [this](ObjectId object, PeerId by, SimTime contact) { give_scene_object(object, by, contact); }),
+      decision_check(model, members, owners, replica, ticks),
+      ghost_check(config, members, owners, scene, own, replica, sight, regions, decisions, outbox, counters),
+      publication(config, model, members, owners, own, launches, replica, regions, decisions, ticks, outbox, counters) {
+  assert(std::ranges::is_sorted(configured));
+  counters.scene_changes += model.revision();
+  time.begin_behind(stored_until);
+  for (const auto& [object, each] : std::as_const(own)) {
+    owners.set(object, config.id);
+    scene.remove(object);
+  }
+  for (const auto& [object, each] : std::map(scene.all())) {
+    if (!is_scene_object(*model, object)) scene.remove(object);
+  }
+  for (const OwnedObject& each : config.owned) {
+    if (!own.contains(each.object)) removed[each.object] = {.owner = config.id};  // by an operation of the store
+  }
+  assert(own.size() <= owners.size());
+}
+
+Pose PeerParts::place_by_scene(ObjectId object) const {
+  const auto carrier = model->carrier_of(object);
+  const KinematicState world = at_rest(model->scene->rigid_pose(object));
+  return carrier ? relative_to(at_rest(model->scene->rigid_pose(*carrier)), world).pose() : world.pose();
+}
+
+void PeerParts::drop(PeerId sender, const char* reason) {
+  ++counters.drops[reason];
+  if (Member* member = members.find(sender)) ++member->drops[reason];
+}
+
+void PeerParts::extend_motions(SimTime t) {
+  replica.set_world_zero(world_time.zero(), t);
+  scripted.extend(t, world_time.zero(), owners, scene, replica);
+  launches.begin_due(t, [this](SimTime at, ObjectId object) { return file_velocity(at, object); });
+}
+
+void PeerParts::advance_worlds(SimTime t) {
+  extend_motions(t);
+  replica.advance_truth(t);
+  replica.advance_ghosts(t);
+}
+
+// The truth of a remote object may have gone another way at a contact with a third peer's. The owner, whose ghost
+// stands where it believes the object, sends no update for up to a minute; what this peer moves would meet it where it
+// is not.
+void PeerParts::follow_resting_ghosts(SimTime t) {
+  assert(replica.begun() && t <= reached());
+  const SimTime instant = floor_to(t, std::chrono::milliseconds(500));
+  if (std::exchange(resting_followed, instant) == instant) return;
+  const SimTime settled = t - std::chrono::seconds(1) - 2 * members.longest_latency();
+  MotionWorld& truth = replica.truth();
+  const MotionWorld& ghosts = replica.ghosts();
+  for (const auto& [object, owner] : owners) {
+    if (own.contains(object) || scene.contains(object) || !replica.receives(object)) continue;
+    if (!truth.has(object) || !ghosts.has(object) || !ghosts.is_at_rest_from(object, t)) continue;
+    if (ghosts.law_since(object, t) > settled || truth.law_since(object, t) > settled) continue;
+    const KinematicState stands = ghosts.relative_at(object, t);
+    if (!moves_alike(truth.relative_at(object, t), stands)) truth.set_base(object, t, stands);
+  }
+}
+
+bool PeerParts::let_move(std::span<const ObjectId> objects) {
+  const auto is_owned = [&](ObjectId object) { return owners.of(object) != kNobody; };
+  const auto needs = [&](ObjectId object) { return needs_carrier(*model, object, is_owned); };
+  if (std::ranges::none_of(objects, needs)) return false;
+  std::vector<ObjectId> moved(objects.begin(), objects.end());
+  for (const auto& [object, owner] : owners) moved.push_back(object);
+  auto next = extended(*model, moved);
+  replica.change_model(*next);
+  for (auto& [object, each] : own) {  // the samples of the models are in the frame before
+    if (next->carrier_of(object) != model->carrier_of(object)) each.models.reset();
+  }
+  model.replace(std::move(next));
+  scripted.follow_model();
+  ++counters.models_changed;
+  return true;
+}
+
+void PeerParts::change_scene(std::shared_ptr<const Scene> edited_scene, SimTime at,
+                             const std::set<ObjectId>& going_on) {
+  const std::shared_ptr<const WorldModel> next = edited(*model, std::move(edited_scene));
+  forget_what_is_gone(*next->scene);
+  const auto is_owned = [&](ObjectId object) { return owners.of(object) != kNobody; };
+  const auto role_in_ghosts = [&](ObjectId object) {
+    return is_owned(object) || is_scene_object(*next, object) ? Role::kPredicted : Role::kScene;
+  };
+  const auto role_in_truth = [&](ObjectId object) {
+    const OwnObject* const each = std::as_const(own).find(object);
+    if (each == nullptr) return role_in_ghosts(object);
+    return each->driven ? Role::kDriven : Role::kAuthoritative;
+  };
+  std::map<ObjectId, Pose> places;  // of own objects, by the scene before
+  for (const auto& [object, each] : std::as_const(own)) {
+    if (!going_on.contains(object)) places.emplace(object, place_by_scene(object));
+  }
+  const auto placed = replica.change_scene(*next, at, is_owned, role_in_truth, role_in_ghosts);
+  for (auto& [object, each] : own) {  // the samples of the models are in the frame before
+    if (next->carrier_of(object) != model->carrier_of(object)) each.models.reset();
+  }
+  model.replace(next);
+  own.follow_model();
+  for (const auto& [object, law] : placed) {
+    if (scene.contains(object)) scene.place(object, at, law, model->carrier_of(object));
+  }
+  for (const ObjectId object : follow_scene_objects(at)) {
+    if (replica.begun()) replica.declare_remote(object, Role::kPredicted);
+  }
+  scripted.follow_scene(at, world_time.zero());
+  regions.follow_model();
+  for (const auto& [object, place] : places) place_own(object, at, place);
+  ++counters.scene_changes;
+}
+
+bool PeerParts::is_scene_object(const WorldModel& of, ObjectId object) const {
+  return of.answers(object) && !std::ranges::binary_search(configured, object) && !of.scene->object(object).enslaved;
+}
+
+std::vector<ObjectId> PeerParts::follow_scene_objects(SimTime since) {
+  std::vector<ObjectId> added = scene.follow_model(since, owners);
+  std::erase_if(added, [&](ObjectId object) {
+    if (is_scene_object(*model, object)) return false;
+    scene.remove(object);
+    return true;
+  });
+  return added;
+}
+
+void PeerParts::forget_what_is_gone(const Scene& next) {
+  std::vector<ObjectId> gone;
+  for (std::uint32_t i = 0; i < model->scene->instances.size(); ++i) {
+    if (const ObjectId id = model->scene->id_of(i); !next.contains(id)) gone.push_back(id);
+  }
+  for (const ObjectId object : gone) {
+    if (const PeerId owner = owners.of(object); owner != kNobody) {
+      removed[object] = {owner, owners.as_founder(object), scene.decided(object)};
+    }
+    owners.set(object, kNobody);
+    scene.remove(object);
+    launches.forget(object);
+    display.forget(object);
+    decisions.remove(object);
+    left_behind.erase(object);
+  }
+  own.remove(gone);
+}
+
+// An edit that gives an own object another place than the scene gave it before puts it there; it goes on as it moved.
+// An object that something drives goes its own way.
+void PeerParts::place_own(ObjectId object, SimTime at, const Pose& before) {
+  const Pose now = place_by_scene(object);
+  const bool stays = now.position == before.position && now.orientation.coeffs() == before.orientation.coeffs();
+  if (stays || own.at(object).driven || !replica.begun()) return;
+  MotionModel law = replica.truth().model_at(object, at);
+  law.state.position = now.position;
+  law.state.orientation = now.orientation;
+  replica.truth().set_base(object, at, law);
+  own.republish(object);
+}
+
+Vec3 PeerParts::file_velocity(SimTime at, ObjectId object) {
+  return velocity_in_world(at, object, model->scene->object(object).velocity);
+}
+
+Vec3 PeerParts::velocity_in_world(SimTime at, ObjectId object, const Vec3& in_parent) {
+  const ModelNode* const node = model->node(object);
+  if (node == nullptr || node->carrier == ModelNode::kNone || !replica.begun()) {
+    return scripted.to_world(at, world_time.zero(), object, in_parent);
+  }
+  // The carrier stands above the parent, and nothing between them moves.
+  const Quat of_carrier = model->scene->rigid_pose(model->nodes[node->carrier].object).orientation;
+  return replica.truth().vector_in_world(object, at,
+                                         of_carrier.conjugate() * model->scene->to_world(object, in_parent));
+}
+
+// These objects have an owner from now on: that matters to their pairs, and to those of what they are paired with.
+void PeerParts::watch_pairs_around(std::span<const ObjectId> objects) {
+  const auto pairs_of = [&](std::span<const ObjectId> some) {
+    std::vector<std::uint32_t> pairs;
+    for (const ObjectId object : some) std::ranges::copy(model->pairs_of(object), std::back_inserter(pairs));
+    return without_doubles(std::move(pairs));
+  };
+  const std::vector<std::uint32_t> theirs = pairs_of(objects);
+  std::vector<ObjectId> paired;
+  for (const std::uint32_t number : theirs) {
+    paired.push_back(model->pairs[number].collider);
+    paired.push_back(model->pairs[number].collidee);
+  }
+  const std::vector<std::uint32_t> around = pairs_of(without_doubles(std::move(paired)));
+  // Interests in what they carry, or in what carries them, matter, too.
+  std::vector<std::uint32_t> moved = theirs;
+  for (const ObjectId object : objects) {
+    if (model->node(object) == nullptr) continue;
+    for (const std::uint32_t k : model->moved_part_pairs[model->index_of(object)]) {
+      moved.push_back(model->part_pairs[k].pair);
+    }
+  }
+  regions.measure_contact_ranges(without_doubles(std::move(moved)), false);
+  decisions.watch(around);
+}
+
+void PeerParts::give_scene_object(ObjectId object, PeerId owner, SimTime decided) {
+  assert(owner != kNobody && scene.contains(object));
+  const bool is_here = owner == config.id || members.contains(owner);
+  const PeerId before = owners.of(object);
+  SceneObject& known = scene.at(object);
+  known.decided = decided;
+  known.decided_by = owner;
+  known.is_free = !is_here;  // its owner is gone already: it goes on by the decision
+  known.sequence = 1;
+  known.freed = SimTime::min();
+  scene.note_moved(object);
+  scene.differing().erase(object);
+  set_owner_of_scene_object(object, is_here ? owner : kNobody, before);
+}
+
+void PeerParts::set_owner_of_scene_object(ObjectId object, PeerId owner, PeerId before) {
+  assert(before == owners.of(object));
+  if (owner == before) return;
+  replica.compute_ghost(object);
+  if (before == config.id) {
+    launches.forget(object);
+    regions.forget_handovers_of(object);
+    own.remove({&object, 1});
+    scene.adopted().erase(object);
+  }
+  owners.set(object, owner);
+  // Its updates go to a region that this peer listens to.
+  const bool is_near =
+      replica.begun() && regions.interest().receives(replica.ghost(object, ticks.last_time()).position);
+  if (owner == config.id) {
+    own.adopt(object);
+    scene.adopted().insert(object);
+    // The decision has said how it moves; to a peer that hears of some regions only, an update says where.
+    if (!regions.cuts()) own.at(object).last_sent = ticks.last_time();
+  } else if (owner != kNobody && !is_near) {
+    regions.on_claimed(object, ticks.last_time());
+  }
+  if (owner == config.id || owner == kNobody) regions.on_known_everywhere(object);
+  if (replica.begun()) {
+    replica.declare_remote(object, Role::kPredicted);
+    if (owner == config.id) replica.truth().declare(object, Role::kAuthoritative);
+  }
+  watch_pairs_around({&object, 1});
+}
+
+}  // namespace peerd::replication

@@ -1,0 +1,45 @@
+#pragma once
+#include "replication/physics/world/moving_objects.hpp"
+#include "replication/physics/world/watched_pair.hpp"
+
+namespace peerd::replication {
+
+// A bound of the rounding of a speed or an acceleration along a normal, in parts of its size.
+inline constexpr double kRounding = 0x1p-46;
+
+// The authority in a contact: the outcome that counts.
+enum class ContactAuthority : std::uint8_t {
+  kAsPublished,  // this world's, but for an object with an update of a later time, which contains the outcome
+  kLocal,        // this world's, also for an object with a later update: its owner leaves the decision to this peer
+  kDeferred      // the contact is reported once, as deferred, and the two objects go on
+};
+
+// The answers of the two objects of a pair to its contact.
+struct ContactAnswer {
+  ContactAuthority authority;
+  MotionModel before_a, before_b, after_a, after_b;
+  bool a_responds, b_responds;
+
+  // Whether one of them moves otherwise from then on.
+  [[nodiscard]] bool changes_motion() const;
+};
+
+// Whether the later update of an object that does not respond to a contact holds its part of it: its owner has seen
+// the first contact of the burst. What this peer owns has had none that this world does not know.
+[[nodiscard]] inline bool is_in_later_update(const MovingObject& o, const WatchedPair& pair) {
+  return o.role == Role::kPredicted && pair.in_burst <= 1;
+}
+
+// Returns what the responses of the two objects make of the contact that the pair has.
+[[nodiscard]] ContactAnswer answer_to(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair,
+                                      ContactAuthority authority);
+
+// Two that close although their centres do not approach along the normal: a turning body strikes with a corner, and its
+// spin ends; or the normal is not that of the place where they close, and they go back the way they came.
+[[nodiscard]] ContactAnswer answer_to_closing(const WorldModel& model, const MovingObjects& objects,
+                                              const WatchedPair& pair, const ContactAnswer& answer);
+
+// Whether the two would part for no more than kShortestFlight_s.
+[[nodiscard]] bool comes_to_rest_at(const MovingObjects& objects, const WatchedPair& pair, const ContactAnswer& answer);
+
+}  // namespace peerd::replication

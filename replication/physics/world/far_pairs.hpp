@@ -1,0 +1,96 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "core/schedule.hpp"
+#include "replication/physics/world/moving_objects.hpp"
+#include "replication/physics/world/watched_pair.hpp"
+#include "replication/physics/world/world_model.hpp"
+
+namespace peerd::replication {
+
+// The broad phase of a MotionWorld: pairs that nobody checks as long as neither of the two leaves its place, a region
+// around the way of its body that is wide enough for some time. An object that moves otherwise, or on, costs a
+// comparison with its place, however many interests name it; its pairs are opened where it has left that. Pairs with a
+// carrier, or with flexible parts, are always near.
+class FarPairs {
+ public:
+  explicit FarPairs(const WorldModel& model);
+
+  [[nodiscard]] bool contains(std::size_t pair) const { return is_far_[pair]; }
+  // The pairs that the object's own motion may change and that are not far, in any order; some of them are not watched
+  // yet.
+  [[nodiscard]] std::span<const std::uint32_t> near(std::size_t object) const;
+  // Whether what is far of the object has been so since t, and all its pairs are those that its own motion may change:
+  // then near() has all that met anything from t on.
+  [[nodiscard]] bool near_since(std::size_t object, SimTime t) const;
+
+  // The two are apart at s, by their bounds. Keeps the pair as far if their places are apart, too.
+  bool add(std::size_t pair, SimTime s, MovingObjects& objects, WatchedPairs& pairs);
+  // The object moves otherwise from t on. Appends to `opened` what is far no more: all of its pairs, unless it is known
+  // to stay in its place until `until`.
+  void moved(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
+             std::vector<std::uint32_t>& opened);
+  // Appends all that is far to `opened`: nothing is far any more.
+  void open(WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
+  // Follows all objects until that time.
+  void follow(SimTime until, MovingObjects& objects, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
+  // Whether what is far is so at t.
+  [[nodiscard]] bool is_known_at(SimTime t) const { return checks_.next_due(0, t) == checks_.size(); }
+
+ private:
+  struct Place {
+    SweptBound bound;                      // no bound of the body leaves it
+    SimTime since = SimTime::max();        // the body is in it from then on; max(): there is no place
+    SimTime known_until = SimTime::min();  // until then, at least
+    SimTime last_added = SimTime::min();   // the latest instant since which one of its pairs is far
+    std::uint32_t far = 0;                 // the number of its pairs that are far
+    std::vector<std::uint32_t> near;
+  };
+
+  [[nodiscard]] bool may_be_far(const WatchedPair& pair) const;
+  [[nodiscard]] Place& place_of(std::uint32_t object);
+  [[nodiscard]] bool is_collider(std::uint32_t object, std::uint32_t pair) const;
+  void make_place(std::size_t object, SimTime s, MovingObjects& objects);
+  [[nodiscard]] bool stays_until(std::size_t object, SimTime until, MovingObjects& objects);
+  void open_all(std::size_t object, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
+  void push_near(std::uint32_t pair, std::size_t side, std::uint32_t object);
+  void erase_near(std::uint32_t pair, std::size_t side, std::uint32_t object);
+
+  const WorldModel* model_ = nullptr;
+  SparseTable<Place> places_;                             // by the model's nodes: of those that have had a far pair
+  Schedule checks_;                                       // by object: known_until, where any of its pairs is far
+  std::vector<bool> is_far_;                              // by pair
+  std::vector<std::array<std::uint32_t, 2>> near_index_;  // of a pair in `near` of its collider and of its collidee
+};
+
+// The watched pairs of a MotionWorld that wait for one of their two to move: both are one rigid body that nothing
+// carries and that has never moved, and in the file they are apart. In a large world most are such pairs, and nothing
+// is kept of them but that they wait.
+class WaitingPairs {
+ public:
+  explicit WaitingPairs(const WorldModel& model)
+      : model_(&model), waits_(model.pairs.size()), of_node_(model.nodes.size()) {}
+
+  [[nodiscard]] bool contains(std::uint32_t number) const { return waits_[number]; }
+  [[nodiscard]] std::size_t count() const { return count_; }
+  // Whether the pair of that number in the model may wait.
+  [[nodiscard]] bool may_wait(std::uint32_t number, const MovingObjects& objects) const;
+  void set(std::uint32_t number, bool waits);
+  // The pairs of a node, which wait no more.
+  [[nodiscard]] std::vector<std::uint32_t> take_of(std::size_t node);
+  // The interests of all that wait.
+  [[nodiscard]] std::set<InterestKey> interests() const;
+
+ private:
+  const WorldModel* model_;
+  std::vector<bool> waits_;             // by number
+  std::vector<std::uint32_t> of_node_;  // how many of its pairs wait
+  std::size_t count_ = 0;
+};
+
+}  // namespace peerd::replication

@@ -1,0 +1,1036 @@
+#include "replication/physics/world/motion_world.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "collision/contact/contact_time.hpp"
+#include "replication/physics/laws/response.hpp"
+
+namespace peerd::replication {
+namespace {
+
+// Contacts as near as this are of one instant: contact times are rounded down to a nanosecond.
+constexpr Duration kInstant = std::chrono::nanoseconds(2);
+// After so many contacts of a pair in turn all that touch are answered at once; after as many of those again the two
+// stop, and after as many again no answer is sought.
+constexpr std::uint32_t kAnswersMax = 32, kGivenUp = 2 * kAnswersMax;
+// A body is trapped where the contacts of a burst are closer than this in the mean and nothing that it meets gives way:
+// in a gap of 0.1 um it would bounce a million times a second.
+constexpr Duration kTrappedMean = std::chrono::microseconds(100);
+// A bound on the work of one advance(): after so many contacts what meets anything stops.
+constexpr std::size_t kContactsMax = std::size_t{1} << 17;
+// Normals of one pair at one instant that are told apart; more than the faces that meet in any corner of a box.
+constexpr std::size_t kNormalsMax = 8;
+// Normals with a cosine above this are of one face but for rounding.
+constexpr double kSameNormal = 1.0 - 0x1p-40;
+// A caller that asks for all objects does so in order: a piece is fetched so far ahead, and the law where it is
+// needed.
+constexpr std::size_t kPieceAhead = 8, kLawAhead = 4;
+
+}  // namespace
+
+MotionCounters& MotionCounters::operator+=(const MotionCounters& other) {
+  contact_searches += other.contact_searches;
+  searches_far += other.searches_far;
+  searches_skipped += other.searches_skipped;
+  searches_put_off += other.searches_put_off;
+  contacts += other.contacts;
+  contacts_undone += other.contacts_undone;
+  came_to_rest += other.came_to_rest;
+  jammed += other.jammed;
+  overlapped += other.overlapped;
+  unsupported += other.unsupported;
+  failed += other.failed;
+  capped += other.capped;
+  return *this;
+}
+
+MotionWorld::MotionWorld(const WorldModel& model, SimTime start, Watched first)
+    : model_(&model),
+      start_(start),
+      advanced_(start),
+      objects_(model, start),
+      pairs_(first == Watched::kAll ? all_watched(model, start) : WatchedPairs(model.part_pairs.size())),
+      far_(model),
+      answers_to_(model.nodes.size()),
+      pair_checks_(pairs_.size()),
+      in_pair_checks_(pairs_.size()),
+      waiting_(model) {
+  for (const std::uint32_t i : pairs_.numbers()) reschedule(i);
+}
+
+template <class ChangeObjects>
+void MotionWorld::replace_model(const WorldModel& next, SimTime t, ChangeObjects change_objects) {
+  assert(stopped_.empty());
+  far_.open(pairs_, opened_);
+  reschedule_opened();
+  for (const std::uint32_t i : pairs_.numbers()) {
+    WatchedPair& pair = pairs_[i];
+    assert(!pair.put_off);
+    if (pair.fixed && !pair.is_answered() && !pair.unsupported)  // it is not searched, but may be from now on
+      pair.inside = search().fixed_parts_touch(pair, advanced_);
+  }
+  const std::set<InterestKey> waiting = waiting_.interests();
+  WatchedPairs pairs(next.part_pairs.size());
+  const std::vector<std::uint32_t> added = carry_over(*model_, std::move(pairs_), next, start_, pairs);
+  change_objects();
+  model_ = &next;
+  pairs_ = std::move(pairs);
+  with_past_.clear();
+  for (const std::uint32_t i : pairs_.numbers()) {
+    if (!pairs_[i].past.empty()) with_past_.insert(i);
+  }
+  far_ = FarPairs(next);
+  note_answers();
+  for (const std::uint32_t i : added) {
+    WatchedPair& pair = pairs_[i];
+    pair.clear_until = t;
+    if (!pair.inside) continue;  // else the contact of the whole goes on in one of its parts
+    pair.searched = true;
+    pair.inside = search().touch_at(pair, t);
+  }
+  pair_checks_ = Schedule(pairs_.size());
+  in_pair_checks_.assign(pairs_.size(), false);
+  watched_ = 0;
+  waiting_ = WaitingPairs(next);
+  for (const std::uint32_t i : pairs_.numbers()) reschedule(i);
+  for (std::uint32_t number = 0; number < next.pairs.size() && !waiting.empty(); ++number) {
+    if (waiting.contains(key_of(next.pairs[number]))) watch(number, true);
+  }
+}
+
+void MotionWorld::change_model(const WorldModel& next) {
+  replace_model(next, advanced_, [&] { objects_.change_model(next, advanced_); });
+  for (const std::uint32_t i : objects_.asked_for()) {  // what bore an object may be another part now
+    if (objects_[i].borne) settle(i, i, advanced_);
+  }
+}
+
+std::vector<MovingObjects::Placed> MotionWorld::change_scene(const WorldModel& next, const SceneChange& change) {
+  const SimTime t = std::max(change.at, start_);
+  std::vector<ObjectId> answer_otherwise;
+  for (std::size_t i = 0; i < model_->nodes.size(); ++i) {
+    const ObjectId id = model_->nodes[i].object;
+    const ModelNode* const node = next.scene->contains(id) ? next.node(id) : nullptr;
+    const bool same_body = node != nullptr && next.body(id)->surface == model_->bodies[i].surface;
+    const CollisionResponse* const before = model_->response_of(id);
+    const CollisionResponse* const after = node != nullptr ? next.response_of(id) : nullptr;
+    const bool same_answer = before != nullptr && after != nullptr ? *before == *after : before == after;
+    if (same_body && same_answer) continue;
+    events_.push_back(ContactsRetracted{id, t - Duration{1}});
+    retract(i, t);
+    retract_answers(i, std::nullopt, t);
+    forget_bursts(i, t);
+    retract_contacts_of_carried(i, t);
+    if (node != nullptr && !same_answer) answer_otherwise.push_back(id);
+  }
+  std::vector<MovingObjects::Placed> placed;
+  replace_model(next, t, [&] { placed = objects_.change_scene(next, {t, change.is_moved, change.role_of}); });
+  if (objects_.flexible() != nullptr) reopen_flexible(t);
+  for (const auto& [object, law] : placed) set_base(object, t, law);
+  for (const ObjectId id : answer_otherwise) reopen_pairs(objects_.index_of(id), t, true);
+  for (const std::uint32_t i : objects_.asked_for()) {  // what bore an object may be gone
+    if (objects_[i].borne) settle(i, i, std::max(t, advanced_));
+  }
+  return placed;
+}
+
+void MotionWorld::declare(ObjectId object, Role role) {
+  if (!objects_.contains(object)) objects_.add(object);  // the model does not need it: it meets nothing
+  const std::size_t index = objects_.index_of(object);
+  objects_.set_role(index, role);
+  for (const std::uint32_t i : model_->part_pairs_moved_by(index)) {
+    WatchedPair* const pair = pairs_.find(i);
+    if (pair == nullptr) continue;
+    pair->clear_until = std::max(pair->clear_until, advanced_);
+    reschedule(i);
+  }
+}
+
+void MotionWorld::watch(ObjectId a, ObjectId b, bool on) {
+  if (model_->pairs_of(b).size() < model_->pairs_of(a).size()) std::swap(a, b);
+  for (const std::uint32_t number : model_->pairs_of(a)) {
+    const CollisionPair& pair = model_->pairs[number];
+    if (pair.collider == b || pair.collidee == b) watch(number, on);
+  }
+}
+
+void MotionWorld::watch(std::uint32_t number, bool on) {
+  assert(number < model_->pairs.size());
+  if (on && waiting_.contains(number)) return;
+  const bool is_new = !has_pairs_of(number);
+  waiting_.set(number, on && is_new && waiting_.may_wait(number, objects_));
+  if (is_new && (!on || waiting_.contains(number))) return;
+  need_pairs_of(number);
+  for (std::uint32_t i = model_->first_part_pair[number]; i < model_->first_part_pair[number + 1]; ++i) {
+    WatchedPair& pair = pairs_[i];
+    if (pair.watched == on) continue;
+    pair.watched = on;
+    unstop(i);
+    pair.contact.reset();
+    if (pair.bears) lift(pair, advanced_);
+    pair.clear_until = std::max(pair.clear_until, advanced_);
+    reschedule(i);
+  }
+}
+
+// They are as pairs that were far: apart until now, and reopen_pairs() says from when on that is not known any more.
+void MotionWorld::end_waits_of(std::size_t object) {
+  for (const std::uint32_t number : waiting_.take_of(object)) {
+    add_pairs(pairs_, *model_, number, SimTime::max(), true);
+    opened_.push_back(model_->first_part_pair[number]);
+  }
+}
+
+bool MotionWorld::has_pairs_of(std::uint32_t number) const {
+  const std::uint32_t first = model_->first_part_pair[number];
+  return first == model_->first_part_pair[number + 1] || pairs_.contains(first);
+}
+
+void MotionWorld::need_pairs_of(std::uint32_t number) {
+  assert(!waiting_.contains(number));
+  if (!has_pairs_of(number)) add_pairs(pairs_, *model_, number, start_, false);
+}
+
+void MotionWorld::unstop(std::uint32_t i) {
+  if (std::exchange(pairs_[i].stopped, false)) stopped_.erase(i);
+}
+
+void MotionWorld::put_off(std::uint32_t i, bool on, bool from_now) {
+  assert(i < pairs_.size());
+  WatchedPair& pair = pairs_[i];
+  pair.put_off = on;
+  if (on || !pair.stopped) return;
+  SimTime from = advanced_;
+  for (const auto& [index, registered] :
+       {std::pair{pair.collider, pair.collider_responds}, std::pair{pair.collidee, pair.collidee_responds}}) {
+    const MovingObject& o = objects_[index];
+    if (!from_now && registered && o.is_answering()) from = std::min(from, base_time(o.id));
+  }
+  const SimTime known = std::max(objects_.known_since(pair.collider), objects_.known_since(pair.collidee));
+  pair.clear_until = std::max({pair.clear_until, from, known, advanced_ - kHistory});
+  unstop(i);
+  reschedule(i);
+}
+
+// Called after any change of whether the pair is watched, or of what is known of it.
+void MotionWorld::reschedule(std::size_t i) {
+  const WatchedPair& pair = pairs_[i];
+  const bool is_known = !pair.is_flexible || objects_.flexible() != nullptr;
+  const bool scheduled = pair.watched && !pair.stopped && !pair.unsupported && !pair.fixed && is_known;
+  if (scheduled != in_pair_checks_[i]) {
+    in_pair_checks_[i] = scheduled;
+    scheduled ? ++watched_ : --watched_;
+  }
+  assert(watched_ <= pairs_.size());
+  pair_checks_.set(i, scheduled && !far_.contains(i) ? pair.contact.value_or(pair.clear_until) : SimTime::max());
+}
+
+void MotionWorld::set_flexible(FlexibleParts& flexible) {
+  objects_.set_flexible(flexible);
+  for (const std::uint32_t i : pairs_.numbers()) reschedule(i);
+}
+
+void MotionWorld::reopen_flexible(SimTime t) {
+  assert(objects_.flexible() != nullptr);
+  for (const std::uint32_t i : pairs_.numbers()) {
+    WatchedPair& pair = pairs_[i];
+    if (!pair.is_flexible) continue;
+    pair.contact.reset();
+    pair.clear_until = std::min(pair.clear_until, std::max(t, start_));
+    reschedule(i);
+  }
+}
+
+void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model) {
+  const std::size_t index = objects_.index_of(object);
+  MovingObject& o = objects_[index];
+  if (replays_bases_ && may_meet(index)) {
+    note_base(o, t, model);
+  } else {
+    o.base_time = t;
+  }
+  lay_base(index, t, model);
+}
+
+// Whether the object, or what it carries, may meet anything. The others are most.
+bool MotionWorld::may_meet(std::size_t index) const {
+  return index < model_->nodes.size() &&
+         (!model_->part_pairs_moved_by(index).empty() || !objects_.carried_by(index).empty());
+}
+
+void MotionWorld::lay_base(std::size_t index, SimTime t, const MotionModel& model) {
+  MovingObject& o = objects_[index];
+  ++o.revision;
+  if (!may_meet(index)) {
+    if (o.role == Role::kDriven && objects_.driven_history()) {
+      o.timeline.restart(t, model);
+      objects_.note_change(index);
+    } else {
+      o.timeline.replace_from(t, model, std::nullopt);
+      objects_.timeline_changed(index);
+    }
+    return;
+  }
+  retract_all(index, t);
+  const KinematicState before = o.timeline.at(t);
+  const bool stays = before.position == model.state.position &&
+                     before.orientation.coeffs() == model.state.orientation.coeffs() &&
+                     std::ranges::none_of(pairs_touched_since(index, t), [&](std::uint32_t i) {
+                       return pairs_.contains(i) && pairs_[i].bears && pairs_[i].touched > t;
+                     });
+  MotionModel base = model;
+  if (!stays) o.borne = false;
+  const bool weightless_slide = base.kind == MotionKind::kSliding && o.free.isZero(0.0);
+  if (o.free_is_given && !o.borne && !weightless_slide) {
+    base.kind = MotionKind::kSecond;
+    base.state.acceleration = objects_.in_frame_of_carrier(index, t, o.free);
+  }
+  o.timeline.replace_from(t, base, std::nullopt);
+  objects_.timeline_changed(index);
+  reopen_pairs(index, t, !stays);
+  if (stays && o.borne) settle(index, index, t);
+}
+
+void MotionWorld::retract_all(std::size_t index, SimTime t) {
+  events_.push_back(ContactsRetracted{objects_[index].id, t - Duration{1}});
+  retract(index, t);
+  forget_bursts(index, t);
+  retract_contacts_of_carried(index, t);
+}
+
+void MotionWorld::forget_bases(ObjectId object, SimTime t) {
+  assert(replays_bases_);
+  const std::size_t index = objects_.index_of(object);
+  MovingObject& o = objects_[index];
+  if (!may_meet(index) || o.timeline.begin() >= t) return;  // its bases are not kept, or there is none before
+  std::erase_if(o.bases, [&](const Base& base) { return base.at >= t; });
+  if (o.timeline.last_segment().from < t) return;
+  ++o.revision;
+  retract_all(index, t);
+  o.timeline.truncate_from(t);
+  objects_.timeline_changed(index);
+  reopen_pairs(index, t, true);
+}
+
+void MotionWorld::note_base(MovingObject& o, SimTime t, const MotionModel& model) {
+  forget_kept(o.bases, t, advanced_);
+  o.bases.push_back({t, model});
+}
+
+void MotionWorld::retract_bases(const MovingObject& o, SimTime t) {
+  for (auto base = o.bases.rbegin(); base != o.bases.rend() && base->at >= t; ++base) {
+    retracted_bases_.emplace(base->at, o.id);
+  }
+}
+
+// The laws that the object had before are void from there on, those of its later bases included. A base may have been
+// replaced since it was retracted, and an edit may have removed its object.
+void MotionWorld::lay_next_base() {
+  assert(!retracted_bases_.empty());
+  const auto [t, id] = *retracted_bases_.begin();
+  retracted_bases_.erase(retracted_bases_.begin());
+  if (!objects_.contains(id)) return;
+  const std::size_t index = objects_.index_of(id);
+  const std::vector<Base>& bases = objects_[index].bases;
+  const auto base = std::ranges::lower_bound(bases, t, {}, &Base::at);
+  if (base == bases.end() || base->at != t) return;
+  lay_base(index, t, MotionModel(base->model));
+  retract_bases(objects_[index], t + Duration{1});
+  retracted_bases_.erase({t, id});  // answers of the object itself may just have been retracted
+}
+
+void MotionWorld::set_free_acceleration(ObjectId object, const Vec3& acceleration) {
+  assert(acceleration.allFinite());
+  MovingObject& o = objects_[objects_.index_of(object)];
+  const CollisionResponse* const response = model_->response_of(object);
+  if (response != nullptr && response->type == ResponseType::kZero) return;  // what has stopped it holds it
+  o.free = acceleration;
+  o.free_is_given = true;
+}
+
+std::optional<Vec3> MotionWorld::free_acceleration(ObjectId object) const {
+  const MovingObject& o = objects_[objects_.index_of(object)];
+  return o.free_is_given ? std::optional(o.free) : std::nullopt;
+}
+
+// Contacts that what the object carries has had outside of it may not be; those within it hold.
+void MotionWorld::retract_contacts_of_carried(std::size_t object, SimTime t) {
+  if (objects_.carried_by(object).empty()) return;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> met;  // what is carried, and what it may have met
+  for (const std::uint32_t i : model_->part_pairs_moved_by(object)) {
+    if (!pairs_.contains(i)) continue;
+    const std::uint32_t collider = pairs_[i].collider, collidee = pairs_[i].collidee;
+    if (collider == object || collidee == object) continue;  // retracted with all of its own
+    const bool has_collider = objects_.is_in_side(object, collider, pairs_[i].part_a);
+    met.emplace_back(has_collider ? collider : collidee, has_collider ? collidee : collider);
+  }
+  std::ranges::sort(met);
+  met.erase(std::ranges::unique(met).begin(), met.end());
+  for (std::size_t k = 0; k < met.size(); ++k) {
+    const auto [carried, other] = met[k];
+    events_.push_back(ContactsRetracted{objects_[carried].id, t - Duration{1}, objects_[other].id});
+    retract_answers(carried, objects_[other].id, t);
+    if (k > 0 && met[k - 1].first == carried) continue;
+    retract(carried, t);
+    forget_bursts(carried, t);
+  }
+}
+
+// Retracts what followed from a contact with `cause` at t or later. Responses of authoritative objects stand.
+void MotionWorld::retract(std::size_t cause, SimTime t) {
+  if (cause >= answers_to_.size()) return;  // it meets nothing
+  for (const Answer& answer : answers_to_[cause]) {
+    if (answer.last >= t) retract_answers(answer.object, objects_[cause].id, t);
+  }
+}
+
+void MotionWorld::note_answer(std::size_t object, std::size_t cause, SimTime t) {
+  const auto index = static_cast<std::uint32_t>(object);
+  if (cause >= answers_to_.size() || !std::ranges::binary_search(model_->partners_of_node[cause], index)) return;
+  std::vector<Answer>& answers = answers_to_[cause];
+  const auto at = std::ranges::lower_bound(answers, index, {}, &Answer::object);
+  if (at != answers.end() && at->object == index) {
+    at->last = std::max(at->last, t);
+    return;
+  }
+  answers.insert(at, {index, t});
+  // What is as old is in no timeline any more but as its first law, which nothing retracts.
+  std::erase_if(answers, [&](const Answer& answer) { return answer.last < advanced_ - 2 * kHistory; });
+}
+
+void MotionWorld::note_answers() {
+  answers_to_.assign(model_->nodes.size(), {});
+  for (const std::uint32_t i : objects_.asked_for()) {
+    if (i >= model_->nodes.size()) break;
+    const Timeline& timeline = objects_[i].timeline;
+    for (std::size_t k = 0; k < timeline.segment_count(); ++k) {
+      const Timeline::Segment& law = timeline.segment(k);
+      if (!law.cause || !objects_.contains(*law.cause)) continue;  // it may be gone
+      note_answer(i, objects_.index_of(*law.cause), law.from);
+    }
+  }
+}
+
+void MotionWorld::reschedule_opened(const std::optional<NewLaw>& law) {
+  for (const std::uint32_t i : opened_) {
+    search().note_was_far(pairs_[i], law);
+    reschedule(i);
+  }
+  opened_.clear();
+}
+
+void MotionWorld::retract_answers(std::size_t index, std::optional<ObjectId> cause, SimTime t) {
+  assert(objects_[index].id != cause);
+  MovingObject& o = objects_[index];
+  if (o.role != Role::kPredicted) return;
+  std::size_t wrong = o.timeline.first_not_before(t);
+  const auto is_answer = [&](const Timeline::Segment& law) {
+    return cause ? law.cause == cause : law.cause.has_value();
+  };
+  while (wrong < o.timeline.segment_count() && !is_answer(o.timeline.segment(wrong))) ++wrong;
+  if (wrong == 0 || wrong == o.timeline.segment_count()) return;
+  const SimTime from = o.timeline.segment(wrong).from;
+  if (o.base_time >= from) return;  // its owner has published since
+  o.timeline.truncate_from(from);
+  retract_bases(o, from);
+  objects_.timeline_changed(index);
+  ++o.revision;
+  events_.push_back(ContactsRetracted{o.id, from - Duration{1}});
+  ++counters_.contacts_undone;
+  forget_bursts(index, from);
+  reopen_pairs(index, from, true);
+  retract(index, from);
+}
+
+void MotionWorld::forget_bursts(std::size_t object, SimTime t) {
+  for (const std::uint32_t i : pairs_touched_since(object, t)) {
+    if (!pairs_.contains(i)) continue;
+    WatchedPair& pair = pairs_[i];
+    if (replays_bases_) {
+      pair.rewind_course(t);
+    } else if (pair.touched >= t) {
+      pair.at_once = pair.in_burst = pair.squeezed = 0;
+    }
+  }
+}
+
+void MotionWorld::remember_course(std::uint32_t i, SimTime t) {
+  assert(pairs_.contains(i));
+  if (!replays_bases_) return;
+  pairs_[i].remember_course(t);
+  with_past_.insert(i);
+}
+
+void MotionWorld::forget_old_courses() {
+  if (advanced_ < courses_forgotten_ + kHistory) return;
+  courses_forgotten_ = advanced_;
+  std::erase_if(with_past_, [&](std::uint32_t i) {
+    if (!pairs_.contains(i)) return true;
+    pairs_[i].forget_course_before(advanced_ - kHistory);
+    return pairs_[i].past.empty();
+  });
+}
+
+SimTime MotionWorld::reopened_from(const WatchedPair& pair, bool lived, SimTime t) const {
+  const SimTime known = std::max(objects_.known_since(pair.collider), objects_.known_since(pair.collidee));
+  return std::max({t, known, advanced_ - (lived ? Duration{0} : kHistory)});
+}
+
+// The pairs of the object know nothing of contacts since then any more. Pairs with an authoritative or driven object
+// are not searched again in the past because another object moved otherwise; its own change (a decision) makes them
+// searched there.
+void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
+  end_waits_of(object);
+  far_.moved(object, t, advanced_, objects_, pairs_, opened_);
+  reschedule_opened(NewLaw{object, t});
+  for (const std::uint32_t i : far_.near(object)) {
+    if (!pairs_.contains(i)) continue;
+    WatchedPair& pair = pairs_[i];
+    const bool of_collider =
+        pair.is_plain ? pair.collider == object : objects_.is_in_side(object, pair.collider, pair.part_a);
+    const bool lived = objects_.is_lived(of_collider ? pair.collidee : pair.collider);
+    const SimTime from = reopened_from(pair, lived, t);
+    if (pair.contact && *pair.contact >= from) {
+      pair.contact.reset();
+      pair.lifts = false;
+    }
+    pair.forget_free_since(from);
+    if (from < pair.clear_until) unstop(i);
+    pair.clear_until = std::min(pair.clear_until, from);
+    const bool given_up = pair.squeezed >= kGivenUp && met_lately(pair.touched, from, kShortestFlight);
+    if (!given_up && (gives_way(pair.collider, pair.collider_responds, from) ||
+                      gives_way(pair.collidee, pair.collidee_responds, from))) {
+      pair.inside = false;
+    }
+    if (!pair.is_answered() && pair.touched >= from) pair.inside = false;         // that contact may not be
+    if (!pair.is_answered() && pair.parted >= from && pair.parted_from < from) {  // that one may go on
+      pair.inside = true;
+      pair.touched = pair.parted_from;
+    }
+    if (pair.bears && (elsewhere || pair.bore_since > from)) {
+      pair.contact = pair.clear_until;
+      pair.lifts = true;
+    }
+    reschedule(i);
+  }
+}
+
+bool MotionWorld::ends_touch(ObjectId a, ObjectId b, SimTime t) {
+  return model_->any_pair(a, b, [&](std::uint32_t number) {
+    if (waiting_.contains(number)) return false;
+    need_pairs_of(number);
+    for (std::uint32_t i = model_->first_part_pair[number]; i < model_->first_part_pair[number + 1]; ++i) {
+      WatchedPair& pair = pairs_[i];
+      if (pair.unsupported) continue;
+      // A contact that nobody answers is followed while it lasts.
+      const bool followed = !pair.is_answered() && in_pair_checks_[i] && pair.searched;
+      if (pair.fixed ? search().fixed_parts_touch(pair, t) : followed ? pair.inside : search().touch_at(pair, t)) {
+        return true;
+      }
+    }
+    return false;
+  });
+}
+
+// ---- answers to a contact ----
+
+void MotionWorld::respond_to_contact(WatchedPair& pair) {
+  assert(pair.contact);
+  const SimTime t = *pair.contact;
+  if (pair.lifts) {
+    lift(pair, t);
+    return;
+  }
+  note_touch(pair, t);
+  const ObjectId collider = objects_[pair.collider].id, collidee = objects_[pair.collidee].id;
+  const ContactAuthority authority =
+      authority_of_ ? authority_of_(collider, collidee, t) : ContactAuthority::kAsPublished;
+  ContactAnswer answer = answer_to(*model_, objects_, pair, authority);
+  pair.both_changed = !moves_alike(answer.before_a.state, answer.after_a.state) &&
+                      !moves_alike(answer.before_b.state, answer.after_b.state);
+  const std::size_t a = pair.collider, b = pair.collidee;
+  if (pair.squeezed >= kGivenUp && stands_firm(pair, t)) {
+    hold_against_wall(pair, t);
+    return;
+  }
+  if (answer.authority == ContactAuthority::kDeferred || (!answer.a_responds && !answer.b_responds) ||
+      pair.squeezed >= kGivenUp) {
+    const bool goes_on = !pair.is_answered() && search().ends_touch_elsewhere(pair, t);
+    pair.contact.reset();
+    pair.inside = true;
+    if (!goes_on) report(pair, t, answer);
+    return;
+  }
+  if (is_squeezed(pair, t)) {
+    answer_squeezed(pair, t);
+  } else if (comes_to_rest_at(objects_, pair, answer)) {
+    come_to_rest(pair, t);
+  } else {
+    if (!pair.overlapped && !answer.changes_motion()) answer = answer_to_closing(*model_, objects_, pair, answer);
+    if (answer.a_responds) change_motion(a, t, answer.after_a, objects_[b].id);
+    if (answer.b_responds) change_motion(b, t, answer.after_b, objects_[a].id);
+    settle(a, b, t);
+  }
+  remove_gain(pair, t, answer);
+  pair.contact.reset();
+  answer.after_a = objects_.world_law(a, t);
+  answer.after_b = objects_.world_law(b, t);
+  const bool changed = answer.changes_motion();
+  if (!changed && pair.bears) {  // they rest as before
+    pair.clear_until = t + kOverlapRetry;
+    return;
+  }
+  // A contact in which no response changes anything (an object that was stopped is run into) goes on.
+  pair.inside = !changed;
+  report(pair, t, answer);
+}
+
+// Others that touch the two may have made them faster. Where both answer contacts neither is a racket, so they go as
+// they would, only slower.
+void MotionWorld::remove_gain(const WatchedPair& pair, SimTime t, const ContactAnswer& answer) {
+  const std::size_t a = pair.collider, b = pair.collidee;
+  if (!objects_[a].is_answering() || !objects_[b].is_answering()) return;
+  const bool in_update = (!answer.a_responds && is_in_later_update(objects_[a], pair)) ||
+                         (!answer.b_responds && is_in_later_update(objects_[b], pair));
+  if (in_update) return;
+  const auto energy = [&](std::size_t object, bool responds, const KinematicState& s) {
+    return responds ? model_->response_of(objects_[object].id)->mass_kg * s.velocity.squaredNorm() : 0.0;
+  };
+  const Vec3 velocity_a = objects_.world_law(a, t).state.velocity, velocity_b = objects_.world_law(b, t).state.velocity;
+  const double before = energy(a, answer.a_responds, answer.before_a.state) +
+                        energy(b, answer.b_responds, answer.before_b.state),
+               after = energy(a, answer.a_responds, objects_.world_law(a, t).state) +
+                       energy(b, answer.b_responds, objects_.world_law(b, t).state);
+  if (after <= before * (1.0 + kRounding)) return;
+  const double slower = std::sqrt(before / after);
+  if (answer.a_responds) change_velocity(a, t, slower * velocity_a, b);
+  if (answer.b_responds) change_velocity(b, t, slower * velocity_b, a);
+}
+
+void MotionWorld::report(const WatchedPair& pair, SimTime t, const ContactAnswer& answer) {
+  // An object that slides by the world's friction is published with exactly the deceleration by which receivers
+  // recognise it (law_of_outcome), also where it does not respond: that of its own law has been turned and rounded
+  // since its base.
+  const auto state_as_published = [&](ObjectId id, const MotionModel& after) {
+    const bool slides = after.kind == MotionKind::kSliding;
+    return slides ? law_after(model_->response_of(id), after, after.state).state : after.state;
+  };
+  const ObjectId a = objects_[pair.collider].id, b = objects_[pair.collidee].id;
+  ++counters_.contacts;
+  events_.push_back(ContactEvent{t, a, b, pair.normal, answer.before_a.state, answer.before_b.state,
+                                 state_as_published(a, answer.after_a), state_as_published(b, answer.after_b),
+                                 pair.type, answer.authority == ContactAuthority::kDeferred});
+}
+
+void MotionWorld::change_motion(std::size_t index, SimTime t, const MotionModel& after_in_world, ObjectId cause) {
+  MovingObject& o = objects_[index];
+  MotionModel after = after_in_world;
+  if (o.carrier != kNone) after = MotionModel(relative_to(objects_.carrier_at(index, t), after_in_world.state));
+  if (o.timeline.last_segment().from > t) events_.push_back(ContactsRetracted{o.id, t});
+  // Other contacts of the same instant were answered before, and stand.
+  retract(index, t + Duration{1});
+  if (replays_bases_) forget_bursts(index, t + Duration{1});
+  o.timeline.replace_from(t, after, cause);
+  retract_bases(o, t + Duration{1});
+  note_answer(index, objects_.index_of(cause), t);
+  // A later update is gone from here: it was of another way than the one that is decided here.
+  o.base_time = std::min(o.base_time, t);
+  objects_.timeline_changed(index);
+  reopen_pairs(index, t, false);
+}
+
+void MotionWorld::note_touch(WatchedPair& pair, SimTime t) {
+  if (!met_lately(pair.touched, t, kInstant)) pair.at_once = 0;
+  if (!met_lately(pair.touched, t, kShortestFlight)) {
+    pair.in_burst = pair.squeezed = 0;
+    pair.burst_from = t;
+    if (!pair.bears) pair.normals.clear();
+  }
+  pair.touched = t;
+  ++pair.at_once;
+  ++pair.in_burst;
+  const auto same = std::ranges::find_if(pair.normals, [&](const Vec3& n) { return n.dot(pair.normal) > kSameNormal; });
+  if (same != pair.normals.end()) {
+    *same = pair.normal;
+  } else if (pair.normals.size() < kNormalsMax) {
+    pair.normals.push_back(pair.normal);
+  } else {
+    pair.normals.front() = pair.normal;
+  }
+}
+
+// ---- what bears what ----
+
+void MotionWorld::come_to_rest(WatchedPair& pair, SimTime t) {
+  ++counters_.came_to_rest;
+  // A turning body that is pressed hard would be lifted by its edges and meet again without end.
+  if (met_lately(pair.lifted, t, kShortestFlight)) pair.held_until = t + kShortestFlight;
+  pair.begin_to_bear(t);
+  const std::size_t a = pair.collider, b = pair.collidee;
+  if (objects_[a].will_respond(pair.collider_responds, t)) end_rolling(a, t, pair.normal, b);
+  if (objects_[b].will_respond(pair.collidee_responds, t)) end_rolling(b, t, pair.normal, a);
+  const MotionModel law_a = objects_.world_law(a, t), law_b = objects_.world_law(b, t);
+  // Two that part too slowly to come apart would be lifted off for good without the acceleration that presses them.
+  // Where a body rolls, the speed of its centre is not that of the contact.
+  const double speed = pair.normal.dot(law_a.state.velocity - law_b.state.velocity);
+  const bool rolls = rolling_off(a, law_a.state, pair.normal) || rolling_off(b, law_b.state, pair.normal);
+  const bool driven = (!gives_way(a, pair.collider_responds, t) && !is_motionless(law_a.state)) ||
+                      (!gives_way(b, pair.collidee_responds, t) && !is_motionless(law_b.state));
+  if (speed > 0.0 && !rolls && !driven) {  // to keep up with what moves away would take energy
+    const auto gives = [&](std::size_t object, bool registered) {
+      const CollisionResponse* const response = model_->response_of(objects_[object].id);
+      return objects_[object].will_respond(registered, t) ? 1.0 / response->mass_kg : 0.0;
+    };
+    const double of_a = gives(a, pair.collider_responds), of_b = gives(b, pair.collidee_responds);
+    if (of_a > 0.0) change_velocity(a, t, law_a.state.velocity - (speed * of_a / (of_a + of_b)) * pair.normal, b);
+    if (of_b > 0.0) change_velocity(b, t, law_b.state.velocity + (speed * of_b / (of_a + of_b)) * pair.normal, a);
+  }
+  settle_velocities(pair, t, Touching::kBearing);
+  settle(a, b, t);
+}
+
+std::optional<Vec3> MotionWorld::rolling_off(std::size_t index, const KinematicState& state, const Vec3& normal) const {
+  const std::optional<collision::ExactSphere>& sphere = objects_.body(index).sphere;
+  const Vec3& all = state.angular_velocity_body;
+  if (all.isZero(0.0) || (sphere && sphere->center.isZero(0.0))) return std::nullopt;
+  const Vec3 n = state.orientation.conjugate() * normal;
+  Vec3 spin = n.dot(all) * n;
+  if ((spin - all).norm() <= kRounding * spin.norm()) return std::nullopt;
+  return spin;
+}
+
+void MotionWorld::end_rolling(std::size_t index, SimTime t, const Vec3& normal, std::size_t cause) {
+  MotionModel law = objects_.world_law(index, t);
+  const std::optional<Vec3> spin = rolling_off(index, law.state, normal);
+  if (!spin) return;
+  law.state.angular_velocity_body = *spin;
+  law.angular_acceleration_body.setZero();
+  change_motion(index, t, law, objects_[cause].id);
+}
+
+void MotionWorld::change_velocity(std::size_t index, SimTime t, const Vec3& velocity, std::size_t cause) {
+  const MotionModel law = objects_.world_law(index, t);
+  if (law.state.velocity == velocity) return;
+  KinematicState after = law.state;
+  after.velocity = velocity;
+  const CollisionResponse* const response = model_->response_of(objects_[index].id);
+  const bool impulse = response->type == ResponseType::kImpulse;
+  change_motion(index, t, impulse ? law_after(response, law, after) : MotionModel(after), objects_[cause].id);
+}
+
+void MotionWorld::settle_velocities(WatchedPair& pair, SimTime t, Touching which) {
+  const std::size_t a = pair.collider, b = pair.collidee;
+  ContactIsland island = island_of(*model_, objects_, pairs_, a, b, t, which, Quantity::kVelocity);
+  const std::vector<std::uint32_t> through = solve(island);
+  for (const std::uint32_t i : through) {
+    remember_course(i, t);
+    pairs_[i].bears = false;
+    pairs_[i].squeezed = kGivenUp;
+  }
+  for (std::size_t i = 0; i < island.objects.size(); ++i) {
+    const std::uint32_t index = island.objects[i];
+    if (index == kNone) continue;
+    Vec3& velocity = island.bodies[i].value;
+    const double came = objects_.world_law(index, t).state.velocity.norm();
+    const double flight = kShortestFlight_s * objects_.free_acceleration_of(index, t).norm();
+    if (velocity.norm() <= kRounding * (came + flight)) velocity.setZero();  // nothing of it is left but rounding
+    change_velocity(index, t, velocity, index == a ? b : a);
+  }
+  for (const std::uint32_t i : through) let_through(i, t);
+}
+
+// The search of a pair may be ahead of t: in a world that goes through the past again it has met others at t, but
+// neither of the two has got another way from then on. Then the two are apart where the search is. The last contact of
+// two that bear each other since before t may be later than t.
+void MotionWorld::let_through(std::uint32_t i, SimTime t) {
+  WatchedPair& pair = pairs_[i];
+  assert(pair.is_answered() && std::min(pair.touched, pair.bore_since) <= t);
+  const bool lived = objects_.is_lived(pair.collider) || objects_.is_lived(pair.collidee);
+  const bool is_ahead = far_.contains(i) || (!pair.contact && pair.clear_until > reopened_from(pair, lived, t));
+  if (is_ahead) return;
+  remember_course(i, t);
+  pair.inside = true;
+}
+
+bool MotionWorld::is_squeezed(const WatchedPair& pair, SimTime t) const {
+  if (pair.at_once > kAnswersMax) return true;
+  return pair.in_burst > kAnswersMax && (is_driven(pair, t) || is_trapped(pair, t));
+}
+
+bool MotionWorld::is_trapped(const WatchedPair& pair, SimTime t) const {
+  if (t - pair.burst_from >= pair.in_burst * kTrappedMean) return false;
+  const auto gives = [&](std::uint32_t i) {
+    return pairs_.contains(i) && pairs_[i].both_changed && met_lately(pairs_[i].touched, t, kShortestFlight);
+  };
+  return std::ranges::none_of(std::array{pair.collider, pair.collidee}, [&](std::uint32_t object) {
+    return objects_[object].is_answering() && std::ranges::any_of(model_->part_pairs_of(object), gives);
+  });
+}
+
+bool MotionWorld::is_driven(const WatchedPair& pair, SimTime t) const {
+  const ContactIsland island =
+      island_of(*model_, objects_, pairs_, pair.collider, pair.collidee, t, Touching::kAny, Quantity::kVelocity);
+  for (std::size_t i = 0; i < island.objects.size(); ++i) {
+    if (island.objects[i] == kNone && !island.bodies[i].value.isZero(0.0)) return true;
+  }
+  return false;
+}
+
+void MotionWorld::answer_squeezed(WatchedPair& pair, SimTime t) {
+  ++counters_.jammed;
+  const std::size_t a = pair.collider, b = pair.collidee;
+  const KinematicState before_a = objects_.world_law(a, t).state, before_b = objects_.world_law(b, t).state;
+  if (++pair.squeezed <= kAnswersMax) settle_velocities(pair, t, Touching::kAny);
+  const bool changed =
+      !moves_alike(before_a, objects_.world_law(a, t).state) || !moves_alike(before_b, objects_.world_law(b, t).state);
+  if (pair.squeezed > kAnswersMax || !changed) stop(pair, t);
+  settle(pair.collider, pair.collidee, t);
+}
+
+// The two stand from t on, as far as they respond: there is no room left for any other answer.
+void MotionWorld::stop(WatchedPair& pair, SimTime t) {
+  const std::size_t a = pair.collider, b = pair.collidee;
+  for (const auto& [index, registered, cause] :
+       {std::tuple{a, pair.collider_responds, b}, std::tuple{b, pair.collidee_responds, a}}) {
+    MovingObject& o = objects_[index];
+    if (!o.will_respond(registered, t)) continue;
+    if (!o.borne) o.free = objects_.free_acceleration_of(index, t);
+    const KinematicState stands = at_rest(objects_.world_at(index, t).pose());
+    const bool stood = is_motionless(objects_.world_law(index, t).state);
+    o.borne = true;
+    if (!stood) change_motion(index, t, stands, objects_[cause].id);
+  }
+  pair.begin_to_bear(t);
+}
+
+bool MotionWorld::stands_firm(const WatchedPair& pair, SimTime t) const {
+  const bool a_gives_way = gives_way(pair.collider, pair.collider_responds, t);
+  if (a_gives_way == gives_way(pair.collidee, pair.collidee_responds, t)) return false;
+  return is_motionless(objects_.world_at(a_gives_way ? pair.collidee : pair.collider, t));
+}
+
+void MotionWorld::hold_against_wall(WatchedPair& wall, SimTime t) {
+  const std::size_t held = gives_way(wall.collider, wall.collider_responds, t) ? wall.collider : wall.collidee;
+  const bool stood = is_motionless(objects_.world_law(held, t).state);
+  std::vector<std::uint32_t> through;
+  for (const std::uint32_t i : model_->part_pairs_of(held)) {
+    if (!pairs_.contains(i)) continue;
+    WatchedPair& pair = pairs_[i];
+    if (!pair.is_answered()) continue;  // it presses nothing
+    if (!met_lately(pair.touched, t, kShortestFlight) || stands_firm(pair, t)) continue;
+    remember_course(i, t);
+    pair.bears = pair.lifts = false;
+    pair.squeezed = kGivenUp;
+    through.push_back(i);
+  }
+  wall.contact.reset();
+  wall.inside = stood;  // it does not even move
+  stop(wall, t);
+  for (const std::uint32_t i : through) {
+    let_through(i, t);
+    pairs_[i].contact.reset();
+    reschedule(i);
+  }
+}
+
+void MotionWorld::release_parting(std::size_t object, SimTime t) {
+  for (const std::uint32_t i : model_->part_pairs_of(object)) {
+    if (!pairs_.contains(i) || !pairs_[i].bears_at(t)) continue;
+    WatchedPair& pair = pairs_[i];
+    const Vec3 a = objects_.world_law(pair.collider, t).state.velocity;
+    const Vec3 b = objects_.world_law(pair.collidee, t).state.velocity;
+    const auto parts = [&](const Vec3& n) { return n.dot(a - b) > kRounding * (a.norm() + b.norm()); };
+    if (!pair.normals.empty() && std::ranges::none_of(pair.normals, parts)) continue;
+    remember_course(i, t);
+    std::erase_if(pair.normals, parts);
+    pair.bears = !pair.normals.empty();
+  }
+}
+
+void MotionWorld::settle(std::size_t a, std::size_t b, SimTime t) {
+  release_parting(a, t);
+  if (b != a) release_parting(b, t);
+  ContactIsland island = island_of(*model_, objects_, pairs_, a, b, t, Touching::kBearing, Quantity::kAcceleration);
+  static_cast<void>(solve(island));  // what cannot be held is squeezed, and answered as that
+  for (std::size_t i = 0; i < island.objects.size(); ++i) {
+    const std::uint32_t index = island.objects[i];
+    if (index == kNone) continue;
+    MovingObject& o = objects_[index];
+    const bool borne = std::ranges::any_of(
+        model_->part_pairs_of(index), [&](std::uint32_t pair) { return pairs_.contains(pair) && pairs_[pair].bears; });
+    if (!borne && !o.borne) continue;
+    if (!o.borne) o.free = objects_.free_acceleration_of(index, t);
+    o.borne = borne;
+    const MotionModel law = objects_.world_law(index, t);
+    const bool slides = law.kind == MotionKind::kSliding;
+    Vec3 acceleration = island.bodies[i].value;
+    if (acceleration.norm() <= kRounding * o.free.norm()) acceleration.setZero();  // all of it is borne
+    if (acceleration == (slides ? Vec3(Vec3::Zero()) : law.state.acceleration)) continue;
+    KinematicState after = law.state;
+    after.acceleration = acceleration;
+    const CollisionResponse* const response = model_->response_of(o.id);
+    const bool impulse = response->type == ResponseType::kImpulse;
+    const bool lies = acceleration.isZero(0.0);
+    change_motion(index, t, impulse ? law_after(response, lies ? law : MotionModel{}, after) : MotionModel(after),
+                  objects_[index == a ? b : a].id);
+  }
+}
+
+void MotionWorld::lift(WatchedPair& pair, SimTime t) {
+  pair.contact.reset();
+  pair.lifts = pair.bears = false;
+  pair.lifted = t;
+  pair.normals.clear();
+  settle(pair.collider, pair.collidee, t);
+}
+
+// ---- advancing ----
+
+std::optional<std::size_t> MotionWorld::first_contact_until(SimTime to) {
+  std::optional<std::size_t> first;
+  const std::size_t watched = watched_ + waiting_.count();
+  std::size_t checked = 0;
+  far_.follow(to, objects_, pairs_, opened_);
+  reschedule_opened();
+  // What is due after a contact that is known is left for the next call: where many meet in one tick, each contact
+  // would cost a visit of all that a multiple of kLookahead makes due.
+  SimTime until = to;
+  for (std::size_t i = pair_checks_.next_due(0, to); i != pairs_.size(); i = pair_checks_.next_due(i + 1, until)) {
+    WatchedPair& pair = pairs_[i];
+    ++checked;
+    const auto apart_at = search().search(pair, until);
+    if (apart_at) far_.add(i, *apart_at, objects_, pairs_);
+    if (pair.stopped) stopped_.insert(static_cast<std::uint32_t>(i));
+    reschedule(i);
+    if (!pair.contact || *pair.contact > until || (first && *pair.contact == until)) continue;
+    first = i;
+    until = *pair.contact;
+  }
+  assert(far_.is_known_at(until));
+  counters_.searches_skipped += watched - std::min(watched, checked);
+  return first;
+}
+
+void MotionWorld::advance(SimTime to) {
+  std::size_t contacts = 0;
+  for (;;) {
+    const bool lays = !retracted_bases_.empty() && retracted_bases_.begin()->first <= to;
+    const SimTime until = lays ? retracted_bases_.begin()->first : to;
+    const auto first = first_contact_until(until);
+    if (lays && (!first || *pairs_[*first].contact == until)) {
+      lay_next_base();
+      continue;
+    }
+    if (!first) break;
+    WatchedPair& pair = pairs_[*first];
+    assert(*pair.contact <= until);
+    remember_course(static_cast<std::uint32_t>(*first), *pair.contact);
+    if (++contacts <= kContactsMax) {
+      respond_to_contact(pair);
+    } else {
+      if (contacts == kContactsMax + 1) ++counters_.capped;
+      const SimTime t = *pair.contact;
+      pair.contact.reset();
+      if (pair.lifts) {
+        pair.lifts = pair.bears = false;
+      } else {
+        stop(pair, t);
+        pair.inside = true;
+      }
+      pair.clear_until = t + kOverlapRetry;
+    }
+    reschedule(*first);
+  }
+  while (!retracted_bases_.empty()) lay_next_base();  // of the time that is still to come
+  advanced_ = std::max(advanced_, to);
+  objects_.prune_timelines(advanced_);
+  forget_old_courses();
+}
+
+std::vector<ObjectId> MotionWorld::objects() const {
+  std::vector<ObjectId> ids;
+  for (const std::uint32_t i : objects_.asked_for()) ids.push_back(objects_.id_of(i));
+  std::ranges::sort(ids);
+  return ids;
+}
+
+KinematicState MotionWorld::at(ObjectId object, SimTime t) const {
+  const std::size_t index = objects_.index_of(object);
+  if (index + kPieceAhead < objects_.size()) {
+    if (const MovingObject* const ahead = objects_.peek(index + kPieceAhead)) ahead->timeline.prefetch_piece();
+    if (const MovingObject* const ahead = objects_.peek(index + kLawAhead)) ahead->timeline.prefetch_law(t);
+  }
+  return objects_.world_at(index, t);
+}
+
+KinematicState MotionWorld::relative_at(ObjectId object, SimTime t) const {
+  return objects_[objects_.index_of(object)].timeline.at(t);
+}
+
+KinematicState MotionWorld::in_carrier(ObjectId object, SimTime t, const KinematicState& world) const {
+  const std::size_t index = objects_.index_of(object);
+  return objects_[index].carrier == kNone ? world : relative_to(objects_.carrier_at(index, t), world);
+}
+
+KinematicState MotionWorld::in_world(ObjectId object, SimTime t, const KinematicState& relative) const {
+  const std::size_t index = objects_.index_of(object);
+  return objects_[index].carrier == kNone ? relative : composed(objects_.carrier_at(index, t), relative);
+}
+
+Vec3 MotionWorld::vector_in_carrier(ObjectId object, SimTime t, const Vec3& world) const {
+  return objects_.in_frame_of_carrier(objects_.index_of(object), t, world);
+}
+
+Vec3 MotionWorld::vector_in_world(ObjectId object, SimTime t, const Vec3& relative) const {
+  const std::size_t index = objects_.index_of(object);
+  return objects_[index].carrier == kNone ? relative : Vec3(objects_.carrier_at(index, t).orientation * relative);
+}
+
+bool MotionWorld::is_at_rest_from(ObjectId object, SimTime t) const {
+  for (std::uint32_t i = static_cast<std::uint32_t>(objects_.index_of(object)); i != kNone; i = objects_[i].carrier) {
+    const Timeline& timeline = objects_[i].timeline;
+    if (!is_motionless(timeline.at(t)) || timeline.next_change_after(t)) return false;
+  }
+  return true;
+}
+
+bool MotionWorld::stands_in_carrier_from(ObjectId object, SimTime t) const {
+  const Timeline& timeline = objects_[objects_.index_of(object)].timeline;
+  return is_motionless(timeline.at(t)) && !timeline.next_change_after(t);
+}
+
+MotionModel MotionWorld::model_at(ObjectId object, SimTime t) const {
+  return objects_[objects_.index_of(object)].timeline.model_at(t);
+}
+
+bool MotionWorld::has_history_at(ObjectId object, SimTime t) const {
+  if (!objects_.contains(object)) return false;
+  const MovingObject& o = objects_[objects_.index_of(object)];
+  return o.timeline.segment_at(advanced_ - objects_.history_of(o)).from <= t;
+}
+
+SimTime MotionWorld::law_since(ObjectId object, SimTime t) const {
+  return objects_[objects_.index_of(object)].timeline.segment_at(t).from;
+}
+
+SimTime MotionWorld::base_time(ObjectId object) const {
+  const MovingObject& o = objects_[objects_.index_of(object)];
+  return o.bases.empty() ? o.base_time : o.bases.back().at;
+}
+
+std::uint64_t MotionWorld::revision(ObjectId object) const { return objects_[objects_.index_of(object)].revision; }
+
+std::optional<MotionEvent> MotionWorld::poll_event() {
+  assert(polled_ <= events_.size());
+  if (polled_ < events_.size()) return std::move(events_[polled_++]);
+  events_.clear();
+  polled_ = 0;
+  return std::nullopt;
+}
+
+}  // namespace peerd::replication

@@ -1,0 +1,325 @@
+#pragma once
+#include <cassert>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "core/prefetch.hpp"
+#include "core/schedule.hpp"
+#include "core/time.hpp"
+#include "replication/physics/laws/timeline.hpp"
+#include "replication/physics/world/contact_answer.hpp"
+#include "replication/physics/world/contact_island.hpp"
+#include "replication/physics/world/far_pairs.hpp"
+#include "replication/physics/world/motion_event.hpp"
+#include "replication/physics/world/moving_objects.hpp"
+#include "replication/physics/world/pair_search.hpp"
+#include "replication/physics/world/world_model.hpp"
+
+namespace peerd::replication {
+
+// Objects on timelines that meet each other at contact *times*. The timeline of what is below a carrier is relative to
+// it (composed_motion.hpp): what is set and asked as a law is in the frame of the carrier, and states are in the world.
+// An end of an interest meets others with each of its parts, those that carriers below it move included. Results depend
+// neither on how often advance() is called, nor on when updates came: a pair's next contact is computed once, from an
+// instant that the two timelines decide, and kept until one of the pieces changes. Worlds with equal timelines find
+// equal contacts, bit for bit. One thing does depend on the order in which laws came, unless bases are replayed: what
+// an object answered before the last law that was set stays, though that turns out to have had no cause, and it answers
+// nothing more before that law.
+//
+// Two that meet and would part for less than kShortestFlight_s come to rest against each other: from then on the one
+// bears the other. Bearing takes from an object's free acceleration what leads into what bears it; when that goes, or
+// the object slides off or is lifted, the rest comes back. What bears what is solved for all that rest on each other at
+// once (least_change.hpp).
+//
+// Contacts of one instant are answered in turn; each later one sees what the earlier ones have changed, and none is
+// undone for it. Where that does not end (contacts a nanosecond apart; a ball between a wall and a driven car that
+// comes, ever faster; or between two that stand a few micrometres apart from it), those that met within
+// kShortestFlight_s are answered at once, without restitution, and what has no room left stops. No answer of two
+// objects that both respond adds energy (response.hpp).
+//
+// A tick costs what is due: pairs wait for the instant at which they need a check, objects for that at which their
+// timelines are pruned. An object that no interest names costs nothing between two changes of its motion. Two that have
+// never moved, and are apart in the file, cost a few bytes, however many interests name them.
+class MotionWorld {
+ public:
+  using Counters = MotionCounters;
+
+  // Timelines keep this much of the past, for updates and decisions that arrive late.
+  static constexpr Duration kHistory = MovingObjects::kHistory;
+
+  // Which pairs are watched at first.
+  enum class Watched : std::uint8_t { kAll, kNone };
+
+  MotionWorld(const WorldModel& model, SimTime start, Watched first = Watched::kAll);
+  // Goes on with another model of the same scene, in which more nodes are carriers (extended()); the model before is
+  // not needed any more. What goes with a new carrier stood still relative to it until now. Parts that are new are
+  // searched from the last advance() on. No pair is put off.
+  void change_model(const WorldModel& next);
+  // Goes on with the model of the scene that edits have made of this one, from an instant on that may lie in the past:
+  // what followed from what is gone, or not as it was, is retracted, and the next advance() finds contacts with what is
+  // new. What nothing moves takes the place that the scene gives it. The model before is not needed any more. No pair
+  // is put off. Returns the objects that have another place, or another carrier, because of it.
+  std::vector<MovingObjects::Placed> change_scene(const WorldModel& next, const SceneChange& change);
+
+  // Declares an object that may move; every body that is not declared stays at its place in the file.
+  void declare(ObjectId object, Role role);
+  // Gives the world the places of flexible parts; `flexible` outlives it. Without them their pairs are not searched.
+  void set_flexible(FlexibleParts& flexible);
+  // Contacts are found at ticks from now on, by the engine of `detection`, which outlives the world; called before the
+  // first advance(). Without it they are found at contact times.
+  void set_tick_detection(TickDetection& detection) { detection_ = &detection; }
+  // World time has another beginning: contacts of flexible parts from t on are searched anew.
+  void reopen_flexible(SimTime t);
+  // Turns watching of a pair on or off. One that was never watched costs nothing but a few bytes.
+  void watch(ObjectId a, ObjectId b, bool on);
+  void watch(std::uint32_t number, bool on);  // in WorldModel::pairs
+
+  // The part pairs that are watched and do not wait, that were so, or that somebody has asked for, in the order in
+  // which they came.
+  [[nodiscard]] std::span<const std::uint32_t> known_pairs() const { return pairs_.numbers(); }
+
+  // Makes the world a function of the bases, whatever order they come in; called before the first of them. An object
+  // then answers contacts of before its later bases, too, and what it has answered without cause is retracted;
+  // advance() lays its later bases again. Costs the memory of the bases of the last kHistory, of what may meet
+  // anything.
+  void replay_bases() { replays_bases_ = true; }
+
+  // Puts the searches of a part pair (WorldModel::part_pairs) off, or takes them up again. A pair that is put off is
+  // followed while bounds keep the two apart, and stops where collision would be asked. Taken up, it is searched from
+  // there: later than never having stopped, with the same results; not before the last bases of all that would answer,
+  // which contain the outcome; and where nobody would answer, or `from_now`, from the last advance() on. Two that bear
+  // each other are not put off.
+  void put_off(std::uint32_t part_pair, bool on, bool from_now = false);
+  // The part pairs that have stopped, ascending, and since when the contacts of such a pair are not known.
+  [[nodiscard]] const std::set<std::uint32_t>& stopped() const { return stopped_; }
+  [[nodiscard]] SimTime stopped_since(std::uint32_t part_pair) const {
+    assert(stopped_.contains(part_pair));
+    return pairs_[part_pair].clear_until;
+  }
+
+  // Keeps the positions of driven objects for so long before the last advance(), > 0; kHistory at first, as for all
+  // other objects. Of a driven object that no interest names, nothing but its last sample is kept from then on: nothing
+  // meets it.
+  void keep_history_of_driven(Duration history) {
+    assert(history > Duration{0});
+    objects_.set_driven_history(history);
+  }
+
+  // The function is asked at each contact.
+  using AuthorityOf = std::function<ContactAuthority(ObjectId collider, ObjectId collidee, SimTime contact)>;
+  void set_authority(AuthorityOf authority_of) { authority_of_ = std::move(authority_of); }
+
+  // Makes void the laws that were set for the object from t on, and all that followed from them: the object goes on
+  // from t as it was set before. For worlds that replay bases; set_base() does it before it sets one.
+  void forget_bases(ObjectId object, SimTime t);
+
+  // Sets the object's motion from t on, in the frame of its carrier, after an update, a sample or a decision. t may lie
+  // in the past: the predictions that followed from the replaced motion are retracted, and the next advance() finds
+  // them anew. What was set for this object from t on is void.
+  void set_base(ObjectId object, SimTime t, const MotionModel& model);
+
+  // The acceleration [m/s^2, world frame] that the object has where nothing bears it: from then on, and in
+  // whatever motion set_base() gives it. Without it that of the law under which it came to rest counts.
+  void set_free_acceleration(ObjectId object, const Vec3& acceleration);
+  [[nodiscard]] std::optional<Vec3> free_acceleration(ObjectId object) const;
+
+  // The acceleration in the world that the object has at t, or would have if nothing bore it.
+  [[nodiscard]] Vec3 unborne_acceleration(ObjectId object, SimTime t) const {
+    return objects_.free_acceleration_of(objects_.index_of(object), t);
+  }
+
+  // For a caller that sets many objects in turn: fetches from memory what set_base() will need of this one.
+  [[gnu::always_inline]] inline void prefetch(ObjectId object) const {
+    if (!objects_.contains(object)) return;
+    if (const MovingObject* const o = objects_.peek(objects_.index_of(object))) peerd::prefetch(*o);
+  }
+
+  // Finds all contacts up to `to`, in time order, and responds to them.
+  void advance(SimTime to);
+  // Finds anew what a set_base() in the past has made void, until the last advance(): states until then are right
+  // again.
+  void catch_up() { advance(advanced_); }
+  // The latest instant to which the world has been advanced.
+  [[nodiscard]] SimTime advanced() const { return advanced_; }
+
+  [[nodiscard]] bool has(ObjectId object) const { return objects_.contains(object); }
+  // The objects that may be elsewhere than the file says, and those that somebody has asked for, ascending.
+  [[nodiscard]] std::vector<ObjectId> objects() const;
+  // The state in the world.
+  [[nodiscard]] KinematicState at(ObjectId object, SimTime t) const;
+  // The state in the frame of the object's carrier; that in the world where it has none.
+  [[nodiscard]] KinematicState relative_at(ObjectId object, SimTime t) const;
+  [[nodiscard]] bool is_carried(ObjectId object) const { return objects_[objects_.index_of(object)].carrier != kNone; }
+  // A vector of the world in the frame of the object's carrier, as that stands at t; and back.
+  [[nodiscard]] Vec3 vector_in_carrier(ObjectId object, SimTime t, const Vec3& world) const;
+  [[nodiscard]] Vec3 vector_in_world(ObjectId object, SimTime t, const Vec3& relative) const;
+  // The law in force, in the frame of the object's carrier.
+  [[nodiscard]] MotionModel model_at(ObjectId object, SimTime t) const;
+  // A state in the world as one in the frame of the object's carrier, as that is at t; and back.
+  [[nodiscard]] KinematicState in_carrier(ObjectId object, SimTime t, const KinematicState& world) const;
+  [[nodiscard]] KinematicState in_world(ObjectId object, SimTime t, const KinematicState& relative) const;
+  // Whether the position of the object at t is known: that of more than kHistory before the last advance() is not (see
+  // keep_history_of_driven).
+  [[nodiscard]] bool has_history_at(ObjectId object, SimTime t) const;
+  // The instant at which the law that is in force at t began.
+  [[nodiscard]] SimTime law_since(ObjectId object, SimTime t) const;
+  // The instant of the last update, sample or decision of the object; later predicted pieces do not move it.
+  [[nodiscard]] SimTime base_time(ObjectId object) const;
+  // Whether the object stands still from t on, by all that this world knows now.
+  [[nodiscard]] bool is_at_rest_from(ObjectId object, SimTime t) const;
+  // Whether the object stands still in its carrier from t on, by all that this world knows now.
+  [[nodiscard]] bool stands_in_carrier_from(ObjectId object, SimTime t) const;
+  // Whether the law in force at t is an answer to a contact.
+  [[nodiscard]] bool is_moved_by_contact(ObjectId object, SimTime t) const {
+    return objects_[objects_.index_of(object)].timeline.segment_at(t).cause.has_value();
+  }
+  // Calls `function` for the objects whose motion may have changed since the last call, each once and in any order.
+  // `function` must not change this world.
+  template <class Function>
+  void take_changed(Function function) {
+    objects_.take_changed(function);
+  }
+  // A number that changes whenever the future of the object does: by set_base(), or when a response was retracted.
+  [[nodiscard]] std::uint64_t revision(ObjectId object) const;
+  // Whether two ends of interests touch at t, up to which this world has been advanced, or are nearer than contact
+  // times leave them.
+  [[nodiscard]] bool ends_touch(ObjectId a, ObjectId b, SimTime t);
+  // The events so far, in order; drain after advance().
+  using Event = MotionEvent;
+  [[nodiscard]] std::optional<Event> poll_event();
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+
+ private:
+  [[nodiscard]] PairSearch search() { return {*model_, objects_, pairs_, start_, counters_, events_, detection_}; }
+  // Whether the part pairs of an interest are there; from need_pairs_of() on they are.
+  [[nodiscard]] bool has_pairs_of(std::uint32_t number) const;
+  void need_pairs_of(std::uint32_t number);
+  // Ends the waits of the object's pairs: it moves, so that they are searched from now on.
+  void end_waits_of(std::size_t object);
+  // Goes on with the pairs of another model. `change_objects` does so with the objects. Pairs that are new are searched
+  // from t on.
+  template <class ChangeObjects>
+  void replace_model(const WorldModel& next, SimTime t, ChangeObjects change_objects);
+  // Returns the pair with the earliest contact of those that are due until then; of several the first in the model's
+  // order.
+  [[nodiscard]] std::optional<std::size_t> first_contact_until(SimTime to);
+  // Called after any change of whether the pair is watched, or of what is known of it.
+  void reschedule(std::size_t pair);
+  // The pair has not stopped any more.
+  void unstop(std::uint32_t pair);
+
+  [[nodiscard]] bool may_meet(std::size_t object) const;
+  void lay_base(std::size_t object, SimTime t, const MotionModel& model);
+  void note_base(MovingObject& object, SimTime t, const MotionModel& model);
+  // Makes void all that followed from the object's motion from t on.
+  void retract_all(std::size_t object, SimTime t);
+  // The object's timeline has lost its laws from t on: its bases from then on are to be laid again.
+  void retract_bases(const MovingObject& object, SimTime t);
+  // Lays the earliest one of those that are to be laid again.
+  void lay_next_base();
+
+  void respond_to_contact(WatchedPair& pair);
+  void remove_gain(const WatchedPair& pair, SimTime t, const ContactAnswer& answer);
+  void report(const WatchedPair& pair, SimTime t, const ContactAnswer& answer);
+  // The object moves otherwise from t on, because of a contact with `cause`. The law is in the world; what is carried
+  // keeps its state, and goes on in the frame of its carrier.
+  void change_motion(std::size_t object, SimTime t, const MotionModel& after_in_world, ObjectId cause);
+  void note_touch(WatchedPair& pair, SimTime t);
+
+  // The two come to rest against each other at t.
+  void come_to_rest(WatchedPair& pair, SimTime t);
+  // Whether answers for two do not end the contacts around the pair.
+  [[nodiscard]] bool is_squeezed(const WatchedPair& pair, SimTime t) const;
+  // Whether what gives way to nothing comes into those that met within the burst around the pair.
+  [[nodiscard]] bool is_driven(const WatchedPair& pair, SimTime t) const;
+  // Whether the two meet far too often, and nothing that they met within the burst gives way.
+  [[nodiscard]] bool is_trapped(const WatchedPair& pair, SimTime t) const;
+  // All that met within the burst are answered at once.
+  void answer_squeezed(WatchedPair& pair, SimTime t);
+  // The two stand from t on, as far as they respond: there is no room left for any other answer.
+  void stop(WatchedPair& pair, SimTime t);
+  // Whether one of the two gives way and the other stands: a wall, for all that this contact knows.
+  [[nodiscard]] bool stands_firm(const WatchedPair& pair, SimTime t) const;
+  // An object that is pressed into a wall without end stops there, and the one that presses it goes through it.
+  void hold_against_wall(WatchedPair& pair, SimTime t);
+  // Gives all that rest on each other around the two the velocities and accelerations that their bearing leaves.
+  void settle(std::size_t a, std::size_t b, SimTime t);
+  void settle_velocities(WatchedPair& pair, SimTime t, Touching which);
+  // Called once all that the contacts at t change is changed: the two, which met within the burst, go through each
+  // other from t on, where there was no room for an answer.
+  void let_through(std::uint32_t pair, SimTime t);
+  // Returns the part about the normal of a contact of a spin that is not about it [rad/s, of the body]; nothing where
+  // the spin is about it, or the body a Sphere: neither presses corners into what it touches.
+  [[nodiscard]] std::optional<Vec3> rolling_off(std::size_t object, const KinematicState& state,
+                                                const Vec3& normal) const;
+  // Leaves a body that rests against another along that normal only the spin about the normal: its corners would press
+  // into the other.
+  void end_rolling(std::size_t object, SimTime t, const Vec3& normal, std::size_t cause);
+  void change_velocity(std::size_t object, SimTime t, const Vec3& velocity, std::size_t cause);
+  void release_parting(std::size_t object, SimTime t);
+  void lift(WatchedPair& pair, SimTime t);
+  [[nodiscard]] bool gives_way(std::size_t object, bool registered, SimTime t) const {
+    return objects_[object].will_respond(registered, t);
+  }
+
+  // Puts pairs that are far no more back into the schedule.
+  void reschedule_opened(const std::optional<NewLaw>& law = {});
+  // The pairs of the object, at least those that have touched anything since t.
+  [[nodiscard]] std::span<const std::uint32_t> pairs_touched_since(std::size_t object, SimTime t) const {
+    return far_.near_since(object, t) ? far_.near(object) : model_->part_pairs_of(object);
+  }
+  // The lists of answers_to_ as the timelines have them; an entry of one of them.
+  void note_answers();
+  void note_answer(std::size_t object, std::size_t cause, SimTime t);
+  void retract_contacts_of_carried(std::size_t object, SimTime t);
+  void retract(std::size_t cause, SimTime t);
+  // Retracts the answers of an object to `cause`, or to anything, from t on, and what followed from them.
+  void retract_answers(std::size_t object, std::optional<ObjectId> cause, SimTime t);
+  // Forgets what the pairs of the object have been through since then: all of it in a world that replays, else the
+  // counts of contacts.
+  void forget_bursts(std::size_t object, SimTime t);
+  // Called before something of t changes what the pair has been through.
+  void remember_course(std::uint32_t i, SimTime t);
+  // Forgets what pairs went through longer than kHistory ago; it looks once in that time.
+  void forget_old_courses();
+  // The instant from which the pair is searched again if one of the two moves otherwise from t on; `lived`: this peer
+  // moves the other one, or both.
+  [[nodiscard]] SimTime reopened_from(const WatchedPair& pair, bool lived, SimTime t) const;
+  // The object's pieces changed from t on. `elsewhere`: also where it is.
+  void reopen_pairs(std::size_t object, SimTime t, bool elsewhere);
+
+  static constexpr std::uint32_t kNone = MovingObjects::kNone;
+
+  const WorldModel* model_;
+  TickDetection* detection_ = nullptr;
+  SimTime start_, advanced_;
+  MovingObjects objects_;
+  WatchedPairs pairs_;
+  std::set<std::uint32_t> with_past_;  // the pairs of which a course is remembered
+  SimTime courses_forgotten_ = SimTime::min();
+  FarPairs far_;
+  std::vector<std::uint32_t> opened_;  // pairs that are far no more, and not in the schedule yet
+  // For each node those of its partners whose timelines have, or had lately, a law with it as the cause; ascending.
+  struct Answer {
+    std::uint32_t object;
+    SimTime last;  // no such law begins later
+  };
+  std::vector<std::vector<Answer>> answers_to_;
+  Schedule pair_checks_;     // for each pair that is not far, when the next check is due
+  std::size_t watched_ = 0;  // the number of pairs with a check, whenever that is due; the far ones included
+  std::vector<bool> in_pair_checks_;
+  WaitingPairs waiting_;             // of them none of the part pairs is there
+  std::set<std::uint32_t> stopped_;  // into pairs_
+  bool replays_bases_ = false;
+  std::set<std::pair<SimTime, ObjectId>> retracted_bases_;  // bases that are to be laid again
+  AuthorityOf authority_of_;                                // none: kAsPublished for all
+  std::vector<MotionEvent> events_;
+  std::size_t polled_ = 0;  // of events_
+  Counters counters_;
+};
+
+}  // namespace peerd::replication

@@ -1,0 +1,151 @@
+#include "replication/physics/world/watched_pair.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "collision/contact/contact_time.hpp"
+
+namespace peerd::replication {
+namespace {
+
+// A part by what does not depend on the model: a body shares its surface with its copies, and a Shape that flexes has
+// none.
+using PartKey = std::pair<const collision::Surface*, ObjectId>;
+using PairKey = std::tuple<InterestKey, PartKey, PartKey>;
+
+PartKey key_of_part(const WorldModel& model, std::uint32_t part) {
+  if (part == ModelNode::kNone) return {nullptr, {}};
+  if (model.is_flexible(part)) return {nullptr, model.flexible_part(part).shape};
+  return {model.bodies[part].surface.get(), model.nodes[part].object};
+}
+
+PairKey key_of_pair(const WorldModel& model, const WatchedPair& pair) {
+  return {key_of(model.pairs[pair.number]), key_of_part(model, pair.part_a), key_of_part(model, pair.part_b)};
+}
+
+}  // namespace
+
+void WatchedPair::note_free(SimTime t) {
+  if (free_at == t) return;
+  std::shift_right(free_before.begin(), free_before.end(), 1);
+  free_before.front() = free_at;
+  free_at = t;
+}
+
+void WatchedPair::forget_free_since(SimTime from) {
+  while (free_at && *free_at >= from) {
+    free_at = free_before.front();
+    std::shift_left(free_before.begin(), free_before.end(), 1);
+    free_before.back().reset();
+  }
+}
+
+void WatchedPair::remember_course(SimTime t) {
+  if (past.empty() || past.back().at < t) past.push_back({t, static_cast<const PairCourse&>(*this)});
+}
+
+void WatchedPair::forget_course_before(SimTime oldest) {
+  past.erase(past.begin(), std::ranges::lower_bound(past, oldest, {}, &Past::at));
+  if (past.empty()) past.shrink_to_fit();
+}
+
+void WatchedPair::rewind_course(SimTime from) {
+  assert(past.empty() || past.front().at <= past.back().at);
+  const auto first = std::ranges::lower_bound(past, from, {}, &Past::at);
+  if (first == past.end()) return;
+  static_cast<PairCourse&>(*this) = std::move(first->before);
+  past.erase(first, past.end());
+}
+
+void add_pairs(WatchedPairs& pairs, const WorldModel& model, std::uint32_t interest, SimTime start, bool watched) {
+  const CollisionPair& p = model.pairs[interest];
+  const auto flexes = [&](std::uint32_t part) { return model.is_flexible(part); };
+  const std::uint32_t collider = model.index_of(p.collider), collidee = model.index_of(p.collidee);
+  const bool is_carried =
+      model.nodes[collider].carrier != ModelNode::kNone || model.nodes[collidee].carrier != ModelNode::kNone;
+  for (std::uint32_t i = model.first_part_pair[interest]; i < model.first_part_pair[interest + 1]; ++i) {
+    const PartPair& parts = model.part_pairs[i];
+    const bool box = p.type == CollisionType::kBox, whole = parts.a == ModelNode::kNone;
+    const bool flexible = whole ? std::ranges::any_of(model.parts_of_node[collider], flexes) ||
+                                      std::ranges::any_of(model.parts_of_node[collidee], flexes)
+                                : flexes(parts.a) || flexes(parts.b);
+    WatchedPair pair{};
+    pair.collider = collider;
+    pair.collidee = collidee;
+    pair.part_a = parts.a;
+    pair.part_b = parts.b;
+    pair.common = parts.common;
+    pair.number = interest;
+    pair.type = p.type;
+    pair.fixed = parts.fixed;
+    pair.is_plain = parts.a == collider && parts.b == collidee && !is_carried;
+    pair.is_flexible = flexible;
+    pair.collider_responds = model.answers(p, p.collider);
+    pair.collidee_responds = model.answers(p, p.collidee);
+    pair.has_exact_search =
+        box || flexible || collision::has_exact_answer(model.bodies[parts.a], model.bodies[parts.b]);
+    pair.watched = watched;
+    pair.clear_until = start;
+    pairs.add(i, std::move(pair));
+  }
+}
+
+WatchedPairs all_watched(const WorldModel& model, SimTime start) {
+  WatchedPairs pairs(model.part_pairs.size());
+  for (std::uint32_t number = 0; number < model.pairs.size(); ++number) add_pairs(pairs, model, number, start, true);
+  return pairs;
+}
+
+std::vector<std::uint32_t> carry_over(const WorldModel& before, WatchedPairs known, const WorldModel& next,
+                                      SimTime start, WatchedPairs& pairs) {
+  assert(known.size() == before.part_pairs.size() && pairs.size() == next.part_pairs.size());
+  std::map<PairKey, WatchedPair*> same;
+  struct Known {
+    bool is_there = false, watched = false, inside = false;
+  };
+  std::map<InterestKey, Known> interests;
+  for (const CollisionPair& interest : before.pairs) interests.emplace(key_of(interest), Known{});
+  for (const std::uint32_t i : known.numbers()) {
+    WatchedPair& pair = known[i];
+    Known& interest = interests.at(key_of(before.pairs[pair.number]));
+    interest.is_there = true;
+    interest.watched = pair.watched;
+    interest.inside |= pair.inside;
+    same.emplace(key_of_pair(before, pair), &pair);
+  }
+  std::vector<std::uint32_t> added;
+  for (std::uint32_t number = 0; number < next.pairs.size(); ++number) {
+    const auto interest = interests.find(key_of(next.pairs[number]));
+    const bool is_new = interest == interests.end();
+    if (!is_new && !interest->second.is_there) continue;
+    add_pairs(pairs, next, number, start, is_new || interest->second.watched);
+    for (std::uint32_t i = next.first_part_pair[number]; i < next.first_part_pair[number + 1]; ++i) {
+      WatchedPair& pair = pairs[i];
+      const auto at = same.find(key_of_pair(next, pair));
+      const auto is_same = [&](const WatchedPair& other) {
+        return other.fixed == pair.fixed && other.collider_responds == pair.collider_responds &&
+               other.collidee_responds == pair.collidee_responds;
+      };
+      if (at == same.end() || !is_same(*at->second)) {
+        if (!is_new) pair.inside = interest->second.inside && !pair.fixed;
+        added.push_back(i);
+        continue;
+      }
+      const WatchedPair fresh = std::exchange(pair, std::move(*at->second));
+      pair.collider = fresh.collider;
+      pair.collidee = fresh.collidee;
+      pair.part_a = fresh.part_a;
+      pair.part_b = fresh.part_b;
+      pair.common = fresh.common;
+      pair.number = fresh.number;
+      pair.fixed = fresh.fixed;
+      pair.is_plain = fresh.is_plain;
+    }
+  }
+  return added;
+}
+
+}  // namespace peerd::replication

@@ -1,0 +1,107 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/math.hpp"
+#include "core/scene/scene.hpp"
+#include "core/sparse_table.hpp"
+#include "core/time.hpp"
+#include "replication/physics/laws/response.hpp"
+#include "replication/physics/world/world_model.hpp"
+
+namespace peerd::replication {
+
+// The marks that the contacts of a pair so far have left on it. A world that goes through the past again takes them
+// back.
+struct PairCourse {
+  bool inside = false;                   // a contact without a response goes on; it is reported once
+  bool bears = false;                    // the two rest against each other, along all of `normals`
+  SimTime parted = SimTime::min();       // when `inside` was last over
+  SimTime parted_from = SimTime::min();  // the contact that was over then
+  SimTime bore_since = SimTime::max();   // when the two last came to rest against each other
+  SimTime touched = SimTime::min();      // of the last contact
+  SimTime lifted = SimTime::min();       // when the two last came apart after they bore each other
+  SimTime held_until = SimTime::min();   // the two do not come apart before
+  SimTime burst_from = SimTime::min();   // the first contact of the burst
+  std::uint32_t at_once = 0;             // contacts until `touched`, each at the instant of the one before
+  std::uint32_t in_burst = 0;            // contacts until `touched`, each within kShortestFlight_s of the one before
+  std::uint32_t squeezed = 0;            // of the burst: those answered for all that touched
+  bool both_changed = false;             // the last contact gave both another motion, and not one alone
+  std::vector<Vec3> normals{};           // of the contacts of the burst, and those along which the two bear each other
+};
+
+// Two parts of two ends of an interest (PartPair). What answers is the end.
+struct WatchedPair : PairCourse {
+  std::uint32_t collider, collidee;  // the ends, into MovingObjects
+  std::uint32_t part_a, part_b;      // the model's parts that meet; kNone: the boxes of both whole ends
+  std::uint32_t common;              // the two meet in the frame of that object; kNone: in the world
+  std::uint32_t number;              // of the interest's pair, in the model
+  CollisionType type;
+  bool fixed;
+  bool is_plain;  // the parts are the ends, and nothing carries them
+  bool is_flexible;
+  bool collider_responds, collidee_responds;
+  bool has_exact_search;  // collision has an answer
+  bool watched = false;
+  bool put_off = false;               // its searches are put off (MotionWorld::put_off())
+  bool stopped = false;               // for that reason, at clear_until; it has no contact, and bears nothing
+  bool unsupported = false;           // counted once, then never searched again
+  bool searched = false;              // some search has been answered
+  bool overlapped = false;            // `contact` is an overlap, not a touch
+  bool resting = false;               // at `contact` the two are pressed together and do not approach
+  bool lifts = false;                 // at `contact` the two come apart: they bore each other until then
+  std::optional<bool> fixed_touch{};  // whether the two, which are fixed to each other, touch; none: not known yet
+  SimTime clear_until;                // all contacts before this have been dealt with
+  std::optional<SimTime> contact;     // the next contact, at clear_until, if the search found one
+  std::optional<SimTime> free_at;     // the last instant at which the two were known to be apart: setBack goes there
+  Vec3 normal = Vec3::Zero();         // of `contact`
+  std::array<std::optional<SimTime>, 3> free_before{};  // earlier values of free_at, the latest first
+  // The course before each of the last contacts that changed it, ascending; empty in a world that does not replay.
+  struct Past {
+    SimTime at;
+    PairCourse before;
+  };
+  std::vector<Past> past{};
+
+  [[nodiscard]] bool is_answered() const { return collider_responds || collidee_responds; }
+  // A world that goes through the past again may hold pairs that came to rest later than where it is.
+  [[nodiscard]] bool bears_at(SimTime t) const { return bears && bore_since <= t; }
+  // The two are known to be apart at t.
+  void note_free(SimTime t);
+  // Forgets that they were known to be apart at `from` or later.
+  void forget_free_since(SimTime from);
+  // Called before something of t changes the course.
+  void remember_course(SimTime t);
+  // A world does not go back to before `oldest`.
+  void forget_course_before(SimTime oldest);
+  // Takes back all that has changed the course at `from` or later.
+  void rewind_course(SimTime from);
+  void begin_to_bear(SimTime t) {
+    if (!bears_at(t)) bore_since = t;
+    bears = true;
+  }
+};
+
+// Two that part for a shorter time stay together.
+inline constexpr Duration kShortestFlight{static_cast<std::int64_t>(kShortestFlight_s * 1e9)};
+
+[[nodiscard]] inline bool met_lately(SimTime met, SimTime t, Duration within) { return met <= t && t <= met + within; }
+
+// The model's part pairs that are watched, or have been: all of an interest, or none.
+using WatchedPairs = SparseTable<WatchedPair>;
+
+// Begins with the part pairs of an interest, of which none is there: nothing is known of them from `start` on.
+void add_pairs(WatchedPairs& pairs, const WorldModel& model, std::uint32_t interest, SimTime start, bool watched);
+// All part pairs of the model, watched from `start` on.
+[[nodiscard]] WatchedPairs all_watched(const WorldModel& model, SimTime start);
+
+// Gives the pairs of `next` what is known of those of `before`, where their interest, their two parts and who answers
+// are the same. Interests without pairs in `known` stay without. Returns the indices of the other ones, ascending:
+// those of interests that `before` has not are watched from `start` on; the others are watched unless their ends were
+// not, and `inside` if another pair of their ends was.
+std::vector<std::uint32_t> carry_over(const WorldModel& before, WatchedPairs known, const WorldModel& next,
+                                      SimTime start, WatchedPairs& pairs);
+
+}  // namespace peerd::replication

@@ -1,0 +1,350 @@
+#include "peerd/cli/commands/check_command.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <sstream>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/peerd/scratch_folder.hpp"
+
+namespace peerd::check_command_test {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+using testing_support::ScratchFolder;
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view kHeader = "#VRML V2.0 utf8\n";
+
+struct Checked {
+  int exit_code = 0;
+  std::string out, err;
+};
+Checked check(const std::filesystem::path& world, bool json, std::uint32_t expansion = 1) {
+  std::ostringstream out, err;
+  const int exit_code =
+      run_check(world.string(), {.reading = {.expansion = expansion}, .json = json, .copy = {}, .at_s = {}}, out, err);
+  return {exit_code, out.str(), err.str()};
+}
+Checked check(const ScratchFolder& folder, std::string_view body, bool json, std::uint32_t expansion = 1) {
+  return check(folder.write("world.wrl", std::string(kHeader) + std::string(body)), json, expansion);
+}
+Json json_of(const ScratchFolder& folder, std::string_view body) { return Json::parse(check(folder, body, true).out); }
+
+std::vector<std::string> keys_of(const Json& json) {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : json.items()) keys.push_back(key);
+  return keys;
+}
+
+std::string packed(const std::string& text) {
+  z_stream stream{};
+  EXPECT_EQ(deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);  // 16: with gzip's header
+  std::string out(deflateBound(&stream, text.size()) + 32, '\0');
+  std::string in = text;
+  stream.next_in = reinterpret_cast<Bytef*>(in.data());
+  stream.avail_in = static_cast<uInt>(in.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
+  out.resize(stream.total_out);
+  deflateEnd(&stream);
+  return out;
+}
+
+constexpr std::string_view kFlawed = R"(
+DEF HULL Transform { children DEF SKIN Shape { geometry IndexedFaceSet {
+  coord Coordinate { point [ 0 0 0, 1 0 0, 1 1 0.5, 0 1 0, 2 0 0 ] }
+  coordIndex [ 0 1 2 3 -1, 0 1 4 -1, 3 2 1 0 -1 ] } } }
+Transform { translation 9 0 0 children USE HULL }
+)";
+
+const auto kTopLevel = ElementsAre("world", "good", "errors", "warnings", "unsupported", "statistics", "defects",
+                                   "files", "bytes", "read_ms", "defects_ms");
+
+TEST(Check, JsonOfAGoodWorldCountsAll) {
+  const ScratchFolder folder;
+  const Checked run = check(folder, kFlawed, true);
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_EQ(run.err, "");
+  const Json json = Json::parse(run.out);
+  EXPECT_THAT(keys_of(json), kTopLevel);
+  EXPECT_EQ(json["world"], (folder / "world.wrl").string());
+  EXPECT_EQ(json["good"], true);
+  EXPECT_EQ(json["errors"], Json::array());
+  EXPECT_EQ(json["warnings"], Json::array());
+  EXPECT_EQ(json["unsupported"], Json::array());
+  EXPECT_EQ(json["files"], 1);
+  EXPECT_EQ(json["bytes"], kHeader.size() + kFlawed.size());
+  EXPECT_GT(json["read_ms"], 0.0);
+  EXPECT_GE(json["defects_ms"], 0.0);
+
+  const Json& s = json["statistics"];
+  EXPECT_THAT(keys_of(s),
+              testing::IsSupersetOf({"nodes", "instances", "groups", "shapes", "depth", "geometries", "polygons",
+                                     "triangles", "faces", "face_triangles", "polygons_instanced",
+                                     "triangles_instanced", "interests", "key_sensors", "routes", "pending_inlines"}));
+  EXPECT_EQ(s["groups"], 3);
+  EXPECT_EQ(s["shapes"], 2);
+  EXPECT_EQ(s["depth"], 3);
+  EXPECT_EQ(s["polygons"], 3);
+  EXPECT_EQ(s["triangles"], 5);
+  EXPECT_EQ(s["polygons_instanced"], 6);
+
+  const Json& d = json["defects"];
+  EXPECT_THAT(keys_of(d),
+              ElementsAre("degenerate", "duplicate", "non_planar", "warped", "non_manifold", "non_manifold_edges",
+                          "boundary_edges", "same_direction_edges", "edges_without_length", "first"));
+  EXPECT_EQ(d["degenerate"], 1);
+  EXPECT_EQ(d["duplicate"], 1);
+  EXPECT_EQ(d["non_planar"], 2);
+  EXPECT_EQ(d["warped"], 2);
+  EXPECT_EQ(d["non_manifold"], 3);
+  EXPECT_EQ(d["non_manifold_edges"], 1);
+  EXPECT_EQ(d["boundary_edges"], 2);
+  EXPECT_EQ(d["first"]["duplicate"], (Json{{"shape", "HULL/SKIN"}, {"polygon", 2}}));
+  EXPECT_EQ(d["first"]["degenerate"]["polygon"], 1);
+}
+
+// What no peer does is a warning, and the world stays good.
+TEST(Check, WhatDoesNothingIsAWarning) {
+  const ScratchFolder folder;
+  const Checked run = check(folder,
+                            "DEF CAR Transform { children Shape { geometry Box { } } }\nDEF CLOCK TimeSensor { "
+                            "}\nROUTE CAR.notColliding TO CLOCK.enabled\n",
+                            true);
+  EXPECT_EQ(run.exit_code, 0);
+  const Json json = Json::parse(run.out);
+  EXPECT_EQ(json["good"], true);
+  ASSERT_EQ(json["warnings"].size(), 1U);
+  EXPECT_EQ(json["warnings"][0]["line"], 4);
+  EXPECT_EQ(json["warnings"][0]["column"], 11);
+  EXPECT_THAT(json["warnings"][0]["message"].get<std::string>(), HasSubstr("this ROUTE from notColliding"));
+}
+
+TEST(Check, JsonOfAWorldWithoutDefectsHasZeros) {
+  const ScratchFolder folder;
+  const Json defects = json_of(folder, "Shape { geometry Box {} }")["defects"];
+  for (const auto& [key, value] : defects.items()) {
+    EXPECT_TRUE(key == "first" || value == 0) << key;
+  }
+  for (const auto& [key, value] : defects["first"].items()) EXPECT_TRUE(value.is_null()) << key;
+}
+
+TEST(Check, JsonOfABadWorldHasEachErrorAndItsPlace) {
+  const ScratchFolder folder;
+  const Checked run = check(folder, "Shape { geometry Box { syze 1 1 1 } }\nTransform { translaton 1 2 3 }\n", true);
+  EXPECT_EQ(run.exit_code, 1);
+  const Json json = Json::parse(run.out);
+  EXPECT_THAT(keys_of(json), kTopLevel);
+  EXPECT_EQ(json["good"], false);
+  ASSERT_EQ(json["errors"].size(), 2U);
+  EXPECT_THAT(keys_of(json["errors"][0]), ElementsAre("file", "line", "column", "message"));
+  EXPECT_EQ(json["errors"][0]["file"], json["world"]);
+  EXPECT_EQ(json["errors"][0]["line"], 2);
+  EXPECT_EQ(json["errors"][1]["line"], 3);
+  EXPECT_EQ(json["errors"][1]["column"], 13);
+  EXPECT_THAT(json["errors"][1]["message"].get<std::string>(), HasSubstr("did you mean 'translation'?"));
+  EXPECT_TRUE(json["statistics"].is_null());
+  EXPECT_TRUE(json["defects"].is_null());
+}
+
+TEST(Check, WarningsLeaveAWorldGood) {
+  const ScratchFolder folder;
+  const Checked run = check(folder, "Transform { scale -1 1 1 children Shape { geometry Box {} } }", true);
+  EXPECT_EQ(run.exit_code, 0);
+  const Json json = Json::parse(run.out);
+  EXPECT_EQ(json["good"], true);
+  ASSERT_EQ(json["warnings"].size(), 1U);
+  EXPECT_EQ(json["warnings"][0]["line"], 2);
+  EXPECT_THAT(check(folder / "world.wrl", false).out, HasSubstr(": good, 1 warning; "));
+}
+
+TEST(Check, AnErrorInsideAnInlineIsNamedByTheInnerFile) {
+  const ScratchFolder folder;
+  const auto inner = folder.write("inner.wrl", std::string(kHeader) + "\nShape { geometry Bx {} }\n");
+  const Json json = json_of(folder, "Inline { url \"inner.wrl\" }");
+  EXPECT_EQ(json["files"], 2);
+  ASSERT_EQ(json["errors"].size(), 1U);
+  EXPECT_EQ(json["errors"][0]["file"], std::filesystem::canonical(inner).string());
+  EXPECT_EQ(json["errors"][0]["line"], 3);
+  EXPECT_EQ(json["errors"][0]["column"], 18);
+  const Checked text = check(folder / "world.wrl", false);
+  EXPECT_EQ(text.exit_code, 1);
+  EXPECT_THAT(text.err, HasSubstr("inner.wrl:3:18: error: "));
+  EXPECT_THAT(text.err, HasSubstr("Shape { geometry Bx {} }\n                 ^\n"));
+}
+
+TEST(Check, PackedWorldsAreTheSame) {
+  const ScratchFolder folder;
+  const std::string text = std::string(kHeader) + std::string(kFlawed);
+  const Checked run = check(folder.write("world.wrl.gz", packed(text)), true);
+  EXPECT_EQ(run.exit_code, 0);
+  Json json = Json::parse(run.out), plain = json_of(folder, kFlawed);
+  EXPECT_EQ(json["bytes"], text.size());
+  for (const char* own : {"world", "read_ms", "defects_ms"}) json.erase(own), plain.erase(own);
+  EXPECT_EQ(json, plain);
+  // Places are those of the unpacked text.
+  const Checked bad = check(folder.write("bad.wrl.gz", packed(std::string(kHeader) + "\n\nGrop {}\n")), true);
+  EXPECT_EQ(bad.exit_code, 1);
+  EXPECT_EQ(Json::parse(bad.out)["errors"][0]["line"], 4);
+}
+
+TEST(Check, FilesThatCannotBeReadSayWhy) {
+  const ScratchFolder folder;
+  const auto missing = folder / "missing.wrl";
+  const Checked none = check(missing, true);
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_EQ(none.err, missing.string() + ": error: there is no such file\n");
+  const Json json = Json::parse(none.out);
+  EXPECT_THAT(keys_of(json), kTopLevel);
+  EXPECT_EQ(json["good"], false);
+  EXPECT_EQ(
+      json["errors"],
+      (Json::array({{{"file", missing.string()}, {"line", 0}, {"column", 0}, {"message", "there is no such file"}}})));
+  EXPECT_EQ(check(missing, false).exit_code, 2);
+  EXPECT_EQ(check(folder.path(), true).exit_code, 3);  // a folder
+  EXPECT_EQ(check(folder.path(), false).out, "");
+}
+
+TEST(Check, TextIsATableWithoutTheZeros) {
+  const ScratchFolder folder;
+  const Checked flawed = check(folder, kFlawed, false);
+  EXPECT_EQ(flawed.exit_code, 0);
+  EXPECT_EQ(flawed.err, "");
+  EXPECT_THAT(flawed.out,
+              HasSubstr("  duplicate                            1  with the corners of an earlier one; first: "
+                        "HULL/SKIN polygon 2\n"));
+  EXPECT_THAT(flawed.out, Not(HasSubstr("routes")));
+  EXPECT_THAT(flawed.out, Not(HasSubstr("no defects")));
+  EXPECT_THAT(flawed.out, Not(HasSubstr("edges without length")));
+  EXPECT_THAT(check(folder, "Shape { geometry Box {} }", false).out, HasSubstr("\nno defects of polygons\n"));
+}
+
+// Errors are shown although many warnings come first.
+TEST(Check, TextShowsSomeProblemsAndJsonAll) {
+  const ScratchFolder folder;
+  std::string body;
+  for (int i = 0; i < 120; ++i) body += "Transform { scale -1 1 1 }\n";
+  for (int i = 0; i < 50; ++i) body += "Grop {}\n";
+  const Checked text = check(folder, body, false);
+  EXPECT_EQ(text.exit_code, 1);
+  const auto lines_with = [&](std::string_view what) {
+    int lines = 0;
+    for (std::size_t at = text.err.find(what); at != std::string::npos; at = text.err.find(what, at + 1)) ++lines;
+    return lines;
+  };
+  EXPECT_EQ(lines_with(": warning: "), 20);
+  EXPECT_EQ(lines_with(": error: "), 20);
+  EXPECT_THAT(text.err, testing::EndsWith("world.wrl: note: 30 more errors, 100 more warnings; --json lists all\n"));
+  EXPECT_THAT(text.out, HasSubstr(": 50 errors, 120 warnings; "));
+  const Json json = Json::parse(check(folder / "world.wrl", true).out);
+  EXPECT_EQ(json["errors"].size(), 50U);
+  EXPECT_EQ(json["warnings"].size(), 120U);
+}
+
+std::string shapes_of_36_million_polygons() {
+  std::string body;
+  for (int i = 0; i < 9; ++i) {
+    body += "Shape { geometry Extrusion { crossSection [";
+    for (int k = 0; k < 2001; ++k) body += std::to_string(k) + " 0,";
+    body += "] spine [";
+    for (int k = 0; k < 2001; ++k) body += "0 " + std::to_string(k) + " 0,";
+    body += "] } }\n";
+  }
+  return body;
+}
+
+// Nothing is built for this answer: it would take tens of gigabytes.
+TEST(Check, DefectsOfBillionsOfPolygonsAreNotLookedFor) {
+  const ScratchFolder folder;
+  const Checked run = check(folder, "#\n" + shapes_of_36_million_polygons(), true, kExpansionMax);
+  EXPECT_EQ(run.exit_code, 0);
+  const Json json = Json::parse(run.out);
+  EXPECT_GT(json["statistics"]["polygons"], 1 << 25);
+  EXPECT_TRUE(json["defects"].is_null());
+  EXPECT_THAT(json["unsupported"].dump(), HasSubstr("defects of more than 33554432 polygons"));
+}
+
+TEST(Check, InterestsInBillionsOfPolygonsAreNotLookedAt) {
+  const ScratchFolder folder;
+  const std::string body = "DEF A Group { children [ " + shapes_of_36_million_polygons() +
+                           "] } DEF B Group { } CollisionInterest { objectPath \"A\" interests \"B\" }";
+  const Json json = Json::parse(check(folder, body, true, kExpansionMax).out);
+  EXPECT_TRUE(json["good"]);
+  EXPECT_THAT(json["unsupported"].dump(), HasSubstr("interests in more than 33554432 polygons"));
+}
+
+// A million starts and stops are used up before that day is over, and the output says so.
+TEST(Check, SensorsThatStopForWantOfTransitionsAreNamed) {
+  const ScratchFolder folder;
+  const std::string body =
+      "DEF A TimeSensor { cycleInterval 0.01 loop TRUE } DEF B TimeSensor { cycleInterval 0.01 }\n"
+      "DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 1 0 0 ] } DEF T Transform { }\n"
+      "ROUTE A.cycleTime TO B.startTime ROUTE B.fraction_changed TO P.set_fraction\n"
+      "ROUTE P.value_changed TO T.translation\n";
+  const auto unsupported_at = [&](double at_s) {
+    std::ostringstream out, err;
+    EXPECT_EQ(run_check(folder.write("world.wrl", std::string(kHeader) + body),
+                        {.json = true, .copy = {}, .at_s = at_s}, out, err),
+              0);
+    return Json::parse(out.str())["unsupported"].dump();
+  };
+  EXPECT_EQ(unsupported_at(10), "[]");
+  EXPECT_THAT(unsupported_at(86'400), HasSubstr("TimeSensors that start each other so often: they stand still from "));
+}
+
+TEST(Check, BytesThatAreNoUtf8DoNotBreakTheJson) {
+  const ScratchFolder folder;
+  const Checked run = check(folder, "Shape { geometry B\xff {} }", true);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_FALSE(Json::parse(run.out)["errors"].empty());
+}
+
+TEST(Check, SaysWhereThingsHaveMovedByThen) {
+  const ScratchFolder folder;
+  const auto path =
+      folder.write("lift.wrl",
+                   "#VRML V2.0 utf8\nDEF LIFT Transform { }\nDEF T TimeSensor { cycleInterval 4 loop TRUE }\n"
+                   "DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 0 8 0 ] }\n"
+                   "ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO LIFT.translation\n");
+  std::ostringstream out, err;
+  ASSERT_EQ(run_check(path.string(), {.json = true, .copy = {}, .at_s = 5.0}, out, err), 0);
+  const auto moving = nlohmann::json::parse(out.str())["moving"];
+  ASSERT_EQ(moving.size(), 1u);
+  EXPECT_EQ(moving[0]["path"], "LIFT");
+  EXPECT_NEAR(moving[0]["position"][1].get<double>(), 2.0, 1e-9);
+}
+
+TEST(Check, WritesACopyThatNeedsNoOtherFile) {
+  const ScratchFolder folder;
+  folder.write("inner.wrl", "#VRML V2.0 utf8\nDEF BOX Shape { geometry Box { } }\n");
+  const auto path = folder.write("outer.wrl", "#VRML V2.0 utf8\nInline { url \"inner.wrl\" }\n");
+  const std::string copy = (folder / "copy.wrl").string();
+  std::ostringstream out, err;
+  ASSERT_EQ(run_check(path.string(), {.json = false, .copy = copy, .at_s = {}}, out, err), 0) << err.str();
+  std::filesystem::remove(folder / "inner.wrl");
+  std::ostringstream again;
+  ASSERT_EQ(run_check(copy, {.json = true, .copy = {}, .at_s = {}}, again, err), 0) << err.str();
+  EXPECT_EQ(nlohmann::json::parse(again.str())["statistics"]["polygons"], 6);
+}
+
+TEST(Check, ACopyThatCannotBeWrittenIsNotGood) {
+  const ScratchFolder folder;
+  const auto world = folder.write("w.wrl", "#VRML V2.0 utf8\nGroup { }\n");
+  std::ostringstream out, err;
+  EXPECT_EQ(run_check(world.string(), {.json = false, .copy = "/dev/full", .at_s = {}}, out, err), 3);
+  EXPECT_THAT(err.str(), HasSubstr("/dev/full: error: can't be written: No space left on device"));
+  EXPECT_EQ(out.str(), "");
+  EXPECT_EQ(run_check(world.string(), {.json = true, .copy = "/dev/full", .at_s = {}}, out, err), 3);
+  const auto said = Json::parse(out.str());
+  EXPECT_EQ(said["good"], false);
+  EXPECT_EQ(said["errors"][0]["file"], "/dev/full");
+}
+
+}  // namespace peerd::check_command_test

@@ -1,0 +1,44 @@
+#include "peerd/cli/lab/mcap_command.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/peerd/lab/recorded/recorded_run.hpp"
+
+namespace peerd::mcap_command_test {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing_support::ScratchFolder;
+using testing_support::SimulatedFolder;
+
+// Another implementation reads what the file says: tests/browser/mcap_test.mjs.
+TEST(McapExport, SaysWhatItHasWritten) {
+  const SimulatedFolder folder(PEERD_SOURCE_DIR "/configs/scenarios/edits.toml");
+  const auto file = folder.run() / "run.mcap";
+  std::ostringstream out, err;
+  ASSERT_EQ(run_mcap_export({.what = folder.run(), .file = file, .json = true}, out, err), 0) << err.str();
+  const json said = json::parse(out.str());
+  EXPECT_EQ(said.at("bytes"), std::filesystem::file_size(file));
+  EXPECT_EQ(said.at("views").size(), 3u);
+  EXPECT_GT(said.at("messages"), 1'000);
+  EXPECT_EQ(said.at("notes"), json::array());
+}
+
+TEST(McapExport, WritesNothingWhereThereIsNothing) {
+  const ScratchFolder folder;
+  std::ostringstream out, err;
+  EXPECT_EQ(run_mcap_export({.what = folder / "nothing", .file = folder / "a.mcap"}, out, err), 2);
+  EXPECT_EQ(run_mcap_export({.what = folder.path(), .file = folder / "a.mcap"}, out, err), 2);
+  EXPECT_THAT(err.str(), HasSubstr("it has no summary.json"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.mcap"));
+  const SimulatedFolder run(PEERD_SOURCE_DIR "/configs/scenarios/edits.toml");
+  EXPECT_EQ(run_mcap_export({.what = run.run(), .file = "/nowhere/a.mcap"}, out, err), 3);
+}
+
+}  // namespace peerd::mcap_command_test

@@ -1,0 +1,57 @@
+#include "peerd/daemon/join/worlds_here.hpp"
+
+#include <gmock/gmock.h>
+
+#include "replication/wire/codec.hpp"
+
+namespace peerd::worlds_here_test {
+
+using testing::HasSubstr;
+
+World world(const std::string& name, std::uint64_t session) {
+  discovery::Found found{};
+  found.beacon.world = name;
+  found.beacon.name = "ada";
+  found.beacon.session = session;
+  found.beacon.protocol = replication::kProtocolVersion;
+  return {name, session, {found}};
+}
+
+TEST(ChooseWorld, TakesTheOneThatIsNamed) {
+  const std::vector<World> worlds{world("eq47", 1), world("town", 2)};
+  const auto chosen = choose_world(worlds, "town");
+  ASSERT_TRUE(chosen);
+  EXPECT_EQ(*chosen, &worlds[1]);
+}
+
+TEST(ChooseWorld, TakesTheOnlyOneWithoutAName) {
+  const std::vector<World> worlds{world("town", 2)};
+  ASSERT_TRUE(choose_world(worlds, ""));
+  EXPECT_EQ(*choose_world(worlds, ""), &worlds[0]);
+}
+
+TEST(ChooseWorld, KnowsWhenThereIsNone) {
+  ASSERT_TRUE(choose_world({}, ""));
+  EXPECT_EQ(*choose_world({}, ""), nullptr);
+  EXPECT_EQ(*choose_world({world("town", 2)}, "village"), nullptr);
+}
+
+TEST(ChooseWorld, AsksWhichOfSeveral) {
+  const auto nameless = choose_world({world("eq47", 1), world("town", 2)}, "");
+  ASSERT_FALSE(nameless);
+  EXPECT_EQ(nameless.error().exit_code, kNoSuchWorld);
+  EXPECT_THAT(nameless.error().text, HasSubstr("which of these worlds?"));
+  EXPECT_THAT(nameless.error().text, HasSubstr("town"));
+  EXPECT_FALSE(choose_world({world("town", 1), world("town", 2)}, "town")) << "two sessions have that name";
+}
+
+TEST(LineOf, NamesAnotherProtocolAndAnOpenSession) {
+  World old = world("town", 0xabc);
+  EXPECT_THAT(line_of(old), HasSubstr("town  (session 0000000000000abc, open): ada (id 1) at "));
+  old.peers.front().beacon.protocol = 1;
+  old.peers.front().beacon.sealed = true;
+  EXPECT_THAT(line_of(old), HasSubstr("it speaks version 1 of the protocol"));
+  EXPECT_THAT(line_of(old), testing::Not(HasSubstr("open")));
+}
+
+}  // namespace peerd::worlds_here_test

@@ -1,0 +1,42 @@
+#include "peerd/lab/baselines/comparison.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/peerd/lab/baselines/systems.hpp"
+#include "tests/peerd/well_formed.hpp"
+
+namespace peerd::baselines::comparison_test {
+
+using namespace baselines::testing_support;
+using testing::HasSubstr;
+
+TEST(ComparedSystems, SayHowLateAndHowWrongEachIs) {
+  const auto of = [](const char* system) {
+    return compared(system, run_system(sim::testing_support::kEq47, system, {"network.latency_ms=100"}), 1.0, {});
+  };
+  const Compared lockstep = of("lockstep"), server = of("server"), dead_reckoning = of("thesis");
+  EXPECT_NEAR(lockstep.own_delay_ms.value(), 130, 30);
+  EXPECT_EQ(lockstep.view_difference_m, 0.0);
+  EXPECT_NEAR(server.own_delay_ms.value(), 0, 3);
+  EXPECT_NEAR(server.others_delay_ms.value(), 320, 40);
+  EXPECT_LT(dead_reckoning.others_delay_ms.value(), 60);
+  EXPECT_LT(dead_reckoning.bytes_per_s, server.bytes_per_s);
+}
+
+TEST(ComparedSystems, StandInATableAPictureAndJson) {
+  Compared one{.system = "ours", .simulated_s = 10, .cpu_s = 0.5, .bytes_per_s = 1000, .shown_error_m = 0.1};
+  Compared other = one;
+  other.system = "<other>";
+  other.key_to_own_ms = 17.0;
+  const std::vector<Compared> systems{one, other};
+  EXPECT_THAT(table(systems), HasSubstr("ours"));
+  const std::string svg = picture("a & b", systems);
+  EXPECT_EQ(report::testing_support::malformed(svg), std::nullopt);
+  const auto json = to_json(systems);
+  EXPECT_TRUE(json[0]["key_to_own_ms"].is_null());
+  EXPECT_EQ(json[1]["key_to_own_ms"], 17.0);
+}
+
+}  // namespace peerd::baselines::comparison_test

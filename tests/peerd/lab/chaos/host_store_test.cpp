@@ -1,0 +1,186 @@
+// The daemon's own store on a simulated disk that fails at every write.
+#include "peerd/lab/chaos/host_store.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+
+#include "peerd/peer/store/part_row.hpp"
+
+namespace peerd::chaos::host_store_test {
+
+using namespace replication;
+
+constexpr std::uint64_t kGenesis = 7;
+constexpr AuthorId kAuthor{5};
+constexpr HostTime kNow{std::chrono::seconds(1)};
+
+// Appends operations to a log, as a peer does, and has the store write each one.
+class Writer {
+ public:
+  explicit Writer(HostStore& store, std::size_t more_bytes = 0) : store_(store), more_bytes_(more_bytes) {}
+
+  // The number of operations that the store has said to have; begins where the opened store ends.
+  std::uint32_t write(const HostStore::Opened& opened, std::uint32_t operations) {
+    OperationLogs logs(opened.author);
+    for (const OperationPart& part : opened.log) EXPECT_TRUE(logs.restore(part));
+    store_.keep(logs);
+    std::uint32_t stored = logs.last(opened.author).number;
+    for (std::uint32_t i = 0; i < operations && !store_.disk().is_dead(); ++i) {
+      const std::uint64_t from = logs.length(opened.author);
+      const std::uint32_t number = logs.last(opened.author).number + 1;
+      const Operation operation = message(opened.author, number, more_bytes_);
+      EXPECT_TRUE(logs.append(operation));
+      store_.add({{opened.author, from, logs.length(opened.author)}, operation.id}, kNow);
+      const auto written = store_.write(kNow);
+      if (written.own) stored = written.own->number;
+      EXPECT_TRUE(written.own || written.error);
+    }
+    return stored;
+  }
+
+ private:
+  static Operation message(AuthorId author, std::uint32_t number, std::size_t more_bytes) {
+    Operation operation;
+    operation.id = {author, number};
+    operation.stamp = SimTime{std::chrono::milliseconds(number)};
+    operation.body = SendMessage{PeerId{1}, "topic",
+                                 "text " + std::to_string(number) + std::string(number * 37U % 900U + more_bytes, '.')};
+    return operation;
+  }
+
+  HostStore& store_;
+  std::size_t more_bytes_;  // of each operation
+};
+
+std::uint32_t operations_of(const HostStore::Opened& opened) {
+  OperationLogs logs;
+  for (const OperationPart& part : opened.log) EXPECT_TRUE(logs.restore(part));
+  return logs.last(kAuthor).number;
+}
+
+TEST(HostStore, HasWhatItHasSaidToHaveAfterAnEndAtEveryWrite) {
+  for (const bool power_is_cut : {false, true}) {
+    std::uint64_t write = 1;
+    for (bool died = true; died; ++write) {
+      HostStore store(Random(write, power_is_cut ? 1 : 0), "p1");
+      store.disk().die_at_write(write);
+      auto opened = store.open(kGenesis, kAuthor);
+      std::uint32_t stored = 0;
+      if (opened) stored = Writer(store).write(*opened, 40);
+      if (!store.disk().is_dead()) store.close();
+      died = store.disk().is_dead();
+      if (died) store.crash(power_is_cut);
+      store.disk().die_at_write(std::nullopt);
+      const auto again = store.open(kGenesis, kAuthor);
+      ASSERT_TRUE(again) << "write " << write << ": " << again.error().text;
+      EXPECT_FALSE(again->lost) << "write " << write;
+      EXPECT_GE(operations_of(*again), stored) << "write " << write;
+      EXPECT_LE(operations_of(*again), stored + 1) << "write " << write;
+      store.close();
+    }
+    EXPECT_GT(write, 100u) << "a store makes so many writes";
+  }
+}
+
+// So does a store that packs what it has while it ends.
+TEST(HostStore, HasWhatItHasSaidToHaveAfterAnEndWhileItPacks) {
+  for (const bool power_is_cut : {false, true}) {
+    std::uint64_t write = 1;
+    for (bool died = true; died; ++write) {
+      HostStore store(Random(write, power_is_cut ? 1 : 0), "p1");
+      auto opened = store.open(kGenesis, kAuthor);
+      ASSERT_TRUE(opened);
+      ASSERT_EQ(Writer(store, 8000).write(*opened, 7), 7u) << "which are not packed yet";
+      store.close();
+      opened = store.open(kGenesis, kAuthor);
+      ASSERT_TRUE(opened);
+      store.disk().die_at_write(write);
+      const std::uint32_t stored = Writer(store, 8000).write(*opened, 9);  // two rows are packed meanwhile
+      if (!store.disk().is_dead()) store.close();
+      died = store.disk().is_dead();
+      if (died) store.crash(power_is_cut);
+      store.disk().die_at_write(std::nullopt);
+      const auto again = store.open(kGenesis, kAuthor);
+      ASSERT_TRUE(again) << "write " << write << ": " << again.error().text;
+      EXPECT_FALSE(again->lost) << "write " << write;
+      EXPECT_GE(operations_of(*again), stored) << "write " << write;
+      EXPECT_LE(operations_of(*again), stored + 1) << "write " << write;
+      store.close();
+    }
+    EXPECT_GT(write, 60u) << "a store makes so many writes";
+  }
+}
+
+TEST(HostStore, AStoreOfTheFormatBeforeHasAllAfterAnEndAtEveryWrite) {
+  for (const bool power_is_cut : {false, true}) {
+    std::uint64_t write = 1;
+    for (bool died = true; died; ++write) {
+      SimulatedDisk disk(Random(write, power_is_cut ? 1 : 0));
+      SimulatedFileSystem files(disk);
+      const auto open = [&] {
+        return store::OperationStore::open(std::make_unique<SimulatedFolder>(files, "p1"), kGenesis, {kAuthor});
+      };
+      ASSERT_TRUE(open());
+      std::uint64_t size = 0;
+      {
+        SimulatedFolder folder(files, "p1");
+        auto database = store::Database::open(folder, "operations.sqlite", false);
+        ASSERT_TRUE(database) << database.error().text;
+        ASSERT_TRUE(database->accept());
+        for (const char* const sql : {"DROP TABLE packed", "PRAGMA user_version = 1", "BEGIN"}) {
+          ASSERT_TRUE(database->run(sql));
+        }
+        auto insert = database->prepare("INSERT INTO parts VALUES (?, ?, ?, ?)");
+        ASSERT_TRUE(insert);
+        for (std::uint32_t number = 1; number <= 300; ++number) {
+          const auto bytes = encode({{kAuthor, number},
+                                     SimTime{std::chrono::milliseconds(number)},
+                                     SendMessage{PeerId{1}, "topic", std::string(1000, '.')}});
+          insert->bind(0, std::int64_t{kAuthor.value});
+          insert->bind(1, static_cast<std::int64_t>(size));
+          insert->bind(2, store::part_checksum(kAuthor, size, bytes));
+          insert->bind(3, bytes);
+          ASSERT_TRUE(insert->step());
+          size += bytes.size();
+        }
+        ASSERT_TRUE(database->run("COMMIT"));
+      }
+      disk.die_at_write(write);
+      (void)open();
+      died = disk.is_dead();
+      if (died) disk.revive(power_is_cut);
+      disk.die_at_write(std::nullopt);
+      const auto again = open();
+      ASSERT_TRUE(again) << "write " << write << ": " << again.error().text;
+      ASSERT_EQ((*again)->logs().size(), 1u) << "write " << write;
+      EXPECT_EQ((*again)->logs()[0].bytes, size) << "write " << write;
+      EXPECT_EQ((*again)->logs()[0].operations, 300u) << "write " << write;
+      EXPECT_EQ((*again)->packing_error(), "");
+    }
+    EXPECT_GT(write, 30u) << "packing makes so many writes";
+  }
+}
+
+TEST(HostStore, AFullDiskIsAnErrorAndTheStoreGoesOnAfterwards) {
+  HostStore store(Random(1, 0), "p1");
+  auto opened = store.open(kGenesis, kAuthor);
+  ASSERT_TRUE(opened);
+  EXPECT_EQ(Writer(store).write(*opened, 3), 3u);
+  store.close();
+  store.disk().set_room(0);
+  opened = store.open(kGenesis, kAuthor);
+  ASSERT_TRUE(opened) << opened.error().text;
+  EXPECT_EQ(Writer(store).write(*opened, 100), 3u) << "nothing more fits";
+  store.crash(false);
+  store.disk().set_room(std::nullopt);
+  opened = store.open(kGenesis, AuthorId{6});
+  ASSERT_TRUE(opened) << opened.error().text;
+  EXPECT_EQ(opened->author, AuthorId{6}) << "what the author has published, the store may lack";
+  EXPECT_EQ(operations_of(*opened), 3u);
+  EXPECT_EQ(Writer(store).write(*opened, 2), 2u);
+}
+
+}  // namespace peerd::chaos::host_store_test

@@ -1,0 +1,122 @@
+#include "peerd/lab/cluster/run_bytes.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "peerd/lab/measure/summary.hpp"
+#include "peerd/lab/report/write.hpp"
+#include "tests/peerd/report_samples.hpp"
+#include "tests/peerd/scratch_folder.hpp"
+
+namespace peerd::cluster::run_bytes_test {
+
+// Every field has a value of its own.
+RunResult full_result() {
+  RunResult result{measure::samples::zigzag_run(0.1), {"one warning", "another"}};
+  measure::RunRecord& run = result.record;
+  run.params["network.latency_ms"] = 100;
+  run.params["replication.order"] = nlohmann::ordered_json::array({1, 2.5, "x"});
+  run.network_settings["network.loss"] = 0.1;
+  run.seed = 77;
+  run.stopped = true;
+  run.peers[1].there_s = {{1.5, 2.5}, {3.25, 9.0}};
+  run.scene_paths[ObjectId{3, 9}] = "WALL/SHAPE";
+  run.outlines = {{ObjectId{10}, {{1.0, 2.0}, {-0.0, 4.0}}, -1.0, 1.5}, {std::nullopt, {{7.0, 8.0}}, 0.0, 0.5}};
+  run.outlines_left_out = 4;
+  run.ghost_samples[3].ghost.orientation = Quat(0.5, -0.5, 0.5, 0.5);
+  measure::Measured part{
+      .from_s = 1.0, .until_s = 2.0, .views = {}, .updates = {}, .datagrams = 8, .datagram_bytes = 900};
+  part.views.push_back({PeerId{2}, ObjectId{10}, 3, {4, 0.1, 0.2, 0.3, 0.4, false}, {1, 2, 3, 4, 5, true}, {}, 6.5});
+  part.updates[ObjectId{10}] = {5, 155};
+  run.measured = measure::RunMeasured{part, false, {part, part}, {{PeerId{1}, {10, 0, 30}}}};
+  run.contacts[0].type = CollisionType::kAllPairs;
+  run.contacts[0].polygons = {70, {{{ObjectId{1}, 2}, {ObjectId{3}, 4}}}};
+  run.events = {{0.5, "push"}};
+  run.wrong = measure::WrongOutcomes{9, 1, 2};
+  run.interest = measure::InterestRecord{100.0, 1.0, 2.0, 3, 4, 5, {{PeerId{1}, 1.5, 2, 3, 4, 5, 6, 7.5}}};
+  run.network = measure::NetworkMeasured{{{PeerId{1}, PeerId{2}, 10, 1, 2, {5.5, 6.5}, 100, 3}}, {0.1}, {0.2, 0.3}};
+  run.clocks = {{PeerId{3}, 10, 0.1, 0.2, 0.3, 0.4, 5}};
+  run.groups_joined = 12;
+  run.worlds_equal = false;
+  return result;
+}
+
+TEST(RunBytes, AllFieldsComeBack) {
+  const std::string bytes = to_bytes(full_result());
+  const auto again = run_result_from(bytes);
+  ASSERT_TRUE(again) << again.error();
+  EXPECT_EQ(to_bytes(*again), bytes);
+  const measure::RunRecord& run = again->record;
+  EXPECT_EQ(again->warnings, (std::vector<std::string>{"one warning", "another"}));
+  EXPECT_EQ(run.params.dump(), full_result().record.params.dump());
+  EXPECT_EQ(run.seed, 77U);
+  EXPECT_TRUE(run.stopped);
+  EXPECT_EQ(run.peers[1].there_s[1].second, 9.0);
+  EXPECT_EQ(run.scene_paths.at(ObjectId{3, 9}), "WALL/SHAPE");
+  EXPECT_EQ(run.ghost_samples[3].ghost.orientation.coeffs(), Quat(0.5, -0.5, 0.5, 0.5).coeffs());
+  EXPECT_EQ(run.measured->parts[1].views[0].ghost_error_m.max, 0.4);
+  EXPECT_EQ(run.contacts[0].polygons.pairs[0].collidee.polygon, 4U);
+  EXPECT_EQ(run.interest->peers[0].groups, 7.5);
+  EXPECT_EQ(run.network->links[0].delay_ms, (std::vector{5.5, 6.5}));
+  EXPECT_FALSE(run.worlds_equal);
+}
+
+// A seeded generator changes one bit of a result; what is still read as one is another result.
+TEST(RunBytes, NoBitIsWithoutMeaning) {
+  const std::string bytes = to_bytes(full_result());
+  std::mt19937_64 random(1);
+  int refused = 0;
+  for (int i = 0; i < 2000; ++i) {
+    std::string other = bytes;
+    const std::size_t at = random() % other.size();
+    other[at] = static_cast<char>(other[at] ^ (1 << (random() % 8)));
+    const auto result = run_result_from(other);
+    if (result) {
+      EXPECT_EQ(to_bytes(*result), other) << at;
+    }
+    refused += result ? 0 : 1;
+  }
+  EXPECT_GT(refused, 0);
+}
+
+TEST(RunBytes, APartOfAResultIsRefused) {
+  const std::string bytes = to_bytes(full_result());
+  for (std::size_t size = 0; size < bytes.size(); size += size < 2000 ? 1 : 97) {
+    EXPECT_FALSE(run_result_from(std::string_view(bytes).substr(0, size))) << size;
+  }
+  EXPECT_FALSE(run_result_from(bytes + '\0'));
+}
+
+TEST(RunBytes, AnotherFormatIsNamed) {
+  std::string bytes = to_bytes(full_result());
+  bytes[0] = 9;
+  EXPECT_EQ(run_result_from(bytes).error(), "it is of format 9, and this program reads 2");
+}
+
+TEST(RunBytes, AnUnknownKindOfContactIsRefused) {
+  RunResult result = full_result();
+  result.record.contacts[0].type = static_cast<CollisionType>(3);
+  EXPECT_FALSE(run_result_from(to_bytes(result)));
+}
+
+TEST(RunBytes, TheReportIsTheSame) {
+  const testing_support::ScratchFolder folder;
+  RunResult result = full_result();
+  result.record.stopped = false;
+  const auto again = run_result_from(to_bytes(result));
+  ASSERT_TRUE(again);
+  measure::ScenarioInfo info{.name = "s", .mode = "sim", .warnings = {}};
+  ASSERT_TRUE(report::write_report(folder / "a", info, std::vector{result.record, result.record}));
+  ASSERT_TRUE(report::write_report(folder / "b", info, std::vector{again->record, again->record}));
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "a")) {
+    const auto name = entry.path().filename().string();
+    EXPECT_EQ(testing_support::text_of(folder / ("b/" + name)), testing_support::text_of(entry.path())) << name;
+    ++files;
+  }
+  EXPECT_GE(files, 8);
+}
+
+}  // namespace peerd::cluster::run_bytes_test

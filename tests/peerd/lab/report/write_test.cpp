@@ -1,0 +1,100 @@
+#include "peerd/lab/report/write.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include "tests/peerd/report_samples.hpp"
+
+namespace peerd::report::write_test {
+
+namespace fs = std::filesystem;
+
+const measure::ScenarioInfo kInfo{"zigzag", "sim", 7, {}};
+
+std::string slurp(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class WriteReport : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    dir_ = fs::path(testing::TempDir()) / (std::string("peerd_report_") + test->name());
+    fs::remove_all(dir_);
+  }
+  void TearDown() override { fs::remove_all(dir_); }
+
+  [[nodiscard]] std::set<std::string> files() const {
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(dir_)) names.insert(entry.path().filename().string());
+    return names;
+  }
+
+  fs::path dir_;
+};
+
+TEST_F(WriteReport, WritesEverythingAndTheSameAgain) {
+  const std::vector<measure::RunRecord> runs = measure::samples::zigzag_sweep();
+  ASSERT_TRUE(write_report(dir_ / "deep" / "first", kInfo, runs).has_value());
+  ASSERT_TRUE(write_report(dir_ / "deep" / "second", kInfo, runs).has_value());
+  const fs::path first = dir_ / "deep" / "first";
+  std::size_t count = 0;
+  for (const auto& entry : fs::directory_iterator(first)) {
+    ++count;
+    EXPECT_EQ(slurp(entry.path()), slurp(dir_ / "deep" / "second" / entry.path().filename())) << entry.path();
+    EXPECT_GT(fs::file_size(entry.path()), 100u);
+  }
+  EXPECT_EQ(count, 5u + 4u + 2u * 6u);  // tables and the page, pictures of all runs, two of each
+  EXPECT_EQ(nlohmann::ordered_json::parse(slurp(first / "summary.json")), measure::summarise(kInfo, runs));
+}
+
+TEST_F(WriteReport, RemovesPicturesOfALongerSweepAndNothingElse) {
+  std::vector<measure::RunRecord> runs = measure::samples::zigzag_sweep();
+  ASSERT_TRUE(write_report(dir_, kInfo, runs).has_value());
+  std::ofstream(dir_ / "run-004-mine.svg") << "kept";
+  std::ofstream(dir_ / "notes.txt") << "kept";
+  runs.resize(2);
+  ASSERT_TRUE(write_report(dir_, kInfo, runs).has_value());
+  EXPECT_THAT(files(), testing::UnorderedElementsAre("summary.json", "errors.csv", "traffic.csv", "collisions.csv",
+                                                     "report.html", "overview.svg", "plan.svg", "multiples.svg",
+                                                     "run-001.svg", "run-002.svg", "timeline-001.svg",
+                                                     "timeline-002.svg", "run-004-mine.svg", "notes.txt"));
+}
+
+TEST_F(WriteReport, RemovesPicturesOfASweepThatOneRunDoesNotHave) {
+  ASSERT_TRUE(write_report(dir_, kInfo, measure::samples::zigzag_sweep()).has_value());
+  EXPECT_THAT(files(), testing::IsSupersetOf({"pareto.svg", "multiples.svg"}));
+  const measure::RunRecord run = measure::samples::zigzag_run(0.1);
+  ASSERT_TRUE(write_report(dir_, kInfo, {&run, 1}).has_value());
+  EXPECT_THAT(files(), testing::AllOf(testing::Contains("plan.svg"), testing::Not(testing::Contains("pareto.svg")),
+                                      testing::Not(testing::Contains("multiples.svg"))));
+}
+
+TEST_F(WriteReport, SaysWhichFileItCannotWrite) {
+  fs::create_directories(dir_ / "errors.csv");  // a folder where a file should go
+  const std::vector<measure::RunRecord> runs{measure::samples::zigzag_run(0.1)};
+  const auto done = write_report(dir_, kInfo, runs);
+  ASSERT_FALSE(done.has_value());
+  EXPECT_THAT(done.error(), testing::HasSubstr("errors.csv"));
+}
+
+TEST_F(WriteReport, AFileInPlaceOfTheFolderIsAnError) {
+  std::ofstream(dir_.string()) << "in the way";
+  const auto done = write_report(dir_, kInfo, {});
+  ASSERT_FALSE(done.has_value());
+  EXPECT_THAT(done.error(), testing::HasSubstr(dir_.filename().string()));
+}
+
+TEST_F(WriteReport, NamesThatAreNotUtf8AreWrittenAnyway) {
+  measure::RunRecord run = measure::samples::zigzag_run(0.1);
+  run.objects[0].path = "CAR\xff";
+  ASSERT_TRUE(write_report(dir_, kInfo, {&run, 1}).has_value());
+  EXPECT_TRUE(nlohmann::json::accept(slurp(dir_ / "summary.json")));
+}
+
+}  // namespace peerd::report::write_test

@@ -1,0 +1,37 @@
+#include "peerd/lab/sim/simulated_run.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/sim/run_scenario.hpp"
+
+namespace peerd::sim::simulated_run_test {
+
+using testing_support::must;
+
+const std::string kMeeting = PEERD_SOURCE_DIR "/tests/sim/worlds/meeting.toml";
+
+measure::RunRecord run(std::vector<std::string> sets) {
+  const config::Scenario scenario =
+      must(config::read_scenario({.file = kMeeting, .configs = {}, .sets = std::move(sets), .seed = {}}));
+  return must(simulated_run(scenario.runs.front(), *must(share_world(scenario.world))));
+}
+
+TEST(SimulatedRun, IsTheAssembledSimulation) {
+  const measure::RunRecord record = run({});
+  const auto plain = testing_support::run_scenario(kMeeting).front().record;
+  EXPECT_EQ(record.ghost_samples.size(), plain.ghost_samples.size());
+  EXPECT_EQ(record.datagrams.size(), plain.datagrams.size());
+  EXPECT_FALSE(record.wrong) << "nobody asked";
+  EXPECT_FALSE(record.interest) << "no peer has an area";
+}
+
+TEST(SimulatedRun, ComparesWithTheTruthWhereAsked) {
+  const measure::RunRecord record = run({"decisions.compare=true"});
+  ASSERT_TRUE(record.wrong);
+  EXPECT_GT(record.wrong->truth, 0u) << "LEFT meets RIGHT";
+}
+
+TEST(SimulatedRun, JudgesAreasOfInterest) { EXPECT_TRUE(run({"peer.a.interest_radius_m=50"}).interest); }
+
+}  // namespace peerd::sim::simulated_run_test

@@ -1,0 +1,365 @@
+// Joining peers and those who give them a snapshot, over TCP on lo.
+#include "peerd/net/snapshot/snapshot_fetch.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <functional>
+#include <future>
+#include <map>
+#include <memory>
+#include <random>
+#include <thread>
+#include <utility>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+
+#include "peerd/net/keys/symmetric_key.hpp"
+#include "peerd/net/snapshot/framed_stream.hpp"
+#include "peerd/net/snapshot/snapshot_server.hpp"
+#include "replication/edits/log/operation_log.hpp"
+#include "replication/wire/codec.hpp"
+#include "tests/replication/peer/operations.hpp"
+
+namespace peerd::snapshot::snapshot_fetch_test {
+
+namespace asio = boost::asio;
+using namespace std::chrono_literals;
+using replication::AuthorId;
+using replication::OperationId;
+using replication::OperationLogs;
+using testing::HasSubstr;
+
+constexpr std::uint64_t kSession = 77;
+
+std::string random_bytes(std::size_t size, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::string bytes(size, ' ');
+  for (char& c : bytes) c = static_cast<char>(random());
+  return bytes;
+}
+
+// The logs of two authors, with so many operations each, of which one is larger than a part.
+OperationLogs some_logs(std::uint32_t operations, std::uint64_t seed = 1) {
+  OperationLogs logs;
+  for (const AuthorId author : {AuthorId{5}, AuthorId{6}}) {
+    replication::test::OperationMaker maker(seed + author.value);
+    std::uint64_t from = 0;
+    for (std::uint32_t number = 1; number <= operations; ++number) {
+      const OperationId id{author, number};
+      const auto bytes = replication::encode(number == 3 ? maker.large(id, 3 * kPartMax_bytes) : maker.operation(id));
+      EXPECT_TRUE(logs.receive({author, from, bytes}));
+      from += bytes.size();
+    }
+  }
+  return logs;
+}
+
+// A peer that gives a snapshot, in a thread of its own.
+class ProvidingPeer {
+ public:
+  explicit ProvidingPeer(OperationLogs held, std::string packed = random_bytes(1'000'000, 1),
+                         std::uint64_t session = kSession, const std::optional<keys::SymmetricKey>& key = {})
+      : archive(std::move(packed)), logs(std::move(held)) {
+    for (const auto& [author, length] : logs.lengths()) bytes.emplace(author, logs.bytes({author, 0, length}));
+    auto opened = SnapshotServer::open(
+        io, asio::ip::address_v4::loopback(), 0,
+        {session, "town", "expansion = 1\n", 9, archive, digest(archive),
+         [this]() -> const OperationLogs& { return logs; }, [] { return SimTime::max(); }, [key] { return key; }});
+    EXPECT_TRUE(opened);
+    server = *std::move(opened);
+    thread = std::thread([this] { io.run(); });
+  }
+  ProvidingPeer(const ProvidingPeer&) = delete;
+  ProvidingPeer& operator=(const ProvidingPeer&) = delete;
+  ~ProvidingPeer() {
+    io.stop();
+    thread.join();
+  }
+  [[nodiscard]] Provider provider(const std::string& name) const {
+    return {name, {asio::ip::address_v4::loopback(), server->port()}};
+  }
+
+  std::string archive;
+  OperationLogs logs;                                // the thread's: reading them unpacks
+  std::map<AuthorId, std::vector<std::byte>> bytes;  // of these logs
+  asio::io_context io{1};
+  std::unique_ptr<SnapshotServer> server;
+  std::thread thread;
+};
+
+// The archive and the logs outlive it.
+SnapshotContent content_of(const std::string& archive, const OperationLogs& logs) {
+  return {kSession,
+          "town",
+          "expansion = 1\n",
+          9,
+          archive,
+          digest(archive),
+          [&logs]() -> const OperationLogs& { return logs; },
+          [] { return SimTime::max(); }};
+}
+
+// A peer in a thread of its own that asks `answers` before each reply, and waits as long as that does. Where it says
+// no, the peer closes what is open, and listens no more.
+class WilfulPeer {
+ public:
+  WilfulPeer(const SnapshotContent& content, std::function<bool(const Request&)> answers)
+      : content_(content), answers_(std::move(answers)) {
+    acceptor_.listen();
+    thread_ = std::thread([this] { serve(); });
+  }
+  WilfulPeer(const WilfulPeer&) = delete;
+  WilfulPeer& operator=(const WilfulPeer&) = delete;
+  ~WilfulPeer() {
+    io_.stop();
+    thread_.join();
+  }
+  [[nodiscard]] Provider provider(const std::string& name) const { return {name, acceptor_.local_endpoint()}; }
+
+ private:
+  void serve() {
+    accept();
+    io_.run();
+  }
+  void accept() {
+    acceptor_.async_accept([this](const boost::system::error_code& failed, asio::ip::tcp::socket socket) {
+      if (failed) return;
+      const auto stream = std::make_shared<FramedStream>(
+          std::move(socket), kRequestMax_bytes, 10s, [](const auto&) {}, std::nullopt);
+      streams_.push_back(stream);
+      answer(stream);
+      accept();
+    });
+  }
+  void answer(const std::shared_ptr<FramedStream>& stream) {
+    stream->read([this, stream](const std::string& request) {
+      if (!answers_(decode_request(request).value())) {
+        boost::system::error_code ignored;
+        acceptor_.close(ignored);
+        for (const auto& each : streams_) each->close();
+        return;
+      }
+      stream->write(encode(reply_to(request, content_)), [this, stream] { answer(stream); });
+    });
+  }
+
+  const SnapshotContent& content_;
+  std::function<bool(const Request&)> answers_;
+  asio::io_context io_{1};
+  asio::ip::tcp::acceptor acceptor_{io_, {asio::ip::address_v4::loopback(), 0}, false};
+  std::vector<std::shared_ptr<FramedStream>> streams_;
+  std::thread thread_;
+};
+
+void expect_all_of(const Snapshot& snapshot, const ProvidingPeer& peer) {
+  EXPECT_EQ(snapshot.archive, peer.archive);
+  EXPECT_EQ(snapshot.offer.world, "town");
+  EXPECT_EQ(snapshot.offer.settings, "expansion = 1\n");
+  ASSERT_EQ(snapshot.logs.size(), peer.bytes.size());
+  for (const auto& part : snapshot.logs) EXPECT_EQ(part.bytes, peer.bytes.at(part.author)) << part.author.value;
+}
+
+TEST(SnapshotFetch, IsSealedWhereBothHaveTheKey) {
+  const auto key = keys::SymmetricKey::random();
+  const ProvidingPeer a(some_logs(20), random_bytes(1'000'000, 1), kSession, key);
+  const ProvidingPeer b(some_logs(20), random_bytes(1'000'000, 1), kSession, key);
+  const auto snapshot = fetch_snapshot({a.provider("a"), b.provider("b")}, kSession, {.key = key});
+  ASSERT_TRUE(snapshot) << snapshot.error();
+  expect_all_of(*snapshot, a);
+  EXPECT_FALSE(snapshot->checked_with.empty());
+}
+
+TEST(SnapshotFetch, GivesNothingToWhoHasAnotherKeyOrNone) {
+  const auto key = keys::SymmetricKey::random();
+  const ProvidingPeer sealed(some_logs(20), random_bytes(1'000'000, 1), kSession, key), open(some_logs(20));
+  const auto refused = [](const ProvidingPeer& peer, const std::optional<keys::SymmetricKey>& with) {
+    // Nobody waits until patience ends: a peer that waited would do so for longer than a test may take.
+    const auto got = fetch_snapshot({peer.provider("a")}, kSession, {.patience = 1h, .key = with});
+    return got ? "" : got.error();
+  };
+  EXPECT_THAT(refused(sealed, keys::SymmetricKey::random()), HasSubstr("as who has another key does"));
+  EXPECT_EQ(refused(open, key), "a: it is open: say --open");
+  EXPECT_EQ(refused(sealed, std::nullopt), "a: it is sealed, and begins with a key: leave out --open");
+}
+
+TEST(SnapshotFetch, GetsAllFromOnePeer) {
+  const ProvidingPeer a(some_logs(20));
+  const auto snapshot = fetch_snapshot({a.provider("a")}, kSession);
+  ASSERT_TRUE(snapshot) << snapshot.error();
+  expect_all_of(*snapshot, a);
+  EXPECT_EQ(snapshot->provided_by, "a");
+  EXPECT_EQ(snapshot->checked_with, "");
+  EXPECT_GT(snapshot->connections, 1u);
+}
+
+TEST(SnapshotFetch, AWorldWithoutOperationsIsCompared) {
+  const ProvidingPeer a(OperationLogs{}), b(OperationLogs{});
+  const auto snapshot = fetch_snapshot({a.provider("a"), b.provider("b")}, 0);
+  ASSERT_TRUE(snapshot) << snapshot.error();
+  expect_all_of(*snapshot, a);
+  EXPECT_EQ(snapshot->checked_with, snapshot->provided_by == "a" ? "b" : "a");
+}
+
+// The first peer to answer offers what it has; the other one is asked about as much as both have.
+TEST(SnapshotFetch, ComparesWithAPeerThatHasLess) {
+  const ProvidingPeer a(some_logs(20)), b(some_logs(10));
+  const auto snapshot = fetch_snapshot({a.provider("a"), b.provider("b")}, kSession);
+  ASSERT_TRUE(snapshot) << snapshot.error();
+  expect_all_of(*snapshot, snapshot->provided_by == "a" ? a : b);
+  EXPECT_NE(snapshot->checked_with, "");
+}
+
+TEST(SnapshotFetch, TellsThatTwoPeersDiffer) {
+  const ProvidingPeer a(some_logs(20, 1)), b(some_logs(20, 2));
+  const auto snapshot = fetch_snapshot({a.provider("a"), b.provider("b")}, kSession);
+  ASSERT_FALSE(snapshot);
+  EXPECT_THAT(snapshot.error(), HasSubstr("have different operations of author 5 "));
+}
+
+// A log that one peer has given is compared with another one, also where that other one has made the offer: a makes the
+// offer and gives nothing before b has given everything.
+TEST(SnapshotFetch, ComparesWithAPeerThatHasNotGivenIt) {
+  const std::string archive = random_bytes(1000, 1);
+  const OperationLogs of_a = some_logs(20, 1), of_b = some_logs(30, 2);  // each of one thread; b has all places
+  const SnapshotContent content_a = content_of(archive, of_a), content_b = content_of(archive, of_b);
+  std::promise<void> a_is_first, b_has_given;
+  const auto a_answers = [&, is_first = true](const Request& request) mutable {
+    if (!std::holds_alternative<PartRequest>(request.what) || !std::exchange(is_first, false)) return true;
+    a_is_first.set_value();
+    b_has_given.get_future().wait();
+    return true;
+  };
+  const auto b_answers = [&](const Request& request) {
+    if (std::holds_alternative<OfferRequest>(request.what)) a_is_first.get_future().wait();
+    const auto* part = std::get_if<PartRequest>(&request.what);
+    // Another peer is asked last for what a has been asked for first.
+    if (part != nullptr && part->range.author == replication::kNoAuthor) b_has_given.set_value();
+    return true;
+  };
+  FetchOptions options;
+  options.connections = 2;  // one to each
+  const WilfulPeer a(content_a, a_answers), b(content_b, b_answers);
+  const auto snapshot = fetch_snapshot({a.provider("a"), b.provider("b")}, kSession, options);
+  ASSERT_FALSE(snapshot);
+  EXPECT_THAT(snapshot.error(), HasSubstr("b and a have different operations of author 5 "));
+}
+
+TEST(SnapshotFetch, APeerThatFailsIsReplaced) {
+  const ProvidingPeer a(some_logs(20));
+  const OperationLogs same = some_logs(20);  // of another thread
+  const SnapshotContent content = content_of(a.archive, same);
+  for (int replies = 0; replies < 12; ++replies) {
+    const WilfulPeer failing(content, [left = replies](const Request&) mutable { return left-- > 0; });
+    const auto snapshot = fetch_snapshot({failing.provider("failing"), a.provider("a")}, kSession);
+    ASSERT_TRUE(snapshot) << snapshot.error();
+    expect_all_of(*snapshot, a);
+    if (replies == 0) {  // a later one may fail when all is there
+      EXPECT_FALSE(snapshot->notes.empty());
+    }
+  }
+}
+
+TEST(SnapshotFetch, SaysWhyNobodyGives) {
+  const ProvidingPeer elsewhere(OperationLogs{}, "archive", kSession + 1);
+  FetchOptions options;
+  options.patience = 1s;
+  const auto other = fetch_snapshot({elsewhere.provider("elsewhere")}, kSession, options);
+  ASSERT_FALSE(other);
+  EXPECT_THAT(other.error(), HasSubstr("elsewhere: this peer is in another world"));
+  EXPECT_FALSE(fetch_snapshot({}, kSession));
+  // A port at which nobody listens any more.
+  Provider gone{"gone", {}};
+  {
+    const ProvidingPeer peer(OperationLogs{});
+    gone.at = peer.provider("").at;
+  }
+  const auto nobody = fetch_snapshot({gone}, kSession, options);
+  ASSERT_FALSE(nobody);
+  EXPECT_THAT(nobody.error(), HasSubstr("gone: "));
+}
+
+TEST(SnapshotFetch, APeerWithAnotherArchiveGivesNothing) {
+  const ProvidingPeer a(OperationLogs{}, "one archive"), b(OperationLogs{}, "another archive");
+  const auto snapshot = fetch_snapshot({a.provider("a"), b.provider("b")}, kSession);
+  ASSERT_TRUE(snapshot) << snapshot.error();
+  expect_all_of(*snapshot, snapshot->provided_by == "a" ? a : b);
+  EXPECT_THAT(snapshot->notes, testing::Contains(HasSubstr("has packed the world's files in another way")));
+}
+
+TEST(SnapshotServer, OffersNoLogOfABrokenClock) {
+  const ProvidingPeer a(some_logs(3));
+  SnapshotContent content = content_of(a.archive, a.logs);
+  const auto offered = [&] {
+    return std::get<Offer>(reply_to(encode(Request{kSession, OfferRequest{}}), content)).logs;
+  };
+  EXPECT_EQ(offered().size(), 2u);
+  const SimTime last = a.logs.last_stamp(AuthorId{5});
+  content.latest_stamp = [last] { return last - Duration{1}; };
+  EXPECT_TRUE(offered().empty());
+}
+
+TEST(SnapshotServer, SaysNothingToNonsense) {
+  const ProvidingPeer a(some_logs(3));
+  const SnapshotContent content = content_of(a.archive, a.logs);
+  EXPECT_TRUE(std::holds_alternative<Refusal>(reply_to("nonsense", content)));
+  const auto ask = [&](std::variant<OfferRequest, PartRequest, DigestRequest> what) {
+    return reply_to(encode(Request{kSession, std::move(what)}), content);
+  };
+  EXPECT_TRUE(std::holds_alternative<Refusal>(ask(PartRequest{{AuthorId{999}, 0, 1}})));
+  EXPECT_TRUE(std::holds_alternative<Refusal>(
+      ask(PartRequest{{replication::kNoAuthor, a.archive.size(), a.archive.size() + 1}})));
+  EXPECT_TRUE(std::holds_alternative<Refusal>(
+      ask(PartRequest{{replication::kNoAuthor, a.archive.size() - 1, a.archive.size() + 1}})));
+  const Reply end = ask(PartRequest{{replication::kNoAuthor, a.archive.size() - 1, a.archive.size()}});
+  ASSERT_TRUE(std::holds_alternative<Part>(end));
+  EXPECT_EQ(std::get<Part>(end).bytes, a.archive.substr(a.archive.size() - 1));
+  const Reply digests = ask(DigestRequest{{{AuthorId{5}, std::uint64_t{1} << 40}}});
+  ASSERT_TRUE(std::holds_alternative<Digests>(digests));
+  EXPECT_EQ(std::get<Digests>(digests).digests, std::vector<std::uint64_t>{0});
+}
+
+TEST(SnapshotServer, TakesFewConnectionsAndGoesOn) {
+  const ProvidingPeer a(OperationLogs{});
+  asio::io_context io;
+  std::vector<asio::ip::tcp::socket> idle;
+  for (std::size_t i = 0; i < 2 * SnapshotServer::kConnectionsMax; ++i) {
+    idle.emplace_back(io).connect(a.provider("").at);
+  }
+  std::array<char, 1> byte{};
+  boost::system::error_code one_too_many, still_open;
+  idle.back().read_some(asio::buffer(byte), one_too_many);
+  EXPECT_TRUE(one_too_many) << "the server closes it";
+  idle.front().non_blocking(true);
+  idle.front().read_some(asio::buffer(byte), still_open);
+  EXPECT_EQ(still_open, asio::error::would_block);
+  idle.clear();  // which makes room
+  const auto snapshot = fetch_snapshot({a.provider("a")}, kSession);
+  ASSERT_TRUE(snapshot) << snapshot.error();
+  expect_all_of(*snapshot, a);
+}
+
+// Somebody without the key holds as many connections as there can be.
+TEST(SnapshotServer, WhoProvesNoKeyMakesRoom) {
+  const auto key = keys::SymmetricKey::random();
+  const ProvidingPeer a(OperationLogs{}, random_bytes(1'000'000, 1), kSession, key);
+  asio::io_context io;
+  std::vector<asio::ip::tcp::socket> idle;
+  for (std::size_t i = 0; i < SnapshotServer::kConnectionsMax; ++i) idle.emplace_back(io).connect(a.provider("").at);
+  // All have been accepted once the last of them has got the server's hello.
+  std::array<char, 4 + seal::StreamSeal::kHello_bytes> hello{};
+  asio::read(idle.back(), asio::buffer(hello));
+  const auto snapshot = fetch_snapshot({a.provider("a")}, kSession, {.patience = 1h, .key = key});
+  ASSERT_TRUE(snapshot) << snapshot.error();
+  expect_all_of(*snapshot, a);
+  boost::system::error_code closed;
+  asio::read(idle.front(), asio::buffer(hello), closed);
+  EXPECT_FALSE(closed) << "its hello";
+  asio::read(idle.front(), asio::buffer(hello), closed);
+  EXPECT_TRUE(closed) << "and then it made room";
+}
+
+}  // namespace peerd::snapshot::snapshot_fetch_test

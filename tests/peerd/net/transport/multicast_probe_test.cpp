@@ -1,0 +1,59 @@
+#include "peerd/net/transport/multicast_probe.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/net/listener.hpp"
+
+namespace peerd::net::multicast_probe_test {
+
+using testing::HasSubstr;
+using testing_support::clock;
+using testing_support::own_port;
+
+TEST(MulticastProbe, FindsWhatDoctorTells) {
+  MulticastOptions options;
+  options.interface = "lo";
+  options.groups = {asio::ip::make_address("239.192.4.0"), own_port(1)};
+  asio::io_context io;
+  const asio::ip::udp::socket greedy(io, {asio::ip::udp::v4(), own_port(1)});  // the peers' port is not the probe's
+  const auto probe = probe_multicast(clock(), options);
+  ASSERT_TRUE(probe) << probe.error().sentence;
+  EXPECT_EQ(probe->over.interface.name, "lo");
+  EXPECT_TRUE(probe->stamped);
+  EXPECT_GT(probe->took, Duration{0});
+  EXPECT_EQ(probe->memberships_max, memberships_limit(IpFamily::kV4));
+}
+
+TEST(MulticastProbe, NoPeerReceivesIt) {
+  asio::io_context io;
+  MulticastOptions options;
+  options.interface = "lo";
+  options.groups = {asio::ip::make_address("239.192.4.0"), own_port(2)};
+  testing_support::Listener peer(io, options);
+  peer.join(0);
+  ASSERT_TRUE(probe_multicast(clock(), options));
+  peer.send(0, "marker");
+  ASSERT_TRUE(testing_support::run_until(io, [&] { return !peer.heard.empty(); }));
+  EXPECT_EQ(peer.heard.front().second, "marker");
+}
+
+TEST(MulticastProbe, TheSettingsOfOwnDatagramsDoNotMatter) {
+  MulticastOptions options;
+  options.interface = "lo";
+  options.groups = {asio::ip::make_address("239.192.4.0"), own_port(1)};
+  options.receives_own_datagrams = false;  // as peers have it
+  EXPECT_TRUE(probe_multicast(clock(), options));
+}
+
+TEST(MulticastProbe, AnErrorOfTheSocketIsTheProbesError) {
+  MulticastOptions options;
+  options.interface = "nosuch9";
+  options.groups = {asio::ip::make_address("239.192.4.0"), own_port(1)};
+  const auto probe = probe_multicast(clock(), options);
+  ASSERT_FALSE(probe);
+  EXPECT_EQ(probe.error().kind, NetError::Kind::kNoSuchInterface);
+  EXPECT_THAT(probe.error().sentence, HasSubstr("nosuch9"));
+}
+
+}  // namespace peerd::net::multicast_probe_test

@@ -1,0 +1,69 @@
+#include "peerd/net/transport/transport_options.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace peerd::net::transport_options_test {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+TEST(TransportOptions, AreThoseOfTheConfiguration) {
+  TransportSettings settings;
+  settings.interface = "eth7";
+  settings.group = "239.192.7.0";
+  settings.group_pool = 9;
+  settings.port = 5000;
+  settings.ttl = 3;
+  settings.dscp = 46;
+  settings.receive_buffer_bytes = 4096;
+  settings.multicast = kMulticastNever;
+  settings.peers = {"192.0.2.7:47474"};
+  const auto options = transport_options(settings, {1, 2});
+  ASSERT_TRUE(options) << options.error().text;
+  const MulticastOptions& m = options->multicast;
+  EXPECT_EQ(m.interface, "eth7");
+  EXPECT_EQ(m.groups.base.to_string(), "239.192.7.0");
+  EXPECT_EQ(m.groups.port, 5000);
+  EXPECT_EQ(m.groups.pool, 9u);
+  EXPECT_EQ(m.ttl, 3);
+  EXPECT_EQ(m.dscp, 46);
+  EXPECT_EQ(m.receive_buffer_bytes, 4096);
+  EXPECT_FALSE(m.receives_own_datagrams);
+  EXPECT_FALSE(m.any_port);
+  EXPECT_EQ(options->use, MulticastUse::kNever);
+  EXPECT_THAT(options->peers, ElementsAre("192.0.2.7:47474"));
+  EXPECT_EQ(options->key.k0, 1u);
+  EXPECT_EQ(options->key.k1, 2u);
+}
+
+TEST(TransportOptions, HaveDefaults) {
+  const auto options = transport_options({}, {});
+  ASSERT_TRUE(options) << options.error().text;
+  EXPECT_EQ(options->multicast.groups.port, 47474);
+  EXPECT_EQ(options->multicast.groups.base.to_string(), "239.192.80.0");
+  EXPECT_EQ(options->use, MulticastUse::kAuto);
+  TransportSettings always;
+  always.multicast = kMulticastAlways;
+  EXPECT_EQ(transport_options(always, {})->use, MulticastUse::kAlways);
+}
+
+TEST(TransportOptions, AGroupThatIsNoneIsAWrongConfiguration) {
+  TransportSettings settings;
+  settings.group = "192.0.2.1";
+  const auto options = transport_options(settings, {});
+  ASSERT_FALSE(options);
+  EXPECT_THAT(options.error().text, HasSubstr("error: 192.0.2.1 is not a multicast address"));
+  EXPECT_EQ(options.error().exit_code, 2);
+}
+
+TEST(TransportOptions, ASmallerBufferThanRequestedIsAWarning) {
+  TransportSettings settings;
+  settings.receive_buffer_bytes = 1000;
+  EXPECT_EQ(buffer_warning(settings, 1000), "");
+  EXPECT_EQ(buffer_warning(settings, 999),
+            "the kernel grants a receive buffer of 999 bytes, not 1000: raise it (sysctl -w net.core.rmem_max=1000) or "
+            "lower transport.receive_buffer_bytes");
+}
+
+}  // namespace peerd::net::transport_options_test

@@ -1,0 +1,88 @@
+// `outside = true` and [peer.NAME.feed].
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "peerd/lab/sim/simulation.hpp"
+#include "peerd/peer/config/scenario.hpp"
+#include "peerd/peer/node/peer_node.hpp"
+#include "tests/peerd/scratch_folder.hpp"
+
+namespace peerd::config::peer_settings_feed_test {
+
+using testing::HasSubstr;
+
+class ConfigFeed : public testing::Test {
+ protected:
+  Result<Scenario> read(const std::string& text) {
+    folder.write("w.wrl", "#VRML V2.0 utf8\nDEF CAR Transform { children Shape { geometry Box { } } }\n");
+    return read_scenario(
+        {.file = folder.write("my.toml", "world = \"w.wrl\"\n[peer.a]\nid = 1\nowns = [\"CAR\"]\n" + text),
+         .configs = {},
+         .sets = {},
+         .seed = {}});
+  }
+  testing_support::ScratchFolder folder;
+};
+
+TEST_F(ConfigFeed, SaysWhatAProgramMovesAndWhereItSpeaks) {
+  const auto s = read("[peer.a.motion.CAR]\noutside = true\n[peer.a.feed]\nudp = \"127.0.0.1:0\"\nstale_s = 2\n");
+  ASSERT_TRUE(s) << s.error().text;
+  const PeerSettings& a = s->runs.front().peers.front();
+  EXPECT_TRUE(std::holds_alternative<motion::ExternalProgram>(a.motion.at("CAR").kind));
+  EXPECT_EQ(a.feed.udp, "127.0.0.1:0");
+  EXPECT_EQ(a.feed.stale_s, 2.0);
+}
+
+TEST_F(ConfigFeed, ByDefaultThereIsNoPort) {
+  const auto s = read("[peer.a.motion.CAR]\noutside = true\n");
+  ASSERT_TRUE(s) << s.error().text;
+  EXPECT_EQ(s->runs.front().peers.front().feed.udp, "");
+}
+
+TEST_F(ConfigFeed, FalseLeavesAFormula) {
+  const auto s = read("[peer.a.motion.CAR]\noutside = false\nx = \"t\"\n");
+  ASSERT_TRUE(s) << s.error().text;
+  EXPECT_EQ(std::get<motion::MotionFormula>(s->runs.front().peers.front().motion.at("CAR").kind).x, "t");
+}
+
+struct Wrong {
+  const char* name;
+  const char* text;
+  const char* error;
+};
+class WrongFeed : public ConfigFeed, public testing::WithParamInterface<Wrong> {};
+TEST_P(WrongFeed, IsOneSentenceAtItsPlace) {
+  const auto s = read(GetParam().text);
+  ASSERT_FALSE(s);
+  EXPECT_EQ(s.error().exit_code, 2);
+  EXPECT_THAT(s.error().text, HasSubstr(GetParam().error));
+}
+INSTANTIATE_TEST_SUITE_P(
+    Table, WrongFeed,
+    testing::Values(Wrong{"FormulaToo", "[peer.a.motion.CAR]\noutside = true\nx = \"t\"\n",
+                          "peer.a.motion.CAR.x: outside = true leaves all to a program"},
+                    Wrong{"NoBool", "[peer.a.motion.CAR]\noutside = 1\n", "must be true or false"},
+                    Wrong{"Misspelt", "[peer.a.motion.CAR]\noutside = true\n[peer.a.feed]\nupd = \"1\"\n",
+                          "did you mean peer.a.feed.udp?"},
+                    Wrong{"StaleAtOnce", "[peer.a.motion.CAR]\noutside = true\n[peer.a.feed]\nstale_s = 0\n",
+                          "peer.a.feed.stale_s = 0 is out of range"}),
+    [](const auto& c) { return std::string(c.param.name); });
+
+TEST_F(ConfigFeed, ASimulationHasNoProgramOutside) {
+  const auto s = read("[peer.a.motion.CAR]\noutside = true\n");
+  ASSERT_TRUE(s) << s.error().text;
+  const auto logs = sim::simulate(s->runs.front(), **share_world(s->world));
+  ASSERT_FALSE(logs);
+  EXPECT_EQ(logs.error().exit_code, 2);
+  EXPECT_THAT(logs.error().text, HasSubstr("peer.a leaves \"CAR\" to a program outside, which runs in real time"));
+}
+
+TEST_F(ConfigFeed, APortNeedsSomethingToMove) {
+  const auto s = read("[peer.a.feed]\nudp = \"1\"\n");
+  ASSERT_TRUE(s) << s.error().text;
+  const auto logs = sim::simulate(s->runs.front(), **share_world(s->world));
+  ASSERT_FALSE(logs);
+  EXPECT_THAT(logs.error().text, HasSubstr("peer.a.feed.udp: no program moves anything here"));
+}
+
+}  // namespace peerd::config::peer_settings_feed_test

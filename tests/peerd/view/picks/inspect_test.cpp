@@ -1,0 +1,57 @@
+#include "peerd/view/picks/inspect.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/peerd/peer/node/lone_peer.hpp"
+
+namespace peerd::view::inspect_test {
+
+using peerd::testing_support::LonePeer;
+
+TEST(Inspect, SaysWhatANodeIsWithItsFieldsAndData) {
+  LonePeer lone(R"(#VRML V2.0 utf8
+DEF DRIVEN Transform { distanceThreshold 0.25 children [
+  DEF S Shape { geometry IndexedFaceSet { coord Coordinate { point [0 0 0, 1 0 0, 0 1 0] } coordIndex [0 1 2] } } Group { } ] }
+DEF OTHER Transform { }
+)",
+                {"DRIVEN"});
+  PeerNode& node = lone.make();
+  lone.run(0.5);
+  config::SceneEdit edit;
+  edit.kind = config::SceneEdit::Kind::kData;
+  edit.path = "DRIVEN";
+  edit.key = "colour";
+  edit.data = "red";
+  ASSERT_TRUE(node.edit(lone.now, edit).done());
+  lone.run(2.0);
+  const auto own = inspect(node, *node.scene().find("DRIVEN"));
+  EXPECT_EQ(own.at("id"), "0");
+  EXPECT_EQ(own.at("path"), "DRIVEN");
+  EXPECT_EQ(own.at("def"), "DRIVEN");
+  EXPECT_EQ(own.at("type"), "Transform");
+  EXPECT_EQ(own.at("owner"), 1);
+  EXPECT_EQ(own.at("own"), true);
+  EXPECT_EQ(own.at("driven"), true);
+  EXPECT_EQ(own.at("threshold_m"), 0.25);
+  EXPECT_EQ(own.at("fields").at("distanceThreshold"), "0.25");
+  EXPECT_EQ(own.at("fields").at("children"), "[ DEF S Shape { .. }, Group { .. } ]");
+  EXPECT_EQ(own.at("data").at("colour"), "red");
+  const auto other = inspect(node, *node.scene().find("OTHER"));
+  EXPECT_TRUE(other.at("owner").is_null());
+  EXPECT_TRUE(other.at("threshold_m").is_null());
+  EXPECT_TRUE(other.at("data").empty());
+}
+
+TEST(Inspect, LongValuesAreCut) {
+  std::string hull = "DEF X Shape { convexHull [";
+  for (int i = 0; i < 3000; ++i) hull += std::to_string(i) + " 0 0, ";
+  LonePeer lone(("#VRML V2.0 utf8\n" + hull + "] geometry Box { } }\nDEF DRIVEN Transform { }\n").c_str(), {"DRIVEN"});
+  PeerNode& node = lone.make();
+  const std::string text = inspect(node, *node.scene().find("X")).at("fields").at("convexHull");
+  EXPECT_LT(text.size(), 2100u);
+  EXPECT_TRUE(text.ends_with(" .."));
+}
+
+}  // namespace peerd::view::inspect_test

@@ -1,0 +1,426 @@
+#include "replication/physics/world/far_pairs.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <tuple>
+
+#include "replication/physics/world/motion_world.hpp"
+#include "tests/replication/peer/worlds.hpp"
+
+namespace peerd::replication::far_pairs_test {
+
+using namespace test;
+
+// CAR among posts, 20 m apart along x.
+std::string street(int posts) {
+  std::string text = box("CAR", "2 1 1", "0 0 0"), all;
+  for (int i = 0; i < posts; ++i) {
+    const std::string name = "P" + std::to_string(i);
+    text += box(name, "1 1 1", std::to_string(20 * i + 10) + " 0 5");
+    all += " \"" + name + '"';
+  }
+  return text + interest("CAR", all);
+}
+
+// Drives CAR along x at 10 m/s for so long, with a sample at each of 60 ticks a second.
+MotionWorld::Counters drive(int posts, double seconds) {
+  const World w(street(posts));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["CAR"], Role::kDriven);
+  for (int tick = 0; tick < 60 * seconds; ++tick) {
+    const SimTime t = sim(Duration{1s} * tick / 60);
+    world.set_base(w["CAR"], t, moving({10.0 * tick / 60.0, 0, 0}, {10, 0, 0}));
+    world.advance(t);
+  }
+  return world.counters();
+}
+
+TEST(FarPairs, AreNotCheckedAtEachSampleOfADrivenObject) {
+  const std::uint64_t few = drive(20, 3.0).searches_far, many = drive(400, 3.0).searches_far;
+  EXPECT_LT(many, 400U * 180 / 20) << "of 400 pairs and 180 samples";
+  EXPECT_LT(few, many);
+}
+
+TEST(FarPairs, CostNothingWhereNothingMoves) {
+  const World w(street(50));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["CAR"], Role::kPredicted);
+  world.advance(sim(1s));
+  const MotionWorld::Counters before = world.counters();
+  for (int tick = 60; tick < 240; ++tick) world.advance(sim(Duration{1s} * tick / 60));
+  EXPECT_EQ(world.counters().searches_far, before.searches_far);
+  EXPECT_EQ(world.counters().contact_searches, before.contact_searches);
+}
+
+TEST(FarPairs, MeetWhenTheyHaveComeNear) {
+  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "100 0 0") + interest("A", "\"B\""));
+  for (const auto step : {Duration{10ms}, Duration{100ms}, Duration{12s}}) {
+    MotionWorld world(*w.model, sim(0s));
+    world.declare(w["A"], Role::kPredicted);
+    world.set_base(w["A"], sim(0s), moving({0, 0, 0}, {9.9, 0, 0}));
+    for (Duration t = step; t <= 12s; t += step) world.advance(sim(t));
+    std::vector<SimTime> met;
+    while (const auto event = world.poll_event()) {
+      if (const auto* contact = std::get_if<ContactEvent>(&*event)) met.push_back(contact->at);
+    }
+    ASSERT_EQ(met.size(), 1U);
+    EXPECT_NEAR(to_seconds(met.front() - sim(0s)), 10.0, 1e-6);
+  }
+}
+
+// The contacts of A, at 1 m/s, with B, 100 m away, after an update at 2 s says that at 0.5 s it was on its way to 148
+// m.
+std::vector<SimTime> met_in_the_past(Role of_b) {
+  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "100 0 0") + interest("A", "\"B\""));
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["A"], Role::kPredicted);
+  world.declare(w["B"], of_b);
+  world.set_base(w["A"], sim(0s), moving({0, 0, 0}, {1, 0, 0}));
+  for (int tick = 0; tick <= 120; ++tick) world.advance(sim(Duration{1s} * tick / 60));
+  world.set_base(w["A"], sim(500ms), moving({50, 0, 0}, {98, 0, 0}));
+  world.advance(sim(3s));
+  std::vector<SimTime> met;
+  while (const auto event = world.poll_event()) {
+    if (const auto* contact = std::get_if<ContactEvent>(&*event)) met.push_back(contact->at);
+  }
+  return met;
+}
+
+TEST(FarPairs, AreOpenedByAnUpdateOfTheTimeBeforeTheyWereFar) {
+  const std::vector<SimTime> met = met_in_the_past(Role::kScene);
+  ASSERT_EQ(met.size(), 1U);
+  EXPECT_NEAR(to_seconds(met.front() - sim(0s)), 1.0, 1e-6);
+  EXPECT_TRUE(met_in_the_past(Role::kDriven).empty()) << "what this peer moves meets nothing in the past";
+}
+
+// B bounces off A at 1 s and flies away, so that the two become far. Then an update says that A was not there.
+TEST(FarPairs, TakeBackWhatTheyMetBeforeTheyWereFar) {
+  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "5 0 0", kBounces) + interest("B", "\"A\""));
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* path : {"A", "B"}) world.declare(w[path], Role::kPredicted);
+  world.set_base(w["B"], sim(0s), moving({5, 0, 0}, {-4, 0, 0}));
+  const auto advance_until = [&](Duration until) {
+    for (Duration t = until - 1s; t <= until; t += 10ms) world.advance(sim(t));
+  };
+  for (const Duration until : {1s, 2s, 3s, 4s}) advance_until(until);
+  const std::uint64_t checks = world.counters().searches_far;
+  advance_until(5s);
+  EXPECT_LE(world.counters().searches_far, checks + 1) << "the two are far, and nobody checks them";
+  EXPECT_NEAR(world.at(w["B"], sim(5s)).position.x(), 17.0, 1e-5) << "bounced at 1 m";
+  while (world.poll_event()) continue;
+
+  world.set_base(w["A"], sim(500ms), moving({2, 20, 0}));
+  world.advance(sim(5s));
+  EXPECT_EQ(world.at(w["B"], sim(5s)).position, Vec3(-15, 0, 0));
+  bool retracted = false;
+  while (const auto event = world.poll_event()) {
+    EXPECT_FALSE(std::holds_alternative<ContactEvent>(*event));
+    if (const auto* back = std::get_if<ContactsRetracted>(&*event)) {
+      retracted = retracted || back->retracts(sim(1s), w["B"], w["A"]);
+    }
+  }
+  EXPECT_TRUE(retracted);
+}
+
+// Three boxes of which one is below a node that becomes a carrier later: what is far is so still, what has been
+// answered can be retracted, though all indices change.
+TEST(FarPairs, OutliveAChangeOfTheModel) {
+  const World w(box_with("BUS", "8 0.2 3", "0 9 0", "", box("DOOR", "1 2 0.1", "0 1 1.5")) +
+                box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "5 0 0", kBounces) + box("C", "1 1 1", "100 0 0") +
+                interest("B", "\"A\" \"C\" \"BUS\"") + interest("A", "\"C\" \"BUS\""));
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* path : {"A", "B"}) world.declare(w[path], Role::kPredicted);
+  world.set_base(w["B"], sim(0s), moving({5, 0, 0}, {-4, 0, 0}));
+  world.advance(sim(2s));
+  EXPECT_GT(world.at(w["B"], sim(2s)).position.x(), 4.5) << "bounced at 1 s";
+  const auto next = extended(*w.model, std::vector{w["BUS"], w["DOOR"]});
+  ASSERT_GT(next->nodes.size(), w.model->nodes.size());
+  world.change_model(*next);
+  world.set_base(w["A"], sim(500ms), moving({2, 20, 0}));
+  world.advance(sim(3s));
+  EXPECT_EQ(world.at(w["B"], sim(3s)).position, Vec3(-7, 0, 0)) << "A was not there";
+  while (world.poll_event()) continue;
+  world.set_base(w["A"], sim(3s), moving({2, 20, 0}, {49, -10, 0}));  // meets C
+  world.advance(sim(6s));
+  std::vector<ObjectId> met;
+  while (const auto event = world.poll_event()) {
+    if (const auto* contact = std::get_if<ContactEvent>(&*event)) met.push_back(contact->collidee);
+  }
+  EXPECT_EQ(met, std::vector{w["C"]});
+}
+
+void watch_all(MotionWorld& world, const World& w) {
+  for (std::uint32_t number = 0; number < w.model->pairs.size(); ++number) world.watch(number, true);
+}
+
+using Found = std::tuple<SimTime, ObjectId, ObjectId, double, double>;
+// Twelve bodies that bounce in pairs of all with all; updates, some of the past, send them hither and thither.
+std::vector<Found> run(const World& w, std::uint64_t seed, Duration step,
+                       MotionWorld::Watched first = MotionWorld::Watched::kAll) {
+  std::mt19937_64 rng(seed);
+  const auto draw = [&](int most) { return static_cast<double>(rng() % 2001) / 1000.0 * most - most; };
+  MotionWorld world(*w.model, sim(0s), first);
+  watch_all(world, w);
+  std::vector<ObjectId> objects;
+  for (int i = 0; i < 12; ++i) objects.push_back(w[("O" + std::to_string(i)).c_str()]);
+  for (const ObjectId o : objects) world.declare(o, Role::kPredicted);
+  std::vector<Found> found;
+  for (Duration t{0}; t <= 12s; t += 100ms) {
+    for (Duration at = t - 100ms + step; at < t; at += step) world.advance(sim(std::max(at, Duration{0})));
+    world.advance(sim(t));
+    const ObjectId o = objects[rng() % objects.size()];
+    const Vec3 velocity(draw(30), 0, draw(30));
+    const SimTime of = sim(std::max(Duration{0}, t - std::chrono::milliseconds(rng() % 300)));
+    world.set_base(o, of, moving(world.at(o, of).position, velocity));
+  }
+  world.advance(sim(13s));
+  while (const auto event = world.poll_event()) {
+    if (const auto* back = std::get_if<ContactsRetracted>(&*event)) {
+      std::erase_if(found,
+                    [&](const Found& f) { return back->retracts(std::get<0>(f), std::get<1>(f), std::get<2>(f)); });
+    } else if (const auto* c = std::get_if<ContactEvent>(&*event)) {
+      found.emplace_back(c->at, c->collider, c->collidee, c->collider_after.position.x(),
+                         c->collider_after.velocity.x());
+    }
+  }
+  std::ranges::sort(found);
+  for (const ObjectId o : objects) {
+    const KinematicState s = world.at(o, sim(13s));
+    found.emplace_back(sim(13s), o, o, s.position.x(), s.position.z());
+  }
+  return found;
+}
+
+// Twelve bodies that bounce, 8 m apart, and interests in all pairs.
+std::string twelve() {
+  std::string text;
+  for (int i = 0; i < 12; ++i) {
+    const std::string name = "O" + std::to_string(i);
+    text += box(name, "2 2 2", std::to_string(8 * (i % 4)) + " 0 " + std::to_string(8 * (i / 4)), kBounces);
+  }
+  for (int i = 0; i < 12; ++i) {
+    std::string others;
+    for (int k = 0; k < 12; ++k) others += k == i ? "" : " \"O" + std::to_string(k) + '"';
+    text += interest("O" + std::to_string(i), others);
+  }
+  return text;
+}
+
+TEST(FarPairs, GiveTheSameContactsHoweverOftenTheWorldAdvances) {
+  const World w(twelve());
+  std::size_t met = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const std::vector<Found> often = run(w, seed, 5ms), seldom = run(w, seed, 100ms);
+    EXPECT_EQ(often, seldom) << "seed " << seed;
+    met += often.size() - 12;
+  }
+  EXPECT_GT(met, 100U);
+}
+
+TEST(WaitingPairs, GiveTheSameContactsAsThoseThatWereWatchedAllTheTime) {
+  const World w(twelve());
+  std::size_t met = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const std::vector<Found> all = run(w, seed, 100ms), waiting = run(w, seed, 100ms, MotionWorld::Watched::kNone);
+    EXPECT_EQ(waiting, all) << "seed " << seed;
+    met += all.size() - 12;
+  }
+  EXPECT_GT(met, 100U);
+}
+
+std::vector<ObjectId> take_met(MotionWorld& world) {
+  std::vector<ObjectId> met;
+  while (const auto event = world.poll_event()) {
+    if (const auto* c = std::get_if<ContactEvent>(&*event)) met.push_back(c->collidee);
+  }
+  return met;
+}
+
+class WaitingPair : public testing::Test {
+ protected:
+  World w{box("A", "1 1 1", "0 0 0", kBounces) + box("B", "1 1 1", "10 0 0") + interest("A", "\"B\"")};
+  MotionWorld world{*w.model, sim(0s), MotionWorld::Watched::kNone};
+};
+
+TEST_F(WaitingPair, IsNotThereUntilOneOfTheTwoMoves) {
+  world.watch(0, true);
+  world.declare(w["A"], Role::kPredicted);
+  world.advance(sim(1s));
+  EXPECT_TRUE(world.known_pairs().empty());
+  EXPECT_TRUE(world.objects().empty()) << "nobody has asked for them either";
+  world.set_base(w["A"], sim(1s), moving({0, 0, 0}, {3, 0, 0}));
+  EXPECT_EQ(world.known_pairs().size(), 1u);
+  world.advance(sim(3s));
+  EXPECT_TRUE(take_met(world).empty());
+  world.advance(sim(5s));
+  EXPECT_EQ(take_met(world), std::vector{w["B"]});
+  EXPECT_LT(world.at(w["A"], sim(5s)).velocity.x(), 0.0);
+}
+
+TEST_F(WaitingPair, IsWatchedWhicheverOfTheTwoMoves) {
+  world.watch(0, true);
+  world.declare(w["A"], Role::kPredicted);
+  world.set_base(w["B"], sim(0s), moving({10, 0, 0}, {-3, 0, 0}));
+  world.advance(sim(5s));
+  EXPECT_EQ(take_met(world), std::vector{w["B"]});
+}
+
+// A peer sets its own objects at rest where they are as it enters the session.
+TEST_F(WaitingPair, IsNamedWhereTheFirstWayOfOneOfTheTwoBeginsInTheOther) {
+  world.watch(0, true);
+  world.declare(w["A"], Role::kAuthoritative);
+  world.set_base(w["A"], sim(0s), moving({0, 0, 0}));
+  world.advance(sim(1s));
+  world.set_base(w["A"], sim(1s), moving({9.5, 0, 0}, {1, 0, 0}));
+  world.advance(sim(2s));
+  std::size_t named = 0;
+  while (const auto event = world.poll_event()) named += std::holds_alternative<BodiesOverlap>(*event) ? 1 : 0;
+  EXPECT_EQ(named, 1u);
+}
+
+TEST_F(WaitingPair, MeetsNothingOnceItIsNotWatched) {
+  world.watch(0, true);
+  world.watch(0, false);
+  world.set_base(w["A"], sim(0s), moving({0, 0, 0}, {3, 0, 0}));
+  world.advance(sim(5s));
+  EXPECT_TRUE(world.known_pairs().empty());
+  EXPECT_TRUE(take_met(world).empty());
+}
+
+TEST_F(WaitingPair, CountsAsSkippedAsOneThatIsFar) {
+  MotionWorld all(*w.model, sim(0s));
+  all.advance(sim(1s));
+  world.watch(0, true);
+  world.advance(sim(1s));
+  const std::uint64_t all_before = all.counters().searches_skipped, before = world.counters().searches_skipped;
+  all.advance(sim(2s));
+  world.advance(sim(2s));
+  EXPECT_EQ(all.counters().searches_skipped - all_before, 1u);
+  EXPECT_EQ(world.counters().searches_skipped - before, 1u);
+}
+
+TEST_F(WaitingPair, WaitsOnBeyondAChangeOfTheModel) {
+  world.watch(0, true);
+  world.advance(sim(1s));
+  const auto next = extended(*w.model, {});
+  world.change_model(*next);
+  EXPECT_TRUE(world.known_pairs().empty());
+  EXPECT_TRUE(world.objects().empty());
+  world.declare(w["A"], Role::kPredicted);
+  world.set_base(w["A"], sim(1s), moving({0, 0, 0}, {3, 0, 0}));
+  world.advance(sim(5s));
+  EXPECT_EQ(take_met(world), std::vector{w["B"]});
+}
+
+// A law from the instant at which the world began on takes the place of the first one.
+TEST(WaitingPairs, AreNoneOfWhatHasHadAnotherLawFromTheBeginOn) {
+  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "9 0 0") + interest("A", "\"B\""));
+  for (const MotionModel& law : {MotionModel(moving({0, 0, 0}, {1, 0, 0})), MotionModel(moving({0, 0, 0}))}) {
+    MovingObjects objects(*w.model, sim(0s));
+    const WaitingPairs waiting(*w.model);
+    ASSERT_TRUE(waiting.may_wait(0, objects));
+    objects[objects.index_of(w["A"])].timeline.replace_from(sim(0s), law, w["B"]);
+    EXPECT_FALSE(waiting.may_wait(0, objects));
+  }
+}
+
+// Two whose boxes may overlap in the file do not wait, and neither do two of which one has moved already.
+TEST(WaitingPairs, AreNoneThatMayTouchInTheFileOrHaveMoved) {
+  const World near(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "2 0 0") + interest("A", "\"B\""));
+  MotionWorld touching(*near.model, sim(0s), MotionWorld::Watched::kNone);
+  watch_all(touching, near);
+  EXPECT_EQ(touching.known_pairs().size(), 1u) << "their boxes may touch, however they turn";
+  const World far(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "9 0 0") + interest("A", "\"B\""));
+  MotionWorld moved(*far.model, sim(0s), MotionWorld::Watched::kNone);
+  moved.set_base(far["A"], sim(0s), moving({0, 0, 0}, {1, 0, 0}));
+  watch_all(moved, far);
+  EXPECT_EQ(moved.known_pairs().size(), 1u);
+}
+
+constexpr const char* kElastic = " collisionResponse CollisionResponse { responseType 2 restitution 1 } ";
+
+// A wall and a press that comes at 1 m/s from -52 m on: what an update puts between them, at -50 m and 1.0003 s, has
+// 0.1 mm of room on either side, and there is none left 0.2 ms later.
+std::string vice(const std::string& object) {
+  return box("WALL", "1 1 1", "-48.9999 500 0") + box("PRESS", "1 1 1", "-52.0004 500 0") +
+         interest(object, "\"WALL\" \"PRESS\"");
+}
+void advance_in_ticks(MotionWorld& world, SimTime from, SimTime to) {
+  for (SimTime t = from; t < to; t += 10ms) world.advance(t);
+  world.advance(to);
+}
+
+// A lift kicks B upwards at 1 s, and C runs into B 0.2 ms later, so that B flies away from both. An update, which comes
+// when B and LIFT are far, says that C was in a vice 0.1 ms after that. What has no room there touches, by way of B,
+// the lift, and that gives way to nothing either.
+struct Kicked {
+  explicit Kicked(Duration update_comes)
+      : w(box("B", "1 1 1", "0 0 0", kElastic) + box("C", "1 1 1", "-101.02 0 0", kElastic) +
+          box("LIFT", "10 1 10", "0 -11 0") + interest("B", "\"LIFT\" \"C\" \"END\"") + interest("C", "\"B\"") +
+          box("END", "1 999 999", "701 0 0") + vice("C")),
+        world(*w.model, sim(0s)) {
+    for (const char* path : {"B", "C", "LIFT", "PRESS"}) world.declare(w[path], Role::kPredicted);
+    world.set_base(w["LIFT"], sim(0s), moving({0, -11, 0}, {0, 10, 0}));
+    world.set_base(w["C"], sim(0s), moving({-101.02, 0, 0}, {100, 0, 0}));
+    world.set_base(w["PRESS"], sim(0s), moving({-52.0004, 500, 0}, {1, 0, 0}));
+    advance_in_ticks(world, sim(0s), sim(update_comes));
+    jammed_before = world.counters().jammed;
+    world.set_base(w["C"], sim(1'000'300us), moving({-50, 500, 0}));
+    advance_in_ticks(world, sim(update_comes), sim(9s));
+    while (auto event = world.poll_event()) {
+      if (const auto* c = std::get_if<ContactEvent>(&*event); c != nullptr && c->collider == w["B"]) met.push_back(*c);
+    }
+  }
+  World w;
+  MotionWorld world;
+  std::uint64_t jammed_before = 0;
+  std::vector<ContactEvent> met;  // by B
+};
+
+TEST(FarPairs, StayFarWhereThePastIsSqueezedThroughThem) {
+  const Kicked in_time(1'000'300us), late(4s);
+  for (const Kicked* k : {&in_time, &late}) {
+    EXPECT_EQ(k->jammed_before, 0U);
+    EXPECT_GE(k->world.counters().jammed, 1U);
+    ASSERT_EQ(k->met.size(), 3U);
+    EXPECT_EQ(k->met[0].collidee, k->w["LIFT"]);
+    EXPECT_EQ(k->met[1].collidee, k->w["C"]);
+    EXPECT_EQ(k->met[2].collidee, k->w["END"]);
+    EXPECT_NEAR(to_seconds(k->met[2].at - sim(0s)), 8.0, 1e-3);
+  }
+  EXPECT_TRUE(same_bits(in_time.world.at(in_time.w["B"], sim(9s)), late.world.at(late.w["B"], sim(9s))));
+}
+
+// B has met a lift, and a light barrier that goes ahead of it, when an update says that it was in a vice, far from
+// both. It stops at the wall, and what presses it goes through it; the two that are far do not.
+TEST(FarPairs, AreNoneThatPressWhatIsHeldAtAWall) {
+  const World w(box("B", "1 1 1", "0 0 0", kBounces) + box("LIFT", "10 1 10", "0 -11 0") +
+                box("LIGHT", "10 1 10", "0 -10.999 0") + interest("B", "\"LIFT\"") + interest("LIGHT", "\"B\"") +
+                vice("B"));
+  MotionWorld world(*w.model, sim(0s));
+  for (const char* path : {"B", "LIFT", "LIGHT", "PRESS"}) world.declare(w[path], Role::kPredicted);
+  world.set_base(w["LIFT"], sim(0s), moving({0, -11, 0}, {0, 10, 0}));
+  world.set_base(w["LIGHT"], sim(0s), moving({0, -10.999, 0}, {0, 10, 0}));  // 0.1 ms earlier
+  world.set_base(w["PRESS"], sim(0s), moving({-52.0004, 500, 0}, {1, 0, 0}));
+  advance_in_ticks(world, sim(0s), sim(1'000'200us));
+  EXPECT_EQ(world.counters().contacts, 2U);
+  world.set_base(w["B"], sim(1'000'300us), moving({-50, 500, 0}));
+  advance_in_ticks(world, sim(1'000'300us), sim(1'100ms));
+  EXPECT_GE(world.counters().jammed, 1U);
+  EXPECT_NEAR(world.at(w["B"], sim(1'100ms)).position.x(), -49.9999, 1e-5) << "at the wall";
+  while (world.poll_event()) continue;
+  // A later update puts the two below B again, 1 s away.
+  world.set_base(w["LIFT"], sim(1'200ms), moving({-50, 489, 0}, {0, 10, 0}));
+  world.set_base(w["LIGHT"], sim(1'200ms), moving({-50, 489.001, 0}, {0, 10, 0}));
+  advance_in_ticks(world, sim(1'200ms), sim(2'300ms));
+  std::vector<ObjectId> met;
+  while (auto event = world.poll_event()) {
+    if (const auto* c = std::get_if<ContactEvent>(&*event))
+      met.push_back(c->collider == w["B"] ? c->collidee : c->collider);
+  }
+  EXPECT_EQ(std::ranges::count(met, w["LIFT"]), 1);
+  EXPECT_EQ(std::ranges::count(met, w["LIGHT"]), 1);
+}
+
+}  // namespace peerd::replication::far_pairs_test

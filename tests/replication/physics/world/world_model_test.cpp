@@ -1,0 +1,296 @@
+#include "replication/physics/world/world_model.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "replication/physics/world/motion_world.hpp"
+#include "tests/replication/peer/worlds.hpp"
+
+namespace peerd::replication::world_model_test {
+
+using namespace test;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+TEST(WorldModel, PairsAreUnorderedAndMutualWhereBothAreNamed) {
+  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "3 0 0") + box("C", "1 1 1", "6 0 0") +
+                interest("A", "\"B\" \"C\"") + interest("B", "\"A\"") + interest("A", "\"B\""));
+  ASSERT_EQ(w.model->pairs.size(), 2u);
+  EXPECT_EQ(w.model->pairs[0].collider, w["A"]);
+  EXPECT_EQ(w.model->pairs[0].collidee, w["B"]);
+  EXPECT_TRUE(w.model->pairs[0].mutual);
+  EXPECT_FALSE(w.model->pairs[1].mutual);
+  EXPECT_EQ(w.model->bodies.size(), 3u);
+  EXPECT_NE(w.model->body(w["C"]), nullptr);
+  EXPECT_THAT(w.model->unsupported, IsEmpty());
+}
+
+// Each pair is listed twice, so each is searched for among the earlier ones.
+TEST(WorldModel, ManyPairsAreFoundInLinearTime) {
+  constexpr int kObjects = 500;
+  std::string text, all;
+  for (int i = 0; i < kObjects; ++i) all += " \"G" + std::to_string(i) + '"';
+  for (int i = 0; i < kObjects; ++i) text += "DEF G" + std::to_string(i) + " Transform { }\n";
+  for (int i = 0; i < kObjects; ++i) {
+    const std::string name = "G" + std::to_string(i);
+    std::string others = all;
+    others.erase(others.find(" \"" + name + '"'), name.size() + 3);
+    text += interest(name, others);
+  }
+  const World w(text);
+  EXPECT_EQ(w.model->pairs.size(), std::size_t{kObjects} * (kObjects - 1) / 2);
+  EXPECT_TRUE(std::ranges::all_of(w.model->pairs, &CollisionPair::mutual));
+}
+
+TEST(WorldModel, NamesWhatItCannotAnswer) {
+  const World w("DEF GROUP Transform { children " + box("INNER", "1 1 1", "0 0 0") + "}" +
+                "DEF EGG Transform { children Shape { geometry Sphere { radius 1e18 } } }" +
+                interest("GROUP", "\"INNER\"") + interest("INNER", "\"EGG\""));
+  ASSERT_EQ(w.model->unsupported.size(), 1u) << "what is inside of something meets it";
+  EXPECT_THAT(w.model->unsupported[0], testing::HasSubstr("EGG"));
+}
+
+// Bodies that the scene does not need are not built.
+TEST(WorldModel, BuildsNothingThatNoInterestNames) {
+  const std::string things =
+      box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "0.5 0 0") + "Shape { geometry Sphere { } }\n";
+  const World idle(things);
+  EXPECT_TRUE(idle.model->bodies.empty());
+  EXPECT_TRUE(idle.model->pairs.empty());
+  MotionWorld world(*idle.model, sim(0s));
+  world.advance(sim(10s));
+  EXPECT_EQ(world.counters().contact_searches, 0u);
+  const World asked(things + interest("A", "\"B\""));
+  ASSERT_EQ(asked.model->bodies.size(), 2u);
+  for (const collision::Body& body : asked.model->bodies) EXPECT_EQ(body.meshes_built, 1u);
+}
+
+TEST(WorldModel, FindsAnObjectsPairsAndPartners) {
+  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "3 0 0") + box("C", "1 1 1", "6 0 0") +
+                box("ALONE", "1 1 1", "9 0 0") + interest("C", "\"A\"") + interest("A", "\"B\" \"C\"") +
+                "CollisionInterest { objectPath \"B\" interests [\"A\"] collisionType 0 }\n");
+  const auto pairs_of = [&](const char* path) {
+    const auto found = w.model->pairs_of(w[path]);
+    return std::vector<std::uint32_t>(found.begin(), found.end());
+  };
+  ASSERT_EQ(w.model->pairs.size(), 3u);
+  EXPECT_THAT(pairs_of("A"), ElementsAre(0, 1, 2));
+  EXPECT_THAT(pairs_of("B"), ElementsAre(1, 2));  // of two types
+  EXPECT_THAT(pairs_of("C"), ElementsAre(0));
+  EXPECT_THAT(pairs_of("ALONE"), IsEmpty());
+  EXPECT_THAT(w.model->partners_of_node[0], ElementsAre(1, 2));
+  EXPECT_THAT(w.model->partners_of_node[1], ElementsAre(0));
+}
+
+// ---- nodes, carriers and parts ----
+
+constexpr std::uint32_t kNone = ModelNode::kNone;
+
+std::uint32_t index_of(const World& w, const char* path) {
+  const ModelNode* const node = w.model->node(w[path]);
+  return node == nullptr ? kNone : static_cast<std::uint32_t>(node - w.model->nodes.data());
+}
+std::uint32_t carrier_of(const World& w, const char* path) { return w.model->node(w[path])->carrier; }
+
+// The part pairs of a pair as the names of their parts; "-" stands for all parts of an end.
+struct Named {
+  std::string a, b, common;
+  bool fixed = false;
+  bool operator==(const Named&) const = default;
+  friend void PrintTo(const Named& n, std::ostream* out) {
+    *out << n.a << " against " << n.b << " in " << n.common << (n.fixed ? ", fixed" : "");
+  }
+};
+std::vector<Named> part_pairs_of(const World& w, std::uint32_t pair) {
+  const auto name = [&](std::uint32_t part, const char* none) {
+    return part == kNone ? std::string(none) : w.scene.path_of(w.model->nodes.at(part).object);
+  };
+  std::vector<Named> named;
+  for (std::uint32_t k = w.model->first_part_pair[pair]; k < w.model->first_part_pair[pair + 1]; ++k) {
+    const PartPair& parts = w.model->part_pairs[k];
+    EXPECT_EQ(parts.pair, pair);
+    named.push_back({name(parts.a, "-"), name(parts.b, "-"), name(parts.common, "the world"), parts.fixed});
+  }
+  return named;
+}
+
+std::string car_and_curb() {
+  return box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")) + box("CURB", "0.5 0.6 4", "8 0.5 0");
+}
+
+TEST(WorldModel, WhatStandsBelowAnEndIsAPartOfIt) {
+  const World w(car_and_curb() + interest("CAR", "\"CURB\"") + interest("WHEEL", "\"CURB\""));
+  ASSERT_EQ(w.model->nodes.size(), 3u);
+  EXPECT_EQ(carrier_of(w, "CAR"), kNone);
+  EXPECT_EQ(carrier_of(w, "WHEEL"), index_of(w, "CAR"));
+  EXPECT_EQ(w.model->node(w["WHEEL"])->depth, 1u);
+  EXPECT_THAT(w.model->parts_of_node[index_of(w, "CAR")], ElementsAre(index_of(w, "CAR"), index_of(w, "WHEEL")));
+  EXPECT_THAT(w.model->parts_of_node[index_of(w, "WHEEL")], ElementsAre(index_of(w, "WHEEL")));
+  EXPECT_THAT(w.model->carried_by[index_of(w, "CAR")], ElementsAre(index_of(w, "WHEEL")));
+  EXPECT_EQ(w.model->body(w["CAR"])->vertices().size(), 8u) << "its wheel is a body of its own";
+  EXPECT_THAT(part_pairs_of(w, 0),
+              ElementsAre(Named{"CAR", "CURB", "the world"}, Named{"CAR/WHEEL", "CURB", "the world"}));
+  EXPECT_THAT(part_pairs_of(w, 1), ElementsAre(Named{"CAR/WHEEL", "CURB", "the world"}));
+}
+
+// An end that contains the other one meets it with what it is besides; a part never meets itself.
+TEST(WorldModel, AnEndMayContainTheOther) {
+  const World w(car_and_curb() + interest("CAR", "\"CAR/WHEEL\""));
+  EXPECT_THAT(w.model->unsupported, IsEmpty());
+  EXPECT_THAT(part_pairs_of(w, 0),
+              ElementsAre(Named{"CAR", "CAR/WHEEL", "CAR"}, Named{"CAR/WHEEL", "CAR/WHEEL", "CAR/WHEEL", true}));
+}
+
+std::string bus_and_lamp(const std::string& bus_fields) {
+  return "DEF BUS Transform { " + bus_fields + " children [ " + box("DOOR", "1 2 0.1", "0 1 1.5") +
+         box("POST", "0.1 2 0.1", "2 1 1.5") + "DEF SEAT Group { children Shape { geometry Box { } } }\n" +
+         "DEF RAIL Group { children Shape { geometry Box { } } }\n] }\n" + box("LAMP", "0.2 5 0.2", "12 1 1.6");
+}
+
+TEST(WorldModel, TwoPartsMeetInTheFrameOfTheirNearestCommonCarrier) {
+  const World w(bus_and_lamp("velocityVector 5 0 0") + interest("DOOR", "\"POST\" \"LAMP\" \"SEAT\"") +
+                interest("SEAT", "\"RAIL\" \"LAMP\""));
+  EXPECT_THAT(w.model->moving, ElementsAre(w["BUS"]));
+  EXPECT_THAT(part_pairs_of(w, 0), ElementsAre(Named{"BUS/DOOR", "BUS/POST", "BUS"}));
+  EXPECT_THAT(part_pairs_of(w, 1), ElementsAre(Named{"BUS/DOOR", "LAMP", "the world"}));
+  EXPECT_THAT(part_pairs_of(w, 2), ElementsAre(Named{"BUS/DOOR", "BUS/SEAT", "BUS"}));
+  EXPECT_THAT(part_pairs_of(w, 3), ElementsAre(Named{"BUS/SEAT", "BUS/RAIL", "BUS", true})) << "both go with the bus";
+  EXPECT_THAT(part_pairs_of(w, 4), ElementsAre(Named{"BUS/SEAT", "LAMP", "the world"}));
+  const std::uint32_t bus = index_of(w, "BUS"), door = index_of(w, "DOOR"), seat = index_of(w, "SEAT");
+  EXPECT_THAT(w.model->chain_of(door), ElementsAre(bus, door));
+  EXPECT_THAT(w.model->chain_of(door, bus), ElementsAre(door));
+  EXPECT_THAT(w.model->chain_of(seat, bus), ElementsAre(seat));
+  EXPECT_THAT(w.model->chain_of(bus), ElementsAre(bus));
+  // What the bus itself may change: what is outside of it.
+  EXPECT_THAT(w.model->moved_part_pairs[bus], ElementsAre(1, 4));
+  EXPECT_THAT(w.model->moved_part_pairs[door], ElementsAre(0, 1, 2));
+  EXPECT_THAT(w.model->part_pairs_of_node[bus], IsEmpty()) << "it is no end";
+}
+
+TEST(WorldModel, WhatNothingMovesIsNoCarrier) {
+  const World w(bus_and_lamp("") + interest("DOOR", "\"POST\"") + interest("SEAT", "\"RAIL\""));
+  EXPECT_EQ(w.model->node(w["BUS"]), nullptr);
+  EXPECT_EQ(carrier_of(w, "DOOR"), kNone);
+  EXPECT_THAT(part_pairs_of(w, 0), ElementsAre(Named{"BUS/DOOR", "BUS/POST", "the world"}));
+  EXPECT_THAT(part_pairs_of(w, 1), ElementsAre(Named{"BUS/SEAT", "BUS/RAIL", "the world", true}));
+}
+
+// The box of an end is that of all that it consists of, and it changes as a carrier turns.
+TEST(WorldModel, BoxesAreThoseOfWholeEndsInTheWorld) {
+  const World w(bus_and_lamp("velocityVector 5 0 0") + car_and_curb() + interest("CAR", "\"CURB\"", 0) +
+                interest("DOOR", "\"POST\"", 0) + interest("SEAT", "\"RAIL\"", 0));
+  EXPECT_THAT(part_pairs_of(w, 0), ElementsAre(Named{"CAR", "CURB", "the world"}))
+      << "no interest names the wheel, and nothing moves it: it is of the car's body";
+  EXPECT_THAT(part_pairs_of(w, 1), ElementsAre(Named{"BUS/DOOR", "BUS/POST", "the world"}));
+  EXPECT_THAT(part_pairs_of(w, 2), ElementsAre(Named{"BUS/SEAT", "BUS/RAIL", "the world"}));
+  EXPECT_THAT(w.model->moved_part_pairs[index_of(w, "BUS")], ElementsAre(1, 2));
+  const World turns(car_and_curb() + interest("CAR", "\"CURB\"", 0), {"WHEEL"});
+  EXPECT_THAT(part_pairs_of(turns, 0), ElementsAre(Named{"-", "-", "the world"}));
+  EXPECT_THAT(turns.model->moved_part_pairs[index_of(turns, "WHEEL")], ElementsAre(0));
+  EXPECT_THAT(turns.model->moved_part_pairs[index_of(turns, "CAR")], ElementsAre(0));
+  EXPECT_THAT(turns.model->moved_part_pairs[index_of(turns, "CURB")], ElementsAre(0));
+}
+
+// What moves the wheel does not move the car's own body; it does move a part of the car's box.
+TEST(WorldModel, APartIsMovedByItsOwnChainAndAWholeEndByThatOfAnyPart) {
+  const World parts(car_and_curb() + interest("CAR", "\"CURB\""), {"WHEEL"}),
+      boxes(car_and_curb() + interest("CAR", "\"CURB\"", 0), {"WHEEL"});
+  const auto moved = [](const World& w, const PartPair& pair, const char* by) {
+    return w.model->any_mover(pair, true, [&](std::uint32_t i) { return i == w.model->index_of(w[by]); });
+  };
+  int of_car = 0, of_wheel = 0;
+  for (const PartPair& pair : parts.model->part_pairs) {
+    const bool wheel = pair.a == parts.model->index_of(parts["WHEEL"]);
+    ++(wheel ? of_wheel : of_car);
+    EXPECT_EQ(moved(parts, pair, "WHEEL"), wheel);
+    EXPECT_TRUE(moved(parts, pair, "CAR"));
+  }
+  EXPECT_EQ(of_car, 1);
+  EXPECT_EQ(of_wheel, 1);
+  EXPECT_TRUE(moved(boxes, boxes.model->part_pairs[0], "WHEEL"));
+}
+
+TEST(WorldModel, WhatPeersOwnCarries) {
+  const std::string text = car_and_curb() + box("ALONE", "1 1 1", "0 9 0") + interest("WHEEL", "\"CURB\"");
+  const World nobodys(text);
+  EXPECT_EQ(nobodys.model->node(nobodys["CAR"]), nullptr);
+  EXPECT_EQ(carrier_of(nobodys, "WHEEL"), kNone);
+  const World owned(text, {"CAR", "ALONE"});
+  EXPECT_EQ(carrier_of(owned, "WHEEL"), index_of(owned, "CAR"));
+  EXPECT_EQ(owned.model->node(owned["ALONE"]), nullptr) << "it meets nothing and carries nothing";
+  EXPECT_TRUE(owned.model->body(owned["CAR"])->vertices().empty()) << "only its motion is needed";
+  EXPECT_EQ(owned.model->body(owned["CAR"])->meshes_built, 0u);
+  EXPECT_THAT(owned.model->moved_part_pairs[index_of(owned, "CAR")], ElementsAre(0));
+  EXPECT_THAT(part_pairs_of(owned, 0), ElementsAre(Named{"CAR/WHEEL", "CURB", "the world"}));
+}
+
+// What the file moves inside of an end is a part of its own, and what stands in between goes with what is above it.
+TEST(WorldModel, PartsNest) {
+  const World w("DEF CRANE Transform { velocityVector 1 0 0 children [ " +
+                    box_with("ARM", "4 1 1", "0 5 0", "",
+                             "DEF JOINT Transform { children " + box("HOOK", "1 1 1", "4 0 0") + "}\n") +
+                    "] }\n" + box("LOAD", "1 1 1", "9 0 0") + interest("CRANE", "\"LOAD\""),
+                {"CRANE/ARM", "CRANE/ARM/JOINT/HOOK"});
+  const std::uint32_t crane = index_of(w, "CRANE"), arm = index_of(w, "ARM"), hook = index_of(w, "HOOK");
+  EXPECT_THAT(w.model->chain_of(hook), ElementsAre(crane, arm, hook));
+  EXPECT_EQ(w.model->node(w["JOINT"]), nullptr);
+  EXPECT_EQ(w.model->node(w["HOOK"])->depth, 2u);
+  EXPECT_THAT(w.model->parts_of_node[crane], ElementsAre(arm, hook)) << "the crane itself has no Shape of its own";
+  EXPECT_THAT(w.model->carried_by[crane], ElementsAre(arm, hook));
+  EXPECT_THAT(w.model->moved_part_pairs[arm], ElementsAre(0, 1));
+  EXPECT_THAT(w.model->moved_part_pairs[hook], ElementsAre(1));
+}
+
+TEST(WorldModel, AContactIsAnsweredWhereAColliderResponds) {
+  const World w(box("A", "1 1 1", "0 0 0", kBounces) + box("B", "1 1 1", "3 0 0", kBounces) +
+                box("C", "1 1 1", "6 0 0") + interest("A", "\"C\"") + interest("C", "\"B\""));
+  EXPECT_TRUE(w.model->is_answered(w["A"], w["C"]));
+  EXPECT_TRUE(w.model->is_answered(w["C"], w["A"]));
+  EXPECT_FALSE(w.model->is_answered(w["C"], w["B"])) << "a collidee does not respond";
+  EXPECT_FALSE(w.model->is_answered(w["A"], w["B"])) << "no interest";
+}
+
+const std::string kCarInALot =
+    "DEF LOT Transform { children [ " + box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")) +
+    "] }\n" + box("CURB", "0.5 0.6 4", "8 0.5 0") + box("BIRD", "1 1 1", "0 9 0") + interest("LOT", "\"CURB\"");
+
+const IsOwned kNoneIsOwned = [](ObjectId) { return false; };
+
+TEST(Extended, AddsTheCarriersThatSomebodyMoves) {
+  const World w(kCarInALot);
+  ASSERT_EQ(w.model->parts_of_node[0].size(), 1u) << "LOT is one body";
+  const auto next = extended(*w.model, std::vector{w["WHEEL"]});
+  EXPECT_TRUE(next->is_carrier(w["WHEEL"]));
+  EXPECT_EQ(next->carrier_of(w["WHEEL"]), w["LOT"]);
+  EXPECT_EQ(next->parts_of_node[0].size(), 2u);
+  EXPECT_EQ(next->pairs.size(), w.model->pairs.size());
+  EXPECT_EQ(next->part_pairs.size(), 2u);
+  EXPECT_EQ(next->body(w["CURB"])->surface, w.model->body(w["CURB"])->surface) << "shared";
+  EXPECT_NE(next->body(w["LOT"])->surface, w.model->body(w["LOT"])->surface) << "without the wheel";
+  const auto more = extended(*next, std::vector{w["CAR"]});
+  EXPECT_EQ(more->carrier_of(w["WHEEL"]), w["CAR"]);
+  EXPECT_EQ(more->body(w["WHEEL"])->surface, next->body(w["WHEEL"])->surface);
+}
+
+TEST(NeedsCarrier, WhereSomethingElseMovesAboveOrBelow) {
+  const World w(kCarInALot);
+  EXPECT_TRUE(needs_carrier(*w.model, w["CAR"], kNoneIsOwned)) << "it is part of an end";
+  EXPECT_TRUE(needs_carrier(*w.model, w["WHEEL"], kNoneIsOwned));
+  for (const char* path : {"LOT", "CURB", "BIRD", "LOT/CAR/0"}) {
+    EXPECT_FALSE(needs_carrier(*w.model, w[path], kNoneIsOwned)) << path;
+  }
+  const auto next = extended(*w.model, std::vector{w["CAR"]});
+  EXPECT_FALSE(needs_carrier(*next, w["CAR"], kNoneIsOwned));
+}
+
+TEST(NeedsCarrier, WhereWhatMeetsNothingIsOwned) {
+  const World w(box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")));
+  const ObjectId car = w["CAR"], wheel = w["WHEEL"];
+  for (const auto& [id, owned] : {std::pair{car, wheel}, std::pair{wheel, car}}) {
+    EXPECT_FALSE(needs_carrier(*w.model, id, kNoneIsOwned));
+    EXPECT_TRUE(needs_carrier(*w.model, id, [other = owned](ObjectId each) { return each == other; }));
+  }
+  EXPECT_EQ(extended(*w.model, std::vector{car, wheel})->node(wheel)->depth, 1u);
+}
+
+}  // namespace peerd::replication::world_model_test
