@@ -2,8 +2,8 @@
 // answers are wrong? The experiments of chapter 3 of the thesis that this project grew from, with the library.
 //
 // collision_bench [--quick] [--out DIR] [--commit NAME] [FILE..]: on generated objects and on OBJ or OFF files, those
-// named or six of PEERD_CORPUS/meshes. Beside collision.json and .csv it writes a collision-TABLE.csv for each table
-// and pictures. Exit code 1: an answer is wrong.
+// named or six of PEERD_CORPUS/meshes. Beside collision.json and .csv it writes a collision-TABLE.csv for each table.
+// Exit code 1: an answer is wrong.
 #include <numeric>
 
 #include "collision_experiments.hpp"

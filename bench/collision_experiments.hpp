@@ -6,8 +6,8 @@
 
 namespace peerd::bench {
 
-// The experiments of the thesis's chapter 3 and what has been added to them. Each hands its figures, tables and
-// pictures to the report and checks its answers.
+// The experiments of the thesis's chapter 3 and what has been added to them. Each hands its figures and tables
+// to the report and checks its answers.
 void measure_wrong_answers(const std::vector<NamedSoup>& soups, Report& report);   // run time against them
 void measure_level_volumes(const std::vector<NamedSoup>& soups, Report& report);   // figure 3.8
 void measure_tightness(const std::vector<NamedSoup>& soups, Report& report);       // table 3.1, figures 3.1 and 3.2

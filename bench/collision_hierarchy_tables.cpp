@@ -167,42 +167,6 @@ Table cost_function(const std::vector<HierarchyRow>& rows) {
   return table;
 }
 
-std::vector<Chart> threshold_charts(const std::vector<HierarchyRow>& rows) {
-  std::vector<Chart> charts;
-  for (const HierarchyRow& r : rows) {
-    if (r.k != 18) continue;
-    if (charts.empty() || charts.back().title != r.object + ", k = 18") {
-      charts.push_back(
-          {r.object + ", k = 18", {.label = "splitThreshold"}, {.label = "WITNESS [us]", .from_zero = true}, {}});
-    }
-    auto& series = charts.back().series;
-    if (series.empty() || series.back().name != r.rule) series.push_back({.name = r.rule, .points = {}});
-    series.back().points.push_back({static_cast<double>(r.threshold), 1e6 * r.witness_s});
-  }
-  std::erase_if(charts, [](const Chart& c) { return c.series[0].points.size() < 5; });
-  return charts;
-}
-
-double kilobytes(std::size_t bytes) { return static_cast<double>(bytes) / 1024; }
-
-std::vector<Chart> memory_charts(const std::vector<HierarchyRow>& rows, const std::map<std::string, WideRow>& wide) {
-  std::vector<Chart> charts;
-  for (const auto& [object, of_wide] : wide) {
-    Chart chart{
-        object, {.label = "memory [kB]", .logarithmic = true}, {.label = "WITNESS [us]", .logarithmic = true}, {}};
-    chart.series.push_back({"wide tree", {{kilobytes(of_wide.memory_bytes), 1e6 * of_wide.witness_s}}, true, {"wide"}});
-    for (const int k : {18, 6, 14, 26}) {  // all objects have 18, so that it has one colour
-      Series series{"k = " + std::to_string(k), {}, true, {}};
-      for (const HierarchyRow& r : rows) {
-        if (r.object == object && r.k == k) series.points.push_back({kilobytes(r.memory_bytes), 1e6 * r.witness_s});
-      }
-      if (!series.points.empty()) chart.series.push_back(series);
-    }
-    charts.push_back(chart);
-  }
-  return charts;
-}
-
 void report_winners(const std::vector<HierarchyRow>& rows, const std::map<std::string, WideRow>& wide, Report& report) {
   Table table{"winners",
               "Best configurations and the wide tree: us a query",
@@ -261,8 +225,6 @@ void report_hierarchies(const std::vector<HierarchyRow>& rows, const std::map<st
   report_ranking("ranking", rows_of_all_k(rows), report);
   report_ranking("ranking_18", rows_of_18(rows), report);
   report_winners(rows, wide, report);
-  report.picture("thresholds", threshold_charts(rows), 3);
-  report.picture("memory", memory_charts(rows, wide), 3);
 }
 
 }  // namespace peerd::bench

@@ -27,7 +27,7 @@ struct WideRow {
   double build_s, witness_s, all_pairs_s;
   std::size_t memory_bytes;
 };
-// Tables, pictures and figures. `wide`: by object.
+// Tables and figures. `wide`: by object.
 void report_hierarchies(const std::vector<HierarchyRow>& rows, const std::map<std::string, WideRow>& wide,
                         Report& report);
 

@@ -64,7 +64,7 @@ std::vector<Bounded<K>> bounded_at(const collision::TriangleSoup& soup, std::uin
 }
 
 template <int K>
-void compare(const NamedSoup& object, std::uint32_t level, Table& table, std::vector<Series>& marks, Report& report) {
+void compare(const NamedSoup& object, std::uint32_t level, Table& table, Report& report) {
   const auto nodes = bounded_at<K>(object.soup, level);
   if (nodes.empty()) return;
   Random random(29);
@@ -121,11 +121,6 @@ void compare(const NamedSoup& object, std::uint32_t level, Table& table, std::ve
   report.figure(name + ".conic.time", ns(1), "ns");
   report.figure(name + ".boundary.time", ns(2), "ns", name + ".conic.time", ns(2) / ns(1));
   report.figure(name + ".hull.time", ns(3), "ns", name + ".conic.time", ns(3) / ns(1));
-  const double volumes[] = {100 * of_conic / count, 100 * of_boundary / count, 100};
-  for (std::size_t way = 0; way < 3; ++way) {
-    marks[way].points.push_back({ns(way + 1), volumes[way]});
-    if (way < 2) marks[way].labels.push_back(std::to_string(K));
-  }
 }
 
 }  // namespace
@@ -136,22 +131,15 @@ void measure_realignment(const std::vector<NamedSoup>& soups, Report& report) {
       "A node taken to a turned frame: volume as % of the tight k-DOP, ns a node; `frame ns`: Realignment's own",
       {"object", "level", "k", "conic %", "boundary %", "conic ns", "boundary ns", "hull ns", "boundary corners",
        "hull corners", "frame ns"}};
-  std::vector<Chart> charts;
   for (const std::uint32_t level : {0u, 6u}) {
     for (const NamedSoup& object : soups) {
-      std::vector<Series> marks = {{"conic", {}, true, {}}, {"boundary", {}, true, {}}, {"hull", {}, true, {}}};
-      compare<6>(object, level, table, marks, report);
-      compare<14>(object, level, table, marks, report);
-      compare<18>(object, level, table, marks, report);
-      compare<26>(object, level, table, marks, report);
-      charts.push_back({object.name + ", level " + std::to_string(level),
-                        {.label = "ns a node", .logarithmic = true},
-                        {.label = "% of the tight k-DOP's volume; numbers: k"},
-                        marks});
+      compare<6>(object, level, table, report);
+      compare<14>(object, level, table, report);
+      compare<18>(object, level, table, report);
+      compare<26>(object, level, table, report);
     }
   }
   report.print(table);
-  report.picture("realignment", charts, soups.size() < 3 ? soups.size() : 3);
 }
 
 }  // namespace peerd::bench

@@ -51,11 +51,6 @@ void Report::keep(const Table& table) {
   unwritten_ |= !write_beside(options_, BENCH_GROUP "-" + table.name + ".csv", csv);
 }
 
-void Report::picture(const std::string& name, std::span<const Chart> charts, std::size_t columns) {
-  if (charts.empty()) return;
-  unwritten_ |= !write_beside(options_, BENCH_GROUP "-" + name + ".svg", draw(charts, columns));
-}
-
 void Report::note(const std::string& line) {
   std::printf("%s\n", line.c_str());
   std::fflush(stdout);

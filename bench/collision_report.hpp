@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "collision_chart.hpp"
 #include "figures.hpp"
 
 namespace peerd::bench {
@@ -31,7 +30,6 @@ class Report {
   void show(const Table& table);
   void keep(const Table& table);   // in its file
   void print(const Table& table);  // both
-  void picture(const std::string& name, std::span<const Chart> charts, std::size_t columns);
   void note(const std::string& line);
   void check(bool right, const std::string& what);  // a wrong answer fails the program
 

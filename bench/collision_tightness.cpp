@@ -45,7 +45,6 @@ void measure_tightness(const std::vector<NamedSoup>& soups, Report& report) {
               {"object", "hull corners"}};
   for (const char* name : kNames) table.columns.insert(table.columns.end(), {name, std::string(name) + " s"});
   table.columns.insert(table.columns.end(), {"OBB", "sphere"});
-  std::vector<Chart> charts;
   for (const NamedSoup& object : soups) {
     const auto hull = collision::convex_hull(object.soup.vertices);
     if (!hull) {
@@ -54,11 +53,6 @@ void measure_tightness(const std::vector<NamedSoup>& soups, Report& report) {
     }
     Random random(23);
     std::array<double, kVolumes> thesis_sums{}, randoms{};
-    Chart& chart = charts.emplace_back(Chart{object.name,
-                                             {.label = "rotations: x, y, z, xy, xz, yz, xyz", .from_zero = true},
-                                             {.label = "% of the hull's volume"},
-                                             {}});
-    for (const char* name : kNames) chart.series.push_back({.name = name, .points = {}});
     bool ordered = true;
     for (std::uint32_t i = 0; i < 7 * steps; ++i) {
       const auto thesis_volumes = volumes_of(*hull, collision::thesis_rotation(i, steps));
@@ -70,8 +64,6 @@ void measure_tightness(const std::vector<NamedSoup>& soups, Report& report) {
       for (std::size_t v = 0; v < kVolumes; ++v) {
         thesis_sums[v] += thesis_volumes[v] / (7 * steps);
         randoms[v] += any[v] / (7 * steps);
-        if (i % std::max(1u, steps / 100) == 0)
-          chart.series[v].points.push_back({static_cast<double>(i), thesis_volumes[v]});
       }
     }
     report.check(ordered, object.name + ": a k-DOP of more slabs is larger, or the hull is");
@@ -80,9 +72,6 @@ void measure_tightness(const std::vector<NamedSoup>& soups, Report& report) {
                  object.name + ": the hull is not Qhull's");
     const double box = 100 * volume(collision::small_box(*hull)) / hull->volume_m3;
     const double ball = 100 * volume(collision::smallest_ball(hull->corners)) / hull->volume_m3;
-    const double end = 7 * steps;
-    chart.series.push_back({.name = "OBB", .points = {{0, box}, {end, box}}});
-    chart.series.push_back({.name = "sphere", .points = {{0, ball}, {end, ball}}});
     auto& row = table.rows.emplace_back(std::vector{object.name, text(std::uint64_t{hull->corners.size()})});
     for (std::size_t v = 0; v < kVolumes; ++v) {
       row.insert(row.end(), {text(randoms[v], 1), text(thesis_sums[v], 1)});
@@ -100,7 +89,6 @@ void measure_tightness(const std::vector<NamedSoup>& soups, Report& report) {
   }
   table.rows.push_back(mean);
   report.print(table);
-  report.picture("tightness", charts, 3);
 }
 
 void measure_level_volumes(const std::vector<NamedSoup>& soups, Report& report) {
@@ -110,23 +98,15 @@ void measure_level_volumes(const std::vector<NamedSoup>& soups, Report& report) 
       "figure 3.8)",
       {"object", "level"}};
   for (const auto& named : collision::kSplitRuleNames) table.columns.emplace_back(named.name);
-  std::vector<Chart> charts;
   Table few = table;
   for (const NamedSoup& object : soups) {
-    Chart& chart = charts.emplace_back(
-        Chart{object.name, {.label = "level"}, {.label = "% of the root's volume", .logarithmic = true}, {}});
     std::vector<std::vector<double>> by_rule;
     for (const auto& named : collision::kSplitRuleNames) {
       collision::KdopTree<18> tree(object.soup, {named.rule, 1});
       tree.build_all();
       std::vector<double>& levels = by_rule.emplace_back(collision::level_volumes(tree));
       const double root = levels.front();
-      Series series{.name = std::string(named.name), .points = {}};
-      for (double& v : levels) {
-        v *= 100 / root;
-        series.points.push_back({static_cast<double>(&v - levels.data()), v});
-      }
-      chart.series.push_back(series);
+      for (double& v : levels) v *= 100 / root;
       for (const std::size_t l : {4u, 8u, 12u}) {
         if (l < levels.size()) {
           report.figure("volume." + object.name + ".level" + std::to_string(l) + '.' + std::string(named.name),
@@ -145,7 +125,6 @@ void measure_level_volumes(const std::vector<NamedSoup>& soups, Report& report) 
   }
   report.keep(table);
   report.show(few);
-  report.picture("level_volumes", charts, 3);
 }
 
 }  // namespace peerd::bench

@@ -85,7 +85,6 @@ void compare_pairs(std::vector<PairInput>& inputs, Report& report) {
   Table table{"narrow", "Triangle pairs: ns a pair (median), wrong answers per million", {"input", "pairs", "touch %"}};
   for (const Narrow& test : tests) table.columns.insert(table.columns.end(), {std::string(test.name) + " ns", "wrong"});
   table.columns.insert(table.columns.end(), {"exact/double", "filter alone %", "exact signs"});
-  std::vector<Chart> charts;
   struct Worst {
     double ratio = 0, filter_share = 1;
   } general, resting_ones;
@@ -94,18 +93,9 @@ void compare_pairs(std::vector<PairInput>& inputs, Report& report) {
     const Result result = measure(input, report);
     auto& row = table.rows.emplace_back(
         std::vector{input.name, text(std::uint64_t{input.pairs.size()}), text(100 * result.touching, 1)});
-    // All that moves is one picture.
     const bool resting = input.name.starts_with("resting"), moving = input.name.starts_with("moving");
-    if (!moving || charts.empty()) {
-      Chart& chart = charts.emplace_back(Chart{moving ? "moving, all objects" : input.name,
-                                               {.label = "ns a pair", .logarithmic = true},
-                                               {.label = "wrong answers per million", .logarithmic = true},
-                                               {}});
-      for (const Narrow& test : tests) chart.series.push_back({test.name, {}, true, {}});
-    }
     for (std::size_t t = 0; t < tests.size(); ++t) {
       row.insert(row.end(), {text(result.ns[t], 1), text(result.wrong_per_million[t], 1)});
-      charts.back().series[t].points.push_back({result.ns[t], result.wrong_per_million[t]});
     }
     const double ratio = result.ns[kExact] / result.ns[kDouble];
     row.insert(row.end(), {text(ratio, 2), text(100 * result.filter_share, 4), text(result.exact_signs, 2)});
@@ -121,7 +111,6 @@ void compare_pairs(std::vector<PairInput>& inputs, Report& report) {
   report.note("exact/double at most: general " + text(general.ratio, 2) + " (demanded: 1.3), resting " +
               text(resting_ones.ratio, 2) + " (12); general pairs that the filter answers alone, at least " +
               text(100 * general.filter_share, 4) + " % (99.99)");
-  report.picture("narrow", charts, 3);
 }
 
 Table wrong_by_generator(const std::vector<PairInput>& inputs) {
@@ -140,7 +129,7 @@ Table wrong_by_generator(const std::vector<PairInput>& inputs) {
 }
 
 // Two objects: BOX, and WITNESS by each of the tests.
-void compare_objects(const NamedSoup& object, Table& table, std::vector<Chart>& charts, Report& report) {
+void compare_objects(const NamedSoup& object, Table& table, Report& report) {
   const auto frames = move_copies(object.soup, report.quick() ? 5 : 60, 1);
   const auto queries = close_queries(frames);
   KdopTree<18> tree(object.soup, {});
@@ -176,10 +165,6 @@ void compare_objects(const NamedSoup& object, Table& table, std::vector<Chart>& 
                                   text(100.0 * static_cast<double>(std::ranges::count(truth, 1)) /
                                            static_cast<double>(std::max<std::size_t>(1, queries.size())),
                                        1)};
-  Chart& chart = charts.emplace_back(Chart{object.name,
-                                           {.label = "us a query", .logarithmic = true},
-                                           {.label = "wrong answers per million", .logarithmic = true},
-                                           {}});
   for (std::size_t r = 0; r < runners.size() && !queries.empty(); ++r) {
     std::size_t wrong = 0;
     for (std::size_t i = 0; i < truth.size(); ++i) wrong += answers[r][i] != truth[i] ? 1 : 0;
@@ -187,7 +172,6 @@ void compare_objects(const NamedSoup& object, Table& table, std::vector<Chart>& 
     const double share = 1e6 * static_cast<double>(wrong) / count;
     row.insert(row.end(), {text(us, 2), text(share, 0)});
     const std::string name = "query." + object.name + '.' + (r == 0 ? "BOX" : narrow_tests()[r - 1].name);
-    chart.series.push_back({r == 0 ? "BOX" : narrow_tests()[r - 1].name, {{us, share}}, true, {}});
     report.figure(name + ".time", us, "us");
     report.figure(name + ".wrong", share, "per million");
   }
@@ -205,13 +189,11 @@ void measure_wrong_answers(const std::vector<NamedSoup>& soups, Report& report) 
   for (const Narrow& test : narrow_tests()) {
     table.columns.insert(table.columns.end(), {std::string("WITNESS ") + test.name + " us", "wrong"});
   }
-  std::vector<Chart> charts;
   for (const NamedSoup& object : soups) {
     inputs.push_back(moving_pairs(object, report.quick()));
-    compare_objects(object, table, charts, report);
+    compare_objects(object, table, report);
   }
   report.print(table);
-  report.picture("query", charts, 3);
   for (PairInput& input : resting_pairs(report.quick())) inputs.push_back(std::move(input));
   const std::vector<PairInput> adversarial = adversarial_pairs(report.quick());
   report.keep(wrong_by_generator(adversarial));

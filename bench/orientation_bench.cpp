@@ -14,7 +14,7 @@
 //
 // error: the largest angle [rad] between that and the truth at any tenth second so far; what is lost has one near pi.
 // The truth is the law in long double, with the C library's sine: none of it is core's code. ns: of the thread, a step
-// (with its w) or an evaluation, in turns. Writes orientation-drift.csv and orientation-drift.svg besides. Exit code 1:
+// (with its w) or an evaluation, in turns. Writes orientation-drift.csv besides. Exit code 1:
 // a closed form is beyond 8 units of rounding a radian turned; an integrator about one axis is not where its own
 // formula, summed as complex numbers in long double, has it; another drift does not shrink with the step as its order
 // says; a quaternion is not unit; this closed form is not, to the last bit, the library's.
@@ -270,13 +270,11 @@ class Bench {
       report_.figure(name_of(spin.name) + "evaluation.closed_form", costs.back().closed_ns, "ns");
     }
     const std::vector<double> durations_s = report_.quick() ? std::vector<double>{60} : std::vector<double>{60, 86'400};
-    std::vector<Chart> charts;
     for (const double duration_s : durations_s) {
       const std::vector<Spin> all = spins(duration_s);
-      for (std::size_t i = 0; i < all.size(); ++i) charts.push_back(compare({all[i], duration_s, costs[i]}));
+      for (std::size_t i = 0; i < all.size(); ++i) compare({all[i], duration_s, costs[i]});
     }
     report_.print(table_);
-    report_.picture("drift", charts, 3);
     return report_.finish();
   }
 
@@ -292,30 +290,23 @@ class Bench {
     [[nodiscard]] bool one_axis() const { return spin.about_z_rad_s == 0.0; }
   };
 
-  Chart compare(const Case& c) {
-    Chart chart{c.title(),
-                {"us a simulated second (of this machine)", true, false},
-                {"decimal places of a radian that are right", false, true},
-                {}};
-    for (std::size_t i = 0; i < kMethods.size(); ++i)
-      chart.series.push_back(integrators(kMethods[i], c.costs.step_ns[i], c));
+  void compare(const Case& c) {
+    for (std::size_t i = 0; i < kMethods.size(); ++i) integrators(kMethods[i], c.costs.step_ns[i], c);
     const Drift one = from_one_base(c.spin, c.duration_s);
     const double bound_rad = kBoundAtLeast + kBoundPerRadian * c.spin.angle_rad(c.duration_s);
     report_.check(one.largest_rad <= bound_rad, c.title() + ": the closed form is beyond its bound");
     report_.figure(name_of(c) + "closed_form.drift", one.largest_rad, "rad", "its bound", one.largest_rad / bound_rad);
-    chart.series.push_back(in_closed_form("closed form", one, c));
+    in_closed_form("closed form", one, c);
     if (c.one_axis()) {
       check_is_the_librarys(c);
       const Drift anew = from_new_bases(c.spin, c.duration_s);
       report_.figure(name_of(c) + "new_bases.drift", anew.largest_rad, "rad", "closed form",
                      anew.largest_rad / one.largest_rad);
-      chart.series.push_back(in_closed_form(".. new base each 5 s", anew, c));
+      in_closed_form(".. new base each 5 s", anew, c);
     }
-    return chart;
   }
 
-  Series integrators(const MethodInfo& info, double step_ns, const Case& c) {
-    Series series{info.name, {}};
+  void integrators(const MethodInfo& info, double step_ns, const Case& c) {
     std::vector<double> drifts;
     for (const int hz : kRates_hz) {
       const Drift drift = integrate(info.method, c.spin, hz, c.duration_s);
@@ -324,21 +315,15 @@ class Bench {
       if (c.one_axis()) check_predicted(info.method, c, hz, drift, at);
       add_row(c, info.name, std::to_string(hz), drift.largest_rad, step_ns);
       report_.figure(name_of(c) + info.name + '.' + std::to_string(hz) + "hz.drift", drift.largest_rad, "rad");
-      series.points.push_back({1e-3 * step_ns * hz, as_drawn(drift.largest_rad)});
       drifts.push_back(drift.largest_rad);
     }
     if (!c.one_axis()) check_order(info, c, drifts);
-    return series;
   }
 
   // The rate is a peer's tick rate.
-  Series in_closed_form(const std::string& name, const Drift& drift, const Case& c) {
+  void in_closed_form(const std::string& name, const Drift& drift, const Case& c) {
     note(drift, c.title() + ", " + name);
     add_row(c, name, "any", drift.largest_rad, c.costs.closed_ns);
-    Series series{name, {}};
-    for (const int hz : kRates_hz)
-      series.points.push_back({1e-3 * c.costs.closed_ns * hz, as_drawn(drift.largest_rad)});
-    return series;
   }
 
   void note(const Drift& drift, const std::string& of) {
@@ -387,7 +372,6 @@ class Bench {
     return name + '.';
   }
   static std::string name_of(const Case& c) { return name_of(c.spin.name) + name_of(c.lasts()); }
-  static double as_drawn(double error_rad) { return std::max(0.0, -std::log10(std::max(error_rad, kRounding))); }
 
   Report report_;
   Table table_{

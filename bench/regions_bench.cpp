@@ -8,7 +8,7 @@
 //
 // The simulator's oracle (peerd/lab/sim/interest_oracle.hpp), which knows no cells, says what came, what an area holds
 // and what was missing. error: of the ghosts of what is truly in an area, all peers' samples together. Nothing here
-// depends on the machine. Writes regions-cells.csv and regions-cells.svg besides. Exit code 1: a peer held nothing of
+// depends on the machine. Writes regions-cells.csv besides. Exit code 1: a peer held nothing of
 // an object in its area, or not the newest, for longer than a latency and a tick; other cells changed what areas hold;
 // cells of half the edge had fewer joins or hand-overs, or down to 75 m brought more bytes; or 75 m and larger ones
 // brought more than none at all.
@@ -238,60 +238,6 @@ void add_rows(const std::string& flight, const std::vector<Cost>& costs, Table& 
   }
 }
 
-struct Swept {
-  std::string name;
-  double latency_ms;
-  std::vector<Cost> costs;
-};
-
-// Named are those of which each has half the edge of the one before; more names would hide each other.
-Chart trade(const Swept& swept) {
-  Series marks{"by edge [m]", {}, true, {}};
-  for (const Cost& c : swept.costs) {
-    marks.points.push_back({c.joins_s, 1e-3 * c.received_bytes_s});
-    const bool named = c.cell_m == kNotCut || std::exp2(std::round(std::log2(kPlain_m / c.cell_m))) == c.along;
-    marks.labels.push_back(named ? name_of(c.cell_m) : "");
-  }
-  return {swept.name + ": bytes against churn",
-          {"joins of a peer [1/s]", true, false},
-          {"kB/s that a peer receives", false, true},
-          {std::move(marks)}};
-}
-
-// "not cut" is drawn as a cell as large as the plain.
-template <class F>
-void over_edge(Chart& chart, const std::string& name, const std::vector<Cost>& costs, const F& value) {
-  Series series{name, {}};
-  for (const Cost& c : costs) series.points.push_back({c.cell_m == kNotCut ? kPlain_m : c.cell_m, value(c)});
-  chart.series.push_back(std::move(series));
-}
-
-// Charts of quantities that hardly depend on the latency are drawn of the first latency only.
-std::vector<Chart> charts_of(const std::vector<Swept>& all) {
-  const Axis edge{"edge of a cell [m]; 600: not cut", true, false};
-  Chart bytes{"received over what the area holds", edge, {"times", false, true}, {}};
-  Chart error{"ghost error of what is in an area", edge, {"over that of \"not cut\"", false, false}, {}};
-  Chart churn{"churn: joins of a peer, hand-overs of all", edge, {"1/s", true, false}, {}};
-  Chart groups{"groups that a peer listens to; that anybody does", edge, {"groups", true, false}, {}};
-  Chart sent{"sent by all peers", edge, {"kB/s", false, true}, {}};
-  std::vector<Chart> charts;
-  for (const auto& [name, latency_ms, costs] : all) {
-    const Cost& whole = costs.back();
-    charts.push_back(trade({name, latency_ms, costs}));
-    over_edge(bytes, name, costs, [](const Cost& c) { return c.received_over_held; });
-    over_edge(error, name + ": mean", costs, [&](const Cost& c) { return c.error_m.mean / whole.error_m.mean; });
-    over_edge(error, name + ": p99", costs, [&](const Cost& c) { return c.error_m.p99 / whole.error_m.p99; });
-    if (latency_ms != all.front().latency_ms) continue;
-    over_edge(churn, name + ": joins", costs, [](const Cost& c) { return c.joins_s; });
-    over_edge(churn, name + ": hand-overs", costs, [](const Cost& c) { return c.handovers_s; });
-    over_edge(groups, name + ": a peer", costs, [](const Cost& c) { return c.groups; });
-    over_edge(groups, name + ": anybody", costs, [](const Cost& c) { return static_cast<double>(c.groups_in_use); });
-    over_edge(sent, name, costs, [](const Cost& c) { return 1e-3 * c.sent_bytes_s; });
-  }
-  for (Chart* chart : {&bytes, &error, &churn, &groups, &sent}) charts.push_back(std::move(*chart));
-  return charts;
-}
-
 int run(const Options& options) {
   Report report(options);
   const std::vector<double> cells_m = options.quick
@@ -308,7 +254,6 @@ int run(const Options& options) {
       {"flight", "cell_m",      "regions",    "received", "of_area",   "ratio",     "worst",
        "joins",  "leaves",      "joins_most", "updates",  "handovers", "answers",   "sent",
        "groups", "groups_most", "in_use",     "error_m",  "p99_m",     "missing_ms"}};
-  std::vector<Swept> all;
   for (const Flight& flight : flights) {
     const std::string name = flight.name + " " + text(flight.latency_ms, 0) + " ms";
     std::vector<Cost> costs;
@@ -320,10 +265,8 @@ int run(const Options& options) {
     }
     judge(name, flight.latency_ms, costs, report);
     add_rows(name, costs, table, report);
-    all.push_back({name, flight.latency_ms, std::move(costs)});
   }
   report.print(table);
-  report.picture("cells", charts_of(all), 3);
   return report.finish();
 }
 

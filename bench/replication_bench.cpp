@@ -4,20 +4,18 @@
 // replication_bench [--quick] [--out DIR] [--commit NAME]: crowd, traffic, flock and orbit at 5, 100, 200 and 500 ms on
 // the simulated network. Each approach is a curve, swept over what trades bytes for error: configs/best.toml over
 // wanted_error_m, the dead reckonings of configs/baselines over error_threshold_m; server and lockstep are points.
-// error: mean ghost error of all objects at all observers, against the truth at that instant; in the pictures that of
-// the server, of lockstep and of "best, input delayed" is the difference of what an observer and the owner are shown.
+// error: mean ghost error of all objects at all observers, against the truth at that instant.
 // Bytes: UDP payload of all datagrams, hellos included, of all peers, a second. Then best.toml without one mechanism at
 // a time, at 200 ms.
 //
-// Writes replication-pareto.svg, replication-mechanisms.svg and replication-curves.csv. Exit code 1: a run in which
-// peers don't agree on a decided outcome, or in which nobody saw anything.
+// Writes replication-curves.csv. Exit code 1: a run in which peers don't agree on a decided outcome, or in which nobody
+// saw anything.
 #include <algorithm>
 #include <cstdio>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "collision_chart.hpp"
 #include "figures.hpp"
 #include "simulated_run.hpp"
 
@@ -39,14 +37,11 @@ class Bench {
                                                    : std::vector<std::string>{"crowd", "traffic", "flock", "orbit"};
     const std::vector<double> latencies_ms =
         options_.quick ? std::vector<double>{200} : std::vector<double>{5, 100, 200, 500};
-    std::vector<Chart> pareto, mechanisms;
     for (const std::string& scenario : scenarios) {
-      for (const double latency_ms : latencies_ms) pareto.push_back(compare(scenario, latency_ms));
-      mechanisms.push_back(without_one(scenario, 200.0));
+      for (const double latency_ms : latencies_ms) compare(scenario, latency_ms);
+      without_one(scenario, 200.0);
     }
-    const bool written = write_figures(options_, figures_) && write_beside(options_, "replication-curves.csv", csv_) &&
-                         write_beside(options_, "replication-pareto.svg", draw(pareto, latencies_ms.size())) &&
-                         write_beside(options_, "replication-mechanisms.svg", draw(mechanisms, 2));
+    const bool written = write_figures(options_, figures_) && write_beside(options_, "replication-curves.csv", csv_);
     return written && sound_ ? 0 : 1;
   }
 
@@ -96,7 +91,7 @@ class Bench {
     return all;
   }
 
-  Chart compare(const std::string& scenario, double latency_ms) {
+  void compare(const std::string& scenario, double latency_ms) {
     std::vector<Curve> curves{sweep(scenario, "best", "best", latency_ms, by_wanted_error())};
     for (const char* name : {"dis", "npsnet", "position-history", "thesis"}) {
       curves.push_back(sweep(scenario, name, "baselines/" + std::string(name), latency_ms, by_threshold()));
@@ -126,18 +121,16 @@ class Bench {
                         "2",
                         {}});
     for (const char* name : {"server", "server-bare", "lockstep"}) {
-      curves.push_back(sweep(scenario, name, "baselines/" + std::string(name), latency_ms, {{}}));
+      sweep(scenario, name, "baselines/" + std::string(name), latency_ms, {{}});
       // Dead reckoning whose users' input waits as long as the network takes, as lockstep's and the bare server's does.
       if (std::string(name) == "lockstep") {
-        curves.push_back(sweep(
-            scenario, "best, input delayed", "best", latency_ms,
-            {{"replication.display_delay_ms=" + std::to_string(latency_ms + 17.0), "replication.delay_own=true"}}));
+        sweep(scenario, "best, input delayed", "best", latency_ms,
+              {{"replication.display_delay_ms=" + std::to_string(latency_ms + 17.0), "replication.delay_own=true"}});
       }
     }
-    return chart(scenario + ", " + std::to_string(static_cast<int>(latency_ms)) + " ms", curves);
   }
 
-  Chart without_one(const std::string& scenario, double latency_ms) {
+  void without_one(const std::string& scenario, double latency_ms) {
     struct Without {
       const char* name;
       std::vector<std::string> sets;
@@ -149,26 +142,7 @@ class Bench {
         {"without prediction of collisions", {"replication.approach=dr"}},
         {"proximity by spheres", {"replication.proximity=spheres"}},
         {"nothing goes along", {"replication.piggyback_fraction=1"}}};
-    std::vector<Curve> curves;
-    for (const Without& kind : kinds) {
-      curves.push_back(sweep(scenario, kind.name, "best", latency_ms, by_wanted_error(kind.sets)));
-    }
-    return chart(scenario + ", " + std::to_string(static_cast<int>(latency_ms)) + " ms, without one mechanism", curves);
-  }
-
-  static Chart chart(const std::string& title, const std::vector<Curve>& curves) {
-    Chart c{title, {"kB/s of all peers", true, false}, {"mean error [m]", true, false}, {}};
-    for (const Curve& curve : curves) {
-      Series series{curve.name, {}, curve.points.size() == 1};
-      const bool delayed =
-          curve.name == "lockstep" || curve.name == "server-bare" || curve.name == "best, input delayed";
-      for (const Outcome& p : curve.points) {
-        series.points.push_back(
-            {1e-3 * p.bytes_per_s, delayed || curve.name == "server" ? p.view_difference_m : p.ghost_error_m});
-      }
-      c.series.push_back(std::move(series));
-    }
-    return c;
+    for (const Without& kind : kinds) sweep(scenario, kind.name, "best", latency_ms, by_wanted_error(kind.sets));
   }
 
   Options options_;

@@ -8,7 +8,7 @@
 // object that physics moves at its owner's ticks alone, and the motion between them would count as error at 10 Hz.)
 // Bytes: UDP payload of all datagrams of all peers; updates: of each object, a second. time: of the simulation's
 // thread, all peers, over that at 60 Hz, in rounds in turns; there ghosts are sampled once a second. Nothing but that
-// depends on the machine. Writes ticks-rates.csv and ticks-rates.svg besides. Exit code 1: peers do not agree on an
+// depends on the machine. Writes ticks-rates.csv besides. Exit code 1: peers do not agree on an
 // outcome; an object is published more often than there are ticks; peers whose ghosts are sampled less often send other
 // updates.
 #include <algorithm>
@@ -139,26 +139,6 @@ void add_rows(const std::string& scenario, const std::vector<AtRate>& rates, Tab
   }
 }
 
-void add_charts(const std::string& scenario, const std::vector<AtRate>& rates, std::vector<Chart>& charts) {
-  const AtRate& usual = *std::ranges::find(rates, kUsual_hz, &AtRate::tick_hz);
-  const Axis hz{"ticks a second", true, false};
-  Chart error{scenario + ": error", hz, {"ghost error [m]", true, false}, {}};
-  Chart cost{scenario + ": cost", hz, {"over that at 60 Hz", true, false}, {}};
-  const auto add = [&](Chart& chart, const char* name, auto value) {
-    Series series{name, {}};
-    for (const AtRate& r : rates) series.points.push_back({static_cast<double>(r.tick_hz), value(r)});
-    chart.series.push_back(std::move(series));
-  };
-  add(error, "mean", [](const AtRate& r) { return r.error_m.mean; });
-  add(error, "p99", [](const AtRate& r) { return r.error_m.p99; });
-  add(cost, "bytes", [&](const AtRate& r) { return r.bytes_s / usual.bytes_s; });
-  add(cost, "updates", [&](const AtRate& r) { return r.updates_s / usual.updates_s; });
-  add(cost, "datagrams", [&](const AtRate& r) { return r.datagrams_s / usual.datagrams_s; });
-  add(cost, "time (of this machine)", [](const AtRate& r) { return r.time; });
-  charts.push_back(std::move(error));
-  charts.push_back(std::move(cost));
-}
-
 int run(const Options& options) {
   Report report(options);
   const std::vector<std::string> scenarios =
@@ -170,17 +150,14 @@ int run(const Options& options) {
       "rates",
       "By ticks a second: error [mm], bytes, datagrams of all and updates of an object a second, time over 60 Hz's",
       {"scenario", "tick_hz", "error_mm", "p99_mm", "bytes_s", "datagrams_s", "updates_s", "time"}};
-  std::vector<Chart> charts;
   for (const std::string& scenario : scenarios) {
     std::vector<AtRate> rates;
     for (const std::uint32_t hz : rates_hz) rates.push_back(measure(scenario, duration_s, hz, options.quick ? 1 : 3));
     time_rates(scenario, duration_s, options.quick ? 1 : 5, rates);
     judge(scenario, rates, report);
     add_rows(scenario, rates, table, report);
-    add_charts(scenario, rates, charts);
   }
   report.print(table);
-  report.picture("rates", charts, 2);
   return report.finish();
 }
 
