@@ -134,7 +134,7 @@ def run_cell(cell, folder, peerd, scenario):
             break
     row["tries"] = tried
     if row.get("disagreed", 1) == 0:  # what only an inquiry needs
-        for big in ("*.rows", "errors.csv", "*.svg", "traffic.csv"):
+        for big in ("*.rows", "errors.csv", "traffic.csv"):
             for file in folder.glob(big):
                 file.unlink()
     (folder / "cell.json").write_text(json.dumps(row) + "\n")

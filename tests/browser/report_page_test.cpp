@@ -1,5 +1,6 @@
-// report.html of a small sweep in a headless Chromium: nothing on its console, nothing wider than the window, no text
-// outside of its picture or on another.
+// report.html of a small sweep in a headless Chromium, the test of report.js: every figure is drawn and has its axes, a
+// legend and values under the pointer; nothing on the console, nothing wider than the window, no text outside of its
+// picture or on another.
 
 #include <gmock/gmock.h>
 
@@ -31,12 +32,15 @@ fs::path find_browser() {
 }
 
 // The script finds what a reader would call broken, by the browser's own layout, and leaves it in the page's last
-// element. All is unfolded first. A text's box is a little higher than its letters, so texts may touch, but not by more
-// than a third of their height.
+// element. All is unfolded first, which draws the figures of the runs. A text's box is a little higher than its
+// letters, so texts may touch, but not by more than a third of their height.
 constexpr const char* kFindFaults = R"js(
 <script>
 window.addEventListener('load', () => {
-  for (const d of document.querySelectorAll('details')) d.open = true;
+  for (const d of document.querySelectorAll('details')) {
+    d.open = true;
+    d.dispatchEvent(new Event('toggle'));
+  }
   const faults = [];
   const page = document.documentElement;
   if (page.scrollWidth > page.clientWidth) faults.push('page is ' + page.scrollWidth + ' wide');
@@ -45,7 +49,35 @@ window.addEventListener('load', () => {
     const box = e.getBoundingClientRect();
     if (box.right > page.clientWidth + 1) faults.push(e.tagName + ' reaches ' + box.right);
   }
-  let texts = 0;
+  let texts = 0, figures = 0, values = 0;
+  for (const figure of document.querySelectorAll('figure')) {
+    ++figures;
+    const name = figure.dataset.name, svg = figure.querySelector('svg');
+    if (!svg || svg.querySelectorAll('.axes').length === 0 || !figure.querySelector('button')) {
+      faults.push(name + ' is not drawn');
+      continue;
+    }
+    // A saved picture has plain colours.
+    let saved = null;
+    URL.createObjectURL = blob => { saved = blob; return 'data:,'; };
+    HTMLAnchorElement.prototype.click = () => {};
+    figure.querySelector('button').click();
+    if (!saved || saved.size < 1000) faults.push(name + ' is not saved');
+    // The pointer in the middle of a panel shows values, and an entry of the legend switches its series.
+    for (const area of svg.querySelectorAll('.area, .bar')) {
+      const box = area.getBoundingClientRect();
+      area.dispatchEvent(new PointerEvent('pointermove', {clientX: box.left + box.width / 2, clientY: box.top + box.height / 2}));
+      if (!document.querySelector('.tip').hidden) ++values;
+      area.dispatchEvent(new PointerEvent('pointerleave'));
+    }
+    for (const entry of svg.querySelectorAll('.entry')) {
+      const hidden = () => svg.querySelectorAll('[display=none]').length;
+      entry.dispatchEvent(new MouseEvent('click'));
+      if (hidden() === 0) faults.push(name + ': the legend does not switch ' + entry.textContent);
+      entry.dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter'}));
+      if (hidden() > 0) faults.push(name + ': the legend does not switch back ' + entry.textContent);
+    }
+  }
   for (const svg of document.querySelectorAll('svg')) {
     const frame = svg.getBoundingClientRect();
     const boxes = [...svg.querySelectorAll('text')].map(t => ({words: t.textContent, box: t.getBoundingClientRect()}));
@@ -64,7 +96,8 @@ window.addEventListener('load', () => {
   }
   const found = document.createElement('pre');
   found.id = 'found';
-  found.textContent = 'width: ' + window.innerWidth + '\ntexts: ' + texts + '\n' + faults.map(f => 'fault: ' + f).join('\n');
+  found.textContent = [`width: ${window.innerWidth}`, `figures: ${figures}`, `values: ${values}`, `texts: ${texts}`,
+                       ...faults.map(f => 'fault: ' + f)].join('\n');
   document.body.append(found);
 });
 </script>
@@ -144,6 +177,9 @@ TEST_P(ReportPageOfWidth, IsWithoutFaults) {
   const std::size_t texts = found.find("texts: ");
   ASSERT_NE(texts, std::string::npos) << console_;
   EXPECT_GT(std::stoi(found.substr(texts + 7)), 1000);  // it has looked at the pictures
+  const auto number = [&](const std::string& what) { return std::stoi(found.substr(found.find(what) + what.size())); };
+  EXPECT_EQ(number("figures: "), 4 + 2 * 16);
+  EXPECT_GT(number("values: "), 100);
 }
 INSTANTIATE_TEST_SUITE_P(Widths, ReportPageOfWidth, testing::Values(400, 1400),
                          [](const auto& tested) { return "Of" + std::to_string(tested.param); });

@@ -62,14 +62,14 @@ Result<std::optional<baselines::Compared>> run_one(const Ready& system, const Re
   return baselines::compared(system.name, *record, cpu_s, baselines::key_moves(system.run, *objects, scene));
 }
 
-Result<void> write(const std::filesystem::path& out, const nlohmann::ordered_json& json, const std::string& picture) {
+Result<void> write(const std::filesystem::path& out, const nlohmann::ordered_json& json, const std::string& page) {
   std::error_code error;
   std::filesystem::create_directories(out, error);
   if (error) {
     return std::unexpected(InputError{"error: can't make the folder " + out.string() + ": " + error.message(), 3});
   }
   if (const auto done = write_text_file(out / "compare.json", json.dump(2) + "\n"); !done) return done;
-  return write_text_file(out / "compare.svg", picture);
+  return write_text_file(out / "compare.html", page);
 }
 
 }  // namespace
@@ -97,12 +97,12 @@ int run_compare(const CompareOptions& options) {
   const nlohmann::ordered_json json = {{"scenario", name}, {"systems", baselines::to_json(systems)}};
   const auto out =
       options.scenario.out.empty() ? std::filesystem::path("out") / ("compare-" + name) : options.scenario.out;
-  const auto written = write(out, json, baselines::picture(name + ": other systems in the peers' place", systems));
+  const auto written = write(out, json, baselines::page(name + ": other systems in the peers' place", systems));
   if (!written) return failed(written.error());
   if (options.scenario.json) {
     std::cout << json.dump(2) << '\n';
   } else {
-    std::cout << baselines::table(systems) << (out / "compare.svg").string() << '\n';
+    std::cout << baselines::table(systems) << (out / "compare.html").string() << '\n';
   }
   return 0;
 }

@@ -155,7 +155,7 @@ Command add_compare(CLI::App& app, const LabRuns& lab) {
       ->transform(installed().settings());
   command->add_option("--seed", scenario.seed, "the seed (default: the scenario's, else 1)")
       ->transform(whole_number_in(0, config::kSeedMax));
-  command->add_option("--out", scenario.out, "where compare.svg and compare.json go (default: out/compare-NAME)");
+  command->add_option("--out", scenario.out, "where compare.html and compare.json go (default: out/compare-NAME)");
   command->add_flag("--json", scenario.json, "print compare.json instead of the table");
   return {command, [options, &lab] {
             options->baselines = installed().all("baselines", ".toml");

@@ -30,7 +30,7 @@ struct Compared {
 // A row for each system.
 [[nodiscard]] std::string table(std::span<const Compared> systems);
 [[nodiscard]] nlohmann::ordered_json to_json(std::span<const Compared> systems);
-// Error against bytes, and delay: an SVG.
-[[nodiscard]] std::string picture(const std::string& title, std::span<const Compared> systems);
+// compare.html: bars of bytes, error and delay, and the table.
+[[nodiscard]] std::string page(const std::string& title, std::span<const Compared> systems);
 
 }  // namespace peerd::baselines

@@ -9,7 +9,7 @@
 
 namespace peerd::measure {
 
-// Tables for other programs (RFC 4180 with line feeds and a heading line; runs count from 1 as in run-001.svg). Numbers
+// Tables for other programs (RFC 4180 with line feeds and a heading line; runs count from 1 as in report.html). Numbers
 // are the shortest decimal that reads back to the same binary64, so the same records give the same bytes.
 
 // How many rows a table has, of how many there were.

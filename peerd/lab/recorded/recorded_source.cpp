@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/input/compression.hpp"
+#include "peerd/input/json_line.hpp"
 #include "peerd/peer/control/answer.hpp"
 
 namespace peerd::recorded {
@@ -19,7 +20,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kNobodyIsHere = "this is a recording: there is no peer that could do that";
 
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 RecordedFile bytes_of(std::span<const float> numbers) {
   std::string bytes(numbers.size_bytes(), '\0');
@@ -48,7 +48,7 @@ RecordedFile events_of(const RecordedView& view) {
   std::string text = "[";
   for (const RecordedEvent& event : view.events) {
     if (text.size() > 1) text += ',';
-    text += "[" + text_of(Json(event.t_s)) + "," + event.line + "]";
+    text += "[" + json_line(Json(event.t_s)) + "," + event.line + "]";
   }
   return {std::make_shared<const std::string>(text + "]"), "application/json"};
 }
@@ -140,7 +140,7 @@ std::string RecordedSource::contents() const {
                           {"peers", peers},
                           {"happenings", happenings},
                           {"views", views}};
-  return text_of(Json{{"v", 1}, {"ok", true}, {"recording", recording}});
+  return json_line(Json{{"v", 1}, {"ok", true}, {"recording", recording}});
 }
 
 }  // namespace peerd::recorded

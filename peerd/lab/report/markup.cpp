@@ -9,8 +9,9 @@ namespace peerd::report {
 std::string markup_text(std::string_view text) {
   std::string clean(text);
   if (std::ranges::any_of(clean, [](char c) { return (c & 0x80) != 0; })) {
-    using Json = nlohmann::json;  // its writer replaces bytes that are not UTF-8
-    clean = Json::parse(Json(clean).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
+    // The writer of JSON replaces bytes that are not UTF-8.
+    clean = nlohmann::json::parse(nlohmann::json(clean).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace))
+                .get<std::string>();
   }
   std::string out;
   for (const char c : clean) {
@@ -30,6 +31,16 @@ std::string markup_text(std::string_view text) {
       default:
         out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
     }
+  }
+  return out;
+}
+
+std::string markup_lines(std::string_view text) {
+  std::string out;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    out += markup_text(text.substr(begin, end - begin)) + '\n';
+    begin = end + 1;
   }
   return out;
 }

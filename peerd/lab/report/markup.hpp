@@ -8,4 +8,7 @@ namespace peerd::report {
 // characters become spaces.
 [[nodiscard]] std::string markup_text(std::string_view text);
 
+// The same, with the line feeds kept.
+[[nodiscard]] std::string markup_lines(std::string_view text);
+
 }  // namespace peerd::report

@@ -14,42 +14,22 @@
 #include "peerd/lab/measure/pareto.hpp"
 #include "peerd/lab/measure/sweep.hpp"
 #include "peerd/lab/report/markup.hpp"
-#include "peerd/lab/report/page_style.hpp"
-#include "peerd/lab/report/svg.hpp"
+#include "peerd/lab/report/page_frame.hpp"
 #include "peerd/lab/report/table.hpp"
 
 namespace peerd::report {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-// A browser scrolls through some ten megabytes of SVG without a stutter.
-constexpr std::size_t kMostPictureBytes = 8u << 20;  // for all pictures of single runs
-constexpr std::size_t kMostRuns = 200;               // runs with details
-constexpr std::size_t kMostRunRows = 400;            // rows of the table of runs
-constexpr std::size_t kMostObjectRows = 24;          // rows of a run's table of objects
-constexpr std::size_t kMostObjects = 100;            // rows of the table of all objects
-constexpr std::size_t kMostNames = 40;               // names of peers, of objects, and values of a key
+// A browser opens some ten megabytes without a stutter.
+constexpr std::size_t kMostFigureBytes = 8u << 20;  // for all figures of single runs
+constexpr std::size_t kMostRuns = 200;              // runs with details
+constexpr std::size_t kMostRunRows = 400;           // rows of the table of runs
+constexpr std::size_t kMostObjectRows = 24;         // rows of a run's table of objects
+constexpr std::size_t kMostObjects = 100;           // rows of the table of all objects
+constexpr std::size_t kMostNames = 40;              // names of peers, of objects, and values of a key
 
 // Four digits are more than the samples bear, and they tell errors of all sizes apart.
-std::string four_digits(double value) { return short_label(value, 4); }
-
-std::string element(std::string_view tag, std::string_view content) {
-  std::string out = "<";
-  out.append(tag).append(">").append(content).append("</").append(tag.substr(0, tag.find(' '))).append(">");
-  return out;
-}
-
-// Escapes a text and keeps its line feeds.
-std::string markup_lines(std::string_view text) {
-  std::string out;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    out += markup_text(text.substr(begin, end - begin)) + '\n';
-    begin = end + 1;
-  }
-  return out;
-}
+std::string four_digits(double value) { return digits_text(value, 4); }
 
 std::string counted(std::size_t count, std::string_view what) {
   return std::to_string(count) + ' ' + std::string(what) + (count == 1 ? "" : "s");
@@ -105,12 +85,6 @@ std::string table_of(const std::vector<Column>& columns, std::size_t most,
            '\n';
   }
   return out;
-}
-
-// A picture with its description. The file beside the page is the same picture.
-std::string figure(const std::string& svg, const std::string& file, const std::string& caption) {
-  return "<figure>" + scrolling(svg) + element("figcaption", caption + " <a href=\"" + file + "\">" + file + "</a>") +
-         "</figure>\n";
 }
 
 std::string run_anchor(std::size_t number) { return "run-" + std::to_string(number); }
@@ -223,7 +197,7 @@ std::string runs_table(const Json& summary) {
   return wrong.empty() ? out : out + scrolling(element("pre", markup_lines(wrong)));
 }
 
-// All objects over all runs; the pictures and the table of runs show the first of them.
+// All objects over all runs; the figures and the table of runs show the first of them.
 std::string all_objects_section(const Json& summary) {
   std::vector<Column> columns = object_columns(summary, std::numeric_limits<std::size_t>::max(), four_digits);
   if (columns.front().cells.size() < 2) return "";
@@ -232,7 +206,7 @@ std::string all_objects_section(const Json& summary) {
          element("p class=\"faint\"",
                  "All runs and observers together, the worst first: updates a run, the mean of the mean errors, the "
                  "greatest p99 and the greatest error. " +
-                     std::string(kPrincipalMark) + " marks the object that the table of runs and most pictures show.") +
+                     std::string(kPrincipalMark) + " marks the object that the table of runs and most figures show.") +
          '\n' + table_of(columns, kMostObjects);
 }
 
@@ -248,28 +222,30 @@ std::string front_sentence(const Json& summary) {
   return "Not beaten: " + markup_text(out) + '.';
 }
 
-std::string overview_section(const Json& summary, const Pictures& pictures) {
+std::string overview_section(const Json& summary, const Figures& figures) {
   std::string out = "<h2>All runs at a glance</h2>\n";
-  out += figure(pictures.overview, "overview.svg", "Mean error of the ghost, and the updates that it took.");
-  if (!pictures.pareto.empty()) {
-    out += figure(pictures.pareto, "pareto.svg",
-                  "Error against bytes: the mean over observers and over the objects that err at all, and all that all "
-                  "peers send. " +
-                      front_sentence(summary));
+  out += figure_markup(figures.overview, "overview", "Mean error of the ghost, and the updates that it took.");
+  if (!figures.pareto.is_null()) {
+    out += figure_markup(
+        figures.pareto, "pareto",
+        "Error against bytes: the mean over observers and over the objects that err at all, and all that all "
+        "peers send. " +
+            front_sentence(summary));
   }
-  if (!pictures.multiples.empty()) {
-    out +=
-        figure(pictures.multiples, "multiples.svg",
-               "Run by run, numbered row by row: path, error and the owner's output. One scale for equal latencies.");
+  if (!figures.multiples.is_null()) {
+    out += figure_markup(
+        figures.multiples, "multiples",
+        "Run by run, numbered row by row: path, error and the owner's output. One scale for equal latencies.");
   } else if (summary.at("runs").size() > 1) {
     out += element("p class=\"faint\"",
-                   "No picture of all runs side by side: none of them has an observed object, or the "
+                   "No figure of all runs side by side: none of them has an observed object, or the "
                    "sweep has more than three keys or more values than can be told apart.") +
            '\n';
   }
-  return out + figure(pictures.plan, "plan.svg",
-                      "From above, the run with the greatest mean error: the paths of all objects that move, and what "
-                      "stands about them.");
+  return out +
+         figure_markup(figures.plan, "plan",
+                       "From above, the run with the greatest mean error: the paths of all objects that move, and what "
+                       "stands about them.");
 }
 
 // --- One run
@@ -380,26 +356,15 @@ std::string run_summary_line(const Json& run, std::size_t number, const std::str
     }
     break;
   }
-  return line + ", " + tick_label(run.at("traffic").at("bytes_per_s").get<double>(), 0) + " bytes/s";
+  return line + ", " + fixed(run.at("traffic").at("bytes_per_s").get<double>(), 0) + " bytes/s";
 }
 
-std::string run_details(const Json& run, std::size_t number, const std::string& object, const Pictures::OfRun& pictures,
-                        bool with_pictures, bool open) {
-  const std::string run_file = picture_file("run", number), timeline_file = picture_file("timeline", number);
+// `figures`: the markup of the run's figures; empty where the page has no room for them.
+std::string run_details(const Json& run, std::size_t number, const std::string& object, const std::string& figures,
+                        bool open) {
   std::string out = std::string(open ? "<details open>" : "<details>") + "<summary>" +
                     run_summary_line(run, number, object) + "</summary>\n<div id=\"" + run_anchor(number) + "\">\n";
-  if (with_pictures) {
-    out += figure(pictures.run, run_file,
-                  "Path and ghosts of " + markup_text(object) + ", their errors, and its owner's output.");
-    out += figure(
-        pictures.timeline, timeline_file,
-        "What each peer sends; the threshold that each update was sent by; who said what of contacts, and when.");
-  } else {
-    out += element("p class=\"faint\"", "Its pictures are left out of this page: <a href=\"" + run_file + "\">" +
-                                            run_file + "</a>, <a href=\"" + timeline_file + "\">" + timeline_file +
-                                            "</a>.") +
-           '\n';
-  }
+  out += figures.empty() ? element("p class=\"faint\"", "Its figures are left out of this page.") + '\n' : figures;
   out += views_table(run, object) + contacts_table(run.at("collisions"));
   if (run.contains("interest")) out += interest_table(run.at("interest"));
   const Json& traffic = run.at("traffic");
@@ -410,23 +375,34 @@ std::string run_details(const Json& run, std::size_t number, const std::string& 
   return out + counters_list(run.at("counters")) + "</div></details>\n";
 }
 
-std::string runs_section(const Json& summary, const Pictures& pictures) {
+// The data of a run, and the two figures that the script draws of them.
+std::string run_figures(const Json& data, std::size_t number, const std::string& object) {
+  return data_element("run", data) + '\n' +
+         figure_markup({{"kind", "run"}, {"number", number}}, "run-" + std::to_string(number),
+                       "Path and ghosts of " + markup_text(object) + ", their errors, and its owner's output.") +
+         figure_markup(
+             {{"kind", "timeline"}, {"number", number}}, "timeline-" + std::to_string(number),
+             "What each peer sends; the threshold that each update was sent by; who said what of contacts, and when.");
+}
+
+std::string runs_section(const Json& summary, const Figures& figures) {
   const Json& runs = summary.at("runs");
   const std::string object = principal_object(summary);
   std::string details;
   std::size_t bytes = 0;
-  std::size_t without_pictures = 0;
+  std::size_t without_figures = 0;
   for (std::size_t i = 0; i < std::min(runs.size(), kMostRuns); ++i) {
-    const std::size_t size = pictures.runs[i].run.size() + pictures.runs[i].timeline.size();
-    const bool fits = bytes + size <= kMostPictureBytes;
-    if (fits) bytes += size;
-    without_pictures += fits ? 0 : 1;
-    details += run_details(runs[i], i + 1, object, pictures.runs[i], fits, runs.size() == 1);
+    std::string drawn = run_figures(figures.runs[i], i + 1, object);
+    const bool fits = bytes + drawn.size() <= kMostFigureBytes;
+    if (!fits) drawn.clear();
+    bytes += drawn.size();
+    without_figures += fits ? 0 : 1;
+    details += run_details(runs[i], i + 1, object, drawn, runs.size() == 1);
   }
   std::string left_out;
-  if (without_pictures > 0)
-    left_out += "The pictures of " + counted(without_pictures, "run") +
-                " are left out of this page; their files lie beside it. ";
+  if (without_figures > 0)
+    left_out += "The figures of " + counted(without_figures, "run") +
+                " are left out of this page; a sweep of fewer runs has them. ";
   if (runs.size() > kMostRuns) {
     left_out += "Of " + counted(runs.size() - kMostRuns, "run") + " (from " + std::to_string(kMostRuns + 1) +
                 " on) there is nothing below; summary.json has their numbers. ";
@@ -453,17 +429,11 @@ std::string files_section() {
 }  // namespace
 
 std::string report_page(const measure::ScenarioInfo& info, std::span<const measure::RunRecord> runs,
-                        const Json& summary, const Pictures& pictures) {
-  std::string out =
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<link rel=\"icon\" href=\"data:,\">\n";
-  out += element("title", markup_text(info.name) + ": report of peerd") + '\n';
-  out += element("style", kPageStyle) + "\n</head>\n<body>\n";
-  out += element("h1", markup_text(info.name)) + '\n' + files_section() + rows_sentence(info, runs);
-  out += warnings_list(info) + expectations_section(summary) + what_was_run(info, runs) + runs_table(summary);
-  out += overview_section(summary, pictures) + all_objects_section(summary) + runs_section(summary, pictures);
-  return out + "</body>\n</html>\n";
+                        const Json& summary, const Figures& figures) {
+  std::string body = element("h1", markup_text(info.name)) + '\n' + files_section() + rows_sentence(info, runs);
+  body += warnings_list(info) + expectations_section(summary) + what_was_run(info, runs) + runs_table(summary);
+  body += overview_section(summary, figures) + all_objects_section(summary) + runs_section(summary, figures);
+  return page_around(info.name + ": report of peerd", body);
 }
 
 }  // namespace peerd::report

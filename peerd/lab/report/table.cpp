@@ -16,11 +16,10 @@
 #include "peerd/input/console/columns.hpp"
 #include "peerd/lab/measure/csv.hpp"
 #include "peerd/lab/measure/sweep.hpp"
+#include "peerd/lab/report/figure_json.hpp"
 
 namespace peerd::report {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 // Two that are no farther apart than this are at one place, for whoever looks.
 constexpr double kSameAtRest_m = 1e-6;

@@ -17,7 +17,7 @@ namespace peerd::report {
 // the most updates; then of the first.
 [[nodiscard]] std::vector<std::string> worst_objects(const nlohmann::ordered_json& summary, std::size_t most);
 
-// The path of the object that the table and the pictures show: the first of worst_objects(). It is empty if there is
+// The path of the object that the table and the figures show: the first of worst_objects(). It is empty if there is
 // none.
 [[nodiscard]] std::string principal_object(const nlohmann::ordered_json& summary);
 

@@ -9,10 +9,9 @@
 
 namespace peerd::report {
 
-// Writes report.html, summary.json, errors.csv, traffic.csv, collisions.csv, run-001.svg .., timeline-001.svg ..,
-// overview.svg, plan.svg and, of a sweep that they fit, pareto.svg and multiples.svg into `out`, which is made if need
-// be. Pictures of an earlier, longer sweep are removed, because they would be taken for this one's. The error is a
-// sentence that names the file.
+// Writes report.html, summary.json, errors.csv, traffic.csv and collisions.csv into `out`, which is made if need be.
+// Pictures that an earlier version of the program wrote there are removed, because they would be taken for this run's.
+// The error is a sentence that names the file.
 [[nodiscard]] std::expected<void, std::string> write_report(const std::filesystem::path& out,
                                                             const measure::ScenarioInfo& info,
                                                             std::span<const measure::RunRecord> runs);

@@ -295,7 +295,7 @@ TEST_F(PeerProcess, AScenarioOfRealProcessesWritesItsReport) {
   EXPECT_EQ(summary["mode"], "real");
   EXPECT_EQ(summary["runs"][0]["params"]["peer.c.owns"], nlohmann::json({"CUBE", "WALL"}));
   EXPECT_EQ(summary["runs"][0]["objects"].size(), 3u * 2);
-  for (const char* file : {"errors.csv", "traffic.csv", "collisions.csv", "overview.svg", "run-001.svg"}) {
+  for (const char* file : {"errors.csv", "traffic.csv", "collisions.csv", "report.html"}) {
     EXPECT_TRUE(std::filesystem::exists(folder / "out" / file)) << file;
   }
 }

@@ -30,7 +30,7 @@ TEST_F(Program, RunsAtOnceGiveTheBytesOfRunsInTurn) {
   EXPECT_EQ(at_once.exit_code, 0) << at_once.err;
   EXPECT_EQ(in_turn.out, at_once.out);
   EXPECT_GT(nlohmann::json::parse(in_turn.out)["runs"].size(), 4u);
-  for (const char* file : {"summary.json", "errors.csv", "traffic.csv", "overview.svg"}) {
+  for (const char* file : {"summary.json", "errors.csv", "traffic.csv", "report.html"}) {
     const std::string name = file;
     EXPECT_EQ(testing_support::text_of(folder / ("in-turn/" + name)),
               testing_support::text_of(folder / ("at-once/" + name)))
@@ -49,7 +49,7 @@ TEST_F(Program, ComparesSystemsInARowForEach) {
   EXPECT_EQ(json["systems"][1]["system"], "lockstep");
   EXPECT_EQ(json["systems"][1]["view_difference_m"], 0.0);
   EXPECT_GT(json["systems"][2]["view_difference_m"], 0.0);
-  EXPECT_THAT(testing_support::text_of(folder / "compared/compare.svg"), HasSubstr("lockstep"));
+  EXPECT_THAT(testing_support::text_of(folder / "compared/compare.html"), HasSubstr("lockstep"));
   EXPECT_EQ(nlohmann::json::parse(testing_support::text_of(folder / "compared/compare.json")), json);
 }
 

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/peerd/lab/baselines/systems.hpp"
-#include "tests/peerd/well_formed.hpp"
 
 namespace peerd::baselines::comparison_test {
 
@@ -25,15 +24,16 @@ TEST(ComparedSystems, SayHowLateAndHowWrongEachIs) {
   EXPECT_LT(dead_reckoning.bytes_per_s, server.bytes_per_s);
 }
 
-TEST(ComparedSystems, StandInATableAPictureAndJson) {
+TEST(ComparedSystems, StandInATableAPageAndJson) {
   Compared one{.system = "ours", .simulated_s = 10, .cpu_s = 0.5, .bytes_per_s = 1000, .shown_error_m = 0.1};
   Compared other = one;
   other.system = "<other>";
   other.key_to_own_ms = 17.0;
   const std::vector<Compared> systems{one, other};
   EXPECT_THAT(table(systems), HasSubstr("ours"));
-  const std::string svg = picture("a & b", systems);
-  EXPECT_EQ(report::testing_support::malformed(svg), std::nullopt);
+  const std::string html = page("a & b", systems);
+  EXPECT_THAT(html, HasSubstr("<h1>a &amp; b</h1>"));
+  EXPECT_THAT(html, HasSubstr(R"({"label":"\u003cother>","value":1000.0,"text":"1000","colour":"bar"})"));
   const auto json = to_json(systems);
   EXPECT_TRUE(json[0]["key_to_own_ms"].is_null());
   EXPECT_EQ(json[1]["key_to_own_ms"], 17.0);
