@@ -56,23 +56,6 @@ void add_delays(const measure::RunRecord& record, std::span<const KeyMove> keys,
   to.key_to_others_ms = median_ms(std::move(key_to_others));
 }
 
-// Bars of one measure. Those of a logarithm tell orders of magnitude apart.
-report::Json bars(const std::string& title, std::span<const Compared> systems, bool logarithmic,
-                  std::optional<double> (*value)(const Compared&), int decimals) {
-  report::Json rows = report::Json::array();
-  for (const Compared& s : systems) {
-    const std::optional<double> v = value(s);
-    rows.push_back({{"label", s.system},
-                    {"value", v ? report::Json(*v) : report::Json(nullptr)},
-                    {"text", v ? fixed(*v, decimals) : "-"},
-                    {"colour", rows.empty() ? "c2" : "bar"}});
-  }
-  report::Json panel{{"title", title}, {"log", logarithmic}, {"bars", std::move(rows)}};
-  report::Json cell = report::Json::object();
-  cell["panels"] = report::Json::array({std::move(panel)});
-  return cell;
-}
-
 std::string cell(const std::optional<double>& ms) { return ms ? fixed(*ms, 0) : "-"; }
 
 }  // namespace
@@ -135,18 +118,7 @@ std::string table(std::span<const Compared> systems) {
 }
 
 std::string page(const std::string& title, std::span<const Compared> systems) {
-  report::Json figure =
-      report::figure_of(title, "by one scenario, network and seed; shorter is better", report::Json::array());
-  figure["columns"] = 3;
-  figure["width"] = 290;
-  figure["cells"] = report::Json::array(
-      {bars(
-           "bytes/s, logarithmic", systems, true, [](const Compared& s) { return std::optional(s.bytes_per_s); }, 0),
-       bars(
-           "shown error [m], logarithmic", systems, true,
-           [](const Compared& s) { return std::optional(s.shown_error_m); }, 3),
-       bars(
-           "shown later than true [ms]", systems, false, [](const Compared& s) { return s.others_delay_ms; }, 0)});
+  const report::Json figure{{"kind", "compare"}, {"title", title}, {"systems", to_json(systems)}};
   return report::page_around(
       title, report::element("h1", report::markup_text(title)) + '\n' +
                  report::figure_markup(figure, "compare", "What each system sends, and what it shows.") +

@@ -20,7 +20,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kNobodyIsHere = "this is a recording: there is no peer that could do that";
 
-
 RecordedFile bytes_of(std::span<const float> numbers) {
   std::string bytes(numbers.size_bytes(), '\0');
   if (!bytes.empty()) std::memcpy(bytes.data(), numbers.data(), bytes.size());

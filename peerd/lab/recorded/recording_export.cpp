@@ -33,7 +33,6 @@ constexpr const char* kEventSchema =
 
 std::uint64_t nanoseconds(double t_s) { return static_cast<std::uint64_t>(std::llround(std::max(0.0, t_s) * 1e9)); }
 
-
 // The frame that a row says the place of; empty: of none. Truths are said once, in the view of the owner.
 std::string frame_of(const PoseRow& row, const std::string& view, const std::string& path) {
   switch (static_cast<PoseKind>(row.kind)) {

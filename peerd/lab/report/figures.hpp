@@ -27,8 +27,11 @@ struct FigureChoice {
 [[nodiscard]] Json run_data(const measure::ScenarioInfo& info, const measure::RunRecord& run, std::size_t number,
                             const FigureChoice& choice);
 
-// All runs: mean ghost error over the numeric swept key with the most values, a line for each combination of the other
-// keys, and the updates sent. Bars replace lines where no key is numeric. A single run has a bar for each observer.
+// The values of the swept keys in all runs, the mean ghost errors of the principal object and its updates. The script
+// makes two figures of it: the overview, and small figures of all runs in rows and columns.
+[[nodiscard]] Json sweep_data(const Json& summary);
+
+// The title of the overview of all runs; of a single run the figure, with a bar for each observer.
 [[nodiscard]] Json overview_figure(const Json& summary);
 
 // The run with the greatest mean ghost error from above (world x and z): truth and ghosts of the principal object, the
@@ -40,16 +43,9 @@ struct FigureChoice {
 // null for less than two runs.
 [[nodiscard]] Json pareto_figure(const Json& summary);
 
-// The order of the runs of a sweep in rows and columns of small figures, which the script makes of their data: columns
-// are the numeric key with the most values, rows the other key with the most, and the values of a third key are
-// colours. Cells are numbered row by row. The result is null where a sweep does not fit: without a swept key, with more
-// than three, or with more values than can be told apart (7 columns, 8 rows, 4 colours).
-[[nodiscard]] Json multiples_figure(const measure::ScenarioInfo& info, std::span<const measure::RunRecord> runs,
-                                    const FigureChoice& choice);
-
 // All data of a report's figures. What does not apply is null.
 struct Figures {
-  Json overview, pareto, multiples, plan;
+  Json sweep, overview, pareto, plan;
   std::vector<Json> runs;
 };
 [[nodiscard]] Figures make_figures(const measure::ScenarioInfo& info, std::span<const measure::RunRecord> runs,

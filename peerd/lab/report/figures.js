@@ -7,11 +7,12 @@
 //            line: {x, y} over time [s]; of runs of one `scale` the axes are alike; contacts are columns: `peer` is an
 //            index, `kind` one of STATEMENTS, `own` says whether the object takes part; without an `object`, no peer
 //            observes any
-// overview   {axis (or null: no swept key is a number), points: [{label, whole, x, colour, dash, error_m, updates}, ..]}
-// multiples  {observer, columns, cells: [{heading, runs: [{number, words}, ..]}, ..]}
+// sweep      {repeat, keys: [axis label, ..], runs: [{values, words, error_m, updates}, ..]}: a value and words a key
+// overview   {title, subtitle, width}
+// compare    {title, systems}, those of compare.json
 // plan       {series, notes}: series with x and y in the world's x and z [m], each with a `role`
 'use strict';
-const figuresOf = runs => {
+const figuresOf = (runs, sweep) => {
   const most = (values, from = 0) => values.reduce((high, v) => v > high ? v : high, from);
   const least = values => values.reduce((low, v) => v !== null && v < low ? v : low, Infinity);
   const outputOf = (run, name) => run.output.find(sender => sender.name === name) || {kB_s: []};
@@ -152,29 +153,78 @@ const figuresOf = runs => {
     return first && {heading: cell.heading, lines, panels: panelsOf(first, {position, error, output}, [104, 76, 52])};
   }
 
-  const multiplesFigure = figure => ({...figure, cells: figure.cells.map(cell => cell && smallCell(cell, figure.observer))});
+  // --- All runs of a sweep
 
-  // --- All runs of a sweep: errors over the swept number, or as bars, and the updates
+  const distinct = values => [...new Set(values)];
 
-  function overviewFigure({points, axis, ...figure}) {
-    const lines = new Map(), colours = [], dashes = [];
-    const indexIn = (list, value) => list.includes(value) ? list.indexOf(value) : list.push(value) - 1;
-    for (const point of points) {
-      if (!lines.has(point.label)) lines.set(point.label, {label: point.label, colour: indexIn(colours, point.colour), dash: indexIn(dashes, point.dash), points: []});
-      lines.get(point.label).points.push(point);
+  // The swept keys, each with the words of its values in order of appearance, numbers by size.
+  const keysOf = () => sweep.keys.map((axis, k) => {
+    const numeric = sweep.runs.every(run => typeof run.values[k] === 'number');
+    const sorted = numeric ? [...sweep.runs].sort((a, b) => a.values[k] - b.values[k]) : sweep.runs;
+    return {k, axis, numeric, values: distinct(sorted.map(run => run.words[k]))};
+  });
+  const best = (keys, rank) => keys.reduce((a, b) => a && rank(a) >= rank(b) ? a : b, null);
+
+  // Rows and columns of small figures, each like a run's with the same axes: columns are the numeric key with the most
+  // values, rows the other key with the most, and the values of a third key are colours.
+  function multiplesFigure() {
+    const first = [...runs.values()].find(run => run.object && run.observers.length > 0);
+    const keys = keysOf(), taken = [];
+    const take = rank => {
+      const key = best(keys.filter(one => !taken.includes(one)), rank);
+      if (key) taken.push(key);
+      return key || {values: ['']};
+    };
+    const count = key => key.values.length;
+    const columns = take(key => count(key) + (key.numeric ? 1e6 : 0)), rows = take(count), colours = take(count);
+    if (!first || keys.length === 0 || keys.length > 3 || count(columns) > 7 || count(rows) > 8 || count(colours) > 4) {
+      return {title: 'Run by run', cells: [],
+        subtitle: 'no figure of all runs side by side: none has an observed object, or the sweep has more than three keys or more values than can be told apart'};
     }
-    const bars = what => [...lines.values()].map(({label, colour, dash, points: own}) => ({label, colour, dash, value: mean(own.map(p => p[what]))}));
+    const observer = first.observers[0].name, drawn = count(columns) * count(rows) * count(colours);
+    const numberOf = words => 1 + sweep.runs.findIndex(run => keys.every(key => words.get(key) === run.words[key.k]));
+    const cells = rows.values.flatMap(row => columns.values.map(column => {
+      const words = new Map([[rows, row], [columns, column]]);
+      const heading = [row, column].filter(text => text).join(', ');
+      return {heading, runs: colours.values.map(colour => ({words: colour, number: numberOf(words.set(colours, colour))}))};
+    }));
+    const again = sweep.runs.length > drawn ? `; ${sweep.runs.length - drawn} runs repeat others and are left out` : '';
+    return {title: `${first.scenario}: ${first.object} and its ghost at ${observer}, run by run`, columns: count(columns), width: 260,
+      subtitle: `${first.origin}; one scale for each latency, one for output${again}`,
+      cells: cells.map((cell, i) => smallCell({...cell, heading: `${i + 1}  ${cell.heading}`}, observer))};
+  }
+
+  // Errors over the numeric key with the most values, a line for each combination of the other keys, or else as bars;
+  // and the updates.
+  function overviewFigure(figure) {
+    const key = best(keysOf().filter(k => k.numeric && k.values.length > 1), k => k.values.length);
+    // Runs that differ in their seed alone are one point, which is their mean.
+    const points = [];
+    for (let i = 0; i + sweep.repeat <= sweep.runs.length; i += sweep.repeat) {
+      const same = sweep.runs.slice(i, i + sweep.repeat), {words, values} = same[0];
+      const others = words.filter((_, k) => !key || k !== key.k);
+      if (same[0].error_m === null) continue;
+      points.push({label: others.join(', '), whole: words.join(', '), last: others.at(-1), rest: others.slice(0, -1).join(),
+        x: key && values[key.k], error_m: mean(same.map(run => run.error_m)), updates: mean(same.map(run => run.updates))});
+    }
+    // Colours tell the values of the last key apart, and patterns of dashes those of the keys before it.
+    const colours = distinct(points.map(p => p.last)), dashes = distinct(points.map(p => p.rest));
+    const lines = distinct(points.map(p => p.label)).map(label => {
+      const own = points.filter(p => p.label === label);
+      return {label, own, colour: colours.indexOf(own[0].last), dash: dashes.indexOf(own[0].rest)};
+    });
+    const bars = what => lines.map(({label, own, colour, dash}) => ({label, colour, dash, value: mean(own.map(p => p[what]))}));
     let errors = {title: 'mean ghost error [m], mean over the observers', bars: bars('error_m')};
-    let updates = {title: 'updates sent', bars: bars('updates')};
-    if (axis) {
-      const series = [...lines.values()].map(({label, colour, dash, points: own}) => {
-        const sorted = own.toSorted((a, b) => a.x - b.x);
+    const updates = {title: 'updates sent', bars: bars('updates')};
+    if (key) {
+      const series = lines.map(({label, own, colour, dash}) => {
+        const sorted = [...own].sort((a, b) => a.x - b.x);
         return {name: label, colour, dash, width: 2, mark: 'dot', x: sorted.map(p => p.x), y: sorted.map(p => p.error_m)};
       });
       errors = {title: 'mean ghost error, mean over the observers', height: 310, near: 'xy', series,
-        x: {label: axis, zero: points.every(p => p.x >= 0)}, y: {label: 'mean ghost error [m]', zero: true}};
+        x: {label: key.axis, zero: points.every(p => p.x >= 0)}, y: {label: 'mean ghost error [m]', zero: true}};
       // The updates of a single line change along it.
-      if (lines.size === 1) updates.bars = points.map(p => ({label: p.whole, colour: 0, value: p.updates}));
+      if (lines.length === 1) updates.bars = points.map(p => ({label: p.whole, colour: 0, value: p.updates}));
       else updates.title = 'updates sent, mean over the runs of a line';
     }
     return {...figure, columns: 2, cells: [{panels: [errors]}, {panels: [updates]}]};
@@ -214,7 +264,7 @@ const figuresOf = runs => {
   // Without the lowest and the highest tenth of the values, but a quarter of the rest more on either side: this holds all
   // values that are spread evenly, and all of less than ten.
   function usual(values) {
-    const sorted = values.toSorted((a, b) => a - b), cut = Math.floor(sorted.length / 10);
+    const sorted = [...values].sort((a, b) => a - b), cut = Math.floor(sorted.length / 10);
     const low = sorted[cut], high = sorted[sorted.length - 1 - cut], room = 0.25 * (high - low);
     return [low - room, high + room];
   }
@@ -279,5 +329,15 @@ const figuresOf = runs => {
     return {...figure, subtitle: figure.subtitle + (turned ? '; turned by 90 degrees: −z points right' : ''), cells: [{panels: [panel]}], notes};
   }
 
-  return {run: runFigure, timeline: timelineFigure, overview: overviewFigure, multiples: multiplesFigure, plan: planFigure};
+  // --- Systems side by side
+
+  function compareFigure({title, systems}) {
+    const bars = (heading, log, measure, decimals) => ({panels: [{title: heading, log, bars: systems.map((system, i) =>
+      ({label: system.system, value: system[measure], text: system[measure] === null ? '-' : system[measure].toFixed(decimals), colour: i === 0 ? 2 : 'bar'}))}]});
+    return {title, subtitle: 'by one scenario, network and seed; shorter is better', columns: 3, width: 290, cells: [
+      bars('bytes/s, logarithmic', true, 'bytes_per_s', 0), bars('shown error [m], logarithmic', true, 'shown_error_m', 3),
+      bars('shown later than true [ms]', false, 'others_delay_ms', 0)]};
+  }
+
+  return {run: runFigure, timeline: timelineFigure, overview: overviewFigure, multiples: multiplesFigure, plan: planFigure, compare: compareFigure};
 };

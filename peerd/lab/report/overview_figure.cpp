@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <functional>
-#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -15,63 +14,6 @@ namespace peerd::report {
 namespace {
 
 constexpr std::size_t kMostBars = 60;  // thinner bars cannot be read
-
-// The numbers of a run that the overview shows: means over the observers of the principal object.
-struct RunPoint {
-  measure::Params params;
-  double error_m = 0.0;
-  double updates = 0.0;
-  bool seen = false;
-};
-
-RunPoint run_point(const Json& run, const std::string& path) {
-  RunPoint point{.params = run.at("params")};
-  double observers = 0.0;
-  for (const Json& row : run.at("objects")) {
-    if (row.at("path") != path) continue;
-    point.error_m += row.at("ghost_error_m").at("mean").get<double>();
-    point.updates = row.at("updates_sent").get<double>();
-    observers += 1.0;
-  }
-  point.seen = observers > 0.0;
-  if (point.seen) point.error_m /= observers;
-  return point;
-}
-
-// Runs that differ in their seed alone are one point, which is their mean.
-std::vector<RunPoint> mean_points(const std::vector<RunPoint>& runs, std::size_t repeat) {
-  std::vector<RunPoint> points;
-  for (std::size_t first = 0; first + repeat <= runs.size(); first += repeat) {
-    RunPoint& point = points.emplace_back(runs[first]);
-    for (std::size_t i = first + 1; i < first + repeat; ++i) {
-      point.error_m += runs[i].error_m;
-      point.updates += runs[i].updates;
-    }
-    point.error_m /= static_cast<double>(repeat);
-    point.updates /= static_cast<double>(repeat);
-  }
-  return points;
-}
-
-// The swept key of the x axis: numeric in every run, with the most values, and the first among equals.
-std::optional<std::string> x_key(const std::vector<RunPoint>& points, const std::vector<std::string>& keys) {
-  std::optional<std::string> best;
-  std::size_t most = 1;
-  for (const std::string& key : keys) {
-    std::set<double> values;
-    bool numeric = true;
-    for (const RunPoint& p : points) {
-      const auto it = p.params.find(key);
-      numeric = numeric && it != p.params.end() && it->is_number();
-      if (numeric) values.insert(it->get<double>());
-    }
-    if (numeric && values.size() > most) {
-      best = key;
-      most = values.size();
-    }
-  }
-  return best;
-}
 
 // The panels of a single run: its observers side by side, and the updates of each object.
 Json single_panels(const Json& run, const std::string& path) {
@@ -101,55 +43,49 @@ Json single_panels(const Json& run, const std::string& path) {
       {{{"title", "ghost error of " + path + " [m]"}, {"bars", errors}}, {{"title", title}, {"bars", bars}}});
 }
 
-// The points of several runs. Those with one `label` are a line over x, whose colour is that of the last key but x, and
-// whose dashes are those of the keys before it.
-Json points_of(const std::vector<RunPoint>& points, const std::vector<std::string>& keys,
-               const std::optional<std::string>& x) {
-  std::vector<std::string> others = keys;
-  if (x) std::erase(others, *x);
-  Json rows = Json::array();
-  for (const RunPoint& p : points) {
-    if (!p.seen) continue;
-    Json dash = Json::array();
-    for (std::size_t k = 0; k + 1 < others.size(); ++k) dash.push_back(measure::value_text(p.params, others[k]));
-    rows.push_back({{"label", measure::describe(p.params, others)},
-                    {"whole", measure::describe(p.params, keys)},
-                    {"x", x ? p.params.at(*x) : Json(nullptr)},
-                    {"colour", others.empty() ? "" : measure::value_text(p.params, others.back())},
-                    {"dash", dash.dump(-1, ' ', false, Json::error_handler_t::replace)},
-                    {"error_m", p.error_m},
-                    {"updates", p.updates}});
-  }
-  return rows;
-}
-
 }  // namespace
+
+Json sweep_data(const Json& summary) {
+  const std::string path = principal_object(summary);
+  std::vector<measure::Params> params;
+  for (const Json& run : summary.at("runs")) params.push_back(run.at("params"));
+  const std::vector<std::string> keys = measure::varying_keys(params);
+  Json sweep{{"repeat", summary.value("repeat", 1u)}, {"keys", Json::array()}, {"runs", Json::array()}};
+  for (const std::string& key : keys) sweep["keys"].push_back(measure::axis_label(key, keys));
+  for (const Json& run : summary.at("runs")) {
+    Json values = Json::array(), words = Json::array();
+    for (const std::string& key : keys) {
+      values.push_back(run.at("params").value(key, Json()));
+      words.push_back(measure::describe(run.at("params"), key, keys));
+    }
+    double error_m = 0.0, updates = 0.0, observers = 0.0;
+    for (const Json& row : run.at("objects")) {
+      if (row.at("path") != path) continue;
+      error_m += row.at("ghost_error_m").at("mean").get<double>();
+      updates = row.at("updates_sent").get<double>();
+      observers += 1.0;
+    }
+    sweep["runs"].push_back({{"values", values},
+                             {"words", words},
+                             {"error_m", observers > 0.0 ? Json(error_m / observers) : Json(nullptr)},
+                             {"updates", updates}});
+  }
+  return sweep;
+}
 
 Json overview_figure(const Json& summary) {
   const std::string path = principal_object(summary);
-  std::vector<RunPoint> points;
-  std::vector<measure::Params> params;
-  for (const Json& run : summary.at("runs")) points.push_back(run_point(run, path));
-  points = mean_points(points, summary.value("repeat", 1u));
-  for (const RunPoint& point : points) params.push_back(point.params);
-  const std::vector<std::string> keys = measure::varying_keys(params);
-  const std::optional<std::string> x = x_key(points, keys);
+  const std::size_t repeat = summary.value("repeat", 1u), points = summary.at("runs").size() / repeat;
   std::string subtitle = summary.at("mode").get<std::string>() + ", seed " + summary.at("seed").dump() + ", " +
-                         std::to_string(points.size()) + (points.size() == 1 ? " run" : " runs");
-  if (summary.contains("repeat")) {
-    subtitle +=
-        (points.size() == 1 ? ", the first of " : ", each the mean over ") + summary.at("repeat").dump() + " seeds";
-  }
+                         std::to_string(points) + (points == 1 ? " run" : " runs");
+  if (repeat > 1)
+    subtitle += (points == 1 ? ", the first of " : ", each the mean over ") + std::to_string(repeat) + " seeds";
   if (path.empty()) subtitle += ": no object that another peer observes";
-  const std::string title = summary.at("scenario").get<std::string>() + (path.empty() ? "" : ": " + path);
-  Json figure =
-      figure_of(title, subtitle,
-                !path.empty() && points.size() == 1 ? single_panels(summary.at("runs").front(), path) : Json::array());
+  const bool single = !path.empty() && points == 1;
+  Json figure = figure_of(summary.at("scenario").get<std::string>() + (path.empty() ? "" : ": " + path), subtitle,
+                          single ? single_panels(summary.at("runs").front(), path) : Json::array());
   figure["width"] = 470;
-  if (path.empty() || points.size() < 2) return figure;
-  figure["kind"] = "overview";
-  figure["axis"] = x ? Json(measure::axis_label(*x, keys)) : Json(nullptr);
-  figure["points"] = points_of(points, keys, x);
+  if (!path.empty() && points > 1) figure["kind"] = "overview";
   return figure;
 }
 

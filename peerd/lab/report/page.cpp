@@ -232,15 +232,11 @@ std::string overview_section(const Json& summary, const Figures& figures) {
         "peers send. " +
             front_sentence(summary));
   }
-  if (!figures.multiples.is_null()) {
-    out += figure_markup(
-        figures.multiples, "multiples",
-        "Run by run, numbered row by row: path, error and the owner's output. One scale for equal latencies.");
-  } else if (summary.at("runs").size() > 1) {
-    out += element("p class=\"faint\"",
-                   "No figure of all runs side by side: none of them has an observed object, or the "
-                   "sweep has more than three keys or more values than can be told apart.") +
-           '\n';
+  if (summary.at("runs").size() > 1) {
+    out += data_element("sweep", figures.sweep) + '\n' +
+           figure_markup({{"kind", "multiples"}}, "multiples",
+                         "Run by run, numbered row by row: path, error and the owner's output. One scale for equal "
+                         "latencies.");
   }
   return out +
          figure_markup(figures.plan, "plan",

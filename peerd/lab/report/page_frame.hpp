@@ -6,7 +6,8 @@
 
 namespace peerd::report {
 
-// The style sheet and the script of a page: report.css, and figures.js with report.js, which CMake puts into the program.
+// The style sheet and the script of a page: report.css, and figures.js with report.js, which CMake puts into the
+// program.
 extern const std::string_view kPageStyle, kPageScript;
 
 // An HTML element; `tag` may have attributes.

@@ -22,18 +22,43 @@ namespace {
 constexpr std::size_t kPointsMax = 16'000;  // of the paths of all objects but the principal one
 constexpr std::size_t kMoversMax = 4'000;   // paths, of which each has two points at least
 constexpr std::size_t kMarksMax = 400;
-constexpr double kFinest_m = 0.01;  // least distance of two points of a path
-constexpr double kStill_m = 1e-6;   // an object that moves by less has only been rounded or pushed by rounding
+constexpr double kFinest = 3e-4;   // how far a line may be from its points, as a share of its extent
+constexpr double kStill_m = 1e-6;  // an object that moves by less has only been rounded or pushed by rounding
 
 using Path = std::vector<Point>;  // world x and z [m], interrupted by places that are no numbers
 
-// A path, without points nearer than the distance to the last one that is kept. The ends of its pieces are kept.
-Path simplified(const Path& path, double distance_m) {
+// The distance of p from the segment from a to b.
+double distance_from(const Point& p, const Point& a, const Point& b) {
+  const double dx = b.x - a.x, dy = b.y - a.y, length2 = dx * dx + dy * dy;
+  const double along = length2 > 0.0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / length2, 0.0, 1.0) : 0.0;
+  return std::hypot(p.x - a.x - along * dx, p.y - a.y - along * dy);
+}
+
+// The points of a path of which no point is farther than the tolerance from the line through the points that are kept
+// (Douglas and Peucker, The Canadian Cartographer 10(2), 1973). The places that are no numbers are kept.
+Path simplified(const Path& path, double tolerance_m) {
   Path kept;
-  for (std::size_t i = 0; i < path.size(); ++i) {
-    const bool end = i + 1 == path.size() || std::isnan(path[i].x) || std::isnan(path[i + 1].x) || kept.empty() ||
-                     std::isnan(kept.back().x);
-    if (end || std::hypot(path[i].x - kept.back().x, path[i].y - kept.back().y) >= distance_m) kept.push_back(path[i]);
+  std::vector<std::size_t> ends;  // of what is still to be simplified, the nearest one last
+  for (std::size_t first = 0; first < path.size(); ++first) {
+    kept.push_back(path[first]);
+    if (std::isnan(path[first].x)) continue;
+    ends = {first};
+    while (ends[0] + 1 < path.size() && !std::isnan(path[ends[0] + 1].x)) ++ends[0];
+    while (!ends.empty()) {
+      double farthest = tolerance_m;
+      std::size_t at = first;
+      for (std::size_t i = first + 1; i < ends.back(); ++i) {
+        const double distance = distance_from(path[i], path[first], path[ends.back()]);
+        if (distance > farthest) farthest = distance, at = i;
+      }
+      if (at != first) {
+        ends.push_back(at);
+        continue;
+      }
+      if (ends.back() != first) kept.push_back(path[ends.back()]);
+      first = ends.back();
+      ends.pop_back();
+    }
   }
   return kept;
 }
@@ -93,7 +118,8 @@ class Plan {
     };
     note(run_.outlines_left_out, " shape of the scene, farthest from the objects, not drawn",
          " shapes of the scene, farthest from the objects, not drawn");
-    if (distance_m_ > 0.1) notes.push_back("paths drawn to " + digits_text(distance_m_, 2) + " m");
+    if (tolerance_ > 1e-3)
+      notes.push_back("paths drawn to " + digits_text(100.0 * tolerance_, 2) + " % of their extent");
     if (moving_ > kMoversMax) {
       notes.push_back("of " + std::to_string(moving_) + " other objects that move, the " + std::to_string(kMoversMax) +
                       " that go farthest");
@@ -123,7 +149,11 @@ class Plan {
     return observers_.size() + 1 + static_cast<std::size_t>(at);
   }
 
-  void add(const Path& path, Json look) { series_.push_back(curve(simplified(path, kFinest_m), std::move(look))); }
+  void add(const Path& path, Json look) {
+    Range x, z;
+    for (const Point& p : path) (x.add(p.x), z.add(p.y));
+    series_.push_back(curve(simplified(path, kFinest * std::max(x.width(), z.width())), std::move(look)));
+  }
 
   void add_outlines() {
     Json floor = Json::array(), standing = Json::array(), own = Json::array();
@@ -153,9 +183,9 @@ class Plan {
   void add_others() {
     while (true) {
       std::size_t points = 0;
-      for (Other& other : others_) points += (other.path = simplified(other.path, distance_m_)).size();
+      for (Other& other : others_) points += (other.path = simplified(other.path, tolerance_ * other.extent_m)).size();
       if (points <= std::max(kPointsMax, 4 * moving_)) break;
-      distance_m_ *= 1.5;
+      tolerance_ *= 1.5;
     }
     for (const measure::PeerInfo& peer : run_.peers) {
       Path paths;
@@ -208,8 +238,8 @@ class Plan {
   std::size_t moving_ = 0;                                     // how many others move
   std::size_t unseen_ = 0;                                     // objects without a sample: no peer observes them
   double lowest_m_ = std::numeric_limits<double>::infinity();  // along world y, of all true places
-  double distance_m_ = kFinest_m;                              // least distance of two points of the others' paths
-  std::map<PeerId, Json> outlines_;                            // of objects other than the principal one
+  double tolerance_ = kFinest;       // how far the others' lines are from their points, as a share of their extents
+  std::map<PeerId, Json> outlines_;  // of objects other than the principal one
   Json series_ = Json::array();
 };
 

@@ -600,7 +600,8 @@
     const run = JSON.parse(element.textContent);
     runs.set(run.number, run);
   }
-  const made = figuresOf(runs);
+  const sweep = document.querySelector('script.sweep');
+  const made = figuresOf(runs, sweep && JSON.parse(sweep.textContent));
   const style = document.createElement('style');
   style.textContent = `figure { ${variables(0)} } @media (prefers-color-scheme: dark) { figure { ${variables(1)} } } @media print { figure { ${variables(0)} } }`;
   document.head.append(style);

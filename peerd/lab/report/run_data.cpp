@@ -191,9 +191,9 @@ Json run_data(const measure::ScenarioInfo& info, const measure::RunRecord& run, 
 
 Figures make_figures(const measure::ScenarioInfo& info, std::span<const measure::RunRecord> runs, const Json& summary) {
   const FigureChoice choice = figure_choice(runs, summary);
-  Figures figures{.overview = overview_figure(summary),
+  Figures figures{.sweep = sweep_data(summary),
+                  .overview = overview_figure(summary),
                   .pareto = pareto_figure(summary),
-                  .multiples = multiples_figure(info, runs, choice),
                   .plan = plan_figure(info, runs, summary),
                   .runs = {}};
   for (std::size_t i = 0; i < runs.size(); ++i) figures.runs.push_back(run_data(info, runs[i], i + 1, choice));

@@ -33,7 +33,7 @@ TEST(ComparedSystems, StandInATableAPageAndJson) {
   EXPECT_THAT(table(systems), HasSubstr("ours"));
   const std::string html = page("a & b", systems);
   EXPECT_THAT(html, HasSubstr("<h1>a &amp; b</h1>"));
-  EXPECT_THAT(html, HasSubstr(R"({"label":"\u003cother>","value":1000.0,"text":"1000","colour":"bar"})"));
+  EXPECT_THAT(html, HasSubstr(R"({"system":"\u003cother>","simulated_s":10.0,)"));
   const auto json = to_json(systems);
   EXPECT_TRUE(json[0]["key_to_own_ms"].is_null());
   EXPECT_EQ(json[1]["key_to_own_ms"], 17.0);

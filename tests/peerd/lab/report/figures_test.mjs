@@ -38,21 +38,38 @@ test('a timeline counts what it has not', () => {
   assert.deepEqual(figure.notes, ['1999 contacts not drawn']);
 });
 
-test('small figures have the runs of their cell that the page has', () => {
-  const figure = figuresOf(new Map([[1, run]])).multiples(
-    {observer: 'b', columns: 2, cells: [{heading: '1', runs: [{number: 1, words: ''}, {number: 9, words: ''}]}, {heading: '2', runs: [{number: 8, words: ''}]}]});
-  assert.equal(figure.cells[0].lines[0].text, '2 updates, mean 0.5 m');
-  assert.equal(figure.cells[1], null);
+// Runs of a sweep over latency, order and approach.
+function sweepOf(latencies, orders, approaches) {
+  const all = approaches.flatMap(a => orders.flatMap(o => latencies.map(l => [l, o, a])));
+  return {repeat: 1, keys: ['latency [ms]', 'order', 'approach'],
+    runs: all.map(([l, o, a], i) => ({values: [l, o, a], words: [`latency ${l} ms`, `order ${o}`, a], error_m: 0.1 * i, updates: 10 * i}))};
+}
+
+test('small figures are numbered row by row, and have a third key in colours', () => {
+  const sweep = sweepOf([100, 5, 500], [1, 2], ['dr', 'rcp']);
+  const all = new Map(sweep.runs.map((_, i) => [i + 1, {...run, number: i + 1}]));
+  all.delete(12);  // which the page has no room for
+  const {cells, columns} = figuresOf(all, sweep).multiples();
+  assert.equal(columns, 3);
+  assert.deepEqual(cells.map(cell => cell.heading), ['1  order 1, latency 5 ms', '2  order 1, latency 100 ms', '3  order 1, latency 500 ms',
+    '4  order 2, latency 5 ms', '5  order 2, latency 100 ms', '6  order 2, latency 500 ms']);
+  assert.deepEqual(cells[0].lines.map(line => line.text), ['dr: 2 updates, mean 0.5 m', 'rcp: 2 updates, mean 0.5 m']);
+  assert.equal(cells[5].lines.length, 1);
+  assert.deepEqual(figuresOf(all, sweepOf([1, 2, 3, 4, 5, 6, 7, 8], [1], ['dr'])).multiples().cells, [], 'more columns than seven');
 });
 
-test('an overview has a line for each combination but of the axis', () => {
-  const point = (label, x, error_m) => ({label, whole: `${label} ${x}`, x, colour: label, dash: '', error_m, updates: 10 * x});
-  const points = [point('dr', 2, 0.4), point('rcp', 1, 0.1), point('dr', 1, 0.2)];
-  const [errors, updates] = figuresOf(new Map()).overview({points, axis: 'order'}).cells.map(cell => cell.panels[0]);
-  assert.deepEqual(errors.series.map(s => [s.name, s.colour, s.x, s.y]), [['dr', 0, [1, 2], [0.2, 0.4]], ['rcp', 1, [1], [0.1]]]);
-  assert.deepEqual(updates.bars.map(bar => bar.value), [15, 10]);
-  const [bars] = figuresOf(new Map()).overview({points, axis: null}).cells[0].panels;
-  assert.deepEqual(bars.bars.map(bar => bar.label), ['dr', 'rcp']);
+test('an overview has a line for each combination of the keys but the one with the most numbers', () => {
+  const sweep = sweepOf([100, 5], [1], ['dr', 'rcp']);
+  const [errors, updates] = figuresOf(new Map(), sweep).overview({}).cells.map(cell => cell.panels[0]);
+  assert.equal(errors.x.label, 'latency [ms]');
+  assert.deepEqual(errors.series.map(s => [s.name, s.colour, s.x]), [['order 1, dr', 0, [5, 100]], ['order 1, rcp', 1, [5, 100]]]);
+  assert.deepEqual(errors.series[0].y, [0.1, 0]);
+  assert.deepEqual(updates.bars.map(bar => bar.value), [5, 25]);
+  const repeated = {...sweep, repeat: 2, runs: sweep.runs.flatMap(one => [one, {...one, updates: one.updates + 2}])};
+  const again = figuresOf(new Map(), repeated).overview({}).cells[1].panels[0];
+  assert.deepEqual(again.bars.map(bar => bar.value), [6, 26], 'means over seeds');
+  const bars = figuresOf(new Map(), sweepOf([5], [1], ['dr', 'rcp'])).overview({}).cells[0].panels[0];
+  assert.equal(bars.bars.length, 2, 'no key has two numbers');
 });
 
 // The range of the plan along x, and its highest -z, of a path of 100 m by 80 m with a shape of this role.

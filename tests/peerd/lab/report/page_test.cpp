@@ -143,8 +143,7 @@ TEST(ReportPage, IsBoundedAndSaysWhatItLeavesOut) {
     runs.back().params = {{"replication.order", i}};
   }
   const Json summary = measure::summarise(kInfo, runs);
-  Figures figures{
-      .overview = Json::object(), .pareto = nullptr, .multiples = nullptr, .plan = Json::object(), .runs = {}};
+  Figures figures{.sweep = nullptr, .overview = Json::object(), .pareto = nullptr, .plan = Json::object(), .runs = {}};
   figures.runs.assign(runs.size(), Json(std::string(100'000, 'x')));
   const std::string html = report_page(kInfo, runs, summary, figures);
   EXPECT_LT(html.size(), 16u << 20);
