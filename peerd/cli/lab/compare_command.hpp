@@ -15,7 +15,7 @@ struct CompareOptions {
 };
 
 // `peerd compare`: a scenario as it is and with each of those systems in its peers' place, on the simulated network:
-// one table and one picture.
+// one table and one page.
 [[nodiscard]] int run_compare(const CompareOptions& options);
 
 }  // namespace peerd

@@ -13,12 +13,16 @@
 // plan       {series, notes}: series with x and y in the world's x and z [m], each with a `role`
 'use strict';
 const figuresOf = (runs, sweep) => {
+  const MOST_LANES = 10, MOST_SENDERS = 6;  // peers; there are six colours
+
   const most = (values, from = 0) => values.reduce((high, v) => v > high ? v : high, from);
   const least = values => values.reduce((low, v) => v !== null && v < low ? v : low, Infinity);
   const outputOf = (run, name) => run.output.find(sender => sender.name === name) || {kB_s: []};
 
   // The scales that all runs of one latency share, so that they can be laid side by side; output has one for all.
+  const known = new Map();  // scales by latency
   function scalesOf(run) {
+    if (known.has(run.scale)) return known.get(run.scale);
     const scales = {position: [Infinity, -Infinity], error: 0, owner: 0, peer: 0, threshold: 0};
     for (const other of runs.values()) {
       for (const sender of other.output) scales.peer = most(sender.kB_s, scales.peer);
@@ -31,13 +35,15 @@ const figuresOf = (runs, sweep) => {
       }
       for (const observer of other.observers) scales.error = most(observer.error.y, scales.error);
     }
+    known.set(run.scale, scales);
     return scales;
   }
 
   const timeOf = run => ({label: 'time [s]', range: [0, run.duration_s]});
   const steps = (run, kB_s, look) => ({x: kB_s.map((_, i) => i * run.bin_s), y: kB_s, step: true, ...look});
   const mean = values => values.reduce((sum, v) => sum + v, 0) / Math.max(1, values.length);
-  const dashOf = i => i === 0 ? 0 : 1;  // the second line often covers the first, and dashes let the first show through
+  // The second line often covers the first, and dashes let the first show through. Colours are repeated with other dashes.
+  const dashOf = i => i === 0 ? 0 : 1 + Math.floor(i / MOST_SENDERS) % 3;
   const where = (contacts, holds) => contacts.at.map((_, i) => i).filter(holds);
 
   // The outcomes that the object takes part in.
@@ -94,7 +100,6 @@ const figuresOf = (runs, sweep) => {
   }
 
   const STATEMENTS = [['to an own object', 'square', 'bar'], ['decided', 'square', 0], ['predicted', 'ring', 2], ['wrong', 'cross', 1], ['taken over', 'disc', 4]];
-  const MOST_LANES = 10, MOST_SENDERS = 6;  // peers
 
   // A lane for each peer with its statements about contacts at the contact's time, and a line to when the peer knew.
   function lanesOf(run) {
@@ -315,7 +320,7 @@ const figuresOf = (runs, sweep) => {
     const leaving = paths.flatMap(s => groundsOf([s], 'path')).filter(r => !holds(ground, r[0], r[1]) || !holds(ground, r[2], r[3])).length;
     const notes = [...figure.notes];
     if (leaving > 0) notes.push(leaving === 1 ? '1 path leads out of the picture' : `${leaving} paths lead out of the picture`);
-    const outside = groundsOf(figure.series, 'mark').filter(r => !holds(ground, r[0], r[1])).length;
+    const outside = ['mark', 'owned'].flatMap(role => groundsOf(figure.series, role)).filter(r => isNothing(within(r, ground))).length;
     if (outside > 0) notes.push(outside === 1 ? '1 object stands outside of the picture' : `${outside} objects stand outside of the picture`);
     for (const one of figure.series) {
       if (one.polygons) one.polygons = one.polygons.map(p => Array.from({length: p.length / 2}, (_, i) => onPage(p[2 * i], p[2 * i + 1])).flat());

@@ -104,7 +104,10 @@ class Plan {
     add(truth_, {{"name", truth}, {"role", "truth"}, {"colour", "truth"}, {"width", 5}, {"legend", truth}});
     for (std::size_t i = 0; i < observers_.size(); ++i) {
       add(path_of(ghost_of(run_, observers_[i].peer, principal_.object), false),
-          {{"name", "ghost at " + observers_[i].name}, {"role", "ghost"}, {"colour", i}, {"dash", i == 0 ? 0 : 1}});
+          {{"name", "ghost at " + observers_[i].name},
+           {"role", "ghost"},
+           {"colour", i},
+           {"dash", i == 0 ? 0 : 1 + i / 6 % 3}});
     }
     add_marks();
     return series_;

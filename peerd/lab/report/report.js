@@ -569,6 +569,7 @@
   function save(svg, name) {
     const copy = svg.cloneNode(true);
     for (const area of copy.querySelectorAll('.area, [visibility="hidden"]')) area.remove();
+    for (const entry of copy.querySelectorAll('.entry')) for (const name of ['role', 'tabindex', 'aria-pressed']) entry.removeAttribute(name);
     const text = new XMLSerializer().serializeToString(copy).replace(/var\(--fig-(\w+)\)/g, (_, of) => COLOURS[of][0]);
     const link = document.createElement('a');
     link.href = URL.createObjectURL(new Blob([text], {type: 'image/svg+xml'}));

@@ -83,10 +83,7 @@ TEST(PlanFigure, APathIsInterruptedWhereNobodyHadASample) {
     if (i >= 40 && i < 60) continue;  // two seconds
     run.ghost_samples.push_back(measure::samples::ghost_sample(0.1 * i, kC, kCar, {1.0 * i, 0, 0}, {1.0 * i, 0, 1}));
   }
-  const Json x = series_of(plan_of(run), "ghost at c").at("x");
-  ASSERT_EQ(x.size(), 81u);
-  EXPECT_TRUE(x[40].is_null());
-  EXPECT_EQ(x[41], 60.0);
+  EXPECT_EQ(series_of(plan_of(run), "ghost at c").at("x").dump(), "[0.0,39.0,null,60.0,99.0]");
 }
 
 }  // namespace peerd::report::plan_figure_test
