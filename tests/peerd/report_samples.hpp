@@ -21,8 +21,7 @@ inline RunRecord quiet_run(double duration_s = 10.0) {
   return run;
 }
 
-inline GhostSample ghost_sample(double t_s, PeerId observer, ObjectId object, const Vec3& truth,
-                                         const Vec3& ghost) {
+inline GhostSample ghost_sample(double t_s, PeerId observer, ObjectId object, const Vec3& truth, const Vec3& ghost) {
   GhostSample s;
   s.t_s = t_s;
   s.observer = observer;

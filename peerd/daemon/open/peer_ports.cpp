@@ -98,10 +98,10 @@ void connect(Daemon& daemon, gateway::Gateway& gateway) {
 
 // The result is null where the peer takes no poses by UDP.
 Result<std::unique_ptr<net::UdpPort>> open_pose_port(asio::io_context& io, const config::PeerSettings& settings,
-                                                      Daemon& daemon, Log& log) {
+                                                     Daemon& daemon, Log& log) {
   if (settings.feed.udp.empty()) return nullptr;
   auto opened = net::UdpPort::open(io, settings.feed.udp, "peer." + settings.name + ".feed.udp",
-                                    [&daemon](std::string_view datagram) { daemon.on_poses(datagram); });
+                                   [&daemon](std::string_view datagram) { daemon.on_poses(datagram); });
   if (!opened) return opened;
   const auto endpoint = (*opened)->endpoint();
   log(LogLevel::kInfo,

@@ -39,7 +39,7 @@ class PeerPorts {
   std::unique_ptr<control::ControlServer> control_;  // null: there is none
   ViewedPeer viewed_;
   std::unique_ptr<gateway::Gateway> gateway_;  // null: there is none
-  std::unique_ptr<net::UdpPort> poses_;       // null: there is none
+  std::unique_ptr<net::UdpPort> poses_;        // null: there is none
 };
 
 }  // namespace peerd

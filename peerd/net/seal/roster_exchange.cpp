@@ -43,8 +43,8 @@ struct RosterExchange::Part {
     if (!text || text->size() < kPartHeader_bytes) return std::nullopt;
     const std::span header = std::span(*text).first(kPartHeader_bytes);
     return Part{static_cast<std::uint32_t>(keys::get(header.subspan(kMark_bytes, kEpoch_bytes))),
-                keys::get(header.subspan(kMark_bytes + kEpoch_bytes, kCount_bytes)), keys::get(header.last(kCount_bytes)),
-                std::string(text->begin() + kPartHeader_bytes, text->end())};
+                keys::get(header.subspan(kMark_bytes + kEpoch_bytes, kCount_bytes)),
+                keys::get(header.last(kCount_bytes)), std::string(text->begin() + kPartHeader_bytes, text->end())};
   }
 };
 
