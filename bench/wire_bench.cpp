@@ -12,9 +12,8 @@
 // second. decode_apply_per_s, encode_records_per_s: wire_codec.hpp. bytes_over_dis, flock_received_over_aoi:
 // wire_traffic.hpp. growth.OBJECTS.WHAT: the same with so many objects in the world. OWN: only ticks, with so many own
 // objects; `loopback`: only how long an update is under way (loopback/), `traffic`: only bytes. Writes wire-growth.csv
-// and wire-growth.svg besides. Exit code 1: a ghost is not what its owner's update says or not, to the last bit, what
-// its owner believes of it; not all that was sent was applied; a record is not decoded as it was encoded; an update did
-// not come.
+// besides. Exit code 1: a ghost is not what its owner's update says or not, to the last bit, what its owner believes of
+// it; not all that was sent was applied; a record is not decoded as it was encoded; an update did not come.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -26,7 +25,6 @@
 #include <vector>
 
 #include "bench/loopback/loopback.hpp"
-#include "collision_chart.hpp"
 #include "figures.hpp"
 #include "replication/peer/peer.hpp"
 #include "replication/wire/codec.hpp"
@@ -264,8 +262,7 @@ class Bench {
 
  private:
   int write() {
-    const bool written = write_figures(options_, figures_) && write_beside(options_, "wire-growth.csv", csv()) &&
-                         write_beside(options_, "wire-growth.svg", draw(charts(), 2));
+    const bool written = write_figures(options_, figures_) && write_beside(options_, "wire-growth.csv", csv());
     return written && right_ ? 0 : 1;
   }
   void wrong(const std::string& what, std::uint64_t count) {
@@ -374,66 +371,20 @@ class Bench {
     for (const auto& [name, value, unit] : parts) figure(name, value, unit);
   }
 
-  struct Grown {
-    std::string what;
-    double objects = 0.0;
-    const Figure* figure = nullptr;
-  };
-  [[nodiscard]] std::vector<Grown> grown() const {
+  // The figures growth.OBJECTS.WHAT as a table of their own.
+  [[nodiscard]] std::string csv() const {
     constexpr std::string_view kMark = "growth.";
-    std::vector<Grown> all;
+    std::string text = "figure,objects,value,unit,low,high\n";
     for (const Figure& f : figures_) {
       if (!f.name.starts_with(kMark)) continue;
       const auto dot = f.name.find('.', kMark.size());
-      all.push_back({f.name.substr(dot + 1), std::stod(f.name.substr(kMark.size(), dot - kMark.size())), &f});
-    }
-    return all;
-  }
-  [[nodiscard]] std::string csv() const {
-    std::string text = "figure,objects,value,unit,low,high\n";
-    for (const Grown& g : grown()) {
+      const double objects = std::stod(f.name.substr(kMark.size(), dot - kMark.size()));
       char row[200];
-      std::snprintf(row, sizeof row, "%s,%.0f,%.6g,%s,%.6g,%.6g\n", g.what.c_str(), g.objects, g.figure->value,
-                    g.figure->unit.c_str(), g.figure->low, g.figure->high);
+      std::snprintf(row, sizeof row, "%s,%.0f,%.6g,%s,%.6g,%.6g\n", f.name.substr(dot + 1).c_str(), objects, f.value,
+                    f.unit.c_str(), f.low, f.high);
       text += row;
     }
     return text;
-  }
-  [[nodiscard]] Series series(const std::string& name, const std::string& what) const {
-    Series line{name, {}};
-    for (const Grown& g : grown()) {
-      if (g.what == what) line.points.push_back({g.objects, g.figure->value});
-    }
-    return line;
-  }
-  [[nodiscard]] std::vector<Chart> charts() const {
-    const Axis objects{"objects of the world", true, false};
-    return {{"a peer's share of a core at 60 Hz",
-             objects,
-             {"of a core", true, false},
-             {series("configs/best.toml", "tick_share_of_core"), series("second order", "tick_share_of_core.order2")}},
-            {"one ghost",
-             objects,
-             {"ns", false, true},
-             {series("configs/best.toml", "ghost_eval_ns"), series("second order", "ghost_eval_ns.order2")}},
-            {"decoded and applied; encoded",
-             objects,
-             {"1/s", true, false},
-             {series("datagrams of one update", "decode_apply_per_s"),
-              series("datagrams of forty", "decode_apply_per_s.batch40"),
-              series("records encoded", "encode_records_per_s")}},
-            {"way of an update on loopback, over bare UDP's",
-             objects,
-             {"times", false, true},
-             {series("p50", "loopback_p50_over_udp.1khz"), series("p99", "loopback_p99_over_udp.1khz")}},
-            {"bytes over DIS's at equal error",
-             objects,
-             {"times", true, false},
-             {series("all datagrams of two peers", "bytes_over_dis")}},
-            {"received over what the area of interest holds",
-             objects,
-             {"times", false, true},
-             {series("two flocks, eight peers", "flock_received_over_aoi")}}};
   }
 
   Options options_;

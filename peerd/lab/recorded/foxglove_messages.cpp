@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "peerd/lab/recorded/text_of.hpp"
+
 namespace peerd::recorded {
 namespace {
 
@@ -13,8 +15,6 @@ using view::Color;
 
 constexpr double kMark_s = 3.0;
 constexpr double kArrow_m = 1.0;
-
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 Json time_of(double t_s) {
   const double whole = std::floor(t_s);

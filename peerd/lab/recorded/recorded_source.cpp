@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/input/compression.hpp"
+#include "peerd/lab/recorded/text_of.hpp"
 #include "peerd/peer/control/answer.hpp"
 
 namespace peerd::recorded {
@@ -18,8 +19,6 @@ using gateway::RecordedFile;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kNobodyIsHere = "this is a recording: there is no peer that could do that";
-
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 RecordedFile bytes_of(std::span<const float> numbers) {
   std::string bytes(numbers.size_bytes(), '\0');

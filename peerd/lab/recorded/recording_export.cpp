@@ -11,6 +11,7 @@
 
 #include "peerd/lab/recorded/foxglove_messages.hpp"
 #include "peerd/lab/recorded/stretch_reader.hpp"
+#include "peerd/lab/recorded/text_of.hpp"
 
 namespace peerd {
 namespace {
@@ -31,8 +32,6 @@ constexpr const char* kEventSchema =
     R"({"title":"peerd.Event","type":"object","properties":{"event":{"type":"string"}}})";
 
 std::uint64_t nanoseconds(double t_s) { return static_cast<std::uint64_t>(std::llround(std::max(0.0, t_s) * 1e9)); }
-
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 // The frame that a row says the place of; empty: of none. Truths are said once, in the view of the owner.
 std::string frame_of(const PoseRow& row, const std::string& view, const std::string& path) {
@@ -128,7 +127,7 @@ void RecordingExport::add_errors(const Recording& recording, const RecordedView&
       errors["largest_m"] = view.errors.largest_m[i];
     }
     errors["objects"] = std::move(objects);
-    mcap_.add_message(channel, nanoseconds(static_cast<double>(i) / recording.hz), text_of(errors));
+    mcap_.add_message(channel, nanoseconds(static_cast<double>(i) / recording.hz), recorded::text_of(errors));
   }
 }
 
