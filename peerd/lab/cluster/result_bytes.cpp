@@ -131,7 +131,7 @@ template <class T>
     return number <= (std::same_as<T, bool> ? 1 : static_cast<int>(CollisionType::kAllPairs));
   } else if constexpr (std::is_arithmetic_v<T>) {
     if (bytes.size() < sizeof value) return false;
-    std::memcpy(&value, bytes.data(), sizeof value);
+    bytes.copy(reinterpret_cast<char*>(&value), sizeof value);
     bytes.remove_prefix(sizeof value);
     return true;
   } else if constexpr (std::same_as<T, Json>) {
