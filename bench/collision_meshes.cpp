@@ -7,16 +7,26 @@
 #include <filesystem>
 #include <fstream>
 #include <numbers>
+#include <random>
 #include <sstream>
 
 #include "core/geometry/mesh.hpp"
-#include "generated_text.hpp"
 
 namespace peerd::bench {
 namespace {
 
 using collision::TriangleSoup;
 constexpr double kTurn = 2 * std::numbers::pi;
+
+// Its own numbers from bits: the standard's distributions differ from one library to the next.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : bits_(seed) {}
+  double real(double low, double high) { return low + (high - low) * static_cast<double>(bits_() >> 11) * 0x1p-53; }
+
+ private:
+  std::mt19937_64 bits_;
+};
 
 struct Polygons {
   std::vector<Vec3> vertices;

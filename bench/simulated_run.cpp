@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <set>
 #include <stdexcept>
 
 #include "peerd/lab/baselines/baseline_run.hpp"
 #include "peerd/lab/live/assemble.hpp"
 #include "peerd/lab/measure/summary.hpp"
+#include "peerd/lab/sim/simulation.hpp"
+#include "peerd/peer/config/scenario.hpp"
 
 namespace peerd::bench {
 namespace {
@@ -29,18 +32,12 @@ struct Mean {
   [[nodiscard]] double value() const { return count == 0 ? 0.0 : sum / static_cast<double>(count); }
 };
 
-// The record of the run, by whichever system its configuration names.
-measure::RunRecord played_record(const ReadyRun& read) {
-  if (read.settings().baseline.system == config::BaselineSystem::kNone) return record_of(read, play(read));
-  return must(baselines::run_of_any_system(read.settings(), *read.shared));
-}
-
-nlohmann::ordered_json summary_of(const SimulatedRun& run, const ReadyRun& read, const measure::RunRecord& record) {
-  return measure::summarise({run.scenario, "sim", read.scenario.seed, {}}, {&record, 1})["runs"][0];
-}
-
-}  // namespace
-
+// A run that has been read, with its world.
+struct ReadyRun {
+  config::Scenario scenario;
+  std::unique_ptr<const SharedWorld> shared;
+  [[nodiscard]] const config::RunSettings& settings() const { return scenario.runs.front(); }
+};
 ReadyRun ready(const SimulatedRun& run) {
   config::ScenarioRequest request;
   request.file = kConfigs / "scenarios" / (run.scenario + ".toml");
@@ -56,20 +53,26 @@ ReadyRun ready(const SimulatedRun& run) {
   return read;
 }
 
+// The record of the run, by whichever system its configuration names.
+measure::RunRecord played_record(const ReadyRun& read) {
+  if (read.settings().baseline.system != config::BaselineSystem::kNone) {
+    return must(baselines::run_of_any_system(read.settings(), *read.shared));
+  }
+  std::optional<measure::InterestRecord> interest;  // none: nobody has an area of interest
+  const auto logs = must(sim::simulate(read.settings(), *read.shared, {}, {}, &interest));
+  measure::RunRecord record = must(assemble(read.settings(), *read.shared, logs));
+  record.interest = interest;
+  return record;
+}
+
+nlohmann::ordered_json summary_of(const SimulatedRun& run, const ReadyRun& read, const measure::RunRecord& record) {
+  return measure::summarise({run.scenario, "sim", read.scenario.seed, {}}, {&record, 1})["runs"][0];
+}
+
+}  // namespace
+
 replication::PublishPolicy policy_in(const std::string& config, const std::vector<std::string>& sets) {
   return ready({"crowd", config, 100.0, 1.0, sets}).settings().replication.policy;
-}
-
-Played play(const ReadyRun& run, const sim::Observer& observer) {
-  Played played;
-  played.logs = must(sim::simulate(run.settings(), *run.shared, observer, {}, &played.interest));
-  return played;
-}
-
-measure::RunRecord record_of(const ReadyRun& run, const Played& played) {
-  measure::RunRecord record = must(assemble(run.settings(), *run.shared, played.logs));
-  record.interest = played.interest;
-  return record;
 }
 
 nlohmann::ordered_json summary_of(const SimulatedRun& run) {
@@ -84,11 +87,10 @@ Outcome simulate(const SimulatedRun& run) {
   Outcome outcome;
   if (summary["objects"].empty()) outcome.wrong = "nobody saw anything";
   if (summary["collisions"]["shared"]["disagreed"] != 0) outcome.wrong = "peers disagree on an outcome";
-  Mean error, difference, updates;
+  Mean error, updates;
   std::set<std::string> objects;
   for (const auto& row : summary["objects"]) {
     error.add(row["ghost_error_m"]["mean"].get<double>());
-    difference.add(row["view_difference_m"]["mean"].get<double>());
     updates.add(row["updates_sent"].get<double>() / run.duration_s);
     objects.insert(row["path"].get<std::string>());
   }
@@ -105,8 +107,6 @@ Outcome simulate(const SimulatedRun& run) {
   update_bytes += (kUdpHeader_bytes + kHeaderOfRecords_bytes) * static_cast<double>(instants.size());
   outcome.update_bytes_per_s = update_bytes / run.duration_s;
   outcome.ghost_error_m = error.value();
-  outcome.view_difference_m = difference.value();
-  outcome.updates_per_object_s = updates.value();
   outcome.updates_per_s = updates.value() * static_cast<double>(objects.size());
   return outcome;
 }

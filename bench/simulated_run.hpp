@@ -1,5 +1,4 @@
 #pragma once
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -7,8 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/lab/sim/simulation.hpp"
-#include "peerd/peer/config/scenario.hpp"
+#include "replication/settings/policy/publish_policy.hpp"
 
 namespace peerd::bench {
 
@@ -19,20 +17,8 @@ struct SimulatedRun {
   double latency_ms = 0.0, duration_s = 0.0;
   std::vector<std::string> sets = {};  // KEY=VALUE
 };
-// A ready run has been read, with its world: it can be played as often as one likes, and always comes out alike.
-struct ReadyRun {
-  config::Scenario scenario;
-  std::unique_ptr<const SharedWorld> shared;
-  [[nodiscard]] const config::RunSettings& settings() const { return scenario.runs.front(); }
-};
-struct Played {
-  std::vector<PeerLog> logs;
-  std::optional<measure::InterestRecord> interest;  // none: nobody has an area of interest
-};
-// These throw std::runtime_error where there is no such run.
-[[nodiscard]] ReadyRun ready(const SimulatedRun& run);
-[[nodiscard]] Played play(const ReadyRun& run, const sim::Observer& observer = {});
-[[nodiscard]] measure::RunRecord record_of(const ReadyRun& run, const Played& played);
+// The functions throw std::runtime_error where there is no such run.
+
 // The publish policy of configs/CONFIG.toml, as it is in any scenario.
 [[nodiscard]] replication::PublishPolicy policy_in(const std::string& config,
                                                    const std::vector<std::string>& sets = {});
@@ -47,10 +33,8 @@ struct Outcome {
   double bytes_with_udp_per_s = 0.0;  // .. and 28 bytes of IPv4 and UDP header each
   double update_bytes_per_s = 0.0;  // .. of those, updates, and all headers of a datagram for each instant's of a peer
   double ghost_error_m = 0.0;       // mean of all objects at all observers, against the truth at that instant
-  double view_difference_m = 0.0;   // between what an observer's and the owner's user see
-  double updates_per_object_s = 0.0;
-  double updates_per_s = 0.0;  // of all objects
-  std::string wrong;           // why the run proves nothing; empty if it does
+  double updates_per_s = 0.0;       // of all objects
+  std::string wrong;                // why the run proves nothing; empty if it does
 };
 [[nodiscard]] Outcome simulate(const SimulatedRun& run);
 

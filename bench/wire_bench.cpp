@@ -12,9 +12,8 @@
 // second. decode_apply_per_s, encode_records_per_s: wire_codec.hpp. bytes_over_dis, flock_received_over_aoi:
 // wire_traffic.hpp. growth.OBJECTS.WHAT: the same with so many objects in the world. OWN: only ticks, with so many own
 // objects; `loopback`: only how long an update is under way (loopback/), `traffic`: only bytes. Writes wire-growth.csv
-// besides. Exit code 1: a ghost is not what its owner's update says or not, to the last bit, what
-// its owner believes of it; not all that was sent was applied; a record is not decoded as it was encoded; an update did
-// not come.
+// besides. Exit code 1: a ghost is not what its owner's update says or not, to the last bit, what its owner believes of
+// it; not all that was sent was applied; a record is not decoded as it was encoded; an update did not come.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -372,31 +371,22 @@ class Bench {
     for (const auto& [name, value, unit] : parts) figure(name, value, unit);
   }
 
-  struct Grown {
-    std::string what;
-    double objects = 0.0;
-    const Figure* figure = nullptr;
-  };
-  [[nodiscard]] std::vector<Grown> grown() const {
+  // The figures growth.OBJECTS.WHAT as a table of their own.
+  [[nodiscard]] std::string csv() const {
     constexpr std::string_view kMark = "growth.";
-    std::vector<Grown> all;
+    std::string text = "figure,objects,value,unit,low,high\n";
     for (const Figure& f : figures_) {
       if (!f.name.starts_with(kMark)) continue;
       const auto dot = f.name.find('.', kMark.size());
-      all.push_back({f.name.substr(dot + 1), std::stod(f.name.substr(kMark.size(), dot - kMark.size())), &f});
-    }
-    return all;
-  }
-  [[nodiscard]] std::string csv() const {
-    std::string text = "figure,objects,value,unit,low,high\n";
-    for (const Grown& g : grown()) {
+      const double objects = std::stod(f.name.substr(kMark.size(), dot - kMark.size()));
       char row[200];
-      std::snprintf(row, sizeof row, "%s,%.0f,%.6g,%s,%.6g,%.6g\n", g.what.c_str(), g.objects, g.figure->value,
-                    g.figure->unit.c_str(), g.figure->low, g.figure->high);
+      std::snprintf(row, sizeof row, "%s,%.0f,%.6g,%s,%.6g,%.6g\n", f.name.substr(dot + 1).c_str(), objects, f.value,
+                    f.unit.c_str(), f.low, f.high);
       text += row;
     }
     return text;
   }
+
   Options options_;
   std::vector<Figure> figures_;
   bool right_ = true;

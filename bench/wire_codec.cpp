@@ -18,7 +18,8 @@ using namespace std::chrono_literals;
 constexpr Tolerance kRounded{0.05, 0.05};  // of a record in a batch
 constexpr std::size_t kBatch = 40;
 
-// Updates of objects that walk and drive, one object after the other, each newer than all before.
+// Updates of objects that walk and drive, one object after the other. Those of one tick are of one instant: a peer
+// advances its worlds to a few instants between two ticks, and later ones wait for the next tick.
 class Updates {
  public:
   Updates(const Crowd& crowd, std::size_t objects) : crowd_(crowd), objects_(objects), rng_(7) {}
@@ -94,7 +95,7 @@ class Listener {
     for (std::size_t d = 0; d < datagrams; ++d) {
       Message m = blank();
       for (std::size_t i = 0; i < batch; ++i) {
-        m.updates.push_back(updates_.next(at + Duration{static_cast<std::int64_t>(d)}));
+        m.updates.push_back(updates_.next(at));
         last_[m.updates.back().object.number - crowd_.first.number] = m.updates.back();
       }
       sent.push_back(encode(m));

@@ -108,7 +108,6 @@ class TwoPeers {
     outcome.bytes_with_udp_per_s =
         outcome.bytes_per_s + kUdpHeader_bytes * static_cast<double>(after.datagrams - before.datagrams) / s;
     outcome.updates_per_s = static_cast<double>(after.updates - before.updates) / s;
-    outcome.updates_per_object_s = outcome.updates_per_s / static_cast<double>(own_);
     outcome.ghost_error_m = error_sum_m_ / static_cast<double>(samples_);
     if (samples_ == 0 || !std::isfinite(error_sum_m_)) outcome.wrong = "nobody saw anything";
     return outcome;

@@ -10,6 +10,34 @@
 namespace peerd::animation {
 namespace {
 
+// A key interval is the two neighbouring keys that a fraction lies between.
+struct KeyInterval {
+  std::size_t a = 0;  // the last key <= fraction
+  std::size_t b = 0;  // the one after; == a at and outside the ends
+  double weight = 0;  // weight of b, in [0, 1)
+};
+
+// Finds the key interval of f(t) = v_0 for t <= t_0, v_{n-1} for t >= t_{n-1}, else linterp(t, v_i, v_{i+1}) for t_i <=
+// t <= t_{i+1} (4.6.8). At a key that is given more than once, where 4.6.8 leaves it open, the last of its values
+// counts (the limit from the right); but v_0 at a first key, as the first line has it. A NaN gives v_0. O(log n); n >=
+// 1.
+KeyInterval find_key_interval(std::span<const float> key, double fraction) {
+  assert(!key.empty());
+  const std::size_t last = key.size() - 1;
+  if (!(fraction > key[0])) return {0, 0, 0.0};
+  if (fraction >= key[last]) return {last, last, 0.0};
+  std::size_t a = 0;     // key[a] <= fraction
+  std::size_t b = last;  // key[b] > fraction. Unlike std::upper_bound, this ends on any keys, sorted or not
+  while (b - a > 1) {
+    const std::size_t middle = a + (b - a) / 2;
+    (key[middle] <= fraction ? a : b) = middle;
+  }
+  const double from = key[a];
+  const double weight = (fraction - from) / (key[b] - from);
+  if (!(weight > 0.0)) return {a, a, 0.0};
+  return {a, b, std::min(weight, 1.0)};
+}
+
 // The result is exact at weight 0, and constant where the ends are equal.
 double lerp(double a, double b, double weight) { return a + weight * (b - a); }
 Vec3 lerp(const Vec3& a, const Vec3& b, double weight) { return a + weight * (b - a); }
@@ -161,23 +189,6 @@ void sort_keys(std::span<float> key) {
     if (k > greatest) greatest = k;
     k = greatest;
   }
-}
-
-KeyInterval find_key_interval(std::span<const float> key, double fraction) {
-  assert(!key.empty());
-  const std::size_t last = key.size() - 1;
-  if (!(fraction > key[0])) return {0, 0, 0.0};
-  if (fraction >= key[last]) return {last, last, 0.0};
-  std::size_t a = 0;     // key[a] <= fraction
-  std::size_t b = last;  // key[b] > fraction. Unlike std::upper_bound, this ends on any keys, sorted or not
-  while (b - a > 1) {
-    const std::size_t middle = a + (b - a) / 2;
-    (key[middle] <= fraction ? a : b) = middle;
-  }
-  const double from = key[a];
-  const double weight = (fraction - from) / (key[b] - from);
-  if (!(weight > 0.0)) return {a, a, 0.0};
-  return {a, b, std::min(weight, 1.0)};
 }
 
 Quat orientation_at(const Keys& keys, std::size_t i) {

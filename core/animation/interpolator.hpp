@@ -40,19 +40,6 @@ struct Keys {
 [[nodiscard]] bool is_sorted(std::span<const float> key);
 void sort_keys(std::span<float> key);  // makes each key the greatest up to it
 
-// A key interval is the two neighbouring keys that a fraction lies between.
-struct KeyInterval {
-  std::size_t a = 0;  // the last key <= fraction
-  std::size_t b = 0;  // the one after; == a at and outside the ends
-  double weight = 0;  // weight of b, in [0, 1)
-};
-
-// Finds the key interval of f(t) = v_0 for t <= t_0, v_{n-1} for t >= t_{n-1}, else linterp(t, v_i, v_{i+1}) for t_i <=
-// t <= t_{i+1} (4.6.8). At a key that is given more than once, where 4.6.8 leaves it open, the last of its values
-// counts (the limit from the right); but v_0 at a first key, as the first line has it. A NaN gives v_0. O(log n); n >=
-// 1.
-[[nodiscard]] KeyInterval find_key_interval(std::span<const float> key, double fraction);
-
 // Computes value_changed for that set_fraction. Requires sends(). Allocates only where `out.numbers` must grow.
 // - Color: linear in HSV, the shorter way around the hues (6.10); of two complementary hues, whose result 6.10 leaves
 // undefined, upwards from the first (red, yellow, green, ...). Grey takes the hue of the other end.

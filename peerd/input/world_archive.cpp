@@ -13,21 +13,21 @@ namespace peerd {
 namespace {
 
 // The first line of an archive; a frame of zstd follows.
-constexpr std::string_view kMagic = "peerd world archive 1\n";
+constexpr std::string_view kArchiveMagic = "peerd world archive 1\n";
 // The longest name or URL [bytes], and the most files and URLs.
 constexpr std::uint64_t kNameMax_bytes = 64 * 1024, kCountMax = 1'000'000;
 
 // Numbers are of eight bytes, the least significant first; a string is its length and its bytes.
-void write(std::string& out, std::uint64_t number) {
+void append(std::string& out, std::uint64_t number) {
   for (int shift = 0; shift < 64; shift += 8) out += static_cast<char>(number >> shift & 0xff);
 }
 
-void write(std::string& out, std::string_view bytes) {
-  write(out, static_cast<std::uint64_t>(bytes.size()));
+void append(std::string& out, std::string_view bytes) {
+  append(out, static_cast<std::uint64_t>(bytes.size()));
   out += bytes;
 }
 
-// Reads what write() has written. After the first thing that is not there it is failed, and gives nothing more.
+// Reads what append() has written. After the first thing that is not there it is failed, and gives nothing more.
 class Reading {
  public:
   explicit Reading(std::string_view rest) : rest_(rest) {}
@@ -81,28 +81,28 @@ FileLoader WorldArchive::loader(std::string name) const {
   };
 }
 
-bool is_archive(std::string_view bytes) { return bytes.starts_with(kMagic); }
+bool is_archive(std::string_view bytes) { return bytes.starts_with(kArchiveMagic); }
 
 std::string pack(const WorldArchive& archive) {
   std::string content;
-  write(content, static_cast<std::uint64_t>(archive.files.size()));
+  append(content, static_cast<std::uint64_t>(archive.files.size()));
   for (const ArchivedFile& file : archive.files) {
-    write(content, file.name);
-    write(content, file.text);
+    append(content, file.name);
+    append(content, file.text);
   }
-  write(content, static_cast<std::uint64_t>(archive.urls.size()));
+  append(content, static_cast<std::uint64_t>(archive.urls.size()));
   for (const ArchivedUrl& each : archive.urls) {
     assert(each.in < archive.files.size() && each.leads_to < archive.files.size());
-    write(content, static_cast<std::uint64_t>(each.in));
-    write(content, each.url);
-    write(content, static_cast<std::uint64_t>(each.leads_to));
+    append(content, static_cast<std::uint64_t>(each.in));
+    append(content, each.url);
+    append(content, static_cast<std::uint64_t>(each.leads_to));
   }
-  return std::string(kMagic) + compress(content);
+  return std::string(kArchiveMagic) + compress(content);
 }
 
 std::expected<WorldArchive, std::string> unpack(std::string_view bytes, std::uint64_t text_bytes) {
   if (!is_archive(bytes)) return std::unexpected("it is no world archive");
-  const auto content = decompress(bytes.substr(kMagic.size()), text_bytes);
+  const auto content = decompress(bytes.substr(kArchiveMagic.size()), text_bytes);
   if (!content) return std::unexpected(content.error());
   Reading reading(*content);
   WorldArchive archive;

@@ -3,8 +3,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "peerd/lab/cluster/chaos_bytes.hpp"
-#include "peerd/lab/cluster/run_bytes.hpp"
+#include "peerd/lab/cluster/result_bytes.hpp"
 #include "peerd/lab/cluster/slurm.hpp"
 #include "peerd/lab/cluster/work_list.hpp"
 
@@ -23,9 +22,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (const auto result = run_result_from(bytes)) require(to_bytes(*result) == bytes);
   if (const auto report = chaos_report_from(bytes)) require(to_bytes(*report) == bytes);
   constexpr std::size_t kItems = 1000;
-  if (const auto items = item_list_from(bytes, kItems)) {
-    const auto again = item_list_from(to_text(*items), kItems);
-    require(again && *again == *items);
+  if (const auto range = item_range_from(bytes, kItems)) {
+    const auto again = item_range_from(range_text({range->first, range->last}), kItems);
+    require(again && again->first == range->first && again->last == range->last);
   }
   if (const auto job = slurm_job_from(bytes)) require(slurm_job_from(to_text(*job)).has_value());
   return 0;

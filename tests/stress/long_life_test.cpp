@@ -1,4 +1,4 @@
-// An hour at 1 Hz, and nothing has drifted. `scripts/bench stress` lives for a day.
+// An hour at 1 Hz, and nothing has drifted.
 #include "tests/stress/long_life.hpp"
 
 #include <gmock/gmock.h>

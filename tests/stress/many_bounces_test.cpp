@@ -9,7 +9,7 @@ struct Case {
   const char* geometry;
   double low_m;
   const char* response;
-  std::uint64_t bounces;  // scripts/bench stress has a million
+  std::uint64_t bounces;
 };
 class ManyTimes : public testing::TestWithParam<Case> {};
 TEST_P(ManyTimes, ABallKeepsItsEnergy) {

@@ -18,7 +18,7 @@ namespace {
 using keys::Member;
 using keys::Roster;
 
-std::unexpected<InputError> wrong_use(const std::string& what) {
+std::unexpected<InputError> refused(const std::string& what) {
   return std::unexpected(InputError{"error: " + what, 2});
 }
 
@@ -26,36 +26,35 @@ Result<Member> member_of(std::string_view text, const std::string& role_name) {
   const std::size_t equals = text.find('=');
   const auto key = equals == std::string_view::npos ? std::nullopt : keys::PublicKey::of_text(text.substr(equals + 1));
   if (!key) {
-    return wrong_use("--add " + std::string(text) + ": say NAME=KEY, with the key that peerd keygen has printed there");
+    return refused("--add " + std::string(text) + ": say NAME=KEY, with the key that peerd keygen has printed there");
   }
   const auto role = keys::role_of(role_name);
-  if (!role) return wrong_use("--role " + role_name + ": there are observer, editor and administrator");
+  if (!role) return refused("--role " + role_name + ": there are observer, editor and administrator");
   return Member{std::string(text.substr(0, equals)), *role, *key};
 }
 
 // Makes the roster that is wanted; it is the same one where nothing is to change.
 Result<Roster> changed(const std::optional<Roster>& before, const MembersOptions& options,
                        const keys::Identity& identity) {
-  if (before && !options.begin.empty()) return wrong_use("\"" + options.world + "\" has a roster already");
+  if (before && !options.begin.empty()) return refused("\"" + options.world + "\" has a roster already");
   if (!before && options.begin.empty()) {
-    return wrong_use("\"" + options.world +
-                     "\" has no roster: whoever has its key is in; --begin NAME begins one, with " +
-                     "this user as its administrator");
+    return refused("\"" + options.world +
+                   "\" has no roster: whoever has its key is in; --begin NAME begins one, with " +
+                   "this user as its administrator");
   }
-  if (!before && !keys::is_world_name(options.world)) return wrong_use("a world with a roster has a name of one line");
-  if (!before && !keys::is_member_name(options.begin))
-    return wrong_use("--begin " + options.begin + ": that is no name");
+  if (!before && !keys::is_world_name(options.world)) return refused("a world with a roster has a name of one line");
+  if (!before && !keys::is_member_name(options.begin)) return refused("--begin " + options.begin + ": that is no name");
   Roster roster = before ? *before : Roster::first(options.world, options.begin, identity);
   for (const std::string& text : options.add) {
     auto member = member_of(text, options.role);
     if (!member) return std::unexpected(member.error());
     auto next = roster.with(*std::move(member), identity);
-    if (!next) return wrong_use(next.error());
+    if (!next) return refused(next.error());
     roster = *std::move(next);
   }
   for (const std::string& name : options.remove) {
     auto next = roster.without(name, identity);
-    if (!next) return wrong_use(next.error());
+    if (!next) return refused(next.error());
     roster = *std::move(next);
   }
   return roster;

@@ -28,7 +28,7 @@ namespace {
 namespace asio = boost::asio;
 using seal::SealedGreetings;
 
-constexpr int kWrongUse = 2;
+constexpr int kBadRelayUse = 2;
 constexpr std::chrono::milliseconds kServiceStep{500};
 constexpr int kReceiveBuffer_bytes = 4 * 1024 * 1024;
 
@@ -74,7 +74,7 @@ Result<void> RelayRun::read_seal() {
     return std::unexpected(InputError{
         "error: say whose greetings it takes: --relay-key FILE (peerd invite WORLD --relay makes the line in it), "
         "--world NAME or --key FILE where this user has the session's key, or --open for a session that is not sealed",
-        kWrongUse});
+        kBadRelayUse});
   }
   if (options_.open) return {};
   std::optional<keys::SymmetricKey> key;
@@ -139,7 +139,8 @@ Result<void> RelayRun::open_networks(const net::GroupPlan& plan) {
   }
   if (options_.mesh_port == 0) {
     if (options_.mesh.empty()) return {};
-    return std::unexpected(InputError{"error: --mesh wants --mesh-port, the relay's own port in the mesh", kWrongUse});
+    return std::unexpected(
+        InputError{"error: --mesh wants --mesh-port, the relay's own port in the mesh", kBadRelayUse});
   }
   const net::IpFamily family = plan.base.is_v4() ? net::IpFamily::kV4 : net::IpFamily::kV6;
   auto seeds = net::resolve_peers(options_.mesh, family, "--mesh");

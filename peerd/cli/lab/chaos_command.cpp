@@ -16,8 +16,7 @@
 #include "peerd/input/printable.hpp"
 #include "peerd/lab/chaos/chaos_run.hpp"
 #include "peerd/lab/chaos/shrink.hpp"
-#include "peerd/lab/cluster/bytes.hpp"
-#include "peerd/lab/cluster/chaos_bytes.hpp"
+#include "peerd/lab/cluster/result_bytes.hpp"
 #include "peerd/lab/cluster/run_missing.hpp"
 #include "peerd/lab/cluster/scenario_work.hpp"
 #include "peerd/lab/cluster/work_folder.hpp"
@@ -72,9 +71,8 @@ nlohmann::ordered_json as_json(const chaos::ChaosReport& report) {
 Result<cluster::Work> chaos_work(const ChaosOptions& options, const Seeds& seeds) {
   auto work = cluster::work_of_this_program(options.cluster, "chaos");
   if (!work) return work;
-  cluster::ByteWriter settings;
-  settings(seeds.first, seeds.last, options.seconds, options.peers, options.without);
-  work->settings = cluster::hash_hex(settings.take());
+  const nlohmann::ordered_json peers = options.peers ? nlohmann::ordered_json(*options.peers) : nullptr;
+  work->settings = cluster::hash_of({seeds.first, seeds.last, options.seconds, peers, options.without});
   for (std::uint64_t seed = seeds.first;; ++seed) {
     work->items.push_back(fmt::format("seed-{}", seed));
     if (seed == seeds.last) return work;

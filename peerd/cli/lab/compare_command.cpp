@@ -62,7 +62,8 @@ Result<std::optional<baselines::Compared>> run_one(const Ready& system, const Re
   return baselines::compared(system.name, *record, cpu_s, baselines::key_moves(system.run, *objects, scene));
 }
 
-Result<void> write(const std::filesystem::path& out, const nlohmann::ordered_json& json, const std::string& page) {
+Result<void> write_comparison(const std::filesystem::path& out, const nlohmann::ordered_json& json,
+                              const std::string& page) {
   std::error_code error;
   std::filesystem::create_directories(out, error);
   if (error) {
@@ -97,7 +98,8 @@ int run_compare(const CompareOptions& options) {
   const nlohmann::ordered_json json = {{"scenario", name}, {"systems", baselines::to_json(systems)}};
   const auto out =
       options.scenario.out.empty() ? std::filesystem::path("out") / ("compare-" + name) : options.scenario.out;
-  const auto written = write(out, json, baselines::page(name + ": other systems in the peers' place", systems));
+  const auto written =
+      write_comparison(out, json, baselines::page(name + ": other systems in the peers' place", systems));
   if (!written) return failed(written.error());
   if (options.scenario.json) {
     std::cout << json.dump(2) << '\n';

@@ -20,7 +20,7 @@
 #include "peerd/input/printable.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/lab/baselines/baseline_run.hpp"
-#include "peerd/lab/cluster/run_bytes.hpp"
+#include "peerd/lab/cluster/result_bytes.hpp"
 #include "peerd/lab/cluster/run_missing.hpp"
 #include "peerd/lab/cluster/scenario_work.hpp"
 #include "peerd/lab/live/measuring.hpp"

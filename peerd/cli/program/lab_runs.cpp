@@ -6,23 +6,22 @@
 #include <cerrno>
 #include <cstring>
 
+#include "peerd/cli/program/command.hpp"
 #include "peerd/cli/shell/print.hpp"
 
 namespace peerd {
 namespace {
-
-constexpr int kEnvironment = 3;  // exit code
 
 int start_lab(std::span<char*> words) {
   assert(words.data()[words.size()] == nullptr);  // as main() gets them
   const std::filesystem::path lab = program_beside("peerd-lab");
   execv(lab.c_str(), words.data());
   const int error = errno;
-  if (error != ENOENT) return failed({"error: " + lab.string() + ": " + std::strerror(error), kEnvironment});
+  if (error != ENOENT) return failed({"error: " + lab.string() + ": " + std::strerror(error), kSystemFailed});
   return failed(
       {"error: this needs the laboratory, which is not installed: install the package peerd-lab (there is no " +
            lab.string() + ")",
-       kEnvironment});
+       kSystemFailed});
 }
 
 }  // namespace

@@ -22,8 +22,6 @@
 namespace peerd {
 namespace {
 
-constexpr int kEnvironment = 3;
-
 // A command line stands in the list of processes for all to see: the invitations in it are overwritten.
 void hide_invitations(std::span<char*> words) {
   for (char* const word : words) {
@@ -74,7 +72,7 @@ int run_or_say_why(int argc, char** argv, const LabRuns& lab) {
   try {
     return run(argc, argv, lab);
   } catch (const std::exception& e) {
-    return failed({std::string("error: ") + e.what(), kEnvironment});
+    return failed({std::string("error: ") + e.what(), kSystemFailed});
   }
 }
 
@@ -86,7 +84,7 @@ int run_program(int argc, char** argv, const LabRuns& lab) {
   const auto lost = why_output_is_lost();
   if (!lost) return code;
   std::cerr << "error: standard output can't be written: " << *lost << '\n';
-  return kEnvironment;
+  return kSystemFailed;
 }
 
 }  // namespace peerd

@@ -14,7 +14,7 @@ struct ClusterOptions {
   Runner runner = Runner::kHere;
   std::string slurm_options;      // of sbatch, as in a shell
   std::uint32_t tasks = 100;      // at most so many tasks, each of which is a process that does some of the items
-  std::string items;              // not empty: this process is such a task, and these are its items (item_list_from)
+  std::string items;              // not empty: this process is such a task, and these are its items (item_range_from)
   std::filesystem::path program;  // this program's file
   std::string version;            // of this program
 };

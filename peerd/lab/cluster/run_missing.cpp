@@ -118,7 +118,7 @@ class LocalRun {
     Child child{std::move(queue_.front()), nullptr};
     queue_.pop_front();
     std::vector<std::string> command = running_.command;
-    command.push_back(to_text(child.items));
+    command.push_back(range_text(child.items));
     const std::string& first = folder_.work().items[child.items.front()];
     child.process = std::make_unique<ChildProcess>(first, command, folder_.logs() / (first + ".txt"));
     children_.push_back(std::move(child));
@@ -297,12 +297,12 @@ Result<void> run_and_take(
 
 Result<void> run_items(const WorkFolder& folder, const std::string& items, const StopSignals& signals,
                        const RunItem& run_item) {
-  const auto wanted = item_list_from(items, folder.work().items.size());
+  const auto wanted = item_range_from(items, folder.work().items.size());
   if (!wanted) return std::unexpected(InputError{"error: --task " + items + " is no list of items of this work", 2});
   const auto standing = folder.standing();
   if (!standing) return std::unexpected(standing.error());
-  for (const std::size_t item : *wanted) {
-    if (!std::ranges::binary_search(standing->missing, item)) continue;
+  for (const std::size_t item : standing->missing) {
+    if (item < wanted->first || item > wanted->last) continue;
     auto bytes = signals.signal() == 0 ? run_item(item) : Result<std::optional<std::string>>(std::nullopt);
     if (!bytes) {
       const auto kept = folder.keep_failure(item, bytes.error());

@@ -5,9 +5,9 @@
 #include <variant>
 
 #include <spdlog/fmt/fmt.h>
+#include <nlohmann/json.hpp>
 
 #include "peerd/input/text_file.hpp"
-#include "peerd/lab/cluster/bytes.hpp"
 
 namespace peerd::cluster {
 namespace {
@@ -43,24 +43,24 @@ Result<Work> scenario_work(const ClusterOptions& options, const std::vector<std:
                            const SharedWorld& shared) {
   auto work = work_of_this_program(options, "sim");
   if (!work) return work;
-  ByteWriter settings;
-  settings(others, scenario.name, shared.world.hash);
+  nlohmann::ordered_json settings{others, scenario.name, shared.world.hash};
   for (const auto& file : files) {
     const auto text = read_text_file(file, kSettingsFile);
     if (!text) return std::unexpected(text.error());
-    settings(*text);
+    settings.push_back(hash_hex(*text));
   }
   for (const auto& file : tracks_of(scenario)) {
     const auto text = read_text_file(file, kTrackFile);
     if (!text) return std::unexpected(text.error());
-    settings(*text);
+    settings.push_back(hash_hex(*text));
   }
   for (std::size_t run = 0; run < scenario.runs.size(); ++run) {
-    settings(scenario.runs[run].params, scenario.runs[run].toml, scenario.runs[run].seed);
-    for (const config::ScenarioEvent& event : scenario.runs[run].events) settings(event.edit.text);
+    const config::RunSettings& of_run = scenario.runs[run];
+    settings.push_back({of_run.params, of_run.toml, of_run.seed});
+    for (const config::ScenarioEvent& event : of_run.events) settings.push_back(event.edit.text);
     work->items.push_back(fmt::format("run-{:03}", run + 1));
   }
-  work->settings = hash_hex(settings.take());
+  work->settings = hash_of(settings);
   return work;
 }
 

@@ -47,7 +47,7 @@ Result<SlurmJob> slurm_job_from(std::string_view text) {
 std::string script_of(const SlurmArray& array) {
   std::string text = "#!/bin/sh\n# One task of an array job of peerd.\ncase $SLURM_ARRAY_TASK_ID in\n";
   for (std::size_t task = 0; task < array.tasks.size(); ++task) {
-    text += fmt::format("  {}) items={} ;;\n", task + 1, to_text(array.tasks[task]));
+    text += fmt::format("  {}) items={} ;;\n", task + 1, range_text(array.tasks[task]));
   }
   text += "  *) echo \"no task $SLURM_ARRAY_TASK_ID\" >&2; exit 3 ;;\nesac\nexec";
   for (const std::string& word : array.command) text += ' ' + shell_word(word);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cassert>
+#include <charconv>
 #include <set>
 #include <stdexcept>
 #include <system_error>
@@ -13,7 +14,6 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/input/text_file.hpp"
-#include "peerd/lab/cluster/bytes.hpp"
 #include "peerd/peer/store/synchronise.hpp"
 
 namespace peerd::cluster {
@@ -26,7 +26,7 @@ constexpr const char* kManifestFile = "manifest.json";
 constexpr const char* kJobFile = "job";
 constexpr const char* kResult = ".result";
 constexpr const char* kFailure = ".failed";
-constexpr std::string_view kMagic = "peerd result 1\n";  // 1: the format of this frame
+constexpr std::string_view kMagic = "peerd result 2\n";  // 2: the format of this frame
 constexpr std::size_t kHash_digits = 32;
 constexpr SizeLimit kManifest{kMiB, "no manifest is so long"};
 constexpr SizeLimit kResultFile{4096 * kMiB, "no result is so long"};
@@ -71,6 +71,12 @@ std::string hash_hex(std::string_view bytes) {
   std::string text;
   for (const unsigned char byte : hash) text += fmt::format("{:02x}", byte);
   return text;
+}
+
+std::string hash_of(const nlohmann::ordered_json& values) {
+  std::string bytes;
+  nlohmann::ordered_json::to_msgpack(values, bytes);
+  return hash_hex(bytes);
 }
 
 WorkFolder::WorkFolder(fs::path folder, Work work, std::optional<store::FolderLock> lock)
@@ -149,7 +155,10 @@ Result<WorkFolder::Standing> WorkFolder::standing() const {
   return standing;
 }
 
-// A result's file: kMagic, the hash of the manifest, the item's name, the bytes, and the hash of all these.
+std::string WorkFolder::heading(std::size_t item) const {
+  return fmt::format("{}{}\n{}\n", kMagic, manifest_hash_, work_.items[item]);
+}
+
 std::expected<std::string, std::string> WorkFolder::result(std::size_t item) const {
   const auto file = read_text_file(result_file(item), kResultFile);
   if (!file) return std::unexpected(file.error().text);
@@ -157,20 +166,13 @@ std::expected<std::string, std::string> WorkFolder::result(std::size_t item) con
   const std::string_view framed = std::string_view(*file).substr(0, file->size() - kHash_digits);
   if (hash_hex(framed) != std::string_view(*file).substr(framed.size())) return std::unexpected("it is damaged");
   if (!framed.starts_with(kMagic)) return std::unexpected("it is no result");
-  ByteReader reader(framed.substr(kMagic.size()));
-  std::string manifest, name, bytes;
-  reader(manifest, name, bytes);
-  if (!reader.complete()) return std::unexpected("it is no result");
-  if (manifest != manifest_hash_ || name != work_.items[item]) return std::unexpected("it is of another run");
-  return bytes;
+  if (!framed.starts_with(heading(item))) return std::unexpected("it is of another run");
+  return std::string(framed.substr(heading(item).size()));
 }
 
 Result<void> WorkFolder::keep_result(std::size_t item, std::string_view bytes) const {
-  ByteWriter writer;
-  writer(manifest_hash_, work_.items[item], std::string(bytes));
-  std::string framed = std::string(kMagic) + writer.take();
-  framed += hash_hex(framed);
-  return put(result_file(item), framed);
+  const std::string framed = heading(item).append(bytes);
+  return put(result_file(item), framed + hash_hex(framed));
 }
 
 Result<void> WorkFolder::drop_result(std::size_t item) const {
@@ -183,16 +185,16 @@ Result<void> WorkFolder::drop_result(std::size_t item) const {
 InputError WorkFolder::failure(std::size_t item) const {
   const auto file = read_text_file(failure_file(item), kManifest);
   if (!file) return file.error();
-  ByteReader reader(*file);
-  InputError error;
-  reader(error.exit_code, error.text);
-  return reader.complete() ? error : environment(failure_file(item).string() + " is damaged");
+  int code = 0;
+  const auto [end, wrong] = std::from_chars(file->data(), file->data() + file->size(), code);
+  if (wrong != std::errc() || end == file->data() + file->size() || *end != '\n') {
+    return environment(failure_file(item).string() + " is damaged");
+  }
+  return {std::string(end + 1, file->data() + file->size()), code};
 }
 
 Result<void> WorkFolder::keep_failure(std::size_t item, const InputError& error) const {
-  ByteWriter writer;
-  writer(error.exit_code, error.text);
-  return put(failure_file(item), writer.take());
+  return put(failure_file(item), fmt::format("{}\n{}", error.exit_code, error.text));
 }
 
 Result<std::optional<std::string>> WorkFolder::job() const {

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "peerd/input/input_error.hpp"
 #include "peerd/lab/cluster/work_list.hpp"
 #include "peerd/peer/store/folder_lock.hpp"
@@ -15,6 +17,8 @@ namespace peerd::cluster {
 
 // A hash of some bytes (BLAKE2b, 128 bits), as 32 hexadecimal digits.
 [[nodiscard]] std::string hash_hex(std::string_view bytes);
+// The same of a list of values, which are not the same as those of another list.
+[[nodiscard]] std::string hash_of(const nlohmann::ordered_json& values);
 
 // Everything that decides what the results in a folder are: the same work has the same results, byte for byte.
 struct Work {
@@ -67,6 +71,9 @@ class WorkFolder {
   [[nodiscard]] Result<void> compare_manifest() const;
   [[nodiscard]] std::filesystem::path result_file(std::size_t item) const;
   [[nodiscard]] std::filesystem::path failure_file(std::size_t item) const;
+  // The beginning of a result's file: the format, the hash of the manifest and the item's name, a line each. The
+  // result's bytes follow, and the hash of all that.
+  [[nodiscard]] std::string heading(std::size_t item) const;
   [[nodiscard]] Result<void> put(const std::filesystem::path& file, std::string_view bytes) const;
 
   std::filesystem::path folder_;

@@ -2,48 +2,10 @@
 
 #include <algorithm>
 #include <cassert>
-#include <limits>
 
 #include "peerd/input/number.hpp"
 
 namespace peerd::cluster {
-namespace {
-
-std::optional<std::size_t> index_from(std::string_view text) {
-  const auto index = parse_whole_number(text, 0, std::numeric_limits<std::int64_t>::max());
-  return index ? std::optional(static_cast<std::size_t>(*index)) : std::nullopt;
-}
-
-}  // namespace
-
-std::string to_text(std::span<const std::size_t> items) {
-  std::string text;
-  for (std::size_t i = 0; i < items.size();) {
-    std::size_t last = i;
-    while (last + 1 < items.size() && items[last + 1] == items[last] + 1) ++last;
-    text += (text.empty() ? "" : ",") + std::to_string(items[i]);
-    if (last > i) text += '-' + std::to_string(items[last]);
-    i = last + 1;
-  }
-  return text;
-}
-
-std::optional<ItemList> item_list_from(std::string_view text, std::size_t count) {
-  ItemList items;
-  for (bool more = true; more;) {
-    const std::size_t comma = text.find(',');
-    const std::string_view part = text.substr(0, comma);
-    more = comma != std::string_view::npos;
-    text.remove_prefix(more ? comma + 1 : text.size());
-    const std::size_t dash = part.find('-');
-    const auto first = index_from(part.substr(0, dash));
-    const auto last = dash == std::string_view::npos ? first : index_from(part.substr(dash + 1));
-    if (!first || !last || *last < *first || *last >= count) return std::nullopt;
-    if (!items.empty() && *first <= items.back()) return std::nullopt;
-    for (std::size_t item = *first; item <= *last; ++item) items.push_back(item);
-  }
-  return items;
-}
 
 std::vector<ItemList> deal(const ItemList& items, std::size_t tasks) {
   assert(tasks > 0);
@@ -56,6 +18,21 @@ std::vector<ItemList> deal(const ItemList& items, std::size_t tasks) {
     next = end;
   }
   return dealt;
+}
+
+std::string range_text(const ItemList& items) {
+  assert(!items.empty());
+  return std::to_string(items.front()) + '-' + std::to_string(items.back());
+}
+
+std::optional<ItemRange> item_range_from(std::string_view text, std::size_t count) {
+  const std::size_t dash = text.find('-');
+  if (dash == std::string_view::npos || count == 0) return std::nullopt;
+  const auto most = static_cast<std::int64_t>(count - 1);
+  const auto first = parse_whole_number(text.substr(0, dash), 0, most);
+  const auto last = parse_whole_number(text.substr(dash + 1), 0, most);
+  if (!first || !last || *last < *first) return std::nullopt;
+  return ItemRange{static_cast<std::size_t>(*first), static_cast<std::size_t>(*last)};
 }
 
 }  // namespace peerd::cluster

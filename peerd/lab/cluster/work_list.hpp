@@ -1,7 +1,6 @@
 #pragma once
 #include <cstddef>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,12 +10,16 @@ namespace peerd::cluster {
 // Indices of items, ascending, each once.
 using ItemList = std::vector<std::size_t>;
 
-// The list in words of a command line, such as "0-2,5".
-[[nodiscard]] std::string to_text(std::span<const std::size_t> items);
-// Parses what to_text writes, of indices below `count`; none: it is no such list, or an empty one.
-[[nodiscard]] std::optional<ItemList> item_list_from(std::string_view text, std::size_t count);
-
 // Deals the items out to `tasks` tasks at most, in order, as evenly as it goes. No task is empty.
 [[nodiscard]] std::vector<ItemList> deal(const ItemList& items, std::size_t tasks);
+
+// A task is given the range that its items span, as a word of a command line such as "2-5": all other items of the
+// range have results by then.
+struct ItemRange {
+  std::size_t first = 0, last = 0;
+};
+[[nodiscard]] std::string range_text(const ItemList& items);  // of one item at least
+// Parses what range_text writes, of indices below `count`; none: it is no such range.
+[[nodiscard]] std::optional<ItemRange> item_range_from(std::string_view text, std::size_t count);
 
 }  // namespace peerd::cluster

@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "peerd/input/json_line.hpp"
+
 namespace peerd::recorded {
 namespace {
 
@@ -13,8 +15,6 @@ using view::Color;
 
 constexpr double kMark_s = 3.0;
 constexpr double kArrow_m = 1.0;
-
-std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 Json time_of(double t_s) {
   const double whole = std::floor(t_s);
@@ -97,7 +97,7 @@ std::string frame_transforms_schema() {
                                         {"child_frame_id", text_schema()},
                                         {"translation", numbers({"x", "y", "z"})},
                                         {"rotation", numbers({"x", "y", "z", "w"})}});
-  return text_of(schema_of(kFrameTransforms, {{"transforms", list_of(transform)}}));
+  return json_line(schema_of(kFrameTransforms, {{"transforms", list_of(transform)}}));
 }
 
 std::string scene_update_schema() {
@@ -113,7 +113,7 @@ std::string scene_update_schema() {
   }
   const Json deletion =
       object_schema({{"timestamp", time_schema()}, {"type", {{"type", "integer"}}}, {"id", text_schema()}});
-  return text_of(
+  return json_line(
       schema_of(kSceneUpdate, {{"deletions", list_of(deletion)}, {"entities", list_of(object_schema(of_entity))}}));
 }
 
@@ -126,7 +126,7 @@ std::string frame_transforms(double t_s, const std::vector<Transform>& transform
                     {"translation", vector_of(t.pose.position)},
                     {"rotation", quaternion_of(t.pose.orientation)}});
   }
-  return text_of({{"transforms", rows}});
+  return json_line({{"transforms", rows}});
 }
 
 std::string scene_update(double t_s, const view::ScenePicture& scene, const std::string& prefix,
@@ -148,7 +148,7 @@ std::string scene_update(double t_s, const view::ScenePicture& scene, const std:
     }
   }
   before = std::move(ids);
-  return text_of({{"deletions", deletions}, {"entities", of_node}});
+  return json_line({{"deletions", deletions}, {"entities", of_node}});
 }
 
 std::string contact_mark(double t_s, const ContactMark& mark, const std::string& world) {
@@ -168,7 +168,7 @@ std::string contact_mark(double t_s, const ContactMark& mark, const std::string&
                         {"scale_invariant", true},
                         {"color", color},
                         {"text", mark.sentence}});
-  return text_of({{"deletions", Json::array()}, {"entities", Json::array({e})}});
+  return json_line({{"deletions", Json::array()}, {"entities", Json::array({e})}});
 }
 
 }  // namespace peerd::recorded

@@ -28,7 +28,7 @@ enum class Opcode : std::uint8_t {
   kDataEnd = 0x0F
 };
 
-constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
+constexpr std::string_view kMcapMagic("\x89MCAP0\r\n", 8);
 constexpr const char* kCompression = "zstd";
 
 template <class T>
@@ -64,7 +64,7 @@ McapWriter::McapWriter(std::ostream& out) : out_(out) {
   std::string header;
   text(header, "");  // no profile
   text(header, "peerd");
-  put(kMagic);
+  put(kMcapMagic);
   put(record_of(Opcode::kHeader, header));
 }
 
@@ -215,7 +215,7 @@ void McapWriter::finish() {
   number(data_end, std::uint32_t{0});  // no checksum of all data: each chunk has one
   put(record_of(Opcode::kDataEnd, data_end));
   put_summary();
-  put(kMagic);
+  put(kMcapMagic);
 }
 
 }  // namespace peerd

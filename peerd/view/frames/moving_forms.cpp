@@ -7,7 +7,7 @@ namespace peerd::view {
 namespace {
 
 template <class Value>
-std::optional<std::uint32_t> place_of(const std::vector<Value>& all, const Value& value) {
+std::optional<std::uint32_t> number_of(const std::vector<Value>& all, const Value& value) {
   const auto at = std::ranges::find(all, value);
   if (at == all.end()) return std::nullopt;
   return static_cast<std::uint32_t>(at - all.begin());
@@ -16,9 +16,9 @@ std::optional<std::uint32_t> place_of(const std::vector<Value>& all, const Value
 }  // namespace
 
 std::optional<std::uint32_t> MovingForms::of_geometry(std::uint32_t geometry) const {
-  return place_of(geometries, geometry);
+  return number_of(geometries, geometry);
 }
-std::optional<std::uint32_t> MovingForms::of_shape(ObjectId shape) const { return place_of(shapes, shape); }
+std::optional<std::uint32_t> MovingForms::of_shape(ObjectId shape) const { return number_of(shapes, shape); }
 
 MovingForms moving_forms(const Scene& scene, const PredefinedMotion& motion, const Carriers& carriers) {
   MovingForms forms{motion.flexible_geometries(), {}};

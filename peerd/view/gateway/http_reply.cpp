@@ -1,14 +1,16 @@
 #include "peerd/view/gateway/http_reply.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <utility>
 
+#include "core/vrml/gzip.hpp"
 #include "peerd/peer/control/answer.hpp"
-#include "peerd/view/gateway/gzip.hpp"
 
 namespace peerd::gateway {
 namespace {
 
+constexpr std::size_t kAssetMax_bytes = 64 << 20;  // unpacked; the page's files are some hundred kB
 constexpr std::string_view kHtml = "text/html; charset=utf-8";
 constexpr std::string_view kWithoutViewer = R"(<!doctype html>
 <html lang="en">
@@ -58,7 +60,9 @@ HttpReply asset_reply(ViewerAssets assets, const std::string& name, std::string_
     reply.gzipped = true;
     reply.body = asset->gzipped;
   } else {
-    reply.owner = std::make_shared<const std::string>(gunzip(asset->gzipped));
+    auto unpacked = gunzip(asset->gzipped, kAssetMax_bytes);
+    assert(unpacked);  // the build has packed it
+    reply.owner = std::make_shared<const std::string>(*std::move(unpacked));
     reply.body = *reply.owner;
   }
   return reply;

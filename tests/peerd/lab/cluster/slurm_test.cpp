@@ -33,8 +33,8 @@ TEST(SlurmScript, GivesEachTaskItsItems) {
     return run_tool({"env", std::string("SLURM_ARRAY_TASK_ID=") + number, "sh", script});
   };
   EXPECT_EQ(task("1")->out, "it's|a $b|0-2|");
-  EXPECT_EQ(task("2")->out, "it's|a $b|3|");
-  EXPECT_EQ(task("3")->out, "it's|a $b|5,7|");
+  EXPECT_EQ(task("2")->out, "it's|a $b|3-3|");
+  EXPECT_EQ(task("3")->out, "it's|a $b|5-7|");
   EXPECT_EQ(task("4")->exit_code, 3);
   EXPECT_THAT(task("4")->err, HasSubstr("no task 4"));
 }

@@ -7,27 +7,21 @@
 
 namespace peerd::cluster::work_list_test {
 
-struct Case {
-  const char* name;
-  ItemList items;
-  const char* text;
-};
-class Lists : public testing::TestWithParam<Case> {};
-TEST_P(Lists, AreWordsAndBack) {
-  const auto& [name, items, text] = GetParam();
-  EXPECT_EQ(to_text(items), text);
-  EXPECT_EQ(item_list_from(text, 100), items);
+TEST(Ranges, AreWordsAndBack) {
+  EXPECT_EQ(range_text({7}), "7-7");
+  EXPECT_EQ(range_text({0, 2, 3, 99}), "0-99");
+  const auto range = item_range_from("3-99", 100);
+  ASSERT_TRUE(range);
+  EXPECT_EQ(range->first, 3U);
+  EXPECT_EQ(range->last, 99U);
 }
-INSTANTIATE_TEST_SUITE_P(Table, Lists,
-                         testing::Values(Case{"One", {7}, "7"}, Case{"Two", {0, 1}, "0-1"},
-                                         Case{"Gaps", {0, 2, 3, 4, 99}, "0,2-4,99"}),
-                         [](const auto& tested) { return std::string(tested.param.name); });
 
-class NoList : public testing::TestWithParam<const char*> {};
-TEST_P(NoList, IsRefused) { EXPECT_FALSE(item_list_from(GetParam(), 100)); }
-INSTANTIATE_TEST_SUITE_P(Table, NoList,
-                         testing::Values("", ",", "1,", "1-", "-1", "x", "1 2", "2-1", "1,1", "3,2", "100", "5-100",
-                                         "0-18446744073709551615", "99999999999999999999", "1-2-3"));
+class NoRange : public testing::TestWithParam<const char*> {};
+TEST_P(NoRange, IsRefused) { EXPECT_FALSE(item_range_from(GetParam(), 100)); }
+INSTANTIATE_TEST_SUITE_P(Table, NoRange,
+                         testing::Values("", "-", "7", "1-", "-1", "x", "1 2", "2-1", "1,1", "5-100", "1-2-3",
+                                         "0-18446744073709551615", "99999999999999999999-1"));
+TEST(Ranges, AreRefusedWhereThereAreNoItems) { EXPECT_FALSE(item_range_from("0-0", 0)); }
 
 TEST(Deal, GivesEachItemToOneTaskEvenlyAndInOrder) {
   std::mt19937 random(3);

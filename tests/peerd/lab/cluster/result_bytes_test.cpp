@@ -1,8 +1,9 @@
-#include "peerd/lab/cluster/run_bytes.hpp"
+#include "peerd/lab/cluster/result_bytes.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <bit>
+#include <limits>
 #include <random>
 
 #include "peerd/lab/measure/summary.hpp"
@@ -10,7 +11,7 @@
 #include "tests/peerd/report_samples.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
-namespace peerd::cluster::run_bytes_test {
+namespace peerd::cluster::result_bytes_test {
 
 // Every field has a value of its own.
 RunResult full_result() {
@@ -89,16 +90,54 @@ TEST(RunBytes, APartOfAResultIsRefused) {
   EXPECT_FALSE(run_result_from(bytes + '\0'));
 }
 
-TEST(RunBytes, AnotherFormatIsNamed) {
-  std::string bytes = to_bytes(full_result());
-  bytes[0] = 9;
-  EXPECT_EQ(run_result_from(bytes).error(), "it is of format 9, and this program reads 2");
-}
-
 TEST(RunBytes, AnUnknownKindOfContactIsRefused) {
   RunResult result = full_result();
   result.record.contacts[0].type = static_cast<CollisionType>(3);
   EXPECT_FALSE(run_result_from(to_bytes(result)));
+}
+
+TEST(RunBytes, DoublesComeBackBitForBit) {
+  const double signalling = std::bit_cast<double>(0x7ff0'0000'0000'0001U);
+  const double payload = std::bit_cast<double>(0xfff8'1234'5678'9abcU);
+  RunResult result;
+  for (const double x : {0.0, -0.0, 0.1, 5e-324, std::numeric_limits<double>::max(),
+                         -std::numeric_limits<double>::infinity(), signalling, payload}) {
+    result.record.duration_s = x;
+    const auto again = run_result_from(to_bytes(result));
+    ASSERT_TRUE(again);
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(again->record.duration_s), std::bit_cast<std::uint64_t>(x));
+  }
+}
+
+// The first value of a result is the JSON of its settings, behind the number of its bytes.
+std::string with_json(const std::string& text) {
+  RunResult result;
+  const std::string bytes = to_bytes(result);
+  std::string size(8, '\0');
+  for (int i = 0; i < 8; ++i) size[static_cast<std::size_t>(i)] = static_cast<char>(text.size() >> (8 * i));
+  return size + text + bytes.substr(8 + std::string("null").size());
+}
+std::string nested(int depth) {
+  const auto brackets = static_cast<std::size_t>(depth);
+  return std::string(brackets, '[') + std::string(brackets, ']');
+}
+
+TEST(RunBytes, JsonThatIsNeverWrittenIsRefused) {
+  for (const char* text : {"null", "[1,2.5,\"x\",-0.0,18446744073709551615]", "{\"z\":1,\"a\":{\"k\":-5}}"}) {
+    EXPECT_TRUE(run_result_from(with_json(text))) << text;
+  }
+  for (const char* text : {"", " null", "{", "[1, 2]", "{\"a\":1,\"a\":1}", "nan", "<discarded>", "\"\xff\""}) {
+    EXPECT_FALSE(run_result_from(with_json(text))) << text;
+  }
+  EXPECT_TRUE(run_result_from(with_json(nested(16))));
+  EXPECT_FALSE(run_result_from(with_json(nested(18))));
+  EXPECT_FALSE(run_result_from(with_json(nested(1'000'000))));
+}
+
+TEST(RunBytes, ACountBeyondTheBytesIsRefusedBeforeAnythingIsMade) {
+  std::string bytes = to_bytes(full_result());
+  bytes[7] = 1;  // of the settings' text
+  EXPECT_FALSE(run_result_from(bytes));
 }
 
 TEST(RunBytes, TheReportIsTheSame) {
@@ -119,4 +158,50 @@ TEST(RunBytes, TheReportIsTheSame) {
   EXPECT_EQ(files, 5);
 }
 
-}  // namespace peerd::cluster::run_bytes_test
+chaos::ChaosReport full_report() {
+  return {.seed = 1,
+          .violations = {"a", "b"},
+          .trace_hash = 0xfedc'ba98'7654'3210U,
+          .peers = 2,
+          .lives = 3,
+          .faults = 4,
+          .edits = 5,
+          .operations = 6,
+          .held = 7,
+          .datagrams = 8,
+          .damaged = 9,
+          .one_world_after_s = 0.1,
+          .branches = {{"x", 1}, {"y", 2}}};
+}
+
+TEST(ChaosBytes, AllFieldsComeBack) {
+  const std::string bytes = to_bytes(full_report());
+  const auto again = chaos_report_from(bytes);
+  ASSERT_TRUE(again) << again.error();
+  EXPECT_EQ(to_bytes(*again), bytes);
+  EXPECT_EQ(again->violations, full_report().violations);
+  EXPECT_EQ(again->trace_hash, full_report().trace_hash);
+  EXPECT_EQ(again->one_world_after_s, 0.1);
+  EXPECT_EQ(again->branches, full_report().branches);
+  EXPECT_EQ(again->damaged, 9U);
+}
+
+TEST(ChaosBytes, APartIsRefused) {
+  const std::string bytes = to_bytes(full_report());
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    EXPECT_FALSE(chaos_report_from(std::string_view(bytes).substr(0, size))) << size;
+  }
+  EXPECT_FALSE(chaos_report_from(bytes + 'x'));
+}
+
+// The counts of rare branches are a map, whose keys ascend.
+TEST(ChaosBytes, AKeyTwiceIsRefused) {
+  std::string bytes = to_bytes(full_report());
+  for (const char key : {'x', 'w'}) {
+    bytes[bytes.rfind('y')] = key;
+    EXPECT_FALSE(chaos_report_from(bytes)) << key;
+    bytes = to_bytes(full_report());
+  }
+}
+
+}  // namespace peerd::cluster::result_bytes_test
