@@ -24,7 +24,7 @@ constexpr Duration kLeastFarPromise = std::chrono::seconds(8);
 // tick has.
 constexpr int kAdvancesMax = 64;
 
-// A record of the future counts for so long against the next ones of its sender.
+// How long a record with a future time stamp is remembered against its sender.
 constexpr Duration kAheadForgotten = std::chrono::minutes(1);
 
 // The delay of a hello, in session time; a negative one counts as 0, and one longer than any latency as kLatencyMax.

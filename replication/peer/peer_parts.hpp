@@ -106,8 +106,8 @@ struct PeerParts {
   void extend_motions(SimTime t);
   // Advances both worlds to t, an instant before the next tick, or of it.
   void advance_worlds(SimTime t);
-  // Places remote objects in the truth where their ghosts stand, once a ghost has stood for so long that every decision
-  // on it has come. Called at each tick; it looks at them twice a second.
+  // Moves a remote object in the truth to its ghost, once both have kept their law for a second and two latencies, in
+  // which every decision on them has arrived. Called at each tick; checks twice a second.
   void follow_resting_ghosts(SimTime t);
   // The instant to which both worlds have been advanced.
   [[nodiscard]] SimTime reached() const { return std::min(replica.truth().advanced(), replica.ghosts().advanced()); }

@@ -15,9 +15,9 @@
 
 namespace peerd {
 
-// What runs the commands of the laboratory (peerd/lab), once their command lines are parsed. Each returns the exit
-// code. The program `peerd` holds none of the laboratory: there, each of these starts `peerd-lab`, which has it, with
-// the same words.
+// Functions that run the commands of the laboratory (peerd/lab) after their command lines are parsed. Each returns the
+// exit code. `peerd-lab` runs them itself. `peerd`, which does not contain the laboratory, starts `peerd-lab` with the
+// same arguments instead.
 struct LabRuns {
   std::function<int(const ScenarioOptions&)> sim;
   std::function<int(const ChaosOptions&)> chaos;

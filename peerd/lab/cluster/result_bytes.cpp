@@ -1,5 +1,5 @@
-// A result as bytes: a number has those that it has in memory (so that a double comes back bit for bit), a struct the
-// row of its fields, a list the count of its items as 64 bits and then these, JSON its text.
+// The encoding of a result: a number is copied from memory, so that a double comes back bit for bit; a struct is its
+// fields in order; a list is its length in 64 bits, then its items; JSON is its text.
 #include "peerd/lab/cluster/result_bytes.hpp"
 
 #include <algorithm>

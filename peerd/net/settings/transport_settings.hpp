@@ -26,7 +26,7 @@ struct TransportSettings {
   std::vector<std::string> relays;  // "HOST:PORT": through which of them all others are reached, the first that answers
   bool discoverable = true;         // says that it is here to who asks in this LAN, and gives its world to who joins
   std::uint16_t snapshot_port = 0;  // TCP, for who joins; 0: the system chooses one
-  bool sealed = true;               // datagrams are encrypted, and those that another key has sealed are dropped
+  bool sealed = true;               // datagrams are encrypted; one that was sealed by another key is dropped
   std::string key_file;             // of the key; empty: this user's own of the world
   std::string identity_file;        // of who this user is; empty: this user's own
   std::string roster_file;          // of the members; empty: this user's own of the world, if there is one

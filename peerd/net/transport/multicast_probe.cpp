@@ -11,7 +11,7 @@ namespace {
 constexpr int kTries = 6;
 constexpr std::chrono::milliseconds kWait{50};  // for each try
 
-// Beside the group of who is here (peerd/net/discovery), and outside of those that regions begin with.
+// The probe's own group is next to that of discovery (peerd/net/discovery), and not among those of the regions.
 constexpr const char *kProbeGroupV4 = "239.192.79.254", *kProbeGroupV6 = "ff15::7065:6572:65";
 constexpr std::array<std::byte, 4> kProbe{std::byte{'p'}, std::byte{'e'}, std::byte{'e'}, std::byte{'r'}};
 

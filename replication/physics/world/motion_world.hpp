@@ -36,9 +36,9 @@ namespace peerd::replication {
 // once (least_change.hpp).
 //
 // Contacts of one instant are answered in turn; each later one sees what the earlier ones have changed, and none is
-// undone for it. Where that does not end (contacts a nanosecond apart; a ball between a wall and a driven car that
-// comes, ever faster; or between two that stand a few micrometres apart from it), those that met within
-// kShortestFlight_s are answered at once, without restitution, and what has no room left stops. No answer of two
+// undone for it. A ball between a wall and a driven car that approaches, or between two objects that stand a few
+// micrometres from it, would bounce without end. So objects that met within kShortestFlight_s are answered together,
+// without restitution, and an object that has no room left stops. No answer of two
 // objects that both respond adds energy (response.hpp).
 //
 // A tick costs what is due: pairs wait for the instant at which they need a check, objects for that at which their
