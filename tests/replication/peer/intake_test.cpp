@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "replication/wire/wire_limits.hpp"
 #include "tests/replication/peer/lan.hpp"
 #include "tests/replication/peer/parts.hpp"
@@ -10,37 +12,59 @@ namespace peerd::replication::intake_test {
 
 using namespace test;
 
+// A peer, as far as it takes datagrams.
+struct Receiver {
+  Receiver(const PeerConfig& config, const World& world) : p(config, *world.model) {}
+  Receiver(const World& world) : Receiver(config(5), world) {}
+
+  // Founds a session at 1 s.
+  void maintain_until(Duration end) {
+    for (Duration t = 0s; t <= end; t += 100ms) (void)keeper.maintain(host(t));
+  }
+  std::expected<void, Drop> take(const Message& m, HostTime now, RegionId region = kWholeScene) {
+    return intake.on_packet(now, region, encode(m));
+  }
+  // What a member decides or publishes.
+  bool take(std::uint32_t sender, const std::vector<UpdateRecord>& updates, HostTime now) {
+    Message m = message_of(sender);
+    m.updates = updates;
+    return take(m, now).has_value();
+  }
+  bool take(std::uint32_t sender, const DecisionRecord& decision, HostTime now) {
+    Message m = message_of(sender);
+    m.decisions = {decision};
+    return take(m, now).has_value();
+  }
+
+  PeerParts p;
+  SceneKeeper scene{p};
+  SessionKeeper keeper{p, scene};
+  OperationKeeper operations{p, keeper};
+  Intake intake{p, keeper, scene, operations};
+};
+
 // Peer 5 founded a session at 1 s and owns O0; peer 7 introduced itself at 2 s and owns O1.
 class Arriving : public testing::Test {
  protected:
   Arriving() {
-    for (Duration t = 0s; t <= 2s; t += 100ms) (void)keeper.maintain(host(t));
+    peer.maintain_until(2s);
     p.ticks.set_last(p.ticks.number_at(sim(2s)));  // no tick is due
-    Message hello = hello_of(7, host(2s), {o1});
-    EXPECT_TRUE(take(hello).has_value());
+    EXPECT_TRUE(take(hello_of(7, host(2s), {o1})).has_value());
   }
   std::expected<void, Drop> take(const Message& m, RegionId region = kWholeScene, HostTime now = host(2s)) {
-    return intake.on_packet(now, region, encode(m));
+    return peer.take(m, now, region);
   }
   Message update(std::uint32_t sequence, double x, SimTime at = sim(2s), std::uint32_t sender = 7) {
     Message m = message_of(sender);
-    UpdateRecord u;
-    u.object = o1;
-    u.sequence = sequence;
-    u.at = at;
-    u.model = moving({x, 0, 0});
-    m.updates.push_back(u);
+    m.updates.push_back({o1, sequence, at, moving({x, 0, 0})});
     return m;
   }
   double x() const { return p.replica.ghost(o1, sim(2s)).position.x(); }
 
   World world{field(3)};
   ObjectId o0 = world["O0"], o1 = world["O1"], o2 = world["O2"];
-  PeerParts p{config(5, {{o0}}), *world.model};
-  SceneKeeper scene{p};
-  SessionKeeper keeper{p, scene};
-  OperationKeeper operations{p, keeper};
-  Intake intake{p, keeper, scene, operations};
+  Receiver peer{config(5, {{o0}}), world};
+  PeerParts& p = peer.p;
 };
 
 TEST_F(Arriving, AnIntroductionMakesAMemberWithItsObjects) {
@@ -59,7 +83,7 @@ TEST_F(Arriving, AnIntroductionMakesAMemberWithItsObjects) {
 TEST_F(Arriving, CountsWhatItUsesInAllByRegionAndByMember) {
   const auto before = p.counters;
   const Bytes datagram = encode(update(1, 3.5));
-  ASSERT_TRUE(intake.on_packet(host(2s), RegionId{4}, datagram));
+  ASSERT_TRUE(peer.intake.on_packet(host(2s), RegionId{4}, datagram));
   EXPECT_EQ(p.counters.datagrams_in, before.datagrams_in + 1);
   EXPECT_EQ(p.counters.bytes_in, before.bytes_in + datagram.size());
   EXPECT_EQ(p.counters.regions[RegionId{4}].bytes_in, datagram.size());
@@ -68,13 +92,22 @@ TEST_F(Arriving, CountsWhatItUsesInAllByRegionAndByMember) {
 
 TEST_F(Arriving, WhatIsNoDatagramIsDropped) {
   const Bytes garbage(40, std::byte{0xFF});
-  EXPECT_EQ(intake.on_packet(host(2s), kWholeScene, garbage), std::unexpected(Drop::kUndecodable));
+  EXPECT_EQ(peer.intake.on_packet(host(2s), kWholeScene, garbage), std::unexpected(Drop::kUndecodable));
   EXPECT_EQ(p.counters.drops["undecodable"], 1u);
   EXPECT_EQ(p.counters.regions[kWholeScene].drops["undecodable"], 1u);
+  Bytes of_another_version = encode(hello_of(8, host(2s)));
+  ASSERT_EQ(of_another_version[1], std::byte{kProtocolVersion});
+  of_another_version[1] = std::byte{kProtocolVersion + 1};
+  EXPECT_EQ(peer.intake.on_packet(host(2s), kWholeScene, of_another_version), std::unexpected(Drop::kUndecodable));
+  EXPECT_EQ(drain<OtherVersion>(p.outbox).at(0).version, kProtocolVersion + 1);
 }
 
 TEST_F(Arriving, WhatConcernsEverybodyIsNotSaidInARegion) {
-  EXPECT_EQ(take(hello_of(8, host(2s)), RegionId{4}), std::unexpected(Drop::kRegion));
+  Message far_ahead = hello_of(7, host(2s));
+  far_ahead.number = 1'000'000;
+  EXPECT_EQ(take(far_ahead, RegionId{4}), std::unexpected(Drop::kRegion));
+  EXPECT_EQ(p.members.find(PeerId{7})->received[kWholeScene].received().highest, 1u)
+      << "numbers of a region are its own";
   Message goodbye = message_of(7);
   goodbye.leaving = true;
   EXPECT_EQ(take(goodbye, RegionId{4}), std::unexpected(Drop::kRegion));
@@ -93,26 +126,28 @@ TEST_F(Arriving, AnUpdateMovesTheGhostInItsSequence) {
   EXPECT_EQ(x(), 4.0);
   ASSERT_TRUE(take(update(3, 6.0)));
   EXPECT_EQ(x(), 6.0);
+  ASSERT_TRUE(take(hello_of(8, host(2s), {o2})));
+  Message another = update(1, 9.0, sim(2s), 8);
+  another.updates[0].object = o2;
+  ASSERT_TRUE(take(another));
+  EXPECT_EQ(p.counters.updates_in, 3u) << "each object has its own sequence";
+  ASSERT_TRUE(take(update(0xFFFF'FFFF, 7.0)));
+  ASSERT_TRUE(take(update(1, 8.0)));
+  EXPECT_EQ(x(), 7.0) << "the last number is the end";
 }
 
 // An update names a frame that its sender knows of, and this peer does not, or the other way round.
 TEST(ArrivingInAFrame, IsWhereItsSenderSees) {
-  const World w(box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")) +
-                box("BIRD", "1 1 1", "0 9 0"));
+  const World w(car_and_wheel() + box("BIRD", "1 1 1", "0 9 0"));
   const ObjectId car = w["CAR"], wheel = w["WHEEL"];
-  PeerParts p{config(5), *w.model};
-  SceneKeeper scene{p};
-  SessionKeeper keeper{p, scene};
-  OperationKeeper operations{p, keeper};
-  Intake intake{p, keeper, scene, operations};
-  for (Duration t = 0s; t <= 1s; t += 100ms) (void)keeper.maintain(host(t));
-  ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(hello_of(7, host(1s)))));
+  Receiver peer(w);
+  PeerParts& p = peer.p;
+  peer.maintain_until(1s);
+  ASSERT_TRUE(peer.take(hello_of(7, host(1s)), host(1s)));
   const auto take = [&](ObjectId object, std::uint32_t sequence, std::optional<ObjectId> carrier, const Vec3& at) {
-    Message m = message_of(7);
     UpdateRecord u{object, sequence, sim(1s), moving(at)};
     u.carrier = carrier;
-    m.updates.push_back(u);
-    return intake.on_packet(host(1s), kWholeScene, encode(m)).has_value();
+    return peer.take(7, {u}, host(1s));
   };
   const auto at = [&](ObjectId object) { return p.replica.ghost(object, sim(1s)).position; };
   ASSERT_TRUE(take(wheel, 1, car, {1, -1, 3}));
@@ -132,26 +167,17 @@ TEST(ArrivingInAFrame, IsWhereItsSenderSees) {
 
 // What a decision has interrupted goes on by the owner's update, wherever that was in.
 TEST(ArrivingInAFrame, GoesOnThereAfterADecision) {
-  const World w(box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")) +
-                box("BALL", "1 1 1", "0 9 0") + interest("WHEEL", "\"BALL\""));
+  const World w(car_and_wheel() + box("BALL", "1 1 1", "0 9 0") + interest("WHEEL", "\"BALL\""));
   const ObjectId car = w["CAR"], wheel = w["WHEEL"], ball = w["BALL"];
-  PeerParts p{config(5), *w.model};
-  SceneKeeper scene{p};
-  SessionKeeper keeper{p, scene};
-  OperationKeeper operations{p, keeper};
-  Intake intake{p, keeper, scene, operations};
-  for (Duration t = 0s; t <= 1s; t += 100ms) (void)keeper.maintain(host(t));
-  ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(hello_of(3, host(1s), {car, wheel}))));
-  ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(hello_of(7, host(1s), {ball}))));
+  Receiver peer(w);
+  PeerParts& p = peer.p;
+  peer.maintain_until(1s);
+  ASSERT_TRUE(peer.take(hello_of(3, host(1s), {car, wheel}), host(1s)));
+  ASSERT_TRUE(peer.take(hello_of(7, host(1s), {ball}), host(1s)));
   p.ticks.set_last(p.ticks.number_at(sim(1s)));
-  Message m = message_of(3);
-  UpdateRecord moved{car, 1, sim(900ms), moving({0, 2, 10})}, u{wheel, 1, sim(1s), moving({5, 5, 5}), sim(950ms)};
-  m.updates = {moved, u};
-  ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(m)));
-  m.updates.clear();
-  m.decisions.push_back({wheel, ball, sim(950ms), Vec3::UnitX(), moving({1, 1, 13}), moving({0, 9, 0}),
-                         moving({1, 1, 13}), moving({0, 9, 0}), DecisionRule::kId});
-  ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(m)));
+  const UpdateRecord moved{car, 1, sim(900ms), moving({0, 2, 10})}, u{wheel, 1, sim(1s), moving({5, 5, 5}), sim(950ms)};
+  ASSERT_TRUE(peer.take(3, {moved, u}, host(1s)));
+  ASSERT_TRUE(peer.take(3, decision_on(wheel, ball, sim(950ms), moving({1, 1, 13}), moving({0, 9, 0})), host(1s)));
   EXPECT_EQ(p.decisions.log().entries().size(), 1u);
   EXPECT_LT((p.replica.ghost(wheel, sim(1s)).position - Vec3(5, 5, 5)).norm(), 1e-12) << "the update was in the world";
 }
@@ -163,25 +189,19 @@ TEST(ArrivingAfterDecisions, IsShownUntilTheFirstOneThatItDoesNotKnow) {
   const ObjectId a = w["A"], b = w["B"];
   PeerConfig conf = config(5);
   conf.bounded_latency.least = 1s;
-  PeerParts p{conf, *w.model};
-  SceneKeeper scene{p};
-  SessionKeeper keeper{p, scene};
-  OperationKeeper operations{p, keeper};
-  Intake intake{p, keeper, scene, operations};
-  for (Duration t = 0s; t <= 2s; t += 100ms) (void)keeper.maintain(host(t));
-  ASSERT_TRUE(intake.on_packet(host(2s), kWholeScene, encode(hello_of(3, host(2s), {a}))));
-  ASSERT_TRUE(intake.on_packet(host(2s), kWholeScene, encode(hello_of(7, host(2s), {b}))));
+  Receiver peer(conf, w);
+  PeerParts& p = peer.p;
+  peer.maintain_until(2s);
+  ASSERT_TRUE(peer.take(hello_of(3, host(2s), {a}), host(2s)));
+  ASSERT_TRUE(peer.take(hello_of(7, host(2s), {b}), host(2s)));
   p.ticks.set_last(p.ticks.number_at(sim(2s)));
   const auto decide = [&](SimTime at, double x) {
-    Message m = message_of(3);
-    m.decisions.push_back({a, b, at, Vec3::UnitX(), moving({0, 0, 0}), moving({-50, 0, 0}), moving({x, 0, 0}),
-                           moving({-50, 0, 0}), DecisionRule::kId});
-    ASSERT_TRUE(intake.on_packet(host(2s), kWholeScene, encode(m)));
+    DecisionRecord d = decision_on(a, b, at, moving({0, 0, 0}), moving({-50, 0, 0}));
+    d.collider_after = moving({x, 0, 0});
+    ASSERT_TRUE(peer.take(3, d, host(2s)));
   };
   const auto say = [&](std::uint32_t sequence, SimTime at, double x, SimTime decision) {
-    Message m = message_of(3);
-    m.updates.push_back({a, sequence, at, moving({x, 0, 0}), decision});
-    ASSERT_TRUE(intake.on_packet(host(2s), kWholeScene, encode(m)));
+    ASSERT_TRUE(peer.take(3, {{a, sequence, at, moving({x, 0, 0}), decision}}, host(2s)));
   };
   const auto x = [&](Duration t) {
     p.replica.advance_ghosts(sim(2s));
@@ -217,41 +237,35 @@ ROUTE CLOCK.fraction_changed TO PATH.set_fraction
 ROUTE PATH.value_changed TO GROWS.scale
 )" + box("WALL", "1 1 1", "9 0 0") +
                 interest("WALL", "\"INSIDE\""));
-  PeerParts p{config(5), *w.model};
-  SceneKeeper scene{p};
-  SessionKeeper keeper{p, scene};
-  OperationKeeper operations{p, keeper};
-  Intake intake{p, keeper, scene, operations};
-  for (Duration t = 0s; t <= 1s; t += 100ms) (void)keeper.maintain(host(t));
-  ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(hello_of(7, host(1s), {w["INSIDE"]}))));
+  Receiver peer(w);
+  PeerParts& p = peer.p;
+  peer.maintain_until(1s);
+  ASSERT_TRUE(peer.take(hello_of(7, host(1s), {w["INSIDE"]}), host(1s)));
   const auto changed = [&] { return p.counters.models_changed; };
-  Message m = message_of(7);
-  m.updates.push_back({w["INSIDE"], 1, sim(1s), moving({1, 0, 0})});
-  m.updates[0].carrier = w["GROWS"];
-  ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(m)));
+  UpdateRecord u{w["INSIDE"], 1, sim(1s), moving({1, 0, 0})};
+  u.carrier = w["GROWS"];
+  ASSERT_TRUE(peer.take(7, {u}, host(1s)));
   const auto once = changed();
   EXPECT_FALSE(p.model->is_carrier(w["GROWS"]));
-  for (std::uint32_t sequence = 2; sequence < 5; ++sequence) {
-    m.updates[0].sequence = sequence;
-    ASSERT_TRUE(intake.on_packet(host(1s), kWholeScene, encode(m)));
-  }
+  for (u.sequence = 2; u.sequence < 5; ++u.sequence) ASSERT_TRUE(peer.take(7, {u}, host(1s)));
   EXPECT_EQ(p.counters.updates_in, 4u);
   EXPECT_EQ(changed(), once);
 }
 
 TEST_F(Arriving, UpdatesCountWithinTheirTimesLimits) {
-  for (const Duration at : {2s - kUpdateAgeMax - 1ns, 2s + kUpdateAheadMax + 1ns}) {
+  for (const Duration at :
+       std::array<Duration, 4>{2s - kUpdateAgeMax - 1ns, 2s + kUpdateAheadMax + 1ns, 2s - 1h, 2s + 1h}) {
     ASSERT_TRUE(take(update(9, 4.0, sim(at))));
   }
-  EXPECT_EQ(p.counters.drops["update_time"], 2u);
-  EXPECT_EQ(p.members.find(PeerId{7})->drops["update_time"], 2u);
+  EXPECT_EQ(p.counters.drops["update_time"], 4u);
+  EXPECT_EQ(p.members.find(PeerId{7})->drops["update_time"], 4u);
   EXPECT_EQ(p.counters.updates_in, 0u);
   ASSERT_TRUE(take(update(1, 4.0, sim(2s + kUpdateAheadMax))));
   EXPECT_EQ(p.counters.updates_in, 0u) << "it waits for its instant";
   EXPECT_EQ(p.counters.records_early, 1u);
-  intake.take_early(host(2s), sim(2s + kUpdateAheadMax - 1ns));
+  peer.intake.take_early(host(2s), sim(2s + kUpdateAheadMax - 1ns));
   EXPECT_EQ(p.counters.updates_in, 0u);
-  intake.take_early(host(2s), sim(2s + kUpdateAheadMax));
+  peer.intake.take_early(host(2s), sim(2s + kUpdateAheadMax));
   EXPECT_EQ(p.counters.updates_in, 1u);
 }
 
@@ -266,7 +280,7 @@ TEST_F(Arriving, RecordsAdvanceTheWorldsOnlySoOften) {
   EXPECT_EQ(p.counters.records_early, kMany - 64u);
   EXPECT_EQ(p.replica.truth().advanced(), sim(at(64)));
   p.advance_worlds(sim(at(kMany)));
-  intake.take_early(host(at(kMany)), sim(at(kMany)));
+  peer.intake.take_early(host(at(kMany)), sim(at(kMany)));
   EXPECT_EQ(p.counters.updates_in, kMany);
 }
 
@@ -275,6 +289,11 @@ TEST_F(Arriving, OnlyItsOwnerMovesAnObject) {
   ASSERT_TRUE(take(update(1, 4.0, sim(2s), 8)));
   EXPECT_EQ(p.counters.drops["not_owner"], 1u);
   EXPECT_EQ(x(), 3.0);
+  Message of_ours = update(1, 4.0);
+  of_ours.updates[0].object = o0;
+  ASSERT_TRUE(take(of_ours));
+  EXPECT_EQ(p.counters.drops["not_owner"], 2u);
+  EXPECT_EQ(p.replica.ghost(o0, sim(2s)).position.x(), 0.0);
   Message unowned = update(1, 9.0, sim(2s), 8);
   unowned.updates[0].object = o2;
   ASSERT_TRUE(take(unowned));
@@ -346,55 +365,41 @@ TEST_F(Arriving, APeerInANewSessionIsSentEverythingAnew) {
   EXPECT_TRUE(p.own.at(o0).resend);
 }
 
-TEST(Intake, RecordsBeforeTheSessionAreNotUsed) {
-  const World world(field(2));
-  PeerParts p{config(5), *world.model};
-  SceneKeeper scene{p};
-  SessionKeeper keeper{p, scene};
-  OperationKeeper operations{p, keeper};
-  Intake intake{p, keeper, scene, operations};
-  (void)keeper.maintain(host(0s));
-  ASSERT_TRUE(intake.on_packet(host(0s), kWholeScene, encode(hello_of(7, host(0s)))));
+class Unsettled : public testing::Test {
+ protected:
+  World world{field(2)};
+  Receiver peer{world};
+};
+
+TEST_F(Unsettled, RecordsBeforeTheSessionAreNotUsed) {
+  peer.maintain_until(0s);
+  ASSERT_TRUE(peer.take(hello_of(7, host(0s)), host(0s)));
   Message m = message_of(7);
-  EXPECT_TRUE(intake.on_packet(host(0s), kWholeScene, encode(m))) << "a keepalive";
-  UpdateRecord u;
-  u.object = world["O1"];
-  u.sequence = 1;
-  m.updates.push_back(u);
-  EXPECT_EQ(intake.on_packet(host(0s), kWholeScene, encode(m)), std::unexpected(Drop::kNotYetInSession));
+  EXPECT_TRUE(peer.take(m, host(0s))) << "a keepalive";
+  m.updates.push_back({world["O1"], 1, {}, {}});
+  EXPECT_EQ(peer.take(m, host(0s)), std::unexpected(Drop::kNotYetInSession));
 }
 
 // A peer without a session knows no time of it.
-TEST(Intake, AWorldsZeroCountsOnlyWithASession) {
-  const World world(field(2));
-  PeerParts p{config(5), *world.model};
-  SceneKeeper scene{p};
-  SessionKeeper keeper{p, scene};
-  OperationKeeper operations{p, keeper};
-  Intake intake{p, keeper, scene, operations};
+TEST_F(Unsettled, AWorldsZeroCountsOnlyWithASession) {
   Message hello = hello_of(7, host(0s));
   hello.hello->introduction->world_zero = sim(3s);
   hello.hello->session_tx.reset();
-  ASSERT_TRUE(intake.on_packet(host(0s), kWholeScene, encode(hello)));
-  EXPECT_EQ(p.world_time.zero(), std::nullopt);
+  ASSERT_TRUE(peer.take(hello, host(0s)));
+  EXPECT_EQ(peer.p.world_time.zero(), std::nullopt);
   hello.number = 2;
   hello.hello->session_tx = sim(0s);
-  ASSERT_TRUE(intake.on_packet(host(0s), kWholeScene, encode(hello)));
-  EXPECT_EQ(p.world_time.zero(), sim(3s));
+  ASSERT_TRUE(peer.take(hello, host(0s)));
+  EXPECT_EQ(peer.p.world_time.zero(), sim(3s));
 }
 
-TEST(Intake, AnUnintroducedPeerIsAskedForItsIntroduction) {
-  const World world(field(2));
-  PeerParts p{config(5), *world.model};
-  SceneKeeper scene{p};
-  SessionKeeper keeper{p, scene};
-  OperationKeeper operations{p, keeper};
-  Intake intake{p, keeper, scene, operations};
-  for (Duration t = 0s; t <= 1s; t += 100ms) (void)keeper.maintain(host(t));
-  while (p.greeter.must_introduce(true)) (void)p.greeter.introduction({}, {}, {});
-  EXPECT_EQ(intake.on_packet(host(9s), kWholeScene, encode(message_of(7))), std::unexpected(Drop::kUnintroduced));
-  EXPECT_TRUE(p.greeter.must_introduce(true));
-  EXPECT_TRUE(p.greeter.is_settling(host(9s)));
+TEST_F(Unsettled, AnUnintroducedPeerIsAskedForItsIntroduction) {
+  peer.maintain_until(1s);
+  Greeter& greeter = peer.p.greeter;
+  while (greeter.must_introduce(true)) (void)greeter.introduction({}, {}, {});
+  EXPECT_EQ(peer.take(message_of(7), host(9s)), std::unexpected(Drop::kUnintroduced));
+  EXPECT_TRUE(greeter.must_introduce(true));
+  EXPECT_TRUE(greeter.is_settling(host(9s)));
 }
 
 }  // namespace peerd::replication::intake_test

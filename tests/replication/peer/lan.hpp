@@ -228,6 +228,18 @@ class Lan {
   std::uint64_t sent_ = 0;
 };
 
+// The contacts that a peer has reported and not retracted since, as its log has them.
+inline std::vector<ContactEvent> standing_contacts(Lan& lan, std::size_t i) {
+  std::vector<ContactEvent> all;
+  for (const auto& [at, out] : lan.node(i).outputs) {
+    if (const auto* seen = std::get_if<ContactSeen>(&out)) all.push_back(seen->contact);
+    if (const auto* back = std::get_if<ContactsRetracted>(&out)) {
+      std::erase_if(all, [&](const ContactEvent& c) { return back->retracts(c.at, c.collider, c.collidee); });
+    }
+  }
+  return all;
+}
+
 inline PeerConfig config(std::uint32_t id, std::vector<OwnedObject> owned = {}) {
   PeerConfig c;
   c.id = PeerId{id};

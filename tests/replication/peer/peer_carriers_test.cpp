@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "tests/replication/peer/lan.hpp"
-#include "tests/replication/peer/messages.hpp"
 
 namespace peerd::replication::peer_carriers_test {
 
@@ -14,8 +13,7 @@ const Vec3 kWheelInCar(1, -1, 0);
 
 // The front of the wheel is 1.5 m before the middle of the car. The curb's front is at 5 m.
 std::string car_and_curb() {
-  return box_with("CAR", "4 1 2", "-20 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")) +
-         box("CURB", "0.5 0.6 40", "5.25 0.5 0") + interest("WHEEL", "\"CURB\"");
+  return car_and_wheel("-20 2 0") + box("CURB", "0.5 0.6 40", "5.25 0.5 0") + interest("WHEEL", "\"CURB\"");
 }
 
 // The car drives at 3 m/s along x and sways, so that its ghost is corrected again and again.
@@ -28,6 +26,12 @@ constexpr double kAtCurb_s = 23.5 / 3.0;
 
 class CarAndWheel : public testing::Test {
  protected:
+  // Peer 1 drives the car, peer 2 owns the wheel, and peer 3 watches.
+  void add_three() {
+    lan.add(config(1, {{world["CAR"], true}}), 0s, {{world["CAR"], swaying}});
+    lan.add(config(2, {{world["WHEEL"], false}}), 7s);
+    lan.add(config(3), 3s);
+  }
   [[nodiscard]] std::size_t published(std::size_t i, const char* object, PublishReason reason, Duration since) const {
     std::size_t count = 0;
     for (const Published& p : lan.seen<Published>(i)) {
@@ -35,23 +39,13 @@ class CarAndWheel : public testing::Test {
     }
     return count;
   }
-  [[nodiscard]] std::vector<double> contact_times_s(std::size_t i, ContactKind kind) const {
-    std::vector<double> times;
-    for (const ContactSeen& c : lan.contacts(i, kind)) {
-      EXPECT_EQ(c.contact.collider, world["WHEEL"]);
-      times.push_back(to_seconds(c.contact.at.time_since_epoch() - kEpoch));
-    }
-    return times;
-  }
 
   World world{car_and_curb(), {"CAR", "WHEEL"}};
   Lan lan{world, {.latency = 40ms}};
 };
 
 TEST_F(CarAndWheel, TheWheelGoesWithTheCarOnEveryPeer) {
-  lan.add(config(1, {{world["CAR"], true}}), 0s, {{world["CAR"], swaying}});
-  lan.add(config(2, {{world["WHEEL"], false}}), 7s);
-  lan.add(config(3), 3s);
+  add_three();
   lan.run_until(4s);
   for (int k = 0; k < 40; ++k) {
     lan.run_until(lan.now() + 97ms);
@@ -66,43 +60,13 @@ TEST_F(CarAndWheel, TheWheelGoesWithTheCarOnEveryPeer) {
 }
 
 TEST_F(CarAndWheel, ACorrectionOfTheCarCostsTheWheelNoUpdate) {
-  lan.add(config(1, {{world["CAR"], true}}), 0s, {{world["CAR"], swaying}});
-  lan.add(config(2, {{world["WHEEL"], false}}), 7s);
+  add_three();
   lan.run_until(4s);
   const std::uint64_t before = lan.peer(1).counters().updates_out;
   lan.run_until(14s);
   EXPECT_GT(published(0, "CAR", PublishReason::kError, 4s), 5u);
   EXPECT_LE(lan.peer(1).counters().updates_out, before + 2) << "one in 5 s, however the car goes";
   EXPECT_EQ(published(1, "WHEEL", PublishReason::kError, 4s), 0u);
-}
-
-TEST_F(CarAndWheel, BothOwnersSeeTheWheelMeetTheCurb) {
-  lan.add(config(1, {{world["CAR"], true}}), 0s, {{world["CAR"], swaying}});
-  lan.add(config(2, {{world["WHEEL"], false}}), 7s);
-  lan.add(config(3), 3s);
-  lan.run_until(12s);
-  const auto at_its_owner = contact_times_s(1, ContactKind::kOwner);
-  ASSERT_FALSE(at_its_owner.empty());
-  EXPECT_NEAR(at_its_owner.back(), kAtCurb_s, 2e-3);
-  for (const std::size_t i : {0u, 2u}) {
-    const auto predicted = contact_times_s(i, ContactKind::kPredicted);
-    ASSERT_FALSE(predicted.empty()) << i;
-    EXPECT_NEAR(predicted.back(), kAtCurb_s, 2e-3) << i;
-    EXPECT_THAT(lan.contacts(i, ContactKind::kOwner), IsEmpty()) << i;
-  }
-}
-
-// Nobody owns the wheel: the car's owner and every other peer find what it meets by themselves.
-TEST_F(CarAndWheel, AWheelOfNobodyMeetsTheCurbWithTheCar) {
-  lan.add(config(1, {{world["CAR"], true}}), 0s, {{world["CAR"], swaying}});
-  lan.add(config(2), 7s);
-  lan.run_until(12s);
-  for (std::size_t i = 0; i < 2; ++i) {
-    const auto met = contact_times_s(i, ContactKind::kScene);
-    ASSERT_FALSE(met.empty()) << i;
-    EXPECT_NEAR(met.back(), kAtCurb_s, 2e-3) << i;
-  }
-  EXPECT_EQ(lan.peer(1).counters().updates_out, 0u);
 }
 
 // Cells of 10 m along x: region 1 is [0, 10), 2 is [10, 20), .. 8 is [-10, 0). By its place in the car, the wheel would
@@ -139,9 +103,7 @@ TEST_F(CarAndWheel, TheWheelIsPublishedInTheRegionWhereItIsInTheWorld) {
 
 // The car's owner leaves: car and wheel stand, and the wheel is still its owner's.
 TEST_F(CarAndWheel, TheWheelStandsWithTheCarOfAPeerThatLeft) {
-  lan.add(config(1, {{world["CAR"], true}}), 0s, {{world["CAR"], swaying}});
-  lan.add(config(2, {{world["WHEEL"], false}}), 7s);
-  lan.add(config(3), 3s);
+  add_three();
   lan.run_until(4s);
   lan.leave(0);
   lan.run_until(5s);
@@ -153,18 +115,6 @@ TEST_F(CarAndWheel, TheWheelStandsWithTheCarOfAPeerThatLeft) {
     EXPECT_LT((wheel.position - car.pose() * kWheelInCar).norm(), 1e-3);
     EXPECT_EQ(lan.peer(i).owner(world["WHEEL"]), PeerId{2});
   }
-}
-
-// The contacts that a peer has reported and not retracted, as its log has them.
-std::vector<ContactEvent> standing(const Lan& lan, std::size_t i) {
-  std::vector<ContactEvent> all;
-  for (const auto& [at, out] : const_cast<Lan&>(lan).node(i).outputs) {
-    if (const auto* seen = std::get_if<ContactSeen>(&out)) all.push_back(seen->contact);
-    if (const auto* back = std::get_if<ContactsRetracted>(&out)) {
-      std::erase_if(all, [&](const ContactEvent& c) { return back->retracts(c.at, c.collider, c.collidee); });
-    }
-  }
-  return all;
 }
 
 // The car brakes 0.3 m before the curb. A latency later than that, the other peer has seen the wheel at the curb.
@@ -179,9 +129,9 @@ TEST_F(CarAndWheel, AContactOfNobodysWheelIsRetractedWithTheCar) {
   far.add(car, 0s, {{world["CAR"], brakes}});
   far.add(config(2), 7s);
   far.run_until(12s);
-  EXPECT_THAT(standing(far, 0), IsEmpty());
+  EXPECT_THAT(standing_contacts(far, 0), IsEmpty());
   EXPECT_FALSE(far.contacts(1, ContactKind::kScene).empty()) << "as it seemed at first";
-  EXPECT_THAT(standing(far, 1), IsEmpty());
+  EXPECT_THAT(standing_contacts(far, 1), IsEmpty());
 }
 
 // A door slides in a bus that sways; each update of the bus is of an instant before what the door has met meanwhile.
@@ -197,7 +147,7 @@ TEST(BusAndDoor, ACorrectionOfTheBusLeavesWhatItsDoorHasMetInIt) {
   lan.add(config(2, {{world["DOOR"], false}}));
   lan.add(config(3));
   lan.run_until(9s);
-  for (const std::size_t i : {0u, 1u, 2u}) EXPECT_EQ(standing(lan, i).size(), 1u) << i;
+  for (const std::size_t i : {0u, 1u, 2u}) EXPECT_EQ(standing_contacts(lan, i).size(), 1u) << i;
 }
 
 // Each peer has been told of its own objects only.

@@ -1,7 +1,5 @@
 #include <gtest/gtest.h>
 
-#include <tuple>
-
 #include "replication/peer/peer.hpp"
 #include "tests/replication/peer/lan.hpp"
 
@@ -39,22 +37,6 @@ struct Resting {
   }
   Lan lan;
 };
-
-TEST(CheckSchedule, FindNothingToDoInAWorldThatStands) {
-  const World world(kThree + interest("C", "\"A\" \"B\""));
-  Resting run(world);
-  const auto work = [&](std::size_t peer) {
-    const MotionWorld::Counters motion = run.lan.peer(peer).motion_counters();
-    return std::tuple(motion.contact_searches, motion.searches_far, motion.contacts,
-                      run.lan.peer(peer).counters().objects_looked_at);
-  };
-  const auto first = work(0), second = work(1);
-  const std::uint64_t ticks = run.lan.peer(1).counters().ticks;
-  run.lan.run_until(20s);
-  EXPECT_EQ(work(0), first);
-  EXPECT_EQ(work(1), second);
-  EXPECT_GT(run.lan.peer(1).counters().ticks, ticks + 200);
-}
 
 TEST(CheckSchedule, GoOnWhereSomethingMovesAndEndWhenItRests) {
   const World world(kThree);
@@ -147,25 +129,6 @@ TEST(CheckSchedule, FindThatAnUpdateIsNoLongerAcknowledgedByAll) {
   for (const char* name : {"A", "B"}) EXPECT_EQ(updates_of(run.lan, world[name], PublishReason::kTime), 1u) << name;
 }
 
-// The peer finds them before that threshold is over, for no receiver would take a repetition of an update older than 4
-// s.
-TEST(CheckSchedule, FindUpdatesTooOldToBeRepeated) {
-  const World world(kThree);
-  Resting run(world);
-  Lan& lan = run.lan;
-  for (const double v : {1.0, 0.0}) {
-    ASSERT_TRUE(lan.peer(0).change_velocity(lan.host_now(0), world["B"], {0, v, 0}, true));
-    lan.run_until(lan.now() + 100ms);
-  }
-  lan.run_until(16100ms + 4200ms);
-  Message m = hello_of(9, lan.host_now(0));
-  m.hello->session_tx.reset();
-  ASSERT_TRUE(lan.inject(0, encode(m)).has_value());
-  lan.run_until(16100ms + 4900ms);
-  EXPECT_EQ(updates_of(lan, world["B"], PublishReason::kTime), 0u);
-  EXPECT_EQ(updates_of(lan, world["B"], PublishReason::kJoiner), 2u);
-}
-
 TEST(CheckSchedule, GoOnWhereSnapshotsAreSent) {
   const World world(kThree);
   Lan lan(world);
@@ -177,20 +140,6 @@ TEST(CheckSchedule, GoOnWhereSnapshotsAreSent) {
   const std::size_t before = updates_of(lan, world["A"], PublishReason::kTime);
   lan.run_until(16s);
   EXPECT_EQ(updates_of(lan, world["A"], PublishReason::kTime) - before, 20u);
-}
-
-// A peer with a lower id runs A from the start and leaves later, so B's place in the list changes.
-TEST(CheckSchedule, GoOnWhenAnObjectIsLost) {
-  const World world(kThree);
-  Resting run(world, {}, 2);
-  Lan& lan = run.lan;
-  lan.add(config(1, {{world["A"], false}}));
-  lan.run_until(25s);
-  ASSERT_EQ(lan.peer(0).owner(world["A"]), PeerId{1});
-  const std::uint64_t before = checks(lan);
-  ASSERT_TRUE(lan.peer(0).change_velocity(lan.host_now(0), world["B"], {0, 1, 0}, true));
-  lan.run_until(27s);
-  EXPECT_NEAR(static_cast<double>(checks(lan) - before), 120.0, 3.0);
 }
 
 }  // namespace peerd::replication::peer_looks_test

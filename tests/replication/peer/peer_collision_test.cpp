@@ -14,37 +14,6 @@ using testing::IsEmpty;
 
 // ---- remote collision prediction ----
 
-// BALL flies to and fro between the walls. Nobody but its owner receives an update of any bounce.
-TEST(Prediction, ACollisionThatEverybodyPredictsCostsNoUpdate) {
-  const World world(corridor(std::string("velocityVector 2 0.01 0") + kBounces));
-  Lan lan(world, {100ms, 0ms, 0, 0});
-  const std::uint32_t hz[] = {60, 144, 30};
-  for (std::uint32_t i = 0; i < 3; ++i) {
-    PeerConfig c =
-        config(i + 1, i == 0 ? std::vector<OwnedObject>{{world["BALL"], false}} : std::vector<OwnedObject>{});
-    c.tick_hz = hz[i];
-    lan.add(c, i * 3s);
-  }
-  lan.run_until(4s);
-  for (std::size_t i = 0; i < 3; ++i) lan.node(i).outputs.clear();
-  lan.run_until(24s);
-  for (const Published& p : lan.seen<Published>(0)) EXPECT_EQ(p.reason, PublishReason::kTime);
-  const auto own = lan.contacts(0, ContactKind::kOwner);
-  EXPECT_GE(own.size(), 6u);
-  const SimTime t = lan.session_now(0);
-  for (std::size_t i = 1; i < 3; ++i) {
-    const auto predicted = lan.contacts(i, ContactKind::kPredicted);
-    ASSERT_GE(predicted.size() + 1, own.size());
-    EXPECT_THAT(lan.contacts(i, ContactKind::kOwner), IsEmpty());
-    // The published state is the base of every copy, so the copies agree to the last bit, and with the truth to the
-    // millimetre.
-    EXPECT_TRUE(same_bits(lan.peer(i).ghost(world["BALL"], t), lan.peer(0).ghost(world["BALL"], t)));
-    EXPECT_LT((lan.peer(i).ghost(world["BALL"], t).position - lan.peer(0).truth(world["BALL"], t).position).norm(),
-              1e-3);
-  }
-  EXPECT_THAT(lan.contacts(0, ContactKind::kPredicted), IsEmpty()) << "its own collisions are no predictions";
-}
-
 // A former defect: a peer that joined received the state of a flying ball. From then on the ghosts met each wall at the
 // time that follows from this state, and the truth at the time that follows from the state before it, a nanosecond
 // apart.
@@ -76,25 +45,6 @@ TEST(Prediction, TheTruthContinuesFromThePublishedState) {
   }
 }
 
-TEST(Prediction, WithoutItEveryBounceCostsAnUpdate) {
-  const World world(corridor(std::string("velocityVector 2 0 0") + kBounces));
-  Lan lan(world, {5ms, 0ms, 0, 0});
-  for (std::uint32_t i = 0; i < 2; ++i) {
-    PeerConfig c =
-        config(i + 1, i == 0 ? std::vector<OwnedObject>{{world["BALL"], false}} : std::vector<OwnedObject>{});
-    c.policy.predict_collisions = false;
-    lan.add(c);
-  }
-  lan.run_until(4s);
-  for (std::size_t i = 0; i < 2; ++i) lan.node(i).outputs.clear();
-  lan.run_until(22s);
-  std::size_t errors = 0;
-  for (const Published& p : lan.seen<Published>(0)) errors += p.reason == PublishReason::kError;
-  EXPECT_GE(errors, lan.contacts(0, ContactKind::kOwner).size());
-  EXPECT_GE(lan.contacts(0, ContactKind::kOwner).size(), 5u);
-  EXPECT_THAT(lan.contacts(1, ContactKind::kPredicted), IsEmpty());
-}
-
 // ---- adaptive collision prediction tracking ----
 
 // CAR drives by CUBE and back, so that it is near it around each whole ten seconds.
@@ -103,83 +53,36 @@ KinematicState to_and_fro(SimTime t) {
   const double s = std::sin(phase), c = std::cos(phase), w = 0.2 * std::numbers::pi;
   return moving({20 * c, 0, 0}, {-20 * w * s, 0, 0}, {-20 * w * w * c, 0, 0});
 }
-std::string drive_by(const char* interests) {
-  return box("CAR", "2 1 1", "20 0 0") + box("CUBE", "1 1 1", "20 2 0") + interests;
-}
-
-// A car passes a cube at 10 m/s, 1.5 m beside it: their spheres will meet, the objects will not.
-TEST(TrackingByTime, TightensInProportionToWhatIsLeft) {
-  const World world(box("CAR", "2 1 1", "-40 0 0") + box("CUBE", "1 1 1", "0 1.5 0") + interest("CAR", "\"CUBE\""));
-  const auto passes = [](SimTime t) {
-    return moving({10.0 * (to_seconds(t.time_since_epoch() - kEpoch) - 4.0), 0, 0}, {10, 0, 0});
-  };
-  Lan lan(world, {5ms, 0ms, 0, 0});
-  PeerConfig c = config(1, {{world["CAR"], true}});
-  c.policy.threshold_by_time = true;
-  c.policy.time_threshold = 0s;  // each tick publishes its threshold
-  lan.add(c, 0s, {{world["CAR"], passes}});
-  lan.add(config(2, {{world["CUBE"], false}}));
-  lan.run_until(6s);
-  const double meet_m = std::sqrt(1.5) + std::sqrt(0.75);  // the spheres' radii
-  const double meet_x = -std::sqrt(meet_m * meet_m - 1.5 * 1.5);
-  int partly = 0;
-  for (const Published& p : lan.seen<Published>(0)) {
-    const double x = passes(p.at).position.x();
-    if (p.at < sim(2s) || x > meet_x) continue;  // the cube's owner isn't known yet; it is past
-    const double left_s = (meet_x - x) / 10.0;
-    const double expected = 0.01 + 0.49 * std::min(1.0, left_s / 0.5);
-    EXPECT_NEAR(p.threshold_m, expected, 1e-6) << left_s << " s are left";
-    partly += expected < 0.49 && expected > 0.02;
-  }
-  EXPECT_GT(partly, 20);
-}
-
-struct Case {
-  const char* name;
-  std::string interests;
-  std::vector<std::uint32_t> cube_owner;  // or nobody
-  bool track, tight;
-};
-class Tracking : public testing::TestWithParam<Case> {};
-TEST_P(Tracking, TightensNearRemoteObjects) {
-  const auto& [name, interests, cube_owner, track, tight] = GetParam();
-  const World world(drive_by(interests.c_str()));
-  Lan lan(world, {5ms, 0ms, 0, 0});
-  for (const std::uint32_t id : {1u, 2u}) {
-    PeerConfig c = config(id);
-    c.policy.track_proximity = track;
-    if (id == 1) c.owned.push_back({world["CAR"], true});
-    if (!cube_owner.empty() && cube_owner[0] == id) c.owned.push_back({world["CUBE"], false});
-    lan.add(c, 0s,
-            id == 1 ? std::map<ObjectId, Lan::Motion>{{world["CAR"], to_and_fro}} : std::map<ObjectId, Lan::Motion>{});
-  }
-  lan.run_until(3s);
-  lan.node(0).outputs.clear();
-  lan.run_until(33s);
-  std::set<double> thresholds;
-  for (const Published& p : lan.seen<Published>(0)) {
-    if (p.object != world["CAR"]) continue;
-    thresholds.insert(p.threshold_m);
-    const double distance = (to_and_fro(p.at).position - Vec3(20, 2, 0)).norm();
-    if (distance > 15.0) {
-      EXPECT_EQ(p.threshold_m, 0.5) << "far away";
+// Which objects are near is decided in proximity_threshold_test.
+TEST(Tracking, TightensNearRemoteObjects) {
+  const World world(box("CAR", "2 1 1", "20 0 0") + box("CUBE", "1 1 1", "20 2 0") + interest("CAR", "\"CUBE\""));
+  for (const bool track : {true, false}) {
+    Lan lan(world, {5ms, 0ms, 0, 0});
+    for (const std::uint32_t id : {1u, 2u}) {
+      PeerConfig c = config(id, {{world[id == 1 ? "CAR" : "CUBE"], id == 1}});
+      c.policy.track_proximity = track;
+      std::map<ObjectId, Lan::Motion> motions;
+      if (id == 1) motions[world["CAR"]] = to_and_fro;
+      lan.add(c, 0s, motions);
     }
-    if (distance < 2.0 && tight) {
-      EXPECT_EQ(p.threshold_m, 0.01) << "near";
+    lan.run_until(3s);
+    lan.node(0).outputs.clear();
+    lan.run_until(33s);
+    std::set<double> thresholds;
+    for (const Published& p : lan.seen<Published>(0)) {
+      thresholds.insert(p.threshold_m);
+      const double distance = (to_and_fro(p.at).position - Vec3(20, 2, 0)).norm();
+      if (distance > 15.0) {
+        EXPECT_EQ(p.threshold_m, 0.5) << "far away";
+      }
+      if (distance < 2.0 && track) {
+        EXPECT_EQ(p.threshold_m, 0.01) << "near";
+      }
     }
+    EXPECT_EQ(thresholds, track ? (std::set<double>{0.01, 0.5}) : std::set<double>{0.5});
+    EXPECT_EQ(lan.peer(0).counters().proximity_tests > 0, track);
   }
-  EXPECT_EQ(thresholds, tight ? (std::set<double>{0.01, 0.5}) : std::set<double>{0.5});
-  EXPECT_EQ(lan.peer(0).counters().proximity_tests > 0, tight);
 }
-const std::string kCarCube = interest("CAR", "\"CUBE\"");
-INSTANTIATE_TEST_SUITE_P(Table, Tracking,
-                         testing::Values(Case{"AnothersCube", kCarCube, {2}, true, true},
-                                         Case{"RegisteredTheOtherWay", interest("CUBE", "\"CAR\""), {2}, true, true},
-                                         Case{"NobodysCube", kCarCube, {}, true, false},
-                                         Case{"ItsOwnCube", kCarCube, {1}, true, false},
-                                         Case{"NoInterest", "", {2}, true, false},
-                                         Case{"SwitchedOff", kCarCube, {2}, false, false}),
-                         [](const auto& c) { return std::string(c.param.name); });
 
 // ---- decisions ----
 
@@ -248,58 +151,15 @@ TEST_P(Decision, TheOutcomeIsOfTheContactTime) {
     EXPECT_LT((lan.peer(i).ghost(world["CAR"], t).position - car).norm(), 1e-3) << i;
     EXPECT_LT((lan.peer(i).ghost(world["CUBE"], t).position - cube).norm(), 1e-3) << i;
   }
-}
-
-TEST_P(Decision, OneCopyOfThreeIsEnough) {
-  for (int survives = 1; survives <= 3; ++survives) {
-    SCOPED_TRACE(survives);
-    Lan few(world, {60ms, 0ms, 0, 0});
-    few.add(config(GetParam().car, {{world["CAR"], false}}));
-    few.add(config(GetParam().cube, {{world["CUBE"], false}}));
-    few.add(config(9));
-    std::map<std::size_t, int> copies;
-    few.filter = [&](std::size_t, std::size_t to, const Message& m) {
-      return m.decisions.empty() || ++copies[to] == survives;
-    };
-    few.run_until(10s);
-    EXPECT_EQ(few.contacts(decider(), ContactKind::kDecided).size(), 1u);
-    for (const std::size_t i : {1 - decider(), std::size_t{2}}) {
-      EXPECT_EQ(few.contacts(i, ContactKind::kApplied).size(), 1u);
-    }
-  }
-}
-
-// The owner that may not decide continues as if nothing had happened until it receives the decision.
-TEST_P(Decision, TheHigherIdDoesNotDetect) {
-  lan.filter = [](std::size_t, std::size_t, const Message& m) { return m.decisions.empty(); };
-  run(500ms);
-  const std::size_t other = 1 - decider();
-  for (const ContactKind kind : {ContactKind::kOwner, ContactKind::kDecided, ContactKind::kApplied}) {
-    EXPECT_THAT(lan.contacts(other, kind), IsEmpty());
-  }
-  const char* object = other == 0 ? "CAR" : "CUBE";
-  EXPECT_EQ(lan.peer(other).truth(world[object], lan.session_now(other)).velocity, Vec3(other == 0 ? 2 : -1, 0, 0));
-}
-
-// The decision publishes a collision between two peers' objects; updates add nothing to it.
-TEST_P(Decision, WhatWasPredictedAndDecidedCostsFewUpdates) {
-  run(100ms);
-  for (std::size_t i = 0; i < 2; ++i) lan.node(i).outputs.clear();
-  lan.run_until(lan.now() + 2s);
-  EXPECT_LE(lan.seen<Published>(0).size(), 2u);
-  EXPECT_LE(lan.seen<Published>(1).size(), 2u);
-}
-
-TEST_P(Decision, EverybodyEndsWithTheSameGhosts) {
-  run(2s);
   lan.run_until(lan.now() + 6s);  // past a time threshold
-  const SimTime t = lan.session_now(0) - 200ms;
+  const SimTime then = lan.session_now(0) - 200ms;
   for (const char* object : {"CAR", "CUBE"}) {
     for (std::size_t i = 1; i < 3; ++i) {
-      EXPECT_TRUE(same_bits(lan.peer(i).ghost(world[object], t), lan.peer(0).ghost(world[object], t))) << object << i;
+      EXPECT_TRUE(same_bits(lan.peer(i).ghost(world[object], then), lan.peer(0).ghost(world[object], then))) << i;
     }
   }
 }
+
 INSTANTIATE_TEST_SUITE_P(Table, Decision,
                          testing::Values(Roles{"CarDecides", 1, 2, false}, Roles{"CubeDecides", 2, 1, false},
                                          Roles{"CarDecidesBothAnswer", 1, 2, true},
@@ -338,13 +198,6 @@ class Decided : public testing::Test {
   std::size_t self = 0;
 };
 
-TEST_F(Decided, TheLowerIdsDecisionMovesOurObject) {
-  lan.inject(self, encode(decision(1, "CAR", 100ms, {1, 0, 0})));
-  EXPECT_EQ(velocity(), Vec3(1, 0, 0));
-  EXPECT_NEAR(lan.peer(self).truth(world["CUBE"], lan.session_now(self)).position.x(), 0.1, 1e-9);
-  EXPECT_EQ(lan.contacts(self, ContactKind::kApplied).size(), 1u);
-}
-
 // A deciding peer could go on for ever with decisions on one pair; the memory of a pair is bounded.
 TEST_F(Decided, NoMoreThanThereCanBeAreRemembered) {
   constexpr int kEach = 20;
@@ -359,19 +212,6 @@ TEST_F(Decided, NoMoreThanThereCanBeAreRemembered) {
   }
   EXPECT_EQ(lan.contacts(self, ContactKind::kApplied).size(), 4000u);
   EXPECT_EQ(lan.drops(self, "too_many_decisions"), 1000u);
-}
-
-TEST_F(Decided, TheHigherIdDoesNotDecide) {
-  lan.inject(self, encode(decision(7, "LORRY", 100ms, {1, 0, 0})));
-  EXPECT_EQ(velocity(), Vec3::Zero());
-  EXPECT_EQ(lan.drops(self, "not_decider"), 1u);
-}
-
-TEST_F(Decided, NobodyDecidesForOthers) {
-  lan.inject(self, encode(decision(1, "LORRY", 100ms, {1, 0, 0})));
-  lan.inject(self, encode(decision(7, "CAR", 100ms, {1, 0, 0})));
-  EXPECT_EQ(velocity(), Vec3::Zero());
-  EXPECT_EQ(lan.drops(self, "not_decider"), 2u);
 }
 
 // The hello of the object's owner may be still to come.
@@ -393,35 +233,11 @@ TEST_F(Decided, AnUpdateOfAnUnownedObjectIsRequestedAgain) {
   EXPECT_FALSE(acknowledged->has(m.number));
 }
 
-TEST_F(Decided, AnEarlierDecisionThatArrivesLateChangesNothing) {
-  lan.inject(self, encode(decision(1, "CAR", 100ms, {2, 0, 0})));
-  lan.inject(self, encode(decision(1, "CAR", 300ms, {1, 0, 0})));
-  EXPECT_EQ(velocity(), Vec3(2, 0, 0));
-  lan.inject(self, encode(decision(1, "CAR", 50ms, {3, 0, 0})));
-  EXPECT_EQ(velocity(), Vec3(3, 0, 0));
-}
-
 TEST_F(Decided, DecisionsFromAnotherAgeAreDropped) {
   for (const Duration ago : {6100ms, -1100ms, 3'600'000ms})
     lan.inject(self, encode(decision(1, "CAR", ago, {1, 0, 0})));
   EXPECT_EQ(velocity(), Vec3::Zero());
   EXPECT_EQ(lan.drops(self, "decision_time"), 3u);
-}
-
-// The sender made an update before it knew of the decision. The update must not undo the decision, though its time is
-// later.
-TEST_F(Decided, AStateFromBeforeTheDecisionDoesNotUndoIt) {
-  lan.inject(self, encode(decision(1, "CAR", 300ms, {1, 0, 0})));
-  Message m = message_of(1);
-  const SimTime now = lan.session_now(self);
-  m.updates = {{world["CAR"], 1, now - 100ms, moving({0, 0, 0}, {5, 0, 0}), {}}};
-  lan.inject(self, encode(m));
-  EXPECT_EQ(lan.peer(self).ghost(world["CAR"], now).position, Vec3(9, 9, 9));
-  EXPECT_EQ(lan.drops(self, "before_decision"), 1u);
-  m.updates[0].sequence = 2;
-  m.updates[0].decision = now - 300ms;
-  lan.inject(self, encode(m));
-  EXPECT_EQ(lan.peer(self).ghost(world["CAR"], now).velocity, Vec3(5, 0, 0));
 }
 
 // The decision arrives after the cube should have met a wall. The truth must take that wall into account.

@@ -22,20 +22,6 @@ class ListedConflicts : public EditingPeers {
     }
     return all;
   }
-  void begin_apart() {
-    begin();
-    lan->part({2});
-    run_on(3s);
-  }
-  void meet() const {
-    lan->part({});
-    run_on(6s);
-    expect_one_world();
-  }
-  // A node of the scene that the third peer has while it is apart.
-  [[nodiscard]] NodeId node_apart(const std::string& path) const {
-    return scene(2).document->ids.id_of(scene(2).at(scene(2).find(path).value()).node);
-  }
 };
 
 TEST_F(ListedConflicts, NoneWhereOneKnewTheOther) {
@@ -85,12 +71,12 @@ TEST_F(ListedConflicts, OnlyTheLastOfEachSide) {
 
 TEST_F(ListedConflicts, EditsOfWhatAnotherHasRemoved) {
   begin_apart();
-  const OperationId before = edit(2, SetField{node_apart("HOUSE/WALL"), "translation", "1 0 0", 0});
+  const OperationId before = edit(2, placing("HOUSE/WALL", 1, 2));
   const OperationId added = edit(2, adding("LAMP", scene(2).find("HOUSE")));
   run_on(1s);
   const OperationId removal = edit(0, RemoveObject{object("HOUSE")});
   run_on(1s);
-  const OperationId after = edit(2, SetData{node_apart("HOUSE/WALL"), "colour", "red"});
+  const OperationId after = edit(2, SetData{node("HOUSE/WALL", 2), "colour", "red"});
   const OperationId elsewhere = edit(2, placing("CAR", 5));
   run_on(1s);
   meet();
@@ -144,7 +130,7 @@ TEST_F(ListedConflicts, NoneWhereANodeIsStillUsed) {
   lan->part({2});
   run_on(3s);
   (void)edit(0, RemoveObject{object("ONE")});
-  (void)edit(2, SetField{node_apart("TWO/INNER"), "translation", "4 0 0", 0});
+  (void)edit(2, placing("TWO/INNER", 4, 2));
   run_on(1s);
   meet();
   for (std::size_t i = 0; i < 3; ++i) EXPECT_THAT(conflicts(i), IsEmpty());

@@ -2,8 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/vrml/document.hpp"
-#include "tests/replication/peer/lan.hpp"
+#include "tests/replication/peer/editing_peers.hpp"
 
 namespace peerd::replication::peer_data_test {
 
@@ -12,33 +11,12 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-class Data : public testing::Test {
+class Data : public EditingPeers {
  protected:
-  Data() : world(box("BALL", "1 1 1", "0 0 0") + box("CAR", "1 1 1", "0 20 0"), {"BALL", "CAR"}) {}
-
-  void begin(Link link = {.latency = 20ms}, std::uint64_t seed = 1) {
-    lan = std::make_unique<Lan>(world, link, seed);
-    for (std::uint32_t id = 1; id <= 3; ++id) lan->add(config(id));
-    lan->run_until(3s);
-  }
-  OperationId edit(std::size_t i, OperationBody body) const {
-    const auto id = lan->peer(i).edit(lan->host_now(i), std::move(body));
-    EXPECT_TRUE(id) << id.error();
-    return id.value_or(OperationId{});
-  }
-  [[nodiscard]] std::string refusal(OperationBody body) const {
-    const auto id = lan->peer(0).edit(lan->host_now(0), std::move(body));
-    return id ? "" : id.error();
-  }
-  [[nodiscard]] NodeId node(const char* path) const {
-    const peerd::Scene& scene = lan->peer(0).scene();
-    return scene.document->ids.id_of(scene.at(scene.find(path).value()).node);
-  }
   [[nodiscard]] std::string value(std::size_t i, const char* path, const std::string& key) const {
     const std::string* const value = lan->peer(i).data().find(node(path), key);
     return value == nullptr ? "none" : *value;
   }
-  void run_on(Duration d) const { lan->run_until(lan->now() + d); }
   // The texts that a peer has been given, in order.
   [[nodiscard]] std::vector<std::string> texts(std::size_t i) const {
     std::vector<std::string> texts;
@@ -48,9 +26,6 @@ class Data : public testing::Test {
   [[nodiscard]] SendMessage message(std::size_t i, const std::string& text) const {
     return {lan->peer(i).id(), "chat", text};
   }
-
-  World world;
-  std::unique_ptr<Lan> lan;
 };
 
 TEST_F(Data, AreTheSameForAllFromOneInstantOn) {
@@ -79,25 +54,6 @@ TEST_F(Data, AreTheSameForAllFromOneInstantOn) {
   }
 }
 
-TEST_F(Data, TheLaterOfTwoCounts) {
-  begin();
-  lan->part({2});
-  run_on(3s);
-  (void)edit(2, SetData{node("CAR"), "seat", "c"});
-  (void)edit(2, SetData{node("CAR"), "wheel", "c"});
-  run_on(1s);
-  (void)edit(0, SetData{node("CAR"), "seat", "a"});
-  run_on(1s);
-  EXPECT_EQ(value(0, "CAR", "seat"), "a");
-  EXPECT_EQ(value(2, "CAR", "seat"), "c");
-  lan->part({});
-  run_on(6s);
-  for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_EQ(value(i, "CAR", "seat"), "a");
-    EXPECT_EQ(value(i, "CAR", "wheel"), "c") << "another key";
-  }
-}
-
 TEST_F(Data, GoWithTheNode) {
   begin();
   const NodeId car = node("CAR");
@@ -109,29 +65,18 @@ TEST_F(Data, GoWithTheNode) {
     EXPECT_TRUE(lan->peer(i).data().empty());
     EXPECT_EQ(lan->seen<DataChanged>(i).back().value, std::nullopt);
   }
-  EXPECT_EQ(refusal(SetData{car, "colour", "blue"}), "it is not in the scene any more");
-}
-
-TEST_F(Data, WhoComesLaterHasThem) {
-  begin();
-  (void)edit(1, SetData{node("CAR"), "colour", "red"});
-  run_on(1s);
-  lan->leave(1);
-  run_on(2s);
-  lan->add(config(4));
-  run_on(4s);
-  EXPECT_EQ(value(3, "CAR", "colour"), "red");
+  EXPECT_EQ(refusal(0, SetData{car, "colour", "blue"}), "it is not in the scene any more");
 }
 
 TEST_F(Data, LimitsAreSaid) {
   begin();
-  EXPECT_EQ(refusal(SetData{node("CAR"), "", "1"}), "a key has 1 to 256 bytes, and this one 0");
-  EXPECT_EQ(refusal(SetData{node("CAR"), std::string(257, 'k'), "1"}), "a key has 1 to 256 bytes, and this one 257");
-  EXPECT_EQ(refusal(SetData{node("CAR"), "k", std::string(16'385, 'v')}),
+  EXPECT_EQ(refusal(0, SetData{node("CAR"), "", "1"}), "a key has 1 to 256 bytes, and this one 0");
+  EXPECT_EQ(refusal(0, SetData{node("CAR"), std::string(257, 'k'), "1"}), "a key has 1 to 256 bytes, and this one 257");
+  EXPECT_EQ(refusal(0, SetData{node("CAR"), "k", std::string(16'385, 'v')}),
             "the value has 16385 bytes, and may have 16384");
-  EXPECT_EQ(refusal(SetData{node("CAR"), std::string(256, 'k'), std::string(16'384, 'v')}), "");
-  EXPECT_THAT(refusal(SendMessage{PeerId{1}, "", "text"}), HasSubstr("a topic has 1 to 256 bytes"));
-  EXPECT_THAT(refusal(SendMessage{PeerId{1}, "chat", std::string(16'385, 't')}), HasSubstr("may have 16384"));
+  EXPECT_EQ(refusal(0, SetData{node("CAR"), std::string(256, 'k'), std::string(16'384, 'v')}), "");
+  EXPECT_THAT(refusal(0, SendMessage{PeerId{1}, "", "text"}), HasSubstr("a topic has 1 to 256 bytes"));
+  EXPECT_THAT(refusal(0, SendMessage{PeerId{1}, "chat", std::string(16'385, 't')}), HasSubstr("may have 16384"));
   EXPECT_EQ(lan->peer(0).counters().operations, 1u);
 }
 

@@ -8,7 +8,6 @@ namespace peerd::replication::peer_far_stamp_test {
 using namespace test;
 using testing::HasSubstr;
 using testing::IsEmpty;
-using testing::SizeIs;
 
 class FarStamp : public EditingPeers {
  protected:

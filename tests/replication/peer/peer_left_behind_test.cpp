@@ -1,9 +1,8 @@
 // Objects that owners leave behind stand at one place at all peers, also at those who come later and at the owner
 // itself.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/replication/peer/lan.hpp"
+#include "tests/replication/peer/peers.hpp"
 
 namespace peerd::replication::peer_left_behind_test {
 
@@ -12,8 +11,10 @@ using namespace test;
 // CAR is peer 3's, and is driven along x.
 const std::string kWorld = box("CAR", "1 1 1", "0 5 0") + box("TREE", "1 1 1", "0 9 0");
 
-class LeftBehind : public testing::Test {
+class LeftBehind : public Peers {
  protected:
+  LeftBehind() : Peers(kWorld, {"CAR"}) {}
+
   void begin(Link link = {.latency = 40ms, .jitter = 30ms}, std::uint64_t seed = 1) {
     lan = std::make_unique<Lan>(world, link, seed);
     lan->add(config(1));
@@ -30,20 +31,15 @@ class LeftBehind : public testing::Test {
                return state;
              }}};
   }
-  [[nodiscard]] KinematicState ghost(std::size_t i) const {
-    return lan->peer(i).ghost(world["CAR"], lan->session_now(i) - 10ms);
-  }
+  [[nodiscard]] KinematicState car_at(std::size_t i) const { return ghost(i, "CAR", 10ms); }
   void expect_it_stands_at_one_place(std::initializer_list<std::size_t> peers) const {
-    const KinematicState first = ghost(*peers.begin());
+    const KinematicState first = car_at(*peers.begin());
     EXPECT_EQ(first.velocity, Vec3::Zero());
     for (const std::size_t i : peers) {
-      EXPECT_TRUE(same_bits(ghost(i), first))
-          << "at peer " << i + 1 << ": " << ghost(i).position.transpose() << ", not " << first.position.transpose();
+      EXPECT_TRUE(same_bits(car_at(i), first))
+          << "at peer " << i + 1 << ": " << car_at(i).position.transpose() << ", not " << first.position.transpose();
     }
   }
-
-  World world{kWorld, {"CAR"}};
-  std::unique_ptr<Lan> lan;
 };
 
 TEST_F(LeftBehind, ItStandsAtOnePlaceForAll) {
@@ -52,7 +48,7 @@ TEST_F(LeftBehind, ItStandsAtOnePlaceForAll) {
     seed % 2 == 0 ? lan->kill(2) : lan->leave(2);
     lan->run_until(9s);
     expect_it_stands_at_one_place({0, 1});
-    EXPECT_NEAR(ghost(0).position.head<3>().norm(), std::sqrt(26.0), 2.0);
+    EXPECT_NEAR(car_at(0).position.head<3>().norm(), std::sqrt(26.0), 2.0);
     lan->add(config(4), 1s);
     lan->run_until(12s);
     expect_it_stands_at_one_place({0, 1, 3});
@@ -69,14 +65,14 @@ TEST_F(LeftBehind, ALonePeerSaysItForWhoComesLater) {
   lan->add(config(4), 1s);
   lan->run_until(12s);
   expect_it_stands_at_one_place({1, 3});
-  EXPECT_GT((ghost(3).position - Vec3(0, 5, 0)).norm(), 0.5) << "not where the file has it";
+  EXPECT_GT((car_at(3).position - Vec3(0, 5, 0)).norm(), 0.5) << "not where the file has it";
 }
 
 TEST_F(LeftBehind, ItsOwnerFindsItThere) {
   begin();
   lan->kill(2);
   lan->run_until(9s);
-  const Vec3 left = ghost(0).position;
+  const Vec3 left = car_at(0).position;
   lan->node(2).motions.clear();
   PeerConfig again = config(3, {{world["CAR"]}});
   again.incarnation = 2;
@@ -84,7 +80,7 @@ TEST_F(LeftBehind, ItsOwnerFindsItThere) {
   lan->run_until(13s);
   EXPECT_EQ(lan->peer(0).owner(world["CAR"]), PeerId{3});
   expect_it_stands_at_one_place({0, 1, 2});
-  EXPECT_LT((ghost(2).position - left).norm(), 1e-5);
+  EXPECT_LT((car_at(2).position - left).norm(), 1e-5);
 }
 
 // An owner that was only silent has gone on meanwhile, and goes on.
@@ -93,7 +89,7 @@ TEST_F(LeftBehind, AnOwnerThatWasSilentGoesOn) {
   lan->add(config(1));
   lan->add(config(2, {{world["CAR"]}}));
   lan->run_until(3s);
-  EXPECT_TRUE(lan->peer(1).change_velocity(lan->host_now(1), world["CAR"], Vec3(1, 0, 0), true));
+  push(1, "CAR", Vec3(1, 0, 0));
   lan->run_until(4s);
   lan->part({1});
   lan->run_until(8s);
@@ -101,7 +97,7 @@ TEST_F(LeftBehind, AnOwnerThatWasSilentGoesOn) {
   lan->run_until(12s);
   const Vec3 truth = lan->peer(1).truth(world["CAR"], lan->session_now(1) - 10ms).position;
   EXPECT_NEAR(truth.x(), 9.0, 0.1) << "it has gone on all the time";
-  EXPECT_LT((lan->peer(0).ghost(world["CAR"], lan->session_now(0) - 10ms).position - truth).norm(), 0.1);
+  EXPECT_LT((car_at(0).position - truth).norm(), 0.1);
 }
 
 // While one side takes the owner for gone, that gives the object to a third peer, which goes on with it.
@@ -112,7 +108,7 @@ TEST_F(LeftBehind, AnObjectThatChangedHandsMeanwhileStaysWhereItIs) {
   lan->add(config(3, {{world["CAR"]}}));
   lan->run_until(3s);
   lan->part({0});
-  EXPECT_TRUE(lan->peer(2).change_velocity(lan->host_now(2), world["CAR"], Vec3(1, 0, 0), true));
+  push(2, "CAR", Vec3(1, 0, 0));
   lan->run_until(4s);
   EXPECT_TRUE(lan->peer(2).give(lan->host_now(2), world["CAR"], PeerId{2}));
   lan->run_until(9s);
@@ -120,7 +116,7 @@ TEST_F(LeftBehind, AnObjectThatChangedHandsMeanwhileStaysWhereItIs) {
   lan->part({});
   lan->run_until(13s);
   EXPECT_NEAR(lan->peer(1).truth(world["CAR"], lan->session_now(1) - 10ms).position.x(), 10.0, 0.2);
-  EXPECT_NEAR(ghost(0).position.x(), 10.0, 0.3);
+  EXPECT_NEAR(car_at(0).position.x(), 10.0, 0.3);
 }
 
 }  // namespace peerd::replication::peer_left_behind_test

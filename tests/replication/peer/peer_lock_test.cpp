@@ -12,11 +12,6 @@ using testing::StartsWith;
 
 class Locks : public EditingPeers {
  protected:
-  // Why a peer may not make it.
-  std::string refusal(std::size_t i, OperationBody body) const {
-    const auto id = lan->peer(i).edit(lan->host_now(i), std::move(body));
-    return id ? "" : id.error();
-  }
   void lock(std::size_t i, const std::string& path, bool unlocks = false) const {
     (void)edit(i, LockObject{object(path), unlocks});
     run_on(1s);
@@ -92,14 +87,6 @@ TEST_F(Locks, AMemberWhoAsksNobodyChangesNothing) {
   expect_one_world();
 }
 
-// Without a roster nothing else is left: it protects from mistakes.
-TEST_F(Locks, AMemberWhoAsksNobodyCanUnlock) {
-  begin();
-  lock(0, "HOUSE");
-  forge({LockObject{object("HOUSE"), true}, RemoveObject{object("HOUSE")}});
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_FALSE(scene(i).find("HOUSE"));
-}
-
 TEST_F(Locks, TheOwnerGoesOnMovingIt) {
   begin();
   ASSERT_TRUE(lan->peer(1).own(lan->host_now(1), object("CAR")));
@@ -114,28 +101,6 @@ TEST_F(Locks, TheOwnerGoesOnMovingIt) {
   EXPECT_THAT(given ? "" : given.error(), HasSubstr("it is locked by"));
   const auto taken = lan->peer(2).own(lan->host_now(2), object("CAR"), false);
   EXPECT_THAT(taken ? "" : taken.error(), HasSubstr("it is locked by"));
-}
-
-// Edits that were made apart have their place in the order, when the two meet.
-TEST_F(Locks, WhoWasApartGetsThemByTheirStamps) {
-  begin();
-  lan->part({2});
-  (void)edit(2, placing("HOUSE/WALL", 4));
-  run_on(1s);
-  lock(0, "HOUSE");
-  const auto late = edit(2, SetData{node("HOUSE/WALL"), "colour", "red"});
-  run_on(1s);
-  lan->part({});
-  run_on(8s);
-  expect_one_world();
-  EXPECT_NE(text_at(0).find("4 0 0"), std::string::npos) << "it was before";
-  EXPECT_EQ(lan->peer(0).data().find(node("HOUSE/WALL"), "colour"), nullptr);
-  std::string last;
-  for (const SceneEdited& edited : lan->seen<SceneEdited>(2)) {
-    if (edited.operation == late) last = edited.refused;
-  }
-  EXPECT_EQ(last, "it is locked by " + lan->peer(0).locks().front().by) << "its author is told";
-  EXPECT_THAT(refusal(2, placing("HOUSE/WALL", 5)), HasSubstr("it is locked by"));
 }
 
 TEST_F(Locks, WhoJoinsOrComesBackFindsThem) {
@@ -153,18 +118,6 @@ TEST_F(Locks, WhoJoinsOrComesBackFindsThem) {
     EXPECT_EQ(lan->peer(i).locks().size(), 1u);
     EXPECT_THAT(refusal(i, placing("HOUSE/WALL", 5)), HasSubstr("it is locked by"));
   }
-  expect_one_world();
-}
-
-TEST_F(Locks, AnUndoUnlocks) {
-  begin();
-  (void)edit(1, placing("HOUSE/WALL", 4));
-  run_on(1s);
-  lock(0, "HOUSE");
-  EXPECT_THAT(undo(1), HasSubstr("it is locked by"));
-  EXPECT_EQ(undo(0), "lock");
-  EXPECT_EQ(undo(1), "set");
-  EXPECT_EQ(text_at(2).find("4 0 0"), std::string::npos);
   expect_one_world();
 }
 

@@ -4,20 +4,21 @@
 
 #include <random>
 
-#include "tests/replication/peer/lan.hpp"
+#include "tests/replication/peer/peers.hpp"
 
 namespace peerd::replication::peer_ownership_test {
 
 using namespace test;
-using testing::ElementsAre;
 using testing::SizeIs;
 
 // BALL answers contacts and is nobody's at first; CART stands still, and answers nothing; CAR is peer 2's.
 const std::string kWorld = box("BALL", "0.5 0.5 0.5", "0 0 0", kBounces) + box("CART", "1 1 1", "0 9 0") +
                            box("CAR", "1 1 1", "0 20 0") + box("WALL", "1 3 3", "5 0 0") + interest("BALL", "\"WALL\"");
 
-class Ownership : public testing::Test {
+class Ownership : public Peers {
  protected:
+  Ownership() : Peers(kWorld, {"CAR"}) {}
+
   void begin(Link link = {.latency = 20ms}, std::uint64_t seed = 1, std::size_t peers = 3) {
     lan = std::make_unique<Lan>(world, link, seed);
     lan->add(config(1, {}));
@@ -35,29 +36,6 @@ class Ownership : public testing::Test {
     EXPECT_TRUE(id) << id.error();
     return id.value_or(OperationId{});
   }
-  void expect_owner(const char* path, PeerId owner) const {
-    for (std::size_t i = 0; i < lan->size(); ++i) {
-      if (!lan->node(i).running) continue;
-      EXPECT_EQ(lan->peer(i).owner(world[path]), owner) << path << " at peer " << i + 1;
-    }
-  }
-  void expect_one_ghost(const char* path) const {
-    const SimTime t = lan->session_now(0) - 100ms;
-    for (std::size_t i = 1; i < lan->size(); ++i) {
-      if (!lan->node(i).running) continue;
-      EXPECT_TRUE(same_bits(lan->peer(0).ghost(world[path], t), lan->peer(i).ghost(world[path], t)))
-          << path << " at peer " << i + 1;
-    }
-  }
-  [[nodiscard]] KinematicState ghost(std::size_t i, const char* path) const {
-    return lan->peer(i).ghost(world[path], lan->session_now(i));
-  }
-  void push(std::size_t i, const char* path, const Vec3& velocity) const {
-    EXPECT_TRUE(lan->peer(i).change_velocity(lan->host_now(i), world[path], velocity, true));
-  }
-
-  World world{kWorld, {"CAR"}};
-  std::unique_ptr<Lan> lan;
 };
 
 TEST_F(Ownership, WhatIsNobodysIsWhosOperationIsFirst) {
@@ -176,31 +154,20 @@ TEST_F(Ownership, AnOwnerIsAsked) {
   EXPECT_FALSE(lan->peer(1).owns_any());
 }
 
-// A configuration gives the car to peer 2; an operation has given it to peer 3.
+// A configuration gives the car to peer 2; an operation has given it to peer 3, or to nobody.
 TEST_F(Ownership, OperationsCountMoreThanConfigurations) {
-  begin();
-  (void)give(1, "CAR", PeerId{3});
-  lan->run_until(4s);
-  lan->kill(1);
-  lan->run_until(8s);
-  PeerConfig again = config(2, {{world["CAR"]}});
-  again.incarnation = 101;
-  lan->restart(1, again);
-  lan->run_until(14s);
-  expect_owner("CAR", PeerId{3});
-}
-
-TEST_F(Ownership, ARestartTakesBackNothingThatWasReleased) {
-  begin();
-  (void)give(1, "CAR", kNobody);
-  lan->run_until(4s);
-  lan->kill(1);
-  lan->run_until(8s);
-  PeerConfig again = config(2, {{world["CAR"]}});
-  again.incarnation = 101;
-  lan->restart(1, again);
-  lan->run_until(14s);
-  expect_owner("CAR", kNobody);
+  for (const PeerId to : {PeerId{3}, kNobody}) {
+    begin();
+    (void)give(1, "CAR", to);
+    lan->run_until(4s);
+    lan->kill(1);
+    lan->run_until(8s);
+    PeerConfig again = config(2, {{world["CAR"]}});
+    again.incarnation = 101;
+    lan->restart(1, again);
+    lan->run_until(14s);
+    expect_owner("CAR", to);
+  }
   (void)own(2, "CAR");
   lan->run_until(15s);
   expect_owner("CAR", PeerId{3});
@@ -222,29 +189,21 @@ TEST_F(Ownership, WhatALostPeerHasThrownAnswersContacts) {
   EXPECT_EQ(ghost(0, "BALL").velocity.x(), -0.5);
 }
 
-TEST_F(Ownership, AJoiningPeerKnowsIt) {
+TEST_F(Ownership, AJoiningPeerKnowsOwnersAndFindsWhatWasReleasedWhereItStands) {
   begin();
   (void)own(0, "CART");
   (void)give(1, "CAR", PeerId{3});
   lan->run_until(4s);
-  lan->add(config(4));
-  lan->run_until(9s);
-  expect_owner("CART", PeerId{1});
-  expect_owner("CAR", PeerId{3});
-  expect_one_ghost("CART");
-}
-
-TEST_F(Ownership, AJoiningPeerFindsWhatWasReleasedWhereItStands) {
-  begin();
-  (void)own(0, "CART");
-  lan->run_until(4s);
   push(0, "CART", Vec3(1, 0, 0));
   lan->run_until(6s);
   (void)give(0, "CART", kNobody);
+  (void)own(0, "BALL");
   lan->run_until(8s);
   lan->add(config(4));
   lan->run_until(13s);
   expect_owner("CART", kNobody);
+  expect_owner("CAR", PeerId{3});
+  expect_owner("BALL", PeerId{1});
   expect_one_ghost("CART");
   EXPECT_NEAR(ghost(3, "CART").position.x(), 2.1, 0.05);
 }

@@ -46,9 +46,7 @@ TEST(PeerParts, CountsDropsInAllAndByMember) {
 
 // The samples that models are chosen by are in the frame of the carrier.
 TEST(PeerParts, ModelsAreChosenAnewInAnotherFrame) {
-  const World w(
-      box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")) + box("BALL", "1 1 1", "0 9 0"),
-      {"CAR/WHEEL", "BALL"});
+  const World w(car_and_wheel() + box("BALL", "1 1 1", "0 9 0"), {"CAR/WHEEL", "BALL"});
   const ObjectId car = w["CAR"], wheel = w["CAR/WHEEL"], ball = w["BALL"];
   PeerParts p(config(4, {{wheel, true}, {ball, true}}), *w.model);
   p.replica.begin(sim(0s));

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/replication/peer/lan.hpp"
+#include "tests/replication/peer/peers.hpp"
 
 namespace peerd::replication::peer_removed_test {
 
@@ -18,8 +18,10 @@ const std::string kWorld =
     box("BAT", "1 1 1", "-12 0 0") + box("WALL", "1 3 3", "90 9 0") + interest("CAR", "\"WALL\"") +
     interest("BALL", "\"BAT\" \"WALL\"");
 
-class Removed : public testing::Test {
+class Removed : public Peers {
  protected:
+  Removed() : Peers(kWorld, {"CAR", "CUP", "BAT"}) {}
+
   void begin() {
     lan = std::make_unique<Lan>(world, Link{.latency = 20ms}, 1);
     PeerConfig founder = config(1);
@@ -39,30 +41,14 @@ class Removed : public testing::Test {
   void remove_for_a_second(const char* path, std::set<std::size_t> apart) {
     lan->part(std::move(apart));
     ASSERT_TRUE(lan->peer(0).edit(lan->host_now(0), RemoveObject{world[path]}));
-    lan->run_until(lan->now() + 1s);
+    run_on(1s);
     EXPECT_FALSE(lan->peer(0).scene().contains(world[path]));
     ASSERT_TRUE(lan->peer(0).undo(lan->host_now(0), false));
-    lan->run_until(lan->now() + 500ms);
+    run_on(500ms);
     lan->part({});
-    lan->run_until(lan->now() + 6s);
+    run_on(6s);
     for (std::size_t i = 0; i < lan->size(); ++i) EXPECT_TRUE(lan->peer(i).scene().contains(world[path])) << i + 1;
   }
-  [[nodiscard]] std::vector<std::uint32_t> owners_of(const char* path) const {
-    std::vector<std::uint32_t> owners;
-    for (std::size_t i = 0; i < lan->size(); ++i) owners.push_back(lan->peer(i).owner(world[path]).value);
-    return owners;
-  }
-  void expect_one_ghost(const char* path) const {
-    const SimTime t = lan->session_now(0) - 200ms;
-    for (std::size_t i = 1; i < lan->size(); ++i) {
-      EXPECT_TRUE(same_bits(lan->peer(0).ghost(world[path], t), lan->peer(i).ghost(world[path], t)))
-          << path << " at peer " << i + 1 << ": " << lan->peer(i).ghost(world[path], t).position.transpose()
-          << ", and not " << lan->peer(0).ghost(world[path], t).position.transpose();
-    }
-  }
-
-  World world{kWorld, {"CAR", "CUP", "BAT"}};
-  std::unique_ptr<Lan> lan;
 };
 
 TEST_F(Removed, AConfigurationGivesWhatIsBackToItsOwner) {
@@ -70,25 +56,25 @@ TEST_F(Removed, AConfigurationGivesWhatIsBackToItsOwner) {
     begin();
     remove_for_a_second("CAR", apart);
     EXPECT_THAT(owners_of("CAR"), Each(3u)) << apart.size() << " apart";
-    expect_one_ghost("CAR");
-    EXPECT_TRUE(lan->peer(2).change_velocity(lan->host_now(2), world["CAR"], Vec3(1, 0, 0), true));
-    lan->run_until(lan->now() + 2s);
-    expect_one_ghost("CAR");
-    EXPECT_NEAR(lan->peer(3).ghost(world["CAR"], lan->session_now(3)).position.x(), 2.0, 0.05);
+    expect_one_ghost("CAR", 200ms);
+    push(2, "CAR", Vec3(1, 0, 0));
+    run_on(2s);
+    expect_one_ghost("CAR", 200ms);
+    EXPECT_NEAR(ghost(3, "CAR").position.x(), 2.0, 0.05);
   }
 }
 
 // Its owner has driven it elsewhere, and does not know that it was gone for others.
 TEST_F(Removed, ItStandsWhereItsOwnerHasItThatHasNeverSeenItGone) {
   begin();
-  EXPECT_TRUE(lan->peer(2).change_velocity(lan->host_now(2), world["CAR"], Vec3(2, 0, 0), true));
+  push(2, "CAR", Vec3(2, 0, 0));
   lan->run_until(4s);
-  EXPECT_TRUE(lan->peer(2).change_velocity(lan->host_now(2), world["CAR"], Vec3(0, 0, 0), true));
+  push(2, "CAR", Vec3(0, 0, 0));
   lan->run_until(7s);  // all have acknowledged where it stands
   remove_for_a_second("CAR", {2});
   EXPECT_THAT(owners_of("CAR"), Each(3u));
-  expect_one_ghost("CAR");
-  EXPECT_NEAR(lan->peer(0).ghost(world["CAR"], lan->session_now(0)).position.x(), 2.0, 0.1);
+  expect_one_ghost("CAR", 200ms);
+  EXPECT_NEAR(ghost(0, "CAR").position.x(), 2.0, 0.1);
 }
 
 TEST_F(Removed, TheFounderHasWhatIsBack) {
@@ -107,7 +93,7 @@ TEST_F(Removed, WhatADecisionHasLentIsLentStill) {
     remove_for_a_second("BALL", apart);
     // Where its owner has seen it gone it lies where the scene has it, so that the owner lets it go.
     EXPECT_THAT(owners_of("BALL"), Each(apart.contains(1) ? 2u : 0u)) << apart.size() << " apart";
-    expect_one_ghost("BALL");
+    expect_one_ghost("BALL", 200ms);
   }
 }
 
@@ -125,19 +111,19 @@ TEST_F(Removed, APeerThatComesWhileItIsGoneOwnsItThen) {
   ASSERT_TRUE(lan->peer(0).undo(lan->host_now(0), false));
   lan->run_until(15s);
   EXPECT_THAT(owners_of("CAR"), Each(3u));
-  expect_one_ghost("CAR");
+  expect_one_ghost("CAR", 200ms);
 }
 
 // Whether it answers contacts when it is released does not depend on whether a peer has seen it gone.
 TEST_F(Removed, WhatIsReleasedIsTheSameToAll) {
   begin();
   remove_for_a_second("CAR", {1});
-  EXPECT_TRUE(lan->peer(2).change_velocity(lan->host_now(2), world["CAR"], Vec3(1, 0, 0), true));
-  lan->run_until(lan->now() + 1s);
+  push(2, "CAR", Vec3(1, 0, 0));
+  run_on(1s);
   ASSERT_TRUE(lan->peer(2).give(lan->host_now(2), world["CAR"], kNobody));
-  lan->run_until(lan->now() + 3s);
+  run_on(3s);
   EXPECT_THAT(owners_of("CAR"), Each(0u));
-  expect_one_ghost("CAR");
+  expect_one_ghost("CAR", 200ms);
 }
 
 }  // namespace peerd::replication::peer_removed_test

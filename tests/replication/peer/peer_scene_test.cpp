@@ -3,14 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/replication/peer/lan.hpp"
-#include "tests/replication/peer/messages.hpp"
+#include "tests/replication/peer/peers.hpp"
 
 namespace peerd::replication::peer_scene_test {
 
 using namespace test;
 using testing::Each;
-using testing::IsEmpty;
 using testing::SizeIs;
 
 const char* const kSlides = " collisionResponse CollisionResponse { responseType 2 restitution 0.5 friction 3 } ";
@@ -38,14 +36,6 @@ Lan::Motion drives(const Vec3& from, const Vec3& velocity, double begin, double 
 constexpr double kStrike_s = 5.0, kLies_s = 7.0, kLies_m = 6.0, kFaster = 1.5;
 const Lan::Motion kStrikes = drives({-12, 0, 0}, {4, 0, 0}, kStrike_s - 11.25 / 4, kStrike_s + 0.1);
 
-std::string in_words(const KinematicState& s) {
-  std::ostringstream text;
-  text.precision(17);
-  text << s.position.transpose() << " m, " << s.velocity.transpose() << " m/s, " << s.acceleration.transpose()
-       << " m/s^2, " << s.orientation.coeffs().transpose() << ", " << s.angular_velocity_body.transpose();
-  return text.str();
-}
-
 struct Conditions {
   DecisionPolicy policy = DecisionPolicy::kId;
   Duration latency = 20ms;
@@ -53,10 +43,10 @@ struct Conditions {
   bool skips = false;  // no peer sees anything, and all skip that
 };
 
-class Scene : public testing::Test {
+class Scene : public Peers {
  protected:
   explicit Scene(const std::string& text = ball_and_cars(), const Conditions& with = {})
-      : conditions(with), world(text, {"CAR_A", "CAR_B"}) {
+      : Peers(text, {"CAR_A", "CAR_B"}), conditions(with) {
     renew();
   }
 
@@ -72,11 +62,6 @@ class Scene : public testing::Test {
     lan->add(with_policy(config(2, {{world["CAR_B"], true}})), 7s, {{world["CAR_B"], b}});
     lan->add(with_policy(config(3)), 3s);
   }
-  [[nodiscard]] std::vector<std::uint32_t> owners_of(const char* object) const {
-    std::vector<std::uint32_t> owners;
-    for (std::size_t i = 0; i < lan->size(); ++i) owners.push_back(lan->peer(i).owner(world[object]).value);
-    return owners;
-  }
   // All peers have one ghost, so long ago, to the last bit; returns it.
   KinematicState same_everywhere(const char* object, Duration ago, std::size_t from = 0) {
     const SimTime t = lan->session_now(from) - ago;
@@ -84,10 +69,10 @@ class Scene : public testing::Test {
     for (std::size_t i = from; i < lan->size(); ++i) {
       const KinematicState other = lan->peer(i).ghost(world[object], t);
       EXPECT_TRUE(same_bits(other, first)) << object << " of peer " << i << " at " << seconds_of(t) << ": "
-                                           << in_words(other) << ", and not " << in_words(first);
+                                           << other.position.transpose() << ", and not " << first.position.transpose();
       const KinematicState truth = lan->peer(i).truth(world[object], t);
       EXPECT_TRUE(same_bits(truth, first)) << object << " of peer " << i << " in truth at " << seconds_of(t) << ": "
-                                           << in_words(truth) << ", and not " << in_words(first);
+                                           << truth.position.transpose() << ", and not " << first.position.transpose();
     }
     return first;
   }
@@ -98,8 +83,6 @@ class Scene : public testing::Test {
   }
 
   Conditions conditions;
-  World world;
-  std::unique_ptr<Lan> lan;
 };
 class All : public Scene, public testing::WithParamInterface<Conditions> {
  protected:
@@ -398,17 +381,6 @@ TEST_F(Billiards, WhatTheyDoIsAFunctionOfWorldTimeThatCostsNothing) {
   EXPECT_NEAR(one.velocity.squaredNorm() + two.velocity.squaredNorm(), 5.0, 1e-9) << "no energy comes or goes";
 }
 
-TEST_F(Billiards, AJoiningPeerIsToldOfWhatItCannotCompute) {
-  begin();
-  for (const Duration came : {5000ms, 13300ms, 24000ms}) {
-    lan->run_until(came);
-    lan->add(config(static_cast<std::uint32_t>(lan->size()) + 1), 11s);
-    lan->run_until(came + 5s);
-    for (const char* ball : {"ONE", "TWO"}) (void)same_everywhere(ball, 60ms);
-  }
-  EXPECT_EQ(decisions(), 0u);
-}
-
 // The car comes from above, into the way of ONE.
 TEST_F(Billiards, AStrikeTakesOneOutOfTheFunctionOfTime) {
   begin(drives({-3, 9, 0}, {0, -5, 0}, 8.4, 10.15));
@@ -430,9 +402,7 @@ class Driven : public Scene {
   static std::string driven(double wall_x) {
     return box("BALL", "0.5 0.5 0.5", "10 0 0", kSlides) + box("WALL", "1 9 9", std::to_string(wall_x) + " 0 0") +
            box("CAR_A", "1 1 1", "6 0 0") + box("CAR_B", "1 1 1", "0 20 0") + interest("BALL", "\"WALL\" \"CAR_A\"") +
-           "DEF T TimeSensor { cycleInterval 12 loop TRUE }\n"
-           "DEF P PositionInterpolator { key [ 0 0.5 1 ] keyValue [ 10 0 0, 4 0 0, 10 0 0 ] }\n"
-           "ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO BALL.translation\n";
+           shuttles("BALL");
   }
   explicit Driven(double wall_x = -20) : Scene(driven(wall_x)) {}
   void begin(double car_x) {
@@ -502,24 +472,6 @@ TEST_F(Scene, NoHelloSpeaksOfSceneObjectsThatLieWhereTheFileHasThem) {
   lan->run_until(20s);
   EXPECT_GT(with_digest, 0u);
   EXPECT_LE(with_states, 3u) << "what the owner leaves, and no more where nobody joins and nothing is lost";
-}
-
-TEST_F(Scene, OneSeedGivesTheSameBytes) {
-  conditions = {DecisionPolicy::kVelocity, 50ms, 0.1};
-  std::vector<std::string> runs;
-  for (int run = 0; run < 2; ++run) {
-    renew();
-    std::string sent;
-    lan->on_send = [&](std::size_t from, RegionId, const Message& m) {
-      const Bytes bytes = encode(m);
-      sent += std::to_string(from) + ":" + std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    };
-    add_owners(kStrikes, drives({0, 22, 0}, {0, -4, 0}, kStrike_s + 0.03 - 21.25 / 4, kStrike_s + 0.13));
-    lan->run_until(12s);
-    runs.push_back(sent);
-  }
-  EXPECT_GT(runs[0].size(), 10'000u);
-  EXPECT_EQ(runs[0], runs[1]);
 }
 
 }  // namespace peerd::replication::peer_scene_test

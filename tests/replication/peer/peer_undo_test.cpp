@@ -1,6 +1,4 @@
 // Undo and redo by whole peers: what an operation changed is as before, and no more.
-#include <gmock/gmock.h>
-
 #include "tests/replication/peer/editing_peers.hpp"
 
 namespace peerd::replication::peer_undo_test {
@@ -28,13 +26,6 @@ TEST_F(Undo, AFieldIsAsBefore) {
   EXPECT_EQ(text_at(2), after);
   EXPECT_EQ(redo(1), "this peer has undone nothing since its last edit");
   expect_one_world();
-}
-
-TEST_F(Undo, IsOfOwnEditsAlone) {
-  begin();
-  (void)edit(0, placing("CAR", 5));
-  EXPECT_EQ(undo(1), "this peer has no edit to undo");
-  EXPECT_NE(text_at(1).find("5 0 0"), std::string::npos);
 }
 
 TEST_F(Undo, WhatOthersHaveSetSinceStays) {
@@ -82,25 +73,6 @@ TEST_F(Undo, WhatWasRemovedIsThereAsItWas) {
   run_on(2s);  // and nobody stumbles
 }
 
-// Others did not know: their edits of what was removed do what they say after all.
-TEST_F(Undo, EditsOfWhatWasRemovedCountWithIt) {
-  begin();
-  lan->part({2});
-  run_on(3s);
-  (void)edit(0, RemoveObject{object("HOUSE")});
-  run_on(1s);
-  const std::string path = "HOUSE/WALL";
-  const peerd::Scene& apart = scene(2);
-  (void)edit(2, SetField{apart.document->ids.id_of(apart.at(*apart.find(path)).node), "translation", "77 0 0", 0});
-  run_on(1s);
-  lan->part({});
-  run_on(6s);
-  EXPECT_FALSE(scene(2).find("HOUSE"));
-  EXPECT_EQ(undo(0), "remove");
-  EXPECT_NE(text_at(1).find("77 0 0"), std::string::npos);
-  expect_one_world();
-}
-
 TEST_F(Undo, WhatWasAddedIsGoneAndWhatOthersMovedThereIsNot) {
   begin();
   (void)edit(0, adding("BOX"));
@@ -141,19 +113,6 @@ TEST_F(Undo, AMoveGoesBackWhereThatIsStillThere) {
   expect_one_world();
 }
 
-TEST_F(Undo, DataAreAsBefore) {
-  begin();
-  (void)edit(0, SetData{node("CAR"), "seat", "a"});
-  (void)edit(0, SetData{node("CAR"), "seat", std::nullopt});
-  run_on(1s);
-  EXPECT_EQ(undo(0), "data");
-  ASSERT_NE(lan->peer(2).data().find(node("CAR"), "seat"), nullptr);
-  EXPECT_EQ(*lan->peer(2).data().find(node("CAR"), "seat"), "a");
-  EXPECT_EQ(undo(0), "data");
-  EXPECT_TRUE(lan->peer(2).data().empty());
-  expect_one_world();
-}
-
 TEST_F(Undo, AnEditEndsRedo) {
   begin();
   (void)edit(0, placing("CAR", 5));
@@ -172,6 +131,7 @@ TEST_F(Undo, WhoComesLaterHasTheSame) {
   (void)edit(1, RemoveObject{object("HOUSE")});
   run_on(1s);
   (void)edit(2, placing("BOX", 8));
+  (void)edit(2, SetData{node("CAR"), "colour", "red"});
   run_on(1s);
   EXPECT_EQ(undo(1), "remove");
   EXPECT_EQ(undo(0), "add");
@@ -181,15 +141,16 @@ TEST_F(Undo, WhoComesLaterHasTheSame) {
   expect_one_world();
   EXPECT_TRUE(scene(3).find("HOUSE/WALL"));
   EXPECT_NE(text_at(3).find("8 0 0"), std::string::npos);
+  EXPECT_EQ(*lan->peer(3).data().find(node("CAR"), "colour"), "red");
 }
 
 // Edits, undos and redos of all, on a bad link that is parted now and then.
 TEST_F(Undo, AllHaveOneWorldWhateverGetsLost) {
   std::size_t undone = 0, redone = 0;
-  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     std::mt19937_64 random(seed);
     const auto draw = [&](std::uint64_t n) { return random() % n; };
-    begin({.latency = 30ms, .jitter = 40ms, .loss = 0.1, .duplicates = 0.05}, seed);
+    begin({.latency = 30ms, .jitter = 40ms, .loss = 0.05 * static_cast<double>(draw(6)), .duplicates = 0.05}, seed);
     for (int k = 0; k < 30; ++k) {
       run_on(std::chrono::milliseconds(draw(300)));
       if (draw(8) == 0) lan->part(draw(2) == 0 ? std::set<std::size_t>{} : std::set<std::size_t>{draw(3)});

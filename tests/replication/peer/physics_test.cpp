@@ -17,12 +17,6 @@ std::string ball(const std::string& name, const std::string& at, const std::stri
   return "DEF " + name + " Transform { translation " + at + " " + fields +
          " children Shape { geometry Sphere { radius 0.1 } } }\n";
 }
-std::string three_on_a_line(double restitution) {
-  return ball("A", "0 0 0", answers(restitution)) + ball("B", "1 0 0", answers(restitution)) +
-         ball("C", "2 0 0", answers(restitution)) + interest("A", "\"B\" \"C\"") + interest("B", "\"A\" \"C\"") +
-         interest("C", "\"A\" \"B\"");
-}
-
 struct Dropped {
   const char* name;
   const char* geometry;
@@ -32,11 +26,11 @@ struct Dropped {
 class Drop : public testing::TestWithParam<Dropped> {};
 TEST_P(Drop, ComesToRestOnTheFloorAndSlidesOn) {
   const Dropped& c = GetParam();
-  const World world("DEF BALL Transform { translation 0 " + std::to_string(c.height_m + c.low_m) + " 0 " +
-                    answers(c.restitution, 0.5) + " children Shape { geometry " + c.geometry + " } }\n" +
-                    box("FLOOR", "60 0.2 60", "0 -0.1 0", answers(1.0)) + interest("BALL", "\"FLOOR\""));
-  MotionWorld motions(*world.model, sim(0s));
-  motions.declare(world["BALL"], Role::kAuthoritative);
+  auto&& [world, motions] =
+      Started("DEF BALL Transform { translation 0 " + std::to_string(c.height_m + c.low_m) + " 0 " +
+                  answers(c.restitution, 0.5) + " children Shape { geometry " + c.geometry + " } }\n" +
+                  box("FLOOR", "60 0.2 60", "0 -0.1 0", answers(1.0)) + interest("BALL", "\"FLOOR\""),
+              {{"BALL", Role::kAuthoritative}});
   const Vec3 from = world.scene.rigid_pose(world["BALL"]).position;
   motions.set_base(world["BALL"], sim(0s), moving(from, {c.across_m_s, 0, 0}, {0, -9.81, 0}));
   for (Duration t = 0s; t <= 40s; t += 7ms) {
@@ -60,18 +54,6 @@ INSTANTIATE_TEST_SUITE_P(Table, Drop,
                                          Dropped{"Cube", "Box { size 0.2 0.2 0.2 }", 0.1, 1.0, 0.75, 0.9},
                                          Dropped{"CubeFromHigh", "Box { size 0.2 0.2 0.2 }", 0.1, 10.0, 0.8, 2.0}),
                          [](const auto& c) { return std::string(c.param.name); });
-
-TEST(Impulse, IsPassedOnAlongARow) {
-  const World world(three_on_a_line(1.0));
-  MotionWorld motions(*world.model, sim(0s));
-  for (const char* name : {"A", "B", "C"}) motions.declare(world[name], Role::kAuthoritative);
-  motions.set_base(world["A"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
-  motions.advance(sim(3s));
-  EXPECT_EQ(motions.at(world["A"], sim(3s)).velocity, Vec3::Zero());
-  EXPECT_EQ(motions.at(world["B"], sim(3s)).velocity, Vec3::Zero());
-  EXPECT_EQ(motions.at(world["C"], sim(3s)).velocity, Vec3(2, 0, 0));
-  EXPECT_EQ(motions.counters().contacts, 2u);
-}
 
 // The result does not depend on how far each world had advanced when the update came, nor on how often it advanced.
 TEST(Ghosts, AreTheSameBitsWhenTheUpdateComesLate) {
@@ -157,13 +139,11 @@ TEST(Outcome, ReportsSlidingObjectsWithoutAResponse) {
     const KinematicState slides = moving({3, 0, 0.7}, {-2.3 - 0.013 * i, 0, -1.1});
     motions.set_base(world["B"], sim(0s), sliding_to_rest(slides, 0.2F));
     motions.advance(sim(2s));
-    while (const auto event = motions.poll_event()) {
-      const auto* contact = std::get_if<ContactEvent>(&*event);
-      if (contact == nullptr) continue;
+    for (const ContactEvent& contact : contacts_of(motions)) {
       ++met;
-      const MotionModel law = law_of_outcome(world.model->response_of(world["B"]), contact->collidee_after);
+      const MotionModel law = law_of_outcome(world.model->response_of(world["B"]), contact.collidee_after);
       EXPECT_EQ(law.kind, MotionKind::kSliding) << i;
-      EXPECT_EQ(contact->collidee_after.velocity, contact->collidee_before.velocity);
+      EXPECT_EQ(contact.collidee_after.velocity, contact.collidee_before.velocity);
     }
   }
   EXPECT_GT(met, 10);

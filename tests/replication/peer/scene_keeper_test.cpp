@@ -225,7 +225,7 @@ TEST_F(KeepingScene, ManyStatesTakeTurns) {
   std::set<ObjectId> named;
   for (std::size_t i = 0; i < kBalls; ++i) {
     UpdateRecord each = record(5s, 1, 0.1);
-    each.object = world[("B" + std::to_string(i)).c_str()];
+    each.object = world["B" + std::to_string(i)];
     each.model.state = moving({1.0 / 3.0, 0.7, 0.1});
     keeper.on_states(PeerId{9}, {sim(0s), {each}});
   }

@@ -95,6 +95,10 @@ TEST_F(Keeping, WhoHasAnObjectAsFounderGivesWayToWhoOwnsItAnyway) {
   EXPECT_EQ(p.owners.of(o2), PeerId{3}) << "of two founders the lower id";
   keeper.claim(PeerId{8}, std::array{o2, o3});
   EXPECT_EQ(p.owners.of(o2), PeerId{8});
+  const auto gave_way = drain<FounderGaveWay>(p.outbox);
+  ASSERT_EQ(gave_way.size(), 1u);
+  EXPECT_EQ(gave_way[0].founder, PeerId{3});
+  EXPECT_EQ(gave_way[0].owner, PeerId{8});
   EXPECT_FALSE(p.owners.as_founder(o2));
   EXPECT_EQ(p.owners.of(o3), PeerId{3});
   keeper.claim(PeerId{3}, std::array{o2}, kFirstAsFounder);

@@ -1,4 +1,3 @@
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/replication/peer/lan.hpp"
@@ -64,6 +63,6 @@ TEST(SessionsMeeting, NothingCollidesWithUnpublishedObjects) {
   EXPECT_EQ(lan.peer(0).owner(world["BOX"]), PeerId{2});
 }
 
-INSTANTIATE_TEST_SUITE_P(ClocksApart, SessionsMeet, testing::Values(3s, -3s));
+INSTANTIATE_TEST_SUITE_P(ClocksApart, SessionsMeet, testing::Values(3s, -3s, 30s, -30s));
 
 }  // namespace peerd::replication::session_merge_test

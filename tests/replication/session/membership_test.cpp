@@ -1,6 +1,5 @@
 #include "replication/session/membership.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/replication/peer/worlds.hpp"

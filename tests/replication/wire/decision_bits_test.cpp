@@ -100,10 +100,15 @@ TEST(DecisionBits, OnlyWhatCanBeIsTaken) {
   };
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
   EXPECT_FALSE(refused([](DecisionRecord&) {}));
-  EXPECT_TRUE(refused([](DecisionRecord& d) { d.normal = {0.5, 0, 0}; }));
+  EXPECT_FALSE(refused([](DecisionRecord& d) { d.rule = DecisionRule::kServer; })) << "the last one";
+  EXPECT_TRUE(refused([](DecisionRecord& d) { d.normal = {1.001, 0, 0}; }));
   EXPECT_TRUE(refused([](DecisionRecord& d) { d.normal = Vec3::Zero(); }));
   EXPECT_TRUE(refused([](DecisionRecord& d) { d.normal.x() = kNan; }));
   EXPECT_TRUE(refused([](DecisionRecord& d) { d.collider_before.position.x() = kInf; }));
+  EXPECT_TRUE(refused([](DecisionRecord& d) { d.collider_before.position.x() = kNan; }));
+  EXPECT_TRUE(refused([](DecisionRecord& d) { d.collidee_before.velocity.x() = kNan; }));
+  EXPECT_TRUE(refused([](DecisionRecord& d) { d.collider_after.velocity.x() = kInf; }));
+  EXPECT_TRUE(refused([](DecisionRecord& d) { d.collidee_after.velocity.x() = kInf; }));
   EXPECT_TRUE(refused([](DecisionRecord& d) { d.collidee_after.velocity.x() = 1e13; }));
   EXPECT_TRUE(refused([](DecisionRecord& d) { d.collidee_after.orientation = Quat(1, 1, 0, 0); }));
   EXPECT_TRUE(refused([](DecisionRecord& d) { d.collider_after.angular_velocity_body = {0, 2e4, 0}; }));

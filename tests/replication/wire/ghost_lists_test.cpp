@@ -27,12 +27,7 @@ TEST(GhostLists, AllComesBackAsItWas) {
   m.ghosts = GhostDigest{sim(10'250ms), {1, 0, 0xFFFF, 300}};
   GhostQuestion& question = m.ghost_question.emplace(GhostQuestion{PeerId{9}, RegionId{70'000}, sim(9s), 3, {}});
   for (std::size_t k = 0; k < kGhostBuckets; ++k) question.buckets[k] = static_cast<std::uint16_t>(2'000 * k);
-  UpdateRecord state;
-  state.object = ObjectId{3, 12};
-  state.sequence = 5;
-  state.at = sim(9s);
-  state.model = MotionModel(moving({1, 2, 3}, {0.1, 0, 0}));
-  state.decision = sim(8s);
+  const UpdateRecord state{ObjectId{3, 12}, 5, sim(9s), moving({1, 2, 3}, {0.1, 0, 0}), sim(8s)};
   m.ghost_answer.states = {state, state};
   m.ghost_reports = {{ObjectId{3}, 0.25f}, {ObjectId{4, 12}, 1e12f}};
   const auto back = decode(encode(m), sim(12s));

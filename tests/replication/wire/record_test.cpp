@@ -27,6 +27,12 @@ Bytes bytes_of(const UpdateRecord& u, SimTime base) {
   return {bytes.begin(), bytes.begin() + static_cast<long>(size)};
 }
 
+// The record of all the bytes, if they are one.
+std::optional<UpdateRecord> decoded(std::span<const std::byte> bytes, SimTime base) {
+  const auto u = decode_record(bytes, base);
+  return u && bytes.empty() ? std::optional(*u) : std::nullopt;
+}
+
 // Records of one kind as they come from a world of metres and seconds.
 class RecordMaker {
  public:
@@ -94,10 +100,8 @@ TEST_P(Kind, RoundsOnceAndTravelsBitForBit) {
     ASSERT_TRUE(same_bits(quantised(q, tolerance), q));
     const SimTime base = i % 2 == 0 ? q.at : sim(seconds(make.draw(0, 1e5)));
     const Bytes bytes = bytes_of(q, base);
-    std::span<const std::byte> rest = bytes;
-    const auto back = decode_record(rest, base);
+    const auto back = decoded(bytes, base);
     ASSERT_TRUE(back.has_value());
-    ASSERT_TRUE(rest.empty());
     ASSERT_TRUE(same_bits(*back, q));
     ASSERT_EQ(bytes_of(*back, base), bytes);
     EncodedUpdate encoded(q, q.at);
@@ -117,9 +121,7 @@ TEST(Upright, TurnsTravel) {
         u.model.state.orientation = Quat(w, 0, y + off, 0).normalized();
         const UpdateRecord q = quantised(u, {0.05, kAngle_rad});
         EXPECT_LE(angle_between(q.model.state.orientation, u.model.state.orientation), kOrientationError_rad);
-        const Bytes bytes = bytes_of(q, q.at);
-        std::span<const std::byte> rest = bytes;
-        const auto back = decode_record(rest, q.at);
+        const auto back = decoded(bytes_of(q, q.at), q.at);
         ASSERT_TRUE(back.has_value());
         EXPECT_TRUE(same_bits(*back, q)) << w << ' ' << y << ' ' << off;
       }
@@ -211,8 +213,7 @@ TEST(Bytes, AreThoseOfTheSpecification) {
     expected.push_back(static_cast<std::byte>(b));
   }
   EXPECT_EQ(bytes_of(q, q.at), expected);
-  std::span<const std::byte> rest = expected;
-  const auto back = decode_record(rest, sim(2s));
+  const auto back = decoded(expected, sim(2s));
   ASSERT_TRUE(back.has_value());
   EXPECT_TRUE(same_bits(*back, q));
   EXPECT_EQ(back->object, u.object);
@@ -330,8 +331,7 @@ TEST(Size, OfTheLongestRecordFits) {
       u.model.angular_acceleration_body = {1, 2, 3};
   const Bytes bytes = bytes_of(u, sim(Duration{-(std::int64_t{1} << 62)}));
   EXPECT_LE(bytes.size(), kRecordMax_bytes);
-  std::span<const std::byte> rest = bytes;
-  EXPECT_TRUE(same_bits(decode_record(rest, sim(Duration{-(std::int64_t{1} << 62)})).value(), u));
+  EXPECT_TRUE(same_bits(decoded(bytes, sim(Duration{-(std::int64_t{1} << 62)})).value(), u));
 }
 
 // ---- what is exact ----
@@ -363,9 +363,7 @@ TEST(Exact, IsWhatRoundsBeyondTheLimits) {
     u.model.state.angular_velocity_body = (Vec3(1, 1, 1) + Vec3(i, 2 * i, 0) * 1e-3).normalized() * (1e4 - 1e-7);
     const UpdateRecord q = quantised(u, {0.05, kAngle_rad});
     ASSERT_LE(q.model.state.angular_velocity_body.norm(), 1e4);
-    const Bytes bytes = bytes_of(q, q.at);
-    std::span<const std::byte> rest = bytes;
-    ASSERT_TRUE(decode_record(rest, q.at).has_value());
+    ASSERT_TRUE(decoded(bytes_of(q, q.at), q.at).has_value());
   }
 }
 
@@ -382,9 +380,7 @@ TEST(Exact, KeepsEveryBit) {
   UpdateRecord u{ObjectId{1}, 1, sim(1s), moving({0.1, -0.0, 1e-300}, {1.0 / 3.0, 0, 0})};
   u.model.state.orientation = Quat(-1.0, 0, 0, 0);
   EXPECT_TRUE(same_bits(quantised(u, {}), u));
-  const Bytes bytes = bytes_of(u, u.at);
-  std::span<const std::byte> rest = bytes;
-  EXPECT_TRUE(same_bits(decode_record(rest, u.at).value(), u));
+  EXPECT_TRUE(same_bits(decoded(bytes_of(u, u.at), u.at).value(), u));
 }
 
 TEST(Quantised, SaysASecondOrderWhoseAccelerationRoundsToZeroAsTheFirst) {
@@ -417,8 +413,7 @@ TEST(Time, IsExactAndCostsNothingAtTheBase) {
     decided.decision = plain.at - d;
     const Bytes out = bytes_of(decided, plain.at);
     EXPECT_EQ(out.size(), size + bytes);
-    std::span<const std::byte> rest = out;
-    EXPECT_EQ(decode_record(rest, plain.at).value().decision, plain.at - d);
+    EXPECT_EQ(decoded(out, plain.at).value().decision, plain.at - d);
   }
 }
 
@@ -432,8 +427,7 @@ void expect_refused_or_same(const Bytes& bytes, SimTime base) {
   ASSERT_TRUE(is_sound(u->model));
   const Bytes again = bytes_of(*u, base);
   ASSERT_EQ(again.size(), bytes.size() - rest.size());
-  std::span<const std::byte> same = again;
-  ASSERT_TRUE(same_bits(decode_record(same, base).value(), *u));
+  ASSERT_TRUE(same_bits(decoded(again, base).value(), *u));
 }
 
 TEST_P(Kind, SurvivesEveryFlippedBitAndTruncation) {

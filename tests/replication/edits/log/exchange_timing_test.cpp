@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <vector>
-
 namespace peerd::replication::exchange_timing_test {
 
 // Each of the waiting times, drawn often, by the longest one.

@@ -1,7 +1,6 @@
 #pragma once
 #include <gtest/gtest.h>
 
-#include <map>
 #include <memory>
 #include <queue>
 #include <random>
@@ -94,12 +93,9 @@ class Holders {
     return now_ - begin;
   }
 
-  [[nodiscard]] HostTime now() const { return now_; }
   [[nodiscard]] std::uint64_t messages() const { return messages_; }
   [[nodiscard]] std::uint64_t part_bytes() const { return part_bytes_; }
-  [[nodiscard]] std::uint64_t ranges_requested() const { return ranges_; }
   [[nodiscard]] const std::vector<Operation>& operations(std::size_t i) const { return holders_[i]->operations; }
-  bool says_hello = true;
 
  private:
   struct Holder {
@@ -126,7 +122,6 @@ class Holders {
     m.incarnation = 1;
     m.number = 0xFFFF'FFFF;
     for (const OperationPart& part : m.operations) part_bytes_ += part.bytes.size();
-    ranges_ += m.operation_requests.size();
     const auto datagram = std::make_shared<const Bytes>(encode(m));
     EXPECT_LE(datagram->size(), kDatagramMax_bytes);
     for (std::size_t to = 0; to < holders_.size(); ++to) {
@@ -168,7 +163,6 @@ class Holders {
       }
       if (h->next_hello > now_) continue;
       h->next_hello += kHello;
-      if (!says_hello) continue;
       Message m;
       m.hello.emplace().logs = h->exchange.lengths_for_hello(300);
       send(*h, std::move(m));
@@ -180,7 +174,7 @@ class Holders {
   HostTime now_{std::chrono::seconds(1000)};
   std::vector<std::unique_ptr<Holder>> holders_;
   std::priority_queue<Flying> flying_;
-  std::uint64_t order_ = 0, messages_ = 0, part_bytes_ = 0, ranges_ = 0;
+  std::uint64_t order_ = 0, messages_ = 0, part_bytes_ = 0;
 };
 
 }  // namespace peerd::replication::test

@@ -1,6 +1,5 @@
 #include "replication/edits/scene/known_operations.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -9,31 +8,10 @@
 
 namespace peerd::replication::known_operations_test {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
-
 constexpr AuthorId kAda{7}, kBob{9}, kCid{11};
 
 Operation operation(OperationId id, std::vector<OperationId> knows) {
   return {id, SimTime{}, RemoveObject{ObjectId{0}}, std::move(knows)};
-}
-
-TEST(KnownOperations, EachSaysWhatIsNewToIt) {
-  KnownOperations known;
-  known.add(operation({kAda, 1}, {}));
-  known.add(operation({kBob, 1}, {}));
-  EXPECT_THAT(known.news_for(kAda), ElementsAre(OperationId{kBob, 1}));
-  known.add(operation({kAda, 2}, known.news_for(kAda)));
-  EXPECT_THAT(known.news_for(kAda), IsEmpty());
-  EXPECT_TRUE(known.knew({kAda, 2}, {kBob, 1}));
-  EXPECT_FALSE(known.knew({kAda, 1}, {kBob, 1}));
-  EXPECT_FALSE(known.knew({kBob, 1}, {kAda, 1}));
-  EXPECT_TRUE(known.knew({kAda, 2}, {kAda, 1}));
-  EXPECT_FALSE(known.knew({kAda, 1}, {kAda, 2}));
-  known.add(operation({kAda, 3}, {}));
-  EXPECT_TRUE(known.knew({kAda, 3}, {kBob, 1})) << "what it has said before";
-  EXPECT_FALSE(known.knew({kAda, 3}, {kBob, 2}));
-  EXPECT_THAT(known.news_for(kCid), ElementsAre(OperationId{kAda, 3}, OperationId{kBob, 1}));
 }
 
 TEST(KnownOperations, NobodyUnlearns) {

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <map>
 #include <random>
 #include <string>
@@ -129,80 +128,6 @@ TEST(LivingScene, DraftsSayWhatATextMeansByNamesOfTheWorld) {
   EXPECT_EQ(draft->objects, 2u);
   EXPECT_EQ(living.draft(adding("Nonsense {"), kAda).error().substr(0, 9), "operation");
   EXPECT_FALSE(living.draft(RemoveObject{ObjectId(99)}, kAda));
-}
-
-// Whatever the order in which they come, and whenever they are applied: peers that know the same have the same scene.
-TEST(LivingScene, DependsOnWhatIsKnownAlone) {
-  const Scene file = read(kHead + kWall + kFloor);
-  for (std::uint32_t seed = 1; seed <= 60; ++seed) {
-    std::mt19937 random(seed);
-    const auto draw = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
-    std::vector<Operation> all;
-    std::vector<ObjectId> objects{*file.find("WALL"), *file.find("FLOOR")};
-    std::vector<NodeId> nodes;
-    for (const ObjectId id : objects) nodes.push_back(file.document->ids.id_of(file.at(id).node));
-    std::map<AuthorId, std::uint32_t> numbers;
-    for (std::uint32_t k = 0; k < 12; ++k) {
-      const AuthorId author = draw(2) == 0 ? kAda : kBob;
-      OperationBody body = placing(nodes[draw(static_cast<std::uint32_t>(nodes.size()))], static_cast<int>(k));
-      const auto any = [&] { return objects[draw(static_cast<std::uint32_t>(objects.size()))]; };
-      switch (draw(4)) {
-        case 0:
-          body = RemoveObject{any()};
-          break;
-        case 1:
-          body = MoveObject{any(), any(), {}};
-          break;
-        case 2:
-          body = adding("DEF N" + std::to_string(k) + " Transform { }", 10 * k);
-          objects.emplace_back(10 * k, author.value);
-          nodes.emplace_back(10 * k, author.value);
-          break;
-        default:
-          break;
-      }
-      all.push_back({{author, ++numbers[author]}, at_ms(static_cast<int>(draw(20))), std::move(body)});
-    }
-    LivingScene in_order(file);
-    for (const Operation& operation : all) in_order.add(operation);
-    (void)apply_all(in_order, at_ms(100));
-    LivingScene any_order(file);
-    std::ranges::shuffle(all, random);
-    for (const Operation& operation : all) {
-      any_order.add(operation);
-      if (draw(2) == 0) (void)any_order.draft(placing(nodes[0], 1), kAda);
-      if (draw(2) == 0)
-        (void)apply_all(any_order, at_ms(static_cast<int>(draw(30))), at_ms(static_cast<int>(draw(30))));
-    }
-    (void)apply_all(any_order, at_ms(100), at_ms(100));
-    EXPECT_EQ(text_of(in_order), text_of(any_order)) << "seed " << seed;
-  }
-}
-
-// A list of corners needs its points when it comes: points that come later do not allow it after all, even where both
-// are applied together.
-TEST(LivingScene, RefusesWhatOnlyALaterOperationWouldMakePossible) {
-  const Scene file = read(kHead +
-                          "Transform { children Shape { geometry DEF F IndexedFaceSet {\n"
-                          "  coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] } coordIndex [ 0 1 2 -1 ] } } }\n");
-  const vrml::Document& document = *file.document;
-  const auto id_of = [&](std::string_view type) {
-    const auto node = std::ranges::find(document.nodes, type, [](const vrml::Node& n) { return n.type->name; });
-    return document.ids.id_of(static_cast<std::uint32_t>(node - document.nodes.begin()));
-  };
-  LivingScene in_time(file), late(file);
-  for (LivingScene* const living : {&in_time, &late}) {
-    living->add({{kAda, 1}, at_ms(100), placing(id_of("Transform"), 5)});
-    living->add({{kAda, 2}, at_ms(200), SetField{id_of("IndexedFaceSet"), "coordIndex", "[ 0 1 3 -1 ]", 0}});
-    living->add({{kAda, 3}, at_ms(300), SetField{id_of("Coordinate"), "point", "[ 0 0 0, 1 0 0, 0 1 0, 0 0 1 ]", 0}});
-  }
-  EXPECT_EQ(apply_all(in_time, at_ms(400)).size(), 3u);
-  const auto changes = apply_all(late, at_ms(400), at_ms(400));
-  ASSERT_EQ(changes.size(), 1u);
-  EXPECT_EQ(changes[0].outcomes[0].refused, "");
-  EXPECT_NE(changes[0].outcomes[1].refused, "");
-  EXPECT_EQ(changes[0].outcomes[2].refused, "");
-  EXPECT_EQ(text_of(in_time), text_of(late));
 }
 
 using Refused = std::map<OperationId, std::string>;
@@ -336,6 +261,7 @@ class AnyOperations {
   std::vector<NodeId> nodes_;
 };
 
+// A list of corners needs its points when it comes: points that come later do not allow it after all.
 TEST(LivingScene, TogetherDoesWhatOneAfterTheOtherDoes) {
   const Scene file = read(kOfAllKinds);
   std::size_t refused = 0, done = 0;

@@ -91,8 +91,7 @@ class Writers {
       case 3:
         return AddNodes{object(), {}, kHead + "Transform { }\n", next_[i], next_[i]++, {}};
       case 4:
-        return SetData{NodeId{static_cast<std::uint32_t>(draw(5))}, "k",
-                       std::to_string(draw(100)) + std::string(padding_, '.')};
+        return some_data();
       case 5:
       case 6:
         if (!logs[i].empty()) {
@@ -107,6 +106,13 @@ class Writers {
         return SetField{NodeId{static_cast<std::uint32_t>(draw(3))}, "translation", std::to_string(draw(100)) + " 0 0",
                         0};
     }
+  }
+
+  SetData some_data() {
+    const NodeId node{static_cast<std::uint32_t>(draw(5))};
+    const std::uint64_t value = draw(100);
+    if (value < 10) return {node, "k", std::nullopt};
+    return {node, "k", std::to_string(value) + std::string(padding_, '.')};
   }
 
   std::mt19937_64 random_;

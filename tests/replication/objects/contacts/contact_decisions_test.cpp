@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "replication/peer/peer_parts.hpp"
 #include "tests/replication/peer/lan.hpp"
 #include "tests/replication/peer/parts.hpp"
 
@@ -122,6 +123,7 @@ TEST_F(Deciding, WhoMayDecideIsOneOfTwoOwnersByThePolicy) {
 TEST_F(Deciding, ByIdTheLowerOneDecides) {
   EXPECT_EQ(decisions.authority(a, b, sim(10s)), ContactAuthority::kLocal);
   EXPECT_EQ(decisions.authority(b, c, sim(10s)), ContactAuthority::kAsPublished) << "others' are predictions";
+  EXPECT_STREQ(decisions.on_decision(other, 1, record(), sim(10s)), "not_decider") << "the higher one does not";
   owners.set(b, kNobody);
   EXPECT_EQ(decisions.authority(a, b, sim(10s)), ContactAuthority::kAsPublished) << "the scene decides nothing";
 }
@@ -136,38 +138,21 @@ TEST_F(Deferring, ByIdTheHigherOneDoesNotEvenLook) {
   EXPECT_EQ(decisions.authority(b, c, sim(10s)), ContactAuthority::kLocal) << "the server decides others' too";
 }
 
-// ARM, peer 3's, has no Shape of its own; its HAND is 20 m along x from it. The camera sees the hand and B, and not
-// where the arm's origin is.
+// ARM is peer 3's. The camera sees its hand and B, and not where the arm's origin is.
 TEST(DecidingByParts, AnEndIsInViewWhereItsPartsAre) {
-  const World world(
-      "DEF ARM Transform { children DEF HAND Transform { translation 20 0 0 children Shape { geometry Box { "
-      "size 1 1 1 } } } }\n" +
-          box("B", "1 1 1", "21 0 0") + interest("ARM", "\"B\""),
-      {"ARM", "ARM/HAND", "B"});
+  const World world(arm() + box("B", "1 1 1", "21 0 0") + interest("ARM", "\"B\""), {"ARM", "ARM/HAND", "B"});
   PeerConfig conf = config(3, {{world["ARM"]}});
   conf.decisions.policy = DecisionPolicy::kFieldOfView;
   conf.decisions.viewpoint.emplace().pose.position = {20.5, 0, 10};
-  PeerCounters counters;
-  Membership members{1750ms};
-  Owners owners;
-  OwnObjects own{*world.in_force, conf.owned, false};
-  Replica replica{*world.in_force};
-  Display display{conf, *world.in_force, own, replica, counters};
-  TickGrid ticks{60};
-  Outbox outbox{conf.id, conf.incarnation, counters};
-  const SceneObjects scene{*world.in_force};
-  const ContactDecisions decisions{
-      conf,    *world.in_force, members, owners, scene,    own,
-      replica, display,         ticks,   outbox, counters, [](ObjectId, PeerId, SimTime) {}};
-  owners.set(world["ARM"], PeerId{3});
-  owners.set(world["B"], PeerId{2});
-  echo_us(add_member(members, 2), 0.001);
-  replica.begin(sim(0s));
-  ticks.set_last(ticks.number_at(sim(10s)));
-  replica.ghosts().advance(sim(10s));
-  EXPECT_EQ(decisions.authority(world["ARM"], world["B"], sim(10s)), ContactAuthority::kLocal);
-  conf.decisions.viewpoint->pose.position = {0, 0, 10};
-  EXPECT_EQ(decisions.authority(world["ARM"], world["B"], sim(10s)), ContactAuthority::kDeferred);
+  PeerParts p{conf, *world.model};
+  p.owners.set(world["B"], PeerId{2});
+  echo_us(add_member(p.members, 2), 0.001);
+  p.replica.begin(sim(0s));
+  p.ticks.set_last(p.ticks.number_at(sim(10s)));
+  p.replica.ghosts().advance(sim(10s));
+  EXPECT_EQ(p.decisions.authority(world["ARM"], world["B"], sim(10s)), ContactAuthority::kLocal);
+  p.config.decisions.viewpoint->pose.position = {0, 0, 10};
+  EXPECT_EQ(p.decisions.authority(world["ARM"], world["B"], sim(10s)), ContactAuthority::kDeferred);
 }
 
 TEST_F(Deciding, NobodyDecidesAContactOfMoreThanThreeSecondsAgo) {

@@ -16,11 +16,7 @@ class Checked : public testing::Test {
     add_member(members, 3);
     replica.begin(sim(0s));
     for (const ObjectId object : {a, b}) replica.declare_remote(object, Role::kPredicted);
-    UpdateRecord u;
-    u.object = b;
-    u.sequence = 1;
-    u.at = sim(1s);
-    u.model = moving({2, 0, 0});
+    const UpdateRecord u{b, 1, sim(1s), moving({2, 0, 0})};
     replica.note_update(u);
     replica.set_ghost(b, sim(1s), u.model, false);
     replica.advance_ghosts(sim(20s));

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "replication/peer/peer_parts.hpp"
 #include "tests/replication/peer/lan.hpp"
 #include "tests/replication/peer/parts.hpp"
 
@@ -20,6 +21,11 @@ RegionSettings cut() {
   r.fastest_m_s = 5.0;
   r.lookahead = 1s;
   return r;
+}
+
+PeerConfig cutting(PeerConfig c) {
+  c.regions = cut();
+  return c;
 }
 
 // Cubes of 1 m: MINE is this peer's and may meet FAST; FAST and FAR are peer 2's.
@@ -52,22 +58,13 @@ struct Subscribing {
     return all;
   }
   bool accept(ObjectId object, double x, SimTime at = sim(0s)) {
-    UpdateRecord u;
-    u.object = object;
-    u.at = at;
-    u.model = moving({x, 0, 0});
-    return part().accept(u, at);
+    return part().accept({object, 0, at, moving({x, 0, 0})}, at);
   }
   // This peer publishes MINE at x.
   void publish(double x, SimTime at, bool receiver_may_hold_nothing = false) {
     OwnObject& object = own.at(mine);
-    UpdateRecord u;
-    u.object = mine;
-    u.sequence = ++object.sequence;
-    u.at = at;
-    u.model = moving({x, 0, 0});
     object.last_sent = at;
-    part().on_published(object, u, receiver_may_hold_nothing);
+    part().on_published(object, {mine, ++object.sequence, at, moving({x, 0, 0})}, receiver_may_hold_nothing);
   }
 
   World world{box("MINE", "1 1 1", "50 0 0") + box("FAST", "1 1 1", "150 0 0") + box("FAR", "1 1 1", "350 0 0") +
@@ -150,45 +147,27 @@ TEST(RegionSubscriptions, OnlyPairsOfTwoOwnersAskForReach) {
   EXPECT_TRUE(s.part().contact_areas(sim(0s), 0.0).empty());
 }
 
-// ARM has no Shape of its own; HAND, a cube, is `far` along x from it.
-std::string arm(const std::string& name, const std::string& hand, double far_m) {
-  return "DEF " + name + " Transform { children DEF " + hand + " Transform { translation " + std::to_string(far_m) +
-         " 0 0 children Shape { geometry Box { size 1 1 1 } } } }\n";
-}
 // ARM is this peer's, OTHER peer 2's.
 struct Reaching {
   Reaching(const std::string& text, int type, const std::vector<const char*>& owned)
       : world(text + interest("ARM", "\"OTHER\"", type), owned) {
-    owners.set(world["ARM"], PeerId{1});
-    owners.set(world["OTHER"], PeerId{2});
-    replica.begin(sim(0s));
-    replica.set_world_zero(sim(0s), sim(0s));
-    regions.measure_contact_ranges(std::vector{0u}, true);
+    p.owners.set(world["OTHER"], PeerId{2});
+    p.replica.begin(sim(0s));
+    p.replica.set_world_zero(sim(0s), sim(0s));
+    p.regions.measure_contact_ranges(std::vector{0u}, true);
   }
-
-  [[nodiscard]] PeerConfig cutting() const {
-    PeerConfig c = config(1, {{world["ARM"], true}});
-    c.regions = cut();
-    return c;
+  [[nodiscard]] std::vector<Area> areas(double ahead_s = 0.0) const {
+    return p.regions.contact_areas(sim(0s), ahead_s);
   }
 
   World world;
-  PeerConfig conf = cutting();
-  PeerCounters counters;
-  Membership members{conf.lost_after};
-  Owners owners;
-  OwnObjects own{*world.in_force, conf.owned, false};
-  Replica replica{*world.in_force};
-  TickGrid ticks{10};
-  Outbox outbox{conf.id, conf.incarnation, counters};
-  RegionSubscriptions regions{conf,    *world.in_force, members, owners,   own,
-                              replica, ticks,           outbox,  counters, [](ObjectId, bool) {}};
+  PeerParts p{cutting(config(1, {{world["ARM"], true}})), *world.model};
 };
 const double kCube_m = std::sqrt(0.75);
 
 TEST(ContactRangeOfParts, IsAroundTheOwnPart) {
-  const Reaching r(arm("ARM", "HAND", 20) + box("OTHER", "1 1 1", "0 0 0"), 1, {"ARM", "ARM/HAND", "OTHER"});
-  const auto areas = r.regions.contact_areas(sim(0s), 0.0);
+  const Reaching r(arm() + box("OTHER", "1 1 1", "0 0 0"), 1, {"ARM", "ARM/HAND", "OTHER"});
+  const auto areas = r.areas();
   ASSERT_EQ(areas.size(), 1u);
   EXPECT_EQ(areas[0].center, Vec3(20, 0, 0));
   EXPECT_NEAR(areas[0].radius_m, 2 * kCube_m, 1e-9);
@@ -196,47 +175,37 @@ TEST(ContactRangeOfParts, IsAroundTheOwnPart) {
 
 // Remote objects are published where their origins are.
 TEST(ContactRangeOfParts, IsAsFarAsTheOtherPartIsFromItsObject) {
-  Reaching r(box("ARM", "1 1 1", "0 0 0") + arm("OTHER", "TIP", 20), 1, {"ARM", "OTHER", "OTHER/TIP"});
-  ASSERT_EQ(r.regions.contact_areas(sim(0s), 0.0).size(), 1u);
-  EXPECT_NEAR(r.regions.contact_areas(sim(0s), 0.0)[0].radius_m, 20 + 2 * kCube_m, 1e-9);
-  r.replica.ghosts().set_base(r.world["TIP"], sim(0s), moving({30, 0, 0}, {2, 0, 0}));
-  EXPECT_NEAR(r.regions.contact_areas(sim(0s), 0.0)[0].radius_m, 30 + 2 * kCube_m, 1e-9);
-  const double fastest = r.conf.regions.fastest_m_s;
-  EXPECT_NEAR(r.regions.contact_areas(sim(0s), 1.5)[0].radius_m, 30 + 2 * kCube_m + (2 + fastest) * 1.5, 1e-9);
+  Reaching r(box("ARM", "1 1 1", "0 0 0") + arm("OTHER", "TIP"), 1, {"ARM", "OTHER", "OTHER/TIP"});
+  ASSERT_EQ(r.areas().size(), 1u);
+  EXPECT_NEAR(r.areas()[0].radius_m, 20 + 2 * kCube_m, 1e-9);
+  r.p.replica.ghosts().set_base(r.world["TIP"], sim(0s), moving({30, 0, 0}, {2, 0, 0}));
+  EXPECT_NEAR(r.areas()[0].radius_m, 30 + 2 * kCube_m, 1e-9);
+  const double fastest = r.p.config.regions.fastest_m_s;
+  EXPECT_NEAR(r.areas(1.5)[0].radius_m, 30 + 2 * kCube_m + (2 + fastest) * 1.5, 1e-9);
 }
 
 // World boxes touch where their corners do.
 TEST(ContactRangeOfParts, OfBoxesIsThatOfWholeEnds) {
   const Reaching one(box("ARM", "1 1 1", "0 0 0") + box("OTHER", "1 1 1", "9 0 0"), 0, {"ARM", "OTHER"});
-  EXPECT_NEAR(one.regions.contact_areas(sim(0s), 0.0).at(0).radius_m, std::sqrt(3.0) * 2 * kCube_m, 1e-9);
-  const Reaching two(arm("ARM", "HAND", 20) + box("OTHER", "1 1 1", "9 0 0"), 0, {"ARM", "ARM/HAND", "OTHER"});
-  EXPECT_EQ(two.regions.contact_areas(sim(0s), 0.0).at(0).center, Vec3(0, 0, 0));
-  EXPECT_NEAR(two.regions.contact_areas(sim(0s), 0.0)[0].radius_m, std::sqrt(3.0) * (20 + 2 * kCube_m), 1e-9);
+  EXPECT_NEAR(one.areas().at(0).radius_m, std::sqrt(3.0) * 2 * kCube_m, 1e-9);
+  const Reaching two(arm() + box("OTHER", "1 1 1", "9 0 0"), 0, {"ARM", "ARM/HAND", "OTHER"});
+  EXPECT_EQ(two.areas().at(0).center, Vec3(0, 0, 0));
+  EXPECT_NEAR(two.areas()[0].radius_m, std::sqrt(3.0) * (20 + 2 * kCube_m), 1e-9);
 }
 
 // The hand is this peer's, and what carries it peer 2's: its region is joined, too, 30 m away behind a border.
 TEST(ContactRangeOfParts, WhatCarriesAnOwnObjectIsListenedTo) {
-  World world(arm("OTHER", "HAND", 20) + box("X", "1 1 1", "500 0 0") + interest("HAND", "\"X\""),
-              {"OTHER", "OTHER/HAND"});
-  PeerConfig conf = config(1, {{world["HAND"], true}});
-  conf.regions = cut();
+  const World world(arm("OTHER", "HAND") + box("X", "1 1 1", "500 0 0") + interest("HAND", "\"X\""),
+                    {"OTHER", "OTHER/HAND"});
+  PeerConfig conf = cutting(config(1, {{world["HAND"], true}}));
   conf.interest_radius_m = 0.0;
-  PeerCounters counters;
-  Membership members{conf.lost_after};
-  Owners owners;
-  OwnObjects own{*world.in_force, conf.owned, false};
-  Replica replica{*world.in_force};
-  TickGrid ticks{10};
-  Outbox outbox{conf.id, conf.incarnation, counters};
-  RegionSubscriptions regions{conf,    *world.in_force, members, owners,   own,
-                              replica, ticks,           outbox,  counters, [](ObjectId, bool) {}};
-  owners.set(world["HAND"], PeerId{1});
-  owners.set(world["OTHER"], PeerId{2});
-  replica.begin(sim(0s));
-  replica.truth().set_base(world["OTHER"], sim(0s), moving({90, 0, 0}));
-  regions.follow_interest(sim(0s), sim(0s));
-  EXPECT_TRUE(regions.interest().joined(RegionId{2})) << "where the hand is";
-  EXPECT_TRUE(regions.interest().joined(RegionId{1})) << "where its carrier is";
+  PeerParts p{conf, *world.model};
+  p.owners.set(world["OTHER"], PeerId{2});
+  p.replica.begin(sim(0s));
+  p.replica.truth().set_base(world["OTHER"], sim(0s), moving({90, 0, 0}));
+  p.regions.follow_interest(sim(0s), sim(0s));
+  EXPECT_TRUE(p.regions.interest().joined(RegionId{2})) << "where the hand is";
+  EXPECT_TRUE(p.regions.interest().joined(RegionId{1})) << "where its carrier is";
 }
 
 TEST(RegionSubscriptions, ListensAroundItsOwnObjectsOrItsViewpoint) {
@@ -314,6 +283,17 @@ TEST(RegionSubscriptions, ASubscriptionIsSentOnceAndRepeatedTwice) {
   EXPECT_TRUE(s.part().take(10, true).empty()) << "that is all";
 }
 
+TEST(RegionSubscriptions, WhereDatagramsGetLostTheNextTickRepeatsASubscription) {
+  Subscribing s;
+  echo_us(*s.members.find(PeerId{2}), 0.1);
+  s.place(50);
+  s.part().follow_interest(sim(0s), sim(0s));
+  EXPECT_EQ(s.part().take(10, false).size(), 1u);
+  EXPECT_TRUE(s.part().take(10, false).empty()) << "copies are a tick apart";
+  s.tick_to(100ms);
+  EXPECT_EQ(s.part().take(10, false).size(), 1u);
+}
+
 TEST(RegionSubscriptions, TakesNoMoreThanThereIsRoomForAndAnnouncesTheRest) {
   Subscribing s;
   s.conf.interest_radius_m.reset();
@@ -363,6 +343,17 @@ TEST(RegionSubscriptions, ReceivesWhatIsInItsRegions) {
   EXPECT_FALSE(s.replica.receives(s.far));
   EXPECT_EQ(s.part().region_of(s.far), kWholeScene);
   EXPECT_EQ(s.changes, (std::vector<std::pair<ObjectId, bool>>{{s.far, true}, {s.far, false}}));
+}
+
+TEST(RegionSubscriptions, AnUpdateOfTheLastOwnerIsNoneOfTheNewOnes) {
+  Subscribing s;
+  s.place(50);
+  s.part().follow_interest(sim(0s), sim(0s));
+  ASSERT_TRUE(s.accept(s.far, 60));
+  s.part().on_claimed(s.far, sim(0s));
+  EXPECT_FALSE(s.replica.receives(s.far));
+  EXPECT_TRUE(s.accept(s.far, 60));
+  EXPECT_TRUE(s.replica.receives(s.far));
 }
 
 TEST(RegionSubscriptions, AStepOfSessionTimeEndsWhatIsReceived) {
@@ -420,6 +411,27 @@ TEST(RegionSubscriptions, SilentObjectsAreAskedForAndThenForgotten) {
   EXPECT_EQ(forgotten, 11s) << "2.5 s later";
 }
 
+// It has been handed over while it was asked for.
+TEST(RegionSubscriptions, ASilentObjectIsAskedForInItsNewRegionOnceItHasBeenHandedOver) {
+  Subscribing s;
+  s.conf.interest_radius_m = 60.0;
+  s.place(50);
+  s.part().follow_interest(sim(0s), sim(0s));  // 8, 1 and 2
+  s.part().restart_at(sim(0s));                // nothing is pending
+  ASSERT_TRUE(s.accept(s.far, 60));
+  const auto asked_at = [&](Duration t) {
+    s.tick_to(t);
+    s.part().follow_interest(sim(t), sim(t));
+    std::set<RegionId> asked;
+    for (const Subscription& each : s.part().take(10, true)) asked.insert(each.region);
+    return asked;
+  };
+  EXPECT_EQ(asked_at(8s), std::set{RegionId{1}});
+  s.part().on_handovers(PeerId{2}, std::vector{Handover{s.far, 6, RegionId{2}}}, sim(8s));
+  EXPECT_TRUE(asked_at(9s).contains(RegionId{2}));
+  EXPECT_TRUE(s.replica.receives(s.far));
+}
+
 // ---- the regions in which own objects are published ----
 
 TEST(RegionSubscriptions, AnObjectLeavesItsRegionBeyondTheMargin) {
@@ -450,6 +462,10 @@ TEST(RegionSubscriptions, AChangeOfRegionIsHandedOverWhereItWas) {
   EXPECT_EQ(handover.sequence, 2u);
   EXPECT_EQ(handover.to, RegionId{2});
   EXPECT_TRUE(s.part().take_handovers(nothing_goes).empty()) << "not twice in a tick";
+  s.publish(151, sim(100ms));
+  s.tick_to(500ms);
+  EXPECT_EQ(s.part().take_handovers(nothing_goes).at(RegionId{1}).at(0).sequence, 2u)
+      << "an update in the new region does not cancel it";
   s.publish(150, sim(0s), true);
   EXPECT_TRUE(s.own.at(s.mine).delivery.copy_until_received) << "a receiver may hold nothing";
 }
@@ -567,6 +583,7 @@ TEST(RegionSubscriptions, ASubscriberIsSentWhatWasNotPublishedSince) {
   EXPECT_FALSE(subscribe(1, sim(12s) + 1ns)) << "from the future";
   EXPECT_FALSE(subscribe(1, sim(10s) - 1ns, sim(20s))) << "from long ago";
   EXPECT_EQ(s.counters.drops["entered_time"], 2u);
+  EXPECT_EQ(s.members.find(PeerId{2})->drops["entered_time"], 2u);
   EXPECT_TRUE(subscribe(1, sim(12s)));
 }
 

@@ -8,12 +8,6 @@ namespace peerd::replication::drawn_way_test {
 
 using namespace test;
 
-// ARM has no Shape of its own; HAND, a cube, is 20 m along x from it.
-std::string arm(const std::string& name = "ARM", const std::string& hand = "HAND", const std::string& at = "0 0 0") {
-  return "DEF " + name + " Transform { translation " + at + " children DEF " + hand +
-         " Transform { translation 20 0 0 children Shape { geometry Box { size 1 1 1 } } } }\n";
-}
-
 // Where everything stands at 1 s; ways are of the last 100 ms.
 struct Drawing {
   explicit Drawing(const std::string& text, const std::vector<const char*>& owned,
@@ -82,12 +76,9 @@ TEST(DrawnWay, APartOfAnOwnObjectIsWhereThisPeerShowsIt) {
 TEST(DrawnWay, AFlexibleShapeIsMetWhereItIs) {
   // At 1 s the half width of GROWS is 1.25 m.
   for (const int type : {0, 1}) {
-    Drawing d(box("BALL", "1 1 1", "0 9 0") + box("GROWS", "1 1 1", "0 0 0") + interest("BALL", "\"GROWS\"", type) +
-                  R"(DEF T TimeSensor { cycleInterval 4 loop TRUE }
-DEF P PositionInterpolator { key [ 0 0.5 1 ] keyValue [ 1 1 1, 4 1 1, 1 1 1 ] }
-ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO GROWS.set_scale
-)",
-              {"BALL"});
+    Drawing d(
+        box("BALL", "1 1 1", "0 9 0") + box("GROWS", "1 1 1", "0 0 0") + interest("BALL", "\"GROWS\"", type) + kGrows,
+        {"BALL"});
     ASSERT_EQ(d.world.model->flexible.size(), 1u);
     EXPECT_FALSE(d.free("BALL", {1.7, 0, -3}, {1.7, 0, 3})) << type;
     EXPECT_TRUE(d.free("BALL", {1.8, 0, -3}, {1.8, 0, 3})) << type;

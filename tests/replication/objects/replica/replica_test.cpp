@@ -49,13 +49,7 @@ TEST_F(Copy, WhatNothingCanMeetIsInTheGhostsAlone) {
 }
 
 TEST_F(Copy, AnOvertakenUpdateTakesItsPlaceAmongThoseThatAreKept) {
-  const auto update = [&](std::uint32_t sequence, Duration at) {
-    UpdateRecord u;
-    u.object = ball;
-    u.sequence = sequence;
-    u.at = sim(at);
-    return u;
-  };
+  const auto update = [&](std::uint32_t sequence, Duration at) { return UpdateRecord{ball, sequence, sim(at), {}}; };
   EXPECT_FALSE(replica.keep_overtaken(update(1, 2s))) << "none has overtaken it";
   for (const std::uint32_t sequence : {2u, 5u, 6u}) replica.keep_update(update(sequence, seconds(sequence)));
   EXPECT_TRUE(replica.keep_overtaken(update(4, 4s)));
@@ -94,18 +88,12 @@ TEST_F(Copy, EverythingIsReceivedUntilSaidOtherwise) {
 TEST_F(Copy, RemembersTheLastUpdateOfEach) {
   EXPECT_EQ(replica.last_update_of(ball), nullptr);
   for (const std::uint32_t sequence : {1u, 2u}) {
-    UpdateRecord u;
-    u.object = ball;
-    u.sequence = sequence;
-    replica.note_update(u);
+    replica.note_update({ball, sequence, {}, {}});
   }
   ASSERT_NE(replica.last_update_of(ball), nullptr);
   EXPECT_EQ(replica.last_update_of(ball)->sequence, 2u);
   EXPECT_EQ(replica.last_update_of(lone), nullptr);
-  UpdateRecord other;
-  other.object = lone;
-  other.sequence = 1;
-  replica.note_update(other);
+  replica.note_update({lone, 1, {}, {}});
   replica.forget_update_of(ball);
   EXPECT_EQ(replica.last_update_of(ball), nullptr);
   EXPECT_NE(replica.last_update_of(lone), nullptr);

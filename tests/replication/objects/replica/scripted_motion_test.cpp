@@ -12,10 +12,7 @@ namespace peerd::replication::scripted_motion_test {
 using namespace test;
 
 // PLATE goes from x = 10 to x = 4 and back in 12 s, at 1 m/s.
-const std::string kMachine = box("PLATE", "1 1 1", "10 0 0") + box("BALL", "1 1 1", "-90 0 0") +
-                             "DEF T TimeSensor { cycleInterval 12 loop TRUE }\n"
-                             "DEF P PositionInterpolator { key [ 0 0.5 1 ] keyValue [ 10 0 0, 4 0 0, 10 0 0 ] }\n"
-                             "ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO PLATE.translation\n" +
+const std::string kMachine = box("PLATE", "1 1 1", "10 0 0") + box("BALL", "1 1 1", "-90 0 0") + shuttles("PLATE") +
                              interest("BALL", "\"PLATE\"");
 
 class Scripted : public testing::Test {

@@ -38,6 +38,13 @@ struct Twins {
     do some.advance(to);
     while (pairs.update(some, to, peer));
   }
+  // In steps of 16 ms, and this object never differs.
+  void advance_alike(ObjectId object, int from_ms, int until_ms) {
+    for (int ms = from_ms; ms < until_ms; ms += 16) {
+      advance(sim(std::chrono::milliseconds(ms)));
+      ASSERT_TRUE(agree_on(object)) << ms;
+    }
+  }
   void change_model(const WorldModel& next) {
     if (pairs.take_up_all(some)) some.advance(now);
     all.change_model(next);
@@ -115,10 +122,7 @@ TEST(UnseenPairs, WhatReachesAKeptObjectByAnotherOneIsNotMissed) {
   twins.declare(mine, Role::kAuthoritative);
   for (const char* name : {"FIRST", "NEXT"}) twins.declare(world[name], Role::kPredicted);
   twins.set_base(world["FIRST"], sim(0s), moving({-9, 0, 0}, {4, 0, 0}));
-  for (int ms = 0; ms < 5000; ms += 16) {
-    twins.advance(sim(std::chrono::milliseconds(ms)));
-    ASSERT_TRUE(twins.agree_on(mine)) << ms;
-  }
+  twins.advance_alike(mine, 0, 5000);
   EXPECT_GT(twins.some.at(mine, twins.now).velocity.x(), 1.0) << "it was hit";
 }
 
@@ -211,10 +215,7 @@ TEST(UnseenPairs, WhatAFreeObjectCarriesOnToAKeptOneIsNotMissed) {
   for (const char* name : {"CAR", "BALL"}) twins.declare(world[name], Role::kPredicted);
   twins.advance(sim(10ms));
   twins.set_base(car, sim(10ms), moving({-9, 0, 0}, {4, 0, 0}));
-  for (int ms = 16; ms < 4000; ms += 16) {
-    twins.advance(sim(std::chrono::milliseconds(ms)));
-    ASSERT_TRUE(twins.agree_on(mine)) << ms;
-  }
+  twins.advance_alike(mine, 16, 4000);
   EXPECT_GT(twins.some.at(mine, twins.now).velocity.x(), 1.0) << "it was hit";
 }
 
@@ -232,10 +233,7 @@ TEST(UnseenPairs, WhatMovesAnEndOfASceneContactIsKept) {
     for (const ObjectId object : {of_peer, ball}) twins.declare(object, Role::kPredicted);
     twins.advance(sim(10ms));
     twins.set_base(of_peer, sim(10ms), moving({0, 0, 0}, {4, 0, 0}));
-    for (int ms = 16; ms < 5000; ms += 16) {
-      twins.advance(sim(std::chrono::milliseconds(ms)));
-      ASSERT_TRUE(twins.agree_on(ball)) << ms;
-    }
+    twins.advance_alike(ball, 16, 5000);
     EXPECT_EQ(twins.pairs.pairs_put_off(), meets ? 0u : 1u);
     EXPECT_EQ(twins.agree_on(of_peer), meets);
     EXPECT_EQ(twins.some.at(ball, twins.now).velocity.x() < -1.0, meets);
@@ -297,7 +295,7 @@ TEST_P(UnseenRoom, KeptAndSeenStatesAreThoseOfAWorldThatPutsNothingOff) {
   const World world(text);
   const ObjectId mine = world["B0"];
   std::vector<ObjectId> bodies;
-  for (int i = 0; i < kBodies; ++i) bodies.push_back(world[("B" + std::to_string(i)).c_str()]);
+  for (int i = 0; i < kBodies; ++i) bodies.push_back(world["B" + std::to_string(i)]);
   Twins twins(world, [&](ObjectId object) {
     if (object == mine) return kKept;
     const auto at = std::ranges::find(bodies, object);

@@ -48,12 +48,21 @@ class NoInterest : public Near {
  protected:
   NoInterest() : Near("") {}
 };
+class RegisteredTheOtherWay : public Near {
+ protected:
+  RegisteredTheOtherWay() : Near(interest("CUBE", "\"CAR\"")) {}
+};
 
 TEST_F(Near, TightensAtOnceWithinTheCloseProximity) {
   EXPECT_EQ(threshold_with_gap(5.01), 0.5);
   EXPECT_EQ(threshold_with_gap(4.99), 0.01);
   EXPECT_EQ(threshold_with_gap(0.1), 0.01);
   EXPECT_EQ(threshold_with_gap(-0.5), 0.01) << "they overlap";
+}
+
+TEST_F(RegisteredTheOtherWay, ItTightensAsWell) {
+  EXPECT_EQ(threshold_with_gap(5.01), 0.5);
+  EXPECT_EQ(threshold_with_gap(4.99), 0.01);
 }
 
 TEST_F(Near, TightensInProportionToTheTimeLeft) {
@@ -87,16 +96,11 @@ TEST_F(Near, TheUsualOneStandsWhereNothingIsTracked) {
   EXPECT_EQ(counters.proximity_tests, 0u);
 }
 
-// ARM, this peer's, has no Shape of its own; HAND, a cube, is 20 m along x from it. CUBE is peer 2's.
+// ARM is this peer's, CUBE peer 2's.
 struct Arm {
   explicit Arm(const std::string& collider, int type = 1, const std::string& cube = box("CUBE", "1 1 1", "0 0 0"),
                const std::string& collidee = "CUBE")
-      : world(
-            "DEF ARM Transform { children DEF HAND Transform { translation 20 0 0 children Shape { geometry Box { size "
-            "1 "
-            "1 1 } } } }\n" +
-                cube + interest(collider, "\"" + collidee + "\"", type),
-            {"ARM", "ARM/HAND", "CUBE"}) {
+      : world(arm() + cube + interest(collider, "\"" + collidee + "\"", type), {"ARM", "ARM/HAND", "CUBE"}) {
     own.policy.error_threshold_m = 0.5;
     own.policy.tight_threshold_m = 0.01;
     own.policy.close_proximity_s = 0.5;
@@ -145,13 +149,9 @@ TEST(ProximityOfParts, WhatAnotherPeerCarriesIsAnothers) {
 
 // GROWS is within 20 m of its peer's object; at 1 s its half width is 1.25 m, and in half a second 1.625 m.
 TEST(ProximityOfParts, WhatFlexesIsAsLargeAsItGetsInTime) {
-  const std::string grows =
-      R"(DEF CUBE Transform { children DEF GROWS Transform { children Shape { geometry Box { size 1 1 1 } } } }
-DEF T TimeSensor { cycleInterval 4 loop TRUE }
-DEF P PositionInterpolator { key [ 0 0.5 1 ] keyValue [ 1 1 1, 4 1 1, 1 1 1 ] }
-ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO GROWS.set_scale
-)";
-  Arm arm("HAND", 1, grows);
+  const std::string cube =
+      "DEF CUBE Transform { children DEF GROWS Transform { children Shape { geometry Box { size 1 1 1 } } } }\n";
+  Arm arm("HAND", 1, cube + kGrows);
   ASSERT_EQ(arm.world.model->flexible.size(), 1u);
   EXPECT_EQ(arm.at(22.6), 0.01);
   EXPECT_EQ(arm.at(26.0), 0.5);

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <numeric>
+
 #include "replication/peer/peer_parts.hpp"
 #include "tests/replication/peer/lan.hpp"
 #include "tests/replication/peer/parts.hpp"
@@ -67,6 +70,8 @@ TEST(Publication, FirstStatesGoOutAndThenNothingThatEverybodyKnows) {
   for (Duration t = 1100ms; t < 5900ms; t += 100ms) EXPECT_TRUE(s.tick(t).empty()) << to_seconds(t);
   EXPECT_TRUE(s.flushed(6s).empty());
   EXPECT_EQ(s.p.counters.updates_out, 2u);
+  EXPECT_EQ(std::reduce(s.p.counters.update_sizes_out.begin(), s.p.counters.update_sizes_out.end()), 2u);
+  EXPECT_GT(s.p.counters.update_bytes_out, 10u);
 }
 
 TEST(Publication, AnErrorBeyondTheThresholdIsPublished) {
@@ -154,11 +159,14 @@ TEST(Publication, TakesSamplesOfItsOwnObjectsAlone) {
 
 TEST(Publication, SamplesBeyondTheWiresLimitsAreTakenAtRest) {
   Publishing s;
-  const std::vector<OwnSample> samples{{s.world["O0"], moving({1, 2, 3}, {1e13, 0, 0})}};
-  s.p.publication.take(sim(1s), samples);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  s.p.publication.take(sim(1s), std::vector<OwnSample>{{s.world["O0"], moving({1, 2, 3}, {1e13, 0, 0})}});
   EXPECT_EQ(s.p.counters.states_out_of_range, 1u);
   EXPECT_EQ(s.p.replica.truth(s.world["O0"], sim(1s)).velocity, Vec3(0, 0, 0));
   EXPECT_EQ(s.p.replica.truth(s.world["O0"], sim(1s)).position, Vec3(1, 2, 3));
+  s.p.publication.take(sim(1100ms), std::vector<OwnSample>{{s.world["O0"], moving({1, nan, 3}, {nan, 0, 0})}});
+  EXPECT_EQ(s.p.counters.states_out_of_range, 2u);
+  EXPECT_TRUE(s.p.replica.truth(s.world["O0"], sim(1100ms)).position.allFinite());
 }
 
 TEST(Publication, AnUnpredictableChangeIsPublishedOfItsInstant) {
@@ -174,6 +182,7 @@ TEST(Publication, AnUnpredictableChangeIsPublishedOfItsInstant) {
   ASSERT_EQ(sent.size(), 1u);
   EXPECT_EQ(sent[0].at, sim(1050ms));
   EXPECT_EQ(sent[0].model.state.velocity, Vec3(2, 0, 0));
+  EXPECT_FALSE(sent[0].position_step_log2) << "what is driven alone is rounded";
   EXPECT_TRUE(s.p.launches.unpublished().empty());
 }
 
@@ -195,11 +204,7 @@ TEST(Publication, BetweenTicksOnlyWhatMayNotWait) {
 
 TEST(Publication, ARelayPassesOnWhatItIsGiven) {
   Publishing s;
-  UpdateRecord u;
-  u.object = s.world["O2"];
-  u.sequence = 9;
-  u.at = sim(900ms);
-  s.p.publication.relay(u);
+  s.p.publication.relay({s.world["O2"], 9, sim(900ms), {}});
   const auto sent = s.flushed(1s);
   ASSERT_EQ(sent.size(), 1u);
   EXPECT_EQ(sent[0].object, s.world["O2"]);
@@ -218,12 +223,7 @@ TEST(Publication, ManyRecordsShareFewDatagramsAndNoneIsLost) {
   Publishing s;
   constexpr std::uint32_t kRecords = 100;
   for (std::uint32_t i = 1; i <= kRecords; ++i) {
-    UpdateRecord u;
-    u.object = s.world["O2"];
-    u.sequence = i;
-    u.at = sim(900ms);
-    u.model = moving({0.1 * i, 0, 0}, {1.0 / 3.0, 0, 0});
-    s.p.publication.relay(u);
+    s.p.publication.relay({s.world["O2"], i, sim(900ms), moving({0.1 * i, 0, 0}, {1.0 / 3.0, 0, 0})});
   }
   s.p.publication.flush(true);
   const auto messages = drain_messages(s.p.outbox, sim(1s));

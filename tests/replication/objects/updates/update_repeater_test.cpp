@@ -15,10 +15,7 @@ class Repeating : public testing::Test {
   void update(ObjectId object, SimTime at = sim(10s)) {
     OwnObject& mine = own.at(object);
     mine.last_sent = at;
-    UpdateRecord record;
-    record.object = object;
-    record.sequence = ++mine.sequence;
-    record.at = at;
+    const UpdateRecord record{object, ++mine.sequence, at, {}};
     repeater.on_update(object, mine, record);
     repeater.note_sent(record, ++number);
   }
@@ -140,9 +137,7 @@ TEST_F(Repeating, RemembersWhoHadTimeToAcknowledgeAndHasNot) {
 
 TEST_F(Repeating, NotesTheDatagramsOfTheLastUpdateAlone) {
   update(a);
-  UpdateRecord old;
-  old.object = a;
-  old.sequence = 1;
+  UpdateRecord old{a, 1, {}, {}};
   update(a);
   EXPECT_EQ(own.at(a).delivery.sent_in, std::vector{2u});
   repeater.note_sent(old, 3);

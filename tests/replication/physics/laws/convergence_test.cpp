@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "replication/objects/contacts/decision.hpp"
@@ -168,24 +167,6 @@ PeerConfig joins(const World& world, std::uint32_t id, const char* owns, Converg
 Duration phase(SimTime t) { return t.time_since_epoch() - kEpoch; }
 // The object goes from x = -1 to x = 1, and nobody sees how.
 KinematicState carried(SimTime t) { return moving({phase(t) < 3s ? -1.0 : 1.0, 0, 0}); }
-
-TEST(Convergence, APeerDrawsNothingThroughAWall) {
-  const World world(box("BALL", "0.5 0.5 0.5", "-1 0 0", kBounces) + box("WALL", "0.2 9 9", "0 0 0") +
-                    interest("BALL", "\"WALL\""));
-  Lan lan(world, {5ms, 0ms, 0, 0});
-  lan.add(joins(world, 1, "BALL"), 0s, {{world["BALL"], carried}});
-  lan.add(joins(world, 2, nullptr, {ConvergenceMethod::kCubic, 300ms}), 0s, {});
-  for (Duration t = 2s; t < 4s; t += kFrame) {
-    lan.run_until(t);
-    Peer& two = lan.peer(1);
-    if (two.owner(world["BALL"]) == kNobody) continue;
-    const SimTime now = lan.session_now(1);
-    two.advance_ghosts(now);
-    const double x = two.shown(world["BALL"], now).position.x();
-    ASSERT_TRUE(std::abs(x) > 0.34) << x;
-  }
-  EXPECT_EQ(lan.peer(1).counters().convergence_blocked, 1u);
-}
 
 // A peer that drew the ball a second ago no longer knows where its own wall was then. The wall has been on the other
 // side in between, which hinders nothing.

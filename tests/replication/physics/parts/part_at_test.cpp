@@ -9,10 +9,9 @@ namespace peerd::replication::part_at_test {
 using namespace test;
 
 TEST(PartAt, OfARigidPartIsItsBodyWhereItsCarriersHaveIt) {
-  const World world(box_with("CAR", "4 1 2", "3 0 0", "", box("WHEEL", "1 1 1", "20 0 0")) +
-                        box("X", "1 1 1", "99 0 0") + interest("CAR", "\"X\""),
-                    {"CAR", "CAR/WHEEL"});
-  MotionWorld motion(*world.model, sim(0s));
+  auto&& [world, motion] = Started(box_with("CAR", "4 1 2", "3 0 0", "", box("WHEEL", "1 1 1", "20 0 0")) +
+                                       box("X", "1 1 1", "99 0 0") + interest("CAR", "\"X\""),
+                                   {}, {"CAR", "CAR/WHEEL"});
   motion.set_base(world["CAR"], sim(0s), moving({5, 0, 0}, {1, 0, 0}));
   const auto& parts = world.model->parts_of_node[0];
   ASSERT_EQ(parts.size(), 2u);
@@ -26,11 +25,7 @@ TEST(PartAt, OfARigidPartIsItsBodyWhereItsCarriersHaveIt) {
 
 // The half width goes from 0.5 m to 2 m in 2 s.
 TEST(PartAt, OfWhatFlexesHoldsItForAsLongAsWasAsked) {
-  const World world(box("GROWS", "1 1 1", "0 0 0") + box("X", "1 1 1", "9 0 0") + interest("GROWS", "\"X\"") +
-                    R"(DEF T TimeSensor { cycleInterval 4 loop TRUE }
-DEF P PositionInterpolator { key [ 0 0.5 1 ] keyValue [ 1 1 1, 4 1 1, 1 1 1 ] }
-ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO GROWS.set_scale
-)");
+  const World world(box("GROWS", "1 1 1", "0 0 0") + box("X", "1 1 1", "9 0 0") + interest("GROWS", "\"X\"") + kGrows);
   ASSERT_EQ(world.model->flexible.size(), 1u);
   MotionWorld motion(*world.model, sim(0s));
   FlexibleParts flexible(*world.model);

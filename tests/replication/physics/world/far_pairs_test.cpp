@@ -12,6 +12,13 @@ namespace peerd::replication::far_pairs_test {
 
 using namespace test;
 
+// What has been met, in order.
+std::vector<ObjectId> take_met(MotionWorld& world) {
+  std::vector<ObjectId> met;
+  for (const ContactEvent& contact : contacts_of(world)) met.push_back(contact.collidee);
+  return met;
+}
+
 // CAR among posts, 20 m apart along x.
 std::string street(int posts) {
   std::string text = box("CAR", "2 1 1", "0 0 0"), all;
@@ -25,9 +32,7 @@ std::string street(int posts) {
 
 // Drives CAR along x at 10 m/s for so long, with a sample at each of 60 ticks a second.
 MotionWorld::Counters drive(int posts, double seconds) {
-  const World w(street(posts));
-  MotionWorld world(*w.model, sim(0s));
-  world.declare(w["CAR"], Role::kDriven);
+  auto&& [w, world] = Started(street(posts), {{"CAR", Role::kDriven}});
   for (int tick = 0; tick < 60 * seconds; ++tick) {
     const SimTime t = sim(Duration{1s} * tick / 60);
     world.set_base(w["CAR"], t, moving({10.0 * tick / 60.0, 0, 0}, {10, 0, 0}));
@@ -43,9 +48,7 @@ TEST(FarPairs, AreNotCheckedAtEachSampleOfADrivenObject) {
 }
 
 TEST(FarPairs, CostNothingWhereNothingMoves) {
-  const World w(street(50));
-  MotionWorld world(*w.model, sim(0s));
-  world.declare(w["CAR"], Role::kPredicted);
+  auto&& [w, world] = Started(street(50), {{"CAR", Role::kPredicted}});
   world.advance(sim(1s));
   const MotionWorld::Counters before = world.counters();
   for (int tick = 60; tick < 240; ++tick) world.advance(sim(Duration{1s} * tick / 60));
@@ -53,38 +56,17 @@ TEST(FarPairs, CostNothingWhereNothingMoves) {
   EXPECT_EQ(world.counters().contact_searches, before.contact_searches);
 }
 
-TEST(FarPairs, MeetWhenTheyHaveComeNear) {
-  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "100 0 0") + interest("A", "\"B\""));
-  for (const auto step : {Duration{10ms}, Duration{100ms}, Duration{12s}}) {
-    MotionWorld world(*w.model, sim(0s));
-    world.declare(w["A"], Role::kPredicted);
-    world.set_base(w["A"], sim(0s), moving({0, 0, 0}, {9.9, 0, 0}));
-    for (Duration t = step; t <= 12s; t += step) world.advance(sim(t));
-    std::vector<SimTime> met;
-    while (const auto event = world.poll_event()) {
-      if (const auto* contact = std::get_if<ContactEvent>(&*event)) met.push_back(contact->at);
-    }
-    ASSERT_EQ(met.size(), 1U);
-    EXPECT_NEAR(to_seconds(met.front() - sim(0s)), 10.0, 1e-6);
-  }
-}
-
 // The contacts of A, at 1 m/s, with B, 100 m away, after an update at 2 s says that at 0.5 s it was on its way to 148
 // m.
 std::vector<SimTime> met_in_the_past(Role of_b) {
-  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "100 0 0") + interest("A", "\"B\""));
-  MotionWorld world(*w.model, sim(0s));
-  world.declare(w["A"], Role::kPredicted);
+  auto&& [w, world] = Started(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "100 0 0") + interest("A", "\"B\""),
+                              {{"A", Role::kPredicted}});
   world.declare(w["B"], of_b);
   world.set_base(w["A"], sim(0s), moving({0, 0, 0}, {1, 0, 0}));
   for (int tick = 0; tick <= 120; ++tick) world.advance(sim(Duration{1s} * tick / 60));
   world.set_base(w["A"], sim(500ms), moving({50, 0, 0}, {98, 0, 0}));
   world.advance(sim(3s));
-  std::vector<SimTime> met;
-  while (const auto event = world.poll_event()) {
-    if (const auto* contact = std::get_if<ContactEvent>(&*event)) met.push_back(contact->at);
-  }
-  return met;
+  return contact_times(world);
 }
 
 TEST(FarPairs, AreOpenedByAnUpdateOfTheTimeBeforeTheyWereFar) {
@@ -96,10 +78,9 @@ TEST(FarPairs, AreOpenedByAnUpdateOfTheTimeBeforeTheyWereFar) {
 
 // B bounces off A at 1 s and flies away, so that the two become far. Then an update says that A was not there.
 TEST(FarPairs, TakeBackWhatTheyMetBeforeTheyWereFar) {
-  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "5 0 0", kBounces) + interest("B", "\"A\""));
-  MotionWorld world(*w.model, sim(0s));
-  for (const char* path : {"A", "B"}) world.declare(w[path], Role::kPredicted);
-  world.set_base(w["B"], sim(0s), moving({5, 0, 0}, {-4, 0, 0}));
+  auto&& [w, world] =
+      Started(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "5 0 0", kBounces) + interest("B", "\"A\""),
+              {{"A", Role::kPredicted}, {"B", Role::kPredicted, moving({5, 0, 0}, {-4, 0, 0})}});
   const auto advance_until = [&](Duration until) {
     for (Duration t = until - 1s; t <= until; t += 10ms) world.advance(sim(t));
   };
@@ -108,7 +89,7 @@ TEST(FarPairs, TakeBackWhatTheyMetBeforeTheyWereFar) {
   advance_until(5s);
   EXPECT_LE(world.counters().searches_far, checks + 1) << "the two are far, and nobody checks them";
   EXPECT_NEAR(world.at(w["B"], sim(5s)).position.x(), 17.0, 1e-5) << "bounced at 1 m";
-  while (world.poll_event()) continue;
+  (void)events_of(world);
 
   world.set_base(w["A"], sim(500ms), moving({2, 20, 0}));
   world.advance(sim(5s));
@@ -126,12 +107,11 @@ TEST(FarPairs, TakeBackWhatTheyMetBeforeTheyWereFar) {
 // Three boxes of which one is below a node that becomes a carrier later: what is far is so still, what has been
 // answered can be retracted, though all indices change.
 TEST(FarPairs, OutliveAChangeOfTheModel) {
-  const World w(box_with("BUS", "8 0.2 3", "0 9 0", "", box("DOOR", "1 2 0.1", "0 1 1.5")) +
-                box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "5 0 0", kBounces) + box("C", "1 1 1", "100 0 0") +
-                interest("B", "\"A\" \"C\" \"BUS\"") + interest("A", "\"C\" \"BUS\""));
-  MotionWorld world(*w.model, sim(0s));
-  for (const char* path : {"A", "B"}) world.declare(w[path], Role::kPredicted);
-  world.set_base(w["B"], sim(0s), moving({5, 0, 0}, {-4, 0, 0}));
+  auto&& [w, world] =
+      Started(box_with("BUS", "8 0.2 3", "0 9 0", "", box("DOOR", "1 2 0.1", "0 1 1.5")) + box("A", "1 1 1", "0 0 0") +
+                  box("B", "1 1 1", "5 0 0", kBounces) + box("C", "1 1 1", "100 0 0") +
+                  interest("B", "\"A\" \"C\" \"BUS\"") + interest("A", "\"C\" \"BUS\""),
+              {{"A", Role::kPredicted}, {"B", Role::kPredicted, moving({5, 0, 0}, {-4, 0, 0})}});
   world.advance(sim(2s));
   EXPECT_GT(world.at(w["B"], sim(2s)).position.x(), 4.5) << "bounced at 1 s";
   const auto next = extended(*w.model, std::vector{w["BUS"], w["DOOR"]});
@@ -140,14 +120,10 @@ TEST(FarPairs, OutliveAChangeOfTheModel) {
   world.set_base(w["A"], sim(500ms), moving({2, 20, 0}));
   world.advance(sim(3s));
   EXPECT_EQ(world.at(w["B"], sim(3s)).position, Vec3(-7, 0, 0)) << "A was not there";
-  while (world.poll_event()) continue;
+  (void)events_of(world);
   world.set_base(w["A"], sim(3s), moving({2, 20, 0}, {49, -10, 0}));  // meets C
   world.advance(sim(6s));
-  std::vector<ObjectId> met;
-  while (const auto event = world.poll_event()) {
-    if (const auto* contact = std::get_if<ContactEvent>(&*event)) met.push_back(contact->collidee);
-  }
-  EXPECT_EQ(met, std::vector{w["C"]});
+  EXPECT_EQ(take_met(world), std::vector{w["C"]});
 }
 
 void watch_all(MotionWorld& world, const World& w) {
@@ -163,7 +139,7 @@ std::vector<Found> run(const World& w, std::uint64_t seed, Duration step,
   MotionWorld world(*w.model, sim(0s), first);
   watch_all(world, w);
   std::vector<ObjectId> objects;
-  for (int i = 0; i < 12; ++i) objects.push_back(w[("O" + std::to_string(i)).c_str()]);
+  for (int i = 0; i < 12; ++i) objects.push_back(w["O" + std::to_string(i)]);
   for (const ObjectId o : objects) world.declare(o, Role::kPredicted);
   std::vector<Found> found;
   for (Duration t{0}; t <= 12s; t += 100ms) {
@@ -175,14 +151,10 @@ std::vector<Found> run(const World& w, std::uint64_t seed, Duration step,
     world.set_base(o, of, moving(world.at(o, of).position, velocity));
   }
   world.advance(sim(13s));
-  while (const auto event = world.poll_event()) {
-    if (const auto* back = std::get_if<ContactsRetracted>(&*event)) {
-      std::erase_if(found,
-                    [&](const Found& f) { return back->retracts(std::get<0>(f), std::get<1>(f), std::get<2>(f)); });
-    } else if (const auto* c = std::get_if<ContactEvent>(&*event)) {
-      found.emplace_back(c->at, c->collider, c->collidee, c->collider_after.position.x(),
-                         c->collider_after.velocity.x());
-    }
+  std::vector<ContactEvent> left;
+  (void)standing(world, left);
+  for (const ContactEvent& c : left) {
+    found.emplace_back(c.at, c.collider, c.collidee, c.collider_after.position.x(), c.collider_after.velocity.x());
   }
   std::ranges::sort(found);
   for (const ObjectId o : objects) {
@@ -229,22 +201,15 @@ TEST(WaitingPairs, GiveTheSameContactsAsThoseThatWereWatchedAllTheTime) {
   EXPECT_GT(met, 100U);
 }
 
-std::vector<ObjectId> take_met(MotionWorld& world) {
-  std::vector<ObjectId> met;
-  while (const auto event = world.poll_event()) {
-    if (const auto* c = std::get_if<ContactEvent>(&*event)) met.push_back(c->collidee);
-  }
-  return met;
-}
-
 class WaitingPair : public testing::Test {
  protected:
+  WaitingPair() { world.watch(0, true); }
+
   World w{box("A", "1 1 1", "0 0 0", kBounces) + box("B", "1 1 1", "10 0 0") + interest("A", "\"B\"")};
   MotionWorld world{*w.model, sim(0s), MotionWorld::Watched::kNone};
 };
 
 TEST_F(WaitingPair, IsNotThereUntilOneOfTheTwoMoves) {
-  world.watch(0, true);
   world.declare(w["A"], Role::kPredicted);
   world.advance(sim(1s));
   EXPECT_TRUE(world.known_pairs().empty());
@@ -258,17 +223,8 @@ TEST_F(WaitingPair, IsNotThereUntilOneOfTheTwoMoves) {
   EXPECT_LT(world.at(w["A"], sim(5s)).velocity.x(), 0.0);
 }
 
-TEST_F(WaitingPair, IsWatchedWhicheverOfTheTwoMoves) {
-  world.watch(0, true);
-  world.declare(w["A"], Role::kPredicted);
-  world.set_base(w["B"], sim(0s), moving({10, 0, 0}, {-3, 0, 0}));
-  world.advance(sim(5s));
-  EXPECT_EQ(take_met(world), std::vector{w["B"]});
-}
-
 // A peer sets its own objects at rest where they are as it enters the session.
 TEST_F(WaitingPair, IsNamedWhereTheFirstWayOfOneOfTheTwoBeginsInTheOther) {
-  world.watch(0, true);
   world.declare(w["A"], Role::kAuthoritative);
   world.set_base(w["A"], sim(0s), moving({0, 0, 0}));
   world.advance(sim(1s));
@@ -280,7 +236,6 @@ TEST_F(WaitingPair, IsNamedWhereTheFirstWayOfOneOfTheTwoBeginsInTheOther) {
 }
 
 TEST_F(WaitingPair, MeetsNothingOnceItIsNotWatched) {
-  world.watch(0, true);
   world.watch(0, false);
   world.set_base(w["A"], sim(0s), moving({0, 0, 0}, {3, 0, 0}));
   world.advance(sim(5s));
@@ -291,7 +246,6 @@ TEST_F(WaitingPair, MeetsNothingOnceItIsNotWatched) {
 TEST_F(WaitingPair, CountsAsSkippedAsOneThatIsFar) {
   MotionWorld all(*w.model, sim(0s));
   all.advance(sim(1s));
-  world.watch(0, true);
   world.advance(sim(1s));
   const std::uint64_t all_before = all.counters().searches_skipped, before = world.counters().searches_skipped;
   all.advance(sim(2s));
@@ -301,7 +255,6 @@ TEST_F(WaitingPair, CountsAsSkippedAsOneThatIsFar) {
 }
 
 TEST_F(WaitingPair, WaitsOnBeyondAChangeOfTheModel) {
-  world.watch(0, true);
   world.advance(sim(1s));
   const auto next = extended(*w.model, {});
   world.change_model(*next);
@@ -368,9 +321,8 @@ struct Kicked {
     jammed_before = world.counters().jammed;
     world.set_base(w["C"], sim(1'000'300us), moving({-50, 500, 0}));
     advance_in_ticks(world, sim(update_comes), sim(9s));
-    while (auto event = world.poll_event()) {
-      if (const auto* c = std::get_if<ContactEvent>(&*event); c != nullptr && c->collider == w["B"]) met.push_back(*c);
-    }
+    std::ranges::copy_if(contacts_of(world), std::back_inserter(met),
+                         [&](const ContactEvent& c) { return c.collider == w["B"]; });
   }
   World w;
   MotionWorld world;
@@ -395,12 +347,13 @@ TEST(FarPairs, StayFarWhereThePastIsSqueezedThroughThem) {
 // B has met a lift, and a light barrier that goes ahead of it, when an update says that it was in a vice, far from
 // both. It stops at the wall, and what presses it goes through it; the two that are far do not.
 TEST(FarPairs, AreNoneThatPressWhatIsHeldAtAWall) {
-  const World w(box("B", "1 1 1", "0 0 0", kBounces) + box("LIFT", "10 1 10", "0 -11 0") +
-                box("LIGHT", "10 1 10", "0 -10.999 0") + interest("B", "\"LIFT\"") + interest("LIGHT", "\"B\"") +
-                vice("B"));
-  MotionWorld world(*w.model, sim(0s));
-  for (const char* path : {"B", "LIFT", "LIGHT", "PRESS"}) world.declare(w[path], Role::kPredicted);
-  world.set_base(w["LIFT"], sim(0s), moving({0, -11, 0}, {0, 10, 0}));
+  auto&& [w, world] = Started(box("B", "1 1 1", "0 0 0", kBounces) + box("LIFT", "10 1 10", "0 -11 0") +
+                                  box("LIGHT", "10 1 10", "0 -10.999 0") + interest("B", "\"LIFT\"") +
+                                  interest("LIGHT", "\"B\"") + vice("B"),
+                              {{"B", Role::kPredicted},
+                               {"LIFT", Role::kPredicted, moving({0, -11, 0}, {0, 10, 0})},
+                               {"LIGHT", Role::kPredicted},
+                               {"PRESS", Role::kPredicted}});
   world.set_base(w["LIGHT"], sim(0s), moving({0, -10.999, 0}, {0, 10, 0}));  // 0.1 ms earlier
   world.set_base(w["PRESS"], sim(0s), moving({-52.0004, 500, 0}, {1, 0, 0}));
   advance_in_ticks(world, sim(0s), sim(1'000'200us));
@@ -409,16 +362,13 @@ TEST(FarPairs, AreNoneThatPressWhatIsHeldAtAWall) {
   advance_in_ticks(world, sim(1'000'300us), sim(1'100ms));
   EXPECT_GE(world.counters().jammed, 1U);
   EXPECT_NEAR(world.at(w["B"], sim(1'100ms)).position.x(), -49.9999, 1e-5) << "at the wall";
-  while (world.poll_event()) continue;
+  (void)events_of(world);
   // A later update puts the two below B again, 1 s away.
   world.set_base(w["LIFT"], sim(1'200ms), moving({-50, 489, 0}, {0, 10, 0}));
   world.set_base(w["LIGHT"], sim(1'200ms), moving({-50, 489.001, 0}, {0, 10, 0}));
   advance_in_ticks(world, sim(1'200ms), sim(2'300ms));
   std::vector<ObjectId> met;
-  while (auto event = world.poll_event()) {
-    if (const auto* c = std::get_if<ContactEvent>(&*event))
-      met.push_back(c->collider == w["B"] ? c->collidee : c->collider);
-  }
+  for (const ContactEvent& c : contacts_of(world)) met.push_back(c.collider == w["B"] ? c.collidee : c.collider);
   EXPECT_EQ(std::ranges::count(met, w["LIFT"]), 1);
   EXPECT_EQ(std::ranges::count(met, w["LIGHT"]), 1);
 }

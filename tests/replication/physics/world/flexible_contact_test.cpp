@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "tests/replication/peer/worlds.hpp"
 
 namespace peerd::replication::flexible_contact_test {
@@ -17,11 +15,7 @@ std::string grows(double face, int type, const std::string& wall_fields = "", bo
   return (carried ? "DEF CART Transform { children " + cube + "}\n" : cube) +
          box("WALL", "1 4 4", std::to_string(face + 0.5) + " 0 0", wall_fields) +
          "CollisionInterest { objectPath \"GROWS\" interests [\"WALL\"] collisionType " + std::to_string(type) +
-         " }\n" +
-         R"(DEF T TimeSensor { cycleInterval 4 loop TRUE }
-DEF P PositionInterpolator { key [ 0 0.5 1 ] keyValue [ 1 1 1, 4 1 1, 1 1 1 ] }
-ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO GROWS.set_scale
-)";
+         " }\n" + kGrows;
 }
 
 struct Flexing {
@@ -36,10 +30,7 @@ struct Flexing {
   }
   std::vector<double> contacts_s() {
     std::vector<double> times;
-    while (const auto event = motion.poll_event()) {
-      const auto* const contact = std::get_if<ContactEvent>(&*event);
-      if (contact != nullptr) times.push_back(to_seconds(contact->at.time_since_epoch()));
-    }
+    for (const SimTime at : contact_times(motion)) times.push_back(to_seconds(at.time_since_epoch()));
     return times;
   }
 

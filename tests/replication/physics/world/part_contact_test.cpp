@@ -188,6 +188,21 @@ Gaps gaps_until(double until_s, Gap gap) {
   return gaps;
 }
 
+// The contact of the two ends until 1.5 s, if they meet, is neither late nor early by more than 1e-6 m, twice the
+// errors of both fine pieces, and what the two go within the nanosecond by which time is rounded. Returns whether they
+// meet.
+template <class Gap>
+bool meet_in_time(const Boxes& a, const Boxes& b, CollisionType type, Gap gap) {
+  constexpr double kUntil_s = 1.5;
+  const auto found = first_until({a, b, type}, sim(seconds(kUntil_s)));
+  const Gaps gaps = gaps_until(found ? to_seconds(found->at.time_since_epoch()) : kUntil_s, gap);
+  EXPECT_GT(gaps.least_before_m, -1e-9) << "late";
+  if (found) {
+    EXPECT_LE(gaps.at_m, 1e-6 + 4 * kFineError_m + 1e-7) << "early";
+  }
+  return found.has_value();
+}
+
 // ---- exact motion ----
 
 // Neither side is composed of motions that turn, so that a search by pieces has nothing to add.
@@ -270,7 +285,6 @@ TEST(FirstPartContact, BeginsWhereTheMotionsDo) {
 // ---- composed motion ----
 
 TEST(FirstPartContact, ComposedMotionIsNeverLateAndEarlyByWhatItSays) {
-  constexpr double kUntil_s = 1.5;
   Rng rng{std::mt19937_64(2)};
   int met = 0, passed = 0;
   for (int i = 0; i < 1500; ++i) {
@@ -280,14 +294,7 @@ TEST(FirstPartContact, ComposedMotionIsNeverLateAndEarlyByWhatItSays) {
     b.push_back(any_box(rng, {2, 0, 0}));
     const auto gap = [&](double t) { return gap_of(a[0], b[0], t); };
     if (gap(0.0) < 0.01) continue;
-    const auto found = first_until({a, b, CollisionType::kWitness}, sim(seconds(kUntil_s)));
-    const double until_s = found ? to_seconds(found->at.time_since_epoch()) : kUntil_s;
-    const Gaps gaps = gaps_until(until_s, gap);
-    EXPECT_GT(gaps.least_before_m, -1e-9) << "late";
-    ++(found ? met : passed);
-    if (!found) continue;
-    // 1e-6 m, twice the errors of both fine pieces, and what the two go within the nanosecond by which time is rounded.
-    EXPECT_LE(gaps.at_m, 1e-6 + 4 * kFineError_m + 1e-7) << "early";
+    ++(meet_in_time(a, b, CollisionType::kWitness, gap) ? met : passed);
   }
   EXPECT_GT(met, 30);
   EXPECT_GT(passed, 15);
@@ -349,7 +356,6 @@ TEST(FirstPartContact, ALawThatItsPiecesRoundIsNotLate) {
 }
 
 TEST(FirstPartContact, BoxesOfSeveralPartsAreThoseOfTheWholeEnds) {
-  constexpr double kUntil_s = 1.5;
   Rng rng{std::mt19937_64(3)};
   int met = 0, passed = 0;
   for (int i = 0; i < 600; ++i) {
@@ -359,14 +365,7 @@ TEST(FirstPartContact, BoxesOfSeveralPartsAreThoseOfTheWholeEnds) {
     for (int k = static_cast<int>(rng(1, 3)); k > 0; --k) b.push_back(any_box(rng, {4, 0, 0}));
     const auto gap = [&](double t) { return world_gap_of(a, b, t); };
     if (gap(0.0) < 0.01) continue;
-    const auto found = first_until({a, b, CollisionType::kBox}, sim(seconds(kUntil_s)));
-    const double until_s = found ? to_seconds(found->at.time_since_epoch()) : kUntil_s;
-    const Gaps gaps = gaps_until(until_s, gap);
-    EXPECT_GT(gaps.least_before_m, -1e-9) << "late";
-    ++(found ? met : passed);
-    if (found) {
-      EXPECT_LE(gaps.at_m, 1e-6 + 4 * kFineError_m + 1e-7) << "early";
-    }
+    ++(meet_in_time(a, b, CollisionType::kBox, gap) ? met : passed);
   }
   EXPECT_GT(met, 20);
   EXPECT_GT(passed, 10);

@@ -46,20 +46,6 @@ Edit sets(const Scene& scene, ObjectId id, const std::string& field, const std::
   };
 }
 
-// The contacts that have not been retracted.
-std::vector<SimTime> standing(MotionWorld& world, std::vector<ContactEvent>& all) {
-  while (auto event = world.poll_event()) {
-    if (const auto* c = std::get_if<ContactEvent>(&*event)) all.push_back(*c);
-    if (const auto* back = std::get_if<ContactsRetracted>(&*event)) {
-      std::erase_if(all, [&](const ContactEvent& c) { return back->retracts(c.at, c.collider, c.collidee); });
-    }
-  }
-  std::vector<SimTime> times;
-  for (const ContactEvent& c : all) times.push_back(c.at);
-  std::ranges::sort(times);
-  return times;
-}
-
 struct Lived {
   std::vector<SimTime> contacts;
   KinematicState ball;
@@ -86,7 +72,13 @@ const std::string kBall = box("BALL", "0.5 0.5 0.5", "0 0 0", kBounces);
 const std::string kLeft = box("LEFT", "1 50 50", "-3.75 0 0");
 const std::string kRight = box("RIGHT", "1 50 50", "3.75 0 0");
 
-class SceneChange : public testing::TestWithParam<Duration> {};  // when the edit is known
+// The parameter is when the edit is known that takes effect at 1 s.
+class SceneChange : public testing::TestWithParam<Duration> {
+ protected:
+  static Lived lived_with(const World& w, const Edit& edit, const KinematicState& ball = moving({0, 0, 0}, {2, 0, 0})) {
+    return live(w, ball, edit, 1s, GetParam(), 4s);
+  }
+};
 
 TEST_P(SceneChange, WhatIsAddedIsMet) {
   const World w(kBall + kLeft + interest("BALL", "\"LEFT\""));
@@ -95,14 +87,14 @@ TEST_P(SceneChange, WhatIsAddedIsMet) {
                                   {}, [&](std::string_view path) { return w.scene.find(path); });
     EXPECT_TRUE(added) << added.error();
   };
-  const Lived lived = live(w, moving({0, 0, 0}, {2, 0, 0}), wall, 1s, GetParam(), 4s);
+  const Lived lived = lived_with(w, wall);
   EXPECT_THAT(lived.contacts, ElementsAre(sim(1500ms)));
   EXPECT_EQ(lived.ball.position, Vec3(-2, 0, 0));
 }
 
 TEST_P(SceneChange, WhatIsRemovedIsNot) {
   const World w(corridor());
-  const Lived lived = live(w, moving({0, 0, 0}, {2, 0, 0}), removes(w["RIGHT"]), 1s, GetParam(), 4s);
+  const Lived lived = lived_with(w, removes(w["RIGHT"]));
   EXPECT_THAT(lived.contacts, IsEmpty());
   EXPECT_EQ(lived.ball.position, Vec3(8, 0, 0));
 }
@@ -110,30 +102,27 @@ TEST_P(SceneChange, WhatIsRemovedIsNot) {
 // It has been met before: that stands.
 TEST_P(SceneChange, WhatWasMetBeforeStands) {
   const World w(corridor());
-  const Lived lived = live(w, moving({0, 0, 0}, {20, 0, 0}), removes(w["RIGHT"]), 1s, GetParam(), 4s);
+  const Lived lived = lived_with(w, removes(w["RIGHT"]), moving({0, 0, 0}, {20, 0, 0}));
   EXPECT_THAT(lived.contacts, ElementsAre(sim(150ms), sim(450ms), sim(750ms), sim(1050ms)));
   EXPECT_NEAR(lived.ball.position.x(), -3 + 20 * 2.95, 1e-9);
 }
 
 TEST_P(SceneChange, WhatIsMovedIsMetElsewhere) {
   const World w(corridor());
-  const Lived lived =
-      live(w, moving({0, 0, 0}, {2, 0, 0}), sets(w.scene, w["RIGHT"], "translation", "4.75 0 0"), 1s, GetParam(), 4s);
+  const Lived lived = lived_with(w, sets(w.scene, w["RIGHT"], "translation", "4.75 0 0"));
   EXPECT_THAT(lived.contacts, ElementsAre(sim(2s)));
   EXPECT_EQ(lived.ball.position, Vec3(0, 0, 0));
 }
 
 TEST_P(SceneChange, WhatIsScaledIsMetEarlier) {
   const World w(corridor());
-  const Lived lived =
-      live(w, moving({0, 0, 0}, {2, 0, 0}), sets(w.scene, w["RIGHT"], "scale", "2 1 1"), 1s, GetParam(), 4s);
+  const Lived lived = lived_with(w, sets(w.scene, w["RIGHT"], "scale", "2 1 1"));
   EXPECT_THAT(lived.contacts, ElementsAre(sim(1250ms), sim(4s)));
 }
 
 TEST_P(SceneChange, WhatAnswersNoMoreGoesThrough) {
   const World w(corridor());
-  const Lived lived =
-      live(w, moving({0, 0, 0}, {2, 0, 0}), sets(w.scene, w["BALL"], "collisionResponse", "NULL"), 1s, GetParam(), 4s);
+  const Lived lived = lived_with(w, sets(w.scene, w["BALL"], "collisionResponse", "NULL"));
   ASSERT_EQ(lived.contacts.size(), 2u);  // the faces of the wall; between them it touches none
   EXPECT_EQ(lived.contacts[0], sim(1500ms));
   EXPECT_NEAR(to_seconds(lived.contacts[1] - sim(2s)), 0.0, 1e-6);
@@ -144,13 +133,12 @@ TEST_P(SceneChange, WhatAnswersNoMoreGoesThrough) {
 TEST_P(SceneChange, WhatIsElsewhereDoesNotMatter) {
   const World w(corridor());
   const KinematicState ball = moving({0, 0, 0}, {2.3, 0.1, -0.2});
-  const Lived lived = live(w, ball, adds(box("FAR", "1 1 1", "90 0 0")), 1s, GetParam(), 4s);
+  const Lived lived = lived_with(w, adds(box("FAR", "1 1 1", "90 0 0")), ball);
   MotionWorld world(*w.model, sim(0s));
   world.declare(w["BALL"], Role::kPredicted);
   world.set_base(w["BALL"], sim(0s), ball);
   world.advance(sim(4s));
-  std::vector<ContactEvent> contacts;
-  EXPECT_EQ(lived.contacts, standing(world, contacts));
+  EXPECT_EQ(lived.contacts, standing(world));
   EXPECT_TRUE(same_bits(lived.ball, world.at(w["BALL"], sim(4s))));
 }
 
@@ -159,10 +147,9 @@ INSTANTIATE_TEST_SUITE_P(Known, SceneChange, testing::Values(1s, 1400ms, 1700ms,
 
 // A ball that lies on a floor falls when the floor goes.
 TEST(SceneChangeOnce, WhatLayOnItFalls) {
-  const World w(
+  auto&& [w, world] = Started(
       box("BALL", "0.5 0.5 0.5", "0 1 0", " collisionResponse CollisionResponse { responseType 2 restitution 0.2 } ") +
       box("FLOOR", "9 1 9", "0 0 0") + interest("BALL", "\"FLOOR\""));
-  MotionWorld world(*w.model, sim(0s));
   const ObjectId ball = w["BALL"];
   world.declare(ball, Role::kPredicted);
   world.set_base(ball, sim(0s), moving({0, 1, 0}, Vec3::Zero(), {0, -9.81, 0}));

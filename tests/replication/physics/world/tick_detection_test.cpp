@@ -16,14 +16,6 @@ std::unique_ptr<TickDetection> detection_by(const char* engine, std::uint32_t hz
   return std::make_unique<TickDetection>(collision::engines::make_engine(engine).value().narrow_phase, hz);
 }
 
-std::vector<ContactEvent> contacts(MotionWorld& world) {
-  std::vector<ContactEvent> all;
-  while (auto e = world.poll_event()) {
-    if (const auto* c = std::get_if<ContactEvent>(&*e)) all.push_back(*c);
-  }
-  return all;
-}
-
 // The ball meets the right wall after exactly 1.5 s, between two ticks of 7 Hz.
 TEST(TickDetection, FindsAContactAtTheNextTick) {
   const World w(corridor());
@@ -34,7 +26,7 @@ TEST(TickDetection, FindsAContactAtTheNextTick) {
     world.declare(w["BALL"], Role::kPredicted);
     world.set_base(w["BALL"], sim(0s), moving({0, 1, 0}, {2, 0.5, 0}));
     world.advance(sim(2s));
-    const auto seen = contacts(world);
+    const auto seen = contacts_of(world);
     ASSERT_THAT(seen, SizeIs(1)) << engine;
     EXPECT_EQ(seen[0].at, TickGrid(7).time_of(11)) << engine;  // 1.571 s
     EXPECT_EQ(seen[0].collidee, w["RIGHT"]) << engine;
@@ -51,7 +43,7 @@ TEST(TickDetection, WhatIsAnsweredCrossesTheCorridor) {
   world.declare(w["BALL"], Role::kPredicted);
   world.set_base(w["BALL"], sim(0s), moving({2.9, 0, 0}, {6, -4, 3}));
   world.advance(sim(2s));
-  const auto seen = contacts(world);
+  const auto seen = contacts_of(world);
   ASSERT_THAT(seen, SizeIs(2));
   EXPECT_EQ(seen[0].at, sim(20ms));
   EXPECT_EQ(seen[0].collidee, w["RIGHT"]);
@@ -67,7 +59,7 @@ TEST(TickDetection, WhatStopsInTheWallMeetsItOnce) {
   world.declare(w["BALL"], Role::kPredicted);
   world.set_base(w["BALL"], sim(0s), moving({2.5, 0, 0}, {6, 0, 0}));
   world.advance(sim(3s));
-  EXPECT_THAT(contacts(world), SizeIs(1));
+  EXPECT_THAT(contacts_of(world), SizeIs(1));
   EXPECT_NEAR(world.at(w["BALL"], sim(3s)).position.x(), 3.1, 1e-9);
 }
 
@@ -106,7 +98,7 @@ TEST(TickDetection, SidesInOnePlaneAreNotWhatIsMet) {
   world.set_base(w["A"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
   world.set_base(w["B"], sim(0s), moving({2, 0, 0}, {-1, 0, 0}));
   world.advance(sim(3s));
-  const auto seen = contacts(world);
+  const auto seen = contacts_of(world);
   ASSERT_THAT(seen, SizeIs(1));
   EXPECT_EQ(seen[0].normal.cwiseAbs(), Vec3::UnitX());
   EXPECT_GE(seen[0].at, sim(1500ms));
@@ -123,7 +115,7 @@ TEST(TickDetection, WithoutAnAnswerAContactLastsFromTickToTick) {
   world.declare(w["A"], Role::kDriven);
   world.set_base(w["A"], sim(0s), moving({-5, 0, 0}, {3, 0, 0}));
   world.advance(sim(4s));
-  const auto seen = contacts(world);
+  const auto seen = contacts_of(world);
   ASSERT_THAT(seen, SizeIs(1));
   EXPECT_EQ(seen[0].at, sim(1400ms));  // it touches from 1.333 s to 2 s
 }
@@ -140,8 +132,7 @@ TEST(TickDetection, AnyFrameRateGivesTheSameContacts) {
     world.set_base(w["BALL"], sim(0s), moving({0, 1, 0}, {7, 0.5, 0.25}));
     for (Duration t = step; t <= 4s; t += step) world.advance(sim(t));
     world.advance(sim(4s));
-    std::vector<SimTime>& times = all.emplace_back();
-    for (const ContactEvent& c : contacts(world)) times.push_back(c.at);
+    all.push_back(contact_times(world));
   }
   EXPECT_THAT(all[0], SizeIs(testing::Ge(4u)));
   for (const auto& times : all) EXPECT_EQ(times, all[0]);

@@ -60,9 +60,12 @@ class CarryOver : public testing::Test {
     return replication::carry_over(*world.model, std::move(known), *next, sim(2s), pairs);
   }
 
-  World world{box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")) +
-              box("CURB", "0.5 0.6 4", "8 0.5 0", kBounces) + box("BIRD", "1 1 1", "0 9 0") +
-              interest("CAR", "\"CURB\"") + interest("CURB", "\"BIRD\"")};
+  static std::string car_and_curb() {
+    return car_and_wheel() + box("CURB", "0.5 0.6 4", "8 0.5 0", kBounces) + box("BIRD", "1 1 1", "0 9 0") +
+           interest("CAR", "\"CURB\"");
+  }
+
+  World world{car_and_curb() + interest("CURB", "\"BIRD\"")};
   std::unique_ptr<const WorldModel> next = extended(*world.model, std::vector{world["WHEEL"]});
   WatchedPairs known = all_watched(*world.model, sim(1s)), pairs{next->part_pairs.size()};
 };
@@ -113,9 +116,7 @@ TEST_F(CarryOver, WhatWasNeverWatchedIsNot) {
 }
 
 TEST_F(CarryOver, PairsOfANewInterestAreWatched) {
-  const World without{box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")) +
-                      box("CURB", "0.5 0.6 4", "8 0.5 0", kBounces) + box("BIRD", "1 1 1", "0 9 0") +
-                      interest("CAR", "\"CURB\"")};
+  const World without{car_and_curb()};
   known = WatchedPairs(without.model->part_pairs.size());
   EXPECT_THAT(replication::carry_over(*without.model, std::move(known), *next, sim(2s), pairs), ElementsAre(2));
   EXPECT_TRUE(pairs[2].watched);

@@ -114,9 +114,7 @@ std::vector<Named> part_pairs_of(const World& w, std::uint32_t pair) {
   return named;
 }
 
-std::string car_and_curb() {
-  return box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")) + box("CURB", "0.5 0.6 4", "8 0.5 0");
-}
+std::string car_and_curb() { return car_and_wheel() + box("CURB", "0.5 0.6 4", "8 0.5 0"); }
 
 TEST(WorldModel, WhatStandsBelowAnEndIsAPartOfIt) {
   const World w(car_and_curb() + interest("CAR", "\"CURB\"") + interest("WHEEL", "\"CURB\""));
@@ -250,9 +248,9 @@ TEST(WorldModel, AContactIsAnsweredWhereAColliderResponds) {
   EXPECT_FALSE(w.model->is_answered(w["A"], w["B"])) << "no interest";
 }
 
-const std::string kCarInALot =
-    "DEF LOT Transform { children [ " + box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")) +
-    "] }\n" + box("CURB", "0.5 0.6 4", "8 0.5 0") + box("BIRD", "1 1 1", "0 9 0") + interest("LOT", "\"CURB\"");
+const std::string kCarInALot = "DEF LOT Transform { children [ " + car_and_wheel() + "] }\n" +
+                               box("CURB", "0.5 0.6 4", "8 0.5 0") + box("BIRD", "1 1 1", "0 9 0") +
+                               interest("LOT", "\"CURB\"");
 
 const IsOwned kNoneIsOwned = [](ObjectId) { return false; };
 
@@ -284,7 +282,7 @@ TEST(NeedsCarrier, WhereSomethingElseMovesAboveOrBelow) {
 }
 
 TEST(NeedsCarrier, WhereWhatMeetsNothingIsOwned) {
-  const World w(box_with("CAR", "4 1 2", "0 2 0", "", box("WHEEL", "1 1 0.4", "1 -1 0")));
+  const World w(car_and_wheel());
   const ObjectId car = w["CAR"], wheel = w["WHEEL"];
   for (const auto& [id, owned] : {std::pair{car, wheel}, std::pair{wheel, car}}) {
     EXPECT_FALSE(needs_carrier(*w.model, id, kNoneIsOwned));

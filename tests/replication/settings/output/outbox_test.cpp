@@ -14,12 +14,7 @@ struct Box {
 };
 
 UpdateRecord update_of(std::uint32_t object, SimTime at) {
-  UpdateRecord u;
-  u.object = ObjectId{object};
-  u.sequence = 1;
-  u.at = at;
-  u.model = moving({1, 2, 3}, {4, 5, 6});
-  return u;
+  return {ObjectId{object}, 1, at, moving({1, 2, 3}, {4, 5, 6})};
 }
 
 TEST(Outbox, GivesOutputsInTheOrderOfTheirMaking) {
