@@ -9,7 +9,7 @@
 
 #include "peerd/lab/live/assemble.hpp"
 #include "peerd/lab/measure/summary.hpp"
-#include "peerd/lab/sim/simulation.hpp"
+#include "peerd/lab/sim/simulated_run.hpp"
 
 // A scenario of the repository, run on the simulated network, with what its report says of it.
 namespace peerd::sim::testing_support {
@@ -65,9 +65,20 @@ inline std::vector<Ran> run_scenario(const std::string& file, const std::vector<
     ran.settings = settings;
     ran.logs = must(simulate(settings, *shared));
     ran.record = must(assemble(settings, *shared, ran.logs));
+    if (settings.compare_outcomes) ran.record.wrong = must(compare_outcomes(ran.record, settings, *shared));
     ran.summary = measure::summarise({scenario.name, "sim", scenario.seed, {}}, {&ran.record, 1})["runs"][0];
   }
   return runs;
+}
+
+// Three peers have the same outcomes of the contacts that are decided for all.
+inline void expect_one_outcome(const Ran& ran, int decided_at_least) {
+  const auto& shared = ran.summary["collisions"]["shared"];
+  EXPECT_GE(shared["decided"], decided_at_least);
+  EXPECT_EQ(shared["agreed"], 2 * shared["decided"].get<int>());
+  EXPECT_EQ(shared["disagreed"], 0);
+  EXPECT_EQ(shared["missed"], 0);
+  EXPECT_EQ(shared["spurious"], 0);
 }
 
 // One run of eq47: its sweep set to one row of the table, and whatever else.

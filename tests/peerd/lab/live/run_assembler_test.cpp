@@ -31,18 +31,4 @@ TEST(RunAssembler, GivesTheSameWhileRowsComeAsAfterwards) {
   for (std::size_t i = 0; i < during.peers.size(); ++i) EXPECT_EQ(during.peers[i].there_s, after.peers[i].there_s);
 }
 
-TEST(RunAssembler, KeepsNoMoreRowsThanItMayAndMeasuresAll) {
-  const config::Scenario scenario =
-      must(config::read_scenario({.file = kScenario, .configs = {}, .sets = {}, .seed = {}}));
-  const auto shared = must(share_world(scenario.world));
-  const config::RunSettings& run = scenario.runs.front();
-  const measure::RunRecord all = must(sim::simulated_run(run, *shared));
-  const measure::RunRecord few = must(sim::simulated_run(run, *shared, {}, {}, nullptr, {.limits = {100, 20, 20}}));
-  EXPECT_LE(few.ghost_samples.size(), 100u);
-  EXPECT_LE(few.updates.size(), 20u);
-  EXPECT_LE(few.datagrams.size(), 20u);
-  const measure::ScenarioInfo info{"s", "sim", 1, {}};
-  EXPECT_EQ(measure::summarise(info, {&few, 1}).dump(), measure::summarise(info, {&all, 1}).dump());
-}
-
 }  // namespace peerd::run_assembler_test

@@ -17,15 +17,6 @@ measure::RunRecord run(std::vector<std::string> sets) {
   return must(simulated_run(scenario.runs.front(), *must(share_world(scenario.world))));
 }
 
-TEST(SimulatedRun, IsTheAssembledSimulation) {
-  const measure::RunRecord record = run({});
-  const auto plain = testing_support::run_scenario(kMeeting).front().record;
-  EXPECT_EQ(record.ghost_samples.size(), plain.ghost_samples.size());
-  EXPECT_EQ(record.datagrams.size(), plain.datagrams.size());
-  EXPECT_FALSE(record.wrong) << "nobody asked";
-  EXPECT_FALSE(record.interest) << "no peer has an area";
-}
-
 TEST(SimulatedRun, ComparesWithTheTruthWhereAsked) {
   const measure::RunRecord record = run({"decisions.compare=true"});
   ASSERT_TRUE(record.wrong);

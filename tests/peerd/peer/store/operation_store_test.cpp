@@ -54,6 +54,18 @@ class Store : public testing::Test {
     const auto done = store.append(parts);
     ASSERT_TRUE(done) << done.error().text;
   }
+  // As on a full disk: files cannot grow.
+  static Result<void> append_on_full_disk(OperationStore& store, const OperationPart& more) {
+    rlimit before{};
+    getrlimit(RLIMIT_FSIZE, &before);
+    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit none{8192, before.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &none);
+    auto done = store.append({&more, 1});
+    setrlimit(RLIMIT_FSIZE, &before);
+    std::signal(SIGXFSZ, handler);
+    return done;
+  }
   [[nodiscard]] std::string error_of_opening(std::uint64_t world = kWorld) {
     const auto store = open(world);
     return store ? "" : store.error().text;
@@ -403,32 +415,23 @@ TEST_F(Store, ALogThatIsWrittenAheadMayEndAnywhere) {
   }
 }
 
-// As on a full disk: files cannot grow. What was acknowledged stays; the author writes no more in its next life, for
-// what it published meanwhile may be missing.
+// What was acknowledged stays; the author writes no more in its next life, for what it published meanwhile may be
+// missing.
 TEST_F(Store, AFullDiskIsSaidAndLosesNothing) {
   const OperationPart first = part(kOwn, 2), lost = part(kOwn, 200);
   {
     auto store = open();
     ASSERT_TRUE(store);
     append(**store, {first});
-    rlimit before{};
-    getrlimit(RLIMIT_FSIZE, &before);
-    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit none{8192, before.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &none);
-    const auto refused = (*store)->append({&lost, 1});
-    setrlimit(RLIMIT_FSIZE, &before);
-    std::signal(SIGXFSZ, handler);
+    const auto refused = append_on_full_disk(**store, lost);
     ASSERT_FALSE(refused);
     EXPECT_THAT(refused.error().text, HasSubstr("cannot be written"));
     EXPECT_FALSE((*store)->must_stop());
   }
-  {
-    const auto again = OperationStore::open(at, kWorld, {AuthorId{55}});
-    ASSERT_TRUE(again) << again.error().text;
-    EXPECT_EQ(bytes_of((*again)->log()), bytes_of({first}));
-    EXPECT_EQ((*again)->author(), AuthorId{55});
-  }
+  const auto again = OperationStore::open(at, kWorld, {AuthorId{55}});
+  ASSERT_TRUE(again) << again.error().text;
+  EXPECT_EQ(bytes_of((*again)->log()), bytes_of({first}));
+  EXPECT_EQ((*again)->author(), AuthorId{55});
 }
 
 TEST_F(Store, WhatAFullDiskRefusedCanBeWrittenLater) {
@@ -436,14 +439,7 @@ TEST_F(Store, WhatAFullDiskRefusedCanBeWrittenLater) {
   {
     auto store = open();
     ASSERT_TRUE(store);
-    rlimit before{};
-    getrlimit(RLIMIT_FSIZE, &before);
-    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit none{8192, before.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &none);
-    EXPECT_FALSE((*store)->append({&late, 1}));
-    setrlimit(RLIMIT_FSIZE, &before);
-    std::signal(SIGXFSZ, handler);
+    EXPECT_FALSE(append_on_full_disk(**store, late));
     append(**store, {late});
   }
   const auto again = OperationStore::open(at, kWorld, {AuthorId{55}});
@@ -514,18 +510,6 @@ TEST_F(Copy, WhoseAuthorIsNoNumberIsDamaged) {
 // A write that the disk does not take is not taken for done.
 class Disk : public Store {
  protected:
-  // As on a full disk: files cannot grow.
-  Result<void> append_on_full_disk(OperationStore& store, const OperationPart& more) {
-    rlimit before{};
-    getrlimit(RLIMIT_FSIZE, &before);
-    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit none{8192, before.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &none);
-    auto done = store.append({&more, 1});
-    setrlimit(RLIMIT_FSIZE, &before);
-    std::signal(SIGXFSZ, handler);
-    return done;
-  }
   testing_support::WatchedFsync fsyncs;
 };
 

@@ -124,6 +124,7 @@ class ServedPeer {
     const std::lock_guard lock(said_mutex_);
     return said_;
   }
+  [[nodiscard]] gateway::GatewaySource& source() { return *viewed_; }
   [[nodiscard]] PeerNode& node() { return *node_; }  // in its thread only, or after it
 
  private:
