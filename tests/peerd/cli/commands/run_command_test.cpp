@@ -460,22 +460,6 @@ TEST_F(PeerProcess, OptionsDoNotSwallowTheScenario) {
   EXPECT_EQ(sim.exit_code(10), 0) << sim.err();
 }
 
-TEST_F(PeerProcess, JsonIsOneObject) {
-  Process sim = start("sim", {"sim", (folder / "s.toml").string(), "--json", "--out", (folder / "out").string()});
-  ASSERT_EQ(sim.exit_code(10), 0) << sim.err();
-  EXPECT_EQ(nlohmann::json::parse(sim.out())["scenario"], "s");
-  Process peer = start_peer("a", 4, {"--json"});
-  ASSERT_TRUE(peer.says("in session", 5));
-  peer.signal(SIGTERM);
-  EXPECT_EQ(peer.exit_code(2), 0);
-  std::istringstream lines(peer.out());
-  for (std::string line; std::getline(lines, line);) {
-    const auto row = nlohmann::json::parse(line);
-    EXPECT_TRUE(row.contains("time") && row.contains("level") && row.contains("text")) << line;
-    EXPECT_EQ(row["peer"], "a");
-  }
-}
-
 TEST_F(PeerProcess, TwoMeetOverIpv6) {
   net::testing_support::with_wire([&](const net::testing_support::Wire& wire) {
     const auto peer = [&](const std::string& name, const std::string& interface) {

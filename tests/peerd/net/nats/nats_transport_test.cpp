@@ -279,22 +279,6 @@ TEST_F(NatsTransportTest, GoesOnWhenTheServerIsBack) {
   EXPECT_FALSE(b.has_heard("into the void"));
 }
 
-TEST_F(NatsTransportTest, StartsWithoutAServerAndFindsItLater) {
-  NatsServer server(folder, "server");
-  server.kill();
-  Listener a(io, by({server.url()})), b(io, by({server.url()}));
-  EXPECT_THAT(a.transport->describe(), HasSubstr("no server so far"));
-  const auto said = a.transport->follow_interface();
-  ASSERT_TRUE(said);
-  EXPECT_THAT(said->sentence, HasSubstr("no NATS server answers at " + server.url()));
-  b.join(9);
-  a.send(9, "too early");
-  ASSERT_TRUE(run_until([&] { return a.transport->counters().out_unreachable == 1; }));
-  server.start();
-  ASSERT_TRUE(meet(a, b, 9, "hello"));
-  EXPECT_FALSE(b.has_heard("too early"));
-}
-
 // What is wrong is said when it is another thing than before: silence, then a refusal, then too small messages.
 TEST_F(NatsTransportTest, SaysWhyEachServerThatComesLaterIsNoUse) {
   NatsServer refuses(folder, "refuses", "authorization { user: peer, password: secret }\n");

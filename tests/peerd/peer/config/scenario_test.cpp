@@ -250,13 +250,6 @@ TEST_F(ScenarioTest, ASetListSweeps) {
   EXPECT_EQ(replaced.runs.size(), 2u) << "in place of the file's list";
 }
 
-TEST_F(ScenarioTest, AListOfNodesIsOneValue) {
-  const Scenario s = read(kTwoPeers, {"peer.zoe.owns=[\"X\", \"Y\"]"});
-  ASSERT_EQ(s.runs.size(), 1u);
-  EXPECT_THAT(s.runs.front().peers[2].owns,
-              ElementsAre(testing::Field(&NodePattern::text, "X"), testing::Field(&NodePattern::text, "Y")));
-}
-
 // The parameters name what ran; `peerd scenario` hands them on to its processes word for word.
 TEST_F(ScenarioTest, AListAmongTheParametersStaysAList) {
   EXPECT_THAT(params(read(kTwoPeers, {"peer.zoe.owns=[\"X\", \"Y\"]"})),
@@ -490,16 +483,6 @@ TEST_F(ScenarioTest, ABadSetIsRefused) {
   EXPECT_THAT(error(kTwoPeers, {"peer.a.id=\"one\""}), HasSubstr("peer.a.id must be a number"));
 }
 
-TEST_F(ScenarioTest, NoSuchFile) {
-  request.file = folder / "none.toml";
-  const auto none = read_scenario(request);
-  ASSERT_FALSE(none);
-  EXPECT_THAT(none.error().text, HasSubstr("none.toml: error: there is no such file"));
-  request.file = folder.write("my.toml", kTwoPeers);
-  request.configs = {folder / "none2.toml"};
-  EXPECT_THAT(read_scenario(request).error().text, HasSubstr("none2.toml"));
-}
-
 // ---- the world behind it ----
 
 TEST(LoadWorld, TellsWorldsApartByTheirBytesAndFindsObjects) {
@@ -513,15 +496,6 @@ TEST(LoadWorld, TellsWorldsApartByTheirBytesAndFindsObjects) {
   const auto wrong = find_object(one->scene, "CUBA", "peer.a.owns");
   ASSERT_FALSE(wrong);
   EXPECT_EQ(wrong.error().text, "error: peer.a.owns: the world has no object \"CUBA\"; did you mean \"CUBE\"?");
-}
-
-TEST(LoadWorld, AMalformedWorldIsAFindingAboutTheInput) {
-  const ScratchFolder folder;
-  const auto bad = load_world(folder.write("bad.wrl", "#VRML V2.0 utf8\nDEF CAR Transform {\n  translation 1 2\n}\n"));
-  ASSERT_FALSE(bad);
-  EXPECT_EQ(bad.error().exit_code, 1);
-  EXPECT_THAT(bad.error().text, HasSubstr("bad.wrl:"));
-  EXPECT_EQ(load_world(folder / "none.wrl").error().exit_code, 2);
 }
 
 TEST_F(ScenarioTest, Decisions) {
