@@ -3,13 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/peerd/scratch_folder.hpp"
+#include "tests/peerd/peer/config/scenario_text.hpp"
 
 namespace peerd::config::scenario_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::StartsWith;
 using testing_support::ScratchFolder;
 
 constexpr const char* kTwoPeers = R"(world = "some.wrl"
@@ -37,39 +36,13 @@ id = 2
 owns = ["CUBE"]
 )";
 
-class ScenarioTest : public testing::Test {
+class ScenarioTest : public testing_support::ScenarioText {
  protected:
-  Result<Scenario> result(const std::string& text, std::vector<std::string> sets = {}) {
-    request.file = folder.write("my.toml", text);
-    request.sets = std::move(sets);
-    return read_scenario(request);
-  }
-  Scenario read(const std::string& text, std::vector<std::string> sets = {}) {
-    auto scenario = result(text, std::move(sets));
-    if (!scenario) {
-      ADD_FAILURE() << scenario.error().text;
-      return {.name = "", .world = {}, .reading = {}, .runs = {RunSettings{}}};
-    }
-    return *std::move(scenario);
-  }
-  std::string error(const std::string& text, std::vector<std::string> sets = {}) {
-    const auto scenario = result(text, std::move(sets));
-    if (scenario) {
-      ADD_FAILURE() << "accepted";
-      return "";
-    }
-    EXPECT_EQ(scenario.error().exit_code, 2);
-    EXPECT_EQ(scenario.error().text.find('\n'), std::string::npos) << scenario.error().text;
-    return scenario.error().text;
-  }
   static std::vector<std::string> params(const Scenario& scenario) {
     std::vector<std::string> texts;
     for (const RunSettings& run : scenario.runs) texts.push_back(run.params.dump());
     return texts;
   }
-
-  ScratchFolder folder;
-  ScenarioRequest request;
 };
 
 TEST_F(ScenarioTest, PhysicsStandsInPlaceOfFormulas) {
@@ -326,9 +299,7 @@ TEST_P(ScenarioRefusal, SaysWhereAndWhat) {
   const auto at = text.find(GetParam().find);
   ASSERT_NE(at, std::string::npos);
   text.replace(at, std::string(GetParam().find).size(), GetParam().replacement);
-  const std::string found = error(text);
-  EXPECT_THAT(found, StartsWith((folder / "my.toml").string() + ":" + GetParam().where));
-  EXPECT_THAT(found, HasSubstr(GetParam().sentence));
+  expect_refused(text, GetParam().where, GetParam().sentence);
 }
 INSTANTIATE_TEST_SUITE_P(
     Table, ScenarioRefusal,
