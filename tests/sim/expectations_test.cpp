@@ -6,14 +6,12 @@
 
 namespace peerd::sim::expectations_test {
 
-using testing_support::must;
 using testing_support::run_scenario;
 
 std::vector<measure::CheckedExpectation> checked(const std::string& name, const std::vector<std::string>& sets = {},
                                                  const std::vector<std::filesystem::path>& configs = {}) {
   const std::string file = PEERD_SOURCE_DIR "/configs/scenarios/" + name + ".toml";
-  const auto expectations =
-      must(config::read_scenario({.file = file, .configs = configs, .sets = sets, .seed = {}})).expectations;
+  const auto expectations = testing_support::scenario_of(file, sets, configs).expectations;
   std::vector<measure::RunRecord> records;
   auto rows = nlohmann::ordered_json::array();
   for (auto& ran : run_scenario(file, sets, configs)) {

@@ -53,11 +53,9 @@ TEST(HostileNetworks, TheErrorIsMostlySmall) {
 }
 
 TEST(HostileNetworks, OneThatLosesEverythingIsReportedNotAwaitedForever) {
-  auto scenario = testing_support::must(config::read_scenario(
-      {.file = testing_support::kEq47,
-       .configs = {},
-       .sets = {"network.loss=1.0", "network.latency_ms=5", "replication.order=1", "replication.approach=dr"},
-       .seed = {}}));
+  auto scenario = testing_support::scenario_of(
+      testing_support::kEq47,
+      {"network.loss=1.0", "network.latency_ms=5", "replication.order=1", "replication.approach=dr"});
   const auto shared = testing_support::must(share_world(scenario.world));
   const auto logs = simulate(scenario.runs.front(), *shared);
   ASSERT_FALSE(logs);
@@ -71,8 +69,7 @@ TEST(HostileNetworks, WhereAllHaveComeLateTheyBeginAnew) {
       "event.1.at_s=1",         "event.1.kind=\"kill\"", "event.1.peer=\"b\"",      "event.2.at_s=2.9",
       "event.2.kind=\"join\"",  "event.2.peer=\"b\"",    "event.3.at_s=3.83",       "event.3.kind=\"leave\"",
       "event.3.peer=\"a\"",     "event.4.at_s=6.2",      "event.4.kind=\"join\"",   "event.4.peer=\"a\""};
-  const auto scenario = testing_support::must(
-      config::read_scenario({.file = testing_support::kEq47, .configs = {}, .sets = sets, .seed = {}}));
+  const auto scenario = testing_support::scenario_of(testing_support::kEq47, sets);
   const auto shared = testing_support::must(share_world(scenario.world));
   const auto logs = testing_support::must(simulate(scenario.runs.front(), *shared));
   std::map<std::string, const PeerLog*> last;

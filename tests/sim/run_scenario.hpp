@@ -53,11 +53,16 @@ struct Ran {
   }
 };
 
+inline config::Scenario scenario_of(const std::filesystem::path& file, std::vector<std::string> sets = {},
+                                    std::vector<std::filesystem::path> configs = {}) {
+  return must(
+      config::read_scenario({.file = file, .configs = std::move(configs), .sets = std::move(sets), .seed = {}}));
+}
+
 // Its runs, in order. Throws the error's sentence.
 inline std::vector<Ran> run_scenario(const std::string& file, const std::vector<std::string>& sets = {},
                                      const std::vector<std::filesystem::path>& configs = {}) {
-  const config::Scenario scenario =
-      must(config::read_scenario({.file = file, .configs = configs, .sets = sets, .seed = {}}));
+  const config::Scenario scenario = scenario_of(file, sets, configs);
   const auto shared = must(share_world(scenario.world, scenario.reading, scenario.runs));
   std::vector<Ran> runs;
   for (const config::RunSettings& settings : scenario.runs) {

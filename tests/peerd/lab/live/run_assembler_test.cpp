@@ -14,8 +14,8 @@ const std::string kScenario = PEERD_SOURCE_DIR "/configs/scenarios/comings.toml"
 // While the run goes on, ghosts wait for the next tick of their owners and ticks are forgotten; afterwards all rows are
 // there at once. Peers come and go in this scenario, and clocks are apart.
 TEST(RunAssembler, GivesTheSameWhileRowsComeAsAfterwards) {
-  const config::Scenario scenario = must(config::read_scenario(
-      {.file = kScenario, .configs = {}, .sets = {"network.jitter_ms=20", "network.loss=0.05"}, .seed = {}}));
+  const config::Scenario scenario =
+      sim::testing_support::scenario_of(kScenario, {"network.jitter_ms=20", "network.loss=0.05"});
   const auto shared = must(share_world(scenario.world));
   const config::RunSettings& run = scenario.runs.front();
   const measure::RunRecord after = must(assemble(run, *shared, must(sim::simulate(run, *shared))));

@@ -12,8 +12,7 @@ using testing_support::must;
 const std::string kMeeting = PEERD_SOURCE_DIR "/tests/sim/worlds/meeting.toml";
 
 measure::RunRecord run(std::vector<std::string> sets) {
-  const config::Scenario scenario =
-      must(config::read_scenario({.file = kMeeting, .configs = {}, .sets = std::move(sets), .seed = {}}));
+  const config::Scenario scenario = testing_support::scenario_of(kMeeting, std::move(sets));
   return must(simulated_run(scenario.runs.front(), *must(share_world(scenario.world))));
 }
 
