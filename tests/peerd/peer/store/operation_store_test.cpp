@@ -54,6 +54,12 @@ class Store : public testing::Test {
     const auto done = store.append(parts);
     ASSERT_TRUE(done) << done.error().text;
   }
+  // Opens the store for that alone.
+  void keep(std::vector<OperationPart> parts) {
+    const auto store = open();
+    ASSERT_TRUE(store) << store.error().text;
+    append(**store, std::move(parts));
+  }
   // As on a full disk: files cannot grow.
   static Result<void> append_on_full_disk(OperationStore& store, const OperationPart& more) {
     rlimit before{};
@@ -192,11 +198,7 @@ TEST_F(Store, OneOfTheFormatBeforeIsPacked) {
 }
 
 TEST_F(Store, AChangedByteOfAPackedRowIsFound) {
-  {
-    auto store = open();
-    ASSERT_TRUE(store);
-    append(**store, {part(kOwn, 2000)});
-  }
+  keep({part(kOwn, 2000)});
   const auto file = at / "operations.sqlite";
   std::string text = testing_support::text_of(file);
   const auto frame = text.find("\x28\xB5\x2F\xFD");  // zstd's magic number
@@ -211,11 +213,7 @@ TEST_F(Store, AChangedByteOfAPackedRowIsFound) {
 
 TEST_F(Store, AnotherWorldIsRefusedByName) {
   const std::vector<OperationPart> all{part(kOwn, 3)};
-  {
-    auto store = open();
-    ASSERT_TRUE(store) << store.error().text;
-    append(**store, all);
-  }
+  keep(all);
   EXPECT_THAT(error_of_opening(kWorld + 1), AllOf(HasSubstr(at.string()), HasSubstr("another world")));
   const auto store = open();
   ASSERT_TRUE(store) << store.error().text;
@@ -335,11 +333,7 @@ TEST_F(Store, AStoreThatIsNotThereIsNotMadeByACheck) {
 // Each file that is cut short at some place is refused, or it is whole.
 TEST_F(Store, ATruncatedFileIsRefused) {
   const OperationPart appended = part(kOwn, 40);
-  {
-    auto store = open();
-    ASSERT_TRUE(store);
-    append(**store, {appended});
-  }
+  keep({appended});
   const auto file = at / "operations.sqlite";
   const std::string whole = testing_support::text_of(file);
   ASSERT_GT(whole.size(), 8192U);
@@ -360,11 +354,7 @@ TEST_F(Store, ATruncatedFileIsRefused) {
 // One byte of what is stored is another one.
 TEST_F(Store, AChangedByteOfAPartIsFound) {
   const OperationPart appended = part(kOwn, 1);
-  {
-    auto store = open();
-    ASSERT_TRUE(store);
-    append(**store, {appended});
-  }
+  keep({appended});
   const auto file = at / "operations.sqlite";
   std::string text = testing_support::text_of(file);
   const std::string bytes(reinterpret_cast<const char*>(appended.bytes.data()), appended.bytes.size());
@@ -451,11 +441,7 @@ TEST_F(Store, WhatAFullDiskRefusedCanBeWrittenLater) {
 // The author of a store that is a copy, or was put back, may have written on elsewhere: its log would fork.
 class Copy : public Store {
  protected:
-  void SetUp() override {
-    auto store = open();
-    ASSERT_TRUE(store) << store.error().text;
-    append(**store, {part(kOwn, 2)});
-  }
+  void SetUp() override { keep({part(kOwn, 2)}); }
   static void expect_author(const std::filesystem::path& where, AuthorId author, bool is_copy) {
     const auto store = OperationStore::open(where, kWorld, {AuthorId{55}});
     ASSERT_TRUE(store) << store.error().text;
@@ -480,11 +466,7 @@ TEST_F(Copy, IsNotWhatHasAnotherName) {
 TEST_F(Copy, ThatIsPutBackInPlaceBeginsALogOfItsOwn) {
   const std::string file = testing_support::text_of(at / "operations.sqlite");
   const std::string author = testing_support::text_of(at / "author");
-  {
-    auto store = open();
-    ASSERT_TRUE(store) << store.error().text;
-    append(**store, {part(kOwn, 1)});
-  }
+  keep({part(kOwn, 1)});
   folder.write("store/operations.sqlite", file);
   folder.write("store/author", author);
   expect_author(at, AuthorId{55}, true);
@@ -492,11 +474,7 @@ TEST_F(Copy, ThatIsPutBackInPlaceBeginsALogOfItsOwn) {
 
 TEST_F(Copy, OfTheFileAloneBeginsALogOfItsOwn) {
   const std::string file = testing_support::text_of(at / "operations.sqlite");
-  {
-    auto store = open();
-    ASSERT_TRUE(store) << store.error().text;
-    append(**store, {part(kOwn, 1)});
-  }
+  keep({part(kOwn, 1)});
   ASSERT_TRUE(open());
   folder.write("store/operations.sqlite", file);
   expect_author(at, AuthorId{55}, true);
