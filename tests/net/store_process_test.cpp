@@ -44,10 +44,10 @@ class StoreProcess : public testing_support::ControlledPeers {
   [[nodiscard]] std::filesystem::path store_of(const std::string& name) const { return folder / ("store-" + name); }
   [[nodiscard]] std::filesystem::path socket_of(const std::string& name) const { return folder / (name + ".sock"); }
   Process start(const std::string& name = "a") const {
-    return ControlledPeers::start(name, {"run", "--world", (folder / "world.wrl").string(), "--id",
-                                         std::to_string(name[0] - 'a' + 1), "--interface", "lo", "--port",
-                                         std::to_string(own_port(9)), "--store", store_of(name).string(),
-                                         "--take-over"});
+    return ControlledPeers::start(
+        name,
+        {"run", "--world", (folder / "world.wrl").string(), "--id", std::to_string(name[0] - 'a' + 1), "--interface",
+         "lo", "--port", std::to_string(own_port(9)), "--store", store_of(name).string(), "--take-over"});
   }
   // The peer's answer to an edit right after it has made it; null: it is dead.
   [[nodiscard]] json made(const json& request, const std::string& name = "a") const {
@@ -64,7 +64,7 @@ class StoreProcess : public testing_support::ControlledPeers {
   static json adding(const std::string& node, const std::string& field = "") {
     return {{"do", "add"}, {"text", "DEF " + node + " Transform { " + field + " }"}};
   }
-    [[nodiscard]] std::string error_of_check(int exit_code) const {
+  [[nodiscard]] std::string error_of_check(int exit_code) const {
     Process check(folder, "check", PEERD_PROGRAM, {"store", "check", store_of("a").string()});
     EXPECT_EQ(check.exit_code(20), exit_code) << check.out() << check.err();
     return check.err();

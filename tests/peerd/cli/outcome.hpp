@@ -1,6 +1,7 @@
 #pragma once
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -19,6 +20,12 @@ Outcome outcome_of(Command command) {
   std::ostringstream out, err;
   const int exit_code = command(out, err);
   return {exit_code, out.str(), err.str()};
+}
+
+inline std::vector<std::string> keys_of(const nlohmann::ordered_json& json) {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : json.items()) keys.push_back(key);
+  return keys;
 }
 
 }  // namespace peerd::testing_support

@@ -16,6 +16,7 @@ namespace peerd::check_command_test {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
+using testing_support::keys_of;
 using testing_support::Outcome;
 using testing_support::outcome_of;
 using testing_support::ScratchFolder;
@@ -33,12 +34,6 @@ Outcome check(const ScratchFolder& folder, std::string_view body, bool json, std
   return check(folder.write("world.wrl", std::string(kHeader) + std::string(body)), json, expansion);
 }
 Json json_of(const ScratchFolder& folder, std::string_view body) { return check(folder, body, true).json(); }
-
-std::vector<std::string> keys_of(const Json& json) {
-  std::vector<std::string> keys;
-  for (const auto& [key, value] : json.items()) keys.push_back(key);
-  return keys;
-}
 
 constexpr std::string_view kFlawed = R"(
 DEF HULL Transform { children DEF SKIN Shape { geometry IndexedFaceSet {

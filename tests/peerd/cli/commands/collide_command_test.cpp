@@ -19,6 +19,7 @@ namespace peerd::collide_command_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing_support::keys_of;
 using testing_support::Outcome;
 using testing_support::outcome_of;
 using testing_support::ScratchFolder;
@@ -34,12 +35,6 @@ Outcome collide(const std::filesystem::path& world, double at_s = 0.0, bool json
 }
 std::filesystem::path write(const ScratchFolder& folder, std::string_view body) {
   return folder.write("world.wrl", std::string(kHeader) + std::string(body));
-}
-
-std::vector<std::string> keys_of(const Json& json) {
-  std::vector<std::string> keys;
-  for (const auto& [key, value] : json.items()) keys.push_back(key);
-  return keys;
 }
 
 // Two unit squares that share the corner (1, 1, 0), and one far off.

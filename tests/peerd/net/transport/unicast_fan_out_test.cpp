@@ -93,21 +93,19 @@ TEST_F(UnicastFanOutTest, ThreeMessagesAreEnoughToKnowWhatTheOtherWants) {
   EXPECT_TRUE(a.knows(1, 2));
   EXPECT_TRUE(b.knows(1, 1));
   UnicastPeer c(io, 2, {address(0)});
-  for (int i = 0; i < 10; ++i) {
-    for (auto* peer : {&a, &b, &c}) {
-      peer->transport->receive_pending();
-      peer->transport->flush();
+  const auto go_on = [&] {
+    for (int i = 0; i < 10; ++i) {
+      for (auto* peer : {&a, &b, &c}) {
+        peer->transport->receive_pending();
+        peer->transport->flush();
+      }
     }
-  }
+  };
+  go_on();
   for (auto* peer : {&a, &b, &c})
     EXPECT_EQ(peer->transport->peers().size(), 2u) << "a has introduced b and c to each other";
   const auto before = a.transport->counters().greetings_out;
-  for (int i = 0; i < 10; ++i) {
-    for (auto* peer : {&a, &b, &c}) {
-      peer->transport->receive_pending();
-      peer->transport->flush();
-    }
-  }
+  go_on();
   EXPECT_EQ(a.transport->counters().greetings_out, before) << "and then it is quiet";
 }
 
