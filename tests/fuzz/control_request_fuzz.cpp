@@ -3,7 +3,6 @@
 //
 // An input is a row of requests, one a line.
 #include <cstdint>
-#include <cstdlib>
 #include <string_view>
 
 #include <nlohmann/json.hpp>
@@ -13,15 +12,12 @@
 #include "peerd/peer/control/request.hpp"
 #include "peerd/peer/feed/json_members.hpp"
 #include "replication/wire/codec.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
 namespace {
 
 using namespace peerd;
-
-// Unlike assert(), this check is on in every build.
-void require(bool condition) {
-  if (!condition) std::abort();
-}
+using fuzz::require;
 
 // The world has sensors of a few keys; one sets a velocity and one disables other sensors.
 constexpr const char* kWorld = R"(#VRML V2.0 utf8
@@ -88,11 +84,7 @@ class Driver {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Driver driver;
-  std::string_view rest(reinterpret_cast<const char*>(data), size);
-  for (int i = 0; i < kLinesMax && !rest.empty(); ++i) {
-    const std::size_t end = std::min(rest.find('\n'), rest.size());
-    driver.ask(rest.substr(0, std::min(end, control::kLineMax_bytes)));
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-  }
+  fuzz::for_each_line({reinterpret_cast<const char*>(data), size}, kLinesMax,
+                      [&](std::string_view line) { driver.ask(line.substr(0, control::kLineMax_bytes)); });
   return 0;
 }

@@ -5,23 +5,19 @@
 // passes before it [10 ms, 6 bits] and of its region (2 bits above). The rest is the last datagram. Each input goes to
 // a peer that cuts the scene into regions and to one that does not.
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
 #include <span>
 
 #include "core/scene/reader.hpp"
 #include "replication/peer/peer.hpp"
 #include "replication/wire/codec.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
 namespace {
 
 using namespace peerd;
 using namespace peerd::replication;
-
-// Unlike assert(), this check is on in every build.
-void require(bool condition) {
-  if (!condition) std::abort();
-}
+using fuzz::require;
 
 // The world has an own ball between two walls, a cube that the datagrams may claim, and one without interests.
 constexpr const char* kWorld = R"(#VRML V2.0 utf8
@@ -117,18 +113,14 @@ class Driver {
   Peer peer_;
 };
 
-void run(std::span<const std::byte> rest, bool cuts) {
+void run(std::span<const std::byte> input, bool cuts) {
   static const World world;
   Driver driver(world, cuts);
-  for (int i = 0; i < kDatagramsMax && rest.size() > 3; ++i) {
-    const auto length = std::to_integer<std::size_t>(rest[0]) | std::to_integer<std::size_t>(rest[1]) << 8;
-    const auto pause_and_region = std::to_integer<std::uint32_t>(rest[2]);
-    rest = rest.subspan(3);
-    driver.pass(std::chrono::milliseconds(10 * (pause_and_region & 63)));
-    const auto datagram = rest.first(std::min(length, rest.size()));
-    driver.receive(RegionId{pause_and_region >> 6}, datagram);
-    rest = rest.subspan(datagram.size());
-  }
+  fuzz::for_each_datagram(input, kDatagramsMax,
+                          [&](std::uint32_t pause_and_region, std::span<const std::byte> datagram) {
+                            driver.pass(std::chrono::milliseconds(10 * (pause_and_region & 63)));
+                            driver.receive(RegionId{pause_and_region >> 6}, datagram);
+                          });
   driver.pass(std::chrono::milliseconds(50));
   driver.check_ghosts();
 }

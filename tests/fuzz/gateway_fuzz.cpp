@@ -4,7 +4,6 @@
 // The first byte of an input says what the others are: 'h' a stream of HTTP, 'f' frames, 'm' messages, one a line.
 // @HOST@ in them stands for the gateway's address.
 #include <cstdint>
-#include <cstdlib>
 #include <functional>
 #include <memory>
 #include <string>
@@ -25,16 +24,13 @@
 #include "peerd/view/picture/gltf_writer.hpp"
 #include "peerd/view/picture/live_picture.hpp"
 #include "peerd/view/picture/scene_picture.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
 namespace {
 
 using namespace peerd;
 namespace asio = boost::asio;
-
-// Unlike assert(), this check is on in every build.
-void require(bool condition) {
-  if (!condition) std::abort();
-}
+using fuzz::require;
 
 constexpr const char* kWorld = R"(#VRML V2.0 utf8
 DEF A Transform { children Shape { geometry Box { } } }
@@ -181,15 +177,13 @@ class Driver {
     return reply;
   }
   void send_messages(asio::ip::tcp::socket& client, std::string_view bytes) {
-    for (int i = 0; i < kMessagesMax && !bytes.empty(); ++i) {
-      const std::size_t end = std::min(bytes.find('\n'), bytes.size());
-      const std::string_view message = bytes.substr(0, std::min<std::size_t>(end, 0xFFFF));
+    fuzz::for_each_line(bytes, kMessagesMax, [&](std::string_view line) {
+      const std::string_view message = line.substr(0, 0xFFFF);
       std::string frame{'\x81', '\xFE', static_cast<char>(message.size() >> 8), static_cast<char>(message.size()), 0, 0,
                         0,      0};
       if (message.size() < 126) frame = {'\x81', static_cast<char>(0x80 | message.size()), 0, 0, 0, 0};
       (void)talk(client, frame + std::string(message));
-      bytes.remove_prefix(std::min(end + 1, bytes.size()));
-    }
+    });
   }
   void close(asio::ip::tcp::socket& client) {
     boost::system::error_code ignored;

@@ -4,24 +4,16 @@
 // The first byte selects the family (its lowest bit) and the sender's port; the rest is the datagram.
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 
 #include "peerd/net/greeting/known_peers.hpp"
 #include "peerd/net/greeting/relay_choice.hpp"
 #include "peerd/net/seal/sealed_greetings.hpp"
-
-namespace {
+#include "tests/fuzz/fuzz.hpp"
 
 using namespace peerd;
 using namespace peerd::net;
-
-// Unlike assert(), this check is on in every build.
-void require(bool condition) {
-  if (!condition) std::abort();
-}
-
-}  // namespace
+using fuzz::require;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;

@@ -1,19 +1,12 @@
 // Users get invitations and texts of keys from others, or from files. An invitation that is read is the one that its
 // text is of.
 #include <cstdint>
-#include <cstdlib>
 #include <string_view>
 
 #include "peerd/net/keys/invitation.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
-namespace {
-
-// Unlike assert(), this check is on in every build.
-void require(bool condition) {
-  if (!condition) std::abort();
-}
-
-}  // namespace
+using peerd::fuzz::require;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace peerd::keys;

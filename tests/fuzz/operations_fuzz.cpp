@@ -5,23 +5,19 @@
 // passes before it [10 ms]. The rest is the last datagram.
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <map>
 #include <span>
 #include <vector>
 
 #include "replication/edits/log/operation_exchange.hpp"
 #include "replication/wire/codec.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
 namespace {
 
 using namespace peerd;
 using namespace peerd::replication;
-
-// Unlike assert(), this check is on in every build.
-void require(bool condition) {
-  if (!condition) std::abort();
-}
+using fuzz::require;
 
 constexpr AuthorId kOwn{1}, kAuthor{2};
 constexpr PeerId kSelf{2};
@@ -116,17 +112,13 @@ void read_as_log(std::span<const std::byte> log) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  std::span<const std::byte> rest = std::as_bytes(std::span(data, size));
-  read_as_log(rest);
+  const auto input = std::as_bytes(std::span(data, size));
+  read_as_log(input);
   Driver driver;
-  for (int i = 0; i < kDatagramsMax && rest.size() > 3; ++i) {
-    const auto length = std::to_integer<std::size_t>(rest[0]) | std::to_integer<std::size_t>(rest[1]) << 8;
-    driver.pass(std::chrono::milliseconds(10 * std::to_integer<int>(rest[2])));
-    rest = rest.subspan(3);
-    const auto datagram = rest.first(std::min(length, rest.size()));
+  fuzz::for_each_datagram(input, kDatagramsMax, [&](int pause, std::span<const std::byte> datagram) {
+    driver.pass(std::chrono::milliseconds(10 * pause));
     driver.receive(datagram);
-    rest = rest.subspan(datagram.size());
-  }
+  });
   driver.pass(std::chrono::seconds(3));
   driver.check_logs();
   return 0;

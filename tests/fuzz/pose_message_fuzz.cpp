@@ -5,7 +5,6 @@
 // each datagram.
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <string_view>
 
 #include "core/scene/reader.hpp"
@@ -14,15 +13,12 @@
 #include "peerd/peer/node/describe.hpp"
 #include "peerd/peer/node/peer_node.hpp"
 #include "replication/wire/codec.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
 namespace {
 
 using namespace peerd;
-
-// Unlike assert(), this check is on in every build.
-void require(bool condition) {
-  if (!condition) std::abort();
-}
+using fuzz::require;
 
 constexpr const char* kWorld = R"(#VRML V2.0 utf8
 DEF A Transform { children Shape { geometry Box { } } }
@@ -108,12 +104,8 @@ class Driver {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Driver driver;
-  std::string_view rest(reinterpret_cast<const char*>(data), size);
-  for (int i = 0; i < kLinesMax && !rest.empty(); ++i) {
-    const std::size_t end = std::min(rest.find('\n'), rest.size());
-    driver.hear(rest.substr(0, end));
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-  }
+  fuzz::for_each_line({reinterpret_cast<const char*>(data), size}, kLinesMax,
+                      [&](std::string_view line) { driver.hear(line); });
   for (int i = 0; i < 200; ++i) driver.pass();  // until all objects stand
   return 0;
 }

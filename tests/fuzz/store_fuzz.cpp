@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -25,11 +24,13 @@
 #include "peerd/peer/store/part_row.hpp"
 #include "peerd/peer/store/stored_world.hpp"
 #include "replication/edits/log/operation_log.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
 namespace {
 
 using namespace peerd;
 using namespace peerd::store;
+using fuzz::require;
 using replication::AuthorId;
 
 constexpr std::uint64_t kWorld = 0xFEED;
@@ -39,11 +40,6 @@ constexpr const char* kFile = "operations.sqlite";
 // bytes.
 constexpr unsigned kPacked = 1, kWrongSum = 2, kNoFrame = 4, kHuge = 8;
 constexpr std::int64_t kHugeSize = std::int64_t{1} << 62;
-
-// Unlike assert(), this check is on in every build.
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 // The disk of a computer on which one store stands.
 class Disk {

@@ -1,20 +1,13 @@
 // Results of runs come from files that other computers have written. What is read as one is what its bytes are of.
 #include <cstdint>
-#include <cstdlib>
 #include <string_view>
 
 #include "peerd/lab/cluster/result_bytes.hpp"
 #include "peerd/lab/cluster/slurm.hpp"
 #include "peerd/lab/cluster/work_list.hpp"
+#include "tests/fuzz/fuzz.hpp"
 
-namespace {
-
-// Unlike assert(), this check is on in every build.
-void require(bool condition) {
-  if (!condition) std::abort();
-}
-
-}  // namespace
+using peerd::fuzz::require;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace peerd::cluster;

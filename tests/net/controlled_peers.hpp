@@ -5,7 +5,6 @@
 #include <chrono>
 #include <iostream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -30,13 +29,8 @@ class ControlledPeers : public testing::Test {
     return line ? nlohmann::json::parse(*line, nullptr, false) : nlohmann::json();
   }
   template <class Condition>
-  static bool wait_until(Condition holds) {
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (!holds()) {
-      if (std::chrono::steady_clock::now() > give_up) return false;
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    return true;
+  static bool wait_until(const Condition& holds) {
+    return comes_true(holds, 20);
   }
   [[nodiscard]] bool is_in_session(const std::string& name) const {
     return wait_until([&] {

@@ -28,13 +28,9 @@ class Joining : public testing_support::ControlledPeers {
   }
 
   Process start(const std::string& name, Words words, const Words& more = {}) const {
-    const Words usual{"--name",      name,
-                      "--interface", "lo",
-                      "--control",   (folder / (name + ".sock")).string(),
-                      "--store",     (folder / (name + ".store")).string()};
-    words.insert(words.end(), usual.begin(), usual.end());
+    words.insert(words.end(), {"--interface", "lo", "--store", (folder / (name + ".store")).string()});
     words.insert(words.end(), more.begin(), more.end());
-    return Process(folder, name, PEERD_PROGRAM, words);
+    return ControlledPeers::start(name, words);
   }
   Process run(const std::string& name, const std::string& called, const Words& more = {}) const {
     Words words{"run",          "--world", (folder / "w.wrl").string(), "--port", std::to_string(own_port(13)),
@@ -115,9 +111,8 @@ TEST_F(Joining, NobodyIsHereAndAStoreIs) {
 TEST_F(Joining, ThisUsersStoreOfThatPeerIsChosen) {
   setenv("XDG_STATE_HOME", (folder / "state").c_str(), 1);
   const auto start_with_default_store = [&](const std::string& name, Words words) {
-    const Words usual{"--name", name, "--interface", "lo", "--control", (folder / (name + ".sock")).string()};
-    words.insert(words.end(), usual.begin(), usual.end());
-    return Process(folder, name, PEERD_PROGRAM, words);
+    words.insert(words.end(), {"--interface", "lo"});
+    return ControlledPeers::start(name, words);
   };
   for (const std::string name : {"a", "b"}) {
     Process peer = start_with_default_store(name, {"run", "--world", (folder / "w.wrl").string(), "--port",
@@ -161,10 +156,9 @@ TEST_F(Joining, AnInvitationIsAllThatSomebodyElseNeeds) {
   const std::string invitation = invite.out().substr(begin.size(), invite.out().size() - begin.size() - 1);
 
   const auto join_there = [&](const std::string& name, const Words& more) {
-    Words words{
-        "join", "--name", name, "--interface", "lo", "--store", "", "--control", (folder / (name + ".sock")).string()};
+    Words words{"join", "--interface", "lo", "--store", ""};
     words.insert(words.end(), more.begin(), more.end());
-    return Process(folder, name, PEERD_PROGRAM, words, "elsewhere");
+    return ControlledPeers::start(name, words, "elsewhere");
   };
   Process uninvited = join_there("uninvited", {world});
   EXPECT_EQ(uninvited.exit_code(10), 3);

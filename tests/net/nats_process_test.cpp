@@ -101,13 +101,6 @@ TEST_F(NatsProcess, TwoSitesThatWereCutApartBecomeOneWorld) {
   });
 }
 
-TEST_F(NatsProcess, ARefusedUserIsASentence) {
-  NatsServer server(folder, "server", "authorization { user: u, password: p }\n");
-  Process a = run("a", server.url("u:wrong"));
-  EXPECT_EQ(a.exit_code(20), 3);
-  EXPECT_THAT(a.err(), AllOf(HasSubstr("the NATS server refuses this user (" + server.url()), Not(HasSubstr("wrong"))));
-}
-
 TEST_F(NatsProcess, ContradictionsAreWrongSettings) {
   const auto error_of = [&](const Words& sets, const std::string& server) {
     Words words{"run", "--world", (folder / "w.wrl").string()};

@@ -6,15 +6,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <csignal>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "tests/peerd/comes_true.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::testing_support {
@@ -67,21 +66,12 @@ class Process {
   }
   // The exit code; -1 where a signal has ended it, -2 where it is still running after that time.
   [[nodiscard]] int exit_code(double within_s) {
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::duration<double>(within_s);
-    while (running()) {
-      if (std::chrono::steady_clock::now() > give_up) return -2;
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
+    if (!comes_true([&] { return !running(); }, within_s)) return -2;
     return WIFEXITED(status_) ? WEXITSTATUS(status_) : -1;
   }
   // Waits until the text is in its standard output.
   [[nodiscard]] bool says(const std::string& words, double within_s) {
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::duration<double>(within_s);
-    for (;;) {
-      if (out().find(words) != std::string::npos) return true;
-      if (std::chrono::steady_clock::now() > give_up) return false;
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
+    return comes_true([&] { return out().find(words) != std::string::npos; }, within_s);
   }
   // The words that the list of processes shows of it.
   [[nodiscard]] std::string command_line() const {

@@ -98,17 +98,6 @@ TEST_F(RelayProcess, IslandsAndASinglePeerShareAWorldWhateverRelayDies) {
   expect_one_world(all, {"A4", "B4", "C4"}, "the island's return");
 }
 
-TEST_F(RelayProcess, ARelayOfAnotherKeyIsOfNoUse) {
-  Process a = peer("a", {"--relay", at(kRoot)});
-  ASSERT_TRUE(a.says("relay " + at(kRoot), 20)) << a.out() << a.err();
-  folder.write("other.key", "peerd-relay-1:AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA\n");
-  std::filesystem::permissions(folder / "other.key", std::filesystem::perms::owner_read);
-  Process other(folder, "other", PEERD_PROGRAM,
-                {"relay", "--port", port_of(kRoot), "--relay-key", (folder / "other.key").string()});
-  EXPECT_TRUE(other.says("greets by another key, or forges", 20)) << other.out() << other.err();
-  EXPECT_THAT(a.out(), Not(HasSubstr("goes through relay")));
-}
-
 TEST_F(RelayProcess, TheKeyOfARelayIsPrintedAndTaken) {
   Process a = peer("a", {"--relay", at(kRoot)});
   ASSERT_TRUE(a.says("relay " + at(kRoot), 20)) << a.out() << a.err();

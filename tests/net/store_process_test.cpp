@@ -17,9 +17,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/peer/control/control_client.hpp"
+#include "tests/net/controlled_peers.hpp"
 #include "tests/net/listener.hpp"
-#include "tests/net/process.hpp"
 
 namespace peerd::store_process_test {
 
@@ -29,8 +28,6 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 using testing_support::Process;
-using testing_support::ScratchFolder;
-using testing_support::text_of;
 
 // The number that an environment variable has.
 unsigned number_in(const char* variable, unsigned otherwise) {
@@ -38,48 +35,27 @@ unsigned number_in(const char* variable, unsigned otherwise) {
   return text == nullptr ? otherwise : static_cast<unsigned>(std::strtoul(text, nullptr, 10));
 }
 
-class StoreProcess : public testing::Test {
+class StoreProcess : public testing_support::ControlledPeers {
  protected:
   StoreProcess() {
     folder.write("world.wrl", "#VRML V2.0 utf8\nDEF A Transform { children Shape { geometry Box { } } }\n");
   }
 
   [[nodiscard]] std::filesystem::path store_of(const std::string& name) const { return folder / ("store-" + name); }
-  [[nodiscard]] std::filesystem::path socket_of(const std::string& name) const { return folder / name; }
+  [[nodiscard]] std::filesystem::path socket_of(const std::string& name) const { return folder / (name + ".sock"); }
   Process start(const std::string& name = "a") const {
-    return Process(folder, "peer-" + name, PEERD_PROGRAM,
-                   {"run", "--world", (folder / "world.wrl").string(), "--name", name, "--id",
-                    std::to_string(name[0] - 'a' + 1), "--interface", "lo", "--port", std::to_string(own_port(9)),
-                    "--control", socket_of(name).string(), "--store", store_of(name).string(), "--take-over"});
-  }
-  // The reply; null: no peer answers.
-  [[nodiscard]] json ask(const json& request, const std::string& name = "a") const {
-    const auto line = control::ask(socket_of(name), request.dump());
-    return line ? json::parse(*line, nullptr, false) : json();
-  }
-  template <class Condition>
-  static bool wait_until(Condition holds) {
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(30);
-    while (!holds()) {
-      if (std::chrono::steady_clock::now() > give_up) return false;
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    return true;
-  }
-  // Waits until the peer takes edits.
-  [[nodiscard]] bool is_in_session(const std::string& name = "a") const {
-    return wait_until([&] {
-      const json status = ask({{"do", "status"}}, name);
-      return status.is_object() && status.at("session").at("joined").get<bool>();
-    });
+    return ControlledPeers::start(
+        name,
+        {"run", "--world", (folder / "world.wrl").string(), "--id", std::to_string(name[0] - 'a' + 1), "--interface",
+         "lo", "--port", std::to_string(own_port(9)), "--store", store_of(name).string(), "--take-over"});
   }
   // The peer's answer to an edit right after it has made it; null: it is dead.
   [[nodiscard]] json made(const json& request, const std::string& name = "a") const {
-    const json edit = ask(request, name);
+    const json edit = ask(name, request);
     if (!edit.is_object() || !edit.value("done", false)) return {};
     json question = edit.at("operation");
     question["do"] = "operation";
-    return ask(question, name);
+    return ask(name, question);
   }
   [[nodiscard]] bool is_stored(const json& request, const std::string& name = "a") const {
     const json state = made(request, name);
@@ -88,24 +64,18 @@ class StoreProcess : public testing::Test {
   static json adding(const std::string& node, const std::string& field = "") {
     return {{"do", "add"}, {"text", "DEF " + node + " Transform { " + field + " }"}};
   }
-  [[nodiscard]] std::string world_of(const std::string& name = "a") const {
-    const json world = ask({{"do", "world"}}, name);
-    return world.is_object() ? world.at("world").get<std::string>() : "";
-  }
   [[nodiscard]] std::string error_of_check(int exit_code) const {
     Process check(folder, "check", PEERD_PROGRAM, {"store", "check", store_of("a").string()});
     EXPECT_EQ(check.exit_code(20), exit_code) << check.out() << check.err();
     return check.err();
   }
-
-  ScratchFolder folder;
 };
 
 // Two processes: what one of them sets and sends, a client of the other one is given as it comes.
 TEST_F(StoreProcess, EventsArePushedToWhoHasSubscribed) {
   const Process a = start("a"), b = start("b");
   ASSERT_TRUE(is_in_session("a") && is_in_session("b"));
-  ASSERT_TRUE(wait_until([&] { return ask({{"do", "status"}}, "a")["members"].size() == 1; }));
+  ASSERT_TRUE(wait_until([&] { return members_of("a") == 1; }));
   const std::vector<std::string> subscribe{"ctl",       "--control", socket_of("b").string(),
                                            "subscribe", "data",      "messages"};
   std::vector<std::string> one = subscribe;
@@ -119,7 +89,7 @@ TEST_F(StoreProcess, EventsArePushedToWhoHasSubscribed) {
   };
   // Until the clients have subscribed.
   ASSERT_TRUE(wait_until([&] {
-    (void)ask({{"do", "send"}, {"topic", "t"}, {"text", "early"}}, "a");
+    (void)ask("a", {{"do", "send"}, {"topic", "t"}, {"text", "early"}});
     return !events.out().empty() && !first.running();
   }));
   EXPECT_EQ(first.exit_code(1), 0) << first.err();
@@ -190,8 +160,8 @@ TEST_F(KilledPeer, WhatIsStoredIsThereAfterwards) {
     if (killed % 4 == 3) {  // while it opens its store
       std::this_thread::sleep_for(std::chrono::microseconds(later_us(random)));
     } else {
-      ASSERT_TRUE(is_in_session()) << killed << ": " << peer.out() << peer.err();
-      expect_all_in(world_of());
+      ASSERT_TRUE(is_in_session("a")) << killed << ": " << peer.out() << peer.err();
+      expect_all_in(world_of("a"));
       const unsigned enough = stored_ + edits(random);
       std::jthread editor([&] { edit_until_killed(); });
       EXPECT_TRUE(wait_until([&] { return stored_ >= enough; })) << peer.out();
@@ -238,15 +208,6 @@ TEST_F(StoreProcess, AllAreKilledAtOnceAndFindTheSameWorldAgain) {
   }
 }
 
-TEST_F(StoreProcess, CtlSaysThatAnEditIsStored) {
-  Process peer = start();
-  ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
-  Process ctl(folder, "ctl", PEERD_PROGRAM,
-              {"ctl", "--control", socket_of("a").string(), "set", "A", "translation", "1", "2", "3"});
-  EXPECT_EQ(ctl.exit_code(20), 0) << ctl.err();
-  EXPECT_THAT(ctl.out(), HasSubstr("done, and stored"));
-}
-
 // Without a configuration a peer has a store in its user's folders, `--fresh` puts it aside, and "" is none.
 TEST_F(StoreProcess, APeerWithoutAConfigurationHasAStoreOfItsOwn) {
   setenv("XDG_STATE_HOME", (folder / "state").c_str(), 1);
@@ -272,26 +233,26 @@ TEST_F(StoreProcess, APeerWithoutAConfigurationHasAStoreOfItsOwn) {
   };
   {
     Process peer = run({});
-    ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
+    ASSERT_TRUE(is_in_session("a")) << peer.out() << peer.err();
     EXPECT_TRUE(is_stored(adding("N1")));
     EXPECT_TRUE(leaves(peer));
   }
   {
     Process peer = run({"--store", ""});
-    ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
-    EXPECT_THAT(world_of(), Not(HasSubstr("DEF N1 ")));
+    ASSERT_TRUE(is_in_session("a")) << peer.out() << peer.err();
+    EXPECT_THAT(world_of("a"), Not(HasSubstr("DEF N1 ")));
     EXPECT_FALSE(is_stored(adding("N2")));
     EXPECT_TRUE(leaves(peer));
   }
   {
     Process peer = run({});
-    ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
-    EXPECT_THAT(world_of(), AllOf(HasSubstr("DEF N1 "), Not(HasSubstr("DEF N2 "))));
+    ASSERT_TRUE(is_in_session("a")) << peer.out() << peer.err();
+    EXPECT_THAT(world_of("a"), AllOf(HasSubstr("DEF N1 "), Not(HasSubstr("DEF N2 "))));
     EXPECT_TRUE(leaves(peer));
   }
   Process peer = run({"--fresh"});
-  ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
-  EXPECT_THAT(world_of(), Not(HasSubstr("DEF N1 ")));
+  ASSERT_TRUE(is_in_session("a")) << peer.out() << peer.err();
+  EXPECT_THAT(world_of("a"), Not(HasSubstr("DEF N1 ")));
   EXPECT_THAT(peer.out(), AllOf(HasSubstr("the store before is now"), HasSubstr("a.before")));
   EXPECT_TRUE(leaves(peer));
   unsetenv("XDG_STATE_HOME");
@@ -299,33 +260,6 @@ TEST_F(StoreProcess, APeerWithoutAConfigurationHasAStoreOfItsOwn) {
                 {"run", "--world", (folder / "world.wrl").string(), "--store", "", "--fresh"});
   EXPECT_EQ(wrong.exit_code(20), 2);
   EXPECT_THAT(wrong.err(), HasSubstr("say --store DIR"));
-}
-
-TEST_F(StoreProcess, TwoPeersOfOneStoreAreRefused) {
-  Process peer = start();
-  ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
-  EXPECT_THAT(error_of_check(3), AllOf(HasSubstr(store_of("a").string()), HasSubstr("in use by another process")));
-}
-
-TEST_F(StoreProcess, ADamagedFileStartsNothingAndStaysAsItIs) {
-  {
-    Process peer = start();
-    ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
-    ASSERT_TRUE(is_stored(adding("N1", "translation 1 2 3")));
-    peer.signal(SIGTERM);
-    ASSERT_EQ(peer.exit_code(20), 0);
-  }
-  const auto file = store_of("a") / "operations.sqlite";
-  std::string text = text_of(file);
-  const auto place = text.find("translation 1 2 3");
-  ASSERT_NE(place, std::string::npos);
-  text[place + 12] = '7';
-  folder.write("store-a/operations.sqlite", text);
-  Process peer = start();
-  EXPECT_EQ(peer.exit_code(20), 1);
-  EXPECT_THAT(peer.err(), AllOf(HasSubstr(store_of("a").string()), HasSubstr("is damaged")));
-  EXPECT_THAT(error_of_check(1), HasSubstr("is damaged"));
-  EXPECT_EQ(text_of(file), text);
 }
 
 // A file system in memory of a few pages, which needs a privileged user.
@@ -376,7 +310,7 @@ class FullDisk : public StoreProcess {
     for (auto at = text.find(words); at != std::string::npos; at = text.find(words, at + 1)) ++count;
     return count;
   }
-  [[nodiscard]] json counters() const { return ask({{"do", "status"}}).value("counters", json::object()); }
+  [[nodiscard]] json counters() const { return ask("a", {{"do", "status"}}).value("counters", json::object()); }
 
   SmallDisk disk{store_of("a"), "size=256k"};
 };
@@ -386,7 +320,7 @@ TEST_F(FullDisk, IsSaidOnceAndLosesNothingThatWasStored) {
   std::vector<std::string> stored;
   {
     Process peer = start();
-    ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
+    ASSERT_TRUE(is_in_session("a")) << peer.out() << peer.err();
     stored = fill();
     ASSERT_GT(stored.size(), 5U) << peer.out();
     ASSERT_LT(stored.size(), 390U);
@@ -400,32 +334,10 @@ TEST_F(FullDisk, IsSaidOnceAndLosesNothingThatWasStored) {
   }
   ASSERT_TRUE(disk.resize("size=16m"));
   Process peer = start();
-  ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
-  const std::string world = world_of();
+  ASSERT_TRUE(is_in_session("a")) << peer.out() << peer.err();
+  const std::string world = world_of("a");
   for (const std::string& node : stored) EXPECT_THAT(world, HasSubstr("DEF " + node + " "));
   EXPECT_TRUE(is_stored(adding("LATER")));
-}
-
-TEST_F(FullDisk, WhatItRefusedIsWrittenOnceThereIsRoom) {
-  if (!disk.is_mounted()) GTEST_SKIP() << "cannot mount: " << disk.why();
-  {
-    Process peer = start();
-    ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
-    (void)fill();
-    json late = ask(adding("LATE"));
-    ASSERT_TRUE(late.value("done", false));
-    ASSERT_TRUE(disk.resize("size=16m"));
-    late = late.at("operation");
-    late["do"] = "operation";
-    EXPECT_TRUE(wait_until([&] { return ask(late).value("stored", false); })) << peer.out();
-    EXPECT_THAT(peer.out(), HasSubstr("can be written again"));
-    EXPECT_TRUE(std::filesystem::exists(store_of("a") / "author"));
-    peer.signal(SIGKILL);
-    EXPECT_EQ(peer.exit_code(20), -1);
-  }
-  Process peer = start();
-  ASSERT_TRUE(is_in_session()) << peer.out() << peer.err();
-  EXPECT_THAT(world_of(), HasSubstr("DEF LATE "));
 }
 
 }  // namespace peerd::store_process_test

@@ -118,15 +118,4 @@ TEST_F(UnicastProcess, AScenarioOfRealProcessesRunsOverIt) {
       log, AllOf(HasSubstr("unicast at port"), HasSubstr("peer b (id 2) joined"), HasSubstr("peer c (id 3) joined")));
 }
 
-// The error names both remedies.
-TEST_F(UnicastProcess, WithoutMulticastAndWithoutPeersItDoesNotRun) {
-  with_wire([&](const Wire& wire) {
-    wire.left.enter();
-    ASSERT_TRUE(shell("ip link set va multicast off"));
-    Process a = start("a", "va", 4, "");
-    EXPECT_EQ(a.exit_code(10), 3);
-    EXPECT_THAT(a.err(), AllOf(HasSubstr("does not do multicast"), HasSubstr("transport.peers")));
-  });
-}
-
 }  // namespace peerd::unicast_process_test

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cstdlib>
 #include <exception>
 #include <functional>
@@ -15,6 +14,7 @@
 #include <thread>
 
 #include "peerd/net/os/interfaces.hpp"
+#include "tests/peerd/comes_true.hpp"
 
 namespace peerd::net::testing_support {
 
@@ -68,13 +68,12 @@ struct Wire {
   }
   // The carrier comes some milliseconds after the second end is up.
   static bool comes_up(const std::string& name) {
-    for (int tries = 0; tries < 500; ++tries) {
+    const auto is_up = [&](const Interface& i) { return i.name == name && i.running && i.has_ipv6; };
+    const auto any_is_up = [&] {
       const auto interfaces = list_interfaces();
-      const auto is_up = [&](const Interface& i) { return i.name == name && i.running && i.has_ipv6; };
-      if (interfaces && std::ranges::any_of(*interfaces, is_up)) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
-    return false;
+      return interfaces && std::ranges::any_of(*interfaces, is_up);
+    };
+    return peerd::testing_support::comes_true(any_is_up, 5);
   }
   // nodad: an address is unusable while its uniqueness is checked, for a second or two.
   static bool address(const std::string& name, const std::string& host) {

@@ -95,8 +95,7 @@ class Screens final : public PeersWatch {
 };
 
 Screens watch(const std::string& file, const std::vector<std::string>& sets) {
-  const config::Scenario scenario =
-      must(config::read_scenario({.file = file, .configs = {}, .sets = sets, .seed = {}}));
+  const config::Scenario scenario = testing_support::scenario_of(file, sets);
   EXPECT_EQ(scenario.runs.size(), 1u);
   const auto shared = must(share_world(scenario.world, scenario.reading, scenario.runs));
   Screens screens;

@@ -112,6 +112,14 @@ TEST(SessionTime, UnderAOneSidedDelayTheBoundCoversTheError) {
 const config::LinkSettings kLan{5.0, 2.0, 0.02, 0.0, 0.0};
 constexpr Duration kAim = 2ms;
 
+void expect_recovered(const ClockLab& lab, Duration since, const char* name) {
+  EXPECT_THAT(lab.findings(), IsEmpty());
+  const Duration after = recovered(lab, since, kAim);
+  std::printf("%s: %.2f s, steps %zu %zu %zu %zu\n", name, to_seconds(after), lab.steps(0), lab.steps(1), lab.steps(2),
+              lab.steps(3));
+  EXPECT_LT(after, 20s);
+}
+
 struct Jump {
   const char* name;
   std::size_t host;
@@ -133,11 +141,7 @@ TEST_P(JumpingClock, EverybodyIsBackInStepAndNobodysTimeRunsBackwards) {
   }
   const Duration at = lab.now();
   lab.run_until(at + 60s);
-  EXPECT_THAT(lab.findings(), IsEmpty());
-  const Duration after = recovered(lab, at, kAim);
-  std::printf("%s: %.2f s, steps %zu %zu %zu %zu\n", GetParam().name, to_seconds(after), lab.steps(0), lab.steps(1),
-              lab.steps(2), lab.steps(3));
-  EXPECT_LT(after, 20s);
+  expect_recovered(lab, at, GetParam().name);
 }
 INSTANTIATE_TEST_SUITE_P(Table, JumpingClock,
                          testing::Values(Jump{"LeaderForward", 0, 10s}, Jump{"LeaderBack", 0, -10s},
@@ -161,11 +165,7 @@ TEST_P(SleepingHost, IsBackInStepAndNobodysTimeRunsBackwards) {
   lab.run_until(50s);
   lab.wake(GetParam().host);
   lab.run_until(120s);
-  EXPECT_THAT(lab.findings(), IsEmpty());
-  const Duration after = recovered(lab, 50s, kAim);
-  std::printf("%s: %.2f s, steps %zu %zu %zu %zu\n", GetParam().name, to_seconds(after), lab.steps(0), lab.steps(1),
-              lab.steps(2), lab.steps(3));
-  EXPECT_LT(after, 20s);
+  expect_recovered(lab, 50s, GetParam().name);
 }
 INSTANTIATE_TEST_SUITE_P(Table, SleepingHost,
                          testing::Values(Sleep{"LeaderAsleep", 0, true}, Sleep{"LeaderPaused", 0, false},

@@ -27,8 +27,7 @@ class Faults {
   Faults(const ClosedRoom& room, const ScratchFolder& folder) : room_(room) {
     folder.write("room.wrl", room.world);
     const auto file = folder.write("room.toml", room.scenario);
-    const config::Scenario scenario =
-        must(config::read_scenario({.file = file, .configs = {}, .sets = {}, .seed = {}}));
+    const config::Scenario scenario = testing_support::scenario_of(file);
     const auto shared = must(share_world(scenario.world));
     scene_ = shared->model->scene;
     const auto logs =

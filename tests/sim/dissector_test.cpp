@@ -176,8 +176,7 @@ class Dissector : public testing::Test {
   std::filesystem::path capture(const std::string& file, const std::vector<std::string>& sets,
                                 const std::vector<std::filesystem::path>& configs = {}) {
     const std::filesystem::path path = PEERD_SOURCE_DIR "/configs/scenarios/" + file;
-    const config::Scenario scenario =
-        must(config::read_scenario({.file = path, .configs = configs, .sets = sets, .seed = {}}));
+    const config::Scenario scenario = testing_support::scenario_of(path, sets, configs);
     const auto shared = must(share_world(scenario.world, scenario.reading));
     const Captures captures{folder / std::to_string(++captured), scenario, path};
     std::filesystem::create_directory(captures.folder);

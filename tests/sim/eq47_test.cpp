@@ -82,15 +82,6 @@ TEST(Eq47, EachApproachIsWorthItsName) {
   }
 }
 
-TEST(Eq47, ObserversMayTickAtOtherRates) {
-  for (const int order : {1, 2}) {
-    const double at_60 = run_eq47("dr+rcp", order, 100).mean_error_m("b", "CAR");
-    const Ran ran = run_eq47("dr+rcp", order, 100, {"peer.b.tick_hz=30", "peer.c.tick_hz=144"});
-    EXPECT_NEAR(ran.mean_error_m("b", "CAR"), at_60, 0.02 * at_60) << "30 Hz, order " << order;
-    EXPECT_NEAR(ran.mean_error_m("c", "CAR"), at_60, 0.02 * at_60) << "144 Hz, order " << order;
-  }
-}
-
 // ---- the walls ----
 
 constexpr double kSpeed = 40 * std::numbers::pi / 15;  // along -z, and along x just before and after a corner of an arc
@@ -192,22 +183,5 @@ TEST(Eq47, WithoutLatencyTheThresholdHoldsAtEveryTick) {
 }
 
 // ---- clocks ----
-
-TEST(Eq47, HostClocksThatDifferChangeNothingMuch) {
-  for (const double latency_ms : {5.0, 100.0}) {
-    const Ran level = run_eq47("dr+rcp+acpt", 2, latency_ms);
-    const Ran apart =
-        run_eq47("dr+rcp+acpt", 2, latency_ms,
-                 {"peer.a.clock_offset_s=-1.5", "peer.b.clock_offset_s=1.5", "peer.c.clock_offset_s=0.1237"});
-    for (const char* observer : {"b", "c"}) {
-      EXPECT_NEAR(apart.mean_error_m(observer, "CAR"), level.mean_error_m(observer, "CAR"), 0.005) << latency_ms;
-    }
-    for (const PeerLog& log : apart.logs) {  // a founded the session: its host's clock is everybody's session clock
-      const auto& last = log.object_samples.back();
-      EXPECT_NEAR(to_seconds(last.at.time_since_epoch() - last.true_at.time_since_epoch()), -1.5, 0.01) << log.name;
-    }
-    EXPECT_NEAR(static_cast<double>(apart.updates("CAR")), static_cast<double>(level.updates("CAR")), 2.0);
-  }
-}
 
 }  // namespace peerd::sim::eq47_test

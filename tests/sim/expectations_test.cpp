@@ -2,36 +2,19 @@
 #include <gmock/gmock.h>
 
 #include "peerd/lab/measure/expectations.hpp"
-#include "peerd/lab/measure/wrong_outcomes.hpp"
 #include "tests/sim/run_scenario.hpp"
 
 namespace peerd::sim::expectations_test {
 
-using testing_support::must;
-using testing_support::Ran;
 using testing_support::run_scenario;
-
-const std::string kHeadOn = PEERD_SOURCE_DIR "/configs/scenarios/head-on.toml";  // the only one that compares
-
-// The comparison is with the same run with perfect knowledge, as in peerd sim.
-void compare_outcomes(Ran& ran) {
-  const config::RunSettings ideal = without_latency(ran.settings);
-  const auto shared =
-      must(share_world(must(config::read_scenario({.file = kHeadOn, .configs = {}, .sets = {}, .seed = {}})).world));
-  ran.record.wrong =
-      measure::wrong_outcomes(ran.record, must(assemble(ideal, *shared, must(simulate(ideal, *shared)))));
-  ran.summary = measure::summarise({"head-on", "sim", ran.settings.seed, {}}, {&ran.record, 1})["runs"][0];
-}
 
 std::vector<measure::CheckedExpectation> checked(const std::string& name, const std::vector<std::string>& sets = {},
                                                  const std::vector<std::filesystem::path>& configs = {}) {
   const std::string file = PEERD_SOURCE_DIR "/configs/scenarios/" + name + ".toml";
-  const auto expectations =
-      must(config::read_scenario({.file = file, .configs = configs, .sets = sets, .seed = {}})).expectations;
+  const auto expectations = testing_support::scenario_of(file, sets, configs).expectations;
   std::vector<measure::RunRecord> records;
   auto rows = nlohmann::ordered_json::array();
   for (auto& ran : run_scenario(file, sets, configs)) {
-    if (ran.settings.compare_outcomes) compare_outcomes(ran);
     records.push_back(std::move(ran.record));
     rows.push_back(std::move(ran.summary));
   }

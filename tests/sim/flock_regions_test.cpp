@@ -26,8 +26,7 @@ struct Seen {
 };
 
 Seen see(std::vector<std::string> sets) {
-  const config::Scenario scenario =
-      must(config::read_scenario({.file = kFlock, .configs = {kBest}, .sets = sets, .seed = {}}));
+  const config::Scenario scenario = testing_support::scenario_of(kFlock, sets, {kBest});
   const auto shared = must(share_world(scenario.world));
   if (scenario.runs.size() != 1) throw std::runtime_error("one run was meant");
   std::optional<measure::InterestRecord> interest;

@@ -72,23 +72,4 @@ TEST_F(Founder, ALateJoinerTakesNothingHoweverLowItsId) {
   }
 }
 
-TEST_F(Founder, TheConfigurationsOwnerComesFirst) {
-  const Ran ran = run("[peer.a]\nid = 1\n[peer.b]\nid = 2\nowns = [\"BALL\"]\n");
-  for (const PeerLog& log : ran.logs) EXPECT_THAT(owners(log), Each(PeerId{2}));
-}
-
-TEST_F(Founder, AMotionOfTheConfigurationMovesItsObject) {
-  const Ran ran = run("[peer.a]\nid = 1\n[peer.b]\nid = 2\n[motion.BALL]\ny = \"t\"\n");
-  EXPECT_NEAR(ran.logs[0].object_samples.back().state.velocity.y(), 1.0, 1e-9);
-  EXPECT_THAT(owners(ran.logs[1]), Each(PeerId{1}));
-}
-
-// A peer of a configuration of its own has to see that it founds the session.
-TEST_F(Founder, ALonePeerRunsTheObject) {
-  const Ran ran = run("[peer.a]\nid = 7\n");
-  EXPECT_THAT(owners(ran.logs[0]), SizeIs(testing::Ge(300u)));
-  EXPECT_THAT(owners(ran.logs[0]), Each(PeerId{7}));
-  EXPECT_THAT(kinds(ran.logs[0]), testing::ElementsAre("owner"));
-}
-
 }  // namespace peerd::sim::founder_test

@@ -52,33 +52,10 @@ TEST(HostileNetworks, TheErrorIsMostlySmall) {
   EXPECT_LT(means_m[means_m.size() / 2], 1.0) << "the median over nine seeds and two observers";
 }
 
-TEST(HostileNetworks, ClockErrorUnderJitterIsAFractionOfIt) {
-  const Ran ran = run_eq47("dr", 2, 50, {"network.jitter_ms=40", "peer.b.clock_offset_s=2", "duration_s=6"});
-  // The session clock of b against a's, through rows of one true instant: a's rows say what its clock says.
-  const auto ahead_s = [](const PeerLog& log) {
-    return to_seconds(log.object_samples.back().at.time_since_epoch() -
-                      log.object_samples.back().true_at.time_since_epoch());
-  };
-  EXPECT_NEAR(ahead_s(ran.logs[1]), ahead_s(ran.logs[0]), 0.020);
-  EXPECT_NEAR(ahead_s(ran.logs[2]), ahead_s(ran.logs[0]), 0.020);
-}
-
-TEST(HostileNetworks, ALinkThatIsSlowOneWayShiftsTheClockByHalfTheDifference) {
-  // NTP's four stamps cannot see asymmetry; the bound that the clock states is half the round trip.
-  const Ran ran = run_eq47("dr", 2, 10, {"network.link.a.b.latency_ms=110", "duration_s=6"});
-  const auto ahead_s = [](const PeerLog& log) {
-    return to_seconds(log.object_samples.back().at.time_since_epoch() -
-                      log.object_samples.back().true_at.time_since_epoch());
-  };
-  EXPECT_NEAR(std::abs(ahead_s(ran.logs[1]) - ahead_s(ran.logs[0])), 0.050, 0.003);
-}
-
 TEST(HostileNetworks, OneThatLosesEverythingIsReportedNotAwaitedForever) {
-  auto scenario = testing_support::must(config::read_scenario(
-      {.file = testing_support::kEq47,
-       .configs = {},
-       .sets = {"network.loss=1.0", "network.latency_ms=5", "replication.order=1", "replication.approach=dr"},
-       .seed = {}}));
+  auto scenario = testing_support::scenario_of(
+      testing_support::kEq47,
+      {"network.loss=1.0", "network.latency_ms=5", "replication.order=1", "replication.approach=dr"});
   const auto shared = testing_support::must(share_world(scenario.world));
   const auto logs = simulate(scenario.runs.front(), *shared);
   ASSERT_FALSE(logs);
@@ -92,8 +69,7 @@ TEST(HostileNetworks, WhereAllHaveComeLateTheyBeginAnew) {
       "event.1.at_s=1",         "event.1.kind=\"kill\"", "event.1.peer=\"b\"",      "event.2.at_s=2.9",
       "event.2.kind=\"join\"",  "event.2.peer=\"b\"",    "event.3.at_s=3.83",       "event.3.kind=\"leave\"",
       "event.3.peer=\"a\"",     "event.4.at_s=6.2",      "event.4.kind=\"join\"",   "event.4.peer=\"a\""};
-  const auto scenario = testing_support::must(
-      config::read_scenario({.file = testing_support::kEq47, .configs = {}, .sets = sets, .seed = {}}));
+  const auto scenario = testing_support::scenario_of(testing_support::kEq47, sets);
   const auto shared = testing_support::must(share_world(scenario.world));
   const auto logs = testing_support::must(simulate(scenario.runs.front(), *shared));
   std::map<std::string, const PeerLog*> last;

@@ -35,7 +35,7 @@ KinematicState at(const std::vector<std::pair<double, KinematicState>>& rows, do
 }
 
 std::vector<std::string> key_lines(const std::vector<std::string>& sets) {
-  const auto scenario = must(config::read_scenario({.file = kKeys, .configs = {}, .sets = sets, .seed = {}}));
+  const auto scenario = testing_support::scenario_of(kKeys, sets);
   const auto shared = must(share_world(scenario.world));
   std::vector<std::string> lines;
   const auto note = [&](HostTime, const PeerNode& node, const LogLine& line, bool) {

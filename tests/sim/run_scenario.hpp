@@ -9,7 +9,7 @@
 
 #include "peerd/lab/live/assemble.hpp"
 #include "peerd/lab/measure/summary.hpp"
-#include "peerd/lab/sim/simulation.hpp"
+#include "peerd/lab/sim/simulated_run.hpp"
 
 // A scenario of the repository, run on the simulated network, with what its report says of it.
 namespace peerd::sim::testing_support {
@@ -53,11 +53,16 @@ struct Ran {
   }
 };
 
+inline config::Scenario scenario_of(const std::filesystem::path& file, std::vector<std::string> sets = {},
+                                    std::vector<std::filesystem::path> configs = {}) {
+  return must(
+      config::read_scenario({.file = file, .configs = std::move(configs), .sets = std::move(sets), .seed = {}}));
+}
+
 // Its runs, in order. Throws the error's sentence.
 inline std::vector<Ran> run_scenario(const std::string& file, const std::vector<std::string>& sets = {},
                                      const std::vector<std::filesystem::path>& configs = {}) {
-  const config::Scenario scenario =
-      must(config::read_scenario({.file = file, .configs = configs, .sets = sets, .seed = {}}));
+  const config::Scenario scenario = scenario_of(file, sets, configs);
   const auto shared = must(share_world(scenario.world, scenario.reading, scenario.runs));
   std::vector<Ran> runs;
   for (const config::RunSettings& settings : scenario.runs) {
@@ -65,9 +70,20 @@ inline std::vector<Ran> run_scenario(const std::string& file, const std::vector<
     ran.settings = settings;
     ran.logs = must(simulate(settings, *shared));
     ran.record = must(assemble(settings, *shared, ran.logs));
+    if (settings.compare_outcomes) ran.record.wrong = must(compare_outcomes(ran.record, settings, *shared));
     ran.summary = measure::summarise({scenario.name, "sim", scenario.seed, {}}, {&ran.record, 1})["runs"][0];
   }
   return runs;
+}
+
+// Three peers have the same outcomes of the contacts that are decided for all.
+inline void expect_one_outcome(const Ran& ran, int decided_at_least) {
+  const auto& shared = ran.summary["collisions"]["shared"];
+  EXPECT_GE(shared["decided"], decided_at_least);
+  EXPECT_EQ(shared["agreed"], 2 * shared["decided"].get<int>());
+  EXPECT_EQ(shared["disagreed"], 0);
+  EXPECT_EQ(shared["missed"], 0);
+  EXPECT_EQ(shared["spurious"], 0);
 }
 
 // One run of eq47: its sweep set to one row of the table, and whatever else.

@@ -49,7 +49,7 @@ struct Played {
 
 Played play(const std::vector<std::string>& sets) {
   Played played;
-  const auto scenario = must(config::read_scenario({.file = kSnooker, .configs = {}, .sets = sets, .seed = {}}));
+  const auto scenario = testing_support::scenario_of(kSnooker, sets);
   played.settings = scenario.runs.front();
   played.shared = must(share_world(scenario.world));
   const auto observer = [&](HostTime, const PeerNode& node, const replication::Output& out) {

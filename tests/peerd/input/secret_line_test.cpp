@@ -11,6 +11,8 @@
 #include <csignal>
 #include <cstdlib>
 
+#include "tests/peerd/comes_true.hpp"
+
 namespace peerd {
 namespace {
 
@@ -94,8 +96,7 @@ pid_t reader_of(const Terminal& terminal, std::string_view expected) {
   _exit(line && line->view() == expected ? 0 : 1);
 }
 void wait_until_hidden(const Terminal& terminal) {
-  for (int tries = 0; tries < 10'000 && terminal.echoes(); ++tries) usleep(1000);
-  ASSERT_FALSE(terminal.echoes());
+  ASSERT_TRUE(testing_support::comes_true([&] { return !terminal.echoes(); }, 10));
 }
 
 TEST(SecretLines, AreNotShownByATerminal) {

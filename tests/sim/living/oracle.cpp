@@ -184,17 +184,6 @@ bool ContactOracle::touches(double t_s) {
   });
 }
 
-double ContactOracle::depth_m(double t_s) {
-  double deepest = 0.0;
-  place(t_s, pieces_at(t_s).back(), true);
-  for (const Part& a : collider_) {
-    for (const Part& b : collidee_) {
-      if (a.node != b.node) deepest = std::max(deepest, Soup::depth_m(a.soup, b.soup));
-    }
-  }
-  return deepest;
-}
-
 ContactOracle::Verdict ContactOracle::judge(double since_s, double t_s) {
   placements_ = 0;
   Verdict verdict;

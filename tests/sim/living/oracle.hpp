@@ -28,8 +28,6 @@ class ContactOracle {
   [[nodiscard]] Range distance_m(double t_s);
   // Whether the two certainly touch. Where something jumps then: on either side of it.
   [[nodiscard]] bool touches(double t_s);
-  // How deep surfaces are within each other: a figure for statistics.
-  [[nodiscard]] double depth_m(double t_s);
 
   struct Verdict {
     Range distance_m;                       // at the reported time

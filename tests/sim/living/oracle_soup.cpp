@@ -277,38 +277,4 @@ bool Soup::cross(const Soup& a, const Soup& b) {
       a, b, 0, 0, [] { return 0.0; }, [&](int i, int k) { return cross(a.corners(i), b.corners(k)); });
 }
 
-// The least overlap along the normals of faces of the difference of the two: of their planes, and of pairs of edges.
-double Soup::depth_m(const Corners& a, const Corners& b) {
-  const auto edge = [](const Corners& t, std::size_t i) { return minus(t[(i + 1) % 3]->middle, t[i]->middle); };
-  double least = kInfinity;
-  const auto take = [&](const Vector& n) {
-    const double length = length_of(n);
-    if (length < 1e-9) return;
-    Range of_a{kInfinity, -kInfinity}, of_b = of_a;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const double at = dot_of(a[i]->middle, n) / length, there = dot_of(b[i]->middle, n) / length;
-      of_a = {std::min(of_a.lo, at), std::max(of_a.hi, at)},
-      of_b = {std::min(of_b.lo, there), std::max(of_b.hi, there)};
-    }
-    least = std::min({least, of_a.hi - of_b.lo, of_b.hi - of_a.lo});
-  };
-  take(cross_of(edge(a, 0), edge(a, 1)));
-  take(cross_of(edge(b, 0), edge(b, 1)));
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t k = 0; k < 3; ++k) take(cross_of(edge(a, i), edge(b, k)));
-  }
-  return std::max(0.0, least);
-}
-
-double Soup::depth_m(const Soup& a, const Soup& b) {
-  double deepest = 0.0;
-  visit_near(
-      a, b, 0, 0, [] { return 0.0; },
-      [&](int i, int k) {
-        deepest = std::max(deepest, depth_m(a.corners(i), b.corners(k)));
-        return false;
-      });
-  return deepest;
-}
-
 }  // namespace peerd::living

@@ -25,9 +25,6 @@ class Soup {
   static void lower_distance(const Soup& a, const Soup& b, Range& range);
   // Whether some edge of one goes through a triangle of the other for certain.
   [[nodiscard]] static bool cross(const Soup& a, const Soup& b);
-  // How far apart the planes and edges of two crossing triangles would have to go to part them [m], the most of all
-  // pairs: a figure for statistics, without certainty. 0: none cross.
-  [[nodiscard]] static double depth_m(const Soup& a, const Soup& b);
 
   // Pairs of triangles, one of each soup, each with a direction and the gap along it in a placement.
   struct Near {
@@ -63,7 +60,6 @@ class Soup {
   static Range distance(const Corners& a, const Corners& b, std::array<double, 3>* direction = nullptr);
   static double gap_along(const Corners& a, const Corners& b, const std::array<double, 3>& n);
   static bool cross(const Corners& a, const Corners& b);
-  static double depth_m(const Corners& a, const Corners& b);
   // Visits pairs of triangles whose boxes are no farther apart than reach(), until `visit` is true; it takes the two
   // triangles.
   template <class Reach, class Visit>

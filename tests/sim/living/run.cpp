@@ -31,19 +31,7 @@ std::vector<Pair> pairs_of(const World& world, std::span<const collision::Watche
   return pairs;
 }
 
-// A row says its type, or it does not yet.
-template <class Row>
-bool is_of_type(const Row& row, InterestType type) {
-  if constexpr (requires { row.type; }) {
-    return static_cast<int>(row.type) == static_cast<int>(type);
-  } else {
-    return true;
-  }
-}
-
-const char* name_of(InterestType type) {
-  return type == InterestType::kBox ? "box" : type == InterestType::kWitness ? "witness" : "allpairs";
-}
+const char* name_of(InterestType type) { return peerd::name_of(static_cast<CollisionType>(type)); }
 
 }  // namespace
 
@@ -84,7 +72,7 @@ void write_texts(const World& world, const std::filesystem::path& folder) {
 measure::RunRecord run_peers(const World& world, const std::filesystem::path& folder) {
   write_texts(world, folder);
   const auto file = folder / "living.toml";
-  const config::Scenario scenario = must(config::read_scenario({.file = file, .configs = {}, .sets = {}, .seed = {}}));
+  const config::Scenario scenario = sim::testing_support::scenario_of(file);
   const auto shared = must(share_world(scenario.world));
   const auto logs = must(sim::simulate(scenario.runs[0], *shared));
   return must(assemble(scenario.runs[0], *shared, logs));
@@ -104,7 +92,7 @@ std::vector<std::size_t> pairs_of(const Reference& reference, const measure::Con
     const Pair& pair = reference.pairs[p];
     const bool same = row.collider == pair.collider_object && row.collidee == pair.collidee_object;
     const bool turned = row.collider == pair.collidee_object && row.collidee == pair.collider_object;
-    if ((same || turned) && is_of_type(row, pair.type)) found.push_back(p);
+    if ((same || turned) && row.type == static_cast<CollisionType>(pair.type)) found.push_back(p);
   }
   return found;
 }

@@ -214,12 +214,6 @@ double touch_s(ContactOracle& oracle, double apart_s, double touching_s) {
   return touching_s;
 }
 
-// A row says its type, or it does not yet.
-template <class Row>
-void set_type(Row& row, InterestType type) {
-  if constexpr (requires { row.type; }) row.type = static_cast<CollisionType>(type);
-}
-
 // Peers that find all, to the nanosecond; then one of them finds something too late, and something that is not there.
 TEST(Comparison, FindsWhatIsMissingAndWhatIsWrong) {
   const World world = make_world(3);
@@ -240,7 +234,7 @@ TEST(Comparison, FindsWhatIsMissingAndWhatIsWrong) {
       row.collider = pair.collidee_object;  // the other way round
       row.collidee = pair.collider_object;
       row.reported_at_s = t_s;
-      set_type(row, pair.type);
+      row.type = static_cast<CollisionType>(pair.type);
       record.contacts.push_back(row);
     }
   }

@@ -146,21 +146,6 @@ TEST_F(Control, AKeySetsACarInMotionAndTheOtherPeerSeesIt) {
   EXPECT_FALSE(std::filesystem::exists(at_b));
 }
 
-// One peer polls for a second before it sleeps; at 60 ticks a second it never sleeps.
-TEST_F(Control, APeerThatNeverSleepsAnswersMovesAndLeaves) {
-  const std::string at_a = socket("a"), at_b = socket("b");
-  Process a = start_peer("a", 1, "RED", 14, {"--control", at_a, "--set", "transport.busy_poll_us=1000000"});
-  Process b = start_peer("b", 2, "BLUE", 14, {"--control", at_b});
-  ASSERT_TRUE(a.says("peer b (id 2) joined", 5) && b.says("peer a (id 1) joined", 5)) << a.out() << a.err() << b.out();
-  EXPECT_EQ(wait_for_start(at_a)["members"][0]["name"], "b");
-  EXPECT_EQ(ctl({"--control", at_a, "key", "ArrowUp"}).code, 0);
-  (void)wait_for_velocity(at_b, "objects", "RED", {0, 0, -2});
-  a.signal(SIGTERM);
-  EXPECT_EQ(a.exit_code(2), 0) << a.err();
-  EXPECT_THAT(a.out(), HasSubstr("leaving: got SIGTERM"));
-  EXPECT_TRUE(b.says("peer a (id 1) left", 2));
-}
-
 // Each was started by hand, knows of no other, and begins with whoever is there. A third one runs nothing.
 TEST_F(Control, PeersOfNoConfigurationHaveOneStartAndAWatcherBeginsNothing) {
   const std::string at_w = socket("w"), at_a = socket("a"), at_b = socket("b");
@@ -180,23 +165,6 @@ TEST_F(Control, PeersOfNoConfigurationHaveOneStartAndAWatcherBeginsNothing) {
   ASSERT_TRUE(b.says("in session", 5)) << b.out() << b.err();
   EXPECT_NEAR(start_at(at_b), start, 1e-3);
   EXPECT_NEAR(start_at(at_w), start, 1e-3);
-}
-
-TEST_F(Control, ASocketOfAKilledPeerIsTakenOverAndThatOfALivingOneIsNot) {
-  const std::string at = socket("a");
-  {
-    Process killed = start_peer("a", 1, "RED", 11, {"--control", at});
-    ASSERT_TRUE(killed.says("listens for peerd ctl", 5)) << killed.out() << killed.err();
-    killed.signal(SIGKILL);
-    EXPECT_EQ(killed.exit_code(2), -1);
-  }
-  EXPECT_TRUE(std::filesystem::exists(at));
-  Process again = start_peer("again", 1, "RED", 11, {"--control", at});
-  ASSERT_TRUE(again.says("listens for peerd ctl", 5)) << again.out() << again.err();
-  Process late = start_peer("late", 2, "BLUE", 11, {"--control", at});
-  EXPECT_EQ(late.exit_code(5), 3);
-  EXPECT_THAT(late.err(), HasSubstr("another peer listens there"));
-  EXPECT_EQ(ask(at, "status")["peer"]["name"], "again");
 }
 
 TEST_F(Control, ByDefaultItIsInTheUsersRuntimeFolder) {

@@ -1,6 +1,9 @@
-// `peerd top` at a real peer, without a terminal.
+// `peerd top` at a real peer, without a terminal and on a real one.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pty.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <string>
 
@@ -10,6 +13,7 @@
 namespace peerd::top_command_test {
 
 using net::testing_support::own_port;
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::StartsWith;
 using testing_support::Process;
@@ -39,6 +43,44 @@ TEST_F(Top, SaysThatNobodyIsThere) {
   Process top(folder, "top", PEERD_PROGRAM, {"top", "--control", (folder / "none.sock").string()});
   EXPECT_EQ(top.exit_code(10), 3);
   EXPECT_THAT(top.err(), HasSubstr("no peer answers"));
+}
+
+// Types `keys` once the first screen stands, and returns all that the terminal was given, with the exit code.
+std::pair<std::string, int> on_terminal(const std::string& socket, const std::string& keys) {
+  int terminal = -1;
+  winsize window{20, 70, 0, 0};
+  const pid_t child = forkpty(&terminal, nullptr, nullptr, &window);
+  if (child == 0) {
+    execl(PEERD_PROGRAM, "peerd", "top", "--control", socket.c_str(), static_cast<char*>(nullptr));
+    _exit(127);
+  }
+  std::string shown;
+  bool typed = false;
+  char part[4096];
+  for (ssize_t n = read(terminal, part, sizeof part); n > 0; n = read(terminal, part, sizeof part)) {
+    shown.append(part, static_cast<std::size_t>(n));
+    if (!typed && shown.find("each second") != std::string::npos) {
+      typed = write(terminal, keys.data(), keys.size()) == static_cast<ssize_t>(keys.size());
+    }
+  }
+  close(terminal);
+  int status = 0;
+  waitpid(child, &status, 0);
+  return {shown, WIFEXITED(status) ? WEXITSTATUS(status) : -1};
+}
+
+TEST_F(Top, LeavesTheTerminalAsItWas) {
+  const auto [shown, code] = on_terminal(socket, "xq");
+  EXPECT_EQ(code, 0);
+  EXPECT_THAT(shown, StartsWith("\x1b[?1049h\x1b[?25l"));
+  EXPECT_THAT(shown, HasSubstr("a (id 1) "));
+  EXPECT_THAT(shown, EndsWith("\x1b[?25h\x1b[?1049l"));
+}
+
+TEST_F(Top, LeavesTheTerminalAsItWasWhereCtrlCEndsIt) {
+  const auto [shown, code] = on_terminal(socket, "\x03");
+  EXPECT_EQ(code, 130);
+  EXPECT_THAT(shown, EndsWith("\x1b[?25h\x1b[?1049l"));
 }
 
 }  // namespace peerd::top_command_test

@@ -4,37 +4,29 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <sstream>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
 #include "peerd/cli/commands/collide_command.hpp"
+#include "tests/peerd/cli/outcome.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::bake_command_test {
 
 using testing::HasSubstr;
+using testing_support::Outcome;
+using testing_support::outcome_of;
 using testing_support::ScratchFolder;
 using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kHeader = "#VRML V2.0 utf8\n";
 
-struct Outcome {
-  int exit_code = 0;
-  std::string out, err;
-  [[nodiscard]] Json json() const { return Json::parse(out); }
-};
-
 Outcome collide(const std::filesystem::path& world) {
-  std::ostringstream out, err;
-  const int exit_code = run_collide(world.string(), {.json = true}, out, err);
-  return {exit_code, out.str(), err.str()};
+  return outcome_of([&](auto& out, auto& err) { return run_collide(world.string(), {.json = true}, out, err); });
 }
 Outcome bake(const std::filesystem::path& world) {
-  std::ostringstream out, err;
-  const int exit_code = run_bake(world.string(), {.json = true}, out, err);
-  return {exit_code, out.str(), err.str()};
+  return outcome_of([&](auto& out, auto& err) { return run_bake(world.string(), {.json = true}, out, err); });
 }
 std::filesystem::path write(const ScratchFolder& folder, std::string_view body) {
   return folder.write("world.wrl", std::string(kHeader) + std::string(body));

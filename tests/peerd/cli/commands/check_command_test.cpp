@@ -2,13 +2,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <zlib.h>
 
-#include <sstream>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "tests/core/gzip_text.hpp"
+#include "tests/peerd/cli/outcome.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::check_command_test {
@@ -16,46 +16,24 @@ namespace peerd::check_command_test {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
+using testing_support::keys_of;
+using testing_support::Outcome;
+using testing_support::outcome_of;
 using testing_support::ScratchFolder;
 using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kHeader = "#VRML V2.0 utf8\n";
 
-struct Checked {
-  int exit_code = 0;
-  std::string out, err;
-};
-Checked check(const std::filesystem::path& world, bool json, std::uint32_t expansion = 1) {
-  std::ostringstream out, err;
-  const int exit_code =
-      run_check(world.string(), {.reading = {.expansion = expansion}, .json = json, .copy = {}, .at_s = {}}, out, err);
-  return {exit_code, out.str(), err.str()};
+Outcome check(const std::filesystem::path& world, const CheckOptions& options) {
+  return outcome_of([&](auto& out, auto& err) { return run_check(world.string(), options, out, err); });
 }
-Checked check(const ScratchFolder& folder, std::string_view body, bool json, std::uint32_t expansion = 1) {
+Outcome check(const std::filesystem::path& world, bool json, std::uint32_t expansion = 1) {
+  return check(world, {.reading = {.expansion = expansion}, .json = json, .copy = {}, .at_s = {}});
+}
+Outcome check(const ScratchFolder& folder, std::string_view body, bool json, std::uint32_t expansion = 1) {
   return check(folder.write("world.wrl", std::string(kHeader) + std::string(body)), json, expansion);
 }
-Json json_of(const ScratchFolder& folder, std::string_view body) { return Json::parse(check(folder, body, true).out); }
-
-std::vector<std::string> keys_of(const Json& json) {
-  std::vector<std::string> keys;
-  for (const auto& [key, value] : json.items()) keys.push_back(key);
-  return keys;
-}
-
-std::string packed(const std::string& text) {
-  z_stream stream{};
-  EXPECT_EQ(deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);  // 16: with gzip's header
-  std::string out(deflateBound(&stream, text.size()) + 32, '\0');
-  std::string in = text;
-  stream.next_in = reinterpret_cast<Bytef*>(in.data());
-  stream.avail_in = static_cast<uInt>(in.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  return out;
-}
+Json json_of(const ScratchFolder& folder, std::string_view body) { return check(folder, body, true).json(); }
 
 constexpr std::string_view kFlawed = R"(
 DEF HULL Transform { children DEF SKIN Shape { geometry IndexedFaceSet {
@@ -69,10 +47,10 @@ const auto kTopLevel = ElementsAre("world", "good", "errors", "warnings", "unsup
 
 TEST(Check, JsonOfAGoodWorldCountsAll) {
   const ScratchFolder folder;
-  const Checked run = check(folder, kFlawed, true);
+  const Outcome run = check(folder, kFlawed, true);
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_EQ(run.err, "");
-  const Json json = Json::parse(run.out);
+  const Json json = run.json();
   EXPECT_THAT(keys_of(json), kTopLevel);
   EXPECT_EQ(json["world"], (folder / "world.wrl").string());
   EXPECT_EQ(json["good"], true);
@@ -114,17 +92,18 @@ TEST(Check, JsonOfAGoodWorldCountsAll) {
 // What no peer does is a warning, and the world stays good.
 TEST(Check, WhatDoesNothingIsAWarning) {
   const ScratchFolder folder;
-  const Checked run = check(folder,
+  const Outcome run = check(folder,
                             "DEF CAR Transform { children Shape { geometry Box { } } }\nDEF CLOCK TimeSensor { "
                             "}\nROUTE CAR.notColliding TO CLOCK.enabled\n",
                             true);
   EXPECT_EQ(run.exit_code, 0);
-  const Json json = Json::parse(run.out);
+  const Json json = run.json();
   EXPECT_EQ(json["good"], true);
   ASSERT_EQ(json["warnings"].size(), 1U);
   EXPECT_EQ(json["warnings"][0]["line"], 4);
   EXPECT_EQ(json["warnings"][0]["column"], 11);
   EXPECT_THAT(json["warnings"][0]["message"].get<std::string>(), HasSubstr("this ROUTE from notColliding"));
+  EXPECT_THAT(check(folder / "world.wrl", false).out, HasSubstr(": good, 1 warning; "));
 }
 
 TEST(Check, JsonOfAWorldWithoutDefectsHasZeros) {
@@ -138,9 +117,9 @@ TEST(Check, JsonOfAWorldWithoutDefectsHasZeros) {
 
 TEST(Check, JsonOfABadWorldHasEachErrorAndItsPlace) {
   const ScratchFolder folder;
-  const Checked run = check(folder, "Shape { geometry Box { syze 1 1 1 } }\nTransform { translaton 1 2 3 }\n", true);
+  const Outcome run = check(folder, "Shape { geometry Box { syze 1 1 1 } }\nTransform { translaton 1 2 3 }\n", true);
   EXPECT_EQ(run.exit_code, 1);
-  const Json json = Json::parse(run.out);
+  const Json json = run.json();
   EXPECT_THAT(keys_of(json), kTopLevel);
   EXPECT_EQ(json["good"], false);
   ASSERT_EQ(json["errors"].size(), 2U);
@@ -154,17 +133,6 @@ TEST(Check, JsonOfABadWorldHasEachErrorAndItsPlace) {
   EXPECT_TRUE(json["defects"].is_null());
 }
 
-TEST(Check, WarningsLeaveAWorldGood) {
-  const ScratchFolder folder;
-  const Checked run = check(folder, "Transform { scale -1 1 1 children Shape { geometry Box {} } }", true);
-  EXPECT_EQ(run.exit_code, 0);
-  const Json json = Json::parse(run.out);
-  EXPECT_EQ(json["good"], true);
-  ASSERT_EQ(json["warnings"].size(), 1U);
-  EXPECT_EQ(json["warnings"][0]["line"], 2);
-  EXPECT_THAT(check(folder / "world.wrl", false).out, HasSubstr(": good, 1 warning; "));
-}
-
 TEST(Check, AnErrorInsideAnInlineIsNamedByTheInnerFile) {
   const ScratchFolder folder;
   const auto inner = folder.write("inner.wrl", std::string(kHeader) + "\nShape { geometry Bx {} }\n");
@@ -174,7 +142,7 @@ TEST(Check, AnErrorInsideAnInlineIsNamedByTheInnerFile) {
   EXPECT_EQ(json["errors"][0]["file"], std::filesystem::canonical(inner).string());
   EXPECT_EQ(json["errors"][0]["line"], 3);
   EXPECT_EQ(json["errors"][0]["column"], 18);
-  const Checked text = check(folder / "world.wrl", false);
+  const Outcome text = check(folder / "world.wrl", false);
   EXPECT_EQ(text.exit_code, 1);
   EXPECT_THAT(text.err, HasSubstr("inner.wrl:3:18: error: "));
   EXPECT_THAT(text.err, HasSubstr("Shape { geometry Bx {} }\n                 ^\n"));
@@ -183,14 +151,14 @@ TEST(Check, AnErrorInsideAnInlineIsNamedByTheInnerFile) {
 TEST(Check, PackedWorldsAreTheSame) {
   const ScratchFolder folder;
   const std::string text = std::string(kHeader) + std::string(kFlawed);
-  const Checked run = check(folder.write("world.wrl.gz", packed(text)), true);
+  const Outcome run = check(folder.write("world.wrl.gz", gzipped(text)), true);
   EXPECT_EQ(run.exit_code, 0);
-  Json json = Json::parse(run.out), plain = json_of(folder, kFlawed);
+  Json json = run.json(), plain = json_of(folder, kFlawed);
   EXPECT_EQ(json["bytes"], text.size());
   for (const char* own : {"world", "read_ms", "defects_ms"}) json.erase(own), plain.erase(own);
   EXPECT_EQ(json, plain);
   // Places are those of the unpacked text.
-  const Checked bad = check(folder.write("bad.wrl.gz", packed(std::string(kHeader) + "\n\nGrop {}\n")), true);
+  const Outcome bad = check(folder.write("bad.wrl.gz", gzipped(std::string(kHeader) + "\n\nGrop {}\n")), true);
   EXPECT_EQ(bad.exit_code, 1);
   EXPECT_EQ(Json::parse(bad.out)["errors"][0]["line"], 4);
 }
@@ -198,7 +166,7 @@ TEST(Check, PackedWorldsAreTheSame) {
 TEST(Check, FilesThatCannotBeReadSayWhy) {
   const ScratchFolder folder;
   const auto missing = folder / "missing.wrl";
-  const Checked none = check(missing, true);
+  const Outcome none = check(missing, true);
   EXPECT_EQ(none.exit_code, 2);
   EXPECT_EQ(none.err, missing.string() + ": error: there is no such file\n");
   const Json json = Json::parse(none.out);
@@ -214,7 +182,7 @@ TEST(Check, FilesThatCannotBeReadSayWhy) {
 
 TEST(Check, TextIsATableWithoutTheZeros) {
   const ScratchFolder folder;
-  const Checked flawed = check(folder, kFlawed, false);
+  const Outcome flawed = check(folder, kFlawed, false);
   EXPECT_EQ(flawed.exit_code, 0);
   EXPECT_EQ(flawed.err, "");
   EXPECT_THAT(flawed.out,
@@ -232,7 +200,7 @@ TEST(Check, TextShowsSomeProblemsAndJsonAll) {
   std::string body;
   for (int i = 0; i < 120; ++i) body += "Transform { scale -1 1 1 }\n";
   for (int i = 0; i < 50; ++i) body += "Grop {}\n";
-  const Checked text = check(folder, body, false);
+  const Outcome text = check(folder, body, false);
   EXPECT_EQ(text.exit_code, 1);
   const auto lines_with = [&](std::string_view what) {
     int lines = 0;
@@ -263,9 +231,9 @@ std::string shapes_of_36_million_polygons() {
 // Nothing is built for this answer: it would take tens of gigabytes.
 TEST(Check, DefectsOfBillionsOfPolygonsAreNotLookedFor) {
   const ScratchFolder folder;
-  const Checked run = check(folder, "#\n" + shapes_of_36_million_polygons(), true, kExpansionMax);
+  const Outcome run = check(folder, "#\n" + shapes_of_36_million_polygons(), true, kExpansionMax);
   EXPECT_EQ(run.exit_code, 0);
-  const Json json = Json::parse(run.out);
+  const Json json = run.json();
   EXPECT_GT(json["statistics"]["polygons"], 1 << 25);
   EXPECT_TRUE(json["defects"].is_null());
   EXPECT_THAT(json["unsupported"].dump(), HasSubstr("defects of more than 33554432 polygons"));
@@ -289,11 +257,8 @@ TEST(Check, SensorsThatStopForWantOfTransitionsAreNamed) {
       "ROUTE A.cycleTime TO B.startTime ROUTE B.fraction_changed TO P.set_fraction\n"
       "ROUTE P.value_changed TO T.translation\n";
   const auto unsupported_at = [&](double at_s) {
-    std::ostringstream out, err;
-    EXPECT_EQ(run_check(folder.write("world.wrl", std::string(kHeader) + body),
-                        {.json = true, .copy = {}, .at_s = at_s}, out, err),
-              0);
-    return Json::parse(out.str())["unsupported"].dump();
+    const auto world = folder.write("world.wrl", std::string(kHeader) + body);
+    return check(world, {.json = true, .copy = {}, .at_s = at_s}).json()["unsupported"].dump();
   };
   EXPECT_EQ(unsupported_at(10), "[]");
   EXPECT_THAT(unsupported_at(86'400), HasSubstr("TimeSensors that start each other so often: they stand still from "));
@@ -301,9 +266,9 @@ TEST(Check, SensorsThatStopForWantOfTransitionsAreNamed) {
 
 TEST(Check, BytesThatAreNoUtf8DoNotBreakTheJson) {
   const ScratchFolder folder;
-  const Checked run = check(folder, "Shape { geometry B\xff {} }", true);
+  const Outcome run = check(folder, "Shape { geometry B\xff {} }", true);
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_FALSE(Json::parse(run.out)["errors"].empty());
+  EXPECT_FALSE(run.json()["errors"].empty());
 }
 
 TEST(Check, SaysWhereThingsHaveMovedByThen) {
@@ -313,9 +278,7 @@ TEST(Check, SaysWhereThingsHaveMovedByThen) {
                    "#VRML V2.0 utf8\nDEF LIFT Transform { }\nDEF T TimeSensor { cycleInterval 4 loop TRUE }\n"
                    "DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 0 8 0 ] }\n"
                    "ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO LIFT.translation\n");
-  std::ostringstream out, err;
-  ASSERT_EQ(run_check(path.string(), {.json = true, .copy = {}, .at_s = 5.0}, out, err), 0);
-  const auto moving = nlohmann::json::parse(out.str())["moving"];
+  const auto moving = check(path, {.json = true, .copy = {}, .at_s = 5.0}).json()["moving"];
   ASSERT_EQ(moving.size(), 1u);
   EXPECT_EQ(moving[0]["path"], "LIFT");
   EXPECT_NEAR(moving[0]["position"][1].get<double>(), 2.0, 1e-9);
@@ -326,25 +289,22 @@ TEST(Check, WritesACopyThatNeedsNoOtherFile) {
   folder.write("inner.wrl", "#VRML V2.0 utf8\nDEF BOX Shape { geometry Box { } }\n");
   const auto path = folder.write("outer.wrl", "#VRML V2.0 utf8\nInline { url \"inner.wrl\" }\n");
   const std::string copy = (folder / "copy.wrl").string();
-  std::ostringstream out, err;
-  ASSERT_EQ(run_check(path.string(), {.json = false, .copy = copy, .at_s = {}}, out, err), 0) << err.str();
+  ASSERT_EQ(check(path, {.json = false, .copy = copy, .at_s = {}}).exit_code, 0);
   std::filesystem::remove(folder / "inner.wrl");
-  std::ostringstream again;
-  ASSERT_EQ(run_check(copy, {.json = true, .copy = {}, .at_s = {}}, again, err), 0) << err.str();
-  EXPECT_EQ(nlohmann::json::parse(again.str())["statistics"]["polygons"], 6);
+  EXPECT_EQ(check(copy, true).json()["statistics"]["polygons"], 6);
 }
 
 TEST(Check, ACopyThatCannotBeWrittenIsNotGood) {
   const ScratchFolder folder;
   const auto world = folder.write("w.wrl", "#VRML V2.0 utf8\nGroup { }\n");
-  std::ostringstream out, err;
-  EXPECT_EQ(run_check(world.string(), {.json = false, .copy = "/dev/full", .at_s = {}}, out, err), 3);
-  EXPECT_THAT(err.str(), HasSubstr("/dev/full: error: can't be written: No space left on device"));
-  EXPECT_EQ(out.str(), "");
-  EXPECT_EQ(run_check(world.string(), {.json = true, .copy = "/dev/full", .at_s = {}}, out, err), 3);
-  const auto said = Json::parse(out.str());
-  EXPECT_EQ(said["good"], false);
-  EXPECT_EQ(said["errors"][0]["file"], "/dev/full");
+  const Outcome text = check(world, {.json = false, .copy = "/dev/full", .at_s = {}});
+  EXPECT_EQ(text.exit_code, 3);
+  EXPECT_THAT(text.err, HasSubstr("/dev/full: error: can't be written: No space left on device"));
+  EXPECT_EQ(text.out, "");
+  const Outcome said = check(world, {.json = true, .copy = "/dev/full", .at_s = {}});
+  EXPECT_EQ(said.exit_code, 3);
+  EXPECT_EQ(said.json()["good"], false);
+  EXPECT_EQ(said.json()["errors"][0]["file"], "/dev/full");
 }
 
 }  // namespace peerd::check_command_test

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -13,36 +12,29 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/peerd/cli/outcome.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::collide_command_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing_support::keys_of;
+using testing_support::Outcome;
+using testing_support::outcome_of;
 using testing_support::ScratchFolder;
 using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kHeader = "#VRML V2.0 utf8\n";
 
-struct Outcome {
-  int exit_code = 0;
-  std::string out, err;
-  [[nodiscard]] Json json() const { return Json::parse(out); }
-};
-
+Outcome watch(const std::filesystem::path& world, const CollideOptions& options) {
+  return outcome_of([&](auto& out, auto& err) { return run_collide(world.string(), options, out, err); });
+}
 Outcome collide(const std::filesystem::path& world, double at_s = 0.0, bool json = true) {
-  std::ostringstream out, err;
-  const int exit_code = run_collide(world.string(), {.json = json, .at_s = at_s}, out, err);
-  return {exit_code, out.str(), err.str()};
+  return watch(world, {.json = json, .at_s = at_s});
 }
 std::filesystem::path write(const ScratchFolder& folder, std::string_view body) {
   return folder.write("world.wrl", std::string(kHeader) + std::string(body));
-}
-
-std::vector<std::string> keys_of(const Json& json) {
-  std::vector<std::string> keys;
-  for (const auto& [key, value] : json.items()) keys.push_back(key);
-  return keys;
 }
 
 // Two unit squares that share the corner (1, 1, 0), and one far off.
@@ -99,9 +91,9 @@ TEST(Collide, BoxesCanBeTheLargerOnesOfTheThesis) {
     CollisionInterest { objectPath "A" interests "B" }
   )");
   for (const bool realigned : {false, true}) {
-    std::ostringstream out, err;
-    ASSERT_EQ(run_collide(world, {.json = true, .realigned_boxes = realigned}, out, err), 0) << err.str();
-    EXPECT_EQ(Json::parse(out.str())["interests"][0]["colliding"], realigned);
+    const Outcome outcome = watch(world, {.json = true, .realigned_boxes = realigned});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(outcome.json()["interests"][0]["colliding"], realigned);
   }
 }
 
@@ -119,33 +111,6 @@ TEST(Collide, FarFromTheOriginIsAsAtTheOrigin) {
       EXPECT_EQ(collide(write(folder, world)).json()["interests"][0]["colliding"], colliding) << at << ' ' << gap;
     }
   }
-}
-
-TEST(Collide, WhatMovesByItselfIsWhereItIsByThen) {
-  const ScratchFolder folder;
-  const auto world = write(folder, R"(
-    DEF A Transform { children Shape { geometry Box {} } }
-    DEF B Transform { translation 10 0 0 velocityVector -1 0 0 children Shape { geometry Box {} } }
-    DEF C Transform { children Shape { geometry Box {} } }
-    DEF T TimeSensor { cycleInterval 10 loop TRUE startTime 0 }
-    DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 0 10 0, 0 0 0 ] }
-    ROUTE T.fraction_changed TO P.set_fraction
-    ROUTE P.value_changed TO C.set_translation
-    CollisionInterest { objectPath "A" interests [ "B" "C" ] collisionType 1 })");
-  const auto colliding = [&](double at_s) {
-    const Json json = collide(world, at_s).json();
-    return std::pair(json["interests"][0]["colliding"].get<bool>(), json["interests"][1]["colliding"].get<bool>());
-  };
-  EXPECT_EQ(colliding(0.0), std::pair(false, false));
-  EXPECT_EQ(colliding(7.5), std::pair(false, false));
-  EXPECT_EQ(colliding(8.0), std::pair(true, true));
-  EXPECT_EQ(colliding(10.5), std::pair(true, false));
-}
-
-Outcome watch(const std::filesystem::path& world, const CollideOptions& options) {
-  std::ostringstream out, err;
-  const int exit_code = run_collide(world.string(), options, out, err);
-  return {exit_code, out.str(), err.str()};
 }
 
 // B meets A at 8 s and leaves it at 12 s; C falls on A from 8 s to 10 s, where it still is at the end of the cycle. D
@@ -220,30 +185,18 @@ TEST(Collide, UntilATimeAgreesWithAskingAtEachTime) {
   EXPECT_GT(changes, 8u);
 }
 
-TEST(Collide, UntilATimeRefusesByNameToo) {
+TEST(Collide, VerticesBeyondAllMeasureAreRefusedByName) {
   const ScratchFolder folder;
-  const Outcome outcome = watch(write(folder, R"(
+  const auto world = write(folder, R"(
     Transform { scale 1 10 1 children DEF A Shape { geometry IndexedFaceSet {
       coord Coordinate { point [ 0 0 0, 1 0 0, 0 3e38 0 ] } coordIndex [ 0 1 2 ] } } }
     DEF B Shape { geometry Box {} }
-    CollisionInterest { objectPath "A" interests "B" collisionType 1 })"),
-                                {.until_s = 1.0});
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("0/A: vertex 2 of polygon 0"));
-}
-
-TEST(Collide, WhatBendsByItselfIsAsItIsByThen) {
-  const ScratchFolder folder;
-  const auto world = write(folder, R"(
-    DEF A Shape { geometry IndexedFaceSet { coord DEF C Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] } coordIndex [ 0 1 2 ] } }
-    DEF B Transform { translation 0 5 0 children Shape { geometry Box { size 2 2 2 } } }
-    DEF T TimeSensor { cycleInterval 10 loop TRUE startTime 0 }
-    DEF P CoordinateInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 1 0 0, 0 1 0, 0 0 0, 1 0 0, 0 11 0 ] }
-    ROUTE T.fraction_changed TO P.set_fraction
-    ROUTE P.value_changed TO C.set_point
     CollisionInterest { objectPath "A" interests "B" collisionType 1 })");
-  EXPECT_EQ(collide(world, 2.5).json()["interests"][0]["colliding"], false);
-  EXPECT_EQ(collide(world, 3.5).json()["interests"][0]["colliding"], true);
+  for (const std::optional<double> until_s : {std::optional<double>(), std::optional(1.0)}) {
+    const Outcome outcome = watch(world, {.until_s = until_s});
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("0/A: vertex 2 of polygon 0"));
+  }
 }
 
 TEST(Collide, WhatDoesNotCollideIsLeftOut) {
@@ -254,18 +207,6 @@ TEST(Collide, WhatDoesNotCollideIsLeftOut) {
     CollisionInterest { objectPath "A" interests "B" collisionType 1 })"))
                         .json();
   EXPECT_EQ(json["interests"][0]["colliding"], false);
-}
-
-TEST(Collide, VerticesBeyondAllMeasureAreRefusedByName) {
-  const ScratchFolder folder;
-  const std::string shapes = R"(
-    Transform { scale 1 10 1 children DEF A Shape { geometry IndexedFaceSet {
-      coord Coordinate { point [ 0 0 0, 1 0 0, 0 3e38 0 ] } coordIndex [ 0 1 2 ] } } }
-    DEF B Shape { geometry Box {} } )";
-  const Outcome outcome =
-      collide(write(folder, shapes + "CollisionInterest { objectPath \"A\" interests \"B\" collisionType 1 }"));
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("0/A: vertex 2 of polygon 0"));
 }
 
 TEST(Collide, AWorldWithErrorsOrNoneIsNoWorld) {
@@ -322,12 +263,12 @@ TEST(Collide, BodiesThatWouldAnswerAreNamedOnce) {
 TEST(Collide, ATerminalShowsHowFarItIs) {
   const ScratchFolder folder;
   const auto world = write(folder, kMoving);
-  std::ostringstream out, err, terminal;
+  std::ostringstream terminal;
   // The watch goes on until the first line has come, however long that takes.
   CollideOptions options{.until_s = 1e9, .hz = 1e3};
   options.progress = &terminal;
   options.interrupted = [&terminal] { return !terminal.str().empty(); };
-  EXPECT_EQ(run_collide(world.string(), options, out, err), 130);
+  EXPECT_EQ(watch(world, options).exit_code, 130);
   EXPECT_THAT(terminal.str(), HasSubstr(" s of 1000000000.000 s; about "));
   EXPECT_TRUE(terminal.str().ends_with("\r\033[K")) << "the line is gone in the end";
 }

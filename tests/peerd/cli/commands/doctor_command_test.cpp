@@ -113,61 +113,11 @@ TEST_F(Doctor, WhatReachesThisComputerOnlyIsAFinding) {
   });
 }
 
-TEST_F(Doctor, AnInterfaceWithoutACarrierReachesNobody) {
-  with_wire([&](const Wire& wire) {
-    wire.right.enter();
-    ASSERT_TRUE(shell("ip link set vb down"));
-    wire.left.enter();
-    const Said said = ask({"--interface", "va"});
-    EXPECT_EQ(said.exit_code, 1);
-    EXPECT_THAT(said.out, HasSubstr("va is not connected (no carrier)"));
-  });
-}
-
-// A bridge with an address, as of a host of virtual machines, whose port is a peer's way to others.
-TEST_F(Doctor, ABridgeThatForgetsGroupsIsAFinding) {
-  with_wire([&](const Wire& wire) {
-    wire.left.enter();
-    ASSERT_TRUE(
-        shell("ip link add vc type bridge mcast_snooping 1 && ip addr flush va && ip link set va master vc && "
-              "ip addr add 192.0.2.1/24 dev vc && ip link set vc up"));
-    ASSERT_TRUE(Wire::comes_up("vc"));
-    const Words bridge{"--interface", "vc"};
-    EXPECT_EQ(ask(bridge).exit_code, 1);
-    EXPECT_THAT(ask(bridge).out, HasSubstr("ip link set vc type bridge mcast_querier 1"));
-    ASSERT_TRUE(shell("ip link set vc type bridge mcast_querier 1"));
-    EXPECT_EQ(ask(bridge).exit_code, 0) << ask(bridge).out;
-  });
-}
-
-TEST_F(Doctor, AnMtuBelowThatOfDatagramsIsAFinding) {
-  with_wire([&](const Wire& wire) {
-    wire.left.enter();
-    ASSERT_TRUE(shell("ip link set va mtu 1000"));
-    const Said said = ask({"--interface", "va"});
-    EXPECT_EQ(said.exit_code, 1);
-    EXPECT_THAT(said.out, HasSubstr("ip link set va mtu 1228"));
-  });
-}
-
 TEST_F(Doctor, ATtlOfNoHopsStaysOnThisComputer) {
   with_wire([&](const Wire& wire) {
     wire.left.enter();
     EXPECT_EQ(ask_json({"--interface", "va", "--set", "transport.ttl=0"}, 1)["only_this_computer"], true);
   });
-}
-
-TEST_F(Doctor, TellsOfABufferThatTheKernelDoesNotGrant) {
-  const Said said = ask({"--interface", "lo", "--set", "transport.receive_buffer_bytes=1073741824"});
-  EXPECT_THAT(said.out, HasSubstr("not 1073741824: raise it (sysctl -w net.core.rmem_max=1073741824)"));
-}
-
-TEST_F(Doctor, APortThatIsTakenIsAProblem) {
-  boost::asio::io_context io;
-  const boost::asio::ip::udp::socket greedy(io, {boost::asio::ip::udp::v4(), own_port(0)});
-  const Said said = ask({"--interface", "lo"});
-  EXPECT_EQ(said.exit_code, 3);
-  EXPECT_THAT(said.out, HasSubstr("could not run: UDP port " + std::to_string(own_port(0)) + " is held by another"));
 }
 
 TEST_F(Doctor, WrongSettingsAreWrongUse) {

@@ -4,11 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <sstream>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
+#include "tests/peerd/cli/outcome.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 #include "tests/peerd/view/picture/glb_reader.hpp"
 
@@ -16,23 +16,18 @@ namespace peerd::export_command_test {
 
 using nlohmann::json;
 using peerd::testing_support::Glb;
+using peerd::testing_support::Outcome;
 using peerd::testing_support::read_glb;
 using peerd::testing_support::ScratchFolder;
 using peerd::testing_support::text_of;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-struct Outcome {
-  int exit_code = 0;
-  std::string out, err;
-  [[nodiscard]] json parsed() const { return json::parse(out); }
-};
-
 Outcome export_world(const std::filesystem::path& world, const std::filesystem::path& file, double at_s = 0.0,
                      bool as_json = true) {
-  std::ostringstream out, err;
-  const int exit_code = run_export(world.string(), {.json = as_json, .gltf = file.string(), .at_s = at_s}, out, err);
-  return {exit_code, out.str(), err.str()};
+  return peerd::testing_support::outcome_of([&](auto& out, auto& err) {
+    return run_export(world.string(), {.json = as_json, .gltf = file.string(), .at_s = at_s}, out, err);
+  });
 }
 
 TEST(Export, AllWorldsThatWeShipAreGoodFiles) {
@@ -46,7 +41,7 @@ TEST(Export, AllWorldsThatWeShipAreGoodFiles) {
     const std::string bytes = text_of(folder / "w.glb");
     const Glb glb = read_glb(bytes);
     EXPECT_THAT(glb.problems, ElementsAre());
-    const json said = outcome.parsed();
+    const json said = outcome.json();
     EXPECT_EQ(said.at("bytes"), bytes.size());
     EXPECT_EQ(said.at("undrawn").size(), glb.extras().at("undrawn").size());
     std::size_t triangles = 0;
@@ -84,7 +79,7 @@ DEF C Shape { appearance Appearance { texture ImageTexture { url "http://example
   const Glb glb = read_glb(text_of(folder / "w.glb"));
   EXPECT_THAT(glb.problems, ElementsAre());
   EXPECT_EQ(glb.json.at("images").size(), 1u);
-  const json undrawn = outcome.parsed().at("undrawn");
+  const json undrawn = outcome.json().at("undrawn");
   ASSERT_EQ(undrawn.size(), 2u);
   EXPECT_EQ(undrawn.at(0).at("why"), "ImageTexture: \"no.png\": it is neither PNG nor JPEG");
   EXPECT_EQ(undrawn.at(1).at("why"), "ImageTexture: \"http://example.org/c.png\": it is no file of this machine");

@@ -59,8 +59,7 @@ struct Case {
 // The first run of a scenario: its logs, and with a folder its captures.
 std::vector<PeerLog> run(const std::filesystem::path& file, const std::vector<std::string>& sets,
                          const std::filesystem::path& folder = {}) {
-  const config::Scenario scenario =
-      must(config::read_scenario({.file = file, .configs = {}, .sets = sets, .seed = {}}));
+  const config::Scenario scenario = testing_support::scenario_of(file, sets);
   const auto shared = must(share_world(scenario.world, scenario.reading));
   const Captures captures{folder, scenario, file};
   return must(simulate(scenario.runs.front(), *shared, {}, {}, nullptr, folder.empty() ? nullptr : &captures));

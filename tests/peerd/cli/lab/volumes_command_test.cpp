@@ -3,11 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <sstream>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
+#include "tests/peerd/cli/outcome.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::volumes_command_test {
@@ -15,20 +15,14 @@ namespace peerd::volumes_command_test {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::SizeIs;
+using testing_support::Outcome;
+using testing_support::outcome_of;
 using testing_support::ScratchFolder;
 using Json = nlohmann::ordered_json;
 
-struct Outcome {
-  int exit_code = 0;
-  std::string out, err;
-  [[nodiscard]] Json json() const { return Json::parse(out); }
-};
-
 Outcome volumes(const ScratchFolder& folder, const std::string& body, VolumesOptions options) {
   const auto world = folder.write("world.wrl", "#VRML V2.0 utf8\n" + body);
-  std::ostringstream out, err;
-  const int exit_code = run_volumes(world.string(), options, out, err);
-  return {exit_code, out.str(), err.str()};
+  return outcome_of([&](auto& out, auto& err) { return run_volumes(world.string(), options, out, err); });
 }
 
 constexpr const char* kCube = "DEF CUBE Shape { geometry Box { size 2 2 2 } }\n";

@@ -41,13 +41,17 @@ class Embedded : public testing::Test {
         .set("port", own_port())
         .set("take-over", "yes");
   }
-  // Drives both until the condition holds.
-  static bool run_until(Peer& a, Peer& b, const std::function<bool()>& holds) {
+  // Does that again and again until the condition holds; not for ever.
+  static bool wait_until(const std::function<bool()>& holds, const std::function<bool()>& meanwhile) {
     const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     while (!holds()) {
-      if (std::chrono::steady_clock::now() > give_up || !a.poll(0.002) || !b.poll(0.002)) return false;
+      if (std::chrono::steady_clock::now() > give_up || !meanwhile()) return false;
     }
     return true;
+  }
+  // Drives both until the condition holds.
+  static bool run_until(Peer& a, Peer& b, const std::function<bool()>& holds) {
+    return wait_until(holds, [&] { return a.poll(0.002) && b.poll(0.002); });
   }
   static bool are_together(const Peer& a, const Peer& b) {
     return a.in_session() && b.in_session() && a.member_count() == 1 && b.member_count() == 1;
@@ -156,11 +160,7 @@ TEST_F(Embedded, JoinsAWorldOfAnotherWithoutItsFile) {
     return Options().set("name", name).set("interface", "lo").set("take-over", "yes");
   };
   const auto has_ball = [&](Peer& peer) {
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (!peer.find("BALL") || !are_together(a, peer)) {
-      if (std::chrono::steady_clock::now() > give_up || !peer.poll(0.002)) return false;
-    }
-    return true;
+    return wait_until([&] { return peer.find("BALL") && are_together(a, peer); }, [&] { return peer.poll(0.002); });
   };
   {
     Peer by_name(joining("b").set("join", world));
@@ -168,8 +168,7 @@ TEST_F(Embedded, JoinsAWorldOfAnotherWithoutItsFile) {
     EXPECT_EQ(by_name.find("CAR"), a.find("CAR"));
   }
   Peer by_address(joining("c").set("join", world).set("from", "127.0.0.1:" + own_port()));
-  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (a.member_count() > 1 && std::chrono::steady_clock::now() < give_up) by_address.poll(0.002);
+  (void)wait_until([&] { return a.member_count() <= 1; }, [&] { return by_address.poll(0.002); });
   EXPECT_TRUE(has_ball(by_address));
   EXPECT_THROW(Peer(joining("d").set("join", world + "-elsewhere")), Error) << "there is no such world";
 }
@@ -212,12 +211,10 @@ TEST_F(Embedded, WithThreadsTheProgramOnlyAsks) {
   EXPECT_THROW(a.start(), Error) << "it has a thread";
   EXPECT_FALSE(a.poll(0.0)) << "its thread does that";
   const auto waits = [](const std::function<bool()>& holds) {
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (!holds()) {
-      if (std::chrono::steady_clock::now() > give_up) return false;
+    return wait_until(holds, [] {
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
-    return true;
+      return true;
+    });
   };
   ASSERT_TRUE(waits([&] { return are_together(a, b); }));
   // Several threads ask at once.

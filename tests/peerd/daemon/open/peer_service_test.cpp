@@ -17,7 +17,6 @@ namespace {
 
 using net::testing_support::own_port;
 using testing::HasSubstr;
-using testing::Not;
 using testing_support::Notified;
 using testing_support::Process;
 
@@ -82,16 +81,6 @@ TEST_F(ServedPeer, SaysThatItRunsThatItIsAliveAndThatItStops) {
 TEST_F(ServedPeer, SaysInWordsWhatItDoes) {
   Process a = start();
   EXPECT_TRUE(notified.gets("STATUS=peer a (id 1) in w.wrl, with 0 other peers", 10)) << a.out() << a.err();
-}
-
-TEST_F(ServedPeer, AStoppedProcessShowsNoSignOfLife) {
-  Process a = start();
-  ASSERT_TRUE(notified.gets("WATCHDOG=1", 10)) << a.out() << a.err();
-  a.signal(SIGSTOP);
-  (void)notified.messages();
-  EXPECT_FALSE(notified.gets("WATCHDOG=1", 0.5));
-  a.signal(SIGCONT);
-  EXPECT_TRUE(notified.gets("WATCHDOG=1", 5));
 }
 
 TEST_F(ServedPeer, AHangUpReadsTheConfigurationAgain) {

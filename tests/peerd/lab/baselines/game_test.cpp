@@ -10,8 +10,7 @@ using sim::testing_support::must;
 
 class GameTest : public testing::Test {
  protected:
-  config::Scenario scenario_ = must(config::read_scenario(
-      {.file = PEERD_SOURCE_DIR "/tests/sim/worlds/meeting.toml", .configs = {}, .sets = {}, .seed = {}}));
+  config::Scenario scenario_ = sim::testing_support::scenario_of(PEERD_SOURCE_DIR "/tests/sim/worlds/meeting.toml");
   std::unique_ptr<const SharedWorld> shared_ = must(share_world(scenario_.world, scenario_.reading, scenario_.runs));
   std::vector<config::PeerObjects> objects_ = must(config::resolve(scenario_.runs.front(), shared_->world.scene));
 

@@ -66,8 +66,7 @@ TEST(ResponseToAKey, IsWhenThePictureLeavesItsCourse) {
 }
 
 TEST(MovesByKeys, AreThoseOfWhatTheirPeerOwns) {
-  const config::Scenario scenario = must(config::read_scenario(
-      {.file = PEERD_SOURCE_DIR "/configs/scenarios/keys.toml", .configs = {}, .sets = {}, .seed = {}}));
+  const config::Scenario scenario = sim::testing_support::scenario_of(PEERD_SOURCE_DIR "/configs/scenarios/keys.toml");
   const auto shared = must(share_world(scenario.world, scenario.reading, scenario.runs));
   const auto objects = must(config::resolve(scenario.runs.front(), shared->world.scene));
   const auto moves = key_moves(scenario.runs.front(), objects, shared->world.scene);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "peerd/peer/store/part_row.hpp"
@@ -61,57 +62,52 @@ std::uint32_t operations_of(const HostStore::Opened& opened) {
   return logs.last(kAuthor).number;
 }
 
-TEST(HostStore, HasWhatItHasSaidToHaveAfterAnEndAtEveryWrite) {
-  for (const bool power_is_cut : {false, true}) {
-    std::uint64_t write = 1;
-    for (bool died = true; died; ++write) {
-      HostStore store(Random(write, power_is_cut ? 1 : 0), "p1");
-      store.disk().die_at_write(write);
-      auto opened = store.open(kGenesis, kAuthor);
-      std::uint32_t stored = 0;
-      if (opened) stored = Writer(store).write(*opened, 40);
-      if (!store.disk().is_dead()) store.close();
-      died = store.disk().is_dead();
-      if (died) store.crash(power_is_cut);
-      store.disk().die_at_write(std::nullopt);
-      const auto again = store.open(kGenesis, kAuthor);
-      ASSERT_TRUE(again) << "write " << write << ": " << again.error().text;
-      EXPECT_FALSE(again->lost) << "write " << write;
-      EXPECT_GE(operations_of(*again), stored) << "write " << write;
-      EXPECT_LE(operations_of(*again), stored + 1) << "write " << write;
-      store.close();
+// `use` opens the store and has it write; it returns how many operations the store has said to have. The disk dies at
+// the first write of that, then at the second one, and so on until none of them is the last one. Each time the store
+// has afterwards what it has said to have, and at most one operation more. Returns how many writes there were.
+std::uint64_t survive_each_write(const std::function<std::uint32_t(HostStore&, std::uint64_t dies_at_write)>& use,
+                                 bool power_is_cut) {
+  std::uint64_t write = 1;
+  for (bool died = true; died; ++write) {
+    SCOPED_TRACE(testing::Message() << "write " << write << (power_is_cut ? ", a power cut" : ""));
+    HostStore store(Random(write, power_is_cut ? 1 : 0), "p1");
+    const std::uint32_t stored = use(store, write);
+    if (!store.disk().is_dead()) store.close();
+    died = store.disk().is_dead();
+    if (died) store.crash(power_is_cut);
+    store.disk().die_at_write(std::nullopt);
+    const auto again = store.open(kGenesis, kAuthor);
+    if (!again) {
+      ADD_FAILURE() << again.error().text;
+      return write;
     }
-    EXPECT_GT(write, 100u) << "a store makes so many writes";
+    EXPECT_FALSE(again->lost);
+    EXPECT_GE(operations_of(*again), stored);
+    EXPECT_LE(operations_of(*again), stored + 1);
+    store.close();
   }
+  return write;
+}
+
+TEST(HostStore, HasWhatItHasSaidToHaveAfterAnEndAtEveryWrite) {
+  const auto use = [](HostStore& store, std::uint64_t dies_at_write) {
+    store.disk().die_at_write(dies_at_write);
+    const auto opened = store.open(kGenesis, kAuthor);
+    return opened ? Writer(store).write(*opened, 40) : 0;
+  };
+  for (const bool power_is_cut : {false, true}) EXPECT_GT(survive_each_write(use, power_is_cut), 100u);
 }
 
 // So does a store that packs what it has while it ends.
 TEST(HostStore, HasWhatItHasSaidToHaveAfterAnEndWhileItPacks) {
-  for (const bool power_is_cut : {false, true}) {
-    std::uint64_t write = 1;
-    for (bool died = true; died; ++write) {
-      HostStore store(Random(write, power_is_cut ? 1 : 0), "p1");
-      auto opened = store.open(kGenesis, kAuthor);
-      ASSERT_TRUE(opened);
-      ASSERT_EQ(Writer(store, 8000).write(*opened, 7), 7u) << "which are not packed yet";
-      store.close();
-      opened = store.open(kGenesis, kAuthor);
-      ASSERT_TRUE(opened);
-      store.disk().die_at_write(write);
-      const std::uint32_t stored = Writer(store, 8000).write(*opened, 9);  // two rows are packed meanwhile
-      if (!store.disk().is_dead()) store.close();
-      died = store.disk().is_dead();
-      if (died) store.crash(power_is_cut);
-      store.disk().die_at_write(std::nullopt);
-      const auto again = store.open(kGenesis, kAuthor);
-      ASSERT_TRUE(again) << "write " << write << ": " << again.error().text;
-      EXPECT_FALSE(again->lost) << "write " << write;
-      EXPECT_GE(operations_of(*again), stored) << "write " << write;
-      EXPECT_LE(operations_of(*again), stored + 1) << "write " << write;
-      store.close();
-    }
-    EXPECT_GT(write, 60u) << "a store makes so many writes";
-  }
+  const auto use = [](HostStore& store, std::uint64_t dies_at_write) {
+    EXPECT_EQ(Writer(store, 8000).write(store.open(kGenesis, kAuthor).value(), 7), 7u) << "which are not packed yet";
+    store.close();
+    const auto opened = store.open(kGenesis, kAuthor);
+    store.disk().die_at_write(dies_at_write);
+    return Writer(store, 8000).write(opened.value(), 9);  // two rows are packed meanwhile
+  };
+  for (const bool power_is_cut : {false, true}) EXPECT_GT(survive_each_write(use, power_is_cut), 60u);
 }
 
 TEST(HostStore, AStoreOfTheFormatBeforeHasAllAfterAnEndAtEveryWrite) {

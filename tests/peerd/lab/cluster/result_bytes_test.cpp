@@ -186,14 +186,6 @@ TEST(ChaosBytes, AllFieldsComeBack) {
   EXPECT_EQ(again->damaged, 9U);
 }
 
-TEST(ChaosBytes, APartIsRefused) {
-  const std::string bytes = to_bytes(full_report());
-  for (std::size_t size = 0; size < bytes.size(); ++size) {
-    EXPECT_FALSE(chaos_report_from(std::string_view(bytes).substr(0, size))) << size;
-  }
-  EXPECT_FALSE(chaos_report_from(bytes + 'x'));
-}
-
 // The counts of rare branches are a map, whose keys ascend.
 TEST(ChaosBytes, AKeyTwiceIsRefused) {
   std::string bytes = to_bytes(full_report());

@@ -12,6 +12,7 @@
 #include <string>
 #include <thread>
 
+#include "tests/peerd/comes_true.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::child_process_test {
@@ -20,12 +21,7 @@ using testing_support::ScratchFolder;
 using testing_support::text_of;
 
 bool ends_within(ChildProcess& child, double seconds) {
-  const auto begun = std::chrono::steady_clock::now();
-  while (child.running()) {
-    if (std::chrono::steady_clock::now() - begun > std::chrono::duration<double>(seconds)) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return true;
+  return testing_support::comes_true([&] { return !child.running(); }, seconds);
 }
 
 TEST(ChildProcess, ItsOutputAndItsExitCodeAreKept) {

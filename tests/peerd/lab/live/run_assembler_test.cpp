@@ -14,8 +14,8 @@ const std::string kScenario = PEERD_SOURCE_DIR "/configs/scenarios/comings.toml"
 // While the run goes on, ghosts wait for the next tick of their owners and ticks are forgotten; afterwards all rows are
 // there at once. Peers come and go in this scenario, and clocks are apart.
 TEST(RunAssembler, GivesTheSameWhileRowsComeAsAfterwards) {
-  const config::Scenario scenario = must(config::read_scenario(
-      {.file = kScenario, .configs = {}, .sets = {"network.jitter_ms=20", "network.loss=0.05"}, .seed = {}}));
+  const config::Scenario scenario =
+      sim::testing_support::scenario_of(kScenario, {"network.jitter_ms=20", "network.loss=0.05"});
   const auto shared = must(share_world(scenario.world));
   const config::RunSettings& run = scenario.runs.front();
   const measure::RunRecord after = must(assemble(run, *shared, must(sim::simulate(run, *shared))));
@@ -29,20 +29,6 @@ TEST(RunAssembler, GivesTheSameWhileRowsComeAsAfterwards) {
   EXPECT_EQ(during.network_settings.dump(),
             R"({"network.latency_ms":100.0,"network.jitter_ms":20.0,"network.loss":0.05})");
   for (std::size_t i = 0; i < during.peers.size(); ++i) EXPECT_EQ(during.peers[i].there_s, after.peers[i].there_s);
-}
-
-TEST(RunAssembler, KeepsNoMoreRowsThanItMayAndMeasuresAll) {
-  const config::Scenario scenario =
-      must(config::read_scenario({.file = kScenario, .configs = {}, .sets = {}, .seed = {}}));
-  const auto shared = must(share_world(scenario.world));
-  const config::RunSettings& run = scenario.runs.front();
-  const measure::RunRecord all = must(sim::simulated_run(run, *shared));
-  const measure::RunRecord few = must(sim::simulated_run(run, *shared, {}, {}, nullptr, {.limits = {100, 20, 20}}));
-  EXPECT_LE(few.ghost_samples.size(), 100u);
-  EXPECT_LE(few.updates.size(), 20u);
-  EXPECT_LE(few.datagrams.size(), 20u);
-  const measure::ScenarioInfo info{"s", "sim", 1, {}};
-  EXPECT_EQ(measure::summarise(info, {&few, 1}).dump(), measure::summarise(info, {&all, 1}).dump());
 }
 
 }  // namespace peerd::run_assembler_test

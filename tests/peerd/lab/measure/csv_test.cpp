@@ -89,12 +89,6 @@ TEST(Csv, TrafficIsThinnedRowByRow) {
   for (std::size_t i = 0; i < 33; ++i) EXPECT_EQ(few[1 + i], all[1 + 2 * i]);
 }
 
-TEST(Csv, SameRecordsSameBytes) {
-  EXPECT_EQ(errors_csv(samples::zigzag_sweep()), errors_csv(samples::zigzag_sweep()));
-  EXPECT_EQ(traffic_csv(samples::zigzag_sweep()), traffic_csv(samples::zigzag_sweep()));
-  EXPECT_EQ(collisions_csv(samples::zigzag_sweep()), collisions_csv(samples::zigzag_sweep()));
-}
-
 TEST(Csv, NumbersReadBackToTheSameBits) {
   RunRecord run = samples::quiet_run();
   const double awkward = 0.1 + 0.2;

@@ -134,10 +134,6 @@ TEST(Summary, HasTheNetworksSettingsThatAreNotDefaults) {
   EXPECT_EQ(summarise(kInfo, {&run, 1})["runs"][0]["network_settings"].dump(), R"({"network.jitter_ms":20.0})");
 }
 
-TEST(Summary, SameRecordsSameBytes) {
-  EXPECT_EQ(summarise(kInfo, samples::zigzag_sweep()).dump(2), summarise(kInfo, samples::zigzag_sweep()).dump(2));
-}
-
 TEST(Summary, WarningsAreKept) {
   ScenarioInfo info = kInfo;
   info.warnings = {"the link was slow"};

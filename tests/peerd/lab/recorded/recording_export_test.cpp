@@ -35,20 +35,25 @@ std::string contents(const std::string& file) {
   return all;
 }
 
-TEST(RecordingExport, NamesFramesByViewAndPath) {
-  using enum view::PoseKind;
-  recorded::StretchWriter rows;
-  rows.add(0.0, 1, 1, {},
-           std::vector{row_of(kShown, 7, view::kOwn), row_of(kGhost, 7, 0), row_of(kTruth, 7, view::kOwn)});
+// What an export has of a view of peer 7 with these rows.
+std::string exported(const std::vector<view::PoseRow>& rows) {
+  recorded::StretchWriter stretches;
+  stretches.add(0.0, 1, 1, {}, rows);
   recorded::RecordedView view{
-      .peer = PeerId{7}, .name = "a", .scenes = {}, .stretches = rows.finish(), .events = {}, .errors = {}};
+      .peer = PeerId{7}, .name = "a", .scenes = {}, .stretches = stretches.finish(), .events = {}, .errors = {}};
   view.scenes.push_back({.revision = 1, .glb = "", .why_not = "", .nodes = {{ObjectId{5}, "CAR"}}});
   view.events.push_back({0.5, R"({"event":"joined"})"});
   recorded::Recording recording;
   recording.views.push_back(view);
   std::ostringstream out;
   RecordingExport(out).add(recording, {});
-  const std::string text = contents(out.str());
+  return contents(out.str());
+}
+
+TEST(RecordingExport, NamesFramesByViewAndPath) {
+  using enum view::PoseKind;
+  const std::string text =
+      exported({row_of(kShown, 7, view::kOwn), row_of(kGhost, 7, 0), row_of(kTruth, 7, view::kOwn)});
   for (const char* const frame : {R"("child_frame_id":"a/CAR")", R"("child_frame_id":"a/ghost/CAR")",
                                   R"("child_frame_id":"truth/CAR")", R"("child_frame_id":"world")", "/a/events"}) {
     EXPECT_THAT(text, HasSubstr(frame));
@@ -57,16 +62,7 @@ TEST(RecordingExport, NamesFramesByViewAndPath) {
 
 // In other views an object's truth is the same one: its owner's view says it.
 TEST(RecordingExport, SaysATruthOnce) {
-  recorded::StretchWriter rows;
-  rows.add(0.0, 1, 1, {}, std::vector{row_of(view::PoseKind::kTruth, 8, 0)});
-  recorded::RecordedView view{
-      .peer = PeerId{7}, .name = "a", .scenes = {}, .stretches = rows.finish(), .events = {}, .errors = {}};
-  view.scenes.push_back({.revision = 1, .glb = "", .why_not = "", .nodes = {{ObjectId{5}, "CAR"}}});
-  recorded::Recording recording;
-  recording.views.push_back(view);
-  std::ostringstream out;
-  RecordingExport(out).add(recording, {});
-  EXPECT_THAT(contents(out.str()), Not(HasSubstr("truth/CAR")));
+  EXPECT_THAT(exported({row_of(view::PoseKind::kTruth, 8, 0)}), Not(HasSubstr("truth/CAR")));
 }
 
 }  // namespace peerd::recording_export_test

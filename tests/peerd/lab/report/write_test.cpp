@@ -4,38 +4,28 @@
 
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 #include <set>
 
 #include "tests/peerd/report_samples.hpp"
+#include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::report::write_test {
 
 namespace fs = std::filesystem;
+using testing_support::text_of;
 
 const measure::ScenarioInfo kInfo{"zigzag", "sim", 7, {}};
 
-std::string slurp(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 class WriteReport : public testing::Test {
  protected:
-  void SetUp() override {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    dir_ = fs::path(testing::TempDir()) / (std::string("peerd_report_") + test->name());
-    fs::remove_all(dir_);
-  }
-  void TearDown() override { fs::remove_all(dir_); }
-
   [[nodiscard]] std::set<std::string> files() const {
     std::set<std::string> names;
     for (const auto& entry : fs::directory_iterator(dir_)) names.insert(entry.path().filename().string());
     return names;
   }
 
-  fs::path dir_;
+  testing_support::ScratchFolder folder_;
+  const fs::path dir_ = folder_ / "report";
 };
 
 TEST_F(WriteReport, WritesEverythingAndTheSameAgain) {
@@ -46,11 +36,11 @@ TEST_F(WriteReport, WritesEverythingAndTheSameAgain) {
   std::size_t count = 0;
   for (const auto& entry : fs::directory_iterator(first)) {
     ++count;
-    EXPECT_EQ(slurp(entry.path()), slurp(dir_ / "deep" / "second" / entry.path().filename())) << entry.path();
+    EXPECT_EQ(text_of(entry.path()), text_of(dir_ / "deep" / "second" / entry.path().filename())) << entry.path();
     EXPECT_GT(fs::file_size(entry.path()), 100u);
   }
   EXPECT_EQ(count, 5u);
-  EXPECT_EQ(nlohmann::ordered_json::parse(slurp(first / "summary.json")), measure::summarise(kInfo, runs));
+  EXPECT_EQ(nlohmann::ordered_json::parse(text_of(first / "summary.json")), measure::summarise(kInfo, runs));
 }
 
 TEST_F(WriteReport, RemovesThePicturesOfEarlierVersionsAndNothingElse) {
@@ -82,7 +72,7 @@ TEST_F(WriteReport, NamesThatAreNotUtf8AreWrittenAnyway) {
   measure::RunRecord run = measure::samples::zigzag_run(0.1);
   run.objects[0].path = "CAR\xff";
   ASSERT_TRUE(write_report(dir_, kInfo, {&run, 1}).has_value());
-  EXPECT_TRUE(nlohmann::json::accept(slurp(dir_ / "summary.json")));
+  EXPECT_TRUE(nlohmann::json::accept(text_of(dir_ / "summary.json")));
 }
 
 }  // namespace peerd::report::write_test

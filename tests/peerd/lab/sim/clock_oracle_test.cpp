@@ -12,8 +12,7 @@ using testing_support::must;
 std::vector<PeerLog> logs(std::vector<std::string> sets) {
   const std::string file = PEERD_SOURCE_DIR "/tests/sim/worlds/meeting.toml";
   sets.push_back("duration_s=4");
-  const config::Scenario scenario =
-      must(config::read_scenario({.file = file, .configs = {}, .sets = std::move(sets), .seed = {}}));
+  const config::Scenario scenario = testing_support::scenario_of(file, std::move(sets));
   return must(simulate(scenario.runs.front(), *must(share_world(scenario.world))));
 }
 

@@ -12,8 +12,7 @@ using testing_support::must;
 measure::InterestRecord interest(std::vector<std::string> sets) {
   const std::string file = PEERD_SOURCE_DIR "/tests/sim/worlds/street.toml";
   sets.insert(sets.end(), {"duration_s=4", "network.jitter_ms=0", "replication.proximity=surfaces"});
-  const config::Scenario scenario =
-      must(config::read_scenario({.file = file, .configs = {}, .sets = std::move(sets), .seed = {}}));
+  const config::Scenario scenario = testing_support::scenario_of(file, std::move(sets));
   std::optional<measure::InterestRecord> found;
   must(simulate(scenario.runs.front(), *must(share_world(scenario.world)), {}, {}, &found));
   return found.value();

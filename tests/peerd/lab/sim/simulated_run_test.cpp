@@ -12,18 +12,8 @@ using testing_support::must;
 const std::string kMeeting = PEERD_SOURCE_DIR "/tests/sim/worlds/meeting.toml";
 
 measure::RunRecord run(std::vector<std::string> sets) {
-  const config::Scenario scenario =
-      must(config::read_scenario({.file = kMeeting, .configs = {}, .sets = std::move(sets), .seed = {}}));
+  const config::Scenario scenario = testing_support::scenario_of(kMeeting, std::move(sets));
   return must(simulated_run(scenario.runs.front(), *must(share_world(scenario.world))));
-}
-
-TEST(SimulatedRun, IsTheAssembledSimulation) {
-  const measure::RunRecord record = run({});
-  const auto plain = testing_support::run_scenario(kMeeting).front().record;
-  EXPECT_EQ(record.ghost_samples.size(), plain.ghost_samples.size());
-  EXPECT_EQ(record.datagrams.size(), plain.datagrams.size());
-  EXPECT_FALSE(record.wrong) << "nobody asked";
-  EXPECT_FALSE(record.interest) << "no peer has an area";
 }
 
 TEST(SimulatedRun, ComparesWithTheTruthWhereAsked) {

@@ -113,36 +113,6 @@ TEST_F(PairRun, Ipv6WorksOverAWire) {
   });
 }
 
-TEST_F(PairRun, AShortMtuIsAWarning) {
-  with_wire([&](const Wire& wire) {
-    wire.left.enter();
-    ASSERT_TRUE(shell("ip link set va mtu 1100"));
-    wire.right.enter();
-    ASSERT_TRUE(shell("ip link set vb mtu 1100"));
-    const auto [left, right] = over_wire(wire, {});
-    EXPECT_EQ(left.exit_code, 1);
-    EXPECT_THAT(left.out, HasSubstr("1000 is the longest that arrives whole by unicast"));
-    EXPECT_EQ(right.exit_code, 1);
-  });
-}
-
-TEST_F(PairRun, AFirewallWithoutMulticastLeavesUnicast) {
-  if (!shell("nft --version >/dev/null")) GTEST_SKIP() << "no nft here (package nftables)";
-  with_wire([&](const Wire& wire) {
-    wire.right.enter();
-    ASSERT_TRUE(
-        shell("nft add table ip t && nft 'add chain ip t in { type filter hook input priority 0; }' && "
-              "nft add rule ip t in iif vb ip daddr 224.0.0.0/4 udp dport " +
-              std::to_string(own_port(0)) + " drop"));
-    const auto [left, right] = over_wire(wire, {});
-    EXPECT_EQ(left.exit_code, 1) << left.out << left.err;
-    EXPECT_THAT(left.out, HasSubstr("warning: from here to 192.0.2.2: nothing of 239.192.80.0"));
-    EXPECT_THAT(left.out, HasSubstr("multicast       from 192.0.2.2 to here: "));
-    EXPECT_THAT(right.out, HasSubstr("warning: from 192.0.2.1 to here: nothing of 239.192.80.0"));
-    EXPECT_EQ(right.exit_code, 1);
-  });
-}
-
 TEST_F(PairRun, ASwitchThatForwardsNoGroupsLeavesUnicast) {
   with_wire([&](const Wire& wire) {
     Switch between;
@@ -179,35 +149,6 @@ TEST_F(PairRun, ASwitchThatSnoopsAndAsksForwardsGroups) {
     const auto [left, right] = run(wire, kLeftOfSwitch, kRightOfSwitch);
     EXPECT_EQ(left.exit_code, 0) << left.out << left.err;
     EXPECT_EQ(right.exit_code, 0) << right.out << right.err;
-  });
-}
-
-TEST_F(PairRun, WithAllBlockedNobodyAnswers) {
-  with_wire([&](const Wire& wire) {
-    Switch between;
-    ASSERT_EQ(between.lay(wire), "");
-    ASSERT_TRUE(between.configure("bridge link set dev ml isolated on && bridge link set dev mr isolated on"));
-    const auto [left, right] = run(wire, kLeftOfSwitch, kRightOfSwitch, 2);
-    EXPECT_EQ(left.exit_code, 3) << left.out << left.err;
-    EXPECT_THAT(left.out, HasSubstr("problem: 198.51.100.2 (198.51.100.2:" + std::to_string(own_port(0)) +
-                                    ") did not answer within 2 s"));
-    EXPECT_EQ(right.exit_code, 3);
-  });
-}
-
-TEST_F(PairRun, WhoHearsAndIsNotHeardSaysSo) {
-  if (!shell("nft --version >/dev/null")) GTEST_SKIP() << "no nft here (package nftables)";
-  with_wire([&](const Wire& wire) {
-    wire.right.enter();
-    ASSERT_TRUE(
-        shell("nft add table ip t && nft 'add chain ip t in { type filter hook input priority 0; }' && "
-              "nft add rule ip t in iif vb udp dport " +
-              std::to_string(own_port(0)) + " drop"));
-    const auto [left, right] = over_wire(wire, {});
-    EXPECT_EQ(left.exit_code, 3) << left.out << left.err;
-    EXPECT_THAT(left.out, HasSubstr("192.0.2.2: it is heard here, and hears nothing of this computer"));
-    EXPECT_EQ(right.exit_code, 3);
-    EXPECT_THAT(right.out, HasSubstr("did not answer within 20 s"));
   });
 }
 

@@ -204,16 +204,6 @@ TEST(KnownPeers, WhoSpeaksWhereItIsKnownDoesNotMove) {
   }
 }
 
-TEST(KnownPeers, ANewNumberIsTheOneToEcho) {
-  KnownPeers known({.key = kKey});
-  for (const std::uint64_t number : {8u, 9u}) {
-    Greeting greeting = from(2);
-    greeting.number = number;
-    echoed(known, HostTime{1s}, kA, greeting);
-    EXPECT_EQ(known.peers().front().number, number);
-  }
-}
-
 TEST(KnownPeers, WhoStartsAgainAtAnAddressReplacesTheOldOne) {
   KnownPeers known({.key = kKey});
   echoed(known, HostTime{1s}, kA, from(2, {RegionId{1}}));

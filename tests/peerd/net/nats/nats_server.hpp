@@ -8,13 +8,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <csignal>
 #include <fstream>
 #include <memory>
 #include <stdexcept>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "tests/net/process.hpp"
@@ -58,13 +56,9 @@ class NatsServer {
   void start() {
     process_ = std::make_unique<Process>(folder_, name_, kNatsServer,
                                          std::vector<std::string>{"--config", (folder_ / (name_ + ".conf")).string()});
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (log().find("Server is ready") == std::string::npos) {
-      if (!process_->running() || std::chrono::steady_clock::now() > give_up) {
-        throw std::runtime_error("nats-server does not run: " + log());
-      }
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
+    const bool is_ready =
+        comes_true([&] { return !process_->running() || log().find("Server is ready") != std::string::npos; }, 20);
+    if (!is_ready || !process_->running()) throw std::runtime_error("nats-server does not run: " + log());
   }
   void kill() {
     process_->signal(SIGKILL);

@@ -25,13 +25,18 @@ struct Computer {
   }
 };
 
-TEST(ArrivalClock, GivesTheHostTimeOfAStamp) {
+// A clock that has got a pair of readings, when the queue was empty last.
+struct ArrivalClocks : testing::Test {
+  ArrivalClocks() { clock.on_pair(computer.pair()); }
   Computer computer;
+  HostTime empty_at = computer.host;
   ArrivalClock clock;
-  clock.on_pair(computer.pair());
+};
+
+TEST_F(ArrivalClocks, GivesTheHostTimeOfAStamp) {
   std::mt19937_64 random(1);
   for (int i = 0; i < 1000; ++i) {
-    const HostTime empty_at = computer.host;
+    empty_at = computer.host;
     computer.host += Duration{static_cast<std::int64_t>(random() % 1'000'000'000)};
     const HostTime came = computer.host;
     const Duration stamp = computer.wall();
@@ -43,10 +48,7 @@ TEST(ArrivalClock, GivesTheHostTimeOfAStamp) {
   }
 }
 
-TEST(ArrivalClock, NeverLaterThanTheReading) {
-  Computer computer;
-  ArrivalClock clock;
-  clock.on_pair(computer.pair());
+TEST_F(ArrivalClocks, NeverLaterThanTheReading) {
   const HostTime before = computer.host;
   const auto slow =
       HostClock::Pair{before, computer.wall() + 900us, before + 1ms};  // preempted: the true time is anywhere within
@@ -57,21 +59,13 @@ TEST(ArrivalClock, NeverLaterThanTheReading) {
   EXPECT_LE(*at, slow.after);
 }
 
-TEST(ArrivalClock, AStampFromTheFutureIsNone) {
-  Computer computer;
-  ArrivalClock clock;
-  const HostTime empty_at = computer.host;
-  clock.on_pair(computer.pair());
+TEST_F(ArrivalClocks, AStampFromTheFutureIsNone) {
   const Duration read = computer.wall() - 30ns;
   EXPECT_TRUE(clock.arrival(read, empty_at));
   EXPECT_FALSE(clock.arrival(read + 1ns, empty_at));
 }
 
-TEST(ArrivalClock, AStampFromBeforeTheQueueWasEmptyIsNone) {
-  Computer computer;
-  ArrivalClock clock;
-  const HostTime empty_at = computer.host;
-  clock.on_pair(computer.pair());
+TEST_F(ArrivalClocks, AStampFromBeforeTheQueueWasEmptyIsNone) {
   const Duration middle = computer.wall() - computer.host.time_since_epoch();
   const Duration oldest = empty_at.time_since_epoch() + middle - ArrivalClock::kStampToQueue;
   EXPECT_TRUE(clock.arrival(oldest + 1us, empty_at));
@@ -79,12 +73,9 @@ TEST(ArrivalClock, AStampFromBeforeTheQueueWasEmptyIsNone) {
 }
 
 // The wall clock is set while datagrams wait: no arrival time may be off by more than the slack.
-class SteppedWallClock : public testing::TestWithParam<Duration> {};
+class SteppedWallClock : public ArrivalClocks, public testing::WithParamInterface<Duration> {};
 TEST_P(SteppedWallClock, IsNoticedUntilTheQueueHasBeenEmpty) {
-  Computer computer;
-  ArrivalClock clock;
-  clock.on_pair(computer.pair());
-  HostTime empty_at = computer.host;
+  empty_at = computer.host;
   computer.host += 20ms;
   const Duration before_step = computer.wall();
   computer.host += 20ms;

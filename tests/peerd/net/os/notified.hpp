@@ -4,15 +4,15 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstring>
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <vector>
 
+#include "tests/peerd/comes_true.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::testing_support {
@@ -46,14 +46,10 @@ class Notified {
   }
   // Waits until a message begins with those words, and returns whether one did.
   [[nodiscard]] bool gets(std::string_view words, double within_s) const {
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::duration<double>(within_s);
-    while (std::chrono::steady_clock::now() < give_up) {
-      for (const std::string& message : messages()) {
-        if (message.starts_with(words)) return true;
-      }
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    return false;
+    const auto has_come = [&] {
+      return std::ranges::any_of(messages(), [&](const std::string& each) { return each.starts_with(words); });
+    };
+    return comes_true(has_come, within_s);
   }
 
  private:

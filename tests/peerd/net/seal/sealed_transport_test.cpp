@@ -146,21 +146,4 @@ TEST_F(SealedTransports, AFloodOfAStrangerIsNotOpened) {
   }));
 }
 
-// Somebody listens, and sends all of it once more.
-TEST_F(SealedTransports, ARecordIsHeardOnce) {
-  Speaker a(io, key, 1), b(io, key, 2);
-  meet(a, b);
-  Listener records(io, options());
-  records.join(0);
-  for (const char* const text : {"one", "two", "three"}) a.say(text);
-  ASSERT_TRUE(run_until(io, [&] { return b.heard.size() >= 3 && records.heard.size() >= 3; }));
-  for (const auto& [region, datagram] : Listener::Heard(records.heard)) records.send(region, datagram);
-  b.say("the end");
-  a.say("four");
-  ASSERT_TRUE(run_until(io, [&] { return !b.heard.empty() && b.heard.back() == "four"; }));
-  std::erase(b.heard, "");
-  EXPECT_THAT(b.heard, ElementsAre("one", "two", "three", "four"));
-  EXPECT_GE(b.transport.counters().in_replayed, 3u);
-}
-
 }  // namespace peerd::seal::sealed_transport_test

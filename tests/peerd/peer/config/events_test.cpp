@@ -3,15 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "peerd/peer/config/scenario.hpp"
-#include "tests/peerd/scratch_folder.hpp"
+#include "tests/peerd/peer/config/scenario_text.hpp"
 
 namespace peerd::config::events_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-using testing::StartsWith;
 
 constexpr const char* kThreePeers = R"(world = "some.wrl"
 duration_s = 20
@@ -23,24 +21,16 @@ id = 2
 id = 3
 )";
 
-class EventsTest : public testing::Test {
+class EventsTest : public testing_support::ScenarioText {
  protected:
-  Result<Scenario> result(const std::string& events, std::vector<std::string> sets = {}) {
-    return read_scenario(
-        {.file = folder.write("my.toml", kThreePeers + events), .configs = {}, .sets = std::move(sets), .seed = {}});
+  EventsTest() : ScenarioText(kThreePeers) {}
+  std::vector<ScenarioEvent> events_of(const std::string& text, std::vector<std::string> sets = {}) {
+    return read(text, std::move(sets)).runs.front().events;
   }
-  std::vector<ScenarioEvent> read(const std::string& events, std::vector<std::string> sets = {}) {
-    const auto scenario = result(events, std::move(sets));
-    if (scenario) return scenario->runs.front().events;
-    ADD_FAILURE() << scenario.error().text;
-    return {};
-  }
-
-  testing_support::ScratchFolder folder;
 };
 
 TEST_F(EventsTest, ComeByTimeThenByName) {
-  const auto events = read(R"([event.z-first]
+  const auto events = events_of(R"([event.z-first]
 at_s = 2
 kind = "kill"
 peer = "b"
@@ -79,28 +69,28 @@ peer = "b"
 }
 
 TEST_F(EventsTest, WhoJoinsFirstIsNotThereFromTheStart) {
-  const auto events = read(
+  const auto events = events_of(
       "[event.late]\nat_s = 5\nkind = \"join\"\npeer = \"c\"\n[event.gone]\nat_s = 9\nkind = \"leave\"\npeer = "
       "\"c\"\n");
   EXPECT_FALSE(starts_with(events, "c"));
   EXPECT_TRUE(starts_with(events, "a"));
   EXPECT_TRUE(peers_change(events));
-  EXPECT_THAT(read(""), IsEmpty());
+  EXPECT_THAT(events_of(""), IsEmpty());
 }
 
 TEST_F(EventsTest, AreSweptAndSetLikeEverythingElse) {
   const std::string parted = "[event.parted]\nat_s = 3\nkind = \"partition\"\ngroups = [[\"c\"]]\n";
-  const auto scenario = result(parted + "[sweep]\n\"event.parted.at_s\" = [1, 2]\n");
-  ASSERT_TRUE(scenario) << scenario.error().text;
-  ASSERT_EQ(scenario->runs.size(), 2u);
-  EXPECT_EQ(scenario->runs[1].events[0].at_s, 2);
-  EXPECT_THAT(read(parted, {"event.parted.groups=[[\"a\"]]"})[0].sides, ElementsAre(1, 0, 0)) << "one value, no sweep";
-  EXPECT_THAT(read(parted, {"event={}"}), IsEmpty());
+  const Scenario scenario = read(parted + "[sweep]\n\"event.parted.at_s\" = [1, 2]\n");
+  ASSERT_EQ(scenario.runs.size(), 2u);
+  EXPECT_EQ(scenario.runs[1].events[0].at_s, 2);
+  EXPECT_THAT(events_of(parted, {"event.parted.groups=[[\"a\"]]"})[0].sides, ElementsAre(1, 0, 0))
+      << "one value, no sweep";
+  EXPECT_THAT(events_of(parted, {"event={}"}), IsEmpty());
 }
 
 // They are pressed as those of [[peer.NAME.key]] are, and go down among them.
 TEST_F(EventsTest, KeysAreHandedToTheirPeers) {
-  const auto scenario = result(R"([[peer.b.key]]
+  const Scenario scenario = read(R"([[peer.b.key]]
 at_s = 4
 key = "ArrowUp"
 [event.strike]
@@ -115,8 +105,7 @@ kind = "key"
 peer = "b"
 value = 4115
 )");
-  ASSERT_TRUE(scenario) << scenario.error().text;
-  const RunSettings& run = scenario->runs.front();
+  const RunSettings& run = scenario.runs.front();
   EXPECT_TRUE(starts_with(run.events, "b"));
   EXPECT_FALSE(peers_change(run.events));
   EXPECT_THAT(run.peers[0].keys, IsEmpty());
@@ -135,10 +124,7 @@ struct Bad {
 };
 class EventRefusal : public EventsTest, public testing::WithParamInterface<Bad> {};
 TEST_P(EventRefusal, SaysWhereAndWhat) {
-  const auto scenario = result(std::string("[event.e]\n") + GetParam().event);
-  ASSERT_FALSE(scenario);
-  EXPECT_THAT(scenario.error().text, StartsWith((folder / "my.toml").string() + ":" + GetParam().where));
-  EXPECT_THAT(scenario.error().text, HasSubstr(GetParam().sentence));
+  expect_refused(std::string("[event.e]\n") + GetParam().event, GetParam().where, GetParam().sentence);
 }
 INSTANTIATE_TEST_SUITE_P(
     Table, EventRefusal,
@@ -175,14 +161,12 @@ TEST_F(EventsTest, SomebodyIsThereFromTheStart) {
   for (const char* peer : {"a", "b", "c"}) {
     all += std::string("[event.") + peer + "]\nat_s = 1\nkind = \"join\"\npeer = \"" + peer + "\"\n";
   }
-  const auto scenario = result(all);
-  ASSERT_FALSE(scenario);
-  EXPECT_THAT(scenario.error().text, HasSubstr("somebody must be there from the start"));
+  EXPECT_THAT(error(all), HasSubstr("somebody must be there from the start"));
 }
 
 TEST_F(EventsTest, EditsAreTheirPeersOwn) {
   folder.write("wall.wrl", "#VRML V2.0 utf8\nDEF WALL Transform { }\n");
-  const auto scenario = result(R"([event.later]
+  const Scenario scenario = read(R"([event.later]
 at_s = 5
 kind = "set"
 peer = "b"
@@ -196,8 +180,7 @@ peer = "b"
 file = "wall.wrl"
 under = "HOUSE"
 )");
-  ASSERT_TRUE(scenario) << scenario.error().text;
-  const auto& edits = scenario->runs.front().peers[1].edits;
+  const auto& edits = scenario.runs.front().peers[1].edits;
   ASSERT_EQ(edits.size(), 2u);
   EXPECT_EQ(edits[0].at_s, 2.0);
   EXPECT_EQ(edits[0].edit.kind, SceneEdit::Kind::kAdd);
@@ -208,22 +191,22 @@ under = "HOUSE"
 }
 
 TEST_F(EventsTest, AnEditSaysWhatAndWhere) {
-  const auto error = [&](const std::string& keys) {
+  const auto error_of = [&](const std::string& keys) {
     const auto scenario = result("[event.e]\nat_s = 1\npeer = \"a\"\n" + keys);
     return scenario ? std::string() : scenario.error().text;
   };
-  EXPECT_THAT(error("kind = \"add\"\n"), HasSubstr("give either a text or its file"));
-  EXPECT_THAT(error("kind = \"add\"\nfile = \"none.wrl\"\n"), HasSubstr("none.wrl"));
-  EXPECT_THAT(error("kind = \"set\"\npath = \"A\"\n"), HasSubstr("field"));
-  EXPECT_THAT(error("kind = \"remove\"\n"), HasSubstr("path"));
-  EXPECT_THAT(error("kind = \"remove\"\npath = \"A\"\nvalue = \"1\"\n"), HasSubstr("value"));
-  EXPECT_THAT(error("kind = \"data\"\npath = \"A\"\n"), HasSubstr("key"));
-  EXPECT_THAT(error("kind = \"data\"\npath = \"A\"\nkey = \"k\"\n"), HasSubstr("either a value or remove"));
-  EXPECT_THAT(error("kind = \"data\"\npath = \"A\"\nkey = \"k\"\nvalue = \"1\"\nremove = true\n"),
+  EXPECT_THAT(error_of("kind = \"add\"\n"), HasSubstr("give either a text or its file"));
+  EXPECT_THAT(error_of("kind = \"add\"\nfile = \"none.wrl\"\n"), HasSubstr("none.wrl"));
+  EXPECT_THAT(error_of("kind = \"set\"\npath = \"A\"\n"), HasSubstr("field"));
+  EXPECT_THAT(error_of("kind = \"remove\"\n"), HasSubstr("path"));
+  EXPECT_THAT(error_of("kind = \"remove\"\npath = \"A\"\nvalue = \"1\"\n"), HasSubstr("value"));
+  EXPECT_THAT(error_of("kind = \"data\"\npath = \"A\"\n"), HasSubstr("key"));
+  EXPECT_THAT(error_of("kind = \"data\"\npath = \"A\"\nkey = \"k\"\n"), HasSubstr("either a value or remove"));
+  EXPECT_THAT(error_of("kind = \"data\"\npath = \"A\"\nkey = \"k\"\nvalue = \"1\"\nremove = true\n"),
               HasSubstr("either a value or remove"));
-  EXPECT_EQ(error("kind = \"data\"\npath = \"A\"\nkey = \"k\"\nremove = true\n"), "");
-  EXPECT_THAT(error("kind = \"send\"\ntopic = \"chat\"\n"), HasSubstr("text"));
-  EXPECT_EQ(error("kind = \"send\"\ntopic = \"chat\"\ntext = \"hello\"\n"), "");
+  EXPECT_EQ(error_of("kind = \"data\"\npath = \"A\"\nkey = \"k\"\nremove = true\n"), "");
+  EXPECT_THAT(error_of("kind = \"send\"\ntopic = \"chat\"\n"), HasSubstr("text"));
+  EXPECT_EQ(error_of("kind = \"send\"\ntopic = \"chat\"\ntext = \"hello\"\n"), "");
 }
 
 }  // namespace peerd::config::events_test

@@ -3,15 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "peerd/peer/config/scenario.hpp"
-#include "tests/peerd/scratch_folder.hpp"
+#include "tests/peerd/peer/config/scenario_text.hpp"
 
 namespace peerd::config::expectations_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-using testing::StartsWith;
 
 constexpr const char* kSwept = R"(world = "some.wrl"
 duration_s = 20
@@ -26,27 +24,16 @@ constexpr const char* kSweep = R"([sweep]
 "replication.order" = [1, 2]
 )";
 
-class ExpectationsTest : public testing::Test {
+class ExpectationsTest : public testing_support::ScenarioText {
  protected:
-  Result<Scenario> result(const std::string& more, std::vector<std::string> sets = {}, bool real = false) {
-    return read_scenario({.file = folder.write("my.toml", kSwept + more),
-                          .configs = {},
-                          .sets = std::move(sets),
-                          .seed = {},
-                          .real = real});
+  ExpectationsTest() : ScenarioText(kSwept) {}
+  std::vector<Expectation> expectations_of(const std::string& text, std::vector<std::string> sets = {}) {
+    return read(text, std::move(sets)).expectations;
   }
-  std::vector<Expectation> read(const std::string& more, std::vector<std::string> sets = {}, bool real = false) {
-    const auto scenario = result(more, std::move(sets), real);
-    if (scenario) return scenario->expectations;
-    ADD_FAILURE() << scenario.error().text;
-    return {};
-  }
-
-  testing_support::ScratchFolder folder;
 };
 
 TEST_F(ExpectationsTest, SayWhatMustHoldAndWhere) {
-  const auto all = read(std::string(R"([expect.same-worlds]
+  const auto all = expectations_of(std::string(R"([expect.same-worlds]
 that = "state_roots_equal"
 equals = true
 [expect.close]
@@ -70,45 +57,43 @@ where = { "network.latency_ms" = [5, 7], "replication.order" = 2.0, "replication
 }
 
 TEST_F(ExpectationsTest, ARepeatedRunIsMeantWithEachSeed) {
-  const auto scenario = result(
-      std::string("[expect.x]\nthat = \"updates_sent\"\nat_most = 3\nwhere.\"replication.order\" = 2\n") + kSweep,
-      {"repeat=3"});
-  ASSERT_TRUE(scenario) << scenario.error().text;
-  ASSERT_EQ(scenario->runs.size(), 12u);
-  EXPECT_THAT(scenario->expectations[0].runs, ElementsAre(3, 4, 5, 9, 10, 11));
+  const Scenario scenario =
+      read(std::string("[expect.x]\nthat = \"updates_sent\"\nat_most = 3\nwhere.\"replication.order\" = 2\n") + kSweep,
+           {"repeat=3"});
+  ASSERT_EQ(scenario.runs.size(), 12u);
+  EXPECT_THAT(scenario.expectations[0].runs, ElementsAre(3, 4, 5, 9, 10, 11));
 }
 
 TEST_F(ExpectationsTest, ArePartOfTheFileAndSoAreSettings) {
   const std::string one = "[expect.x]\nthat = \"updates_sent\"\nat_most = 3\n";
-  EXPECT_EQ(read(one, {"expect.x.at_most=5"})[0].at_most, 5);
-  EXPECT_THAT(read(one, {"expect={}"}), IsEmpty());
+  EXPECT_EQ(expectations_of(one, {"expect.x.at_most=5"})[0].at_most, 5);
+  EXPECT_THAT(expectations_of(one, {"expect={}"}), IsEmpty());
 }
 
 // The simulated network's keys mean nothing where the network is real.
 TEST_F(ExpectationsTest, ARealNetworkIsNotWhatTheyGoBy) {
   const std::string one = "[expect.x]\nthat = \"updates_sent\"\nat_most = 3\nwhere.\"network.latency_ms\" = 5\n";
-  EXPECT_THAT(read(one + kSweep)[0].runs, ElementsAre(0, 1));
-  EXPECT_THAT(read(one + kSweep, {}, true)[0].runs, IsEmpty());
+  EXPECT_THAT(expectations_of(one + kSweep)[0].runs, ElementsAre(0, 1));
+  request.real = true;
+  EXPECT_THAT(expectations_of(one + kSweep)[0].runs, IsEmpty());
 }
 
 TEST_F(ExpectationsTest, SettingsMayLeaveThemWithoutRunsButTheFileMayNot) {
   const std::string one = "[expect.x]\nthat = \"updates_sent\"\nat_most = 3\nwhere.\"replication.order\" = 2\n";
-  EXPECT_THAT(read(one + kSweep, {"replication.order=1"})[0].runs, IsEmpty());
-  const auto none = result("[expect.x]\nthat = \"updates_sent\"\nat_most = 3\nwhere.\"replication.order\" = 3\n" +
-                           std::string(kSweep));
-  ASSERT_FALSE(none);
-  EXPECT_THAT(none.error().text, HasSubstr(":8:1: error: expect.x.where: no run has these values"));
-  const auto unset = result("[expect.x]\nthat = \"updates_sent\"\nat_most = 3\nwhere.\"replication.ordr\" = 2\n" +
-                            std::string(kSweep));
-  ASSERT_FALSE(unset);
-  EXPECT_THAT(unset.error().text, HasSubstr("the scenario does not set replication.ordr"));
+  EXPECT_THAT(expectations_of(one + kSweep, {"replication.order=1"})[0].runs, IsEmpty());
+  EXPECT_THAT(error("[expect.x]\nthat = \"updates_sent\"\nat_most = 3\nwhere.\"replication.order\" = 3\n" +
+                    std::string(kSweep)),
+              HasSubstr(":8:1: error: expect.x.where: no run has these values"));
+  EXPECT_THAT(
+      error("[expect.x]\nthat = \"updates_sent\"\nat_most = 3\nwhere.\"replication.ordr\" = 2\n" + std::string(kSweep)),
+      HasSubstr("the scenario does not set replication.ordr"));
 }
 
 TEST_F(ExpectationsTest, OfWhatAShortenedRunDoesNotReachAreNotChecked) {
   const std::string late = "[expect.x]\nthat = \"updates_sent\"\nat_most = 3\nfrom_s = 8\n";
-  EXPECT_THAT(read(late, {"duration_s=9"})[0].runs, ElementsAre(0));
-  EXPECT_THAT(read(late, {"duration_s=7"})[0].runs, IsEmpty());
-  EXPECT_THAT(read(late + "until_s = 12\n", {"duration_s=9"})[0].runs, IsEmpty());
+  EXPECT_THAT(expectations_of(late, {"duration_s=9"})[0].runs, ElementsAre(0));
+  EXPECT_THAT(expectations_of(late, {"duration_s=7"})[0].runs, IsEmpty());
+  EXPECT_THAT(expectations_of(late + "until_s = 12\n", {"duration_s=9"})[0].runs, IsEmpty());
 }
 
 struct Bad {
@@ -119,10 +104,7 @@ struct Bad {
 };
 class ExpectationRefusal : public ExpectationsTest, public testing::WithParamInterface<Bad> {};
 TEST_P(ExpectationRefusal, SaysWhereAndWhat) {
-  const auto scenario = result(std::string("[expect.e]\n") + GetParam().expectation);
-  ASSERT_FALSE(scenario);
-  EXPECT_THAT(scenario.error().text, StartsWith((folder / "my.toml").string() + ":" + GetParam().where));
-  EXPECT_THAT(scenario.error().text, HasSubstr(GetParam().sentence));
+  expect_refused(std::string("[expect.e]\n") + GetParam().expectation, GetParam().where, GetParam().sentence);
 }
 INSTANTIATE_TEST_SUITE_P(
     Table, ExpectationRefusal,

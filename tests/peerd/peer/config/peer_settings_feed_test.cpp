@@ -3,46 +3,36 @@
 #include <gtest/gtest.h>
 
 #include "peerd/lab/sim/simulation.hpp"
-#include "peerd/peer/config/scenario.hpp"
 #include "peerd/peer/node/peer_node.hpp"
-#include "tests/peerd/scratch_folder.hpp"
+#include "tests/peerd/peer/config/scenario_text.hpp"
 
 namespace peerd::config::peer_settings_feed_test {
 
 using testing::HasSubstr;
 
-class ConfigFeed : public testing::Test {
+class ConfigFeed : public testing_support::ScenarioText {
  protected:
-  Result<Scenario> read(const std::string& text) {
+  ConfigFeed() : ScenarioText("world = \"w.wrl\"\n[peer.a]\nid = 1\nowns = [\"CAR\"]\n") {
     folder.write("w.wrl", "#VRML V2.0 utf8\nDEF CAR Transform { children Shape { geometry Box { } } }\n");
-    return read_scenario(
-        {.file = folder.write("my.toml", "world = \"w.wrl\"\n[peer.a]\nid = 1\nowns = [\"CAR\"]\n" + text),
-         .configs = {},
-         .sets = {},
-         .seed = {}});
   }
-  testing_support::ScratchFolder folder;
 };
 
 TEST_F(ConfigFeed, SaysWhatAProgramMovesAndWhereItSpeaks) {
-  const auto s = read("[peer.a.motion.CAR]\noutside = true\n[peer.a.feed]\nudp = \"127.0.0.1:0\"\nstale_s = 2\n");
-  ASSERT_TRUE(s) << s.error().text;
-  const PeerSettings& a = s->runs.front().peers.front();
+  const Scenario s = read("[peer.a.motion.CAR]\noutside = true\n[peer.a.feed]\nudp = \"127.0.0.1:0\"\nstale_s = 2\n");
+  const PeerSettings& a = s.runs.front().peers.front();
   EXPECT_TRUE(std::holds_alternative<motion::ExternalProgram>(a.motion.at("CAR").kind));
   EXPECT_EQ(a.feed.udp, "127.0.0.1:0");
   EXPECT_EQ(a.feed.stale_s, 2.0);
 }
 
 TEST_F(ConfigFeed, ByDefaultThereIsNoPort) {
-  const auto s = read("[peer.a.motion.CAR]\noutside = true\n");
-  ASSERT_TRUE(s) << s.error().text;
-  EXPECT_EQ(s->runs.front().peers.front().feed.udp, "");
+  const Scenario s = read("[peer.a.motion.CAR]\noutside = true\n");
+  EXPECT_EQ(s.runs.front().peers.front().feed.udp, "");
 }
 
 TEST_F(ConfigFeed, FalseLeavesAFormula) {
-  const auto s = read("[peer.a.motion.CAR]\noutside = false\nx = \"t\"\n");
-  ASSERT_TRUE(s) << s.error().text;
-  EXPECT_EQ(std::get<motion::MotionFormula>(s->runs.front().peers.front().motion.at("CAR").kind).x, "t");
+  const Scenario s = read("[peer.a.motion.CAR]\noutside = false\nx = \"t\"\n");
+  EXPECT_EQ(std::get<motion::MotionFormula>(s.runs.front().peers.front().motion.at("CAR").kind).x, "t");
 }
 
 struct Wrong {
@@ -51,12 +41,7 @@ struct Wrong {
   const char* error;
 };
 class WrongFeed : public ConfigFeed, public testing::WithParamInterface<Wrong> {};
-TEST_P(WrongFeed, IsOneSentenceAtItsPlace) {
-  const auto s = read(GetParam().text);
-  ASSERT_FALSE(s);
-  EXPECT_EQ(s.error().exit_code, 2);
-  EXPECT_THAT(s.error().text, HasSubstr(GetParam().error));
-}
+TEST_P(WrongFeed, IsOneSentenceAtItsPlace) { expect_refused(GetParam().text, "", GetParam().error); }
 INSTANTIATE_TEST_SUITE_P(
     Table, WrongFeed,
     testing::Values(Wrong{"FormulaToo", "[peer.a.motion.CAR]\noutside = true\nx = \"t\"\n",
@@ -69,18 +54,16 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& c) { return std::string(c.param.name); });
 
 TEST_F(ConfigFeed, ASimulationHasNoProgramOutside) {
-  const auto s = read("[peer.a.motion.CAR]\noutside = true\n");
-  ASSERT_TRUE(s) << s.error().text;
-  const auto logs = sim::simulate(s->runs.front(), **share_world(s->world));
+  const Scenario s = read("[peer.a.motion.CAR]\noutside = true\n");
+  const auto logs = sim::simulate(s.runs.front(), **share_world(s.world));
   ASSERT_FALSE(logs);
   EXPECT_EQ(logs.error().exit_code, 2);
   EXPECT_THAT(logs.error().text, HasSubstr("peer.a leaves \"CAR\" to a program outside, which runs in real time"));
 }
 
 TEST_F(ConfigFeed, APortNeedsSomethingToMove) {
-  const auto s = read("[peer.a.feed]\nudp = \"1\"\n");
-  ASSERT_TRUE(s) << s.error().text;
-  const auto logs = sim::simulate(s->runs.front(), **share_world(s->world));
+  const Scenario s = read("[peer.a.feed]\nudp = \"1\"\n");
+  const auto logs = sim::simulate(s.runs.front(), **share_world(s.world));
   ASSERT_FALSE(logs);
   EXPECT_THAT(logs.error().text, HasSubstr("peer.a.feed.udp: no program moves anything here"));
 }

@@ -5,8 +5,7 @@
 
 #include <sstream>
 
-#include "peerd/peer/config/scenario.hpp"
-#include "tests/peerd/scratch_folder.hpp"
+#include "tests/peerd/peer/config/scenario_text.hpp"
 
 namespace peerd::config::renamed_keys_test {
 
@@ -92,23 +91,21 @@ TEST(RenamedKeys, AssignmentsAreRenamedByTheirKeysAndInsideOfTheirValues) {
 }
 
 // Whatever part of a configuration brings the old name, the run is the one that the new name gives.
-class RenamedKeysOfAScenario : public testing::Test {
+class RenamedKeysOfAScenario : public testing_support::ScenarioText {
  protected:
+  RenamedKeysOfAScenario() : ScenarioText("world = \"w.wrl\"\n[peer.a]\nid = 1\n") {}
   Result<Scenario> read(const std::string& replication, const std::string& peer, const std::string& overlay = "",
                         std::vector<std::string> sets = {}) {
-    const auto file = folder.write(
-        "s.toml", "world = \"w.wrl\"\n[peer.a]\nid = 1\n" + peer + "\n[replication]\n" + replication + "\n");
-    return read_scenario(
-        {.file = file, .configs = {folder.write("over.toml", overlay)}, .sets = std::move(sets), .seed = {}});
+    request.configs = {folder.write("over.toml", overlay)};
+    return result(peer + "\n[replication]\n" + replication + "\n", std::move(sets));
   }
-  testing_support::ScratchFolder folder;
 };
 
 TEST_F(RenamedKeysOfAScenario, FileOverlayAndSetTakeBothNames) {
   const auto now = read("piggyback_fraction = 0.5", "owns = [\"CAR\"]");
   ASSERT_TRUE(now) << now.error().text;
   EXPECT_THAT(now->warnings, IsEmpty());
-  const std::string in_file = (folder / "s.toml").string(), in_overlay = (folder / "over.toml").string();
+  const std::string in_file = (folder / "my.toml").string(), in_overlay = (folder / "over.toml").string();
   const auto of_file = read("along_at = 0.5", "enslaves = [\"CAR\"]");
   const auto of_overlay = read("", "", "[replication]\nalong_at = 0.5\n[peer.a]\nenslaves = [\"CAR\"]\n");
   const auto of_sets = read("", "", "", {"replication.along_at=0.5", "peer.a.enslaves=[\"CAR\"]"});
@@ -140,7 +137,7 @@ TEST_F(RenamedKeysOfAScenario, BothNamesInOneFileAreRefused) {
   const auto refused = read("along_at = 0.5\npiggyback_fraction = 0.5", "");
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().exit_code, 2);
-  EXPECT_THAT(refused.error().text, HasSubstr("s.toml:6:1: error: replication.along_at and "));
+  EXPECT_THAT(refused.error().text, HasSubstr("my.toml:6:1: error: replication.along_at and "));
 }
 
 TEST_F(RenamedKeysOfAScenario, AnOldNameInASweepSweeps) {

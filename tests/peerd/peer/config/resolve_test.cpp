@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/peerd/scratch_folder.hpp"
+#include "tests/peerd/peer/config/scenario_text.hpp"
 
 namespace peerd::config::resolve_test {
 
@@ -20,31 +20,31 @@ DEF ROCK Transform { translation 99 0 0 }
 )";
 constexpr ObjectId kCarB{0}, kCarA{1}, kVan{2}, kCarC{3};
 
-class ResolveTest : public testing::Test {
+class ResolveTest : public testing_support::ScenarioText {
  protected:
-  ResolveTest() { folder.write("w.wrl", kWorld); }
-  Result<std::vector<PeerObjects>> result(const std::string& text, std::vector<std::string> sets = {}) {
-    ScenarioRequest request;
-    request.file = folder.write("s.toml", "world = \"w.wrl\"\nduration_s = 10\n" + text);
-    request.sets = std::move(sets);
-    const auto scenario = read_scenario(request);
+  ResolveTest() : ScenarioText("world = \"w.wrl\"\nduration_s = 10\n") { folder.write("w.wrl", kWorld); }
+  Result<std::vector<PeerObjects>> resolved(const std::string& text, std::vector<std::string> sets = {}) {
+    const auto scenario = result(text, std::move(sets));
     if (!scenario) return std::unexpected(scenario.error());
     const auto world = load_world(scenario->world);
     if (!world) return std::unexpected(world.error());
     return resolve(scenario->runs.front(), world->scene);
   }
   std::vector<PeerObjects> peers(const std::string& text, std::vector<std::string> sets = {}) {
-    auto resolved = result(text, std::move(sets));
-    if (!resolved) throw std::runtime_error(resolved.error().text);
-    return *std::move(resolved);
+    auto objects = resolved(text, std::move(sets));
+    if (!objects) throw std::runtime_error(objects.error().text);
+    return *std::move(objects);
   }
   std::string error(const std::string& text) {
-    const auto resolved = result(text);
-    if (resolved) return "accepted";
-    EXPECT_EQ(resolved.error().exit_code, 2);
-    return resolved.error().text;
+    const auto objects = resolved(text);
+    if (objects) return "accepted";
+    EXPECT_EQ(objects.error().exit_code, 2);
+    return objects.error().text;
   }
-  testing_support::ScratchFolder folder;
+  std::vector<std::string> warnings(const std::string& text) {
+    const Scenario scenario = read(text);
+    return settings_without_effect(scenario.runs.front(), load_world(scenario.world)->scene);
+  }
 };
 
 std::vector<ObjectId> moved(const PeerObjects& peer) {
@@ -142,7 +142,7 @@ TEST_F(ResolveTest, ATrackLiesBesideTheScenario) {
 }
 
 TEST_F(ResolveTest, ErrorsHaveTheirPlaces) {
-  const std::string file = (folder / "s.toml").string();
+  const std::string file = (folder / "my.toml").string();
   EXPECT_THAT(error("[peer.a]\nid = 1\nowns = [\"CAR_A\",\n\"BUS_*\"]"),
               testing::StartsWith(file + ":6:1: error: peer.a.owns: no object of the world is called like"));
   EXPECT_THAT(error(kTwo + "[motion.\"BUS_*\"]\n"), HasSubstr(file + ":9:1: error: motion.BUS_*: no object"));
@@ -170,14 +170,14 @@ TEST_F(ResolveTest, ViewsRideOnWhatTheyName) {
 TEST_F(ResolveTest, WhoSkipsTheUnseenNeedsAView) {
   const std::string skips = kTwo + "skip_unseen = true\n";
   EXPECT_THAT(error(skips), HasSubstr("peer.b.skip_unseen: the peer has no viewpoint"));
-  EXPECT_TRUE(result(skips + "[peer.b.viewpoint]\n").has_value());
-  EXPECT_TRUE(result(skips + "[[peer.b.view]]\n").has_value());
+  EXPECT_TRUE(resolved(skips + "[peer.b.viewpoint]\n").has_value());
+  EXPECT_TRUE(resolved(skips + "[[peer.b.view]]\n").has_value());
   folder.write("w.wrl", std::string(kWorld) + "Viewpoint { }\n");
-  EXPECT_TRUE(result(skips).has_value()) << "the world's";
+  EXPECT_TRUE(resolved(skips).has_value()) << "the world's";
 }
 
 TEST_F(ResolveTest, ARandomMotionOfHoursIsRefused) {
-  const auto r = result(kTwo + "[motion.VAN]\ndrive = {}\n", {"duration_s=3601"});
+  const auto r = resolved(kTwo + "[motion.VAN]\ndrive = {}\n", {"duration_s=3601"});
   ASSERT_FALSE(r.has_value());
   EXPECT_THAT(r.error().text, HasSubstr("motion.VAN: such a motion is made before the run, so for 3600 s at most"));
 }
@@ -198,16 +198,9 @@ TEST_F(ResolveTest, FormulasThatMoveNothingAreParsedToo) {
 }
 
 TEST_F(ResolveTest, MotionsWithoutEffectAreNamed) {
-  const auto warnings = [this](const std::string& text) {
-    ScenarioRequest request;
-    request.file = folder.write("s.toml", "world = \"w.wrl\"\nduration_s = 10\n" + text);
-    const auto scenario = read_scenario(request);
-    const auto world = load_world(scenario->world);
-    return settings_without_effect(scenario->runs.front(), world->scene);
-  };
   const std::string own = kTwo + "[peer.a.motion.CAR_A]\nx = \"t\"\n";
   EXPECT_THAT(warnings(own + "[motion.ROCK]\nx = \"t\"\n"),
-              ElementsAre(HasSubstr("s.toml:11:1: warning: motion.ROCK has no effect: no peer owns what it names")));
+              ElementsAre(HasSubstr("my.toml:11:1: warning: motion.ROCK has no effect: no peer owns what it names")));
   EXPECT_THAT(warnings(own + "[motion.CAR_A]\nx = \"t\"\n"),
               ElementsAre(HasSubstr("motion.CAR_A has no effect: peer.a.motion.CAR_A comes first")));
   EXPECT_THAT(warnings(own + "[motion.\"CAR_*\"]\nx = \"t\"\n"), IsEmpty()) << "it moves the others";
@@ -220,19 +213,10 @@ TEST_F(ResolveTest, OwnedNodesThatNobodyMovesAreNamed) {
                "DEF LIFT Transform { } DEF BALLOON Transform { children DEF BASKET Transform { } }\n"
                "ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO LIFT.translation\n"
                "ROUTE P.value_changed TO BALLOON.scale\n");
-  const auto warnings = [this](const std::string& motion) {
-    ScenarioRequest request;
-    request.file = folder.write("s.toml",
-                                "world = \"w.wrl\"\nduration_s = 10\n[peer.a]\nid = 1\nowns = [\"LIFT\", "
-                                "\"BASKET\"]\n" +
-                                    motion);
-    const auto scenario = read_scenario(request);
-    const auto world = load_world(scenario->world);
-    return settings_without_effect(scenario->runs.front(), world->scene);
-  };
-  EXPECT_THAT(warnings(""), ElementsAre(HasSubstr("s.toml:5:9: warning: peer.a.owns: \"LIFT\" stands still: a ROUTE"),
-                                        HasSubstr("s.toml:5:17: warning: peer.a.owns: \"BALLOON/BASKET\" stays")));
-  EXPECT_THAT(warnings("[motion.LIFT]\nx = \"t\"\n"), ElementsAre(HasSubstr("BASKET")));
+  const std::string own = "[peer.a]\nid = 1\nowns = [\"LIFT\", \"BASKET\"]\n";
+  EXPECT_THAT(warnings(own), ElementsAre(HasSubstr("my.toml:5:9: warning: peer.a.owns: \"LIFT\" stands still: a ROUTE"),
+                                         HasSubstr("my.toml:5:17: warning: peer.a.owns: \"BALLOON/BASKET\" stays")));
+  EXPECT_THAT(warnings(own + "[motion.LIFT]\nx = \"t\"\n"), ElementsAre(HasSubstr("BASKET")));
 }
 
 class FounderTest : public ResolveTest {
@@ -269,28 +253,18 @@ TEST_F(FounderTest, APeerOfItsOwnConfigurationHasToSee) {
 }
 
 TEST_F(FounderTest, AMotionOfWhatItOwnsHasAnEffect) {
-  ScenarioRequest request;
-  request.file = folder.write("s.toml",
-                              "world = \"w.wrl\"\nduration_s = 10\n[peer.a]\nid = 1\n[peer.b]\nid = 2\n"
-                              "[motion.VAN]\nx = \"t\"\n[motion.CAR_A]\nx = \"t\"\n");
-  const auto scenario = read_scenario(request);
-  const auto world = load_world(scenario->world);
-  EXPECT_THAT(settings_without_effect(scenario->runs.front(), world->scene),
+  EXPECT_THAT(warnings("[peer.a]\nid = 1\n[peer.b]\nid = 2\n"
+                       "[motion.VAN]\nx = \"t\"\n[motion.CAR_A]\nx = \"t\"\n"),
               ElementsAre(HasSubstr("motion.CAR_A has no effect")));
 }
 
 // The objects that any peer of any run owns, whatever else it names.
 TEST_F(ResolveTest, KnowsWhatIsOwnedInAllRuns) {
-  const auto runs_of = [&](const std::string& text) {
-    ScenarioRequest request;
-    request.file = folder.write("s.toml", "world = \"w.wrl\"\nduration_s = 10\n" + text);
-    return read_scenario(request).value().runs;
-  };
-  std::vector<RunSettings> runs = runs_of(kTwo + "[peer.c]\nid = 3\nowns = [\"ROCKET\", \"VA*\"]\n");
+  std::vector<RunSettings> runs = read(kTwo + "[peer.c]\nid = 3\nowns = [\"ROCKET\", \"VA*\"]\n").runs;
   const auto world = load_world(folder / "w.wrl");
   ASSERT_TRUE(world);
   EXPECT_THAT(owned_in(runs, world->scene), ElementsAre(kCarB, kCarA, kVan, kCarC));
-  runs.push_back(runs_of("[peer.a]\nid = 1\nowns = [\"ROCK\"]\n").front());
+  runs.push_back(read("[peer.a]\nid = 1\nowns = [\"ROCK\"]\n").runs.front());
   EXPECT_THAT(owned_in(runs, world->scene), ElementsAre(kCarB, kCarA, kVan, kCarC, ObjectId{4}));
   EXPECT_THAT(owned_in({}, world->scene), IsEmpty());
 }

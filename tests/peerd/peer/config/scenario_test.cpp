@@ -3,13 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/peerd/scratch_folder.hpp"
+#include "tests/peerd/peer/config/scenario_text.hpp"
 
 namespace peerd::config::scenario_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::StartsWith;
 using testing_support::ScratchFolder;
 
 constexpr const char* kTwoPeers = R"(world = "some.wrl"
@@ -37,39 +36,13 @@ id = 2
 owns = ["CUBE"]
 )";
 
-class ScenarioTest : public testing::Test {
+class ScenarioTest : public testing_support::ScenarioText {
  protected:
-  Result<Scenario> result(const std::string& text, std::vector<std::string> sets = {}) {
-    request.file = folder.write("my.toml", text);
-    request.sets = std::move(sets);
-    return read_scenario(request);
-  }
-  Scenario read(const std::string& text, std::vector<std::string> sets = {}) {
-    auto scenario = result(text, std::move(sets));
-    if (!scenario) {
-      ADD_FAILURE() << scenario.error().text;
-      return {.name = "", .world = {}, .reading = {}, .runs = {RunSettings{}}};
-    }
-    return *std::move(scenario);
-  }
-  std::string error(const std::string& text, std::vector<std::string> sets = {}) {
-    const auto scenario = result(text, std::move(sets));
-    if (scenario) {
-      ADD_FAILURE() << "accepted";
-      return "";
-    }
-    EXPECT_EQ(scenario.error().exit_code, 2);
-    EXPECT_EQ(scenario.error().text.find('\n'), std::string::npos) << scenario.error().text;
-    return scenario.error().text;
-  }
   static std::vector<std::string> params(const Scenario& scenario) {
     std::vector<std::string> texts;
     for (const RunSettings& run : scenario.runs) texts.push_back(run.params.dump());
     return texts;
   }
-
-  ScratchFolder folder;
-  ScenarioRequest request;
 };
 
 TEST_F(ScenarioTest, PhysicsStandsInPlaceOfFormulas) {
@@ -250,13 +223,6 @@ TEST_F(ScenarioTest, ASetListSweeps) {
   EXPECT_EQ(replaced.runs.size(), 2u) << "in place of the file's list";
 }
 
-TEST_F(ScenarioTest, AListOfNodesIsOneValue) {
-  const Scenario s = read(kTwoPeers, {"peer.zoe.owns=[\"X\", \"Y\"]"});
-  ASSERT_EQ(s.runs.size(), 1u);
-  EXPECT_THAT(s.runs.front().peers[2].owns,
-              ElementsAre(testing::Field(&NodePattern::text, "X"), testing::Field(&NodePattern::text, "Y")));
-}
-
 // The parameters name what ran; `peerd scenario` hands them on to its processes word for word.
 TEST_F(ScenarioTest, AListAmongTheParametersStaysAList) {
   EXPECT_THAT(params(read(kTwoPeers, {"peer.zoe.owns=[\"X\", \"Y\"]"})),
@@ -333,9 +299,7 @@ TEST_P(ScenarioRefusal, SaysWhereAndWhat) {
   const auto at = text.find(GetParam().find);
   ASSERT_NE(at, std::string::npos);
   text.replace(at, std::string(GetParam().find).size(), GetParam().replacement);
-  const std::string found = error(text);
-  EXPECT_THAT(found, StartsWith((folder / "my.toml").string() + ":" + GetParam().where));
-  EXPECT_THAT(found, HasSubstr(GetParam().sentence));
+  expect_refused(text, GetParam().where, GetParam().sentence);
 }
 INSTANTIATE_TEST_SUITE_P(
     Table, ScenarioRefusal,
@@ -490,16 +454,6 @@ TEST_F(ScenarioTest, ABadSetIsRefused) {
   EXPECT_THAT(error(kTwoPeers, {"peer.a.id=\"one\""}), HasSubstr("peer.a.id must be a number"));
 }
 
-TEST_F(ScenarioTest, NoSuchFile) {
-  request.file = folder / "none.toml";
-  const auto none = read_scenario(request);
-  ASSERT_FALSE(none);
-  EXPECT_THAT(none.error().text, HasSubstr("none.toml: error: there is no such file"));
-  request.file = folder.write("my.toml", kTwoPeers);
-  request.configs = {folder / "none2.toml"};
-  EXPECT_THAT(read_scenario(request).error().text, HasSubstr("none2.toml"));
-}
-
 // ---- the world behind it ----
 
 TEST(LoadWorld, TellsWorldsApartByTheirBytesAndFindsObjects) {
@@ -513,15 +467,6 @@ TEST(LoadWorld, TellsWorldsApartByTheirBytesAndFindsObjects) {
   const auto wrong = find_object(one->scene, "CUBA", "peer.a.owns");
   ASSERT_FALSE(wrong);
   EXPECT_EQ(wrong.error().text, "error: peer.a.owns: the world has no object \"CUBA\"; did you mean \"CUBE\"?");
-}
-
-TEST(LoadWorld, AMalformedWorldIsAFindingAboutTheInput) {
-  const ScratchFolder folder;
-  const auto bad = load_world(folder.write("bad.wrl", "#VRML V2.0 utf8\nDEF CAR Transform {\n  translation 1 2\n}\n"));
-  ASSERT_FALSE(bad);
-  EXPECT_EQ(bad.error().exit_code, 1);
-  EXPECT_THAT(bad.error().text, HasSubstr("bad.wrl:"));
-  EXPECT_EQ(load_world(folder / "none.wrl").error().exit_code, 2);
 }
 
 TEST_F(ScenarioTest, Decisions) {

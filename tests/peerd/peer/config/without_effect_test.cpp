@@ -5,8 +5,7 @@
 
 #include <filesystem>
 
-#include "peerd/peer/config/scenario.hpp"
-#include "tests/peerd/scratch_folder.hpp"
+#include "tests/peerd/peer/config/scenario_text.hpp"
 
 namespace peerd::config::without_effect_test {
 
@@ -17,20 +16,11 @@ using testing::IsEmpty;
 
 const std::string kPeers = "world = \"w.wrl\"\n[peer.a]\nid = 1\n[peer.b]\nid = 2\n";
 
-class WithoutEffectTest : public testing::Test {
+class WithoutEffectTest : public testing_support::ScenarioText {
  protected:
   std::vector<std::string> warnings(const std::string& text, std::vector<std::string> sets = {}) {
-    request.file = folder.write("s.toml", text);
-    request.sets = std::move(sets);
-    const auto scenario = read_scenario(request);
-    if (!scenario) {
-      ADD_FAILURE() << scenario.error().text;
-      return {};
-    }
-    return scenario->warnings;
+    return read(text, std::move(sets)).warnings;
   }
-  testing_support::ScratchFolder folder;
-  ScenarioRequest request;
 };
 
 // A key that another one switches off, and settings with which it counts.
@@ -150,7 +140,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_F(WithoutEffectTest, TheWarningSaysWhere) {
   EXPECT_THAT(warnings(kPeers + "[relay]\nrestamps = true\n"),
-              ElementsAre(EndsWith("s.toml:7:12: warning: relay.restamps has no effect: there is no relay.through")));
+              ElementsAre(EndsWith("my.toml:7:12: warning: relay.restamps has no effect: there is no relay.through")));
 }
 
 TEST_F(WithoutEffectTest, WhatIsOffAnywayIsNotNamed) {
@@ -169,7 +159,7 @@ TEST_F(WithoutEffectTest, WhoLaysTheSwitchOverAScenarioMeansIt) {
   const std::string text = kPeers + "[replication]\nclose_threshold_m = 0.1\n";
   EXPECT_THAT(warnings(text, {"replication.approach=dr"}), IsEmpty());
   EXPECT_THAT(warnings(text, {"replication.approach=[\"dr\", \"dr+rcp\"]"}), IsEmpty());
-  EXPECT_THAT(warnings(text + "approach = \"dr\"\n"), ElementsAre(HasSubstr("s.toml:7:21: warning: ")));
+  EXPECT_THAT(warnings(text + "approach = \"dr\"\n"), ElementsAre(HasSubstr("my.toml:7:21: warning: ")));
   request.configs = {folder.write("over.toml", "[relay]\nrestamps = true\n")};
   EXPECT_THAT(warnings(kPeers), ElementsAre(HasSubstr("over.toml:2:12: warning: relay.restamps has no effect")));
 }

@@ -94,7 +94,6 @@ class ControlServerTest : public testing::Test {
   testing_support::ScratchFolder folder;
   std::filesystem::path path;
   asio::io_context io;
-  ControlServer* serving = nullptr;
 };
 
 TEST_F(ControlServerTest, OneLineInOneLineOut) {
@@ -356,18 +355,6 @@ TEST_F(ControlServerTest, AReplyLargerThanTheSocketsBufferArrives) {
   serves.join();
   ASSERT_TRUE(reply) << reply.error().text;
   EXPECT_EQ(reply->size(), kMuch_bytes);
-}
-
-TEST_F(ControlServerTest, AskingNobodyIsTheEnvironmentsFault) {
-  const auto none = ask(path, "one");
-  ASSERT_FALSE(none);
-  EXPECT_EQ(none.error().exit_code, 3);
-  EXPECT_THAT(none.error().text, HasSubstr("no peer answers"));
-  const auto server = open();  // the io_context never runs
-  const auto silent = ask(path, "one", std::chrono::milliseconds(50));
-  ASSERT_FALSE(silent);
-  EXPECT_EQ(silent.error().exit_code, 3);
-  EXPECT_THAT(silent.error().text, HasSubstr("silent for 50 ms"));
 }
 
 // A stopped peer: the system accepts as many clients as the queue holds.

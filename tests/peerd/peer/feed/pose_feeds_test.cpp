@@ -89,24 +89,6 @@ TEST_F(PoseFeedsTest, TheFirstMessageThatIsNotUnderstoodIsANotice) {
   EXPECT_EQ(counters().at("pose_messages_refused"), 2u);
 }
 
-TEST_F(PoseFeedsTest, BeginningsAndSilencesAreNotices) {
-  (void)feeds.sample(a, kNow);
-  EXPECT_THAT(notices(), ElementsAre()) << "no pose has come yet";
-  push({{"A", {}, {}}});
-  (void)feeds.sample(a, kNow);
-  EXPECT_THAT(notices(), ElementsAre("0 A"));
-  (void)feeds.sample(a, kNow + 500ms);
-  EXPECT_THAT(notices(), ElementsAre());
-  (void)feeds.sample(a, kNow + 501ms);
-  EXPECT_THAT(notices(), ElementsAre("1 A"));
-  (void)feeds.push(kNow + 600ms, kWallBehind, std::vector<FedPose>{{"A", {}, {}}});
-  (void)feeds.sample(a, kNow + 600ms);
-  EXPECT_THAT(notices(), ElementsAre("2 A"));
-  (void)feeds.sample(a, kNow + 1200ms);
-  EXPECT_THAT(notices(), ElementsAre("1 again A")) << "its second silence";
-  EXPECT_EQ(counters().at("feeds_silent"), 2u);
-}
-
 TEST_F(PoseFeedsTest, WithoutObjectsThereAreNoCounters) {
   PoseFeeds none({}, scene);
   std::map<std::string, std::uint64_t> all;

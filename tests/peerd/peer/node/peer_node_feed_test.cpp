@@ -240,6 +240,10 @@ class PeerNodeHand : public PeerNodeFeed {
     EXPECT_EQ(pose(x())["taken"], 1);
     return x();
   }
+  void grab() {
+    EXPECT_EQ(ask({{"do", "grab"}, {"path", "FREE"}})["done"], true);
+    run(300ms);
+  }
   json row_of_free() { return ask({{"do", "objects"}})["objects"][2]; }
 };
 
@@ -253,8 +257,7 @@ TEST_F(PeerNodeHand, WhatIsNotGrabbedItDoesNotMove) {
 }
 
 TEST_F(PeerNodeHand, MovesWhatIsGrabbedAndThrowsIt) {
-  EXPECT_EQ(ask({{"do", "grab"}, {"path", "FREE"}})["done"], true);
-  run(300ms);
+  grab();
   EXPECT_EQ(row_of_free()["outside"], false) << "until the first pose";
   const double end = drag(2.0, 0.0);
   EXPECT_NEAR(truth("FREE").position.x(), end, 0.01);
@@ -276,8 +279,7 @@ TEST_F(PeerNodeHand, MovesWhatIsGrabbedAndThrowsIt) {
 }
 
 TEST_F(PeerNodeHand, AStillHandLetsGoAtRest) {
-  EXPECT_EQ(ask({{"do", "grab"}, {"path", "FREE"}})["done"], true);
-  run(300ms);
+  grab();
   (void)drag(2.0, 0.0);
   run(1s);  // silence: it stands
   const Vec3 before = truth("FREE").position;
@@ -288,8 +290,7 @@ TEST_F(PeerNodeHand, AStillHandLetsGoAtRest) {
 }
 
 TEST_F(PeerNodeHand, AReleaseLetsGoAndMakesItNobodys) {
-  EXPECT_EQ(ask({{"do", "grab"}, {"path", "FREE"}})["done"], true);
-  run(300ms);
+  grab();
   (void)drag(2.0, 0.0);
   EXPECT_EQ(ask({{"do", "release"}, {"path", "FREE"}})["done"], true);
   EXPECT_NEAR(truth("FREE").velocity.x(), 2.0, 0.01);
@@ -300,8 +301,7 @@ TEST_F(PeerNodeHand, AReleaseLetsGoAndMakesItNobodys) {
 
 // A wrong pose takes hold of nothing: what moves goes on.
 TEST_F(PeerNodeHand, TakesHoldWithAGoodPoseOnly) {
-  EXPECT_EQ(ask({{"do", "grab"}, {"path", "FREE"}})["done"], true);
-  run(300ms);
+  grab();
   (void)drag(2.0, 0.0);
   EXPECT_EQ(ask({{"do", "let_go"}, {"path", "FREE"}})["done"], true);
   EXPECT_EQ(pose(1e12)["taken"], 0);
@@ -311,8 +311,7 @@ TEST_F(PeerNodeHand, TakesHoldWithAGoodPoseOnly) {
 }
 
 TEST_F(PeerNodeHand, WhatIsRemovedItDoesNotMove) {
-  EXPECT_EQ(ask({{"do", "grab"}, {"path", "FREE"}})["done"], true);
-  run(300ms);
+  grab();
   (void)drag(1.0, 0.0);
   EXPECT_EQ(ask({{"do", "remove"}, {"path", "FREE"}})["done"], true);
   run(500ms);

@@ -54,6 +54,24 @@ class Store : public testing::Test {
     const auto done = store.append(parts);
     ASSERT_TRUE(done) << done.error().text;
   }
+  // Opens the store for that alone.
+  void keep(std::vector<OperationPart> parts) {
+    const auto store = open();
+    ASSERT_TRUE(store) << store.error().text;
+    append(**store, std::move(parts));
+  }
+  // As on a full disk: files cannot grow.
+  static Result<void> append_on_full_disk(OperationStore& store, const OperationPart& more) {
+    rlimit before{};
+    getrlimit(RLIMIT_FSIZE, &before);
+    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit none{8192, before.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &none);
+    auto done = store.append({&more, 1});
+    setrlimit(RLIMIT_FSIZE, &before);
+    std::signal(SIGXFSZ, handler);
+    return done;
+  }
   [[nodiscard]] std::string error_of_opening(std::uint64_t world = kWorld) {
     const auto store = open(world);
     return store ? "" : store.error().text;
@@ -180,11 +198,7 @@ TEST_F(Store, OneOfTheFormatBeforeIsPacked) {
 }
 
 TEST_F(Store, AChangedByteOfAPackedRowIsFound) {
-  {
-    auto store = open();
-    ASSERT_TRUE(store);
-    append(**store, {part(kOwn, 2000)});
-  }
+  keep({part(kOwn, 2000)});
   const auto file = at / "operations.sqlite";
   std::string text = testing_support::text_of(file);
   const auto frame = text.find("\x28\xB5\x2F\xFD");  // zstd's magic number
@@ -199,11 +213,7 @@ TEST_F(Store, AChangedByteOfAPackedRowIsFound) {
 
 TEST_F(Store, AnotherWorldIsRefusedByName) {
   const std::vector<OperationPart> all{part(kOwn, 3)};
-  {
-    auto store = open();
-    ASSERT_TRUE(store) << store.error().text;
-    append(**store, all);
-  }
+  keep(all);
   EXPECT_THAT(error_of_opening(kWorld + 1), AllOf(HasSubstr(at.string()), HasSubstr("another world")));
   const auto store = open();
   ASSERT_TRUE(store) << store.error().text;
@@ -323,11 +333,7 @@ TEST_F(Store, AStoreThatIsNotThereIsNotMadeByACheck) {
 // Each file that is cut short at some place is refused, or it is whole.
 TEST_F(Store, ATruncatedFileIsRefused) {
   const OperationPart appended = part(kOwn, 40);
-  {
-    auto store = open();
-    ASSERT_TRUE(store);
-    append(**store, {appended});
-  }
+  keep({appended});
   const auto file = at / "operations.sqlite";
   const std::string whole = testing_support::text_of(file);
   ASSERT_GT(whole.size(), 8192U);
@@ -348,11 +354,7 @@ TEST_F(Store, ATruncatedFileIsRefused) {
 // One byte of what is stored is another one.
 TEST_F(Store, AChangedByteOfAPartIsFound) {
   const OperationPart appended = part(kOwn, 1);
-  {
-    auto store = open();
-    ASSERT_TRUE(store);
-    append(**store, {appended});
-  }
+  keep({appended});
   const auto file = at / "operations.sqlite";
   std::string text = testing_support::text_of(file);
   const std::string bytes(reinterpret_cast<const char*>(appended.bytes.data()), appended.bytes.size());
@@ -403,32 +405,23 @@ TEST_F(Store, ALogThatIsWrittenAheadMayEndAnywhere) {
   }
 }
 
-// As on a full disk: files cannot grow. What was acknowledged stays; the author writes no more in its next life, for
-// what it published meanwhile may be missing.
+// What was acknowledged stays; the author writes no more in its next life, for what it published meanwhile may be
+// missing.
 TEST_F(Store, AFullDiskIsSaidAndLosesNothing) {
   const OperationPart first = part(kOwn, 2), lost = part(kOwn, 200);
   {
     auto store = open();
     ASSERT_TRUE(store);
     append(**store, {first});
-    rlimit before{};
-    getrlimit(RLIMIT_FSIZE, &before);
-    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit none{8192, before.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &none);
-    const auto refused = (*store)->append({&lost, 1});
-    setrlimit(RLIMIT_FSIZE, &before);
-    std::signal(SIGXFSZ, handler);
+    const auto refused = append_on_full_disk(**store, lost);
     ASSERT_FALSE(refused);
     EXPECT_THAT(refused.error().text, HasSubstr("cannot be written"));
     EXPECT_FALSE((*store)->must_stop());
   }
-  {
-    const auto again = OperationStore::open(at, kWorld, {AuthorId{55}});
-    ASSERT_TRUE(again) << again.error().text;
-    EXPECT_EQ(bytes_of((*again)->log()), bytes_of({first}));
-    EXPECT_EQ((*again)->author(), AuthorId{55});
-  }
+  const auto again = OperationStore::open(at, kWorld, {AuthorId{55}});
+  ASSERT_TRUE(again) << again.error().text;
+  EXPECT_EQ(bytes_of((*again)->log()), bytes_of({first}));
+  EXPECT_EQ((*again)->author(), AuthorId{55});
 }
 
 TEST_F(Store, WhatAFullDiskRefusedCanBeWrittenLater) {
@@ -436,14 +429,7 @@ TEST_F(Store, WhatAFullDiskRefusedCanBeWrittenLater) {
   {
     auto store = open();
     ASSERT_TRUE(store);
-    rlimit before{};
-    getrlimit(RLIMIT_FSIZE, &before);
-    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit none{8192, before.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &none);
-    EXPECT_FALSE((*store)->append({&late, 1}));
-    setrlimit(RLIMIT_FSIZE, &before);
-    std::signal(SIGXFSZ, handler);
+    EXPECT_FALSE(append_on_full_disk(**store, late));
     append(**store, {late});
   }
   const auto again = OperationStore::open(at, kWorld, {AuthorId{55}});
@@ -455,11 +441,7 @@ TEST_F(Store, WhatAFullDiskRefusedCanBeWrittenLater) {
 // The author of a store that is a copy, or was put back, may have written on elsewhere: its log would fork.
 class Copy : public Store {
  protected:
-  void SetUp() override {
-    auto store = open();
-    ASSERT_TRUE(store) << store.error().text;
-    append(**store, {part(kOwn, 2)});
-  }
+  void SetUp() override { keep({part(kOwn, 2)}); }
   static void expect_author(const std::filesystem::path& where, AuthorId author, bool is_copy) {
     const auto store = OperationStore::open(where, kWorld, {AuthorId{55}});
     ASSERT_TRUE(store) << store.error().text;
@@ -484,11 +466,7 @@ TEST_F(Copy, IsNotWhatHasAnotherName) {
 TEST_F(Copy, ThatIsPutBackInPlaceBeginsALogOfItsOwn) {
   const std::string file = testing_support::text_of(at / "operations.sqlite");
   const std::string author = testing_support::text_of(at / "author");
-  {
-    auto store = open();
-    ASSERT_TRUE(store) << store.error().text;
-    append(**store, {part(kOwn, 1)});
-  }
+  keep({part(kOwn, 1)});
   folder.write("store/operations.sqlite", file);
   folder.write("store/author", author);
   expect_author(at, AuthorId{55}, true);
@@ -496,11 +474,7 @@ TEST_F(Copy, ThatIsPutBackInPlaceBeginsALogOfItsOwn) {
 
 TEST_F(Copy, OfTheFileAloneBeginsALogOfItsOwn) {
   const std::string file = testing_support::text_of(at / "operations.sqlite");
-  {
-    auto store = open();
-    ASSERT_TRUE(store) << store.error().text;
-    append(**store, {part(kOwn, 1)});
-  }
+  keep({part(kOwn, 1)});
   ASSERT_TRUE(open());
   folder.write("store/operations.sqlite", file);
   expect_author(at, AuthorId{55}, true);
@@ -514,18 +488,6 @@ TEST_F(Copy, WhoseAuthorIsNoNumberIsDamaged) {
 // A write that the disk does not take is not taken for done.
 class Disk : public Store {
  protected:
-  // As on a full disk: files cannot grow.
-  Result<void> append_on_full_disk(OperationStore& store, const OperationPart& more) {
-    rlimit before{};
-    getrlimit(RLIMIT_FSIZE, &before);
-    const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit none{8192, before.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &none);
-    auto done = store.append({&more, 1});
-    setrlimit(RLIMIT_FSIZE, &before);
-    std::signal(SIGXFSZ, handler);
-    return done;
-  }
   testing_support::WatchedFsync fsyncs;
 };
 

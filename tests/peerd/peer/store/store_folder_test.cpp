@@ -139,13 +139,4 @@ TEST_F(StoreFolder, AnotherProgramsDatabaseStaysWhereItIs) {
   EXPECT_TRUE(std::filesystem::exists(folder / "theirs" / "operations.sqlite"));
 }
 
-TEST_F(StoreFolder, AStoreInUseCanBeLockedByNobodyElse) {
-  const auto at = folder / "store";
-  const auto store = open(at);
-  ASSERT_TRUE(store);
-  const auto lock = lock_folder(at);
-  ASSERT_FALSE(lock);
-  EXPECT_THAT(lock.error().text, AllOf(HasSubstr(at.string()), HasSubstr("in use by another process")));
-}
-
 }  // namespace peerd::store::store_folder_test

@@ -230,22 +230,7 @@ TEST_F(GatewayTest, ASecondGatewayOfThePortSaysSo) {
   const auto opened = peer.in_its_thread([&] {
     Gateway::Options options;
     options.at = {boost::asio::ip::address_v4::loopback(), peer.port()};
-    struct Nothing : GatewaySource {
-      control::Answer ask(std::string_view /*request*/) override { return {}; }
-      std::string metrics() override { return {}; }
-      std::uint32_t revision() override { return 0; }
-      void make_scene(std::function<void(const SceneFile&)> /*done*/) override {}
-      std::span<const std::byte> next_frame(view::PoseStream& /*client*/) override { return {}; }
-      std::string pick(const Vec3& /*origin*/, const Vec3& /*direction*/) override { return {}; }
-      std::string walk(const view::AvatarSize& /*size*/, const view::Stride& /*stride*/,
-                       const std::string& /*except*/) override {
-        return {};
-      }
-      std::string inspect(std::uint32_t /*node*/) override { return {}; }
-      std::string surroundings() override { return {}; }
-      std::string hierarchy(const std::string& /*path*/, std::uint32_t /*level*/) override { return {}; }
-    } nothing;
-    const auto second = Gateway::open(io, nothing, options);
+    const auto second = Gateway::open(io, peer.source(), options);
     return second ? std::string() : second.error().text;
   });
   EXPECT_THAT(opened, HasSubstr("Address already in use"));

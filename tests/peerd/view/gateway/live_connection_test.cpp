@@ -171,35 +171,6 @@ TEST_F(GatewayLive, EventsGoToThoseWhoWantThem) {
   EXPECT_THAT(web.get("/api/v1/scene.glb").body(), HasSubstr("BOX"));
 }
 
-// A hand: it has what it grabs for as long as it holds it, at a rate of its own, and what it lets go of flies on.
-TEST_F(GatewayLive, AHandMovesWhatItHasGrabbedAndThrowsIt) {
-  LiveClient client(peer, true);
-  peer.await_start();
-  EXPECT_EQ(client.ask({{"do", "grab"}, {"path", "CAR"}})["done"], true);
-  const auto unix_s = [] {
-    return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-  };
-  const double begun_s = unix_s();
-  for (int poses = 0; poses < 20; ++poses) {
-    const double time_s = unix_s(), x = 0.6 * (time_s - begun_s);
-    const json reply = client.ask({{"do", "pose"}, {"object", "CAR"}, {"position_m", {x, 3, 0}}, {"time_s", time_s}});
-    EXPECT_EQ(reply["taken"], 1) << reply;
-    std::this_thread::sleep_for(std::chrono::milliseconds(15));
-  }
-  const auto state = [&] {
-    return peer.in_its_thread([&] {
-      const auto car = peer.node().scene().find("CAR").value();
-      return peer.node().peer().truth(car, peer.session_now());
-    });
-  };
-  EXPECT_NEAR(state().position.y(), 3.0, 1e-6);
-  EXPECT_EQ(client.ask({{"do", "let_go"}, {"path", "CAR"}})["done"], true);
-  EXPECT_NEAR(state().velocity.x(), 0.6, 0.01) << "the hand's";
-  const double released_at = state().position.x();
-  EXPECT_TRUE(ServedPeer::soon([&] { return state().position.x() > released_at + 0.05; }));
-  EXPECT_EQ(client.ask({{"do", "release"}, {"path", "CAR"}})["done"], true);
-}
-
 // The avatar of a page goes when the page does, and the peer looks as before.
 TEST_F(GatewayLive, AnAvatarGoesWithItsConnection) {
   peer.await_start();

@@ -19,6 +19,7 @@
 #include "peerd/net/transport/multicast_socket.hpp"
 #include "peerd/view/gateway/gateway.hpp"
 #include "tests/net/listener.hpp"
+#include "tests/peerd/comes_true.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::testing_support {
@@ -100,14 +101,7 @@ class ServedPeer {
     return in_its_thread([&] { return gateway_->connections(); });
   }
   // Whether this comes true within 10 s.
-  static bool soon(const std::function<bool()>& condition) {
-    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-    while (!condition()) {
-      if (std::chrono::steady_clock::now() > give_up) return false;
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    return true;
-  }
+  static bool soon(const std::function<bool()>& condition) { return comes_true(condition, 10); }
 
   // The session time; in the peer's thread only.
   [[nodiscard]] SimTime session_now() const { return node_->peer().clock().to_session(clock_.now()); }
@@ -124,6 +118,7 @@ class ServedPeer {
     const std::lock_guard lock(said_mutex_);
     return said_;
   }
+  [[nodiscard]] gateway::GatewaySource& source() { return *viewed_; }
   [[nodiscard]] PeerNode& node() { return *node_; }  // in its thread only, or after it
 
  private:

@@ -1,0 +1,18 @@
+#pragma once
+#include <chrono>
+#include <thread>
+
+namespace peerd::testing_support {
+
+// Asks again and again, for so long at most; whether it holds at last.
+template <class Condition>
+bool comes_true(const Condition& holds, double within_s) {
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::duration<double>(within_s);
+  while (!holds()) {
+    if (std::chrono::steady_clock::now() > give_up) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return true;
+}
+
+}  // namespace peerd::testing_support
