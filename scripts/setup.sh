@@ -51,13 +51,17 @@ install_server() {
 install_slurm() { install_server munge munge; install_server slurm-wlm slurmctld slurmd; }
 install_nats_server() { install_missing openssl; install_server nats-server nats-server; }
 
+# configure PRESET [CMAKE_ARGUMENT...]: quiet when all is well.
+configure() {
+  local log=build/configure-$1.log
+  mkdir -p build
+  cmake --preset "$@" >"$log" 2>&1 || { cat "$log" >&2; exit 3; }
+}
+
 # build PRESET TARGET [CMAKE_ARGUMENT...]: configures where need be; quiet when all is up to date.
 build() {
-  local preset=$1 target=$2 log=build/configure-$1.log
+  local preset=$1 target=$2
   shift 2
-  if [ ! -f "build/$preset/build.ninja" ] || [ $# -gt 0 ]; then
-    mkdir -p build
-    cmake --preset "$preset" "$@" >"$log" 2>&1 || { cat "$log" >&2; exit 3; }
-  fi
+  if [ ! -f "build/$preset/build.ninja" ] || [ $# -gt 0 ]; then configure "$preset" "$@"; fi
   cmake --build "build/$preset" --target "$target" | sed -u "/no work to do/d" >&2
 }

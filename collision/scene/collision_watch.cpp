@@ -5,7 +5,8 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
-#include <limits>
+
+#include "collision/exact/infinity.hpp"
 
 namespace peerd::collision {
 namespace {
@@ -121,7 +122,6 @@ const CollisionWatch::Tick& CollisionWatch::tick() {
 
 // The sum is rounded up. An object without a finite displacement is treated as reshaped: no gap is known of it.
 void CollisionWatch::accumulate_travel(Object& object) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   object.displacement_m = query_.displacement_m(object.id);
   if (!(object.displacement_m < kInfinity)) {
     object.displacement_m = 0.0;

@@ -28,10 +28,10 @@ Kdop<18> dop_of(const Mesh& mesh, const Mat3& stretch) {
       dop.hi[s] = std::max(dop.hi[s], at);
     }
   }
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  constexpr float kUnbounded = std::numeric_limits<float>::infinity();
   for (std::size_t s = 0; s < dop.kSlabs; ++s) {
-    dop.lo[s] = std::nextafter(dop.lo[s], -kInfinity);
-    dop.hi[s] = std::nextafter(dop.hi[s], kInfinity);
+    dop.lo[s] = std::nextafter(dop.lo[s], -kUnbounded);
+    dop.hi[s] = std::nextafter(dop.hi[s], kUnbounded);
   }
   return dop;
 }

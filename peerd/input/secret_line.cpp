@@ -15,7 +15,7 @@ namespace peerd {
 namespace {
 
 std::unexpected<InputError> no_secret(const std::string& what, const std::string& why) {
-  return std::unexpected(InputError{"error: " + what + ": " + why, 2});
+  return std::unexpected(InputError{"error: " + what + ": " + why, kWrongUse});
 }
 
 // A terminal that does not show what is typed. Signals that end a process wait until the terminal is as before: while

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kChunk_bytes = std::size_t{1} << 20;
 
 std::unexpected<InputError> unreadable(const std::string& name) {
-  return std::unexpected(InputError{name + ": error: can't be read; is it a file that you may read?", 3});
+  return std::unexpected(InputError{name + ": error: can't be read; is it a file that you may read?", kSystemFailed});
 }
 
 std::unexpected<InputError> too_large(const std::string& name, const SizeLimit& limit) {
@@ -66,7 +66,7 @@ Result<void> write_text_file(const std::filesystem::path& path, std::string_view
   file.close();
   if (file) return {};
   const std::string why = errno != 0 ? std::strerror(errno) : "the reason is unknown";
-  return std::unexpected(InputError{path.string() + ": error: can't be written: " + why, 3});
+  return std::unexpected(InputError{path.string() + ": error: can't be written: " + why, kSystemFailed});
 }
 
 }  // namespace peerd

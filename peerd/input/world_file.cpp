@@ -99,7 +99,8 @@ Result<std::unique_ptr<const WorldFile>> read_world_bytes(std::string text, cons
   if (is_archive(text)) {
     auto unpacked = unpack(text, options.limits.text_bytes);
     if (!unpacked) {
-      return std::unexpected(InputError{path.string() + ": error: the archive cannot be read: " + unpacked.error(), 1});
+      return std::unexpected(
+          InputError{path.string() + ": error: the archive cannot be read: " + unpacked.error(), kFinding});
     }
     archive = *std::move(unpacked);
     text = std::move(archive.files.front().text);

@@ -13,13 +13,13 @@ namespace {
 // A stamp of this peer comes back within this; an older one, or one from the future, is not its own.
 constexpr Duration kEchoAgeMax = std::chrono::seconds(10);
 // No clock and no offset is farther than this from 0 (73 years): sums of some of them stay within int64.
-constexpr double kTimeMax_ns = 0x1p61;
+constexpr double kStampMax_ns = 0x1p61;
 
 double ns(Duration d) { return static_cast<double>(d.count()); }
 
 // Stamps come from other peers: what they say must be possible before it is computed with.
 bool plausible(SimTime theirs, HostTime ours) {
-  return std::abs(ns(theirs.time_since_epoch()) - ns(ours.time_since_epoch())) < kTimeMax_ns;
+  return std::abs(ns(theirs.time_since_epoch()) - ns(ours.time_since_epoch())) < kStampMax_ns;
 }
 bool plausible(const OffsetInterval::Echo& echo, SimTime t3, HostTime t4) {
   const double held_ns = ns(t3.time_since_epoch()) - ns(echo.t2.time_since_epoch());

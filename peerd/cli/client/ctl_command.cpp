@@ -11,6 +11,7 @@
 #include "peerd/cli/client/peer_tables.hpp"
 #include "peerd/cli/shell/print.hpp"
 #include "peerd/cli/shell/problems.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/input/printable.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/peer/control/control_client.hpp"
@@ -136,7 +137,7 @@ Result<Json> await_operation(const std::filesystem::path& socket, const Json& ed
   request.update(edit.at("operation"));
   const auto give_up = std::chrono::steady_clock::now() + kHeldWithin;
   for (;;) {
-    auto state = ask_peer(socket, request.dump());
+    auto state = ask_peer(socket, json_line(request));
     if (!state) return state;
     const bool nowhere_else = state->at("alone").get<bool>() && !state->value("stores", false);
     const bool safe = state->at("held").get<bool>() || state->value("stored", false) || nowhere_else;
@@ -225,14 +226,14 @@ int run_ctl(const CtlOptions& options) {
     reply.update(*state);
   }
   if (reply.contains("world") && reply.at("world").is_null()) {
-    return failed({"error: " + reply.at("refused").get<std::string>(), 1});
+    return failed({"error: " + reply.at("refused").get<std::string>(), kFinding});
   }
   if (reply.contains("world") && !options.save.empty()) {
     const auto written = write_text_file(options.save, reply.at("world").get<std::string>());
     return written ? 0 : failed(written.error());
   }
   if (options.json) {
-    std::cout << reply.dump() << '\n';
+    std::cout << json_line(reply) << '\n';
   } else if (reply.contains("peers")) {
     print_peers(reply);
   } else if (reply.contains("peer")) {

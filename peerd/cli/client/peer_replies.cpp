@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "peerd/input/json_text.hpp"
 #include "peerd/peer/control/control_client.hpp"
 
 namespace peerd {
@@ -17,7 +18,7 @@ constexpr std::array kLists{"objects", "peers", "conflicts"};
 
 Result<void> fetch_rest(const std::filesystem::path& socket, const char* list, Json& reply) {
   while (!reply.at("next").is_null()) {
-    const auto line = control::ask(socket, Json{{"do", list}, {"from", reply.at("next")}}.dump());
+    const auto line = control::ask(socket, json_line(Json{{"do", list}, {"from", reply.at("next")}}));
     if (!line) return std::unexpected(line.error());
     auto more = read_reply(socket, *line);
     if (!more) return std::unexpected(more.error());
@@ -38,7 +39,7 @@ Result<Json> read_reply(const std::filesystem::path& socket, const std::string& 
         "error: what listens at " + socket.string() + " is no peer of this version: " + line.substr(0, 200), 3});
   }
   if (!reply.at("ok").get<bool>()) {
-    return std::unexpected(InputError{"error: " + reply.value("error", std::string("no reason given")), 2});
+    return std::unexpected(InputError{"error: " + reply.value("error", std::string("no reason given")), kWrongUse});
   }
   return reply;
 }

@@ -7,6 +7,7 @@
 #include "collision/scene/scene_query.hpp"
 #include "peerd/cli/shell/problems.hpp"
 #include "peerd/input/hierarchy_files.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/input/printable.hpp"
 
 namespace peerd {
@@ -32,7 +33,7 @@ int run_bake(const std::string& path, const BakeOptions& options, std::ostream& 
   }
   if (options.json) {
     const nlohmann::ordered_json all = {{"world", path}, {"files", std::move(files)}};
-    out << all.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
+    out << json_text(all) << '\n';
   } else if (baked->empty()) {
     out << path << ": no Shape names a hierarchyFile\n";
   }

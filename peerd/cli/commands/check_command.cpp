@@ -22,6 +22,7 @@
 #include "core/writer/writer.hpp"
 #include "peerd/cli/shell/error_json.hpp"
 #include "peerd/cli/shell/problems.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/input/printable.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/input/world_file.hpp"
@@ -240,9 +241,7 @@ Json to_json(const Finding& finding) {
 }
 
 // Paths and messages may hold bytes that are not UTF-8, which JSON may not.
-void print(const Json& json, std::ostream& out) {
-  out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-}
+void print(const Json& json, std::ostream& out) { out << json_text(json) << '\n'; }
 
 // What there is to say although the command has failed: the world can't be read, or its copy not be written.
 Json with_error(const Finding& finding, const InputError& error) {
@@ -277,7 +276,7 @@ Json moving_at(const Scene& scene, double t_s, std::vector<std::string>& unsuppo
 
 Result<void> write_copy(const Scene& scene, const std::string& copy, std::ostream& err) {
   const auto written = write_world(scene);
-  if (!written) return std::unexpected(InputError{copy + ": error: not written: " + written.error(), 1});
+  if (!written) return std::unexpected(InputError{copy + ": error: not written: " + written.error(), kFinding});
   for (const std::string& note : written->notes) err << copy << ": note: " << note << '\n';
   return write_text_file(copy, written->text);
 }

@@ -21,6 +21,7 @@
 #include "peerd/cli/shell/problems.hpp"
 #include "peerd/cli/shell/world_time_progress.hpp"
 #include "peerd/input/hierarchy_files.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/input/printable.hpp"
 
 namespace peerd {
@@ -255,11 +256,13 @@ Result<Watched> watch_ticks(const std::string& path, const Scene& scene, const C
     if (!tick.refused.empty() || !tick.ended.empty() || !tick.began.empty() || !tick.not_colliding.empty()) {
       progress.hide();
     }
-    if (!tick.refused.empty()) return std::unexpected(InputError{path + ": error: " + tick.refused.front().why, 1});
+    if (!tick.refused.empty())
+      return std::unexpected(InputError{path + ": error: " + tick.refused.front().why, kFinding});
     report_tick(scene, time_s, watch, tick, options.json, watched.events, out);
     if (against == nullptr) continue;
     const auto& right = against->tick(time_s);
-    if (!right.refused.empty()) return std::unexpected(InputError{path + ": error: " + right.refused.front().why, 1});
+    if (!right.refused.empty())
+      return std::unexpected(InputError{path + ": error: " + right.refused.front().why, kFinding});
     for (std::uint32_t i = 0; i < watch.interests().size(); ++i) {
       watched.comparison.of_interests[i].count(watch.is_colliding(i), against->watch().is_colliding(i));
     }
@@ -297,7 +300,7 @@ int watch_collisions(const std::string& path, const Scene& scene, const CollideO
   if (options.json) {
     Json json_out = to_json(path, options, *watched, warnings, counters, micros.count());
     if (against) json_out["against"] = to_json(scene, *options.against, watched->comparison, watch.interests());
-    out << json_out.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+    out << json_text(json_out) << '\n';
   } else {
     if (against) print_text(scene, *options.against, watched->comparison, watch.interests(), out);
     out << (watched->interrupted ? "partial: " : "") << counted(watched->ticks, "tick") << "; pairs of objects: ";
@@ -320,7 +323,7 @@ Result<std::vector<Answer>> answers_of(const std::string& path, const Scene& sce
   for (const CollisionInterest& interest : scene.interests) {
     for (const ObjectId collidee : interest.collidees) {
       auto collision = query.collide(interest.collider, collidee, interest.type);
-      if (!collision) return std::unexpected(InputError{path + ": error: " + collision.error(), 1});
+      if (!collision) return std::unexpected(InputError{path + ": error: " + collision.error(), kFinding});
       answers.push_back({{interest.collider, collidee, interest.type}, std::move(*collision)});
     }
   }
@@ -359,7 +362,7 @@ int ask_once(const std::string& path, const Scene& scene, const CollideOptions& 
                  {"micros", micros.count()}};
     if (options.engine != CollideOptions{}.engine) json["engine"] = options.engine;
     if (right != nullptr) json["against"] = to_json(scene, *options.against, comparison, interests);
-    out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+    out << json_text(json) << '\n';
     return 0;
   }
   for (const Answer& answer : *answers) print_text(scene, answer, out);
@@ -379,7 +382,7 @@ int list_engines(bool json, std::ostream& out) {
     list.push_back({{"name", name}, {"exact", is_exact}, {"reference", reference}, {"about", about}});
     if (!json) out << fmt::format("{:<12} {} ({}; {})\n", name, about, is_exact ? "exact" : "approximate", reference);
   }
-  if (json) out << list.dump(2) << '\n';
+  if (json) out << json_text(list) << '\n';
   return 0;
 }
 

@@ -12,6 +12,7 @@
 
 #include "peerd/cli/shell/print.hpp"
 #include "peerd/cli/shell/problems.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/input/printable.hpp"
 #include "peerd/net/discovery/discovery.hpp"
 #include "peerd/net/doctor/host_findings.hpp"
@@ -290,7 +291,7 @@ int run_doctor(const DoctorOptions& options) {
     exit_code = doctor::exit_code_of(report.findings);
   }
   if (options.json) {
-    std::cout << as_json(report, *settings).dump(2, ' ', false, ordered_json::error_handler_t::replace) << '\n';
+    std::cout << json_text(as_json(report, *settings)) << '\n';
   } else {
     std::cout << as_text(report, *settings);
   }

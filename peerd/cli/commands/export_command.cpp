@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/cli/shell/problems.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/input/printable.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/view/picture/gltf_writer.hpp"
@@ -97,7 +98,7 @@ int run_export(const std::string& path, const ExportOptions& options, std::ostre
                     {"lights", drawn.lights.size()},
                     {"viewpoints", drawn.viewpoints.size()},
                     {"undrawn", std::move(undrawn)}};
-  out << all.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+  out << json_text(all) << '\n';
   return 0;
 }
 

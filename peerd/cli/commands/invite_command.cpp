@@ -19,7 +19,7 @@ int print_relay_key(const keys::Roster& roster, std::ostream& out) {
   const auto identity = keys::read_identity(*file);
   if (!identity) return failed(identity.error());
   const auto key = roster.session_key(*identity);
-  if (!key) return failed({"error: by the world's roster this user is no member", 2});
+  if (!key) return failed({"error: by the world's roster this user is no member", kWrongUse});
   out << seal::relay_key_text(*key) << '\n';
   return 0;
 }

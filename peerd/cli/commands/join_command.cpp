@@ -12,7 +12,7 @@
 #include "peerd/cli/commands/run_command.hpp"
 #include "peerd/cli/shell/print.hpp"
 #include "peerd/daemon/join/worlds_here.hpp"
-#include "peerd/input/json_line.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/input/secret_line.hpp"
 #include "peerd/net/keys/invitation.hpp"
 
@@ -53,7 +53,7 @@ Result<void> accept_invitation_of(JoinOptions& options) {
                               : Result<std::optional<keys::Invitation>>(keys::read_invitation(options.invitation));
   if (!invitation) return std::unexpected(invitation.error());
   if (!*invitation) {
-    return std::unexpected(InputError{"error: --invite: that is no whole invitation of peerd invite", 2});
+    return std::unexpected(InputError{"error: --invite: that is no whole invitation of peerd invite", kWrongUse});
   }
   return accept_invitation(**invitation, options.request, say);
 }

@@ -19,7 +19,7 @@ using keys::Member;
 using keys::Roster;
 
 std::unexpected<InputError> refused(const std::string& what) {
-  return std::unexpected(InputError{"error: " + what, 2});
+  return std::unexpected(InputError{"error: " + what, kWrongUse});
 }
 
 Result<Member> member_of(std::string_view text, const std::string& role_name) {
@@ -75,7 +75,7 @@ nlohmann::ordered_json as_json(const Roster& roster) {
 
 int run_members(const MembersOptions& options, std::ostream& out) {
   const auto file = chosen_roster_file(options.roster, options.world);
-  if (!file) return failed(InputError{"error: this user has no home for a roster: say --roster FILE", 2});
+  if (!file) return failed(InputError{"error: this user has no home for a roster: say --roster FILE", kWrongUse});
   const auto before = read_roster(*file);
   if (!before) return failed(before.error());
   const auto identity_file = keys::chosen_identity_file(options.identity);

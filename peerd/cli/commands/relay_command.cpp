@@ -10,6 +10,7 @@
 #include <boost/asio/signal_set.hpp>
 
 #include "peerd/cli/shell/print.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/net/keys/session_key.hpp"
 #include "peerd/net/os/host_clock.hpp"
 #include "peerd/net/os/service_manager.hpp"
@@ -28,7 +29,6 @@ namespace {
 namespace asio = boost::asio;
 using seal::SealedGreetings;
 
-constexpr int kBadRelayUse = 2;
 constexpr std::chrono::milliseconds kServiceStep{500};
 constexpr int kReceiveBuffer_bytes = 4 * 1024 * 1024;
 
@@ -74,7 +74,7 @@ Result<void> RelayRun::read_seal() {
     return std::unexpected(InputError{
         "error: say whose greetings it takes: --relay-key FILE (peerd invite WORLD --relay makes the line in it), "
         "--world NAME or --key FILE where this user has the session's key, or --open for a session that is not sealed",
-        kBadRelayUse});
+        kWrongUse});
   }
   if (options_.open) return {};
   std::optional<keys::SymmetricKey> key;
@@ -139,8 +139,7 @@ Result<void> RelayRun::open_networks(const net::GroupPlan& plan) {
   }
   if (options_.mesh_port == 0) {
     if (options_.mesh.empty()) return {};
-    return std::unexpected(
-        InputError{"error: --mesh wants --mesh-port, the relay's own port in the mesh", kBadRelayUse});
+    return std::unexpected(InputError{"error: --mesh wants --mesh-port, the relay's own port in the mesh", kWrongUse});
   }
   const net::IpFamily family = plan.base.is_v4() ? net::IpFamily::kV4 : net::IpFamily::kV6;
   auto seeds = net::resolve_peers(options_.mesh, family, "--mesh");
@@ -208,7 +207,7 @@ void RelayRun::step() {
 
 void RelayRun::report() {
   if (options_.json) {
-    std::cout << relay::report_of(*relay_).dump() << '\n' << std::flush;
+    std::cout << json_line(relay::report_of(*relay_)) << '\n' << std::flush;
   } else {
     say(LogLevel::kInfo, relay::line_of(*relay_));
   }

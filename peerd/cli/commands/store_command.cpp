@@ -11,6 +11,7 @@
 #include "peerd/cli/shell/print.hpp"
 #include "peerd/cli/shell/problems.hpp"
 #include "peerd/daemon/open/roster_file.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/input/printable.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/net/seal/operation_signer.hpp"
@@ -99,7 +100,7 @@ int run_store_check(const StoreCheckOptions& options, std::ostream& out) {
   if (!store) return failed(store.error());
   const nlohmann::ordered_json all = store_json(options, **store);
   if (options.json) {
-    out << all.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
+    out << json_text(all) << '\n';
     return 0;
   }
   out << fmt::format("{}: {} of {}, {} in a file of {}; of the world with the hash {}\n", options.folder.string(),
@@ -125,7 +126,7 @@ int run_store_export(const StoreExportOptions& options, std::ostream& out) {
   const auto roster = roster_of(*kept ? (*kept)->name : options.world.stem().string());
   if (!roster) return failed(roster.error());
   const auto written = write_world(*living_scene(**store, world->scene, *roster));
-  if (!written) return failed({"error: " + written.error(), 1});
+  if (!written) return failed({"error: " + written.error(), kFinding});
   if (options.file.empty()) {
     out << written->text;
     return 0;

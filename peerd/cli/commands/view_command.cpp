@@ -38,7 +38,7 @@ int run_view(const ViewOptions& options, const std::function<int(const ViewOptio
   }
   std::error_code error;
   const fs::file_status status = fs::status(options.what, error);
-  if (!fs::exists(status)) return failed({"error: there is no " + options.what, 2});
+  if (!fs::exists(status)) return failed({"error: there is no " + options.what, kWrongUse});
   return fs::is_socket(status) ? view_peer(options.what) : view_recorded(options);
 }
 

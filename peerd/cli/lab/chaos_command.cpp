@@ -12,6 +12,7 @@
 
 #include "peerd/cli/shell/print.hpp"
 #include "peerd/input/console/stop_signals.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/input/number.hpp"
 #include "peerd/input/printable.hpp"
 #include "peerd/lab/chaos/chaos_run.hpp"
@@ -163,7 +164,7 @@ class ChaosCommand {
       ++taken_[branch].second;
     }
     if (options_.json) {
-      std::cout << as_json(report).dump() << '\n' << std::flush;
+      std::cout << json_line(as_json(report)) << '\n' << std::flush;
     } else {
       print(report);
     }
@@ -231,12 +232,13 @@ int run_chaos_seeds(const ChaosOptions& options) { return run_chaos_seeds(option
 int run_chaos_seeds(const ChaosOptions& options, const Simulate& simulate) {
   StopSignals signals("stopped before the first seed");
   const auto seeds = read_seeds(options);
-  if (!seeds) return failed({"error: --chaos " + options.seeds + ": write a seed, or FIRST..LAST without --count", 2});
+  if (!seeds)
+    return failed({"error: --chaos " + options.seeds + ": write a seed, or FIRST..LAST without --count", kWrongUse});
   chaos::ChaosLimits limits;
   limits.seconds = options.seconds;
   limits.peers = options.peers;
   if (!chaos::read_without(options.without, limits)) {
-    return failed({"error: --chaos-without " + options.without + ": write a list such as f3,e7,e10-20", 2});
+    return failed({"error: --chaos-without " + options.without + ": write a list such as f3,e7,e10-20", kWrongUse});
   }
   signals.note_from_now_on("stopped at once by a second signal");
   ChaosCommand command(options, limits, simulate, signals);

@@ -9,6 +9,7 @@
 
 #include "peerd/cli/shell/print.hpp"
 #include "peerd/input/console/stop_signals.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/lab/baselines/baseline_run.hpp"
 #include "peerd/lab/baselines/comparison.hpp"
@@ -67,9 +68,10 @@ Result<void> write_comparison(const std::filesystem::path& out, const nlohmann::
   std::error_code error;
   std::filesystem::create_directories(out, error);
   if (error) {
-    return std::unexpected(InputError{"error: can't make the folder " + out.string() + ": " + error.message(), 3});
+    return std::unexpected(
+        InputError{"error: can't make the folder " + out.string() + ": " + error.message(), kSystemFailed});
   }
-  if (const auto done = write_text_file(out / "compare.json", json.dump(2) + "\n"); !done) return done;
+  if (const auto done = write_text_file(out / "compare.json", json_text(json) + "\n"); !done) return done;
   return write_text_file(out / "compare.html", page);
 }
 
@@ -79,7 +81,8 @@ int run_compare(const CompareOptions& options) {
   StopSignals signals("stopped: nothing is written");
   std::vector<std::filesystem::path> configs{{}};
   const auto& others = options.with.empty() ? options.baselines : options.with;
-  if (others.empty()) return failed({"error: no other system is installed beside peerd; name one: --with FILE", 2});
+  if (others.empty())
+    return failed({"error: no other system is installed beside peerd; name one: --with FILE", kWrongUse});
   configs.insert(configs.end(), others.begin(), others.end());
   std::vector<baselines::Compared> systems;
   const auto as_it_is = ready(options.scenario, {});
@@ -102,7 +105,7 @@ int run_compare(const CompareOptions& options) {
       write_comparison(out, json, baselines::page(name + ": other systems in the peers' place", systems));
   if (!written) return failed(written.error());
   if (options.scenario.json) {
-    std::cout << json.dump(2) << '\n';
+    std::cout << json_text(json) << '\n';
   } else {
     std::cout << baselines::table(systems) << (out / "compare.html").string() << '\n';
   }

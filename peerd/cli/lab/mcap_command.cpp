@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/cli/shell/problems.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/input/printable.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/lab/recorded/record_capture.hpp"
@@ -54,7 +55,7 @@ int run_mcap_export(const McapOptions& options, std::ostream& out, std::ostream&
                     {"views", views},
                     {"duration_s", recording->end_s},
                     {"notes", recording->notes}};
-  out << all.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+  out << json_text(all) << '\n';
   return 0;
 }
 

@@ -7,6 +7,7 @@
 
 #include "peerd/cli/shell/print.hpp"
 #include "peerd/input/console/shell_word.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/lab/measure/expectations.hpp"
 #include "peerd/lab/report/table.hpp"
 #include "peerd/lab/report/write.hpp"
@@ -19,11 +20,11 @@ int print_report(const measure::ScenarioInfo& info, std::span<const measure::Run
   const auto checked = measure::check_expectations(expectations, info.mode, runs, summary["runs"]);
   if (!checked.empty()) summary["expectations"] = measure::expectations_json(checked);
   if (const auto written = report::write_report(out, info, runs, summary); !written) {
-    return failed({"error: " + written.error(), 3});
+    return failed({"error: " + written.error(), kSystemFailed});
   }
   const std::string thinned = report::thinned_rows(info, runs);
   const std::string rows = thinned.empty() ? "" : "\n" + thinned + "\n";
-  std::cout << (json ? summary.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n"
+  std::cout << (json ? json_text(summary) + "\n"
                      : report::table(summary) + report::objects_table(summary) + report::wrong_outcomes_table(summary) +
                            measure::expectations_table(checked, summary["runs"]) + rows);
   return std::ranges::any_of(checked, &measure::CheckedExpectation::failed) ? 1 : 0;

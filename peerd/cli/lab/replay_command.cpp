@@ -9,6 +9,7 @@
 
 #include "peerd/cli/shell/print.hpp"
 #include "peerd/cli/shell/problems.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/input/printable.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/lab/recorded/replay.hpp"
@@ -75,7 +76,7 @@ int run_replay(const ReplayOptions& options) {
   if (!file) return failed(file.error());
   auto capture = record::CaptureReader::open(std::as_bytes(std::span(*file)));
   const auto unreadable = [&](const std::string& why) {
-    return failed({options.file.string() + ": error: " + why, 1});
+    return failed({options.file.string() + ": error: " + why, kFinding});
   };
   if (!capture) return unreadable(capture.error());
   const auto recorded = recorded::make_recorded_peer(
@@ -94,9 +95,7 @@ int run_replay(const ReplayOptions& options) {
     if (const auto saved = save(node->log(), options.record); !saved) return failed(saved.error());
   }
   if (options.json) {
-    std::cout
-        << to_json(*node, *capture, *outcome).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
-        << '\n';
+    std::cout << json_line(to_json(*node, *capture, *outcome)) << '\n';
   } else {
     print_outcome(*node, *capture, *outcome);
   }

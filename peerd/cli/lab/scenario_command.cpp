@@ -66,7 +66,7 @@ int run_scenario(const ScenarioOptions& options, const fs::path& program) {
   const auto out = options.out.empty() ? fs::path("out") / scenario->name : options.out;
   std::error_code error;
   fs::create_directories(out, error);
-  if (error) return failed({"error: can't make the folder " + out.string() + ": " + error.message(), 3});
+  if (error) return failed({"error: can't make the folder " + out.string() + ": " + error.message(), kSystemFailed});
 
   std::unique_ptr<live::Lab> lab;
   if (options.netem) {

@@ -172,8 +172,8 @@ class SimCommand {
       std::error_code error;
       std::filesystem::create_directories(captures->folder, error);
       if (error) {
-        return std::unexpected(
-            InputError{"error: can't make the folder " + captures->folder.string() + ": " + error.message(), 3});
+        return std::unexpected(InputError{
+            "error: can't make the folder " + captures->folder.string() + ": " + error.message(), kSystemFailed});
       }
     }
     sim::Observer observer;
@@ -259,7 +259,8 @@ Result<void> keep_rerun(const std::filesystem::path& out, const config::Scenario
   std::error_code error;
   std::filesystem::create_directories(out, error);
   if (error) {
-    return std::unexpected(InputError{"error: can't make the folder " + out.string() + ": " + error.message(), 3});
+    return std::unexpected(
+        InputError{"error: can't make the folder " + out.string() + ": " + error.message(), kSystemFailed});
   }
   return write_text_file(out / record::kRerunFile, record::to_text(record::make_rerun(scenario, file, shared)));
 }
@@ -279,7 +280,7 @@ int run_sim(const ScenarioOptions& options) {
   if (!scenario) return failed(scenario.error());
   print_warnings(scenario->warnings);
   if (std::ranges::any_of(scenario->runs, [](const auto& run) { return run.via != config::Via::kNothing; })) {
-    return failed({"error: network.via: servers stand between real peers alone: peerd scenario", 2});
+    return failed({"error: network.via: servers stand between real peers alone: peerd scenario", kWrongUse});
   }
   const auto shared = share_world(scenario->world, scenario->reading, scenario->runs);
   if (!shared) return failed(shared.error());

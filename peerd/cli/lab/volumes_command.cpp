@@ -16,6 +16,7 @@
 #include "collision/volumes/turned_volume.hpp"
 #include "peerd/cli/lab/measured_shape.hpp"
 #include "peerd/cli/shell/problems.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/input/printable.hpp"
 
 namespace peerd {
@@ -147,7 +148,7 @@ int run_volumes(const std::string& path, const VolumesOptions& options, std::ost
   }
   if (options.json) {
     const Json all = {{"world", path}, {"rotations", rotations}, {"shapes", std::move(shapes)}};
-    out << all.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+    out << json_text(all) << '\n';
   }
   return 0;
 }

@@ -15,7 +15,7 @@
 #include "peerd/cli/program/commands.hpp"
 #include "peerd/cli/shell/number_checks.hpp"
 #include "peerd/cli/shell/print.hpp"
-#include "peerd/input/json_line.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/peer/feed/pose_feed.hpp"
 
@@ -212,11 +212,11 @@ Result<std::string> ctl_request(const CtlCommands& commands, const KeyFlags& key
   if (key.value ? held : key.state != 0) {
     return std::unexpected(InputError{"error: --shift and its like go with a key's name, --state goes with --value"});
   }
-  if (key.value) return nlohmann::json{{"do", "key"}, {"value", *key.value}, {"state", key.state}}.dump();
+  if (key.value) return json_line(nlohmann::json{{"do", "key"}, {"value", *key.value}, {"state", key.state}});
   const auto named = find_key(
       key.name, {.shift = key.shift, .control = key.control, .alt = key.alt, .meta = key.meta, .keypad = key.keypad});
   if (!named) return std::unexpected(InputError{"error: " + named.error()});
-  return nlohmann::json{{"do", "key"}, {"value", named->value}, {"state", named->state}}.dump();
+  return json_line(nlohmann::json{{"do", "key"}, {"value", named->value}, {"state", named->state}});
 }
 
 }  // namespace

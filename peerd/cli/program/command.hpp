@@ -17,8 +17,6 @@ struct Command {
   std::function<int()> run;
 };
 
-inline constexpr int kWrongUse = 2, kSystemFailed = 3;  // exit codes
-
 // Limits that options of several commands share.
 inline constexpr std::int64_t kSizeMax_mib = 1 << 20;
 inline constexpr std::int64_t kEventCountMax = std::numeric_limits<std::int32_t>::max();

@@ -7,6 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "peerd/input/json_text.hpp"
+
 namespace peerd {
 namespace {
 
@@ -61,8 +63,6 @@ Json error_json(const ReadResult& result) {
   return {{"good", false}, {"errors", std::move(errors)}};
 }
 
-void print_error_json(const Json& json, std::ostream& out) {
-  out << json.dump(-1, ' ', false, Json::error_handler_t::replace) << '\n';
-}
+void print_error_json(const Json& json, std::ostream& out) { out << json_line(json) << '\n'; }
 
 }  // namespace peerd

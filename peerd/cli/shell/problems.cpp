@@ -23,7 +23,7 @@ Result<std::unique_ptr<const WorldFile>> read_world_asked_for(const std::string&
   if (path != "-") return read_world_file(path, reading);
   auto world = read_world_stream(std::cin, reading);
   if (std::ferror(stdin) == 0) return world;
-  return std::unexpected(InputError{"<stdin>: error: can't be read; is it closed, or a folder?", 3});
+  return std::unexpected(InputError{"<stdin>: error: can't be read; is it closed, or a folder?", kSystemFailed});
 }
 
 int print_error(const InputError& error, std::ostream& err, std::ostream* json) {

@@ -72,7 +72,8 @@ bool lacks_command(const CLI::App& program) {
 
 InputError wrong_use(const CLI::App& program, const CLI::ParseError& error) {
   const CLI::App& command = innermost_command(program);
-  return {"error: " + sentence(command, program.remaining(true), error) + "\nSee " + full_name(command) + " --help", 2};
+  return {"error: " + sentence(command, program.remaining(true), error) + "\nSee " + full_name(command) + " --help",
+          kWrongUse};
 }
 
 Result<const CLI::App*> find_command(const CLI::App& command, const std::string& name) {

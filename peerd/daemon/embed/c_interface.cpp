@@ -16,6 +16,7 @@
 #include "peerd/daemon/embed/embedded_peer.hpp"
 #include "peerd/daemon/embed/include/peerd/peerd.h"
 #include "peerd/daemon/embed/option_values.hpp"
+#include "peerd/input/json_text.hpp"
 
 struct peerd_options {
   peerd::embed::OptionValues values;
@@ -48,7 +49,7 @@ Value with(peerd_peer* handle, Value otherwise, Work work) noexcept {
 
 // Asks by the control protocol. Discarded: it was refused.
 json asked(EmbeddedPeer& peer, const json& request) {
-  json reply = json::parse(peer.ask(request.dump()));
+  json reply = parse_json(peer.ask(json_line(request)));
   if (reply.value("ok", false)) return reply;
   peer.error = reply.value("error", "");
   return json(json::value_t::discarded);

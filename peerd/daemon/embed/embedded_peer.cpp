@@ -14,7 +14,6 @@ namespace {
 
 // A thread that nobody polls looks after its peer at least so often.
 constexpr Duration kThreadWaits = std::chrono::milliseconds(100);
-constexpr int kEnvironment = 3;  // exit code
 
 void put(const Vec3& v, double (&out)[3]) {
   for (int i = 0; i < 3; ++i) out[i] = v[i];
@@ -114,7 +113,7 @@ Result<std::unique_ptr<EmbeddedPeer>> EmbeddedPeer::open(const PeerOptions& opti
   auto peer = OpenedPeer::open(options, warn);
   if (!peer) return std::unexpected(peer.error());
   auto signal = EventSignal::open();
-  if (!signal) return std::unexpected(InputError{"error: no signal for events: " + signal.error(), kEnvironment});
+  if (!signal) return std::unexpected(InputError{"error: no signal for events: " + signal.error(), kSystemFailed});
   return std::unique_ptr<EmbeddedPeer>(new EmbeddedPeer(*std::move(peer), *std::move(signal)));
 }
 

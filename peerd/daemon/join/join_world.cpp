@@ -15,7 +15,7 @@
 
 #include "peerd/daemon/join/worlds_here.hpp"
 #include "peerd/daemon/open/roster_file.hpp"
-#include "peerd/input/json_line.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/input/printable.hpp"
 #include "peerd/input/toml_input.hpp"
 #include "peerd/net/keys/key_file.hpp"
@@ -33,7 +33,7 @@ constexpr Duration kAsked = std::chrono::seconds(1);
 Result<snapshot::Provider> provider_at(const std::string& address) {
   const auto colon = address.rfind(':');
   const auto wrong = [&](const std::string& why) {
-    return std::unexpected(InputError{"error: --from " + address + ": " + why, 2});
+    return std::unexpected(InputError{"error: --from " + address + ": " + why, kWrongUse});
   };
   if (colon == std::string::npos || colon == 0) return wrong("it has to be HOST:PORT, as a peer's log says");
   std::string host = address.substr(0, colon);
@@ -93,7 +93,7 @@ Result<std::optional<keys::SessionKey>> key_of(const JoinRequest& request, const
   if (request.open) return std::nullopt;
   if (world.empty() && request.key.key_file.empty()) {
     return std::unexpected(
-        InputError{"error: which key? Say the world's name, or --key FILE; --open, if it is open", 2});
+        InputError{"error: which key? Say the world's name, or --key FILE; --open, if it is open", kWrongUse});
   }
   if (request.key.key_file.empty() && request.key.password_file.empty()) {
     auto by_roster = key_by_roster(world, say);
@@ -185,7 +185,7 @@ Result<JoinedWorld> find_world(const JoinRequest& request, PeerOptions& peer, co
   if (!providers) return std::unexpected(providers.error());
   if (const bool sealed = (*world)->is_sealed(); sealed == request.open) {
     return std::unexpected(
-        InputError{"error: \"" + (*world)->name + (sealed ? "\" is sealed" : "\" is open: say --open"), 2});
+        InputError{"error: \"" + (*world)->name + (sealed ? "\" is sealed" : "\" is open: say --open"), kWrongUse});
   }
   return joined_by_peers(*providers, (*world)->session, (*world)->name, request, peer, say);
 }
@@ -194,12 +194,12 @@ Result<JoinedWorld> find_world(const JoinRequest& request, PeerOptions& peer, co
 
 Result<void> accept_invitation(const keys::Invitation& invitation, JoinRequest& request, const SayLine& say) {
   if (!request.world.empty() && request.world != invitation.world) {
-    return std::unexpected(InputError{"error: the invitation is to \"" + invitation.world + "\"", 2});
+    return std::unexpected(InputError{"error: the invitation is to \"" + invitation.world + "\"", kWrongUse});
   }
   request.world = invitation.world;
   if (invitation.roster) {
     const auto file = chosen_roster_file({}, request.world);
-    if (!file) return std::unexpected(InputError{"error: this user has no home for a roster", 2});
+    if (!file) return std::unexpected(InputError{"error: this user has no home for a roster", kWrongUse});
     return save_roster(*file, *invitation.roster);
   }
   const auto file = keys::chosen_key_file({}, request.world);

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "peerd/input/json_line.hpp"
+#include "peerd/input/json_text.hpp"
 
 namespace peerd {
 namespace {

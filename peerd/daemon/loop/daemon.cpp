@@ -33,7 +33,6 @@ constexpr std::chrono::milliseconds kStalled{100};
 constexpr int kStalledTurns = 64;
 // The period of the question whether a peer of this identity is alive.
 constexpr Duration kAskAgainAfter = std::chrono::milliseconds(200);
-constexpr int kEnvironment = 3;  // exit code
 
 namespace {
 
@@ -203,7 +202,7 @@ void Daemon::on_datagram(const net::Arrival& arrival) {
     log_({LogLevel::kError, fmt::format("peer {} (id {}) is running already; end it, give this one an id of its own, "
                                         "or say --take-over",
                                         node_.name(), question_->id.value)});
-    exit_code_ = kEnvironment;
+    exit_code_ = kSystemFailed;
     return stop();
   }
   const HostTime at = forward_(arrival.at);
@@ -295,7 +294,7 @@ void Daemon::leave() {
   if (keeper_ && (!store_growth() || !keeper_->unstored().empty())) {
     log_({LogLevel::kError,
           fmt::format("leaves with {} bytes of edits that its store does not have", keeper_->unstored().bytes())});
-    exit_code_ = kEnvironment;
+    exit_code_ = kSystemFailed;
   }
   stop();
 }
@@ -335,7 +334,7 @@ void Daemon::drain() {
   for (const replication::Output& out : change) {
     const auto* in_use = std::get_if<replication::IdInUse>(&out);
     if (in_use != nullptr && in_use->ours_is_replaced) {  // nobody would hear this peer any more
-      exit_code_ = kEnvironment;
+      exit_code_ = kSystemFailed;
       stop();
     }
     publish(out);
@@ -376,7 +375,7 @@ bool Daemon::store_growth() {
   if (!written.begins_not_to_pack.empty()) {
     log_({LogLevel::kWarning, "the store takes more room than it needs: " + written.begins_not_to_pack});
   }
-  if (written.must_stop) exit_code_ = kEnvironment;
+  if (written.must_stop) exit_code_ = kSystemFailed;
   return !written.must_stop;
 }
 
@@ -387,7 +386,7 @@ void Daemon::keep_capture() {
   if (capture_->good()) return;
   log_({LogLevel::kError, "the capture ends here: it can't be written any more; is the disk full?"});
   capture_ = nullptr;
-  exit_code_ = kEnvironment;
+  exit_code_ = kSystemFailed;
 }
 
 void Daemon::check(const std::expected<void, net::NetError>& done) {

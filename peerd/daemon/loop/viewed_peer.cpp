@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "peerd/input/json_text.hpp"
 #include "peerd/peer/control/answer.hpp"
 #include "peerd/peer/feed/json_members.hpp"
 #include "peerd/view/gateway/metrics.hpp"
@@ -18,7 +19,7 @@ namespace {
 std::string reply_line(const nlohmann::ordered_json& members) {
   nlohmann::ordered_json reply = {{"v", feed::kMessageVersion}, {"ok", true}};
   reply.update(members);
-  return reply.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return json_line(reply);
 }
 
 }  // namespace
@@ -32,7 +33,7 @@ std::string ViewedPeer::metrics() {
   const auto reply_to = [&](const char* request) {
     const control::Answer answer =
         control::answer(node_, now, request, Duration{0}, [this] { return daemon_.counters_of_status(); });
-    return nlohmann::json::parse(answer.line);
+    return parse_json(answer.line);
   };
   return gateway::metrics_text(reply_to(R"({"do":"status"})"), reply_to(R"({"do":"peers"})"));
 }

@@ -247,8 +247,8 @@ Result<void> OpenedPeer::close() {
     if (auto saved = save(node_->log(), options_.record); !saved) return saved;
   }
   if (sealed_capture_ && !sealed_capture_->good()) {
-    return std::unexpected(
-        InputError{options_.capture.string() + ": error: can't be written to its end; is the disk full?", 3});
+    return std::unexpected(InputError{
+        options_.capture.string() + ": error: can't be written to its end; is the disk full?", kSystemFailed});
   }
   return {};
 }

@@ -32,7 +32,7 @@ Result<config::LoadedWorld> read_world_of(const PeerOptions& options, config::Sc
   if (!options.joined) return config::load_world(scenario.world, scenario.reading);
   const store::StoredWorld& provided = options.joined->world;
   const auto wrong = [&](const std::string& what) {
-    return std::unexpected(InputError{"error: what was provided of \"" + provided.name + "\" " + what, 1});
+    return std::unexpected(InputError{"error: what was provided of \"" + provided.name + "\" " + what, kFinding});
   };
   if (!is_archive(provided.archive)) return wrong("is no archive");  // it would name files of this computer
   auto world = config::load_world(provided.archive, scenario.world, scenario.reading);

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/daemon/open/reload.hpp"
+#include "peerd/input/json_text.hpp"
 
 namespace peerd {
 namespace {
@@ -28,7 +29,7 @@ std::string listed(const std::vector<std::string>& words) {
 
 // Why the peer has refused a request of the control protocol; empty: it has not.
 std::string refusal_in(const std::string& reply) {
-  const auto answer = nlohmann::json::parse(reply, nullptr, /*allow_exceptions=*/false);
+  const auto answer = json_if_valid(reply);
   if (answer.is_discarded() || answer.value("ok", false)) return {};
   return answer.value("error", "it says no more");
 }

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
-#include "peerd/input/json_line.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/peer/config/changed_keys.hpp"
 
 namespace peerd {

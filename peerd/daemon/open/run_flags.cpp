@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <random>
 
-#include "peerd/input/json_line.hpp"
+#include "peerd/input/json_text.hpp"
 
 namespace peerd {
 namespace {

@@ -60,7 +60,7 @@ Result<std::unique_ptr<SessionSeal>> SessionSeal::choose(const net::TransportSet
       return std::unexpected(not_a_member(*roster_file, identity));
     }
     if (!settings.roster_file.empty()) {
-      return std::unexpected(InputError{"error: there is no roster " + settings.roster_file, 2});
+      return std::unexpected(InputError{"error: there is no roster " + settings.roster_file, kWrongUse});
     }
   }
   auto key = given ? Result<keys::SessionKey>(*given) : keys::session_key(said, world, keys::IfMissing::kMake);
@@ -72,7 +72,8 @@ Result<std::unique_ptr<SessionSeal>> SessionSeal::choose(const net::TransportSet
 
 Result<void> SessionSeal::check_owner(bool owns_something) const {
   if (!owns_something || may_write(identity_.public_key())) return {};
-  return std::unexpected(InputError{"error: this peer is an observer, by the world's roster, and can own nothing", 2});
+  return std::unexpected(
+      InputError{"error: this peer is an observer, by the world's roster, and can own nothing", kWrongUse});
 }
 
 LogLine SessionSeal::line() const {

@@ -17,6 +17,7 @@
 #include "core/ids.hpp"
 #include "core/math.hpp"
 #include "core/shape_polygon.hpp"
+#include "peerd/input/json_text.hpp"
 
 namespace peerd::cluster {
 namespace {
@@ -97,7 +98,7 @@ void put(std::string& bytes, const T& value) {
   if constexpr (std::is_arithmetic_v<T> || std::is_enum_v<T>) {
     bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
   } else if constexpr (std::same_as<T, Json>) {
-    put(bytes, value.dump());
+    put(bytes, json_line(value));
   } else if constexpr (Struct<const T>) {
     std::apply([&](const auto&... field) { (put(bytes, field), ...); }, fields(value));
   } else if constexpr (Optional<T>) {
@@ -139,7 +140,7 @@ template <class T>
     if (!get(bytes, text)) return false;
     value = Json::parse(
         text, [](int depth, auto, auto&) { return depth <= kJsonDepthMax; }, false);
-    return !value.is_discarded() && value.dump() == text;
+    return !value.is_discarded() && json_line(value) == text;
   } else if constexpr (Struct<T>) {
     return std::apply([&](auto&... field) { return (get(bytes, field) && ...); }, fields(value));
   } else if constexpr (Optional<T>) {

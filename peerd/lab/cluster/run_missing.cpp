@@ -285,7 +285,7 @@ Result<void> run_and_take(
       const auto taken = bytes ? take(item, *bytes) : std::unexpected(bytes.error());
       if (taken) continue;
       const std::string why = folder.work().items[item] + ": its result can't be used: " + taken.error();
-      if (is_again) return std::unexpected(InputError{"error: " + why, 3});
+      if (is_again) return std::unexpected(InputError{"error: " + why, kSystemFailed});
       std::cerr << why << "; it is run again\n";
       if (auto dropped = folder.drop_result(item); !dropped) return dropped;
       damaged.push_back(item);
@@ -298,7 +298,8 @@ Result<void> run_and_take(
 Result<void> run_items(const WorkFolder& folder, const std::string& items, const StopSignals& signals,
                        const RunItem& run_item) {
   const auto wanted = item_range_from(items, folder.work().items.size());
-  if (!wanted) return std::unexpected(InputError{"error: --task " + items + " is no list of items of this work", 2});
+  if (!wanted)
+    return std::unexpected(InputError{"error: --task " + items + " is no list of items of this work", kWrongUse});
   const auto standing = folder.standing();
   if (!standing) return std::unexpected(standing.error());
   for (const std::size_t item : standing->missing) {

@@ -41,7 +41,7 @@ Result<SlurmJob> slurm_job_from(std::string_view text) {
   const bool named = std::ranges::all_of(
       job.cluster, [](unsigned char c) { return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.'; });
   if (number && named) return job;
-  return std::unexpected(InputError{"error: this names no job of Slurm: " + std::string(text), 3});
+  return std::unexpected(InputError{"error: this names no job of Slurm: " + std::string(text), kSystemFailed});
 }
 
 std::string script_of(const SlurmArray& array) {
@@ -73,7 +73,7 @@ Result<std::size_t> most_tasks() {
   }
   if (size >= 2) return size - 1;
   return std::unexpected(
-      InputError{"error: scontrol names no MaxArraySize of 2 or more: this Slurm runs no arrays", 3});
+      InputError{"error: scontrol names no MaxArraySize of 2 or more: this Slurm runs no arrays", kSystemFailed});
 }
 
 Result<SlurmJob> submit(const SlurmArray& array) {

@@ -40,7 +40,7 @@ class MemoryFile {
 };
 
 InputError cannot_start(const std::string& program, int error) {
-  return {"error: " + program + " can't be started: " + std::strerror(error), 3};
+  return {"error: " + program + " can't be started: " + std::strerror(error), kSystemFailed};
 }
 
 }  // namespace
@@ -96,7 +96,8 @@ Result<std::vector<std::string>> split_words(const std::string& line) {
       words.back() += c;
     }
   }
-  if (quote != '\0') return std::unexpected(InputError{std::string("error: a ") + quote + " has no end: " + line, 2});
+  if (quote != '\0')
+    return std::unexpected(InputError{std::string("error: a ") + quote + " has no end: " + line, kWrongUse});
   return words;
 }
 

@@ -13,6 +13,7 @@
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
+#include "peerd/input/json_text.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/peer/store/synchronise.hpp"
 
@@ -31,7 +32,7 @@ constexpr std::size_t kHash_digits = 32;
 constexpr SizeLimit kManifest{kMiB, "no manifest is so long"};
 constexpr SizeLimit kResultFile{4096 * kMiB, "no result is so long"};
 
-InputError environment(const std::string& sentence) { return {"error: " + sentence, 3}; }
+InputError environment(const std::string& sentence) { return {"error: " + sentence, kSystemFailed}; }
 
 std::string manifest_of(const Work& work) {
   const nlohmann::ordered_json json{{"format", kManifestFormat},
@@ -41,12 +42,12 @@ std::string manifest_of(const Work& work) {
                                     {"settings", work.settings},
                                     {"items", work.items.size()},
                                     {"names", hash_hex(nlohmann::json(work.items).dump(-1, ' ', true))}};
-  return json.dump(1) + '\n';
+  return json_text(json, 1) + '\n';
 }
 
 // The difference of a folder's manifest from that of the work at hand.
 std::string difference(const std::string& theirs, const Work& work) {
-  const auto json = nlohmann::json::parse(theirs, nullptr, false);
+  const auto json = json_if_valid(theirs);
   if (!json.is_object()) return "its manifest.json is damaged";
   const auto differs = [&](const char* key, const std::string& mine) {
     return json.value(key, nlohmann::json()) != mine;

@@ -16,6 +16,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
+#include "peerd/input/json_text.hpp"
 #include "peerd/lab/live/link_probe.hpp"
 #include "peerd/lab/live/netem_settings.hpp"
 
@@ -26,7 +27,7 @@ namespace {
 // and files that `ip` and `tc` read are here too.
 constexpr const char* kNames = "/run/netns";
 
-InputError missing(const std::string& what) { return {"error: no network by netem here: " + what, 3}; }
+InputError missing(const std::string& what) { return {"error: no network by netem here: " + what, kSystemFailed}; }
 InputError system_lacks(const std::string& what) {
   return missing(what + ": " + std::generic_category().message(errno));
 }
@@ -175,7 +176,7 @@ Result<void> Lab::count(measure::NetworkMeasured& measured) const {
   char part[4096];
   for (std::size_t n; (n = fread(part, 1, sizeof part, tc)) > 0;) text.append(part, n);
   if (pclose(tc) != 0) return std::unexpected(missing("tc does not say what it has counted"));
-  const auto all = nlohmann::json::parse(text);
+  const auto all = parse_json(text);
   auto link = measured.links.begin();
   for (std::size_t from = 0; from < peers_; ++from) {
     for (std::size_t to = 0; to < peers_; ++to) {

@@ -30,7 +30,7 @@ std::int64_t read_clock_ns(clockid_t id) {
 }
 
 InputError system_error(const std::string& what) {
-  return {"error: netem: " + what + ": " + std::generic_category().message(errno), 3};
+  return {"error: netem: " + what + ": " + std::generic_category().message(errno), kSystemFailed};
 }
 
 sockaddr_in group_address() {

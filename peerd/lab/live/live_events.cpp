@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "peerd/input/json_text.hpp"
 #include "peerd/peer/control/control_client.hpp"
 
 namespace peerd {
@@ -44,7 +45,8 @@ Result<LiveEvents> LiveEvents::make(const std::vector<config::ScenarioEvent>& ev
   std::error_code error;
   std::string folder = (fs::temp_directory_path(error) / "peerd-XXXXXX").string();
   if (error || mkdtemp(folder.data()) == nullptr) {
-    return std::unexpected(InputError{"error: can't make a folder like " + folder + " for a control socket", 3});
+    return std::unexpected(
+        InputError{"error: can't make a folder like " + folder + " for a control socket", kSystemFailed});
   }
   live.folder_ = folder;
   return live;
@@ -67,7 +69,7 @@ const config::ScenarioEvent* LiveEvents::take_due() {
   if (!begin_) {
     const auto reply = control::ask(control(), R"({"do":"status"})", kAnswerWithin);
     if (!reply) return nullptr;  // the peer has not opened its socket yet
-    const auto status = nlohmann::json::parse(*reply, nullptr, false);
+    const auto status = json_if_valid(*reply);
     if (!status.is_object() || !status.contains("since_start_s") || !status["since_start_s"].is_number())
       return nullptr;
     const std::chrono::duration<double> since(status["since_start_s"].get<double>());

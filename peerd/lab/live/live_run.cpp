@@ -13,7 +13,7 @@
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
-#include "peerd/input/json_line.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/lab/live/child_process.hpp"
 #include "peerd/lab/live/companions.hpp"
 #include "peerd/lab/live/lab.hpp"
@@ -30,11 +30,11 @@ constexpr std::chrono::seconds kGrace{20};
 
 // JSON values are TOML values, except for tables.
 std::string toml_value(const nlohmann::ordered_json& value) {
-  if (!value.is_structured()) return value.dump();
+  if (!value.is_structured()) return json_line(value);
   std::string text;
   for (const auto& [key, item] : value.items()) {
-    text +=
-        (text.empty() ? "" : ", ") + (value.is_object() ? nlohmann::json(key).dump() + " = " : "") + toml_value(item);
+    text += (text.empty() ? "" : ", ") + (value.is_object() ? json_line(nlohmann::json(key)) + " = " : "") +
+            toml_value(item);
   }
   return value.is_object() ? "{" + text + "}" : "[" + text + "]";
 }
@@ -121,7 +121,7 @@ std::vector<std::string> peer_command(const LiveRun& launch, const config::RunSe
     for (std::uint32_t i = 0; i < run.peers.size(); ++i) {
       if (run.peers[i].id == peer.id) set("transport.port=" + std::to_string(port + i));
       const std::string host = launch.lab ? live::Lab::address(i) : "127.0.0.1";
-      all += (i == 0 ? "" : ", ") + nlohmann::json(host + ":" + std::to_string(port + i)).dump();
+      all += (i == 0 ? "" : ", ") + json_line(nlohmann::json(host + ":" + std::to_string(port + i)));
     }
     set("transport.peers=[" + all + "]");
   } else {
@@ -176,7 +176,7 @@ class LiveProcesses {
       while (!contains(child.output(), companion.ready)) {
         if (!child.running()) return failed(child, "can't be run (is its package installed?)");
         if (std::chrono::steady_clock::now() > give_up) return failed(child, "is not ready");
-        if (asked_to_stop()) return std::unexpected(InputError{"error: stopped by a signal", 3});
+        if (asked_to_stop()) return std::unexpected(InputError{"error: stopped by a signal", kSystemFailed});
       }
     }
     return {};
@@ -302,7 +302,7 @@ Result<std::vector<PeerLog>> run_live(const LiveRun& launch, const config::RunSe
     }
     const auto sleep_began = std::chrono::steady_clock::now();
     if (asked_to_stop()) {
-      return std::unexpected(InputError{"error: stopped by a signal; the peers were stopped too", 3});
+      return std::unexpected(InputError{"error: stopped by a signal; the peers were stopped too", kSystemFailed});
     }
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - sleep_began;
     oversleep_ms.push_back((took - kWait).count());

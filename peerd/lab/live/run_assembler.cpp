@@ -16,7 +16,7 @@ std::optional<InputError> never_met(const config::RunSettings& run, const std::v
   for (const PeerLog& log : logs) {
     const bool first_life = known.insert(log.peer).second;
     if (log.start || !first_life || log.ended_at || !config::starts_with(run.events, log.name)) continue;
-    return InputError{"error: peer " + log.name + " never met all the others", 3};
+    return InputError{"error: peer " + log.name + " never met all the others", kSystemFailed};
   }
   return std::nullopt;
 }
@@ -245,7 +245,7 @@ Result<measure::RunRecord> RunAssembler::finish(const std::vector<PeerLog>& logs
   for (const PeerLog& log : logs) {
     if (!start) start = log.start;
   }
-  if (!start) return std::unexpected(InputError{"error: nobody's log says when the motions began", 3});
+  if (!start) return std::unexpected(InputError{"error: nobody's log says when the motions began", kSystemFailed});
   for (auto& [id, object] : objects_) {
     for (const WaitingGhost& ghost : object.waiting) measure(id, object, ghost);
     object.waiting = {};

@@ -10,6 +10,7 @@
 #include <ranges>
 
 #include "peerd/input/console/columns.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/lab/measure/meter.hpp"
 #include "peerd/lab/measure/summary.hpp"
 #include "peerd/lab/measure/sweep.hpp"
@@ -134,7 +135,7 @@ class Checker {
 
 // Six digits show by how much a number is off; summary.json has all digits.
 std::string found_text(const Json& found) {
-  if (!found.is_number_float()) return found.dump();
+  if (!found.is_number_float()) return json_line(found);
   std::array<char, 32> digits;
   const auto end =
       std::to_chars(digits.data(), digits.data() + digits.size(), found.get<double>(), std::chars_format::general, 6)
@@ -143,7 +144,7 @@ std::string found_text(const Json& found) {
 }
 
 std::string window_text(const Expectation& e) {
-  const auto seconds = [](double t) { return Json(t).dump() + " s"; };
+  const auto seconds = [](double t) { return json_line(Json(t)) + " s"; };
   if (e.until_s) return " from " + seconds(e.from_s) + " to " + seconds(*e.until_s);
   return e.from_s > 0.0 ? " from " + seconds(e.from_s) : "";
 }
@@ -182,7 +183,7 @@ std::vector<CheckedExpectation> check_expectations(std::span<const Expectation> 
 
 std::string describe(const Expectation& e) {
   std::string text = e.that;
-  const auto limit = [&](const char* sign, double x) { text += sign + Json(x).dump(); };
+  const auto limit = [&](const char* sign, double x) { text += sign + json_line(Json(x)); };
   if (e.equals) text += " = " + e.equals->dump();
   if (e.at_least) limit(" >= ", *e.at_least);
   if (e.at_most) limit(" <= ", *e.at_most);
@@ -250,7 +251,7 @@ std::string expectations_table(std::span<const CheckedExpectation> checked, cons
                                    f.object,
                                    f.observer,
                                    std::to_string(f.run + 1),
-                                   run_rows[f.run].at("seed").dump(),
+                                   json_line(run_rows[f.run].at("seed")),
                                    describe(params[f.run], keys)};
       for (std::size_t i = 0; i < columns.size(); ++i) columns[i].cells.push_back(cells[i]);
     }

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/input/json_line.hpp"
+#include "peerd/input/json_text.hpp"
 
 namespace peerd::recorded {
 namespace {

@@ -68,7 +68,7 @@ Result<Recording> record_capture(const CaptureFile& file, const Recorder& how) {
   const auto bytes = read_text_file(file.path, {file.size_max_mib * kMiB, "--size-max allows more"});
   if (!bytes) return std::unexpected(bytes.error());
   const auto unreadable = [&](const std::string& why) {
-    return std::unexpected(InputError{file.path.string() + ": error: " + why, 1});
+    return std::unexpected(InputError{file.path.string() + ": error: " + why, kFinding});
   };
   auto capture = record::CaptureReader::open(std::as_bytes(std::span(*bytes)));
   if (!capture) return unreadable(capture.error());

@@ -11,6 +11,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
+#include "peerd/input/json_text.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/lab/measure/summary.hpp"
 #include "peerd/lab/recorded/view_recorder.hpp"
@@ -157,7 +158,7 @@ Result<ReadRun> read_run(const fs::path& folder, std::size_t number) {
   auto summary = read_text_file(folder / "summary.json", kSummary);
   if (!summary) return std::unexpected(summary.error());
   run.summary = *std::move(summary);
-  const auto parsed = nlohmann::json::parse(run.summary, nullptr, false);
+  const auto parsed = json_if_valid(run.summary);
   if (!parsed.is_object()) return std::unexpected(error_of(folder, "its summary.json can't be read", 1));
   if (parsed.value("mode", "") != "sim") {
     return std::unexpected(error_of(folder,

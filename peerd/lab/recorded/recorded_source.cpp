@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/input/compression.hpp"
-#include "peerd/input/json_line.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/peer/control/answer.hpp"
 
 namespace peerd::recorded {

@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/input/json_line.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/lab/recorded/foxglove_messages.hpp"
 #include "peerd/lab/recorded/stretch_reader.hpp"
 

@@ -74,7 +74,7 @@ Result<Replay::Outcome> Replay::run() {
   drain(capture_.begin());
   for (std::size_t packet = 2;; ++packet) {  // the first packet describes the peer
     const auto event = capture_.next();
-    if (!event) return std::unexpected(InputError{event.error(), 1});
+    if (!event) return std::unexpected(InputError{event.error(), kFinding});
     if (!*event) break;
     outcome_.end = (*event)->at;
     if (std::holds_alternative<record::Signed>((*event)->what)) continue;  // make_recorded_peer() has them
@@ -169,7 +169,7 @@ Result<RecordedPeer> make_recorded_peer(const record::Setup& setup, std::vector<
   const auto peer = std::ranges::find(recorded.run.peers, setup.peer, &config::PeerSettings::name);
   if (peer == recorded.run.peers.end()) {
     return std::unexpected(
-        InputError{file.string() + ": error: its configuration has no peer \"" + setup.peer + "\"", 1});
+        InputError{file.string() + ": error: its configuration has no peer \"" + setup.peer + "\"", kFinding});
   }
   recorded.peer = &*peer;
   recorded.world = world.empty() ? setup.world : world;
@@ -188,7 +188,7 @@ Result<RecordedPeer> make_recorded_peer(const record::Setup& setup, std::vector<
     auto signer =
         std::make_unique<SignatureRepeater>(recorded.shared->world.hash, setup.author_key, std::move(signatures));
     if (!setup.roster.empty() && !signer->follow(setup.roster)) {
-      return std::unexpected(InputError{file.string() + ": error: its roster is damaged", 1});
+      return std::unexpected(InputError{file.string() + ": error: its roster is damaged", kFinding});
     }
     recorded.follow_roster = [signer = signer.get()](std::string_view roster) { return signer->follow(roster); };
     recorded.signer = std::move(signer);

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/input/compression.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/peer/control/event_line.hpp"
 #include "peerd/view/picture/gltf_writer.hpp"
 #include "peerd/view/picture/scene_picture.hpp"
@@ -135,12 +136,12 @@ void ViewRecorder::keep_errors(const Truths& truths) {
 
 void ViewRecorder::note(double t_s, const replication::Output& output, const PeerNode& node, SimTime zero) {
   if (!control::kind_of(output)) return;
-  auto event = nlohmann::ordered_json::parse(control::event_line(output, node));
+  auto event = parse_ordered_json(control::event_line(output, node));
   for (const char* const member : {"at_s", "known_at_s", "after_s"}) {
     const auto time = event.find(member);
     if (time != event.end()) *time = time->get<double>() - to_seconds(zero.time_since_epoch());
   }
-  view_.events.push_back({t_s, event.dump()});
+  view_.events.push_back({t_s, json_line(event)});
   other_bytes_ += sizeof(RecordedEvent) + view_.events.back().line.size();
 }
 

@@ -8,7 +8,7 @@
 namespace peerd::report {
 namespace {
 
-bool drawable(const Point& p) { return report::drawable(p.x) && report::drawable(p.y); }
+bool drawable_point(const Point& p) { return report::drawable(p.x) && report::drawable(p.y); }
 
 // The double that is nearest to the decimal number, so that JSON has no more digits than that.
 double rounded(double value, int decimals) {
@@ -31,12 +31,12 @@ std::vector<Point> thinned(std::span<const Point> line, std::size_t buckets) {
   const auto bucket_of = [&](std::size_t i) { return std::floor((line[i].x - line.front().x) / bucket); };
   for (std::size_t begin = 0; begin < line.size();) {
     std::size_t end = begin + 1;
-    if (!drawable(line[begin])) {
-      while (end < line.size() && !drawable(line[end])) ++end;
+    if (!drawable_point(line[begin])) {
+      while (end < line.size() && !drawable_point(line[end])) ++end;
       if (!kept.empty() && end < line.size()) kept.push_back({line[end].x, std::nan("")});
     } else {
       std::size_t low = begin, high = begin;
-      for (; !all && end < line.size() && drawable(line[end]) && bucket_of(end) == bucket_of(begin); ++end) {
+      for (; !all && end < line.size() && drawable_point(line[end]) && bucket_of(end) == bucket_of(begin); ++end) {
         if (line[end].y < line[low].y) low = end;
         if (line[end].y > line[high].y) high = end;
       }

@@ -4,14 +4,15 @@
 
 #include <nlohmann/json.hpp>
 
+#include "peerd/input/json_text.hpp"
+
 namespace peerd::report {
 
 std::string markup_text(std::string_view text) {
   std::string clean(text);
   if (std::ranges::any_of(clean, [](char c) { return (c & 0x80) != 0; })) {
     // The writer of JSON replaces bytes that are not UTF-8.
-    clean = nlohmann::json::parse(nlohmann::json(clean).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace))
-                .get<std::string>();
+    clean = parse_json(json_line(nlohmann::json(clean))).get<std::string>();
   }
   std::string out;
   for (const char c : clean) {

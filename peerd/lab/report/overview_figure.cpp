@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "peerd/input/json_text.hpp"
 #include "peerd/lab/measure/sweep.hpp"
 #include "peerd/lab/report/figures.hpp"
 #include "peerd/lab/report/table.hpp"
@@ -76,7 +77,7 @@ Json sweep_data(const Json& summary) {
 Json overview_figure(const Json& summary) {
   const std::string path = principal_object(summary);
   const std::size_t repeat = summary.value("repeat", 1u), points = summary.at("runs").size() / repeat;
-  std::string subtitle = summary.at("mode").get<std::string>() + ", seed " + summary.at("seed").dump() + ", " +
+  std::string subtitle = summary.at("mode").get<std::string>() + ", seed " + json_line(summary.at("seed")) + ", " +
                          std::to_string(points) + (points == 1 ? " run" : " runs");
   if (repeat > 1)
     subtitle += (points == 1 ? ", the first of " : ", each the mean over ") + std::to_string(repeat) + " seeds";

@@ -11,6 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "peerd/input/json_text.hpp"
 #include "peerd/lab/measure/pareto.hpp"
 #include "peerd/lab/measure/sweep.hpp"
 #include "peerd/lab/report/markup.hpp"
@@ -158,12 +159,12 @@ std::string expectations_section(const Json& summary) {
          {std::pair("at_least", " >= "), std::pair("at_most", " <= "), std::pair("equals", " = "),
           std::pair("object", " of "), std::pair("observer", " at ")}) {
       if (!e.contains(key)) continue;
-      expected += words + (e.at(key).is_string() ? e.at(key).get<std::string>() : e.at(key).dump());
+      expected += words + (e.at(key).is_string() ? e.at(key).get<std::string>() : json_line(e.at(key)));
     }
     std::string worst;
     if (!e.at("failures").empty()) {
       const Json& failure = e.at("failures").front();
-      worst = failure.at("found").dump() + " in run " + failure.at("run").dump();
+      worst = json_line(failure.at("found")) + " in run " + json_line(failure.at("run"));
       for (const char* key : {"object", "observer", "why"}) {
         if (failure.contains(key)) worst += ", " + failure.at(key).get<std::string>();
       }
@@ -174,8 +175,8 @@ std::string expectations_section(const Json& summary) {
                            std::string(held.is_null()     ? "not checked"
                                        : held.get<bool>() ? "held"
                                                           : "FAILED"),
-                           e.at("values").dump(),
-                           e.at("failed").dump(),
+                           json_line(e.at("values")),
+                           json_line(e.at("failed")),
                            worst};
     for (std::size_t c = 0; c < cells.size(); ++c) columns[c].cells.push_back(cells[c]);
   }
@@ -275,7 +276,7 @@ std::string views_table(const Json& run, const std::string& principal) {
     };
     add(row->at("path") == principal ? std::string(kPrincipalMark) : "");
     for (const char* name : {"path", "owner", "observer"}) add(row->at(name).get<std::string>());
-    for (const char* name : {"updates_sent", "bytes_sent", "samples"}) add(row->at(name).dump());
+    for (const char* name : {"updates_sent", "bytes_sent", "samples"}) add(json_line(row->at(name)));
     for (const char* what : {"mean", "rms", "p99", "max"}) add_error("ghost_error_m", what);
     for (const char* what : {"mean", "max"}) add_error("shown_error_m", what);
     add(seen ? four_digits(row->at("inconsistency_m_s").get<double>()) : "-");
@@ -287,7 +288,7 @@ std::string views_table(const Json& run, const std::string& principal) {
 void add_row(std::vector<Column>& columns, const std::string& name, const Json& numbers) {
   columns.front().cells.push_back(name);
   for (Column& c : std::span(columns).subspan(1)) {
-    c.cells.push_back(numbers.contains(c.name) ? numbers.at(c.name).dump() : "");
+    c.cells.push_back(numbers.contains(c.name) ? json_line(numbers.at(c.name)) : "");
   }
 }
 
@@ -304,8 +305,9 @@ std::string contacts_table(const Json& collisions) {
                      four_digits(latency.at("max").get<double>()) + " ms.";
   if (collisions.contains("wrong")) {
     const Json& wrong = collisions.at("wrong");
-    text += " Against the run without latency: of " + wrong.at("truth").dump() + " outcomes " +
-            wrong.at("missing").dump() + " missing, and " + wrong.at("spurious").dump() + " that it does not have.";
+    text += " Against the run without latency: of " + json_line(wrong.at("truth")) + " outcomes " +
+            json_line(wrong.at("missing")) + " missing, and " + json_line(wrong.at("spurious")) +
+            " that it does not have.";
   }
   return out + element("p", text) + '\n';
 }
@@ -319,7 +321,7 @@ std::string interest_table(const Json& interest) {
     columns.front().cells.push_back(peer.at("peer").get<std::string>());
     for (Column& c : std::span(columns).subspan(1)) {
       const Json& value = peer.at(c.name);
-      c.cells.push_back(value.is_number_float() ? four_digits(value.get<double>()) : value.dump());
+      c.cells.push_back(value.is_number_float() ? four_digits(value.get<double>()) : json_line(value));
     }
   }
   for (Column& c : columns) std::ranges::replace(c.name, '_', ' ');
@@ -333,7 +335,7 @@ std::string interest_table(const Json& interest) {
 
 std::string counters_list(const Json& counters) {
   std::string items;
-  for (const auto& [name, count] : counters.items()) items += element("li", markup_text(name) + ' ' + count.dump());
+  for (const auto& [name, count] : counters.items()) items += element("li", markup_text(name) + ' ' + json_line(count));
   return "<details><summary>Counters</summary>" + element("ul class=\"counters\"", items) + "</details>\n";
 }
 
@@ -345,7 +347,7 @@ std::string run_summary_line(const Json& run, std::size_t number, const std::str
   if (!keys.empty()) line += ' ' + markup_text(measure::describe(params, keys));
   for (const Json& row : run.at("objects")) {
     if (row.at("path") != object) continue;
-    line += ": " + row.at("updates_sent").dump() + " updates";
+    line += ": " + json_line(row.at("updates_sent")) + " updates";
     if (row.at("samples") > 0) {
       line += ", mean error at " + markup_text(row.at("observer").get<std::string>()) + ' ' +
               four_digits(row.at("ghost_error_m").at("mean").get<double>()) + " m";
@@ -364,10 +366,10 @@ std::string run_details(const Json& run, std::size_t number, const std::string& 
   out += views_table(run, object) + contacts_table(run.at("collisions"));
   if (run.contains("interest")) out += interest_table(run.at("interest"));
   const Json& traffic = run.at("traffic");
-  out +=
-      element("p", "All peers together: " + traffic.at("packets").dump() + " datagrams, " + traffic.at("bytes").dump() +
-                       " bytes; worlds equal: " + (run.at("state_roots_equal").get<bool>() ? "yes" : "no") + '.') +
-      '\n';
+  out += element("p", "All peers together: " + json_line(traffic.at("packets")) + " datagrams, " +
+                          json_line(traffic.at("bytes")) +
+                          " bytes; worlds equal: " + (run.at("state_roots_equal").get<bool>() ? "yes" : "no") + '.') +
+         '\n';
   return out + counters_list(run.at("counters")) + "</div></details>\n";
 }
 

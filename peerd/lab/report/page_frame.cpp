@@ -1,5 +1,6 @@
 #include "peerd/lab/report/page_frame.hpp"
 
+#include "peerd/input/json_text.hpp"
 #include "peerd/lab/report/markup.hpp"
 
 namespace peerd::report {
@@ -11,7 +12,7 @@ std::string element(std::string_view tag, std::string_view content) {
 
 std::string data_element(std::string_view name, const Json& data) {
   std::string text;
-  for (const char c : data.dump(-1, ' ', false, Json::error_handler_t::replace)) {
+  for (const char c : json_line(data)) {
     if (c == '<') {
       text += "\\u003c";  // no text of the data ends the element
     } else {

@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/input/console/columns.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/lab/measure/csv.hpp"
 #include "peerd/lab/measure/sweep.hpp"
 #include "peerd/lab/report/figure_json.hpp"
@@ -88,7 +89,7 @@ std::vector<Column> lay_out(const Json& summary, const std::string& path, ErrorT
     columns[c++].cells.push_back(std::to_string(i + 1));
     for (const std::string& key : keys) columns[c++].cells.push_back(measure::value_text(params[i], key));
     const Json* any = find_row(run, path, "");
-    columns[c++].cells.push_back(any ? any->at("updates_sent").dump() : "-");
+    columns[c++].cells.push_back(any ? json_line(any->at("updates_sent")) : "-");
     const std::span rest = std::span(columns).subspan(before_errors);
     if (row_per_observer) {
       rest[0].cells.push_back(one_observer);
@@ -134,7 +135,7 @@ std::vector<Column> lay_out_points(const Json& summary, const std::string& path)
       const Json* view = find_row(point, path, observer);
       const Json* error = view != nullptr && view->contains("ghost_error_m") ? &view->at("ghost_error_m") : nullptr;
       std::size_t c = 0;
-      columns[c++].cells.push_back(runs.front().dump() + "-" + runs.back().dump());
+      columns[c++].cells.push_back(json_line(runs.front()) + "-" + json_line(runs.back()));
       for (const std::string& key : keys) columns[c++].cells.push_back(measure::value_text(params[i], key));
       columns[c++].cells.push_back(interval_cell(view, "updates_sent", 1));
       columns[c++].cells.push_back(observer);
@@ -256,7 +257,7 @@ std::string rest_line(const Json& summary) {
 std::string heading(const Json& summary, const std::string& path) {
   const std::size_t count = summary.at("runs").size();
   std::string text = summary.at("scenario").get<std::string>() + " (" + summary.at("mode").get<std::string>() +
-                     ", seed " + summary.at("seed").dump() + "): " + std::to_string(count) +
+                     ", seed " + json_line(summary.at("seed")) + "): " + std::to_string(count) +
                      (count == 1 ? " run" : " runs");
   if (path.empty()) return text + ", no object that another peer observes";
   return text + "; " + path + ": updates sent, ghost error [m]";
@@ -346,8 +347,8 @@ std::string table(const Json& summary) {
   append_network(out, summary);
   const bool repeated = summary.contains("points");
   if (repeated)
-    append_line(out,
-                "mean ± half width of its 95 % confidence interval, over " + summary.at("repeat").dump() + " seeds");
+    append_line(
+        out, "mean ± half width of its 95 % confidence interval, over " + json_line(summary.at("repeat")) + " seeds");
   const auto in_millimetres = [](double error_m) { return fixed(error_m, 3); };
   append_rows(out, repeated ? lay_out_points(summary, path) : lay_out(summary, path, in_millimetres));
   if (summary.contains("warnings")) {

@@ -8,6 +8,7 @@
 #include <system_error>
 #include <vector>
 
+#include "peerd/input/json_text.hpp"
 #include "peerd/lab/measure/csv.hpp"
 #include "peerd/lab/report/figures.hpp"
 #include "peerd/lab/report/page.hpp"
@@ -70,7 +71,7 @@ std::expected<void, std::string> write_report(const fs::path& out, const measure
       !done)
     return done;
   // summary.json is written last: a reader that finds it finds the rest.
-  return write_file(out / "summary.json", summary.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+  return write_file(out / "summary.json", json_text(summary) + '\n');
 }
 
 }  // namespace peerd::report

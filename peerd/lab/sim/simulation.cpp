@@ -142,8 +142,8 @@ class Simulation {
       if (clock_oracle_) logs_.back().clock_error = clock_oracle_->error_of(logs_.size() - 1);
       if (p.capture) p.capture->flush();
       if (p.capture && !p.capture->good()) {
-        return std::unexpected(
-            InputError{"error: can't write the captures to " + captures_->folder.string() + "; is the disk full?", 3});
+        return std::unexpected(InputError{
+            "error: can't write the captures to " + captures_->folder.string() + "; is the disk full?", kSystemFailed});
       }
     }
     std::ranges::stable_sort(logs_, {}, &PeerLog::peer);

@@ -31,7 +31,7 @@ std::optional<fs::path> default_key_file(const std::string& world) {
 Result<fs::path> chosen_key_file(const fs::path& said, const std::string& world) {
   if (!said.empty()) return said;
   if (auto own = default_key_file(world)) return *std::move(own);
-  return std::unexpected(InputError{"error: this user has no home for a key: say --key FILE, or --open", 2});
+  return std::unexpected(InputError{"error: this user has no home for a key: say --key FILE, or --open", kWrongUse});
 }
 
 Result<SymmetricKey> read_key(const fs::path& file) {
@@ -66,7 +66,7 @@ Result<void> keep_key(const fs::path& file, const SymmetricKey& key) {
 Result<fs::path> chosen_identity_file(const fs::path& said) {
   if (!said.empty()) return said;
   if (const auto settings = user_folder("XDG_CONFIG_HOME", ".config")) return *settings / "peerd" / "identity.key";
-  return std::unexpected(InputError{"error: this user has no home for an identity: say --identity FILE", 2});
+  return std::unexpected(InputError{"error: this user has no home for an identity: say --identity FILE", kWrongUse});
 }
 
 Result<Identity> read_identity(const fs::path& file) {

@@ -42,7 +42,7 @@ Result<SecretText> read_password(const std::filesystem::path& file) {
   const std::string_view why = why_no_password(text->view());
   if (why.empty()) return text;
   const std::string where = is_typed ? "" : " " + file.string();
-  return std::unexpected(InputError{"error: the password" + where + " " + std::string(why), 2});
+  return std::unexpected(InputError{"error: the password" + where + " " + std::string(why), kWrongUse});
 }
 
 Result<SymmetricKey> key_of_password(std::string_view password, const std::string& world) {
@@ -54,7 +54,8 @@ Result<SymmetricKey> key_of_password(std::string_view password, const std::strin
   const int failed = crypto_pwhash_argon2id(bits.data(), bits.size(), password.data(), password.size(), salt.data(),
                                             kPasses, kMemory_bytes, crypto_pwhash_argon2id_ALG_ARGON2ID13);
   if (failed != 0) {
-    return std::unexpected(InputError{"error: a password takes 256 MiB of memory for a moment, and there is less", 3});
+    return std::unexpected(
+        InputError{"error: a password takes 256 MiB of memory for a moment, and there is less", kSystemFailed});
   }
   SymmetricKey key = SymmetricKey::of_bytes(bits);
   sodium_memzero(bits.data(), bits.size());

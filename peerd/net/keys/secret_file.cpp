@@ -17,7 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr mode_t kOthers = S_IRWXG | S_IRWXO;
-constexpr int kFailed = 3;
 
 std::string why(int error) { return std::generic_category().message(error); }
 
@@ -73,9 +72,9 @@ Result<SecretText> read_private_line(const fs::path& file, const std::string& wh
   const auto refused = [&](const std::string& predicate, int code = 2) {
     return std::unexpected(wrong_secret(file, what, predicate, code));
   };
-  if (!opened.is_open()) return refused("cannot be read: " + why(errno), kFailed);
+  if (!opened.is_open()) return refused("cannot be read: " + why(errno), kSystemFailed);
   struct stat found {};
-  if (::fstat(opened.get(), &found) != 0) return refused("cannot be read: " + why(errno), kFailed);
+  if (::fstat(opened.get(), &found) != 0) return refused("cannot be read: " + why(errno), kSystemFailed);
   if (!S_ISREG(found.st_mode)) return refused("is no file");
   if ((found.st_mode & kOthers) != 0) {
     return refused("may be read by other users of this computer; chmod 600 mends that");
@@ -84,7 +83,7 @@ Result<SecretText> read_private_line(const fs::path& file, const std::string& wh
   bool ends_line = false;
   for (char c = 0;;) {
     const ssize_t size = ::read(opened.get(), &c, 1);
-    if (size < 0) return refused("cannot be read: " + why(errno), kFailed);
+    if (size < 0) return refused("cannot be read: " + why(errno), kSystemFailed);
     if (size == 0) return text;
     // The end of a line counts where something follows it.
     if ((ends_line && !text.append('\n')) || (c != '\n' && !text.append(c))) return refused("is too long");
@@ -95,7 +94,7 @@ Result<SecretText> read_private_line(const fs::path& file, const std::string& wh
 Result<void> make_private_line(const fs::path& file, const std::string& what, std::string line) {
   const int error = make_file(file, line);
   sodium_memzero(line.data(), line.size());
-  if (error != 0) return std::unexpected(wrong_secret(file, what, "cannot be made: " + why(error), kFailed));
+  if (error != 0) return std::unexpected(wrong_secret(file, what, "cannot be made: " + why(error), kSystemFailed));
   return {};
 }
 

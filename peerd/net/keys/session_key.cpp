@@ -18,7 +18,8 @@ Result<SessionKey> key_by_password(const std::filesystem::path& file, const std:
 
 Result<void> check(const KeyChoice& choice) {
   if (choice.key_file.empty() || choice.password_file.empty()) return {};
-  return std::unexpected(InputError{"error: a session has one key: say a key's file or a password's, not both", 2});
+  return std::unexpected(
+      InputError{"error: a session has one key: say a key's file or a password's, not both", kWrongUse});
 }
 
 Result<SessionKey> session_key(const KeyChoice& choice, const std::string& world, IfMissing if_missing) {

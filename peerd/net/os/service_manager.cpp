@@ -43,7 +43,8 @@ Result<void> ServiceManager::notify(const std::string& state) const {
   const int done = sd_notify(/*unset_environment=*/1, state.c_str());
   if (done > 0) return {};
   const std::string why = done == 0 ? "it has gone" : std::error_code(-done, std::generic_category()).message();
-  return std::unexpected(InputError{"error: can't reach the service manager at " + socket_ + ": " + why, 3});
+  return std::unexpected(
+      InputError{"error: can't reach the service manager at " + socket_ + ": " + why, kSystemFailed});
 }
 
 }  // namespace peerd::net

@@ -415,7 +415,7 @@ Result<LoadedWorld> loaded(const WorldFile& file, const std::filesystem::path& p
   if (!read.scene) {
     std::string problems;
     for (const Diagnostic& d : read.diagnostics) problems += render(read, d);
-    return std::unexpected(InputError{problems, 1});
+    return std::unexpected(InputError{problems, kFinding});
   }
   // An Inline that is read later leaves other numbers for the instances behind it, even if it holds none; so the hash
   // differs.

@@ -98,7 +98,7 @@ Result<void> check_shared(const std::string& text) {
   if (!other) other = other_key(*table, kShared);
   if (!other) return {};
   return std::unexpected(
-      InputError{"error: the settings that were provided have \"" + *other + "\", which peers do not share", 1});
+      InputError{"error: the settings that were provided have \"" + *other + "\", which peers do not share", kFinding});
 }
 
 }  // namespace peerd::config

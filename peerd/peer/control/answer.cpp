@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/writer/writer.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/peer/control/conflict_rows.hpp"
 #include "peerd/peer/control/request.hpp"
 #include "peerd/peer/feed/json_members.hpp"
@@ -25,9 +26,7 @@ ordered_json numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 ordered_json in_ms(std::optional<Duration> d) { return d ? ordered_json(to_seconds(*d) * 1e3) : ordered_json(nullptr); }
 
 // A reply may repeat text of the request, which may not be UTF-8: such bytes are replaced.
-std::string line_of(const ordered_json& reply) {
-  return reply.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
-}
+std::string line_of(const ordered_json& reply) { return json_line(reply); }
 
 ordered_json good() { return {{"v", feed::kMessageVersion}, {"ok", true}}; }
 

@@ -31,7 +31,7 @@ bool is_full_queue(const error_code& error) {
 }
 
 std::unexpected<InputError> nobody_at(const std::filesystem::path& path, const std::string& why) {
-  return std::unexpected(InputError{"error: no peer answers at " + path.string() + ": " + why, 3});
+  return std::unexpected(InputError{"error: no peer answers at " + path.string() + ": " + why, kSystemFailed});
 }
 
 Result<void> connect_to_peer(Protocol::socket& socket, const std::filesystem::path& path) {

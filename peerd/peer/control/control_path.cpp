@@ -44,7 +44,7 @@ fs::path runtime_folder() {
 Result<void> make_runtime_folder() {
   const fs::path folder = runtime_folder();
   const auto cannot = [&](const std::string& why) {
-    return std::unexpected(InputError{"error: can't make the folder " + folder.string() + ": " + why, 3});
+    return std::unexpected(InputError{"error: can't make the folder " + folder.string() + ": " + why, kSystemFailed});
   };
   if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) {
     return cannot(std::error_code(errno, std::generic_category()).message());
@@ -75,7 +75,7 @@ Result<fs::path> find_socket(const std::string& peer) {
                                       3});
   }
   if (peer.empty()) return std::unexpected(InputError{"error: which peer? Say --name NAME; there are " + all});
-  return std::unexpected(InputError{"error: no peer " + peer + " listens; there are " + all, 3});
+  return std::unexpected(InputError{"error: no peer " + peer + " listens; there are " + all, kSystemFailed});
 }
 
 }  // namespace peerd::control

@@ -33,10 +33,9 @@ namespace fs = std::filesystem;
 using boost::system::error_code;
 using Protocol = asio::local::stream_protocol;
 
-constexpr int kEnvironment = 3;
 constexpr std::chrono::seconds kAcceptAgainAfter{1};  // pause after a failure, such as a lack of descriptors
 
-std::unexpected<InputError> cannot_listen(const fs::path& path, const std::string& why, int code = kEnvironment) {
+std::unexpected<InputError> cannot_listen(const fs::path& path, const std::string& why, int code = kSystemFailed) {
   return std::unexpected(InputError{"error: can't listen for control at " + path.string() + ": " + why, code});
 }
 

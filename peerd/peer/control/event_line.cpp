@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "peerd/input/json_text.hpp"
 #include "peerd/peer/feed/json_members.hpp"
 #include "peerd/peer/node/edit_operation.hpp"
 
@@ -14,9 +15,7 @@ using namespace replication;
 using nlohmann::ordered_json;
 
 // Text of other peers may not be UTF-8: such bytes are replaced.
-std::string as_line(const ordered_json& event) {
-  return event.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
-}
+std::string as_line(const ordered_json& event) { return json_line(event); }
 
 ordered_json event(const char* name) { return {{"v", feed::kMessageVersion}, {"event", name}}; }
 

@@ -3,7 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
-#include "peerd/input/json_line.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/peer/node/edit_operation.hpp"
 #include "replication/wire/codec.hpp"
 

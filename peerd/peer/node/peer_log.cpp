@@ -219,8 +219,8 @@ Result<PeerLog> load_peer_log(const std::filesystem::path& path) {
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
     if (line.empty() || read_row(line, log)) continue;
-    return std::unexpected(
-        InputError{path.string() + ":" + std::to_string(number) + ":1: error: not a row of a peer's log", 3});
+    return std::unexpected(InputError{
+        path.string() + ":" + std::to_string(number) + ":1: error: not a row of a peer's log", kSystemFailed});
   }
   return log;
 }

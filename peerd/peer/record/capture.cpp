@@ -92,7 +92,7 @@ Result<std::unique_ptr<CaptureWriter>> CaptureWriter::open(const std::filesystem
                                                            HostTime now, const ip::address& own_address) {
   std::unique_ptr<CaptureWriter> writer(new CaptureWriter(path, setup, now, own_address));
   writer->flush();
-  if (!writer->good()) return std::unexpected(InputError{path.string() + ": error: can't be written", 3});
+  if (!writer->good()) return std::unexpected(InputError{path.string() + ": error: can't be written", kSystemFailed});
   return writer;
 }
 

@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "peerd/input/json_text.hpp"
+
 namespace peerd::record {
 namespace {
 
@@ -31,13 +33,13 @@ std::string to_text(const Rerun& rerun) {
                                     {"world_name", rerun.reading.name},
                                     {"configurations", rerun.configurations}};
   // Paths may not be UTF-8. A path with a replaced character will be reported as missing.
-  return json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+  return json_text(json, 1) + '\n';
 }
 
 std::expected<Rerun, std::string> rerun_from(std::string_view text) {
   Rerun rerun;
   try {
-    const auto json = nlohmann::json::parse(text);
+    const auto json = parse_json(text);
     if (const int format = json.at("format").get<int>(); format != kRerunFormat) {
       return std::unexpected("it is of format " + std::to_string(format) + ", and this program reads " +
                              std::to_string(kRerunFormat));

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "peerd/input/json_text.hpp"
 #include "peerd/net/keys/base64.hpp"
 #include "peerd/net/keys/little_endian.hpp"
 #include "replication/edits/log/log_signer.hpp"
@@ -62,13 +63,13 @@ std::string to_text(const Setup& s) {
     json["author_key"] = keys::base64_of(keys::as_octets(std::span<const std::byte>(s.author_key)));
   if (!s.roster.empty()) json["roster"] = s.roster;
   // Paths may not be UTF-8. A path with a replaced character will be reported as missing.
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return json_line(json);
 }
 
 std::expected<Setup, std::string> setup_from(std::string_view text) {
   Setup s;
   try {
-    const auto json = nlohmann::json::parse(text);
+    const auto json = parse_json(text);
     if (const int format = json.at("format").get<int>(); format != kFormat) {
       return std::unexpected("what is recorded is of format " + std::to_string(format) + ", and this program reads " +
                              std::to_string(kFormat));

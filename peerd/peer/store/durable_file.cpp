@@ -12,7 +12,8 @@ Result<void> write_durably(const std::filesystem::path& file, std::string_view b
   const std::string unfinished = file.string() + ".new";
   if (auto written = write_text_file(unfinished, bytes); !written) return written;
   if (const auto failed = put_in_place(unfinished, file)) {
-    return std::unexpected(InputError{"error: " + file.string() + " cannot be written: " + failed.message(), 3});
+    return std::unexpected(
+        InputError{"error: " + file.string() + " cannot be written: " + failed.message(), kSystemFailed});
   }
   return {};
 }

@@ -69,7 +69,7 @@ InputError lock_error(const fs::path& folder, const LockError& why) {
     case LockError::Why::kInUse:
       return in_use(folder);
     case LockError::Why::kMissing:
-      return {"error: there is no store in " + folder.string(), 2};
+      return {"error: there is no store in " + folder.string(), kWrongUse};
     case LockError::Why::kFailed:
       break;
   }

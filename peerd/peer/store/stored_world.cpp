@@ -7,7 +7,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
-#include "peerd/input/json_line.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/peer/store/durable_file.hpp"
 #include "peerd/peer/store/store_folder.hpp"
@@ -25,7 +25,7 @@ constexpr SizeLimit kDescriptionMax{16 * kMiB, "no description of a world is so 
 constexpr SizeLimit kPeerMax{64, "it holds a number"};
 
 InputError damaged(const fs::path& file, const std::string& why) {
-  return {"error: " + file.string() + " is damaged: " + why, 1};
+  return {"error: " + file.string() + " is damaged: " + why, kFinding};
 }
 
 // Reads the world without its archive.
@@ -36,7 +36,7 @@ Result<std::optional<StoredWorld>> read_description(const fs::path& folder) {
   if (!text) return std::unexpected(text.error());
   StoredWorld world;
   try {
-    const auto description = nlohmann::json::parse(*text);
+    const auto description = parse_json(*text);
     if (const int format = description.at("format").get<int>(); format != kFormat) {
       return std::unexpected(InputError{"error: " + (folder / kDescription).string() + " is of format " +
                                             std::to_string(format) + ", and this program reads " +

@@ -19,7 +19,6 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
 
-constexpr int kEnvironment = 3;
 constexpr std::chrono::seconds kAcceptAgainAfter{1};  // pause after a failure, such as a lack of descriptors
 // Descriptors that the rest of the peer may need.
 constexpr rlim_t kOtherDescriptors = 256;
@@ -72,7 +71,7 @@ class Gateway::Impl : public std::enable_shared_from_this<Impl> {
     if (!failed) acceptor_.listen(asio::socket_base::max_listen_connections, failed);
     if (failed) {
       return std::unexpected(
-          InputError{"error: the viewer can't be served at " + text_of(at) + ": " + failed.message(), kEnvironment});
+          InputError{"error: the viewer can't be served at " + text_of(at) + ": " + failed.message(), kSystemFailed});
     }
     state_->port = acceptor_.local_endpoint().port();
     accept();

@@ -14,6 +14,7 @@
 #include <boost/beast/websocket.hpp>
 #include <nlohmann/json.hpp>
 
+#include "peerd/input/json_text.hpp"
 #include "peerd/peer/control/answer.hpp"
 #include "peerd/peer/control/pending_lines.hpp"
 #include "peerd/peer/control/request.hpp"
@@ -94,7 +95,7 @@ class LiveConnection : public Connection, public std::enable_shared_from_this<Li
   void remove_avatar() {
     if (avatar_.empty()) return;
     const nlohmann::json removal = {{"do", "remove"}, {"path", std::exchange(avatar_, {})}};
-    (void)state_->source.ask(removal.dump());
+    (void)state_->source.ask(json_line(removal));
     (void)state_->source.ask(R"({"do":"viewpoint"})");
   }
 

@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "peerd/input/json_line.hpp"
+#include "peerd/input/json_text.hpp"
 #include "peerd/peer/feed/json_members.hpp"
 
 namespace peerd::gateway {
@@ -144,7 +144,7 @@ std::string with_sequence(std::string reply, std::optional<std::int64_t> sequenc
 }
 
 std::string scene_event(std::uint32_t revision) {
-  return nlohmann::ordered_json{{"v", feed::kMessageVersion}, {"event", "scene"}, {"revision", revision}}.dump();
+  return json_line(nlohmann::ordered_json{{"v", feed::kMessageVersion}, {"event", "scene"}, {"revision", revision}});
 }
 
 }  // namespace peerd::gateway

@@ -11,6 +11,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
+#include "peerd/input/json_text.hpp"
 #include "peerd/peer/node/counter_meanings.hpp"
 
 namespace peerd::gateway {
@@ -35,7 +36,7 @@ class Metrics {
     if (value.is_boolean()) {
       number = value.get<bool>() ? "1" : "0";
     } else if (value.is_number_integer() && per_unit == 1.0) {
-      number = value.dump();
+      number = json_line(value);
     } else {
       number = fmt::format("{}", value.get<double>() / per_unit);
     }

@@ -8,6 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "peerd/input/json_text.hpp"
+
 namespace peerd::view {
 
 // Appends JSON to a text, without a tree of it: a picture has hundreds of thousands of nodes. The caller opens and
@@ -40,7 +42,7 @@ class JsonText {
   // Bytes that are not UTF-8 are replaced.
   JsonText& value(std::string_view text) {
     comma();
-    out_ += nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    out_ += json_line(nlohmann::json(text));
     return *this;
   }
   JsonText& value(const char* text) { return value(std::string_view(text)); }
