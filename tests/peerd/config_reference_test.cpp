@@ -14,8 +14,6 @@
 
 namespace peerd::config::config_reference_test {
 
-using testing::HasSubstr;
-
 const std::filesystem::path kReference = PEERD_SOURCE_DIR "/docs/reference/configuration.md";
 const std::filesystem::path kParsers[] = {PEERD_SOURCE_DIR "/peerd/peer/config", PEERD_SOURCE_DIR "/peerd/peer/motion"};
 

@@ -1,7 +1,5 @@
 #pragma once
 #include <cmath>
-#include <cstdint>
-#include <string>
 #include <vector>
 
 #include "peerd/lab/measure/run_record.hpp"

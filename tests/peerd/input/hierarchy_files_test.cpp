@@ -7,6 +7,7 @@
 #include <string>
 
 #include "collision/tree/hierarchy_file.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::hierarchy_files_test {
@@ -21,12 +22,10 @@ TEST(HierarchyFiles, WhatIsWrittenIsMapped) {
   const ScratchFolder folder;
   const auto world = folder / "w.wrl";
   const auto load = mapped_hierarchies(world);
-  const auto none = load("a.hierarchy");
-  ASSERT_TRUE(none) << none.error();
-  EXPECT_FALSE(*none) << "a missing file is no error: it is built instead";
-  const auto written = write_hierarchy_file(world, "a.hierarchy", hierarchy("one"));
-  ASSERT_TRUE(written) << written.error();
-  EXPECT_EQ(*written, folder / "a.hierarchy");
+  const auto none = must(load("a.hierarchy"));
+  EXPECT_FALSE(none) << "a missing file is no error: it is built instead";
+  const auto written = must(write_hierarchy_file(world, "a.hierarchy", hierarchy("one")));
+  EXPECT_EQ(written, folder / "a.hierarchy");
   const auto mapped = load("a.hierarchy");
   ASSERT_TRUE(mapped && *mapped);
   const auto bytes = (*mapped)->bytes;

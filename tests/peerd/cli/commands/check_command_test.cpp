@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <vector>
-
 #include <nlohmann/json.hpp>
 
 #include "tests/core/gzip_text.hpp"

@@ -8,7 +8,6 @@
 #include <sstream>
 #include <string>
 #include <tuple>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 

@@ -16,7 +16,6 @@ namespace peerd::sim::replay_command_test {
 using peerd::testing_support::ScratchFolder;
 using peerd::testing_support::text_of;
 using testing::HasSubstr;
-using testing_support::must;
 
 // Captures what a command prints during its lifetime.
 class Printed {

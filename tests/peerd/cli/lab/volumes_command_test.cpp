@@ -12,7 +12,6 @@
 
 namespace peerd::volumes_command_test {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::SizeIs;
 using testing_support::Outcome;

@@ -10,9 +10,6 @@
 namespace peerd::log_test {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-
 // Returns what a log of these options writes of these lines.
 std::string written(const Log::Options& options, const std::vector<LogLine>& lines) {
   testing::internal::CaptureStdout();

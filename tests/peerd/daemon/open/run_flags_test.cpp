@@ -6,7 +6,6 @@ namespace peerd::run_flags_test {
 
 using testing::Contains;
 using testing::ElementsAre;
-using testing::Not;
 using testing::StartsWith;
 
 TEST(RunFlags, DescribeAPeerWithoutAConfiguration) {

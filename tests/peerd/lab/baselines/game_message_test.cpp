@@ -4,6 +4,8 @@
 
 #include <array>
 
+#include "tests/must.hpp"
+
 namespace peerd::baselines::game_message_test {
 
 using replication::BitReader;
@@ -26,16 +28,15 @@ ClientMessage example() {
 TEST(ClientMessage, ComesBackAsItWasWritten) {
   std::array<std::byte, 1024> bytes{};
   const std::size_t size = write(example(), kStart, bytes);
-  const auto read = read_client_message(std::span(bytes).first(size), kStart, kDriven, 3);
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->player, 1u);
-  EXPECT_EQ(read->first_tick, 4000u);
-  ASSERT_EQ(read->commands.size(), 2u);
-  EXPECT_EQ(read->commands[1].drives, example().commands[1].drives);
-  EXPECT_EQ(read->commands[1].keys, example().commands[1].keys);
-  EXPECT_EQ(read->last_event, 9u);
-  EXPECT_EQ(read->seen, example().seen);
-  EXPECT_EQ(read->blocks, example().blocks);
+  const auto read = must(read_client_message(std::span(bytes).first(size), kStart, kDriven, 3));
+  EXPECT_EQ(read.player, 1u);
+  EXPECT_EQ(read.first_tick, 4000u);
+  ASSERT_EQ(read.commands.size(), 2u);
+  EXPECT_EQ(read.commands[1].drives, example().commands[1].drives);
+  EXPECT_EQ(read.commands[1].keys, example().commands[1].keys);
+  EXPECT_EQ(read.last_event, 9u);
+  EXPECT_EQ(read.seen, example().seen);
+  EXPECT_EQ(read.blocks, example().blocks);
 }
 
 TEST(ClientMessage, ThatIsCutOffIsRefused) {

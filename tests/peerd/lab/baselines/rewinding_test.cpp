@@ -7,8 +7,6 @@
 
 namespace peerd::baselines::rewinding_test {
 
-using sim::testing_support::must;
-
 // LEFT moves to the right; RIGHT was there at first, and has gone far away since.
 class RewindingTest : public testing::Test {
  protected:

@@ -1,6 +1,5 @@
 #include "peerd/lab/chaos/shrink.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

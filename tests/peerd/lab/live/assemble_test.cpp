@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::assemble_test {
@@ -169,10 +170,7 @@ TEST_F(AssembleTest, IsSortedAsTheReportWantsItAndSumsTheCounters) {
 
 TEST_F(AssembleTest, APeerThatNeverMetTheOthersIsNamed) {
   logs[1].start.reset();
-  const auto made = assemble(run, *shared, logs);
-  ASSERT_FALSE(made);
-  EXPECT_THAT(made.error().text, HasSubstr("peer b never met all the others"));
-  EXPECT_EQ(made.error().exit_code, 3);
+  EXPECT_THAT(error_of(assemble(run, *shared, logs)), IsError(3, HasSubstr("peer b never met all the others")));
 }
 
 TEST_F(AssembleTest, ALifeThatEndedBeforeItMetTheOthersWasNotThere) {

@@ -12,7 +12,6 @@ namespace peerd::measure::expectations_test {
 using Json = nlohmann::ordered_json;
 using config::Expectation;
 using testing::HasSubstr;
-using testing::Not;
 
 // The dotted names of all numbers and words of truth in `value`.
 void collect(const Json& value, const std::string& name, std::vector<std::string>& names) {

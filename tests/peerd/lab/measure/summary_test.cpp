@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 
 #include <limits>
-#include <sstream>
 
 #include "peerd/lab/report/table.hpp"
 #include "tests/peerd/report_samples.hpp"

@@ -16,7 +16,6 @@ namespace peerd::recorded::record_capture_test {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::SizeIs;
-using testing_support::must;
 using testing_support::SimulatedFolder;
 using view::PoseKind;
 using view::PoseRow;

@@ -21,7 +21,6 @@ namespace peerd::recorded::record_run_test {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::SizeIs;
-using testing_support::must;
 using testing_support::SimulatedFolder;
 using testing_support::text_of;
 using view::PoseKind;

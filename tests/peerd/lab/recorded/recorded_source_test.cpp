@@ -1,6 +1,5 @@
 #include "peerd/lab/recorded/recorded_source.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>

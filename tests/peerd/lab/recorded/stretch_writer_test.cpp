@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <map>
 #include <random>
 #include <utility>
@@ -14,7 +13,6 @@
 
 namespace peerd::recorded::stretch_writer_test {
 
-using testing::Each;
 using testing::SizeIs;
 using view::PoseKind;
 using view::PoseRow;

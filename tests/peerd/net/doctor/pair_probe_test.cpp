@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <optional>
 
 namespace peerd::doctor::pair_probe_test {
 

@@ -4,6 +4,8 @@
 
 #include <random>
 
+#include "tests/must.hpp"
+
 namespace peerd::net::link_meter_test {
 
 using std::chrono::milliseconds;
@@ -43,11 +45,10 @@ TEST(LinkMeter, BoundsTheOtherClock) {
     ends.there = milliseconds(there_ms);
     ends.back = milliseconds(80 - there_ms);
     ends.exchange(milliseconds(10));
-    const auto clock = ends.near.clock();
-    ASSERT_TRUE(clock);
-    EXPECT_EQ(clock->error, milliseconds(40));
-    EXPECT_LE(ends.far_minus_near, clock->middle + clock->error);
-    EXPECT_GE(ends.far_minus_near, clock->middle - clock->error);
+    const auto clock = must(ends.near.clock());
+    EXPECT_EQ(clock.error, milliseconds(40));
+    EXPECT_LE(ends.far_minus_near, clock.middle + clock.error);
+    EXPECT_GE(ends.far_minus_near, clock.middle - clock.error);
   }
 }
 

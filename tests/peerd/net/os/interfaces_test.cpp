@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "tests/must.hpp"
+
 namespace peerd::net::interfaces_test {
 
 using testing::HasSubstr;
@@ -33,10 +35,9 @@ struct Good {
 class Choice : public testing::TestWithParam<Good> {};
 TEST_P(Choice, Is) {
   const Good& c = GetParam();
-  const auto chosen = choose_interface(c.here, c.wanted, c.family);
-  ASSERT_TRUE(chosen) << chosen.error().sentence;
-  EXPECT_EQ(chosen->interface.name, c.chosen);
-  EXPECT_THAT(chosen->why, HasSubstr(c.chosen));
+  const auto chosen = must(choose_interface(c.here, c.wanted, c.family));
+  EXPECT_EQ(chosen.interface.name, c.chosen);
+  EXPECT_THAT(chosen.why, HasSubstr(c.chosen));
 }
 INSTANTIATE_TEST_SUITE_P(
     Table, Choice,
@@ -130,13 +131,12 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& c) { return std::string(c.param.name); });
 
 TEST(ListInterfaces, FindsLo) {
-  const auto here = list_interfaces();
-  ASSERT_TRUE(here) << here.error().sentence;
-  const auto found = std::ranges::find(*here, "lo", &Interface::name);
-  ASSERT_NE(found, here->end());
+  const auto here = must(list_interfaces());
+  const auto found = std::ranges::find(here, "lo", &Interface::name);
+  ASSERT_NE(found, here.end());
   EXPECT_TRUE(found->loopback);
   EXPECT_EQ(found->index, 1u);
-  EXPECT_TRUE(std::ranges::is_sorted(*here, {}, &Interface::index));
+  EXPECT_TRUE(std::ranges::is_sorted(here, {}, &Interface::index));
 }
 
 }  // namespace peerd::net::interfaces_test

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <regex>
 
+#include "tests/must.hpp"
 #include "tests/peerd/net/os/notified.hpp"
 
 namespace peerd::net::service_manager_test {
@@ -62,10 +63,8 @@ TEST(ServiceManager, ThatHasGoneIsAnErrorWithASentence) {
     const Notified notified;
     setenv("NOTIFY_SOCKET", notified.path().c_str(), 1);
   }
-  const auto done = ServiceManager::of_environment().ready();
-  ASSERT_FALSE(done);
-  EXPECT_THAT(done.error().text, HasSubstr("can't reach the service manager at "));
-  EXPECT_EQ(done.error().exit_code, 3);
+  EXPECT_THAT(error_of(ServiceManager::of_environment().ready()),
+              IsError(3, HasSubstr("can't reach the service manager at ")));
 }
 
 }  // namespace

@@ -12,7 +12,6 @@ namespace {
 
 using namespace replication;
 using namespace replication::test;
-using testing::HasSubstr;
 
 // Anna is the administrator, Bo an editor. Cy becomes another administrator by a later roster.
 class RosterLocks : public testing::Test {

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
+
 namespace peerd::net::nats_settings_test {
 
 using testing::AllOf;
@@ -17,9 +19,8 @@ struct Case {
 
 class GoodUrl : public testing::TestWithParam<Case> {};
 TEST_P(GoodUrl, IsShownWithoutUser) {
-  const auto url = parse_server_url(GetParam().text);
-  ASSERT_TRUE(url) << url.error();
-  EXPECT_EQ(url->shown(), GetParam().shown);
+  const auto url = must(parse_server_url(GetParam().text));
+  EXPECT_EQ(url.shown(), GetParam().shown);
 }
 INSTANTIATE_TEST_SUITE_P(Table, GoodUrl,
                          testing::Values(Case{"Host", "nats://host", "nats://host:4222"},
@@ -32,9 +33,8 @@ INSTANTIATE_TEST_SUITE_P(Table, GoodUrl,
 
 class BadUrl : public testing::TestWithParam<Case> {};
 TEST_P(BadUrl, IsNamedWithoutItsPassword) {
-  const auto url = parse_server_url(GetParam().text);
-  ASSERT_FALSE(url);
-  EXPECT_THAT(url.error(), AllOf(HasSubstr(GetParam().shown), Not(HasSubstr("secret"))));
+  EXPECT_THAT(error_of(parse_server_url(GetParam().text)),
+              AllOf(HasSubstr(GetParam().shown), Not(HasSubstr("secret"))));
 }
 INSTANTIATE_TEST_SUITE_P(
     Table, BadUrl,

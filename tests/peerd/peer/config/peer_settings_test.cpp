@@ -1,5 +1,4 @@
 // [[peer.NAME.key]], [control] and the convergence of [replication].
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/peerd/peer/config/scenario_text.hpp"

@@ -8,17 +8,14 @@
 #include <numbers>
 
 #include "peerd/peer/motion/right_derivatives.hpp"
+#include "tests/must.hpp"
 
 namespace peerd::motion::motion_formula_test {
 
 using std::numbers::pi;
 using testing::HasSubstr;
 
-FormulaMotion motion(const MotionFormula& formula) {
-  auto source = FormulaMotion::make(formula, "m", 15.0);
-  if (!source) throw std::runtime_error(source.error().text);
-  return *std::move(source);
-}
+FormulaMotion motion(const MotionFormula& formula) { return must(FormulaMotion::make(formula, "m", 15.0)); }
 
 // The formulas of a motion along x, y and z.
 MotionFormula path(const std::string& x, const std::string& y = "0", const std::string& z = "0") {

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 namespace peerd::motion::street_route_test {
 
 TEST(StreetRoute, IsOneSmoothLineOfUnitSpeed) {

@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "tests/peerd/path_checks.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
+
 namespace peerd::peer_edits_test {
 
 using namespace replication;
@@ -139,11 +141,10 @@ TEST_F(Edits, OldOnesAreStillKnown) {
   EXPECT_TRUE(edits.find(plain)->stored && edits.find(late)->stored && edits.find(last)->stored);
   say(OperationHeld{late});
   say(SceneEdited{late, {}, "it is not in the scene any more"});
-  const auto report = edits.poll();
-  ASSERT_TRUE(report);
-  EXPECT_EQ(report->edit.kind, Kind::kSet);
-  EXPECT_EQ(report->edit.path, "(operation 5:6)") << "its path is forgotten";
-  EXPECT_EQ(report->operation, late);
+  const auto report = must(edits.poll());
+  EXPECT_EQ(report.edit.kind, Kind::kSet);
+  EXPECT_EQ(report.edit.path, "(operation 5:6)") << "its path is forgotten";
+  EXPECT_EQ(report.operation, late);
   EXPECT_EQ(edits.find(late)->refused, "it is not in the scene any more");
   EXPECT_TRUE(edits.find(late)->held);
   say(SceneEdited{late, {}, ""});

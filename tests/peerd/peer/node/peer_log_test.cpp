@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::peer_log_test {
@@ -89,9 +90,8 @@ TEST(PeerLog, ComesBackBitForBit) {
   }
   for (const PeerLog& log : logs) {
     ASSERT_TRUE(save(log, folder / "a.rows"));
-    const auto read = load_peer_log(folder / "a.rows");
-    ASSERT_TRUE(read) << read.error().text;
-    expect_same(log, *read);
+    const auto read = must(load_peer_log(folder / "a.rows"));
+    expect_same(log, read);
   }
 }
 
@@ -109,10 +109,7 @@ TEST(PeerLog, WhatIsNoRowIsNamedByItsLine) {
 TEST(PeerLog, SaysWhichFileCannotBeHad) {
   const ScratchFolder folder;
   EXPECT_THAT(load_peer_log(folder / "none").error().text, HasSubstr("none"));
-  const auto saved = save(full_log(), folder / "no" / "such" / "folder");
-  ASSERT_FALSE(saved);
-  EXPECT_THAT(saved.error().text, HasSubstr("can't be written"));
-  EXPECT_EQ(saved.error().exit_code, 3);
+  EXPECT_THAT(error_of(save(full_log(), folder / "no" / "such" / "folder")), IsError(3, HasSubstr("can't be written")));
 }
 
 }  // namespace peerd::peer_log_test

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::peer_node_test {
@@ -57,9 +58,8 @@ TEST(PeerNode, AWatcherThatFoundsRunsWhatTheFileGivesToTheFounder) {
     run.peers[0].id = 1;
     PeerNode::Options options;
     options.late = options.watches = true;
-    auto objects = config::resolve(run, (*shared)->world.scene);
-    ASSERT_TRUE(objects) << objects.error().text;
-    const auto node = PeerNode::make(run.peers[0], {}, **shared, std::move(objects->front()), options);
+    auto objects = must(config::resolve(run, (*shared)->world.scene));
+    const auto node = PeerNode::make(run.peers[0], {}, **shared, std::move(objects.front()), options);
     const HostTime begin{1000s};
     for (HostTime now = begin; now < begin + 5s; now += 10ms) {
       node->on_tick(now);
@@ -82,9 +82,8 @@ TEST(SharedWorld, NamesWhatTheWorldAsksForInVain) {
     text += "CollisionInterest { objectPath \"A" + std::to_string(i) + "\" interests [ ] }\n";
   for (int i = 0; i < 25; ++i) text += "DEF A" + std::to_string(i) + " Shape { geometry Box { } }\n";
   folder.write("v.wrl", text);
-  const auto shared = share_world(folder / "v.wrl");
-  ASSERT_TRUE(shared) << shared.error().text;
-  const std::vector<std::string> all = (*shared)->findings();
+  const auto shared = must(share_world(folder / "v.wrl"));
+  const std::vector<std::string> all = shared->findings();
   ASSERT_EQ(all.size(), 21u) << "the first twenty, and how many more there are";
   EXPECT_EQ(all[0], (folder / "v.wrl").string() + ":2:1: warning: this CollisionInterest has no interests");
   EXPECT_EQ(all[20], (folder / "v.wrl").string() + ": note: 5 more warnings; peerd check --json lists all");

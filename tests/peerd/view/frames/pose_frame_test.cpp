@@ -15,7 +15,6 @@
 namespace peerd::view::pose_frame_test {
 
 using peerd::testing_support::TwoPeers;
-using testing::ElementsAre;
 
 // A frame as docs/reference/gateway.md has it, read byte by byte.
 struct Row {

@@ -16,8 +16,6 @@
 
 namespace peerd::gateway::http_connection_test {
 
-using nlohmann::json;
-using testing::HasSubstr;
 using testing_support::LiveClient;
 using testing_support::ServedPeer;
 using testing_support::WebClient;

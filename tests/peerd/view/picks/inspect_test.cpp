@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include "tests/peerd/peer/node/lone_peer.hpp"
 
 namespace peerd::view::inspect_test {

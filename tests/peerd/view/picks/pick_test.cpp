@@ -1,6 +1,5 @@
 #include "peerd/view/picks/pick.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <optional>
 #include <random>
 
+#include "tests/must.hpp"
 #include "tests/peerd/view/picture/picture_of_text.hpp"
 
 namespace peerd::view::pick_test {
@@ -37,9 +37,8 @@ TEST(Pick, FindsWhatARayHitsFirst) {
   ASSERT_TRUE(door && *door);
   EXPECT_EQ(input.scene.path_of((*door)->object), "CAR") << "the door goes with the car";
   EXPECT_DOUBLE_EQ((*door)->distance_m, 8.0);
-  const auto nothing = picker.pick(Vec3(0, 0, 0), Vec3::UnitY());
-  ASSERT_TRUE(nothing);
-  EXPECT_FALSE(*nothing);
+  const auto nothing = must(picker.pick(Vec3(0, 0, 0), Vec3::UnitY()));
+  EXPECT_FALSE(nothing);
   EXPECT_FALSE(picker.pick(Vec3(0, 0, 0), Vec3::Zero()));
 }
 
@@ -89,9 +88,7 @@ TEST(Pick, HitsWhatIsDrawnThere) {
     }
     const PictureInput input = input_at(scene_of(world), 0.0, "w");
     ScenePicker picker(input);
-    const auto written = write_glb(picture_of(input));
-    ASSERT_TRUE(written);
-    const Glb glb = read_glb(*written);
+    const Glb glb = read_glb(must(write_glb(picture_of(input))));
     std::vector<Glb::Triangle> all;
     for (std::size_t i = 0; i <= input.movers.size(); ++i) {
       const auto below = glb.triangles(static_cast<int>(i));
@@ -100,14 +97,13 @@ TEST(Pick, HitsWhatIsDrawnThere) {
     for (int ray = 0; ray < 50; ++ray) {
       const Vec3 origin(number(-8, 8), number(-8, 8), number(-8, 8));
       const Vec3 direction = (Vec3(number(-3, 3), number(-3, 3), number(-3, 3)) - origin).normalized();
-      const auto hit = picker.pick(origin, direction);
-      ASSERT_TRUE(hit);
+      const auto hit = must(picker.pick(origin, direction));
       const auto expected = nearest(all, origin, direction);
-      ASSERT_EQ(hit->has_value(), expected.has_value()) << "seed " << seed << " ray " << ray;
+      ASSERT_EQ(hit.has_value(), expected.has_value()) << "seed " << seed << " ray " << ray;
       if (!expected) continue;
       ++hits;
-      EXPECT_NEAR((*hit)->distance_m, *expected, 1e-5) << "seed " << seed << " ray " << ray;
-      EXPECT_TRUE((*hit)->position.isApprox(origin + (*hit)->distance_m * direction, 1e-9));
+      EXPECT_NEAR(hit->distance_m, *expected, 1e-5) << "seed " << seed << " ray " << ray;
+      EXPECT_TRUE(hit->position.isApprox(origin + hit->distance_m * direction, 1e-9));
     }
   }
   EXPECT_GT(hits, 200);

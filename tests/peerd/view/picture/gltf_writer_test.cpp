@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <numbers>
 #include <random>
-#include <span>
 
 #include "core/geometry/tessellate.hpp"
 #include "core/geometry/triangulation.hpp"
@@ -19,7 +18,6 @@ using peerd::testing_support::Glb;
 using peerd::testing_support::glb_of_text;
 using peerd::testing_support::scene_of;
 using testing::ElementsAre;
-using testing::HasSubstr;
 
 // The triangles that collide, in the world.
 std::vector<Glb::Triangle> colliding_triangles(const Scene& scene) {

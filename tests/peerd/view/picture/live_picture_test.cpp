@@ -7,6 +7,7 @@
 
 #include "peerd/view/picture/gltf_writer.hpp"
 #include "peerd/view/picture/scene_picture.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/view/picture/glb_reader.hpp"
 #include "tests/peerd/view/picture/two_peers.hpp"
 
@@ -43,9 +44,7 @@ TEST(LivePicture, ItsFileHasEverythingWhereThePeerHasIt) {
   LivePicture picture("w.wrl", {});
   ASSERT_TRUE(picture.follow(*peers.nodes[0]));
   EXPECT_FALSE(picture.follow(*peers.nodes[0]));
-  const auto written = write_glb(picture_of(picture.input(*peers.nodes[0], peers.now)));
-  ASSERT_TRUE(written);
-  const Glb glb = read_glb(*written);
+  const Glb glb = read_glb(must(write_glb(picture_of(picture.input(*peers.nodes[0], peers.now)))));
   EXPECT_THAT(glb.problems, ElementsAre());
   EXPECT_THAT(paths(glb), ElementsAre("A", "B"));
   EXPECT_NEAR(glb.nodes[0].world.translation().x(), 2.0, 0.1);
@@ -70,9 +69,8 @@ TEST(LivePicture, AnEditOfTheSceneIsAnotherRevision) {
   picture.refresh(node, peers.now, set_of(PoseKind::kShown));
   PoseStream stream;
   (void)stream.next(picture.poses());
-  const auto written = write_glb(picture_of(picture.input(node, peers.now)));
-  ASSERT_TRUE(written);
-  EXPECT_EQ(read_glb(*written).meshes.size(), 2u);
+  const auto written = must(write_glb(picture_of(picture.input(node, peers.now))));
+  EXPECT_EQ(read_glb(written).meshes.size(), 2u);
   const auto hit = picture.pick(node, peers.now, Vec3(0, 5, 10), -Vec3::UnitZ());
   EXPECT_EQ(hit.at("hit").at("path"), "NEW");
 }
