@@ -42,6 +42,13 @@ T must(std::optional<T> value, const std::source_location& where = std::source_l
   return *std::move(value);
 }
 
+// The element of a list that has just one.
+template <class List>
+auto only(const List& list, const std::source_location& where = std::source_location::current()) {
+  if (list.size() != 1) end_test("there are " + std::to_string(list.size()), where);
+  return *list.begin();
+}
+
 template <class T, class Error>
 Error error_of(const std::expected<T, Error>& result,
                const std::source_location& where = std::source_location::current()) {

@@ -26,9 +26,8 @@ TEST(HierarchyFiles, WhatIsWrittenIsMapped) {
   EXPECT_FALSE(none) << "a missing file is no error: it is built instead";
   const auto written = must(write_hierarchy_file(world, "a.hierarchy", hierarchy("one")));
   EXPECT_EQ(written, folder / "a.hierarchy");
-  const auto mapped = load("a.hierarchy");
-  ASSERT_TRUE(mapped && *mapped);
-  const auto bytes = (*mapped)->bytes;
+  const auto mapped = must(must(load("a.hierarchy")));
+  const auto bytes = mapped.bytes;
   EXPECT_EQ(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()), hierarchy("one"));
 }
 
@@ -36,10 +35,9 @@ TEST(HierarchyFiles, AHierarchyFileIsReplacedInOneStepAndAMappedOneStays) {
   const ScratchFolder folder;
   const auto world = folder / "w.wrl";
   ASSERT_TRUE(write_hierarchy_file(world, "a", hierarchy("old")));
-  const auto old = mapped_hierarchies(world)("a");
-  ASSERT_TRUE(old && *old);
+  const auto old = must(must(mapped_hierarchies(world)("a")));
   ASSERT_TRUE(write_hierarchy_file(world, "a", hierarchy("new")));
-  const auto bytes = (*old)->bytes;
+  const auto bytes = old.bytes;
   EXPECT_EQ(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()), hierarchy("old"));
   EXPECT_EQ(text_of(folder / "a"), hierarchy("new"));
   std::size_t files = 0;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/core/gzip_text.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/cli/outcome.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
@@ -276,10 +277,9 @@ TEST(Check, SaysWhereThingsHaveMovedByThen) {
                    "#VRML V2.0 utf8\nDEF LIFT Transform { }\nDEF T TimeSensor { cycleInterval 4 loop TRUE }\n"
                    "DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 0 8 0 ] }\n"
                    "ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO LIFT.translation\n");
-  const auto moving = check(path, {.json = true, .copy = {}, .at_s = 5.0}).json()["moving"];
-  ASSERT_EQ(moving.size(), 1u);
-  EXPECT_EQ(moving[0]["path"], "LIFT");
-  EXPECT_NEAR(moving[0]["position"][1].get<double>(), 2.0, 1e-9);
+  const auto moving = only(check(path, {.json = true, .copy = {}, .at_s = 5.0}).json()["moving"]);
+  EXPECT_EQ(moving["path"], "LIFT");
+  EXPECT_NEAR(moving["position"][1].get<double>(), 2.0, 1e-9);
 }
 
 TEST(Check, WritesACopyThatNeedsNoOtherFile) {

@@ -29,12 +29,10 @@ TEST_F(RosterFiles, KeepTheOnesBefore) {
   ASSERT_TRUE(save_roster(file, one));
   ASSERT_TRUE(save_roster(file, two));
   ASSERT_TRUE(save_roster(file, two)) << "the same once more";
-  const auto read = read_roster(file);
-  ASSERT_TRUE(read && *read);
-  EXPECT_EQ((*read)->text(), two.text());
-  const auto earlier = read_earlier_rosters(file);
-  ASSERT_EQ(earlier.size(), 1u);
-  EXPECT_EQ(earlier[0].text(), one.text());
+  const auto read = must(must(read_roster(file)));
+  EXPECT_EQ(read.text(), two.text());
+  const auto earlier = only(read_earlier_rosters(file));
+  EXPECT_EQ(earlier.text(), one.text());
 }
 
 TEST_F(RosterFiles, AreNotReplacedByOlderOnesOrThoseOfOthers) {

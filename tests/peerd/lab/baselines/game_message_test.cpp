@@ -15,14 +15,12 @@ constexpr SimTime kStart{std::chrono::seconds(3)};
 constexpr std::array<std::size_t, 2> kDriven{0, 1};
 
 ClientMessage example() {
-  ClientMessage message;
-  message.player = 1;
-  message.first_tick = 4000;
-  message.commands = {{{{{1, 2, 3}, {}}}, {}}, {{{{}, {4, 5, 6}}}, {{70, 1}}}};
-  message.last_event = 9;
-  message.seen = kStart + std::chrono::milliseconds(1234);
-  message.blocks = {0, 77, 300};
-  return message;
+  return {.player = 1,
+          .first_tick = 4000,
+          .commands = {{{{{1, 2, 3}, {}}}, {}}, {{{{}, {4, 5, 6}}}, {{70, 1}}}},
+          .last_event = 9,
+          .seen = kStart + std::chrono::milliseconds(1234),
+          .blocks = {0, 77, 300}};
 }
 
 TEST(ClientMessage, ComesBackAsItWasWritten) {

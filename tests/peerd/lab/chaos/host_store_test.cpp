@@ -44,12 +44,10 @@ class Writer {
 
  private:
   static Operation message(AuthorId author, std::uint32_t number, std::size_t more_bytes) {
-    Operation operation;
-    operation.id = {author, number};
-    operation.stamp = SimTime{std::chrono::milliseconds(number)};
-    operation.body = SendMessage{PeerId{1}, "topic",
-                                 "text " + std::to_string(number) + std::string(number * 37U % 900U + more_bytes, '.')};
-    return operation;
+    return {.id = {author, number},
+            .stamp = SimTime{std::chrono::milliseconds(number)},
+            .body = SendMessage{PeerId{1}, "topic",
+                                "text " + std::to_string(number) + std::string(number * 37U % 900U + more_bytes, '.')}};
   }
 
   HostStore& store_;

@@ -40,9 +40,7 @@ class AssembleTest : public testing::Test {
   // A row of a peer's log; its session clock is `ahead_s` ahead of the founder's.
   void believe(PeerId peer, double true_s, ObjectId object, PeerId owner, const Vec3& at, double ahead_s = 0,
                const Vec3& v = Vec3::Zero()) {
-    KinematicState s;
-    s.position = at;
-    s.velocity = v;
+    const KinematicState s{.position = at, .velocity = v};
     logs[peer.value - 1].object_samples.push_back(
         {kStart + seconds(true_s + ahead_s), kTrueStart + seconds(true_s), object, owner, s});
   }
@@ -178,9 +176,8 @@ TEST_F(AssembleTest, ALifeThatEndedBeforeItMetTheOthersWasNotThere) {
   logs[1].ended_at = HostTime{Duration{1'000'000'000}};
   logs.push_back(logs[1]);
   logs.back().ended_at.reset();
-  const auto there = record().peers[1].there_s;
-  ASSERT_EQ(there.size(), 1u);
-  EXPECT_GT(there[0].first, there[0].second) << "an interval that no time is in";
+  const auto there = only(record().peers[1].there_s);
+  EXPECT_GT(there.first, there.second) << "an interval that no time is in";
 }
 
 // A ghost of an object whose owner left no row is no sample: there is nothing to compare it with.

@@ -62,9 +62,7 @@ TEST(FoxgloveMessages, AnEntityGoesWithTheFrameOfItsNode) {
 TEST(FoxgloveMessages, OfAnLodTheFirstLevelIsShownAndNoText) {
   view::ScenePicture scene = scene_of({"CAR"});
   for (const std::uint32_t number : {0U, 1U}) {
-    view::DrawnGroup& level = scene.groups.emplace_back();
-    level.number = number;
-    level.count = 2;
+    scene.groups.push_back({.number = number, .count = 2});
   }
   scene.shapes.push_back(scene.shapes.front());
   scene.shapes[0].group = 0;

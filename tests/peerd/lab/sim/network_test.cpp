@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "tests/must.hpp"
+
 namespace peerd::sim::network_test {
 
 using std::chrono::milliseconds;
@@ -50,11 +52,10 @@ TEST(Network, ReachesWhoeverHasJoinedTheRegionButTheSender) {
   network.join(1, kHere), network.join(1, kHere);
   network.join(2, kThere);
   network.send(kNow, 0, kHere, numbered(7));
-  auto got = drain(network);
-  ASSERT_EQ(got.size(), 1u);
-  EXPECT_EQ(got[0].to, 1u);
-  EXPECT_EQ(got[0].region, kHere);
-  EXPECT_EQ(number_of(got[0]), 7u);
+  auto got = only(drain(network));
+  EXPECT_EQ(got.to, 1u);
+  EXPECT_EQ(got.region, kHere);
+  EXPECT_EQ(number_of(got), 7u);
   network.send(kNow, 0, kThere, numbered(8));  // no need to have joined what one sends to
   EXPECT_EQ(drain(network).at(0).to, 2u);
   network.leave(1, kHere);

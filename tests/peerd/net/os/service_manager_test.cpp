@@ -39,9 +39,8 @@ TEST(ServiceManager, GetsTheMessagesOfSdNotify) {
   EXPECT_TRUE(manager.stopping());
   EXPECT_THAT(notified.messages(), ElementsAre("READY=1", "WATCHDOG=1", "STATUS=two lines", "STOPPING=1"));
   EXPECT_TRUE(manager.reloading());
-  const auto messages = notified.messages();
-  ASSERT_EQ(messages.size(), 1u);
-  EXPECT_TRUE(std::regex_match(messages.front(), std::regex("RELOADING=1\nMONOTONIC_USEC=[1-9][0-9]*"))) << messages[0];
+  const auto message = only(notified.messages());
+  EXPECT_TRUE(std::regex_match(message, std::regex("RELOADING=1\nMONOTONIC_USEC=[1-9][0-9]*"))) << message;
 }
 
 TEST(ServiceManager, SaysForHowLongItWatches) {

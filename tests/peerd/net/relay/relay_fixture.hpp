@@ -34,11 +34,9 @@ inline std::uint64_t next_key() {
 }
 
 inline net::MulticastOptions multicast(unsigned island) {
-  net::MulticastOptions options;
-  options.interface = "lo";
-  options.groups = *net::parse_group_plan("239.192.90.0", own_port(kFirstIsland + island));
-  options.receives_own_datagrams = false;
-  return options;
+  return {.interface = "lo",
+          .groups = *net::parse_group_plan("239.192.90.0", own_port(kFirstIsland + island)),
+          .receives_own_datagrams = false};
 }
 
 struct RelayUnderTest {

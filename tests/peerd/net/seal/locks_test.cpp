@@ -1,5 +1,4 @@
 // Locks in a world with a roster, among whole peers whose operations are signed.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/vrml/document.hpp"

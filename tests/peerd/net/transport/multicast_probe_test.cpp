@@ -13,9 +13,7 @@ using testing_support::clock;
 using testing_support::own_port;
 
 TEST(MulticastProbe, FindsWhatDoctorTells) {
-  MulticastOptions options;
-  options.interface = "lo";
-  options.groups = {asio::ip::make_address("239.192.4.0"), own_port(1)};
+  const MulticastOptions options{.interface = "lo", .groups = {asio::ip::make_address("239.192.4.0"), own_port(1)}};
   asio::io_context io;
   const asio::ip::udp::socket greedy(io, {asio::ip::udp::v4(), own_port(1)});  // the peers' port is not the probe's
   const auto probe = must(probe_multicast(clock(), options));
@@ -27,9 +25,7 @@ TEST(MulticastProbe, FindsWhatDoctorTells) {
 
 TEST(MulticastProbe, NoPeerReceivesIt) {
   asio::io_context io;
-  MulticastOptions options;
-  options.interface = "lo";
-  options.groups = {asio::ip::make_address("239.192.4.0"), own_port(2)};
+  const MulticastOptions options{.interface = "lo", .groups = {asio::ip::make_address("239.192.4.0"), own_port(2)}};
   testing_support::Listener peer(io, options);
   peer.join(0);
   ASSERT_TRUE(probe_multicast(clock(), options));
@@ -39,17 +35,14 @@ TEST(MulticastProbe, NoPeerReceivesIt) {
 }
 
 TEST(MulticastProbe, TheSettingsOfOwnDatagramsDoNotMatter) {
-  MulticastOptions options;
-  options.interface = "lo";
-  options.groups = {asio::ip::make_address("239.192.4.0"), own_port(1)};
+  MulticastOptions options{.interface = "lo", .groups = {asio::ip::make_address("239.192.4.0"), own_port(1)}};
   options.receives_own_datagrams = false;  // as peers have it
   EXPECT_TRUE(probe_multicast(clock(), options));
 }
 
 TEST(MulticastProbe, AnErrorOfTheSocketIsTheProbesError) {
-  MulticastOptions options;
-  options.interface = "nosuch9";
-  options.groups = {asio::ip::make_address("239.192.4.0"), own_port(1)};
+  const MulticastOptions options{.interface = "nosuch9",
+                                 .groups = {asio::ip::make_address("239.192.4.0"), own_port(1)}};
   EXPECT_THAT(error_of(probe_multicast(clock(), options)),
               IsError(NetError::Kind::kNoSuchInterface, HasSubstr("nosuch9")));
 }

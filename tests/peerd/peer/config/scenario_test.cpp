@@ -69,9 +69,8 @@ physics = { }
   EXPECT_FALSE(box.velocity.has_value());
   EXPECT_EQ(box.acceleration, Vec3::Zero());
   EXPECT_EQ(box.after, Duration{0});
-  const auto swept = read(text, {"peer.a.motion.BALL.physics.velocity=[4, 5, 6]"}).runs;
-  ASSERT_EQ(swept.size(), 1u);
-  EXPECT_EQ(launch(swept.front(), "BALL").velocity, Vec3(4, 5, 6));
+  const auto swept = only(read(text, {"peer.a.motion.BALL.physics.velocity=[4, 5, 6]"}).runs);
+  EXPECT_EQ(launch(swept, "BALL").velocity, Vec3(4, 5, 6));
   EXPECT_THAT(error(text, {"peer.a.motion.BALL.x=t"}), HasSubstr("peer.a.motion.BALL.x"));
   EXPECT_THAT(error(text, {"peer.a.motion.BALL.physics.speed=1"}), HasSubstr("peer.a.motion.BALL.physics.speed"));
   EXPECT_THAT(error(text, {"peer.a.motion.BALL.physics.angular_velocity=[1e4, 1, 0]"}),

@@ -197,9 +197,8 @@ TEST(Motion, TurnsAboutItsAxis) {
 }
 
 TEST(Motion, FormulasKnowTheObjectsNumber) {
-  const auto made = FormulaMotion::make(defining({"twice = 2*n"}, path("twice + t", "n")), "m", 15.0, 3);
-  ASSERT_TRUE(made.has_value()) << made.error().text;
-  EXPECT_EQ(made->pose(1.0).position, Vec3(7, 3, 0));
+  const auto made = must(FormulaMotion::make(defining({"twice = 2*n"}, path("twice + t", "n")), "m", 15.0, 3));
+  EXPECT_EQ(made.pose(1.0).position, Vec3(7, 3, 0));
   EXPECT_EQ(motion(path("n")).pose(1.0).position.x(), 0.0) << "alone";
 }
 

@@ -18,12 +18,11 @@ PeerLog full_log() {
   log.peer = PeerId{7};
   log.name = "alice";
   log.start = SimTime{Duration{1'700'000'000'123'456'789}};
-  KinematicState s;
-  s.position = {0.1, -1e300, std::numeric_limits<double>::denorm_min()};
-  s.velocity = {1.0 / 3.0, -0.0, 2.0};
-  s.acceleration = {1, 2, 3};
-  s.orientation = Quat(0.5, -0.5, 0.5, -0.5);
-  s.angular_velocity_body = {4, 5, 6};
+  const KinematicState s{.orientation = Quat(0.5, -0.5, 0.5, -0.5),
+                         .position = {0.1, -1e300, std::numeric_limits<double>::denorm_min()},
+                         .velocity = {1.0 / 3.0, -0.0, 2.0},
+                         .acceleration = {1, 2, 3},
+                         .angular_velocity_body = {4, 5, 6}};
   log.object_samples = {{SimTime{Duration{-5}}, HostTime{Duration{5}}, ObjectId{3}, PeerId{7}, s}, {}};
   log.updates = {{SimTime{Duration{11}}, ObjectId{3}, 31, 0.01, "error"}};
   log.datagrams = {{SimTime{Duration{12}}, 98}};

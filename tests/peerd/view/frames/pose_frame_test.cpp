@@ -1,6 +1,5 @@
 #include "peerd/view/frames/pose_frame.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,12 +1,10 @@
 // A real peer under clients that are many, slow, broken or hostile.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <boost/asio/ip/tcp.hpp>
 #include <deque>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <random>
 
 #include "peerd/view/frames/pose_frame.hpp"
