@@ -15,10 +15,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 
 config::RunSettings settings(const std::string& more) {
-  config::ScenarioRequest request;
-  request.text = "world = \"w.wrl\"\n" + more;
-  request.real = true;
-  request.sweep = false;
+  const config::ScenarioRequest request{.real = true, .sweep = false, .text = "world = \"w.wrl\"\n" + more};
   const auto scenario = config::read_scenario(request);
   EXPECT_TRUE(scenario) << scenario.error().text;
   return scenario->runs.front();

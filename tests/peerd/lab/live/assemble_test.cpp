@@ -31,10 +31,7 @@ class AssembleTest : public testing::Test {
     b.name = "b", b.id = 2, b.owns = {"CUBE"};
     run.peers = {a, b};
     for (const auto& [peer, name] : {std::pair{kA, "a"}, std::pair{kB, "b"}}) {
-      PeerLog& log = logs.emplace_back();
-      log.peer = peer;
-      log.name = name;
-      log.start = kStart;
+      logs.push_back({.peer = peer, .name = name, .start = kStart});
     }
   }
   // A row of a peer's log; its session clock is `ahead_s` ahead of the founder's.

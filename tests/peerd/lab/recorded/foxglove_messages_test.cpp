@@ -31,13 +31,9 @@ view::ScenePicture scene_of(const std::vector<std::string>& movers) {
   }
   scene.nodes.push_back({.id = {}, .pose = {}, .owner = kNobody});
   scene.node_paths.emplace_back("");
-  view::DrawnGeometry triangle;
-  triangle.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  triangle.corners = {0, 1, 2};
+  const view::DrawnGeometry triangle{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .corners = {0, 1, 2}};
   scene.geometries.push_back(triangle);
-  view::DrawnMaterial& material = scene.materials.emplace_back();
-  material.diffuse = {0.5F, 0.25F, 1};
-  material.transparency = 0.25F;
+  scene.materials.push_back({.diffuse = {0.5F, 0.25F, 1}, .transparency = 0.25F});
   scene.meshes.push_back({0, 0});
   view::DrawnShape shape;
   shape.node = 0;

@@ -18,9 +18,7 @@ constexpr VirtualTime kNow{std::chrono::seconds(1)};
 constexpr RegionId kHere{0}, kThere{1};
 
 config::RunSettings three_peers(const config::LinkSettings& link, std::uint64_t seed = 1) {
-  config::RunSettings run;
-  run.seed = seed;
-  run.network = link;
+  config::RunSettings run{.seed = seed, .network = link};
   for (std::uint32_t id = 1; id <= 3; ++id) {
     auto& peer = run.peers.emplace_back();
     peer.name = std::string(1, static_cast<char>('a' + id - 1));

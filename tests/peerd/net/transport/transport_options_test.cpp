@@ -11,16 +11,15 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 TEST(TransportOptions, AreThoseOfTheConfiguration) {
-  TransportSettings settings;
-  settings.interface = "eth7";
-  settings.group = "239.192.7.0";
-  settings.group_pool = 9;
-  settings.port = 5000;
-  settings.ttl = 3;
-  settings.dscp = 46;
-  settings.receive_buffer_bytes = 4096;
-  settings.multicast = kMulticastNever;
-  settings.peers = {"192.0.2.7:47474"};
+  const TransportSettings settings{.interface = "eth7",
+                                   .group = "239.192.7.0",
+                                   .group_pool = 9,
+                                   .port = 5000,
+                                   .ttl = 3,
+                                   .dscp = 46,
+                                   .receive_buffer_bytes = 4096,
+                                   .multicast = kMulticastNever,
+                                   .peers = {"192.0.2.7:47474"}};
   const auto options = must(transport_options(settings, {1, 2}));
   const MulticastOptions& m = options.multicast;
   EXPECT_EQ(m.interface, "eth7");

@@ -11,11 +11,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 RunSettings run_of(const std::string& text, std::vector<std::string> sets = {}) {
-  ScenarioRequest request;
-  request.text = text;
-  request.sets = std::move(sets);
-  request.real = true;
-  request.sweep = false;
+  const ScenarioRequest request{.sets = std::move(sets), .real = true, .sweep = false, .text = text};
   auto scenario = read_scenario(request);
   EXPECT_TRUE(scenario) << scenario.error().text;
   return scenario ? scenario->runs.front() : RunSettings{};

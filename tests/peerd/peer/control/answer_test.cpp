@@ -56,10 +56,7 @@ TEST_F(ControlAnswer, StatusSaysWhoWhereAndHowFast) {
 TEST_F(ControlAnswer, PeersReportsReceptionOfEachPeer) {
   make();
   run(1);
-  replication::Message hello;
-  hello.sender = PeerId{2};
-  hello.incarnation = 7;
-  hello.number = 1;
+  replication::Message hello{.sender = PeerId{2}, .incarnation = 7, .number = 1};
   hello.hello.emplace().introduction.emplace();
   hello.hello->introduction->name = "b";
   hello.hello->introduction->world_hash = replication::RegionSettings{}.session_hash(shared->world.hash);

@@ -17,9 +17,7 @@ class Edits : public testing::Test {
  protected:
   OperationId note(Kind kind, std::optional<HostTime> asks_until = {}) {
     const OperationId id{AuthorId{5}, ++number};
-    config::SceneEdit edit;
-    edit.kind = kind;
-    edit.path = "CAR";
+    const config::SceneEdit edit{.kind = kind, .path = "CAR"};
     edits.note({edit, id, {}}, kCar, asks_until);
     (void)edits.poll();
     return id;

@@ -14,10 +14,7 @@ using testing::HasSubstr;
 using testing_support::ScratchFolder;
 
 PeerLog full_log() {
-  PeerLog log;
-  log.peer = PeerId{7};
-  log.name = "alice";
-  log.start = SimTime{Duration{1'700'000'000'123'456'789}};
+  PeerLog log{.peer = PeerId{7}, .name = "alice", .start = SimTime{Duration{1'700'000'000'123'456'789}}};
   const KinematicState s{.orientation = Quat(0.5, -0.5, 0.5, -0.5),
                          .position = {0.1, -1e300, std::numeric_limits<double>::denorm_min()},
                          .velocity = {1.0 / 3.0, -0.0, 2.0},
@@ -83,9 +80,7 @@ TEST(PeerLog, ComesBackBitForBit) {
   const ScratchFolder folder;
   std::vector<PeerLog> logs{full_log()};
   for (const char* any_word : {"a", "-", "größe", "12", "a\"b"}) {
-    PeerLog& empty = logs.emplace_back();
-    empty.peer = PeerId{1};
-    empty.name = any_word;
+    logs.push_back({.peer = PeerId{1}, .name = any_word});
   }
   for (const PeerLog& log : logs) {
     ASSERT_TRUE(save(log, folder / "a.rows"));

@@ -15,9 +15,7 @@ TEST(PeerNode, APeerSuspendedDuringTheStartBeginsWhenItResumes) {
   folder.write("w.wrl",
                "#VRML V2.0 utf8\nDEF A Transform { velocityVector 2 0 0 children Shape { geometry Box { } } }\n");
   const auto shared = must(share_world(folder / "w.wrl"));
-  config::PeerSettings settings;
-  settings.name = "a";
-  settings.id = 1;
+  const config::PeerSettings settings{.name = "a", .id = 1};
   config::PeerObjects objects;
   objects.owned = {*shared->world.scene.find("A")};
   PeerNode::Options options;

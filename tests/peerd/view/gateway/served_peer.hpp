@@ -32,9 +32,7 @@ class ServedPeer {
 
   ServedPeer(const std::string& vrml, const std::vector<std::string>& owns) {
     shared_ = std::move(*share_world(folder_.write("w.wrl", vrml)));
-    config::PeerSettings settings;
-    settings.name = "a";
-    settings.id = 1;
+    const config::PeerSettings settings{.name = "a", .id = 1};
     config::PeerObjects objects;
     for (const std::string& path : owns) objects.owned.push_back(shared_->world.scene.find(path).value());
     PeerNode::Options options;

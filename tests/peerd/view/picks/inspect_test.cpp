@@ -17,11 +17,8 @@ DEF OTHER Transform { }
                 {"DRIVEN"});
   PeerNode& node = lone.make();
   lone.run(0.5);
-  config::SceneEdit edit;
-  edit.kind = config::SceneEdit::Kind::kData;
-  edit.path = "DRIVEN";
-  edit.key = "colour";
-  edit.data = "red";
+  const config::SceneEdit edit{
+      .kind = config::SceneEdit::Kind::kData, .path = "DRIVEN", .key = "colour", .data = "red"};
   ASSERT_TRUE(node.edit(lone.now, edit).done());
   lone.run(2.0);
   const auto own = inspect(node, *node.scene().find("DRIVEN"));

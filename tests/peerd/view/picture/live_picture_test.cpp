@@ -59,9 +59,9 @@ TEST(LivePicture, AnEditOfTheSceneIsAnotherRevision) {
   PeerNode& node = *peers.nodes[0];
   LivePicture picture("w.wrl", {});
   ASSERT_TRUE(picture.follow(node));
-  config::SceneEdit edit;
-  edit.kind = config::SceneEdit::Kind::kAdd;
-  edit.text = "DEF NEW Transform { translation 0 5 0 children Shape { geometry Sphere { } } }";
+  const config::SceneEdit edit{
+      .kind = config::SceneEdit::Kind::kAdd,
+      .text = "DEF NEW Transform { translation 0 5 0 children Shape { geometry Sphere { } } }"};
   ASSERT_TRUE(node.edit(peers.now, edit).done());
   peers.run_until(3.0);
   ASSERT_TRUE(picture.follow(node));
@@ -82,9 +82,7 @@ TEST(LivePicture, WhatBeginsToBeOwnedGetsANodeOfItsOwn) {
   LivePicture picture("w.wrl", {});
   ASSERT_TRUE(picture.follow(*peers.nodes[0]));
   EXPECT_EQ(picture.poses().node_count(), 2u);
-  config::SceneEdit edit;
-  edit.kind = config::SceneEdit::Kind::kOwn;
-  edit.path = "C";
+  config::SceneEdit edit{.kind = config::SceneEdit::Kind::kOwn, .path = "C"};
   ASSERT_TRUE(peers.nodes[1]->edit(peers.now, edit).done());
   peers.run_until(3.0);
   ASSERT_TRUE(picture.follow(*peers.nodes[0]));

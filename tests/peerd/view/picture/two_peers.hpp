@@ -19,13 +19,10 @@ struct Way {
 };
 inline void add_movers(config::RunSettings& run, const Way& a, const Way& b) {
   for (const std::uint32_t id : {1U, 2U}) {
-    config::PeerSettings& peer = run.peers.emplace_back();
-    peer.id = id;
-    peer.name = id == 1 ? "one" : "two";
+    config::PeerSettings& peer =
+        run.peers.emplace_back(config::PeerSettings{.name = id == 1 ? "one" : "two", .id = id});
     peer.owns.emplace_back(id == 1 ? "A" : "B");
-    motion::MotionFormula formula;
-    formula.x = id == 1 ? a.x : b.x;
-    formula.z = id == 1 ? a.z : b.z;
+    const motion::MotionFormula formula{.x = id == 1 ? a.x : b.x, .z = id == 1 ? a.z : b.z};
     peer.motion[id == 1 ? "A" : "B"].kind = formula;
   }
 }
