@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/lab/recorded/stretch_reader.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/lab/recorded/recorded_run.hpp"
 
 namespace peerd::recorded::record_capture_test {

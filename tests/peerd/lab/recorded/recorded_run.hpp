@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <string>
 
-#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::testing_support {

@@ -115,15 +115,13 @@ TEST_P(Greetings, WhatDoesNotFitIsAllRegionsAndFewerPeers) {
   while (sent.peers.size() <= kGreetingPeersMax) sent.peers.push_back(sent.peers.front());
   auto bytes = encode(sent, v4);
   EXPECT_LE(bytes.size(), kGreetingMaxBytes);
-  auto got = decode_greeting(bytes, v4);
-  ASSERT_TRUE(got);
-  EXPECT_EQ(got->regions, sent.regions);
-  EXPECT_EQ(got->peers.size(), kGreetingPeersMax);
+  auto got = must(decode_greeting(bytes, v4));
+  EXPECT_EQ(got.regions, sent.regions);
+  EXPECT_EQ(got.peers.size(), kGreetingPeersMax);
   sent.regions.push_back(RegionId{1000});
-  got = decode_greeting(encode(sent, v4), v4);
-  ASSERT_TRUE(got);
-  EXPECT_TRUE(got->all_regions);
-  EXPECT_TRUE(got->regions.empty());
+  got = must(decode_greeting(encode(sent, v4), v4));
+  EXPECT_TRUE(got.all_regions);
+  EXPECT_TRUE(got.regions.empty());
 }
 
 // Only the bytes of a whole greeting are a greeting; input is hostile.

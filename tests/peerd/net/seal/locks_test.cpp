@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include "core/vrml/document.hpp"
-#include "core/writer/writer.hpp"
 #include "peerd/net/seal/operation_signer.hpp"
 #include "tests/replication/peer/lan.hpp"
 

@@ -35,8 +35,9 @@ TEST(MulticastProbe, NoPeerReceivesIt) {
 }
 
 TEST(MulticastProbe, TheSettingsOfOwnDatagramsDoNotMatter) {
-  MulticastOptions options{.interface = "lo", .groups = {asio::ip::make_address("239.192.4.0"), own_port(1)}};
-  options.receives_own_datagrams = false;  // as peers have it
+  const MulticastOptions options{.interface = "lo",
+                                 .groups = {asio::ip::make_address("239.192.4.0"), own_port(1)},
+                                 .receives_own_datagrams = false};  // as peers have it
   EXPECT_TRUE(probe_multicast(clock(), options));
 }
 

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <random>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -16,11 +15,7 @@ namespace peerd::net::region_groups_test {
 
 using testing::HasSubstr;
 
-GroupPlan plan_of(const char* base) {
-  auto plan = parse_group_plan(base, 4000);
-  if (!plan) throw std::runtime_error(plan.error().sentence);
-  return *plan;
-}
+GroupPlan plan_of(const char* base) { return must(parse_group_plan(base, 4000)); }
 
 struct Case {
   const char* name;

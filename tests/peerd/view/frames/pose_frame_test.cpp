@@ -56,11 +56,12 @@ Frame read_frame(std::span<const std::byte> bytes) {
           .since_start_s = number_at<double>(bytes, 24)};
   EXPECT_EQ(bytes.size(), 40 + std::size_t{56} * f.count);
   for (std::size_t at = 40; at < bytes.size(); at += 56) {
-    Row& row = f.rows.emplace_back(Row{.node = number_at<std::uint32_t>(bytes, at),
-                                       .owner = number_at<std::uint32_t>(bytes, at + 4),
-                                       .kind = number_at<std::uint16_t>(bytes, at + 8),
-                                       .flags = number_at<std::uint16_t>(bytes, at + 10),
-                                       .threshold_m = number_at<float>(bytes, at + 12)});
+    Row& row = f.rows.emplace_back();
+    row.node = number_at<std::uint32_t>(bytes, at);
+    row.owner = number_at<std::uint32_t>(bytes, at + 4);
+    row.kind = number_at<std::uint16_t>(bytes, at + 8);
+    row.flags = number_at<std::uint16_t>(bytes, at + 10);
+    row.threshold_m = number_at<float>(bytes, at + 12);
     for (std::size_t k = 0; k < 3; ++k) row.position[static_cast<int>(k)] = number_at<double>(bytes, at + 16 + 8 * k);
     for (std::size_t k = 0; k < 4; ++k) row.xyzw[static_cast<int>(k)] = number_at<float>(bytes, at + 40 + 4 * k);
   }

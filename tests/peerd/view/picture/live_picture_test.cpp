@@ -7,6 +7,7 @@
 
 #include "peerd/view/picture/gltf_writer.hpp"
 #include "peerd/view/picture/scene_picture.hpp"
+#include "tests/has_members.hpp"
 #include "tests/must.hpp"
 #include "tests/peerd/view/picture/glb_reader.hpp"
 #include "tests/peerd/view/picture/two_peers.hpp"
@@ -103,10 +104,7 @@ TEST(LivePicture, PicksWhatMovesWhereItIsShown) {
   ASSERT_TRUE(picture.follow(*peers.nodes[0]));
   const auto reply = picture.pick(*peers.nodes[0], peers.now, Vec3(4, 0, 10), -Vec3::UnitZ());
   ASSERT_TRUE(reply.at("hit").is_object()) << reply.dump();
-  EXPECT_EQ(reply.at("hit").at("node"), 0);
-  EXPECT_EQ(reply.at("hit").at("path"), "A");
-  EXPECT_EQ(reply.at("hit").at("owner"), 1);
-  EXPECT_EQ(reply.at("hit").at("shape").at("path"), "A/S");
+  EXPECT_THAT(reply.at("hit"), HasMembers(R"({"node": 0, "path": "A", "owner": 1, "shape": {"path": "A/S"}})"));
   EXPECT_DOUBLE_EQ(reply.at("hit").at("distance_m"), 9.0);
   EXPECT_TRUE(picture.pick(*peers.nodes[0], peers.now, Vec3(0, 9, 10), -Vec3::UnitZ()).at("hit").is_null());
   EXPECT_EQ(picture.pick(*peers.nodes[0], peers.now, Vec3(0, 0, 0), Vec3::Zero()).at("ok"), false);
