@@ -36,8 +36,7 @@ Words quoted(const std::string& text) {
 
 // A table of the reference, by how its heading begins: where its keys stand, and settings with which they may.
 struct Section {
-  const char* heading;
-  const char* prefix;
+  const char *heading, *prefix;
   std::vector<Words> around = {{}};  // one of these
 };
 const Section kSections[] = {

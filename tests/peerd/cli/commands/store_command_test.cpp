@@ -26,9 +26,7 @@ class StoreCommand : public testing::Test {
  protected:
   StoreCommand() {
     folder.write("w.wrl", "#VRML V2.0 utf8\nDEF CAR Transform { children Shape { geometry Box { } } }\n");
-    const auto world = config::load_world(folder / "w.wrl", {});
-    EXPECT_TRUE(world);
-    begin(world->hash);
+    begin(must(config::load_world(folder / "w.wrl", {})).hash);
   }
   // A store in which author 7 has added BOX.
   void begin(std::uint64_t genesis) {

@@ -7,6 +7,7 @@
 
 #include "peerd/peer/config/scenario.hpp"
 #include "peerd/peer/control/request.hpp"
+#include "tests/must.hpp"
 
 namespace peerd::reload_test {
 namespace {
@@ -15,10 +16,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 
 config::RunSettings settings(const std::string& more) {
-  const config::ScenarioRequest request{.real = true, .sweep = false, .text = "world = \"w.wrl\"\n" + more};
-  const auto scenario = config::read_scenario(request);
-  EXPECT_TRUE(scenario) << scenario.error().text;
-  return scenario->runs.front();
+  return must(config::read_scenario({.real = true, .sweep = false, .text = "world = \"w.wrl\"\n" + more})).runs.front();
 }
 
 Reload reload(const std::string& before, const std::string& after) {

@@ -192,9 +192,7 @@ TEST_F(SimOn, ChaosGivesTheSameLines) {
 }
 
 struct Wrong {
-  const char* name;
-  const char* options;
-  const char* says;
+  const char *name, *options, *says;
 };
 class WrongUse : public SimOn, public testing::WithParamInterface<Wrong> {};
 TEST_P(WrongUse, IsExplained) {

@@ -16,8 +16,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 struct Text {
-  const char* name;
-  const char* text;
+  const char *name, *text;
   const char* address;  // empty: none
   int port;
 };

@@ -12,8 +12,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 struct Case {
-  const char* name;
-  const char* text;
+  const char *name, *text;
   const char* shown;  // or what is wrong with it
 };
 

@@ -66,12 +66,10 @@ class ProvidingPeer {
                          std::uint64_t session = kSession, const std::optional<keys::SymmetricKey>& key = {})
       : archive(std::move(packed)), logs(std::move(held)) {
     for (const auto& [author, length] : logs.lengths()) bytes.emplace(author, logs.bytes({author, 0, length}));
-    auto opened = SnapshotServer::open(
+    server = must(SnapshotServer::open(
         io, asio::ip::address_v4::loopback(), 0,
         {session, "town", "expansion = 1\n", 9, archive, digest(archive),
-         [this]() -> const OperationLogs& { return logs; }, [] { return SimTime::max(); }, [key] { return key; }});
-    EXPECT_TRUE(opened);
-    server = *std::move(opened);
+         [this]() -> const OperationLogs& { return logs; }, [] { return SimTime::max(); }, [key] { return key; }}));
     thread = std::thread([this] { io.run(); });
   }
   ProvidingPeer(const ProvidingPeer&) = delete;

@@ -18,8 +18,7 @@ using testing::HasSubstr;
 GroupPlan plan_of(const char* base) { return must(parse_group_plan(base, 4000)); }
 
 struct Case {
-  const char* name;
-  const char* base;
+  const char *name, *base;
   std::uint32_t region;
   const char* group;  // nullptr: beyond the range
 };
@@ -165,8 +164,7 @@ TEST(GroupsOfAWorld, AGroupBetweenTheWholeScenesAndTheFirstIsOfNoRegion) {
 }
 
 struct Garbage {
-  const char* name;
-  const char* base;
+  const char *name, *base;
   std::uint16_t port;
   const char* sentence;
 };

@@ -37,9 +37,7 @@ TEST_F(ConfigFeed, FalseLeavesAFormula) {
 }
 
 struct Wrong {
-  const char* name;
-  const char* text;
-  const char* error;
+  const char *name, *text, *error;
 };
 class WrongFeed : public ConfigFeed, public testing::WithParamInterface<Wrong> {};
 TEST_P(WrongFeed, IsOneSentenceAtItsPlace) { expect_refused(GetParam().text, "", GetParam().error); }

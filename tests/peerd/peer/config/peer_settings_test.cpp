@@ -40,9 +40,7 @@ TEST_F(ConfigKeys, MayBeSetAsAList) {
 }
 
 struct Wrong {
-  const char* name;
-  const char* text;
-  const char* error;
+  const char *name, *text, *error;
 };
 class WrongKeys : public ConfigKeys, public testing::WithParamInterface<Wrong> {};
 TEST_P(WrongKeys, AreOneSentenceAtTheirPlace) { expect_refused(GetParam().text, "", GetParam().error); }

@@ -288,9 +288,7 @@ TEST_F(ScenarioTest, WithoutAFileEverythingComesFromSets) {
 struct Bad {
   const char* name;
   const char* find;  // in kTwoPeers, replaced by
-  const char* replacement;
-  const char* where;
-  const char* sentence;
+  const char *replacement, *where, *sentence;
 };
 class ScenarioRefusal : public ScenarioTest, public testing::WithParamInterface<Bad> {};
 TEST_P(ScenarioRefusal, SaysWhereAndWhat) {

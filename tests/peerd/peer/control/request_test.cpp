@@ -98,9 +98,7 @@ TEST(Request, PosesAreThoseOfAMessage) {
 }
 
 struct Wrong {
-  const char* name;
-  const char* line;
-  const char* error;
+  const char *name, *line, *error;
 };
 class WrongRequest : public testing::TestWithParam<Wrong> {};
 TEST_P(WrongRequest, IsOneSentence) {

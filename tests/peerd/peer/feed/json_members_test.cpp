@@ -11,8 +11,7 @@ using nlohmann::json;
 using testing::HasSubstr;
 
 struct Line {
-  const char* name;
-  const char* line;
+  const char *name, *line;
   const char* error;  // empty: the line is accepted
 };
 class ParseJsonObject : public testing::TestWithParam<Line> {};

@@ -45,9 +45,7 @@ TEST(PoseMessage, ValuesThatAreNotGivenAreNone) {
 }
 
 struct Wrong {
-  const char* name;
-  const char* datagram;
-  const char* error;
+  const char *name, *datagram, *error;
 };
 class WrongPoseMessage : public testing::TestWithParam<Wrong> {};
 TEST_P(WrongPoseMessage, IsOneSentence) {

@@ -41,8 +41,7 @@ MotionFormula held(MotionFormula f) {
 
 using Derivative = std::function<double(double)>;
 struct Formula {
-  const char* name;
-  const char* text;
+  const char *name, *text;
   Derivative value, first, second;  // from the right
   std::vector<double> times;        // beside the corners and every tick of 15 s
   double first_error = 1e-6, second_error = 1e-2;

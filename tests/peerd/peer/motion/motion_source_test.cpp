@@ -55,9 +55,8 @@ TEST(MotionSource, TheSeedOfTheMotionComesBeforeTheScenarios) {
   MotionSettings motion;
   motion.kind = walk_of_40_m();
   const auto at_end = [&](std::uint64_t scenario_seed) {
-    const auto sources = make(motion, {0, 1}, scenario_seed);
-    EXPECT_TRUE(sources) << sources.error().text;
-    return std::pair((*sources)[0].pose(10.0).position, (*sources)[1].pose(10.0).position);
+    const auto sources = must(make(motion, {0, 1}, scenario_seed));
+    return std::pair(sources[0].pose(10.0).position, sources[1].pose(10.0).position);
   };
   EXPECT_EQ(at_end(1), at_end(1));
   EXPECT_NE(at_end(1).first, at_end(2).first);
