@@ -22,10 +22,8 @@ TEST(HierarchyFiles, WhatIsWrittenIsMapped) {
   const ScratchFolder folder;
   const auto world = folder / "w.wrl";
   const auto load = mapped_hierarchies(world);
-  const auto none = must(load("a.hierarchy"));
-  EXPECT_FALSE(none) << "a missing file is no error: it is built instead";
-  const auto written = must(write_hierarchy_file(world, "a.hierarchy", hierarchy("one")));
-  EXPECT_EQ(written, folder / "a.hierarchy");
+  EXPECT_FALSE(must(load("a.hierarchy"))) << "a missing file is no error: it is built instead";
+  EXPECT_EQ(must(write_hierarchy_file(world, "a.hierarchy", hierarchy("one"))), folder / "a.hierarchy");
   const auto mapped = must(must(load("a.hierarchy")));
   const auto bytes = mapped.bytes;
   EXPECT_EQ(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()), hierarchy("one"));

@@ -60,8 +60,7 @@ TEST_F(PeerReplies, AListIsAskedForUntilItIsWhole) {
 
 TEST_F(PeerReplies, AStatusStaysAsItCame) {
   reply_with({R"({"v":1,"ok":true,"objects":[],"next":7,"counters":{}})"});
-  const auto reply = must(ask_peer(path, R"({"do":"status"})"));
-  EXPECT_EQ(reply.at("next"), 7);
+  EXPECT_EQ(must(ask_peer(path, R"({"do":"status"})")).at("next"), 7);
 }
 
 TEST_F(PeerReplies, ARefusalIsWrongUse) {

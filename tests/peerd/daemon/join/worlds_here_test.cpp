@@ -20,8 +20,7 @@ World world(const std::string& name, std::uint64_t session) {
 
 TEST(ChooseWorld, TakesTheOneThatIsNamed) {
   const std::vector<World> worlds{world("eq47", 1), world("town", 2)};
-  const auto chosen = must(choose_world(worlds, "town"));
-  EXPECT_EQ(chosen, &worlds[1]);
+  EXPECT_EQ(must(choose_world(worlds, "town")), &worlds[1]);
 }
 
 TEST(ChooseWorld, TakesTheOnlyOneWithoutAName) {

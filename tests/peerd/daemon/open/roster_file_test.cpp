@@ -29,10 +29,8 @@ TEST_F(RosterFiles, KeepTheOnesBefore) {
   ASSERT_TRUE(save_roster(file, one));
   ASSERT_TRUE(save_roster(file, two));
   ASSERT_TRUE(save_roster(file, two)) << "the same once more";
-  const auto read = must(must(read_roster(file)));
-  EXPECT_EQ(read.text(), two.text());
-  const auto earlier = only(read_earlier_rosters(file));
-  EXPECT_EQ(earlier.text(), one.text());
+  EXPECT_EQ(must(must(read_roster(file))).text(), two.text());
+  EXPECT_EQ(only(read_earlier_rosters(file)).text(), one.text());
 }
 
 TEST_F(RosterFiles, AreNotReplacedByOlderOnesOrThoseOfOthers) {

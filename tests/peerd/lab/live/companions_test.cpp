@@ -27,8 +27,7 @@ struct CompanionsTest : testing::Test {
 };
 
 TEST_F(CompanionsTest, TheNetworkItselfHasNone) {
-  const auto companions = must(companions_of(run, islands));
-  EXPECT_TRUE(companions.empty());
+  EXPECT_TRUE(must(companions_of(run, islands)).empty());
   EXPECT_TRUE(settings_by_companions(run, islands, 0).empty());
 }
 

@@ -28,8 +28,7 @@ TEST(Identity, SignsForOneUseAndOneTextAlone) {
 
 TEST(Identity, IsWhatItsTextSays) {
   const Identity one = Identity::random();
-  const auto again = must(Identity::of_text(one.text()));
-  EXPECT_EQ(again.public_key(), one.public_key());
+  EXPECT_EQ(must(Identity::of_text(one.text())).public_key(), one.public_key());
   const auto key = must(PublicKey::of_text(one.public_key().text()));
   EXPECT_EQ(key, one.public_key());
   EXPECT_TRUE(one.public_key().text().ends_with(key.text().substr(15)));

@@ -33,8 +33,7 @@ class KeyFiles : public testing::Test {
 TEST_F(KeyFiles, AreMadeOnceForThisUserAlone) {
   const auto made = must(read_or_make_key(file));
   EXPECT_EQ(fs::status(file).permissions(), fs::perms::owner_read | fs::perms::owner_write);
-  const auto again = must(read_or_make_key(file));
-  EXPECT_EQ(again, made);
+  EXPECT_EQ(must(read_or_make_key(file)), made);
   EXPECT_EQ(std::distance(fs::directory_iterator(file.parent_path()), fs::directory_iterator()), 1)
       << "no draft is left";
 }

@@ -27,8 +27,7 @@ TEST_F(SecretFile, IsThisUsersAloneAndIsMadeOnce) {
   EXPECT_EQ(state.st_mode & 0777U, 0600U);
   EXPECT_EQ(why_not(), "");
   EXPECT_TRUE(make_private_line(file, "key", "another"));
-  const auto line = must(read_private_line(file, "key"));
-  EXPECT_EQ(line.view(), "a secret") << "it stays as it is";
+  EXPECT_EQ(must(read_private_line(file, "key")).view(), "a secret") << "it stays as it is";
 }
 
 TEST_F(SecretFile, IsNotReadWhereOthersMayReadIt) {

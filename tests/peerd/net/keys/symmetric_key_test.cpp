@@ -14,8 +14,7 @@ namespace {
 
 TEST(SymmetricKeys, TheTextOfAKeyIsThatKey) {
   const SymmetricKey key = SymmetricKey::random();
-  const auto again = must(SymmetricKey::of_text(key.text()));
-  EXPECT_EQ(again, key);
+  EXPECT_EQ(must(SymmetricKey::of_text(key.text())), key);
   EXPECT_FALSE(SymmetricKey::random() == key);
 }
 

@@ -153,8 +153,7 @@ TEST_F(Insider, IsFoundOnALossyLinkAndAmongManyDatagrams) {
 TEST_F(Insider, IsFoundByThePeerInWhoseNameItSpeaks) {
   (void)a.open(now, kHere, forger.datagram(1, sent + 3, 104, false));
   ASSERT_TRUE(a.signs_all(now));
-  const auto finding = only(a.take_findings());
-  EXPECT_EQ(finding.peer, PeerId{1});
+  EXPECT_EQ(only(a.take_findings()).peer, PeerId{1});
   step();
   EXPECT_FALSE(forge(sent + 1)) << "from the next announcement on";
 }
@@ -195,8 +194,7 @@ TEST_F(Insider, TakesNobodysNumber) {
   EXPECT_EQ(b.hear(impostor.announcement_due(now).value(), now), Refusal::kImpostor);
   now += seconds(2);
   EXPECT_FALSE(impostor.hear(b.announcement_due(now).value(), now));
-  const auto finding = only(impostor.take_findings());
-  EXPECT_EQ(finding.kind, Kind::kNumberTaken) << "it is told";
+  EXPECT_EQ(only(impostor.take_findings()).kind, Kind::kNumberTaken) << "it is told";
   Sealer same_boot(key, {.peer = PeerId{1}, .identity = keys::Identity::random(), .boot = boot_of_a});
   EXPECT_EQ(b.hear(same_boot.announcement_due(now).value(), now), Refusal::kImpostor);
   step();
@@ -212,8 +210,7 @@ TEST_F(Insider, IsNotHeardWhereItsKeyIsNoMembers) {
   EXPECT_EQ(strict.hear(good.announcement_due(now).value(), now), std::nullopt);
   EXPECT_EQ(strict.hear(bad.announcement_due(now).value(), now), Refusal::kNoMember);
   EXPECT_FALSE(bad.hear(strict.announcement_due(now).value(), now));
-  const auto finding = only(bad.take_findings());
-  EXPECT_EQ(finding.kind, Kind::kNoMember);
+  EXPECT_EQ(only(bad.take_findings()).kind, Kind::kNoMember);
 }
 
 // An announcement that its sender has not signed: the forger seals what it likes.

@@ -17,10 +17,7 @@ struct Case {
 };
 
 class GoodUrl : public testing::TestWithParam<Case> {};
-TEST_P(GoodUrl, IsShownWithoutUser) {
-  const auto url = must(parse_server_url(GetParam().text));
-  EXPECT_EQ(url.shown(), GetParam().shown);
-}
+TEST_P(GoodUrl, IsShownWithoutUser) { EXPECT_EQ(must(parse_server_url(GetParam().text)).shown(), GetParam().shown); }
 INSTANTIATE_TEST_SUITE_P(Table, GoodUrl,
                          testing::Values(Case{"Host", "nats://host", "nats://host:4222"},
                                          Case{"Port", "nats://host:4000", "nats://host:4000"},

@@ -35,12 +35,10 @@ const std::vector<Reply>& replies() {
 
 TEST(SnapshotMessage, IsReadAsItWasWritten) {
   for (const Request& request : requests()) {
-    const auto read = must(decode_request(encode(request)));
-    EXPECT_EQ(read, request);
+    EXPECT_EQ(must(decode_request(encode(request))), request);
   }
   for (const Reply& reply : replies()) {
-    const auto read = must(decode_reply(encode(reply)));
-    EXPECT_EQ(read, reply);
+    EXPECT_EQ(must(decode_reply(encode(reply))), reply);
   }
 }
 

@@ -142,8 +142,7 @@ TEST(GroupsOfAWorld, AreItsOwnButThatOfTheWholeScene) {
       EXPECT_EQ(group_endpoint(plan, RegionId{0})->address(), plan.base);
       for (const std::uint32_t region : {0u, 1u, 2u, 64u, 1023u, 65'536u}) {
         const auto endpoint = must(group_endpoint(plan, RegionId{region}));
-        const auto number = must(group_number(plan, endpoint.address()));
-        EXPECT_EQ(region_of_group(plan, number), RegionId{region});
+        EXPECT_EQ(region_of_group(plan, must(group_number(plan, endpoint.address()))), RegionId{region});
       }
       firsts.insert(group_endpoint(plan, RegionId{1})->address());
     }

@@ -315,13 +315,11 @@ TEST_F(UnicastFanOutTest, AnInterfaceThatIsMadeAnewIsFollowed) {
     UnicastFanOut& peer = *opened;
     peer.on_receive([](const Arrival&) {});
     ASSERT_TRUE(shell("ip link del va"));
-    const auto gone = must(peer.follow_interface());
-    EXPECT_FALSE(gone.is_back);
+    EXPECT_FALSE(must(peer.follow_interface()).is_back);
     EXPECT_FALSE(peer.follow_interface()) << "is said once";
     ASSERT_EQ(wire.connect(), "");
     wire.left.enter();
-    const auto back = must(peer.follow_interface());
-    EXPECT_TRUE(back.is_back);
+    EXPECT_TRUE(must(peer.follow_interface()).is_back);
     wire.right.enter();
     udp::socket other(io, udp::v4());
     other.send_to(asio::buffer(encode({.instance = 5}, true)), {asio::ip::make_address("192.0.2.1"), own_port(0)});

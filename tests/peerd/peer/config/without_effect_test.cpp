@@ -180,8 +180,7 @@ TEST_F(WithoutEffectTest, WhatOtherPeersHaveSetIsNotNamed) {
 TEST_F(WithoutEffectTest, NoShippedScenarioHasSuchAKey) {
   for (const auto& file : std::filesystem::directory_iterator(PEERD_SOURCE_DIR "/configs/scenarios")) {
     request.file = file.path();
-    const auto scenario = must(read_scenario(request));
-    EXPECT_THAT(scenario.warnings, IsEmpty()) << file.path();
+    EXPECT_THAT(must(read_scenario(request)).warnings, IsEmpty()) << file.path();
     ScenarioRequest with_best = request;
     with_best.configs = {PEERD_SOURCE_DIR "/configs/best.toml"};
     EXPECT_THAT(read_scenario(with_best)->warnings, IsEmpty()) << file.path();

@@ -129,18 +129,14 @@ TEST_F(Store, OldPartsArePacked) {
   ASSERT_GT(logs[kOther].bytes, PartPacker::kPacked_bytes);
   EXPECT_EQ(rows("packed"), 4 + 1);
   EXPECT_LT(rows("parts"), 100);
-  {
-    const auto checked = must(OperationStore::open(at));
-    EXPECT_EQ(bytes_of(checked->log()), bytes_of(all));
-  }
+  EXPECT_EQ(bytes_of(must(OperationStore::open(at))->log()), bytes_of(all));
   {
     auto store = must(open());
     EXPECT_EQ(bytes_of(store->log()), bytes_of(all));
     all.push_back(part(kOwn, 3));
     append(*store, {all.back()});
   }
-  const auto again = must(open());
-  EXPECT_EQ(bytes_of(again->log()), bytes_of(all));
+  EXPECT_EQ(bytes_of(must(open())->log()), bytes_of(all));
 }
 
 // The file of a store as earlier builds have left it gets shorter.
@@ -169,10 +165,7 @@ TEST_F(Store, OneOfTheFormatBeforeIsPacked) {
     ASSERT_TRUE(database.run("COMMIT"));
   }
   const std::string before = testing_support::text_of(file);
-  {
-    const auto checked = must(OperationStore::open(at));
-    EXPECT_EQ(bytes_of(checked->log()), bytes_of({all}));
-  }
+  EXPECT_EQ(bytes_of(must(OperationStore::open(at))->log()), bytes_of({all}));
   EXPECT_EQ(testing_support::text_of(file), before) << "it was only read";
   for (int i = 0; i < 2; ++i) {
     const auto store = must(open());
@@ -201,8 +194,7 @@ TEST_F(Store, AnotherWorldIsRefusedByName) {
   const std::vector<OperationPart> all{part(kOwn, 3)};
   keep(all);
   EXPECT_THAT(error_of_opening(kWorld + 1), AllOf(HasSubstr(at.string()), HasSubstr("another world")));
-  const auto store = must(open());
-  EXPECT_EQ(bytes_of(store->log()), bytes_of(all)) << "and nothing of it is lost";
+  EXPECT_EQ(bytes_of(must(open())->log()), bytes_of(all)) << "and nothing of it is lost";
 }
 
 TEST_F(Store, ASecondUserIsRefused) {
@@ -269,10 +261,7 @@ TEST_F(Store, WhatIsRefusedOrCheckedStaysAsItIs) {
   ASSERT_GT(before.at("operations.sqlite-wal").size(), 4096U);
   EXPECT_THAT(error_of(OperationStore::open(killed, kWorld + 1, {kOwn})).text, HasSubstr("another world"));
   EXPECT_EQ(all(), before);
-  {
-    const auto checked = must(OperationStore::open(killed));
-    EXPECT_THAT(checked->log(), SizeIs(1));
-  }
+  EXPECT_THAT(must(OperationStore::open(killed))->log(), SizeIs(1));
   EXPECT_EQ(all(), before);
   {  // a newer format, which is written ahead
     auto database = must(testing_support::open_database(killed / "operations.sqlite", false));

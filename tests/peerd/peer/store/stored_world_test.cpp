@@ -21,8 +21,7 @@ StoredWorld some(const std::string& name = "town") {
 
 TEST(StoredWorld, IsThereAgain) {
   const ScratchFolder folder;
-  const auto none = must(read_world_of_store(folder.path()));
-  EXPECT_FALSE(none);
+  EXPECT_FALSE(must(read_world_of_store(folder.path())));
   ASSERT_TRUE(write_world(folder.path(), some()));
   auto world = read_world_of_store(folder.path());
   ASSERT_TRUE(world && *world);

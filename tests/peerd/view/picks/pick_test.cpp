@@ -39,8 +39,7 @@ TEST(Pick, FindsWhatARayHitsFirst) {
   const auto door = hit_of(picker, Vec3(3, 0, 10), -Vec3::UnitZ());
   EXPECT_EQ(input.scene.path_of(door.object), "CAR") << "the door goes with the car";
   EXPECT_DOUBLE_EQ(door.distance_m, 8.0);
-  const auto nothing = must(picker.pick(Vec3(0, 0, 0), Vec3::UnitY()));
-  EXPECT_FALSE(nothing);
+  EXPECT_FALSE(must(picker.pick(Vec3(0, 0, 0), Vec3::UnitY())));
   EXPECT_FALSE(picker.pick(Vec3(0, 0, 0), Vec3::Zero()));
 }
 

@@ -70,8 +70,7 @@ TEST(LivePicture, AnEditOfTheSceneIsAnotherRevision) {
   picture.refresh(node, peers.now, set_of(PoseKind::kShown));
   PoseStream stream;
   (void)stream.next(picture.poses());
-  const auto written = must(write_glb(picture_of(picture.input(node, peers.now))));
-  EXPECT_EQ(read_glb(written).meshes.size(), 2u);
+  EXPECT_EQ(read_glb(must(write_glb(picture_of(picture.input(node, peers.now))))).meshes.size(), 2u);
   const auto hit = picture.pick(node, peers.now, Vec3(0, 5, 10), -Vec3::UnitZ());
   EXPECT_EQ(hit.at("hit").at("path"), "NEW");
 }

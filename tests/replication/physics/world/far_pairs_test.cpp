@@ -71,8 +71,7 @@ std::vector<SimTime> met_in_the_past(Role of_b) {
 }
 
 TEST(FarPairs, AreOpenedByAnUpdateOfTheTimeBeforeTheyWereFar) {
-  const auto met = only(met_in_the_past(Role::kScene));
-  EXPECT_NEAR(to_seconds(met - sim(0s)), 1.0, 1e-6);
+  EXPECT_NEAR(to_seconds(only(met_in_the_past(Role::kScene)) - sim(0s)), 1.0, 1e-6);
   EXPECT_TRUE(met_in_the_past(Role::kDriven).empty()) << "what this peer moves meets nothing in the past";
 }
 

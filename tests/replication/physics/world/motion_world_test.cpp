@@ -322,8 +322,7 @@ TEST(MotionWorld, APredictedContactIsRetractedWhenItsCauseMovedOtherwise) {
 
   world.set_base(w["CUBE"], sim(1100ms), moving({0.25, 0, 0}));  // and stood again, a little farther away
   world.advance(sim(2s));
-  const auto found_anew = only(standing(world));
-  EXPECT_NEAR(to_seconds(found_anew - sim(1750ms)), 0.0, 1.1e-9);
+  EXPECT_NEAR(to_seconds(only(standing(world)) - sim(1750ms)), 0.0, 1.1e-9);
   EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), -0.5, 1e-8);
 }
 
