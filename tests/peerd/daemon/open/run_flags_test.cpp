@@ -30,7 +30,7 @@ TEST(RunFlags, GiveAPeerWithoutANumberOneThatNobodyElseHas) {
 }
 
 TEST(RunFlags, SayNothingOfAPeerThatAConfigurationHas) {
-  const PeerOptions options{.config = "c.toml", .peer = "b"};
+  PeerOptions options{.config = "c.toml", .peer = "b"};
   EXPECT_THAT(as_settings({.key = "/k", .open = false}, options), ElementsAre(R"(transport.key_file="/k")"));
   EXPECT_THAT(as_settings({.open = true}, options), ElementsAre("transport.sealed=false"));
   EXPECT_THAT(as_settings({.password = "-"}, options), ElementsAre(R"(transport.password_file="-")"));

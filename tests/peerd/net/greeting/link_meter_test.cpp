@@ -41,7 +41,7 @@ TEST(LinkMeter, MeasuresTheWayThereAndBackWithoutTheTimeBetween) {
 // Whatever the two ways take of the round trip, the other clock is within the bound.
 TEST(LinkMeter, BoundsTheOtherClock) {
   for (const int there_ms : {0, 1, 30, 79, 80}) {
-    const Ends ends{.there = milliseconds(there_ms), .back = milliseconds(80 - there_ms)};
+    Ends ends{.there = milliseconds(there_ms), .back = milliseconds(80 - there_ms)};
     ends.exchange(milliseconds(10));
     const auto clock = must(ends.near.clock());
     EXPECT_EQ(clock.error, milliseconds(40));

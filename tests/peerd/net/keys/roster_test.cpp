@@ -69,7 +69,7 @@ TEST_F(Rosters, AreWhatTheirTextSays) {
   EXPECT_EQ(read.epoch(), 3u);
   ASSERT_EQ(read.members().size(), 2u);
   EXPECT_TRUE(read.members()[0].is_former);
-  EXPECT_EQ(read->session_key(bo), *roster.session_key(bo));
+  EXPECT_EQ(read.session_key(bo), *roster.session_key(bo));
 }
 
 TEST_F(Rosters, NoChangedTextIsOne) {
