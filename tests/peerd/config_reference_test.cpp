@@ -14,8 +14,6 @@
 
 namespace peerd::config::config_reference_test {
 
-using testing::HasSubstr;
-
 const std::filesystem::path kReference = PEERD_SOURCE_DIR "/docs/reference/configuration.md";
 const std::filesystem::path kParsers[] = {PEERD_SOURCE_DIR "/peerd/peer/config", PEERD_SOURCE_DIR "/peerd/peer/motion"};
 
@@ -38,8 +36,7 @@ Words quoted(const std::string& text) {
 
 // A table of the reference, by how its heading begins: where its keys stand, and settings with which they may.
 struct Section {
-  const char* heading;
-  const char* prefix;
+  const char *heading, *prefix;
   std::vector<Words> around = {{}};  // one of these
 };
 const Section kSections[] = {

@@ -26,8 +26,7 @@ ROUTE PATH.value_changed TO CAR.set_translation
 )";
 
 struct NumberCase {
-  const char* words;
-  const char* refused;
+  const char *words, *refused;
   friend void PrintTo(const NumberCase& c, std::ostream* out) { *out << c.words; }
 };
 class Numbers : public Program, public testing::WithParamInterface<NumberCase> {};
@@ -103,8 +102,7 @@ TEST_F(Program, AClosedOutputIsNoFile) {
 }
 
 struct WrongUse {
-  const char* words;
-  const char* sentence;
+  const char *words, *sentence;
   friend void PrintTo(const WrongUse& c, std::ostream* out) { *out << c.words; }
 };
 class WrongUses : public Program, public testing::WithParamInterface<WrongUse> {};

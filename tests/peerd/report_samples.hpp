@@ -1,7 +1,5 @@
 #pragma once
 #include <cmath>
-#include <cstdint>
-#include <string>
 #include <vector>
 
 #include "peerd/lab/measure/run_record.hpp"
@@ -13,19 +11,14 @@ inline constexpr ObjectId kCar{10}, kCube{11}, kWall{17};
 
 // Peers a, b, c; a runs CAR, b runs CUBE; nothing has happened.
 inline RunRecord quiet_run(double duration_s = 10.0) {
-  RunRecord run;
-  run.params = nlohmann::ordered_json::object();
-  run.duration_s = duration_s;
-  run.peers = {{kA, "a"}, {kB, "b"}, {kC, "c"}};
-  run.objects = {{kCar, "CAR", kA}, {kCube, "CUBE", kB}};
-  return run;
+  return {.params = nlohmann::ordered_json::object(),
+          .duration_s = duration_s,
+          .peers = {{kA, "a"}, {kB, "b"}, {kC, "c"}},
+          .objects = {{kCar, "CAR", kA}, {kCube, "CUBE", kB}}};
 }
 
 inline GhostSample ghost_sample(double t_s, PeerId observer, ObjectId object, const Vec3& truth, const Vec3& ghost) {
-  GhostSample s;
-  s.t_s = t_s;
-  s.observer = observer;
-  s.object = object;
+  GhostSample s{.t_s = t_s, .observer = observer, .object = object};
   s.truth.position = truth;
   s.ghost.position = ghost;
   s.shown.position = 0.5 * (truth + ghost);

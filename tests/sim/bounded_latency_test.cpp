@@ -17,7 +17,6 @@ namespace peerd::sim::bounded_latency_test {
 using namespace std::chrono_literals;
 
 using testing_support::kEq47;
-using testing_support::must;
 
 const std::string kHeadOn = PEERD_SOURCE_DIR "/configs/scenarios/head-on.toml";
 

@@ -16,7 +16,6 @@ namespace peerd::sim::closed_room_test {
 using peerd::testing_support::ScratchFolder;
 using testing_support::ClosedRoom;
 using testing_support::kRoomHalf_m;
-using testing_support::must;
 
 // Kinetic energies are compared up to this part of themselves: the rounding of 14 s of motion.
 constexpr double kRounding = 1e-9;

@@ -21,7 +21,6 @@ namespace peerd::sim::dissector_test {
 using namespace replication;
 using peerd::testing_support::ScratchFolder;
 using peerd::testing_support::text_of;
-using testing_support::must;
 
 // All datagrams of a capture; `seen` counts the values of each field.
 void compare_all(const ScratchFolder& folder, const std::filesystem::path& file,

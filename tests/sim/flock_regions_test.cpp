@@ -6,8 +6,6 @@
 
 namespace peerd::sim::flock_regions_test {
 
-using testing_support::must;
-
 const std::string kFlock = PEERD_SOURCE_DIR "/configs/scenarios/flock-regions.toml";
 const std::filesystem::path kBest = PEERD_SOURCE_DIR "/configs/best.toml";
 constexpr double kTick_ms = 1000.0 / 60.0;

@@ -56,7 +56,7 @@ TEST(HostileNetworks, OneThatLosesEverythingIsReportedNotAwaitedForever) {
   auto scenario = testing_support::scenario_of(
       testing_support::kEq47,
       {"network.loss=1.0", "network.latency_ms=5", "replication.order=1", "replication.approach=dr"});
-  const auto shared = testing_support::must(share_world(scenario.world));
+  const auto shared = must(share_world(scenario.world));
   const auto logs = simulate(scenario.runs.front(), *shared);
   ASSERT_FALSE(logs);
   EXPECT_THAT(logs.error().text, testing::HasSubstr("never had all the others"));
@@ -70,8 +70,8 @@ TEST(HostileNetworks, WhereAllHaveComeLateTheyBeginAnew) {
       "event.2.kind=\"join\"",  "event.2.peer=\"b\"",    "event.3.at_s=3.83",       "event.3.kind=\"leave\"",
       "event.3.peer=\"a\"",     "event.4.at_s=6.2",      "event.4.kind=\"join\"",   "event.4.peer=\"a\""};
   const auto scenario = testing_support::scenario_of(testing_support::kEq47, sets);
-  const auto shared = testing_support::must(share_world(scenario.world));
-  const auto logs = testing_support::must(simulate(scenario.runs.front(), *shared));
+  const auto shared = must(share_world(scenario.world));
+  const auto logs = must(simulate(scenario.runs.front(), *shared));
   std::map<std::string, const PeerLog*> last;
   for (const PeerLog& log : logs) last[log.name] = &log;
   ASSERT_EQ(last.size(), scenario.runs.front().peers.size());

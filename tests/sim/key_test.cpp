@@ -10,7 +10,6 @@ namespace peerd::sim::key_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing_support::must;
 using testing_support::Ran;
 using testing_support::run_scenario;
 

@@ -15,7 +15,6 @@
 namespace peerd::sim::motion_cases_test {
 
 using peerd::testing_support::ScratchFolder;
-using testing_support::must;
 using testing_support::Ran;
 using testing_support::run_scenario;
 

@@ -12,7 +12,6 @@
 
 namespace peerd::sim::newcomers_test {
 
-using testing_support::must;
 using testing_support::Ran;
 using testing_support::run_scenario;
 

@@ -10,17 +10,12 @@
 #include "peerd/lab/live/assemble.hpp"
 #include "peerd/lab/measure/summary.hpp"
 #include "peerd/lab/sim/simulated_run.hpp"
+#include "tests/must.hpp"
 
 // A scenario of the repository, run on the simulated network, with what its report says of it.
 namespace peerd::sim::testing_support {
 
 inline const std::string kEq47 = PEERD_SOURCE_DIR "/configs/scenarios/eq47.toml";
-
-template <class T>
-T must(Result<T> result) {
-  if (!result) throw std::runtime_error(result.error().text);
-  return *std::move(result);
-}
 
 struct Ran {
   config::RunSettings settings;

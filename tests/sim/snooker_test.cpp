@@ -10,8 +10,6 @@
 
 namespace peerd::sim::snooker_test {
 
-using testing_support::must;
-
 const std::string kSnooker = PEERD_SOURCE_DIR "/configs/scenarios/snooker.toml";
 constexpr double kShot_s = 1.0;
 constexpr double kMass_kg = 0.142;  // mass of each of the balls

@@ -126,7 +126,7 @@ std::size_t met(const Ran& ran, const Scene& scene, const char* path) {
 
 TEST_P(Tennis, NobodySeesTheBallGoThroughAnything) {
   const Ran ran = run_scenario(kTennis, GetParam().sets).front();
-  const auto world = testing_support::must(config::load_world(PEERD_SOURCE_DIR "/configs/worlds/tennis.wrl"));
+  const auto world = must(config::load_world(PEERD_SOURCE_DIR "/configs/worlds/tennis.wrl"));
   for (const PeerLog& log : ran.logs) {
     SCOPED_TRACE(log.name);
     const Seen seen = look(world.scene, log);
@@ -151,7 +151,7 @@ TEST(TennisRally, IsSeenToComeOverTheNetWhereTheStraightWayLeadsThroughIt) {
 }
 
 TEST(TennisRally, NorOnManyOtherNetworks) {
-  const auto world = testing_support::must(config::load_world(PEERD_SOURCE_DIR "/configs/worlds/tennis.wrl"));
+  const auto world = must(config::load_world(PEERD_SOURCE_DIR "/configs/worlds/tennis.wrl"));
   for (const char* latency_ms : {"0", "20", "60", "150", "250", "350", "450", "600"}) {
     for (const char* loss : {"0", "0.1", "0.2"}) {
       for (const char* seed : {"1", "2"}) {
@@ -172,7 +172,7 @@ TEST(TennisRally, NorOnManyOtherNetworks) {
 // The check can fail: an object that is not predicted is seen to go on until the news comes.
 TEST(TennisWithoutPrediction, IsSeenToGoThrough) {
   const Ran ran = run_scenario(kTennis, {"network.latency_ms=200", "replication.approach=dr"}).front();
-  const auto world = testing_support::must(config::load_world(PEERD_SOURCE_DIR "/configs/worlds/tennis.wrl"));
+  const auto world = must(config::load_world(PEERD_SOURCE_DIR "/configs/worlds/tennis.wrl"));
   EXPECT_EQ(look(world.scene, ran.logs[0]).crossings, 0u) << "its owner sees the truth";
   EXPECT_GT(look(world.scene, ran.logs[1]).crossings, 0u);
   EXPECT_GT(look(world.scene, ran.logs[2]).crossings, 0u);
@@ -181,7 +181,7 @@ TEST(TennisWithoutPrediction, IsSeenToGoThrough) {
 // The bounces become ever lower and end, and the ball then rolls off.
 TEST(TennisBall, ComesToRestOnTheCourt) {
   const Ran ran = run_scenario(kTennis, {"network.latency_ms=100", "duration_s=14"}).front();
-  const auto world = testing_support::must(config::load_world(PEERD_SOURCE_DIR "/configs/worlds/tennis.wrl"));
+  const auto world = must(config::load_world(PEERD_SOURCE_DIR "/configs/worlds/tennis.wrl"));
   const ObjectId ball = *world.scene.find("BALL");
   for (const PeerLog& log : ran.logs) {
     KinematicState last;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "collision/tree/hierarchy_file.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::hierarchy_files_test {
@@ -21,15 +22,10 @@ TEST(HierarchyFiles, WhatIsWrittenIsMapped) {
   const ScratchFolder folder;
   const auto world = folder / "w.wrl";
   const auto load = mapped_hierarchies(world);
-  const auto none = load("a.hierarchy");
-  ASSERT_TRUE(none) << none.error();
-  EXPECT_FALSE(*none) << "a missing file is no error: it is built instead";
-  const auto written = write_hierarchy_file(world, "a.hierarchy", hierarchy("one"));
-  ASSERT_TRUE(written) << written.error();
-  EXPECT_EQ(*written, folder / "a.hierarchy");
-  const auto mapped = load("a.hierarchy");
-  ASSERT_TRUE(mapped && *mapped);
-  const auto bytes = (*mapped)->bytes;
+  EXPECT_FALSE(must(load("a.hierarchy"))) << "a missing file is no error: it is built instead";
+  EXPECT_EQ(must(write_hierarchy_file(world, "a.hierarchy", hierarchy("one"))), folder / "a.hierarchy");
+  const auto mapped = must(must(load("a.hierarchy")));
+  const auto bytes = mapped.bytes;
   EXPECT_EQ(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()), hierarchy("one"));
 }
 
@@ -37,10 +33,9 @@ TEST(HierarchyFiles, AHierarchyFileIsReplacedInOneStepAndAMappedOneStays) {
   const ScratchFolder folder;
   const auto world = folder / "w.wrl";
   ASSERT_TRUE(write_hierarchy_file(world, "a", hierarchy("old")));
-  const auto old = mapped_hierarchies(world)("a");
-  ASSERT_TRUE(old && *old);
+  const auto old = must(must(mapped_hierarchies(world)("a")));
   ASSERT_TRUE(write_hierarchy_file(world, "a", hierarchy("new")));
-  const auto bytes = (*old)->bytes;
+  const auto bytes = old.bytes;
   EXPECT_EQ(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()), hierarchy("old"));
   EXPECT_EQ(text_of(folder / "a"), hierarchy("new"));
   std::size_t files = 0;

@@ -1,9 +1,7 @@
 #include "peerd/input/number.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 
 namespace peerd::number_test {

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <string>
 
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::text_file_test {
@@ -15,14 +16,9 @@ using testing::HasSubstr;
 
 TEST(ReadTextFile, SaysWhyNot) {
   const testing_support::ScratchFolder folder;
-  const auto none = read_text_file(folder / "none.toml", kSettingsFile);
-  ASSERT_FALSE(none);
-  EXPECT_THAT(none.error().text, HasSubstr("none.toml: error: there is no such file"));
-  EXPECT_EQ(none.error().exit_code, 2);
-  const auto directory = read_text_file(folder.path(), kSettingsFile);
-  ASSERT_FALSE(directory);
-  EXPECT_THAT(directory.error().text, HasSubstr("can't be read"));
-  EXPECT_EQ(directory.error().exit_code, 3);
+  EXPECT_THAT(error_of(read_text_file(folder / "none.toml", kSettingsFile)),
+              IsError(2, HasSubstr("none.toml: error: there is no such file")));
+  EXPECT_THAT(error_of(read_text_file(folder.path(), kSettingsFile)), IsError(3, HasSubstr("can't be read")));
   EXPECT_EQ(read_text_file(folder.write("empty", ""), kSettingsFile), "");
   const std::string bytes("a\0\r\nb", 5);
   EXPECT_EQ(read_text_file(folder.write("bytes", bytes), kSettingsFile), bytes);
@@ -34,13 +30,10 @@ TEST(ReadTextFile, EndsAtALimit) {
   const auto file = folder.write("w", std::string(2 * kMiB, 'x'));
   EXPECT_EQ(read_text_file(file, kLimit)->size(), 2 * kMiB);
   std::ofstream(file, std::ios::app) << 'x';
-  const auto larger = read_text_file(file, kLimit);
-  ASSERT_FALSE(larger);
-  EXPECT_EQ(larger.error().text, file.string() + ": error: it is larger than 2 MiB; --more allows more");
-  EXPECT_EQ(larger.error().exit_code, 2);
-  const auto endless = read_text_file("/dev/zero", kLimit);
-  ASSERT_FALSE(endless);
-  EXPECT_EQ(endless.error().text, "/dev/zero: error: it is larger than 2 MiB; --more allows more");
+  EXPECT_THAT(error_of(read_text_file(file, kLimit)),
+              IsError(2, file.string() + ": error: it is larger than 2 MiB; --more allows more"));
+  EXPECT_EQ(error_of(read_text_file("/dev/zero", kLimit)).text,
+            "/dev/zero: error: it is larger than 2 MiB; --more allows more");
 }
 
 TEST(ReadText, ReadsAStreamToItsEnd) {
@@ -52,10 +45,8 @@ TEST(WriteTextFile, SaysWhyNot) {
   const testing_support::ScratchFolder folder;
   ASSERT_TRUE(write_text_file(folder / "w", "text"));
   EXPECT_EQ(testing_support::text_of(folder / "w"), "text");
-  const auto full = write_text_file("/dev/full", "text");
-  ASSERT_FALSE(full);
-  EXPECT_EQ(full.error().text, "/dev/full: error: can't be written: No space left on device");
-  EXPECT_EQ(full.error().exit_code, 3);
+  EXPECT_THAT(error_of(write_text_file("/dev/full", "text")),
+              IsError(3, "/dev/full: error: can't be written: No space left on device"));
   EXPECT_THAT(write_text_file(folder / "none/w", "text").error().text, HasSubstr("No such file or directory"));
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/scene/reader.hpp"
 #include "peerd/input/world_file.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::world_archive_test {
@@ -72,10 +73,8 @@ TEST_F(Archived, DamageIsSaid) {
     EXPECT_FALSE(unpack(std::string_view(bytes).substr(0, size), kMost_bytes)) << size;
   }
   EXPECT_FALSE(unpack(bytes + "x", kMost_bytes));
-  const auto cut = read_world_file(folder.write("cut", bytes.substr(0, bytes.size() - 1)));
-  ASSERT_FALSE(cut);
-  EXPECT_THAT(cut.error().text, testing::HasSubstr("cut: error: the archive cannot be read: "));
-  EXPECT_EQ(cut.error().exit_code, 1);
+  EXPECT_THAT(error_of(read_world_file(folder.write("cut", bytes.substr(0, bytes.size() - 1)))),
+              IsError(1, testing::HasSubstr("cut: error: the archive cannot be read: ")));
 }
 
 TEST_F(Archived, AChangedByteIsReadOrRefused) {
@@ -97,9 +96,7 @@ TEST(WorldArchive, UnpacksNoMoreThanItMay) {
   const std::string bytes = pack({{{"", std::string(1 << 20, ' ')}}, {}});
   EXPECT_LT(bytes.size(), 10'000u);
   EXPECT_TRUE(unpack(bytes, 2 << 20));
-  const auto archive = unpack(bytes, 1 << 20);
-  ASSERT_FALSE(archive);
-  EXPECT_THAT(archive.error(), testing::HasSubstr("more than 1048576 bytes"));
+  EXPECT_THAT(error_of(unpack(bytes, 1 << 20)), testing::HasSubstr("more than 1048576 bytes"));
 }
 
 }  // namespace peerd::world_archive_test

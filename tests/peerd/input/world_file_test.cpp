@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::world_file_test {
@@ -31,31 +32,26 @@ TEST(WorldFile, ReadsInlinesBesideItAndNamesThem) {
   const ScratchFolder folder;
   folder.write("inner.wrl", "#VRML V2.0 utf8\nDEF INNER Transform { }\n");
   const auto path = folder.write("w.wrl", "#VRML V2.0 utf8\nDEF IN Inline { url \"inner.wrl\" }\n");
-  const auto file = read_world_file(path);
-  ASSERT_TRUE(file) << file.error().text;
-  ASSERT_TRUE((*file)->result.scene);
-  ASSERT_EQ((*file)->result.sources.size(), 2u);
-  EXPECT_EQ((*file)->result.sources[0].name, path.string());
-  EXPECT_THAT((*file)->result.sources[1].name, testing::EndsWith("inner.wrl"));
+  const auto file = must(read_world_file(path));
+  ASSERT_TRUE(file->result.scene);
+  ASSERT_EQ(file->result.sources.size(), 2u);
+  EXPECT_EQ(file->result.sources[0].name, path.string());
+  EXPECT_THAT(file->result.sources[1].name, testing::EndsWith("inner.wrl"));
 }
 
 TEST(WorldFile, AWorldThatIncludesItselfIsNoEndlessOne) {
   const ScratchFolder folder;
   const auto path = folder.write("w.wrl", "#VRML V2.0 utf8\nInline { url \"./w.wrl\" }\n");
-  const auto file = read_world_file(path);
-  ASSERT_TRUE(file);
-  ASSERT_FALSE((*file)->result.diagnostics.empty());
+  const auto file = must(read_world_file(path));
+  ASSERT_FALSE(file->result.diagnostics.empty());
 }
 
 TEST(WorldFile, NoFileIsAnErrorAndOneWithErrorsIsAResult) {
   const ScratchFolder folder;
-  const auto none = read_world_file(folder / "none.wrl");
-  ASSERT_FALSE(none);
-  EXPECT_THAT(none.error().text, HasSubstr("none.wrl: error: there is no such file"));
-  const auto wrong = read_world_file(folder.write("w.wrl", "#VRML V2.0 utf8\nTransform { translation 1 }\n"));
-  ASSERT_TRUE(wrong);
-  EXPECT_FALSE((*wrong)->result.scene);
-  EXPECT_FALSE((*wrong)->result.diagnostics.empty());
+  EXPECT_THAT(error_of(read_world_file(folder / "none.wrl")).text, HasSubstr("none.wrl: error: there is no such file"));
+  const auto wrong = must(read_world_file(folder.write("w.wrl", "#VRML V2.0 utf8\nTransform { translation 1 }\n")));
+  EXPECT_FALSE(wrong->result.scene);
+  EXPECT_FALSE(wrong->result.diagnostics.empty());
 }
 
 TEST(WorldFile, WhatTheWorldAsksForInVainIsAmongItsWarnings) {
@@ -64,11 +60,10 @@ TEST(WorldFile, WhatTheWorldAsksForInVainIsAmongItsWarnings) {
       read_world_file(folder.write("w.wrl", "#VRML V2.0 utf8\nShape { splitThreshold 3 }\nTransform { x 1 }"));
   ASSERT_TRUE(file);
   EXPECT_EQ((*file)->result.diagnostics.size(), 1u) << "of a bad world the errors alone";
-  const auto good = read_world_file(folder.write("w.wrl", "#VRML V2.0 utf8\nShape { splitThreshold 3 }\n"));
-  ASSERT_TRUE(good);
-  ASSERT_EQ((*good)->result.diagnostics.size(), 1u);
-  EXPECT_EQ((*good)->result.diagnostics[0].where.line, 2u);
-  EXPECT_THAT((*good)->result.diagnostics[0].message, testing::StartsWith("splitThreshold does nothing"));
+  const auto good = must(read_world_file(folder.write("w.wrl", "#VRML V2.0 utf8\nShape { splitThreshold 3 }\n")));
+  ASSERT_EQ(good->result.diagnostics.size(), 1u);
+  EXPECT_EQ(good->result.diagnostics[0].where.line, 2u);
+  EXPECT_THAT(good->result.diagnostics[0].message, testing::StartsWith("splitThreshold does nothing"));
 }
 
 TEST(LocalFiles, RefuseByName) {

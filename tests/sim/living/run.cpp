@@ -16,8 +16,6 @@
 namespace peerd::living {
 namespace {
 
-using sim::testing_support::must;
-
 // The interests in file order are those of the world, so no path has to be resolved to know which is which.
 std::vector<Pair> pairs_of(const World& world, std::span<const collision::WatchedInterest> watched) {
   std::vector<Pair> pairs;

@@ -7,10 +7,10 @@
 #include <boost/asio/local/stream_protocol.hpp>
 #include <boost/asio/read_until.hpp>
 #include <boost/asio/write.hpp>
-#include <nlohmann/json.hpp>
 #include <thread>
 #include <utility>
 
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::peer_replies_test {
@@ -60,17 +60,12 @@ TEST_F(PeerReplies, AListIsAskedForUntilItIsWhole) {
 
 TEST_F(PeerReplies, AStatusStaysAsItCame) {
   reply_with({R"({"v":1,"ok":true,"objects":[],"next":7,"counters":{}})"});
-  const auto reply = ask_peer(path, R"({"do":"status"})");
-  ASSERT_TRUE(reply) << reply.error().text;
-  EXPECT_EQ(reply->at("next"), 7);
+  EXPECT_EQ(must(ask_peer(path, R"({"do":"status"})")).at("next"), 7);
 }
 
 TEST_F(PeerReplies, ARefusalIsWrongUse) {
   reply_with({R"({"v":1,"ok":false,"error":"no such request"})"});
-  const auto reply = ask_peer(path, R"({"do":"dance"})");
-  ASSERT_FALSE(reply);
-  EXPECT_EQ(reply.error().exit_code, 2);
-  EXPECT_EQ(reply.error().text, "error: no such request");
+  EXPECT_THAT(error_of(ask_peer(path, R"({"do":"dance"})")), IsError(2, "error: no such request"));
 }
 
 TEST(ReadReply, SaysThatItIsNoPeerOfThisVersion) {

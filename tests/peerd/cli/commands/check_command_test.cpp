@@ -3,11 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <vector>
-
 #include <nlohmann/json.hpp>
 
 #include "tests/core/gzip_text.hpp"
+#include "tests/has_members.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/cli/outcome.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
@@ -67,24 +67,16 @@ TEST(Check, JsonOfAGoodWorldCountsAll) {
               testing::IsSupersetOf({"nodes", "instances", "groups", "shapes", "depth", "geometries", "polygons",
                                      "triangles", "faces", "face_triangles", "polygons_instanced",
                                      "triangles_instanced", "interests", "key_sensors", "routes", "pending_inlines"}));
-  EXPECT_EQ(s["groups"], 3);
-  EXPECT_EQ(s["shapes"], 2);
-  EXPECT_EQ(s["depth"], 3);
-  EXPECT_EQ(s["polygons"], 3);
-  EXPECT_EQ(s["triangles"], 5);
-  EXPECT_EQ(s["polygons_instanced"], 6);
+  EXPECT_THAT(s, HasMembers(R"(
+    {"groups": 3, "shapes": 2, "depth": 3, "polygons": 3, "triangles": 5, "polygons_instanced": 6})"));
 
   const Json& d = json["defects"];
   EXPECT_THAT(keys_of(d),
               ElementsAre("degenerate", "duplicate", "non_planar", "warped", "non_manifold", "non_manifold_edges",
                           "boundary_edges", "same_direction_edges", "edges_without_length", "first"));
-  EXPECT_EQ(d["degenerate"], 1);
-  EXPECT_EQ(d["duplicate"], 1);
-  EXPECT_EQ(d["non_planar"], 2);
-  EXPECT_EQ(d["warped"], 2);
-  EXPECT_EQ(d["non_manifold"], 3);
-  EXPECT_EQ(d["non_manifold_edges"], 1);
-  EXPECT_EQ(d["boundary_edges"], 2);
+  EXPECT_THAT(d, HasMembers(R"(
+    {"degenerate": 1, "duplicate": 1, "non_planar": 2, "warped": 2, "non_manifold": 3,
+    "non_manifold_edges": 1, "boundary_edges": 2})"));
   EXPECT_EQ(d["first"]["duplicate"], (Json{{"shape", "HULL/SKIN"}, {"polygon", 2}}));
   EXPECT_EQ(d["first"]["degenerate"]["polygon"], 1);
 }
@@ -278,10 +270,9 @@ TEST(Check, SaysWhereThingsHaveMovedByThen) {
                    "#VRML V2.0 utf8\nDEF LIFT Transform { }\nDEF T TimeSensor { cycleInterval 4 loop TRUE }\n"
                    "DEF P PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0, 0 8 0 ] }\n"
                    "ROUTE T.fraction_changed TO P.set_fraction ROUTE P.value_changed TO LIFT.translation\n");
-  const auto moving = check(path, {.json = true, .copy = {}, .at_s = 5.0}).json()["moving"];
-  ASSERT_EQ(moving.size(), 1u);
-  EXPECT_EQ(moving[0]["path"], "LIFT");
-  EXPECT_NEAR(moving[0]["position"][1].get<double>(), 2.0, 1e-9);
+  const auto moving = only(check(path, {.json = true, .copy = {}, .at_s = 5.0}).json()["moving"]);
+  EXPECT_EQ(moving["path"], "LIFT");
+  EXPECT_NEAR(moving["position"][1].get<double>(), 2.0, 1e-9);
 }
 
 TEST(Check, WritesACopyThatNeedsNoOtherFile) {

@@ -9,6 +9,7 @@
 #include "peerd/lab/live/assemble.hpp"
 #include "peerd/lab/measure/summary.hpp"
 #include "peerd/net/keys/key_file.hpp"
+#include "tests/must.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 #include "tests/net/wire.hpp"
@@ -71,12 +72,11 @@ class PeerProcess : public testing::Test {
   }
   // The record assembled from the peers' records.
   nlohmann::ordered_json summary_of(const Words& names, const Words& sets) {
-    const auto scenario = config::read_scenario(
-        {.file = folder / "s.toml", .configs = {}, .sets = sets, .seed = {}, .real = true, .sweep = true});
-    EXPECT_TRUE(scenario) << scenario.error().text;
-    config::RunSettings run = scenario->runs.front();
+    const auto scenario = must(config::read_scenario(
+        {.file = folder / "s.toml", .configs = {}, .sets = sets, .seed = {}, .real = true, .sweep = true}));
+    config::RunSettings run = scenario.runs.front();
     std::erase_if(run.peers, [&](const auto& p) { return std::ranges::find(names, p.name) == names.end(); });
-    const auto shared = share_world(scenario->world);
+    const auto shared = share_world(scenario.world);
     std::vector<PeerLog> logs;
     for (const std::string& name : names) {
       auto log = load_peer_log(record_of(name));

@@ -11,6 +11,7 @@
 #include "peerd/peer/config/peer_settings.hpp"
 #include "peerd/peer/store/operation_store.hpp"
 #include "peerd/peer/store/stored_world.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 #include "tests/replication/peer/operations.hpp"
 
@@ -25,21 +26,17 @@ class StoreCommand : public testing::Test {
  protected:
   StoreCommand() {
     folder.write("w.wrl", "#VRML V2.0 utf8\nDEF CAR Transform { children Shape { geometry Box { } } }\n");
-    const auto world = config::load_world(folder / "w.wrl", {});
-    EXPECT_TRUE(world);
-    begin(world->hash);
+    begin(must(config::load_world(folder / "w.wrl", {})).hash);
   }
   // A store in which author 7 has added BOX.
   void begin(std::uint64_t genesis) {
-    auto store = store::OperationStore::open(folder / "store", genesis, {AuthorId{7}});
-    ASSERT_TRUE(store) << store.error().text;
+    auto store = must(store::OperationStore::open(folder / "store", genesis, {AuthorId{7}}));
     const replication::Operation add{{AuthorId{7}, 1},
                                      SimTime{std::chrono::milliseconds(2500)},
                                      replication::AddNodes{{}, {}, "#VRML V2.0 utf8\nDEF BOX Group { }\n", 0, 0, {}}};
     bytes = replication::encode(add);
     const replication::OperationPart part{AuthorId{7}, 0, bytes};
-    const auto stored = (*store)->append({&part, 1});
-    ASSERT_TRUE(stored) << stored.error().text;
+    must(store->append({&part, 1}));
   }
   int check(bool json) {
     return said([&] { return run_store_check({folder / "store", json}, out); });
@@ -106,9 +103,8 @@ TEST_F(StoreCommand, ExportNeedsNoFileWhereTheStoreKeepsTheWorld) {
   EXPECT_THAT(err, AllOf(HasSubstr("keeps no world"), HasSubstr("--world FILE")));
   WorldReading reading;
   reading.keeps_archive = true;
-  const auto world = config::load_world(folder / "w.wrl", reading);
-  ASSERT_TRUE(world);
-  const store::StoredWorld kept{"mine", world->hash, "", world->archive};
+  const auto world = must(config::load_world(folder / "w.wrl", reading));
+  const store::StoredWorld kept{"mine", world.hash, "", world.archive};
   ASSERT_TRUE(store::write_world(folder / "store", kept));
   EXPECT_EQ(write(""), 0) << err;
   EXPECT_THAT(out.str(), AllOf(HasSubstr("DEF CAR "), HasSubstr("DEF BOX ")));

@@ -53,9 +53,7 @@ TEST_F(ChaosCommand, AViolationIsPrintedWithASmallerRunThatFails) {
   ASSERT_NE(smaller, std::string::npos) << out;
   const std::string line = out.substr(smaller, out.find('\n', smaller) - smaller);
   EXPECT_THAT(line, HasSubstr("peerd sim --chaos 5 --chaos-seconds 22 --chaos-peers 2 --chaos-without f"));
-  chaos::ChaosLimits limits;
-  limits.seconds = 22.0;
-  limits.peers = 2;
+  chaos::ChaosLimits limits{.seconds = 22.0, .peers = 2};
   ASSERT_TRUE(chaos::read_without(line.substr(line.rfind(' ') + 1), limits));
   const ChaosPlan plan = chaos::draw_plan(5, limits);
   EXPECT_TRUE(plan.faults.empty());

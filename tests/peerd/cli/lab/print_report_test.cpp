@@ -14,12 +14,11 @@ using testing::HasSubstr;
 using testing::internal::CaptureStdout, testing::internal::GetCapturedStdout;
 
 TEST(CommandLine, CanBeGivenToAShell) {
-  ScenarioOptions options;
-  options.scenario = "my scenarios/it's.toml";
-  options.configs = {"configs/best.toml"};
-  options.sets = {"network.latency_ms=5", "replication.order=[1, 2]"};
-  options.seed = 7;
-  options.out = "elsewhere";
+  const ScenarioOptions options{.scenario = "my scenarios/it's.toml",
+                                .configs = {"configs/best.toml"},
+                                .sets = {"network.latency_ms=5", "replication.order=[1, 2]"},
+                                .seed = 7,
+                                .out = "elsewhere"};
   EXPECT_EQ(command_line("sim", options),
             "peerd sim 'my scenarios/it'\\''s.toml' --config configs/best.toml --set network.latency_ms=5 "
             "--set 'replication.order=[1, 2]' --seed 7");
@@ -29,12 +28,8 @@ TEST(PrintReport, SaysByItsExitCodeWhetherExpectationsHeld) {
   const testing_support::ScratchFolder folder;
   const std::vector<measure::RunRecord> runs{measure::samples::zigzag_run(0.1)};
   const measure::ScenarioInfo info{"zigzag", "sim", 7, {}};
-  config::Expectation expected;
-  expected.name = "few";
-  expected.that = "updates_sent";
-  expected.object = "CAR";
-  expected.where = nlohmann::ordered_json::object();
-  expected.runs = {0};
+  config::Expectation expected{
+      .name = "few", .that = "updates_sent", .object = "CAR", .where = nlohmann::ordered_json::object(), .runs = {0}};
   const auto print = [&](double at_most, bool json) {
     expected.at_most = at_most;
     CaptureStdout();

@@ -16,7 +16,6 @@ namespace peerd::sim::replay_command_test {
 using peerd::testing_support::ScratchFolder;
 using peerd::testing_support::text_of;
 using testing::HasSubstr;
-using testing_support::must;
 
 // Captures what a command prints during its lifetime.
 class Printed {
@@ -44,11 +43,9 @@ struct Replayed {
 Replayed replay(const std::filesystem::path& file, const std::filesystem::path& record = {},
                 const std::filesystem::path& world = {}) {
   const Printed printed;
-  Replayed out;
-  out.code = run_replay({.file = file, .world = world, .record = record, .json = true});
-  out.json = nlohmann::json::parse(printed.text(), nullptr, false);
-  out.error = printed.errors();
-  return out;
+  return {.code = run_replay({.file = file, .world = world, .record = record, .json = true}),
+          .json = nlohmann::json::parse(printed.text(), nullptr, false),
+          .error = printed.errors()};
 }
 
 struct Case {

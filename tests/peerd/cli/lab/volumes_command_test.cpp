@@ -7,12 +7,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/has_members.hpp"
 #include "tests/peerd/cli/outcome.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::volumes_command_test {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::SizeIs;
 using testing_support::Outcome;
@@ -36,10 +36,7 @@ TEST(Volumes, OfACubeAreKnown) {
   EXPECT_EQ(json["rotations"], 7);
   ASSERT_THAT(json["shapes"], SizeIs(1));
   const Json& cube = json["shapes"][0];
-  EXPECT_EQ(cube["path"], "CUBE");
-  EXPECT_EQ(cube["polygons"], 6);
-  EXPECT_EQ(cube["triangles"], 12);
-  EXPECT_EQ(cube["vertices"], 8);
+  EXPECT_THAT(cube, HasMembers(R"({"path": "CUBE", "polygons": 6, "triangles": 12, "vertices": 8})"));
   EXPECT_EQ(cube["box"], Json::parse(R"({"lo": [-1.0, -1.0, -1.0], "hi": [1.0, 1.0, 1.0]})"));
   EXPECT_EQ(cube["hull"]["corners"], 8);
   EXPECT_NEAR(cube["hull"]["volume_m3"], 8.0, 1e-9);
@@ -82,15 +79,10 @@ TEST(Volumes, HierarchiesHaveTheirMeasures) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const Json trees = outcome.json()["shapes"][0]["hierarchies"];
   ASSERT_THAT(trees, SizeIs(2));
-  EXPECT_EQ(trees[0]["height"], 7);
-  EXPECT_EQ(trees[0]["least_height"], 7);
-  EXPECT_EQ(trees[0]["nodes"], 255);
+  EXPECT_THAT(trees[0], HasMembers(R"({"height": 7, "least_height": 7, "nodes": 255})"));
   EXPECT_THAT(trees[0]["level_percent"], SizeIs(8));
   EXPECT_NEAR(trees[0]["level_percent"][0], 100.0, 1e-9);
-  EXPECT_EQ(trees[1]["k"], 6);
-  EXPECT_EQ(trees[1]["height"], 4);
-  EXPECT_EQ(trees[1]["least_height"], 4);
-  EXPECT_EQ(trees[1]["nodes"], 31);
+  EXPECT_THAT(trees[1], HasMembers(R"({"k": 6, "height": 4, "least_height": 4, "nodes": 31})"));
   EXPECT_LT(trees[1]["bytes"], trees[0]["bytes"]);
 }
 

@@ -8,7 +8,6 @@ namespace peerd::help_commands_test {
 
 using testing::HasSubstr;
 using testing_support::Program;
-using testing_support::Said;
 
 TEST_F(Program, HelpAndVersionAreCommands) {
   EXPECT_EQ(run("help").out, run("--help").out);

@@ -1,7 +1,5 @@
 #include <gmock/gmock.h>
 
-#include <string>
-
 #include "tests/peerd/cli/program/program.hpp"
 
 namespace peerd::session_commands_test {

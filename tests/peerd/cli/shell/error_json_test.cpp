@@ -1,6 +1,5 @@
 #include "peerd/cli/shell/error_json.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <sstream>

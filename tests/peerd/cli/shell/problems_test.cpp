@@ -8,6 +8,7 @@
 #include <sstream>
 #include <string>
 
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::problems_test {
@@ -18,9 +19,9 @@ using testing_support::ScratchFolder;
 TEST(Problems, AWorldWithASceneIsGiven) {
   const ScratchFolder folder;
   std::ostringstream err;
-  const auto world = open_world(folder.write("w.wrl", "#VRML V2.0 utf8\nDEF A Transform { }\n").string(), {}, err);
-  ASSERT_TRUE(world);
-  EXPECT_TRUE((*world)->result.scene->find("A"));
+  const auto world =
+      must(open_world(folder.write("w.wrl", "#VRML V2.0 utf8\nDEF A Transform { }\n").string(), {}, err));
+  EXPECT_TRUE(world->result.scene->find("A"));
   EXPECT_EQ(err.str(), "");
 }
 
@@ -38,11 +39,10 @@ TEST(Problems, ManyAreCountedAndTheFirstOnesShown) {
   const ScratchFolder folder;
   std::string text = "#VRML V2.0 utf8\n";
   for (int i = 0; i < 30; ++i) text += "Nonsense" + std::to_string(i) + " { }\n";
-  const auto file = read_world_file(folder.write("w.wrl", text));
-  ASSERT_TRUE(file);
+  const auto file = must(read_world_file(folder.write("w.wrl", text)));
   std::ostringstream err;
-  const ProblemCount count = print_problems((*file)->result, err);
-  EXPECT_EQ(count.errors + count.warnings, (*file)->result.diagnostics.size());
+  const ProblemCount count = print_problems(file->result, err);
+  EXPECT_EQ(count.errors + count.warnings, file->result.diagnostics.size());
   ASSERT_GT(std::max(count.errors, count.warnings), kShownProblems);
   EXPECT_THAT(err.str(), HasSubstr("Nonsense0"));
   EXPECT_THAT(err.str(), testing::Not(HasSubstr("Nonsense29")));

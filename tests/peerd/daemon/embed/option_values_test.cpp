@@ -2,11 +2,12 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/must.hpp"
+
 namespace peerd::embed::option_values_test {
 
 using testing::Contains;
 using testing::HasSubstr;
-using testing::StartsWith;
 
 TEST(OptionValues, AreThoseOfThePeersCommand) {
   OptionValues values;
@@ -24,28 +25,26 @@ TEST(OptionValues, AreThoseOfThePeersCommand) {
                                     {"view", "127.0.0.1:0"}}) {
     EXPECT_TRUE(values.set(name, value)) << name;
   }
-  const auto options = values.peer_options();
-  ASSERT_TRUE(options);
-  EXPECT_EQ(options->peer, "ada");
-  EXPECT_TRUE(options->take_over);
-  EXPECT_EQ(options->store.folder, "/s");
-  EXPECT_EQ(options->control, "/c");
-  EXPECT_EQ(options->view, "127.0.0.1:0");
+  const auto options = must(values.peer_options());
+  EXPECT_EQ(options.peer, "ada");
+  EXPECT_TRUE(options.take_over);
+  EXPECT_EQ(options.store.folder, "/s");
+  EXPECT_EQ(options.control, "/c");
+  EXPECT_EQ(options.view, "127.0.0.1:0");
   for (const char* set : {"world=\"/w.wrl\"", "peer.ada.id=7", "peer.ada.owns=[\"CAR\",\"CRATE\"]",
                           "transport.port=4000", "transport.sealed=false", "replication.order=2"}) {
-    EXPECT_THAT(options->sets, Contains(set));
+    EXPECT_THAT(options.sets, Contains(set));
   }
 }
 
 TEST(OptionValues, HaveNoStoreNoSocketAndNoPageByThemselves) {
   OptionValues values;
   ASSERT_TRUE(values.set("world", "/w.wrl"));
-  const auto options = values.peer_options();
-  ASSERT_TRUE(options);
-  EXPECT_FALSE(options->store.is_wanted());
-  EXPECT_EQ(options->control, "");
-  EXPECT_EQ(options->view, std::nullopt);
-  EXPECT_TRUE(options->log_to) << "a library does not print";
+  const auto options = must(values.peer_options());
+  EXPECT_FALSE(options.store.is_wanted());
+  EXPECT_EQ(options.control, "");
+  EXPECT_EQ(options.view, std::nullopt);
+  EXPECT_TRUE(options.log_to) << "a library does not print";
 }
 
 TEST(OptionValues, RefuseWhatIsNone) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "replication/wire/codec.hpp"
+#include "tests/must.hpp"
 
 namespace peerd::worlds_here_test {
 
@@ -19,9 +20,7 @@ World world(const std::string& name, std::uint64_t session) {
 
 TEST(ChooseWorld, TakesTheOneThatIsNamed) {
   const std::vector<World> worlds{world("eq47", 1), world("town", 2)};
-  const auto chosen = choose_world(worlds, "town");
-  ASSERT_TRUE(chosen);
-  EXPECT_EQ(*chosen, &worlds[1]);
+  EXPECT_EQ(must(choose_world(worlds, "town")), &worlds[1]);
 }
 
 TEST(ChooseWorld, TakesTheOnlyOneWithoutAName) {
@@ -37,11 +36,10 @@ TEST(ChooseWorld, KnowsWhenThereIsNone) {
 }
 
 TEST(ChooseWorld, AsksWhichOfSeveral) {
-  const auto nameless = choose_world({world("eq47", 1), world("town", 2)}, "");
-  ASSERT_FALSE(nameless);
-  EXPECT_EQ(nameless.error().exit_code, kNoSuchWorld);
-  EXPECT_THAT(nameless.error().text, HasSubstr("which of these worlds?"));
-  EXPECT_THAT(nameless.error().text, HasSubstr("town"));
+  const auto nameless = error_of(choose_world({world("eq47", 1), world("town", 2)}, ""));
+  EXPECT_EQ(nameless.exit_code, kNoSuchWorld);
+  EXPECT_THAT(nameless.text, HasSubstr("which of these worlds?"));
+  EXPECT_THAT(nameless.text, HasSubstr("town"));
   EXPECT_FALSE(choose_world({world("town", 1), world("town", 2)}, "town")) << "two sessions have that name";
 }
 

@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "tests/must.hpp"
+
 namespace peerd::line_limiter_test {
 namespace {
 
@@ -49,14 +51,12 @@ TEST(LineLimiter, CountsWhatItLeavesOutOnce) {
   for (int i = 0; i < 5; ++i) (void)limiter.admits(kStart, "a 1");
   for (int i = 0; i < 3; ++i) (void)limiter.admits(kStart + seconds(5), "b 1");
   EXPECT_TRUE(limiter.take_left_out(kStart + LineLimiter::kReportAfter - milliseconds(1)).empty());
-  const auto first = limiter.take_left_out(kStart + LineLimiter::kReportAfter);
-  ASSERT_EQ(first.size(), 1u);
-  EXPECT_EQ(first.front().kind, "a #");
-  EXPECT_EQ(first.front().lines, 4u);
-  const auto rest = limiter.take_all_left_out();
-  ASSERT_EQ(rest.size(), 1u);
-  EXPECT_EQ(rest.front().kind, "b #");
-  EXPECT_EQ(rest.front().lines, 2u);
+  const auto first = only(limiter.take_left_out(kStart + LineLimiter::kReportAfter));
+  EXPECT_EQ(first.kind, "a #");
+  EXPECT_EQ(first.lines, 4u);
+  const auto rest = only(limiter.take_all_left_out());
+  EXPECT_EQ(rest.kind, "b #");
+  EXPECT_EQ(rest.lines, 2u);
   EXPECT_TRUE(limiter.take_all_left_out().empty());
 }
 

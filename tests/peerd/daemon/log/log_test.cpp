@@ -7,11 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "tests/has_members.hpp"
+
 namespace peerd::log_test {
 namespace {
-
-using testing::ElementsAre;
-using testing::HasSubstr;
 
 // Returns what a log of these options writes of these lines.
 std::string written(const Log::Options& options, const std::vector<LogLine>& lines) {
@@ -33,9 +32,8 @@ TEST(Log, JsonIsOneObjectForEachLine) {
       written({.format = LogFormat::kJson}, {{LogLevel::kError, "two\nlines of \"text\" {not a field} %v"}});
   EXPECT_EQ(std::ranges::count(text, '\n'), 1);
   const auto line = nlohmann::json::parse(text);
-  EXPECT_EQ(line["peer"], "ada \"the first\"");
-  EXPECT_EQ(line["level"], "error");
-  EXPECT_EQ(line["text"], "two\nlines of \"text\" {not a field} %v");
+  EXPECT_THAT(line, HasMembers(R"(
+    {"peer": "ada \"the first\"", "level": "error", "text": "two\nlines of \"text\" {not a field} %v"})"));
 }
 
 TEST(Log, TheJournalGetsPriorities) {

@@ -6,6 +6,8 @@
 #include <ostream>
 #include <string>
 
+#include "tests/must.hpp"
+
 namespace peerd::cache_warmer_test {
 
 using replication::PublishPolicy;
@@ -28,9 +30,8 @@ void expect_sends_updates(CacheWarmer& cache_warmer) {
 
 // Cache warming works with every publish policy.
 TEST_P(CacheWarmerOf, UpdatesInEachRun) {
-  const auto cache_warmer = CacheWarmer::make(GetParam().policy);
-  ASSERT_TRUE(cache_warmer) << cache_warmer.error().sentence;
-  expect_sends_updates(**cache_warmer);
+  const auto cache_warmer = must(CacheWarmer::make(GetParam().policy));
+  expect_sends_updates(*cache_warmer);
 }
 
 PublishPolicy with(auto change) {
@@ -48,11 +49,10 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& instance) { return std::string(instance.param.name); });
 
 TEST(CacheWarmer, UpdatesInEachRunOfAnotherSession) {
-  const auto cache_warmer = CacheWarmer::make({}, 500);
-  ASSERT_TRUE(cache_warmer) << cache_warmer.error().sentence;
-  for (int i = 0; i < 1000; ++i) (*cache_warmer)->run();
-  EXPECT_EQ((*cache_warmer)->sessions(), 3u);
-  expect_sends_updates(**cache_warmer);
+  const auto cache_warmer = must(CacheWarmer::make({}, 500));
+  for (int i = 0; i < 1000; ++i) cache_warmer->run();
+  EXPECT_EQ(cache_warmer->sessions(), 3u);
+  expect_sends_updates(*cache_warmer);
 }
 
 }  // namespace peerd::cache_warmer_test

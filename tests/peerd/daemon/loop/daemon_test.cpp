@@ -34,9 +34,7 @@ class Waiting : public testing::Test {
  protected:
   Waiting() {
     shared = std::move(*share_world(folder.write("w.wrl", "#VRML V2.0 utf8\nDEF CAR Transform { }\n")));
-    config::PeerSettings settings;
-    settings.name = "a";
-    settings.id = 1;
+    const config::PeerSettings settings{.name = "a", .id = 1};
     config::PeerObjects objects;
     objects.owned = {*shared->world.scene.find("CAR")};
     node = PeerNode::make(settings, {}, *shared, std::move(objects), {});
@@ -139,9 +137,7 @@ net::MulticastOptions options_over(const char* interface) {
 // A peer with all that it needs, and the lines of its log.
 struct Peer {
   Peer(const SharedWorld& shared, const std::string& name, std::uint32_t id, const net::MulticastOptions& options) {
-    config::PeerSettings settings;
-    settings.name = name;
-    settings.id = id;
+    const config::PeerSettings settings{.name = name, .id = id};
     node = PeerNode::make(settings, {}, shared, {}, {});
     transport = *net::MulticastSocket::open(io, clock, options);
     daemon = std::make_unique<Daemon>(

@@ -12,10 +12,8 @@
 namespace peerd::service_test {
 namespace {
 
-using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::Not;
 using testing_support::Notified;
 
 class ServiceOfPeer : public testing::Test {

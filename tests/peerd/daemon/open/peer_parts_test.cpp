@@ -2,11 +2,11 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::peer_parts_test {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
 
 class Parts : public testing::Test {
@@ -26,17 +26,15 @@ class Parts : public testing::Test {
 
 TEST_F(Parts, AreOfThePeerThatIsNamed) {
   options.peer = "a";
-  const auto a = make_parts(options, [](const std::string& warning) { ADD_FAILURE() << warning; });
-  ASSERT_TRUE(a) << a.error().text;
-  EXPECT_EQ(a->settings->id, 1u);
-  EXPECT_EQ(a->settings, &a->run().peers[0]);
-  EXPECT_EQ(a->world_name(options), "w");
-  EXPECT_NE(a->session, 0u);
+  const auto a = must(make_parts(options, [](const std::string& warning) { ADD_FAILURE() << warning; }));
+  EXPECT_EQ(a.settings->id, 1u);
+  EXPECT_EQ(a.settings, &a.run().peers[0]);
+  EXPECT_EQ(a.world_name(options), "w");
+  EXPECT_NE(a.session, 0u);
   options.peer = "b";
-  const auto b = make_parts(options, [](const std::string&) {});
-  ASSERT_TRUE(b);
-  EXPECT_EQ(b->settings->id, 2u);
-  EXPECT_EQ(b->session, a->session) << "they are in one session";
+  const auto b = must(make_parts(options, [](const std::string&) {}));
+  EXPECT_EQ(b.settings->id, 2u);
+  EXPECT_EQ(b.session, a.session) << "they are in one session";
 }
 
 TEST_F(Parts, SayWhichPeersThereAre) {

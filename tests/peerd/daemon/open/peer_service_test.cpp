@@ -5,8 +5,6 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
-#include <algorithm>
-
 #include "tests/net/controlled_peers.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"

@@ -7,6 +7,7 @@
 
 #include "peerd/peer/config/scenario.hpp"
 #include "peerd/peer/control/request.hpp"
+#include "tests/must.hpp"
 
 namespace peerd::reload_test {
 namespace {
@@ -15,13 +16,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 
 config::RunSettings settings(const std::string& more) {
-  config::ScenarioRequest request;
-  request.text = "world = \"w.wrl\"\n" + more;
-  request.real = true;
-  request.sweep = false;
-  const auto scenario = config::read_scenario(request);
-  EXPECT_TRUE(scenario) << scenario.error().text;
-  return scenario->runs.front();
+  return must(config::read_scenario({.real = true, .sweep = false, .text = "world = \"w.wrl\"\n" + more})).runs.front();
 }
 
 Reload reload(const std::string& before, const std::string& after) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::roster_file_test {
@@ -28,20 +29,15 @@ TEST_F(RosterFiles, KeepTheOnesBefore) {
   ASSERT_TRUE(save_roster(file, one));
   ASSERT_TRUE(save_roster(file, two));
   ASSERT_TRUE(save_roster(file, two)) << "the same once more";
-  const auto read = read_roster(file);
-  ASSERT_TRUE(read && *read);
-  EXPECT_EQ((*read)->text(), two.text());
-  const auto earlier = read_earlier_rosters(file);
-  ASSERT_EQ(earlier.size(), 1u);
-  EXPECT_EQ(earlier[0].text(), one.text());
+  EXPECT_EQ(must(must(read_roster(file))).text(), two.text());
+  EXPECT_EQ(only(read_earlier_rosters(file)).text(), one.text());
 }
 
 TEST_F(RosterFiles, AreNotReplacedByOlderOnesOrThoseOfOthers) {
   ASSERT_TRUE(save_roster(file, two));
   for (const Roster& other : {one, Roster::first("town", "cy", Identity::random())}) {
-    const auto saved = save_roster(file, other);
-    ASSERT_FALSE(saved);
-    EXPECT_THAT(saved.error().text, HasSubstr("is a later one, or of another world, or by other administrators"));
+    EXPECT_THAT(error_of(save_roster(file, other)).text,
+                HasSubstr("is a later one, or of another world, or by other administrators"));
   }
   EXPECT_EQ((*read_roster(file))->text(), two.text());
 }
@@ -49,9 +45,7 @@ TEST_F(RosterFiles, AreNotReplacedByOlderOnesOrThoseOfOthers) {
 TEST_F(RosterFiles, AreErrorsWhereTheyAreDamaged) {
   ASSERT_TRUE(save_roster(file, one));
   folder.write("keys/town.roster", one.text() + "x");
-  const auto read = read_roster(file);
-  ASSERT_FALSE(read);
-  EXPECT_EQ(read.error().exit_code, 1);
+  EXPECT_EQ(error_of(read_roster(file)).exit_code, 1);
   EXPECT_FALSE(save_roster(file, two)) << "nor written over";
 }
 

@@ -6,7 +6,6 @@ namespace peerd::run_flags_test {
 
 using testing::Contains;
 using testing::ElementsAre;
-using testing::Not;
 using testing::StartsWith;
 
 TEST(RunFlags, DescribeAPeerWithoutAConfiguration) {
@@ -31,9 +30,7 @@ TEST(RunFlags, GiveAPeerWithoutANumberOneThatNobodyElseHas) {
 }
 
 TEST(RunFlags, SayNothingOfAPeerThatAConfigurationHas) {
-  PeerOptions options;
-  options.config = "c.toml";
-  options.peer = "b";
+  PeerOptions options{.config = "c.toml", .peer = "b"};
   EXPECT_THAT(as_settings({.key = "/k", .open = false}, options), ElementsAre(R"(transport.key_file="/k")"));
   EXPECT_THAT(as_settings({.open = true}, options), ElementsAre("transport.sealed=false"));
   EXPECT_THAT(as_settings({.password = "-"}, options), ElementsAre(R"(transport.password_file="-")"));

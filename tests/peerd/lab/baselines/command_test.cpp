@@ -50,10 +50,7 @@ TEST(CommandOfAPlayer, UnknownBitsAndTooManyKeysAreRefused) {
 
 // The source goes by where its objects are at each tick, so that rounding does not add up.
 TEST(CommandSourceOfAPlayer, KeepsAnObjectOnItsMotion) {
-  motion::MotionFormula formula;
-  formula.x = "3 * sin(t)";
-  formula.z = "2 * t";
-  formula.angle = "0.7 * t";
+  const motion::MotionFormula formula{.x = "3 * sin(t)", .z = "2 * t", .angle = "0.7 * t"};
   config::Motions motions;
   motions.emplace(ObjectId{}, motion::MotionSource(*motion::FormulaMotion::make(formula, "a test", 20.0)));
   CommandSource source(motions, {{0.5, {65, 0}}});

@@ -4,6 +4,8 @@
 
 #include <array>
 
+#include "tests/must.hpp"
+
 namespace peerd::baselines::game_message_test {
 
 using replication::BitReader;
@@ -13,29 +15,26 @@ constexpr SimTime kStart{std::chrono::seconds(3)};
 constexpr std::array<std::size_t, 2> kDriven{0, 1};
 
 ClientMessage example() {
-  ClientMessage message;
-  message.player = 1;
-  message.first_tick = 4000;
-  message.commands = {{{{{1, 2, 3}, {}}}, {}}, {{{{}, {4, 5, 6}}}, {{70, 1}}}};
-  message.last_event = 9;
-  message.seen = kStart + std::chrono::milliseconds(1234);
-  message.blocks = {0, 77, 300};
-  return message;
+  return {.player = 1,
+          .first_tick = 4000,
+          .commands = {{{{{1, 2, 3}, {}}}, {}}, {{{{}, {4, 5, 6}}}, {{70, 1}}}},
+          .last_event = 9,
+          .seen = kStart + std::chrono::milliseconds(1234),
+          .blocks = {0, 77, 300}};
 }
 
 TEST(ClientMessage, ComesBackAsItWasWritten) {
   std::array<std::byte, 1024> bytes{};
   const std::size_t size = write(example(), kStart, bytes);
-  const auto read = read_client_message(std::span(bytes).first(size), kStart, kDriven, 3);
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->player, 1u);
-  EXPECT_EQ(read->first_tick, 4000u);
-  ASSERT_EQ(read->commands.size(), 2u);
-  EXPECT_EQ(read->commands[1].drives, example().commands[1].drives);
-  EXPECT_EQ(read->commands[1].keys, example().commands[1].keys);
-  EXPECT_EQ(read->last_event, 9u);
-  EXPECT_EQ(read->seen, example().seen);
-  EXPECT_EQ(read->blocks, example().blocks);
+  const auto read = must(read_client_message(std::span(bytes).first(size), kStart, kDriven, 3));
+  EXPECT_EQ(read.player, 1u);
+  EXPECT_EQ(read.first_tick, 4000u);
+  ASSERT_EQ(read.commands.size(), 2u);
+  EXPECT_EQ(read.commands[1].drives, example().commands[1].drives);
+  EXPECT_EQ(read.commands[1].keys, example().commands[1].keys);
+  EXPECT_EQ(read.last_event, 9u);
+  EXPECT_EQ(read.seen, example().seen);
+  EXPECT_EQ(read.blocks, example().blocks);
 }
 
 TEST(ClientMessage, ThatIsCutOffIsRefused) {

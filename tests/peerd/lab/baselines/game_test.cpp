@@ -6,8 +6,6 @@
 
 namespace peerd::baselines::game_test {
 
-using sim::testing_support::must;
-
 class GameTest : public testing::Test {
  protected:
   config::Scenario scenario_ = sim::testing_support::scenario_of(PEERD_SOURCE_DIR "/tests/sim/worlds/meeting.toml");

@@ -10,7 +10,6 @@
 namespace peerd::baselines::responsiveness_test {
 
 using measure::GhostSample;
-using sim::testing_support::must;
 
 Vec3 way(double t_s) { return {5.0 * std::sin(t_s), 0.0, 2.0 * t_s}; }
 

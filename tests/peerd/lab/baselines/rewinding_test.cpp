@@ -3,11 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "peerd/peer/node/peer_node.hpp"
+#include "tests/must.hpp"
 #include "tests/sim/run_scenario.hpp"
 
 namespace peerd::baselines::rewinding_test {
-
-using sim::testing_support::must;
 
 // LEFT moves to the right; RIGHT was there at first, and has gone far away since.
 class RewindingTest : public testing::Test {
@@ -48,19 +47,16 @@ TEST_F(RewindingTest, OneTouchIsOneContact) {
 
 TEST_F(RewindingTest, TheOtherPlayersViewOfAMeetingDoesNotCount) {
   EXPECT_EQ(hits(SimTime{}), 1u);
-  KinematicState comes;
-  comes.position = Vec3(3, 0, 0);
-  comes.velocity = Vec3(-10, 0, 0);
+  const KinematicState comes{.position = Vec3(3, 0, 0), .velocity = Vec3(-10, 0, 0)};
   EXPECT_TRUE(rewinding_.contacts(right_, comes, SimTime{}, 0.5, SimTime{}).empty());
 }
 
 TEST_F(RewindingTest, TheTimeIsThatOfThePlayer) {
   KinematicState state;
   state.velocity = Vec3(10, 0, 0);
-  const auto found = rewinding_.contacts(left_, state, SimTime{std::chrono::seconds(2)}, 0.5, SimTime{});
-  ASSERT_EQ(found.size(), 1u);
-  EXPECT_GT(found[0].at, SimTime{std::chrono::seconds(2)});
-  EXPECT_LT(found[0].at, SimTime{std::chrono::milliseconds(2400)});
+  const auto found = only(rewinding_.contacts(left_, state, SimTime{std::chrono::seconds(2)}, 0.5, SimTime{}));
+  EXPECT_GT(found.at, SimTime{std::chrono::seconds(2)});
+  EXPECT_LT(found.at, SimTime{std::chrono::milliseconds(2400)});
 }
 
 }  // namespace peerd::baselines::rewinding_test

@@ -10,11 +10,9 @@ using replication::BitReader;
 using replication::BitWriter;
 
 KinematicState moving(double x_m, double speed_m_s, double angle_rad) {
-  KinematicState state;
-  state.position = Vec3(x_m, -1.0, 2e4);
-  state.velocity = Vec3(speed_m_s, 0.0, 0.5);
-  state.orientation = Quat(Eigen::AngleAxisd(angle_rad, Vec3::UnitY()));
-  return state;
+  return {.orientation = Quat(Eigen::AngleAxisd(angle_rad, Vec3::UnitY())),
+          .position = Vec3(x_m, -1.0, 2e4),
+          .velocity = Vec3(speed_m_s, 0.0, 0.5)};
 }
 
 TEST(SnapshotOfAServer, HasAStateToItsSteps) {

@@ -10,18 +10,18 @@ inline const std::string kKeys = PEERD_SOURCE_DIR "/configs/scenarios/keys.toml"
 
 inline Result<measure::RunRecord> try_system(const std::string& scenario_file, const std::string& name,
                                              std::vector<std::string> sets = {}) {
-  const config::Scenario scenario = sim::testing_support::must(
-      config::read_scenario({.file = scenario_file,
-                             .configs = {PEERD_SOURCE_DIR "/configs/baselines/" + name + ".toml"},
-                             .sets = std::move(sets),
-                             .seed = {},
-                             .sweep = false}));
-  const auto shared = sim::testing_support::must(share_world(scenario.world, scenario.reading, scenario.runs));
+  const config::Scenario scenario =
+      must(config::read_scenario({.file = scenario_file,
+                                  .configs = {PEERD_SOURCE_DIR "/configs/baselines/" + name + ".toml"},
+                                  .sets = std::move(sets),
+                                  .seed = {},
+                                  .sweep = false}));
+  const auto shared = must(share_world(scenario.world, scenario.reading, scenario.runs));
   return run_of_any_system(scenario.runs.front(), *shared);
 }
 inline measure::RunRecord run_system(const std::string& scenario_file, const std::string& name,
                                      std::vector<std::string> sets = {}) {
-  return sim::testing_support::must(try_system(scenario_file, name, std::move(sets)));
+  return must(try_system(scenario_file, name, std::move(sets)));
 }
 
 // The mean of a distance over all samples of one observer.

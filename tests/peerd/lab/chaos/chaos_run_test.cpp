@@ -7,12 +7,7 @@
 namespace peerd::chaos::chaos_run_test {
 
 // Runs of 22 s and up to five peers instead of 60 s and nine, so that 60 seeds take less than a minute.
-ChaosLimits short_run() {
-  ChaosLimits limits;
-  limits.seconds = 22.0;
-  limits.peers = 5;
-  return limits;
-}
+ChaosLimits short_run() { return {.seconds = 22.0, .peers = 5}; }
 
 class Chaos : public testing::TestWithParam<std::uint64_t> {};
 INSTANTIATE_TEST_SUITE_P(Seeds, Chaos, testing::Range(std::uint64_t{1}, std::uint64_t{61}),
@@ -42,9 +37,7 @@ TEST(ChaosRun, WhatWasWrongOnceIsNot) {
 
 // A plan of two peers with good links and without edits, in which these things happen.
 ChaosPlan plan_of(std::vector<Fault> faults) {
-  ChaosLimits limits;
-  limits.seconds = 30.0;
-  limits.peers = 2;
+  const ChaosLimits limits{.seconds = 30.0, .peers = 2};
   ChaosPlan plan = draw_plan(1, limits);
   plan.rare.clear();
   plan.links = plan.healed;
@@ -53,13 +46,7 @@ ChaosPlan plan_of(std::vector<Fault> faults) {
   plan.faults = std::move(faults);
   return plan;
 }
-Fault fault_of(FaultKind kind, double at_s, double for_s) {
-  Fault fault;
-  fault.kind = kind;
-  fault.at_s = at_s;
-  fault.for_s = for_s;
-  return fault;
-}
+Fault fault_of(FaultKind kind, double at_s, double for_s) { return {.kind = kind, .at_s = at_s, .for_s = for_s}; }
 
 TEST(ChaosRun, AHostIsDownUntilTheLastFaultThatKeepsItDownIsOver) {
   const auto lives = [](std::vector<Fault> faults) { return run_chaos(plan_of(std::move(faults))).lives; };

@@ -1,6 +1,5 @@
 #include "peerd/lab/chaos/damaged_network.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace peerd::chaos::damaged_network_test {

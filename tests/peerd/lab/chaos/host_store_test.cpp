@@ -1,7 +1,6 @@
 // The daemon's own store on a simulated disk that fails at every write.
 #include "peerd/lab/chaos/host_store.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -9,6 +8,7 @@
 #include <string>
 
 #include "peerd/peer/store/part_row.hpp"
+#include "tests/must.hpp"
 
 namespace peerd::chaos::host_store_test {
 
@@ -44,12 +44,10 @@ class Writer {
 
  private:
   static Operation message(AuthorId author, std::uint32_t number, std::size_t more_bytes) {
-    Operation operation;
-    operation.id = {author, number};
-    operation.stamp = SimTime{std::chrono::milliseconds(number)};
-    operation.body = SendMessage{PeerId{1}, "topic",
-                                 "text " + std::to_string(number) + std::string(number * 37U % 900U + more_bytes, '.')};
-    return operation;
+    return {.id = {author, number},
+            .stamp = SimTime{std::chrono::milliseconds(number)},
+            .body = SendMessage{PeerId{1}, "topic",
+                                "text " + std::to_string(number) + std::string(number * 37U % 900U + more_bytes, '.')}};
   }
 
   HostStore& store_;
@@ -123,26 +121,24 @@ TEST(HostStore, AStoreOfTheFormatBeforeHasAllAfterAnEndAtEveryWrite) {
       std::uint64_t size = 0;
       {
         SimulatedFolder folder(files, "p1");
-        auto database = store::Database::open(folder, "operations.sqlite", false);
-        ASSERT_TRUE(database) << database.error().text;
-        ASSERT_TRUE(database->accept());
+        auto database = must(store::Database::open(folder, "operations.sqlite", false));
+        ASSERT_TRUE(database.accept());
         for (const char* const sql : {"DROP TABLE packed", "PRAGMA user_version = 1", "BEGIN"}) {
-          ASSERT_TRUE(database->run(sql));
+          ASSERT_TRUE(database.run(sql));
         }
-        auto insert = database->prepare("INSERT INTO parts VALUES (?, ?, ?, ?)");
-        ASSERT_TRUE(insert);
+        auto insert = must(database.prepare("INSERT INTO parts VALUES (?, ?, ?, ?)"));
         for (std::uint32_t number = 1; number <= 300; ++number) {
           const auto bytes = encode({{kAuthor, number},
                                      SimTime{std::chrono::milliseconds(number)},
                                      SendMessage{PeerId{1}, "topic", std::string(1000, '.')}});
-          insert->bind(0, std::int64_t{kAuthor.value});
-          insert->bind(1, static_cast<std::int64_t>(size));
-          insert->bind(2, store::part_checksum(kAuthor, size, bytes));
-          insert->bind(3, bytes);
-          ASSERT_TRUE(insert->step());
+          insert.bind(0, std::int64_t{kAuthor.value});
+          insert.bind(1, static_cast<std::int64_t>(size));
+          insert.bind(2, store::part_checksum(kAuthor, size, bytes));
+          insert.bind(3, bytes);
+          ASSERT_TRUE(insert.step());
           size += bytes.size();
         }
-        ASSERT_TRUE(database->run("COMMIT"));
+        ASSERT_TRUE(database.run("COMMIT"));
       }
       disk.die_at_write(write);
       (void)open();

@@ -19,9 +19,7 @@ class ChaosOracle : public testing::Test {
  protected:
   // Peers that are driven by nobody and never hear each other.
   std::unique_ptr<PeerNode> peer(std::uint32_t id) {
-    config::PeerSettings settings;
-    settings.id = id;
-    settings.name = "p" + std::to_string(id);
+    const config::PeerSettings settings{.name = "p" + std::to_string(id), .id = id};
     PeerNode::Options options;
     options.rows = &oracle;
     return PeerNode::make(settings, {}, *shared, {}, options);

@@ -114,11 +114,7 @@ TEST(ChaosPlan, IsTheSameWithEveryCompiler) {
 
 TEST(ChaosPlan, OptionsSayWhatALimitIs) {
   EXPECT_EQ(options_of(7, {}), "--chaos 7");
-  ChaosLimits limits;
-  limits.seconds = 25.0;
-  limits.peers = 3;
-  limits.without_faults = {0, 1, 2, 5};
-  limits.without_edits = {4};
+  const ChaosLimits limits{.seconds = 25.0, .peers = 3, .without_faults = {0, 1, 2, 5}, .without_edits = {4}};
   EXPECT_EQ(options_of(8, limits), "--chaos 8 --chaos-seconds 25 --chaos-peers 3 --chaos-without f0-2,f5,e4");
   ChaosLimits again;
   ASSERT_TRUE(read_without("f0-2,f5,e4", again));

@@ -1,6 +1,5 @@
 #include "peerd/lab/chaos/shrink.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -55,9 +54,7 @@ TEST(Shrink, AsksForNoRunThatIsTooShort) {
 
 // Real runs, which count as failed where an author has died by the fault that makes it.
 TEST(Shrink, FindsTheFaultOfARealRun) {
-  ChaosLimits limits;
-  limits.seconds = ChaosLimits::kSecondsMin;
-  limits.peers = 3;
+  const ChaosLimits limits{.seconds = ChaosLimits::kSecondsMin, .peers = 3};
   const auto fails = [](std::uint64_t seed) {
     return [seed](const ChaosLimits& smaller) {
       return run_chaos(draw_plan(seed, smaller)).branches.contains("author died when its operation was held");

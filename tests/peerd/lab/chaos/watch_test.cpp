@@ -22,9 +22,7 @@ class ChaosWatch : public testing::Test {
   // Two peers that never hear each other; each founds a session of its own.
   ChaosWatch() {
     for (std::uint32_t id = 1; id <= 2; ++id) {
-      config::PeerSettings settings;
-      settings.id = id;
-      settings.name = "p" + std::to_string(id);
+      const config::PeerSettings settings{.name = "p" + std::to_string(id), .id = id};
       nodes.push_back(PeerNode::make(settings, {}, *shared, {}, {}));
       peers.push_back({id - 1, id - 1, nodes.back().get()});
     }
@@ -49,11 +47,7 @@ class ChaosWatch : public testing::Test {
   }
   [[nodiscard]] HostTime now() const { return HostTime{from_seconds(now_s)}; }
   OperationId edit(std::size_t i, SceneEdit::Kind kind, const std::string& path, const std::string& value) {
-    SceneEdit edit;
-    edit.kind = kind;
-    edit.path = path;
-    edit.key = "k";
-    edit.data = value;
+    const SceneEdit edit{.kind = kind, .path = path, .key = "k", .data = value};
     const EditReport report = nodes[i]->edit(now(), edit);
     EXPECT_TRUE(report.operation) << report.refused;
     drain(peers[i]);

@@ -8,6 +8,7 @@
 
 #include "peerd/lab/measure/summary.hpp"
 #include "peerd/lab/report/write.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/report_samples.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
@@ -46,11 +47,10 @@ RunResult full_result() {
 
 TEST(RunBytes, AllFieldsComeBack) {
   const std::string bytes = to_bytes(full_result());
-  const auto again = run_result_from(bytes);
-  ASSERT_TRUE(again) << again.error();
-  EXPECT_EQ(to_bytes(*again), bytes);
-  const measure::RunRecord& run = again->record;
-  EXPECT_EQ(again->warnings, (std::vector<std::string>{"one warning", "another"}));
+  const auto again = must(run_result_from(bytes));
+  EXPECT_EQ(to_bytes(again), bytes);
+  const measure::RunRecord& run = again.record;
+  EXPECT_EQ(again.warnings, (std::vector<std::string>{"one warning", "another"}));
   EXPECT_EQ(run.params.dump(), full_result().record.params.dump());
   EXPECT_EQ(run.seed, 77U);
   EXPECT_TRUE(run.stopped);
@@ -103,9 +103,8 @@ TEST(RunBytes, DoublesComeBackBitForBit) {
   for (const double x : {0.0, -0.0, 0.1, 5e-324, std::numeric_limits<double>::max(),
                          -std::numeric_limits<double>::infinity(), signalling, payload}) {
     result.record.duration_s = x;
-    const auto again = run_result_from(to_bytes(result));
-    ASSERT_TRUE(again);
-    EXPECT_EQ(std::bit_cast<std::uint64_t>(again->record.duration_s), std::bit_cast<std::uint64_t>(x));
+    const auto again = must(run_result_from(to_bytes(result)));
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(again.record.duration_s), std::bit_cast<std::uint64_t>(x));
   }
 }
 
@@ -144,11 +143,10 @@ TEST(RunBytes, TheReportIsTheSame) {
   const testing_support::ScratchFolder folder;
   RunResult result = full_result();
   result.record.stopped = false;
-  const auto again = run_result_from(to_bytes(result));
-  ASSERT_TRUE(again);
+  const auto again = must(run_result_from(to_bytes(result)));
   measure::ScenarioInfo info{.name = "s", .mode = "sim", .warnings = {}};
   ASSERT_TRUE(report::write_report(folder / "a", info, std::vector{result.record, result.record}));
-  ASSERT_TRUE(report::write_report(folder / "b", info, std::vector{again->record, again->record}));
+  ASSERT_TRUE(report::write_report(folder / "b", info, std::vector{again.record, again.record}));
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder / "a")) {
     const auto name = entry.path().filename().string();
@@ -176,14 +174,13 @@ chaos::ChaosReport full_report() {
 
 TEST(ChaosBytes, AllFieldsComeBack) {
   const std::string bytes = to_bytes(full_report());
-  const auto again = chaos_report_from(bytes);
-  ASSERT_TRUE(again) << again.error();
-  EXPECT_EQ(to_bytes(*again), bytes);
-  EXPECT_EQ(again->violations, full_report().violations);
-  EXPECT_EQ(again->trace_hash, full_report().trace_hash);
-  EXPECT_EQ(again->one_world_after_s, 0.1);
-  EXPECT_EQ(again->branches, full_report().branches);
-  EXPECT_EQ(again->damaged, 9U);
+  const auto again = must(chaos_report_from(bytes));
+  EXPECT_EQ(to_bytes(again), bytes);
+  EXPECT_EQ(again.violations, full_report().violations);
+  EXPECT_EQ(again.trace_hash, full_report().trace_hash);
+  EXPECT_EQ(again.one_world_after_s, 0.1);
+  EXPECT_EQ(again.branches, full_report().branches);
+  EXPECT_EQ(again.damaged, 9U);
 }
 
 // The counts of rare branches are a map, whose keys ascend.

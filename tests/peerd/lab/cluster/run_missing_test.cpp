@@ -5,6 +5,7 @@
 
 #include <csignal>
 
+#include "tests/must.hpp"
 #include "tests/peerd/cli/program/program.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
@@ -133,10 +134,7 @@ TEST_F(RunMissing, ASignalEndsTheProcesses) {
   const auto folder_of_work = WorkFolder::take(folder / "work", work);
   StopSignals signals("");
   signals.note_from_now_on("");
-  const auto done = run_missing(*folder_of_work, running, signals);
-  ASSERT_FALSE(done);
-  EXPECT_EQ(done.error().exit_code, 143);
-  EXPECT_THAT(done.error().text, HasSubstr("stopped by SIGTERM"));
+  EXPECT_THAT(error_of(run_missing(*folder_of_work, running, signals)), IsError(143, HasSubstr("stopped by SIGTERM")));
   EXPECT_THAT(folder_of_work->standing()->missing, ElementsAre(1, 2, 3, 4, 5));
 }
 
@@ -194,9 +192,7 @@ TEST_F(SimOn, ChaosGivesTheSameLines) {
 }
 
 struct Wrong {
-  const char* name;
-  const char* options;
-  const char* says;
+  const char *name, *options, *says;
 };
 class WrongUse : public SimOn, public testing::WithParamInterface<Wrong> {};
 TEST_P(WrongUse, IsExplained) {

@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::cluster::scenario_work_test {
@@ -21,13 +22,10 @@ class ScenarioWork : public testing::Test {
     folder.write("s.toml", kScenario);
   }
   Work work() {
-    const auto scenario = config::read_scenario({.file = folder / "s.toml", .configs = {}, .sets = sets, .seed = seed});
-    EXPECT_TRUE(scenario) << scenario.error().text;
-    const auto shared = share_world(scenario->world, scenario->reading, scenario->runs);
-    EXPECT_TRUE(shared) << shared.error().text;
-    const auto made = scenario_work(options, {folder / "s.toml"}, others, *scenario, **shared);
-    EXPECT_TRUE(made) << made.error().text;
-    return *made;
+    const auto scenario =
+        must(config::read_scenario({.file = folder / "s.toml", .configs = {}, .sets = sets, .seed = seed}));
+    const auto shared = must(share_world(scenario.world, scenario.reading, scenario.runs));
+    return must(scenario_work(options, {folder / "s.toml"}, others, scenario, *shared));
   }
   static constexpr std::string_view kWorld =
       "#VRML V2.0 utf8\nDEF A Transform { children Shape { geometry Box {} } }\n";

@@ -3,25 +3,24 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
+
 namespace peerd::cluster::tool_test {
 
 using testing::ElementsAre, testing::HasSubstr, testing::IsEmpty;
 
 TEST(Tool, SaysWhatItWroteAndHowItEnded) {
-  const auto end = run_tool({"sh", "-c", "echo out; echo err >&2; exit 7"});
-  ASSERT_TRUE(end);
-  EXPECT_EQ(end->exit_code, 7);
-  EXPECT_EQ(end->out, "out\n");
-  EXPECT_EQ(end->err, "err\n");
+  const auto end = must(run_tool({"sh", "-c", "echo out; echo err >&2; exit 7"}));
+  EXPECT_EQ(end.exit_code, 7);
+  EXPECT_EQ(end.out, "out\n");
+  EXPECT_EQ(end.err, "err\n");
   EXPECT_EQ(run_tool({"sh", "-c", "kill -9 $$"})->exit_code, 137);
   EXPECT_EQ(run_tool({"sh", "-c", "yes | head -c 100000"})->out.size(), 100'000U);
 }
 
 TEST(Tool, ThatIsMissingIsNamed) {
-  const auto end = run_tool({"no-such-program-here"});
-  ASSERT_FALSE(end);
-  EXPECT_EQ(end.error().exit_code, 3);
-  EXPECT_THAT(end.error().text, HasSubstr("no-such-program-here can't be started: No such file"));
+  EXPECT_THAT(error_of(run_tool({"no-such-program-here"})),
+              IsError(3, HasSubstr("no-such-program-here can't be started: No such file")));
 }
 
 TEST(Words, AreSplitAsByAShell) {

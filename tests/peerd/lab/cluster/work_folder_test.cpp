@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::cluster::work_folder_test {
@@ -26,17 +27,15 @@ TEST(HashHex, IsBlake2b) {  // b2sum -l 128
 }
 
 TEST_F(WorkFolderTest, KeepsResultsForEverybody) {
-  const auto taken = WorkFolder::take(work, kWork);
-  ASSERT_TRUE(taken) << taken.error().text;
-  EXPECT_THAT(taken->standing()->missing, ElementsAre(0, 1, 2));
-  const auto task = WorkFolder::join(work, kWork);
-  ASSERT_TRUE(task) << task.error().text;
+  const auto taken = must(WorkFolder::take(work, kWork));
+  EXPECT_THAT(taken.standing()->missing, ElementsAre(0, 1, 2));
+  const auto task = must(WorkFolder::join(work, kWork));
   const std::string bytes("\0\xff\n", 3);
-  ASSERT_TRUE(task->keep_result(1, bytes));
-  EXPECT_THAT(taken->standing()->missing, ElementsAre(0, 2));
-  EXPECT_EQ(taken->result(1), bytes);
-  ASSERT_TRUE(taken->drop_result(1));
-  EXPECT_THAT(taken->standing()->missing, ElementsAre(0, 1, 2));
+  ASSERT_TRUE(task.keep_result(1, bytes));
+  EXPECT_THAT(taken.standing()->missing, ElementsAre(0, 2));
+  EXPECT_EQ(taken.result(1), bytes);
+  ASSERT_TRUE(taken.drop_result(1));
+  EXPECT_THAT(taken.standing()->missing, ElementsAre(0, 1, 2));
 }
 
 TEST_F(WorkFolderTest, LeavesNoUnfinishedFile) {
@@ -50,10 +49,7 @@ TEST_F(WorkFolderTest, LeavesNoUnfinishedFile) {
 TEST_F(WorkFolderTest, BelongsToOneProcessAtATime) {
   {
     const auto taken = WorkFolder::take(work, kWork);
-    const auto second = WorkFolder::take(work, kWork);
-    ASSERT_FALSE(second);
-    EXPECT_EQ(second.error().exit_code, 3);
-    EXPECT_THAT(second.error().text, HasSubstr("is in use"));
+    EXPECT_THAT(error_of(WorkFolder::take(work, kWork)), IsError(3, HasSubstr("is in use")));
   }
   EXPECT_TRUE(WorkFolder::take(work, kWork));
 }

@@ -5,15 +5,16 @@
 #include <numeric>
 #include <random>
 
+#include "tests/must.hpp"
+
 namespace peerd::cluster::work_list_test {
 
 TEST(Ranges, AreWordsAndBack) {
   EXPECT_EQ(range_text({7}), "7-7");
   EXPECT_EQ(range_text({0, 2, 3, 99}), "0-99");
-  const auto range = item_range_from("3-99", 100);
-  ASSERT_TRUE(range);
-  EXPECT_EQ(range->first, 3U);
-  EXPECT_EQ(range->last, 99U);
+  const auto range = must(item_range_from("3-99", 100));
+  EXPECT_EQ(range.first, 3U);
+  EXPECT_EQ(range.last, 99U);
 }
 
 class NoRange : public testing::TestWithParam<const char*> {};

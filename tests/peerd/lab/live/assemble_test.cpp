@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::assemble_test {
@@ -30,18 +31,13 @@ class AssembleTest : public testing::Test {
     b.name = "b", b.id = 2, b.owns = {"CUBE"};
     run.peers = {a, b};
     for (const auto& [peer, name] : {std::pair{kA, "a"}, std::pair{kB, "b"}}) {
-      PeerLog& log = logs.emplace_back();
-      log.peer = peer;
-      log.name = name;
-      log.start = kStart;
+      logs.push_back({.peer = peer, .name = name, .start = kStart});
     }
   }
   // A row of a peer's log; its session clock is `ahead_s` ahead of the founder's.
   void believe(PeerId peer, double true_s, ObjectId object, PeerId owner, const Vec3& at, double ahead_s = 0,
                const Vec3& v = Vec3::Zero()) {
-    KinematicState s;
-    s.position = at;
-    s.velocity = v;
+    const KinematicState s{.position = at, .velocity = v};
     logs[peer.value - 1].object_samples.push_back(
         {kStart + seconds(true_s + ahead_s), kTrueStart + seconds(true_s), object, owner, s});
   }
@@ -169,10 +165,7 @@ TEST_F(AssembleTest, IsSortedAsTheReportWantsItAndSumsTheCounters) {
 
 TEST_F(AssembleTest, APeerThatNeverMetTheOthersIsNamed) {
   logs[1].start.reset();
-  const auto made = assemble(run, *shared, logs);
-  ASSERT_FALSE(made);
-  EXPECT_THAT(made.error().text, HasSubstr("peer b never met all the others"));
-  EXPECT_EQ(made.error().exit_code, 3);
+  EXPECT_THAT(error_of(assemble(run, *shared, logs)), IsError(3, HasSubstr("peer b never met all the others")));
 }
 
 TEST_F(AssembleTest, ALifeThatEndedBeforeItMetTheOthersWasNotThere) {
@@ -180,9 +173,8 @@ TEST_F(AssembleTest, ALifeThatEndedBeforeItMetTheOthersWasNotThere) {
   logs[1].ended_at = HostTime{Duration{1'000'000'000}};
   logs.push_back(logs[1]);
   logs.back().ended_at.reset();
-  const auto there = record().peers[1].there_s;
-  ASSERT_EQ(there.size(), 1u);
-  EXPECT_GT(there[0].first, there[0].second) << "an interval that no time is in";
+  const auto there = only(record().peers[1].there_s);
+  EXPECT_GT(there.first, there.second) << "an interval that no time is in";
 }
 
 // A ghost of an object whose owner left no row is no sample: there is nothing to compare it with.

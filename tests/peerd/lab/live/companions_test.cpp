@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::companions_test {
@@ -26,20 +27,17 @@ struct CompanionsTest : testing::Test {
 };
 
 TEST_F(CompanionsTest, TheNetworkItselfHasNone) {
-  const auto companions = companions_of(run, islands);
-  ASSERT_TRUE(companions);
-  EXPECT_TRUE(companions->empty());
+  EXPECT_TRUE(must(companions_of(run, islands)).empty());
   EXPECT_TRUE(settings_by_companions(run, islands, 0).empty());
 }
 
 TEST_F(CompanionsTest, LeafNodesJoinTheFirstServer) {
   run.via = config::Via::kNats;
-  const auto companions = companions_of(run, islands);
-  ASSERT_TRUE(companions) << companions.error().text;
-  ASSERT_EQ(companions->size(), 3u);
-  EXPECT_EQ((*companions)[2].peer, 2u);
-  EXPECT_EQ((*companions)[2].name, "c.nats");
-  EXPECT_EQ((*companions)[2].command.front(), "nats-server");
+  const auto companions = must(companions_of(run, islands));
+  ASSERT_EQ(companions.size(), 3u);
+  EXPECT_EQ(companions[2].peer, 2u);
+  EXPECT_EQ(companions[2].name, "c.nats");
+  EXPECT_EQ(companions[2].command.front(), "nats-server");
   EXPECT_THAT(configuration("a"),
               AllOf(HasSubstr("listen: \"127.0.0.1:20100\""), HasSubstr("leafnodes { listen: \"0.0.0.0:20200\" }"),
                     Not(HasSubstr("remotes"))));
@@ -73,9 +71,7 @@ TEST_F(CompanionsTest, InAClusterOneOfEachTwoJoinsTheOther) {
 TEST_F(CompanionsTest, AFolderThatIsNotThereIsAnError) {
   run.via = config::Via::kNats;
   islands.stem = folder / "missing/run-001";
-  const auto companions = companions_of(run, islands);
-  ASSERT_FALSE(companions);
-  EXPECT_EQ(companions.error().exit_code, 3);
+  EXPECT_EQ(error_of(companions_of(run, islands)).exit_code, 3);
 }
 
 // Each island is lo; on one computer each has a port of its own there.
@@ -85,14 +81,13 @@ TEST_F(CompanionsTest, RelaysAreBelowTheFirst) {
   islands.key_file = "session.key";
   for (const bool apart : {false, true}) {
     islands.apart = apart;
-    const auto companions = companions_of(run, islands);
-    ASSERT_TRUE(companions) << companions.error().text;
-    ASSERT_EQ(companions->size(), 3u);
-    const auto& first = companions->front().command;
-    const auto& last = companions->back().command;
+    const auto companions = must(companions_of(run, islands));
+    ASSERT_EQ(companions.size(), 3u);
+    const auto& first = companions.front().command;
+    const auto& last = companions.back().command;
     EXPECT_THAT(first, Not(testing::Contains("--parent")));
     EXPECT_EQ(first.front(), "/bin/peerd");
-    EXPECT_EQ(companions->back().name, "c.relay");
+    EXPECT_EQ(companions.back().name, "c.relay");
     EXPECT_THAT(last, testing::Contains(apart ? "10.83.0.1:20100" : "127.0.0.1:20100"));
     EXPECT_THAT(last, testing::Contains(apart ? "20200" : "20202"));
     EXPECT_THAT(settings_by_companions(run, islands, 2),

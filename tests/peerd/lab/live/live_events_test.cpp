@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <vector>
+#include "tests/must.hpp"
 
 namespace peerd::live_events_test {
 
@@ -26,34 +26,29 @@ TEST(LiveEvents, RealProcessesJoinLeaveAndAreKilled) {
 
 TEST(LiveEvents, TheNetworkIsNotTheirs) {
   for (const EventKind kind : {EventKind::kPartition, EventKind::kHeal, EventKind::kNetwork}) {
-    const auto why = why_not_live({event(kind, "")});
-    ASSERT_TRUE(why);
-    EXPECT_EQ(why->exit_code, 2);
-    EXPECT_THAT(why->text,
-                HasSubstr("error: event.e: " + std::string(to_string(kind)) + " is for a simulated network"));
+    const auto why = must(why_not_live({event(kind, "")}));
+    EXPECT_EQ(why.exit_code, 2);
+    EXPECT_THAT(why.text, HasSubstr("error: event.e: " + std::string(to_string(kind)) + " is for a simulated network"));
   }
 }
 
 TEST(LiveEvents, ARealPeerDoesNotComeBack) {
-  const auto why = why_not_live({event(EventKind::kLeave, "a", 1), event(EventKind::kJoin, "a", 2)});
-  ASSERT_TRUE(why);
-  EXPECT_THAT(why->text, HasSubstr("does not come back"));
+  const auto why = must(why_not_live({event(EventKind::kLeave, "a", 1), event(EventKind::kJoin, "a", 2)}));
+  EXPECT_THAT(why.text, HasSubstr("does not come back"));
   EXPECT_TRUE(why_not_live(
       {event(EventKind::kJoin, "a", 1), event(EventKind::kLeave, "a", 2), event(EventKind::kJoin, "a", 3)}));
 }
 
 TEST(LiveEvents, AskAPeerOnlyWhereAProcessIsConcerned) {
-  const auto none = LiveEvents::make({event(EventKind::kKey, "a")});
-  ASSERT_TRUE(none);
-  EXPECT_TRUE(none->control().empty()) << "each peer presses its own keys";
+  const auto none = must(LiveEvents::make({event(EventKind::kKey, "a")}));
+  EXPECT_TRUE(none.control().empty()) << "each peer presses its own keys";
   std::filesystem::path folder;
   {
-    auto some = LiveEvents::make({event(EventKind::kLeave, "a", 0.0)});
-    ASSERT_TRUE(some);
-    folder = some->control().parent_path();
+    auto some = must(LiveEvents::make({event(EventKind::kLeave, "a", 0.0)}));
+    folder = some.control().parent_path();
     EXPECT_TRUE(std::filesystem::is_directory(folder));
-    EXPECT_EQ(some->take_due(), nullptr) << "no peer answers, so nobody knows when the motions began";
-    const LiveEvents moved = std::move(*some);
+    EXPECT_EQ(some.take_due(), nullptr) << "no peer answers, so nobody knows when the motions began";
+    const LiveEvents moved = std::move(some);
     EXPECT_EQ(moved.control().parent_path(), folder);
   }
   EXPECT_FALSE(std::filesystem::exists(folder)) << "it goes with its object";

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
+
 namespace peerd::measuring_test {
 
 TEST(ReadSamples, TakesAllNoneAndNumbers) {
@@ -29,17 +31,12 @@ TEST(MeasuringOf, MeasuresThePartsThatAreExpectedOfThatRun) {
   config::Scenario scenario;
   scenario.runs.resize(2);
   for (config::RunSettings& run : scenario.runs) run.duration_s = 20.0;
-  config::Expectation from_8;
-  from_8.name = "later";
-  from_8.that = "updates_sent";
-  from_8.from_s = 8.0;
-  from_8.runs = {1};
+  const config::Expectation from_8{.name = "later", .that = "updates_sent", .from_s = 8.0, .runs = {1}};
   scenario.expectations = {from_8, from_8};
   EXPECT_TRUE(measuring_of(scenario, 0, 1).parts.empty());
-  const auto parts = measuring_of(scenario, 1, 1).parts;
-  ASSERT_EQ(parts.size(), 1u) << "each part once";
-  EXPECT_EQ(parts[0].from_s, 8.0);
-  EXPECT_EQ(parts[0].until_s, 20.0);
+  const auto part = only(measuring_of(scenario, 1, 1).parts);
+  EXPECT_EQ(part.from_s, 8.0);
+  EXPECT_EQ(part.until_s, 20.0);
 }
 
 }  // namespace peerd::measuring_test

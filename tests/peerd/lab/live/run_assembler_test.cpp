@@ -7,8 +7,6 @@
 
 namespace peerd::run_assembler_test {
 
-using sim::testing_support::must;
-
 const std::string kScenario = PEERD_SOURCE_DIR "/configs/scenarios/comings.toml";
 
 // While the run goes on, ghosts wait for the next tick of their owners and ticks are forgotten; afterwards all rows are

@@ -27,10 +27,7 @@ class SceneOutlinesTest : public testing::Test {
   }
   // The first of run.objects is at that pose at that time.
   void be_at(double t_s, const Pose& truth) {
-    measure::GhostSample& s = run.ghost_samples.emplace_back();
-    s.t_s = t_s;
-    s.observer = kB;
-    s.truth = truth;
+    run.ghost_samples.push_back({.t_s = t_s, .observer = kB, .truth = truth});
   }
   static std::vector<std::pair<double, double>> rounded(const measure::SceneOutline& outline) {
     std::vector<std::pair<double, double>> corners;

@@ -12,7 +12,6 @@ namespace peerd::measure::expectations_test {
 using Json = nlohmann::ordered_json;
 using config::Expectation;
 using testing::HasSubstr;
-using testing::Not;
 
 // The dotted names of all numbers and words of truth in `value`.
 void collect(const Json& value, const std::string& name, std::vector<std::string>& names) {
@@ -48,13 +47,7 @@ class ExpectationsReport : public testing::Test {
     runs[1].params = {{"network.latency_ms", 400}};
     rows = summarise({}, runs)["runs"];
   }
-  static Expectation that(const std::string& measure) {
-    Expectation e;
-    e.name = "mine";
-    e.that = measure;
-    e.runs = {0, 1};
-    return e;
-  }
+  static Expectation that(const std::string& measure) { return {.name = "mine", .that = measure, .runs = {0, 1}}; }
   CheckedExpectation check(const Expectation& e) { return check_expectations({&e, 1}, "sim", runs, rows).front(); }
   [[nodiscard]] double mean_m(std::size_t run, std::size_t row) const {
     return rows[run]["objects"][row]["ghost_error_m"]["mean"].get<double>();

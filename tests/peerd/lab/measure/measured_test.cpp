@@ -7,9 +7,7 @@ namespace peerd::measure::measured_test {
 TEST(Measured, FindsViewsAndSums) {
   Measured m;
   for (const std::uint32_t object : {3u, 5u}) {
-    ViewMeasured& view = m.views.emplace_back();
-    view.observer = PeerId{2};
-    view.object = ObjectId{object};
+    ViewMeasured& view = m.views.emplace_back(ViewMeasured{.observer = PeerId{2}, .object = ObjectId{object}});
     view.ghost_error_m.count = 10 * object;
     view.not_finite = 1;
   }

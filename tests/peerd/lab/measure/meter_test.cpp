@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include "peerd/lab/measure/summary.hpp"
 #include "tests/peerd/report_samples.hpp"
 

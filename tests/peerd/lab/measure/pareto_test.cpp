@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "peerd/lab/report/figures.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/report_samples.hpp"
 
 namespace peerd::measure::pareto_test {
@@ -33,10 +34,9 @@ TEST(Pareto, FrontHoldsWhatNoOtherBeats) {
     const auto [error_m, bytes_per_s] = error_and_bytes[i];
     runs.push_back(run({{"replication.order", i}}, {row("CAR", error_m)}, bytes_per_s));
   }
-  const std::vector<Situation> situations = pareto_fronts(summary_of(runs));
-  ASSERT_EQ(situations.size(), 1u);
-  EXPECT_EQ(situations[0].label, "");
-  EXPECT_THAT(front_of(situations[0]), testing::ElementsAre(0, 1, 3, 4));  // equals both stay
+  const auto situation = only(pareto_fronts(summary_of(runs)));
+  EXPECT_EQ(situation.label, "");
+  EXPECT_THAT(front_of(situation), testing::ElementsAre(0, 1, 3, 4));  // equals both stay
 }
 
 TEST(Pareto, NetworksAreNotChosen) {
@@ -57,11 +57,10 @@ TEST(Pareto, WhatStandsStillDoesNotThinOutTheError) {
   const Json summary = summary_of({run(Json::object(), {row("CAR", 0.4), row("CAR", 0.2), row("WALL", 0.0)}, 100),
                                    run(Json::object(), {row("CAR", 0.4), row("CAR", 0.0, 0)}, 100),
                                    run(Json::object(), {row("CAR", 0.0, 0)}, 100)});
-  const std::vector<Situation> situations = pareto_fronts(summary);
-  ASSERT_EQ(situations.size(), 1u);
-  ASSERT_EQ(situations[0].runs.size(), 2u);
-  EXPECT_DOUBLE_EQ(situations[0].runs[0].error_m, 0.3);
-  EXPECT_DOUBLE_EQ(situations[0].runs[1].error_m, 0.4);
+  const auto situation = only(pareto_fronts(summary));
+  ASSERT_EQ(situation.runs.size(), 2u);
+  EXPECT_DOUBLE_EQ(situation.runs[0].error_m, 0.3);
+  EXPECT_DOUBLE_EQ(situation.runs[1].error_m, 0.4);
 }
 
 TEST(ParetoFigure, NeedsTwoRunsOfOneNetwork) {

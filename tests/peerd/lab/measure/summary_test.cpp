@@ -3,9 +3,9 @@
 #include <gmock/gmock.h>
 
 #include <limits>
-#include <sstream>
 
 #include "peerd/lab/report/table.hpp"
+#include "tests/has_members.hpp"
 #include "tests/peerd/report_samples.hpp"
 
 namespace peerd::measure::summary_test {
@@ -51,12 +51,8 @@ TEST(Summary, HandNumbers) {
 
   ASSERT_EQ(s["objects"].size(), 4u);  // CAR at b and c, CUBE at a and c
   const Json& row = s["objects"][0];
-  EXPECT_EQ(row["path"], "CAR");
-  EXPECT_EQ(row["owner"], "a");
-  EXPECT_EQ(row["observer"], "b");
-  EXPECT_EQ(row["updates_sent"], 2);
-  EXPECT_EQ(row["bytes_sent"], 62);
-  EXPECT_EQ(row["samples"], 3);
+  EXPECT_THAT(row, HasMembers(R"(
+    {"path": "CAR", "owner": "a", "observer": "b", "updates_sent": 2, "bytes_sent": 62, "samples": 3})"));
   EXPECT_DOUBLE_EQ(row["ghost_error_m"]["mean"], 2.0);
   EXPECT_DOUBLE_EQ(row["ghost_error_m"]["max"], 5.0);
   EXPECT_DOUBLE_EQ(row["shown_error_m"]["max"], 2.5);

@@ -31,13 +31,9 @@ view::ScenePicture scene_of(const std::vector<std::string>& movers) {
   }
   scene.nodes.push_back({.id = {}, .pose = {}, .owner = kNobody});
   scene.node_paths.emplace_back("");
-  view::DrawnGeometry triangle;
-  triangle.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  triangle.corners = {0, 1, 2};
+  const view::DrawnGeometry triangle{.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .corners = {0, 1, 2}};
   scene.geometries.push_back(triangle);
-  view::DrawnMaterial& material = scene.materials.emplace_back();
-  material.diffuse = {0.5F, 0.25F, 1};
-  material.transparency = 0.25F;
+  scene.materials.push_back({.diffuse = {0.5F, 0.25F, 1}, .transparency = 0.25F});
   scene.meshes.push_back({0, 0});
   view::DrawnShape shape;
   shape.node = 0;
@@ -62,9 +58,7 @@ TEST(FoxgloveMessages, AnEntityGoesWithTheFrameOfItsNode) {
 TEST(FoxgloveMessages, OfAnLodTheFirstLevelIsShownAndNoText) {
   view::ScenePicture scene = scene_of({"CAR"});
   for (const std::uint32_t number : {0U, 1U}) {
-    view::DrawnGroup& level = scene.groups.emplace_back();
-    level.number = number;
-    level.count = 2;
+    scene.groups.push_back({.number = number, .count = 2});
   }
   scene.shapes.push_back(scene.shapes.front());
   scene.shapes[0].group = 0;

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/lab/recorded/stretch_reader.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/lab/recorded/recorded_run.hpp"
 
 namespace peerd::recorded::record_capture_test {
@@ -16,7 +17,6 @@ namespace peerd::recorded::record_capture_test {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::SizeIs;
-using testing_support::must;
 using testing_support::SimulatedFolder;
 using view::PoseKind;
 using view::PoseRow;

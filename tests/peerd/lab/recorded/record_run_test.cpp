@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "peerd/lab/recorded/stretch_reader.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/lab/recorded/recorded_run.hpp"
 
 namespace peerd::recorded::record_run_test {
@@ -21,7 +22,6 @@ namespace peerd::recorded::record_run_test {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::SizeIs;
-using testing_support::must;
 using testing_support::SimulatedFolder;
 using testing_support::text_of;
 using view::PoseKind;

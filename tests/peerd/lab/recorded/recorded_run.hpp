@@ -4,20 +4,11 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
-#include <stdexcept>
 #include <string>
-#include <utility>
 
-#include "peerd/input/input_error.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::testing_support {
-
-template <class T>
-T must(Result<T> result) {
-  if (!result) throw std::runtime_error(result.error().text);
-  return *std::move(result);
-}
 
 // A scenario that the program has simulated, where asked for with a capture of each peer.
 class SimulatedFolder {

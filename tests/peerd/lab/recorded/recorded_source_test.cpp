@@ -1,6 +1,5 @@
 #include "peerd/lab/recorded/recorded_source.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -21,9 +20,7 @@ Recording small_recording() {
   view.errors.mean_m = {0.5F};
   view.errors.largest_m = {2.0F};
   view.errors.of_object[ObjectId{9}] = {1.0F};
-  Recording recording;
-  recording.name = "w";
-  recording.end_s = 2;
+  Recording recording{.name = "w", .end_s = 2};
   recording.views.push_back(std::move(view));
   recording.peers.emplace_back(PeerId{7}, "a");
   return recording;

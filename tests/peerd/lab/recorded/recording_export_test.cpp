@@ -16,11 +16,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 view::PoseRow row_of(view::PoseKind kind, std::uint32_t owner, std::uint16_t flags) {
-  view::PoseRow row;
-  row.kind = static_cast<std::uint16_t>(kind);
-  row.owner = owner;
-  row.flags = flags;
-  return row;
+  return {.owner = owner, .kind = static_cast<std::uint16_t>(kind), .flags = flags};
 }
 
 // All chunks of a file, unpacked: each begins behind "zstd" and the length of what is packed.

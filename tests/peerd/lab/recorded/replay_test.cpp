@@ -6,12 +6,12 @@
 #include <span>
 #include <string>
 
+#include "tests/must.hpp"
 #include "tests/peerd/lab/recorded/recorded_run.hpp"
 
 namespace peerd::recorded::replay_test {
 
 using testing::HasSubstr;
-using testing_support::must;
 using testing_support::SimulatedFolder;
 using testing_support::text_of;
 
@@ -32,12 +32,11 @@ struct Looker final : ReplayWatch {
 TEST(Replay, TellsWhoLooksOnOfEachInput) {
   const SimulatedFolder folder(kSnooker, "", SimulatedFolder::Captures::kAll);
   const std::string bytes = text_of(folder.captures() / "a.pcapng");
-  auto capture = record::CaptureReader::open(std::as_bytes(std::span(bytes)));
-  ASSERT_TRUE(capture) << capture.error();
-  const RecordedPeer peer = must(make_recorded_peer(capture->setup(), {}, "a.pcapng", {}));
+  auto capture = must(record::CaptureReader::open(std::as_bytes(std::span(bytes))));
+  const RecordedPeer peer = must(make_recorded_peer(capture.setup(), {}, "a.pcapng", {}));
   EXPECT_EQ(peer.node->name(), "a");
   Looker looker;
-  const Replay::Outcome outcome = must(Replay(peer, *capture, &looker).run());
+  const Replay::Outcome outcome = must(Replay(peer, capture, &looker).run());
   EXPECT_FALSE(outcome.difference);
   EXPECT_EQ(looker.inputs, outcome.inputs);
   EXPECT_GT(looker.outputs, outcome.datagrams_out);
@@ -47,11 +46,10 @@ TEST(Replay, TellsWhoLooksOnOfEachInput) {
 TEST(Replay, NeedsTheWorldThatWasRecorded) {
   const SimulatedFolder folder(kSnooker, "", SimulatedFolder::Captures::kAll);
   const std::string bytes = text_of(folder.captures() / "a.pcapng");
-  const auto capture = record::CaptureReader::open(std::as_bytes(std::span(bytes)));
-  ASSERT_TRUE(capture) << capture.error();
-  const auto other = make_recorded_peer(capture->setup(), {}, "a.pcapng", PEERD_SOURCE_DIR "/configs/worlds/eq47.wrl");
-  ASSERT_FALSE(other);
-  EXPECT_THAT(other.error().text, HasSubstr("is not the world that was recorded"));
+  const auto capture = must(record::CaptureReader::open(std::as_bytes(std::span(bytes))));
+  EXPECT_THAT(
+      error_of(make_recorded_peer(capture.setup(), {}, "a.pcapng", PEERD_SOURCE_DIR "/configs/worlds/eq47.wrl")).text,
+      HasSubstr("is not the world that was recorded"));
 }
 
 }  // namespace peerd::recorded::replay_test

@@ -7,6 +7,7 @@
 
 #include "peerd/input/compression.hpp"
 #include "peerd/lab/recorded/stretch_writer.hpp"
+#include "tests/must.hpp"
 
 namespace peerd::recorded::stretch_reader_test {
 
@@ -17,11 +18,10 @@ TEST(StretchReader, GivesEachFrameWithTheRowsThatHaveChanged) {
     row.position[0] = i < 2 ? 1.0 : 2.0;
     writer.add(0.5 * i, 1, 1, {}, std::vector{row});
   }
-  const auto stretches = writer.finish();
-  ASSERT_EQ(stretches.size(), 1u);
+  const auto stretch = only(writer.finish());
   std::vector<double> times;
   std::vector<std::size_t> rows;
-  read_frames(stretches.front(), [&](double t_s, std::span<const view::PoseRow> changed) {
+  read_frames(stretch, [&](double t_s, std::span<const view::PoseRow> changed) {
     times.push_back(t_s);
     rows.push_back(changed.size());
   });

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <map>
 #include <random>
 #include <utility>
@@ -14,7 +13,6 @@
 
 namespace peerd::recorded::stretch_writer_test {
 
-using testing::Each;
 using testing::SizeIs;
 using view::PoseKind;
 using view::PoseRow;
@@ -24,10 +22,7 @@ constexpr double kHz = 30.0;
 constexpr double kStep_m = 1.0 / 1'048'576.0;  // that places are kept in
 
 PoseRow row_of(std::uint32_t node, PoseKind kind, std::uint32_t owner, double x) {
-  PoseRow row;
-  row.node = node;
-  row.kind = static_cast<std::uint16_t>(kind);
-  row.owner = owner;
+  PoseRow row{.node = node, .owner = owner, .kind = static_cast<std::uint16_t>(kind)};
   row.position[0] = x;
   return row;
 }

@@ -1,9 +1,6 @@
 #include "peerd/lab/report/figures.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <vector>
 
 #include "peerd/lab/measure/summary.hpp"
 #include "tests/peerd/report_samples.hpp"

@@ -61,9 +61,8 @@ TEST(RunData, ItsMeanIsThatOfAllSamplesAndLeavesOutWhatIsNoNumber) {
   EXPECT_EQ(data.at("observers").at(0).at("mean_m"), 2.0);
   EXPECT_EQ(data.at("observers").at(0).at("error").at("y").dump(), "[1.0,null,3.0]");
   measure::RunMeasured& measured = run.measured.emplace();
-  measure::ViewMeasured& view = measured.whole.views.emplace_back();
-  view.observer = kB;
-  view.object = kCar;
+  measure::ViewMeasured& view =
+      measured.whole.views.emplace_back(measure::ViewMeasured{.observer = kB, .object = kCar});
   view.ghost_error_m.mean = 0.125;
   measured.whole.updates[kCar].updates = 77;
   data = run_data(kInfo, run, 1, {.object = "CAR"});

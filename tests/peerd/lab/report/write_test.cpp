@@ -2,10 +2,10 @@
 
 #include <gmock/gmock.h>
 
-#include <algorithm>
 #include <fstream>
 #include <set>
 
+#include "tests/must.hpp"
 #include "tests/peerd/report_samples.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
@@ -56,16 +56,12 @@ TEST_F(WriteReport, RemovesThePicturesOfEarlierVersionsAndNothingElse) {
 TEST_F(WriteReport, SaysWhichFileItCannotWrite) {
   fs::create_directories(dir_ / "errors.csv");  // a folder where a file should go
   const std::vector<measure::RunRecord> runs{measure::samples::zigzag_run(0.1)};
-  const auto done = write_report(dir_, kInfo, runs);
-  ASSERT_FALSE(done.has_value());
-  EXPECT_THAT(done.error(), testing::HasSubstr("errors.csv"));
+  EXPECT_THAT(error_of(write_report(dir_, kInfo, runs)), testing::HasSubstr("errors.csv"));
 }
 
 TEST_F(WriteReport, AFileInPlaceOfTheFolderIsAnError) {
   std::ofstream(dir_.string()) << "in the way";
-  const auto done = write_report(dir_, kInfo, {});
-  ASSERT_FALSE(done.has_value());
-  EXPECT_THAT(done.error(), testing::HasSubstr(dir_.filename().string()));
+  EXPECT_THAT(error_of(write_report(dir_, kInfo, {})), testing::HasSubstr(dir_.filename().string()));
 }
 
 TEST_F(WriteReport, NamesThatAreNotUtf8AreWrittenAnyway) {

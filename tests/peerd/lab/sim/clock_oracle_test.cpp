@@ -1,13 +1,10 @@
 #include "peerd/lab/sim/clock_oracle.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/sim/run_scenario.hpp"
 
 namespace peerd::sim::clock_oracle_test {
-
-using testing_support::must;
 
 std::vector<PeerLog> logs(std::vector<std::string> sets) {
   const std::string file = PEERD_SOURCE_DIR "/tests/sim/worlds/meeting.toml";

@@ -1,13 +1,10 @@
 #include "peerd/lab/sim/interest_oracle.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/sim/run_scenario.hpp"
 
 namespace peerd::sim::interest_oracle_test {
-
-using testing_support::must;
 
 measure::InterestRecord interest(std::vector<std::string> sets) {
   const std::string file = PEERD_SOURCE_DIR "/tests/sim/worlds/street.toml";

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "tests/must.hpp"
+
 namespace peerd::sim::network_test {
 
 using std::chrono::milliseconds;
@@ -16,9 +18,7 @@ constexpr VirtualTime kNow{std::chrono::seconds(1)};
 constexpr RegionId kHere{0}, kThere{1};
 
 config::RunSettings three_peers(const config::LinkSettings& link, std::uint64_t seed = 1) {
-  config::RunSettings run;
-  run.seed = seed;
-  run.network = link;
+  config::RunSettings run{.seed = seed, .network = link};
   for (std::uint32_t id = 1; id <= 3; ++id) {
     auto& peer = run.peers.emplace_back();
     peer.name = std::string(1, static_cast<char>('a' + id - 1));
@@ -50,11 +50,10 @@ TEST(Network, ReachesWhoeverHasJoinedTheRegionButTheSender) {
   network.join(1, kHere), network.join(1, kHere);
   network.join(2, kThere);
   network.send(kNow, 0, kHere, numbered(7));
-  auto got = drain(network);
-  ASSERT_EQ(got.size(), 1u);
-  EXPECT_EQ(got[0].to, 1u);
-  EXPECT_EQ(got[0].region, kHere);
-  EXPECT_EQ(number_of(got[0]), 7u);
+  auto got = only(drain(network));
+  EXPECT_EQ(got.to, 1u);
+  EXPECT_EQ(got.region, kHere);
+  EXPECT_EQ(number_of(got), 7u);
   network.send(kNow, 0, kThere, numbered(8));  // no need to have joined what one sends to
   EXPECT_EQ(drain(network).at(0).to, 2u);
   network.leave(1, kHere);

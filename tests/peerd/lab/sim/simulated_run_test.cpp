@@ -1,13 +1,10 @@
 #include "peerd/lab/sim/simulated_run.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/sim/run_scenario.hpp"
 
 namespace peerd::sim::simulated_run_test {
-
-using testing_support::must;
 
 const std::string kMeeting = PEERD_SOURCE_DIR "/tests/sim/worlds/meeting.toml";
 

@@ -1,6 +1,5 @@
 // Tests of what peers believe when other peers come and go, and when the network is partitioned, at times that the
 // scenario names.
-#include <gmock/gmock.h>
 
 #include "tests/sim/run_scenario.hpp"
 

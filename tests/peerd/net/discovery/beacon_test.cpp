@@ -2,8 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <random>
+
+#include "tests/must.hpp"
 
 namespace peerd::discovery::beacon_test {
 
@@ -17,11 +18,7 @@ Beacon some() {
           .name = "ann"};
 }
 
-TEST(Beacon, IsReadAsItWasWritten) {
-  const auto read = decode(encode(some()));
-  ASSERT_TRUE(read);
-  EXPECT_EQ(*read, some());
-}
+TEST(Beacon, IsReadAsItWasWritten) { EXPECT_EQ(must(decode(encode(some()))), some()); }
 
 TEST(Beacon, IsNoLongerThanTheQuestion) {
   Beacon beacon = some();
@@ -29,17 +26,13 @@ TEST(Beacon, IsNoLongerThanTheQuestion) {
   beacon.name = std::string(500, 'n');
   const auto bytes = encode(beacon);
   EXPECT_LE(bytes.size(), question().size());
-  const auto read = decode(bytes);
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->world, std::string(kNameMax_bytes, 'w'));
+  EXPECT_EQ(must(decode(bytes)).world, std::string(kNameMax_bytes, 'w'));
 }
 
 TEST(Beacon, ANameIsCutBetweenCharacters) {
   Beacon beacon = some();
   beacon.world = std::string(kNameMax_bytes - 1, 'w') + "\xc3\xa4";  // an umlaut of two bytes
-  const auto read = decode(encode(beacon));
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->world, std::string(kNameMax_bytes - 1, 'w'));
+  EXPECT_EQ(must(decode(encode(beacon))).world, std::string(kNameMax_bytes - 1, 'w'));
 }
 
 TEST(Beacon, ATerminalIsNotSteeredByAName) {
@@ -47,9 +40,7 @@ TEST(Beacon, ATerminalIsNotSteeredByAName) {
   beacon.name =
       "a\x1b[2J\n\xc2\x9b"
       "5m";
-  const auto read = decode(encode(beacon));
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->name, "a?[2J??5m");
+  EXPECT_EQ(must(decode(encode(beacon))).name, "a?[2J??5m");
 }
 
 TEST(Beacon, AnythingElseIsNone) {

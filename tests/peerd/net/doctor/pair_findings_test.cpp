@@ -6,7 +6,6 @@
 
 namespace peerd::doctor::pair_findings_test {
 
-using testing::AllOf;
 using testing::HasSubstr;
 
 constexpr Heard kAll{true, kStream, 1472}, kAllMulticast{true, kStream, 1200}, kNothing{};

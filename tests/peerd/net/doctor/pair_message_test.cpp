@@ -7,20 +7,18 @@
 namespace peerd::doctor::pair_message_test {
 
 PairMessage full_message() {
-  PairMessage m;
-  m.path = Path::kMulticast;
-  m.session = 0x0123456789abcdef;
-  m.other = 7;
-  m.sent = HostTime{Duration{1'700'000'000'000'000'001}};
-  m.echo_sent = HostTime{Duration{3}};
-  m.echo_held = Duration{4};
-  m.in_stream = kStream;
-  m.tcp_port = 65535;
-  m.tcp = TcpState::kNoAnswer;
-  m.complete = true;
-  m.unicast = {true, 199, 1472};
-  m.multicast = {false, 200, 1200};
-  return m;
+  return {.path = Path::kMulticast,
+          .session = 0x0123456789abcdef,
+          .other = 7,
+          .sent = HostTime{Duration{1'700'000'000'000'000'001}},
+          .echo_sent = HostTime{Duration{3}},
+          .echo_held = Duration{4},
+          .in_stream = kStream,
+          .tcp_port = 65535,
+          .tcp = TcpState::kNoAnswer,
+          .complete = true,
+          .unicast = {true, 199, 1472},
+          .multicast = {false, 200, 1200}};
 }
 
 TEST(PairMessage, ComesBackAsItWas) {

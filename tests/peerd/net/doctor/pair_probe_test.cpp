@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <optional>
 
 namespace peerd::doctor::pair_probe_test {
 
@@ -142,9 +141,7 @@ TEST(PairProbe, LossIsCounted) {
 // Whatever arrives, how much is sent is decided by time alone: a forger gains nothing.
 TEST(PairProbe, NothingIsAnAnswer) {
   PairProbe probe({.session = 1, .wait = seconds(60)}, kStart);
-  PairMessage forged;
-  forged.session = 9;
-  forged.sent = kStart;
+  PairMessage forged{.session = 9, .sent = kStart};
   std::size_t sent_at_once = 0;
   probe.on_tick(kStart);
   EXPECT_FALSE(probe.take_outputs().empty());
@@ -180,12 +177,7 @@ TEST(PairProbe, ASecondRunOfTheOtherSideReplacesTheFirst) {
 
 TEST(PairProbe, ReportsAboutOthersAndAbsurdTimesAreNotBelieved) {
   PairProbe probe({.session = 1, .wait = seconds(60)}, kStart);
-  PairMessage m;
-  m.session = 2;
-  m.other = 3;
-  m.unicast = {true, kStream, 1472};
-  m.sent = kStart;
-  m.echo_sent = kStart;
+  PairMessage m{.session = 2, .other = 3, .sent = kStart, .echo_sent = kStart, .unicast = {true, kStream, 1472}};
   probe.on_datagram(kStart + milliseconds(5), Path::kUnicast, encode(m, kPairMessage_bytes));
   EXPECT_TRUE(probe.result().answered);
   EXPECT_FALSE(probe.result().is_heard);
@@ -206,9 +198,7 @@ TEST(PairProbe, ReportsAboutOthersAndAbsurdTimesAreNotBelieved) {
 // The driver sleeps until the next deadline: nothing may be due earlier, and none may stay in the past.
 TEST(PairProbe, DeadlinesAreWhenSomethingIsDue) {
   PairProbe probe({.session = 1, .wait = seconds(2)}, kStart);
-  PairMessage m;
-  m.session = 2;
-  m.sent = kStart;
+  const PairMessage m{.session = 2, .sent = kStart};
   probe.on_datagram(kStart + milliseconds(100), Path::kUnicast, encode(m, kPairMessage_bytes));
   HostTime now = kStart;
   int steps = 0;

@@ -4,6 +4,8 @@
 
 #include <random>
 
+#include "tests/must.hpp"
+
 namespace peerd::net::link_meter_test {
 
 using std::chrono::milliseconds;
@@ -39,15 +41,12 @@ TEST(LinkMeter, MeasuresTheWayThereAndBackWithoutTheTimeBetween) {
 // Whatever the two ways take of the round trip, the other clock is within the bound.
 TEST(LinkMeter, BoundsTheOtherClock) {
   for (const int there_ms : {0, 1, 30, 79, 80}) {
-    Ends ends;
-    ends.there = milliseconds(there_ms);
-    ends.back = milliseconds(80 - there_ms);
+    Ends ends{.there = milliseconds(there_ms), .back = milliseconds(80 - there_ms)};
     ends.exchange(milliseconds(10));
-    const auto clock = ends.near.clock();
-    ASSERT_TRUE(clock);
-    EXPECT_EQ(clock->error, milliseconds(40));
-    EXPECT_LE(ends.far_minus_near, clock->middle + clock->error);
-    EXPECT_GE(ends.far_minus_near, clock->middle - clock->error);
+    const auto clock = must(ends.near.clock());
+    EXPECT_EQ(clock.error, milliseconds(40));
+    EXPECT_LE(ends.far_minus_near, clock.middle + clock.error);
+    EXPECT_GE(ends.far_minus_near, clock.middle - clock.error);
   }
 }
 

@@ -5,11 +5,11 @@
 
 #include <random>
 
+#include "tests/must.hpp"
 #include "tests/net/listener.hpp"
 
 namespace peerd::net::unicast_frame_test {
 
-using asio::ip::udp;
 using testing::ElementsAre;
 using testing_support::bytes_of;
 
@@ -36,10 +36,9 @@ TEST(RelayHeader, IsTheMarkTheRegionAndTheHops) {
   const auto bytes = relay_header({RegionId{0x01020304}, 5});
   EXPECT_THAT(bytes,
               ElementsAre(std::byte{0x53}, std::byte{1}, std::byte{2}, std::byte{3}, std::byte{4}, std::byte{5}));
-  const auto read = read_relay_header(bytes);
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->region, RegionId{0x01020304});
-  EXPECT_EQ(read->hops, 5);
+  const auto read = must(read_relay_header(bytes));
+  EXPECT_EQ(read.region, RegionId{0x01020304});
+  EXPECT_EQ(read.hops, 5);
   EXPECT_FALSE(read_relay_header(std::span(bytes).first(5)));
   EXPECT_FALSE(read_relay_header(bytes_of("S1234\x11")));  // more hops than any datagram begins with
   EXPECT_FALSE(read_relay_header(bytes_of("R12345")));
@@ -90,16 +89,15 @@ TEST_P(Greetings, ComeBackAsTheyWere) {
     for (const bool leaving : {false, true}) {
       Greeting sent = greeting(v4);
       sent.reply = reply, sent.leaving = leaving;
-      const auto got = decode_greeting(encode(sent, v4), v4);
-      ASSERT_TRUE(got);
-      EXPECT_EQ(got->instance, sent.instance);
-      EXPECT_EQ(got->number, sent.number);
-      EXPECT_EQ(got->echo, sent.echo);
-      EXPECT_EQ(got->reply, reply);
-      EXPECT_EQ(got->leaving, leaving);
-      EXPECT_FALSE(got->all_regions);
-      EXPECT_EQ(got->regions, sent.regions);
-      EXPECT_EQ(got->peers, sent.peers);
+      const auto got = must(decode_greeting(encode(sent, v4), v4));
+      EXPECT_EQ(got.instance, sent.instance);
+      EXPECT_EQ(got.number, sent.number);
+      EXPECT_EQ(got.echo, sent.echo);
+      EXPECT_EQ(got.reply, reply);
+      EXPECT_EQ(got.leaving, leaving);
+      EXPECT_FALSE(got.all_regions);
+      EXPECT_EQ(got.regions, sent.regions);
+      EXPECT_EQ(got.peers, sent.peers);
     }
   }
 }
@@ -117,15 +115,13 @@ TEST_P(Greetings, WhatDoesNotFitIsAllRegionsAndFewerPeers) {
   while (sent.peers.size() <= kGreetingPeersMax) sent.peers.push_back(sent.peers.front());
   auto bytes = encode(sent, v4);
   EXPECT_LE(bytes.size(), kGreetingMaxBytes);
-  auto got = decode_greeting(bytes, v4);
-  ASSERT_TRUE(got);
-  EXPECT_EQ(got->regions, sent.regions);
-  EXPECT_EQ(got->peers.size(), kGreetingPeersMax);
+  auto got = must(decode_greeting(bytes, v4));
+  EXPECT_EQ(got.regions, sent.regions);
+  EXPECT_EQ(got.peers.size(), kGreetingPeersMax);
   sent.regions.push_back(RegionId{1000});
-  got = decode_greeting(encode(sent, v4), v4);
-  ASSERT_TRUE(got);
-  EXPECT_TRUE(got->all_regions);
-  EXPECT_TRUE(got->regions.empty());
+  got = must(decode_greeting(encode(sent, v4), v4));
+  EXPECT_TRUE(got.all_regions);
+  EXPECT_TRUE(got.regions.empty());
 }
 
 // Only the bytes of a whole greeting are a greeting; input is hostile.

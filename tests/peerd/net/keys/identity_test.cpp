@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/must.hpp"
+
 namespace peerd::keys {
 namespace {
 
@@ -26,13 +28,10 @@ TEST(Identity, SignsForOneUseAndOneTextAlone) {
 
 TEST(Identity, IsWhatItsTextSays) {
   const Identity one = Identity::random();
-  const auto again = Identity::of_text(one.text());
-  ASSERT_TRUE(again);
-  EXPECT_EQ(again->public_key(), one.public_key());
-  const auto key = PublicKey::of_text(one.public_key().text());
-  ASSERT_TRUE(key);
-  EXPECT_EQ(*key, one.public_key());
-  EXPECT_TRUE(one.public_key().text().ends_with(key->text().substr(15)));
+  EXPECT_EQ(must(Identity::of_text(one.text())).public_key(), one.public_key());
+  const auto key = must(PublicKey::of_text(one.public_key().text()));
+  EXPECT_EQ(key, one.public_key());
+  EXPECT_TRUE(one.public_key().text().ends_with(key.text().substr(15)));
   EXPECT_EQ(one.public_key().short_text().size(), 8u);
 }
 

@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::keys {
@@ -30,12 +31,9 @@ class KeyFiles : public testing::Test {
 };
 
 TEST_F(KeyFiles, AreMadeOnceForThisUserAlone) {
-  const auto made = read_or_make_key(file);
-  ASSERT_TRUE(made) << made.error().text;
+  const auto made = must(read_or_make_key(file));
   EXPECT_EQ(fs::status(file).permissions(), fs::perms::owner_read | fs::perms::owner_write);
-  const auto again = read_or_make_key(file);
-  ASSERT_TRUE(again) << again.error().text;
-  EXPECT_EQ(*again, *made);
+  EXPECT_EQ(must(read_or_make_key(file)), made);
   EXPECT_EQ(std::distance(fs::directory_iterator(file.parent_path()), fs::directory_iterator()), 1)
       << "no draft is left";
 }
@@ -91,9 +89,7 @@ TEST_F(KeyFiles, OfAnInvitationAreKeptUnlessThereIsAnother) {
   const SymmetricKey key = SymmetricKey::random();
   ASSERT_TRUE(keep_key(file, key));
   EXPECT_TRUE(keep_key(file, key)) << "the same once more";
-  const auto other = keep_key(file, SymmetricKey::random());
-  ASSERT_FALSE(other);
-  EXPECT_THAT(other.error().text, HasSubstr("move that file away"));
+  EXPECT_THAT(error_of(keep_key(file, SymmetricKey::random())).text, HasSubstr("move that file away"));
   EXPECT_EQ(read_key(file).value(), key);
 }
 

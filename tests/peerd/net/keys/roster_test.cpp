@@ -5,6 +5,8 @@
 
 #include <string>
 
+#include "tests/must.hpp"
+
 namespace peerd::keys::roster_test {
 namespace {
 
@@ -61,14 +63,13 @@ TEST_F(Rosters, OnlyAdministratorsChangeThem) {
 
 TEST_F(Rosters, AreWhatTheirTextSays) {
   const Roster roster = with_bo(Role::kAdministrator).without("anna", bo).value();
-  const auto read = Roster::of_text(roster.text());
-  ASSERT_TRUE(read);
-  EXPECT_EQ(read->text(), roster.text());
-  EXPECT_EQ(read->world(), "town");
-  EXPECT_EQ(read->epoch(), 3u);
-  ASSERT_EQ(read->members().size(), 2u);
-  EXPECT_TRUE(read->members()[0].is_former);
-  EXPECT_EQ(*read->session_key(bo), *roster.session_key(bo));
+  const auto read = must(Roster::of_text(roster.text()));
+  EXPECT_EQ(read.text(), roster.text());
+  EXPECT_EQ(read.world(), "town");
+  EXPECT_EQ(read.epoch(), 3u);
+  ASSERT_EQ(read.members().size(), 2u);
+  EXPECT_TRUE(read.members()[0].is_former);
+  EXPECT_EQ(read.session_key(bo), *roster.session_key(bo));
 }
 
 TEST_F(Rosters, NoChangedTextIsOne) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::keys::secret_file_test {
@@ -26,9 +27,7 @@ TEST_F(SecretFile, IsThisUsersAloneAndIsMadeOnce) {
   EXPECT_EQ(state.st_mode & 0777U, 0600U);
   EXPECT_EQ(why_not(), "");
   EXPECT_TRUE(make_private_line(file, "key", "another"));
-  const auto line = read_private_line(file, "key");
-  ASSERT_TRUE(line);
-  EXPECT_EQ(line->view(), "a secret") << "it stays as it is";
+  EXPECT_EQ(must(read_private_line(file, "key")).view(), "a secret") << "it stays as it is";
 }
 
 TEST_F(SecretFile, IsNotReadWhereOthersMayReadIt) {

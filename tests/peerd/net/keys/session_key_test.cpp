@@ -8,6 +8,7 @@
 
 #include "peerd/net/keys/key_file.hpp"
 #include "peerd/net/keys/password.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::keys {
@@ -24,35 +25,30 @@ class SessionKeys : public testing::Test {
 
 TEST_F(SessionKeys, AreThisUsersOwnUnlessSomebodySaysAnother) {
   EXPECT_FALSE(session_key({}, "town", IfMissing::kFail)) << "which is not there";
-  const auto own = session_key({}, "town", IfMissing::kMake);
-  ASSERT_TRUE(own) << own.error().text;
-  EXPECT_EQ(own->by, "the key " + (folder / "settings/peerd/keys/town.key").string());
-  EXPECT_EQ(session_key({}, "town", IfMissing::kFail).value().key, own->key);
+  const auto own = must(session_key({}, "town", IfMissing::kMake));
+  EXPECT_EQ(own.by, "the key " + (folder / "settings/peerd/keys/town.key").string());
+  EXPECT_EQ(session_key({}, "town", IfMissing::kFail).value().key, own.key);
 
   const auto file = folder / "other.key";
   EXPECT_FALSE(session_key({.key_file = file, .password_file = {}}, "town", IfMissing::kMake))
       << "nobody makes one that was said";
-  const auto other = read_or_make_key(file);
-  ASSERT_TRUE(other);
-  EXPECT_EQ(session_key({.key_file = file, .password_file = {}}, "town", IfMissing::kFail).value().key, *other);
+  const auto other = must(read_or_make_key(file));
+  EXPECT_EQ(session_key({.key_file = file, .password_file = {}}, "town", IfMissing::kFail).value().key, other);
 }
 
 TEST_F(SessionKeys, AreMadeByAPassword) {
   folder.write("password", "correct horse\n");
   const auto file = folder / "password";
   ASSERT_EQ(::chmod(file.c_str(), 0600), 0);
-  const auto made = session_key({.key_file = {}, .password_file = file}, "town", IfMissing::kMake);
-  ASSERT_TRUE(made) << made.error().text;
-  EXPECT_EQ(made->by, "a password");
-  EXPECT_EQ(made->key, key_of_password("correct horse", "town").value());
+  const auto made = must(session_key({.key_file = {}, .password_file = file}, "town", IfMissing::kMake));
+  EXPECT_EQ(made.by, "a password");
+  EXPECT_EQ(made.key, key_of_password("correct horse", "town").value());
   EXPECT_FALSE(std::filesystem::exists(folder / "settings")) << "no file gets it";
 }
 
 TEST_F(SessionKeys, AreOneEach) {
-  const auto both = session_key({.key_file = "a", .password_file = "b"}, "town", IfMissing::kMake);
-  ASSERT_FALSE(both);
-  EXPECT_EQ(both.error().exit_code, 2);
-  EXPECT_THAT(both.error().text, HasSubstr("a key's file or a password's, not both"));
+  EXPECT_THAT(error_of(session_key({.key_file = "a", .password_file = "b"}, "town", IfMissing::kMake)),
+              IsError(2, HasSubstr("a key's file or a password's, not both")));
 }
 
 }  // namespace

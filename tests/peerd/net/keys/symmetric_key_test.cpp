@@ -3,19 +3,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <memory>
 #include <new>
 #include <set>
 #include <vector>
+
+#include "tests/must.hpp"
 
 namespace peerd::keys {
 namespace {
 
 TEST(SymmetricKeys, TheTextOfAKeyIsThatKey) {
   const SymmetricKey key = SymmetricKey::random();
-  const auto again = SymmetricKey::of_text(key.text());
-  ASSERT_TRUE(again);
-  EXPECT_EQ(*again, key);
+  EXPECT_EQ(must(SymmetricKey::of_text(key.text())), key);
   EXPECT_FALSE(SymmetricKey::random() == key);
 }
 

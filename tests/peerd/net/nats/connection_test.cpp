@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/peerd/net/nats/nats_server.hpp"
 
@@ -33,29 +34,26 @@ struct ConnectionTest : testing::Test {
 
 TEST_F(ConnectionTest, IsUpAndShowsItsServerWithoutThePassword) {
   NatsServer server(folder, "server", "authorization { user: u, password: p }\n");
-  const auto connection = Connection::open(by(server.url("u:p")), mailbox, state);
-  ASSERT_TRUE(connection) << connection.error().error.sentence;
+  const auto connection = must(Connection::open(by(server.url("u:p")), mailbox, state));
   EXPECT_TRUE(state->is_up());
-  EXPECT_EQ((*connection)->server(), server.url());
-  EXPECT_EQ((*connection)->subscribe(RegionId{3}), NATS_OK);
-  EXPECT_EQ((*connection)->subscribe(RegionId{3}), NATS_OK) << "without effect";
-  EXPECT_EQ((*connection)->publish(RegionId{3}, bytes_of("text")), NATS_OK);
-  EXPECT_EQ((*connection)->unsubscribe(RegionId{3}), NATS_OK);
-  EXPECT_EQ((*connection)->unsubscribe(RegionId{3}), NATS_OK) << "without effect";
-  EXPECT_EQ((*connection)->thrown_away(), 0u);
+  EXPECT_EQ(connection->server(), server.url());
+  EXPECT_EQ(connection->subscribe(RegionId{3}), NATS_OK);
+  EXPECT_EQ(connection->subscribe(RegionId{3}), NATS_OK) << "without effect";
+  EXPECT_EQ(connection->publish(RegionId{3}, bytes_of("text")), NATS_OK);
+  EXPECT_EQ(connection->unsubscribe(RegionId{3}), NATS_OK);
+  EXPECT_EQ(connection->unsubscribe(RegionId{3}), NATS_OK) << "without effect";
+  EXPECT_EQ(connection->thrown_away(), 0u);
 }
 
 TEST_F(ConnectionTest, TellsARefusalFromASilence) {
   NatsServer server(folder, "server", "authorization { user: u, password: p }\n");
-  const auto refused = Connection::open(by(server.url()), mailbox, state);
-  ASSERT_FALSE(refused);
-  EXPECT_TRUE(refused.error().is_final);
-  EXPECT_EQ(refused.error().error.kind, net::NetError::Kind::kPermission);
+  const auto refused = error_of(Connection::open(by(server.url()), mailbox, state));
+  EXPECT_TRUE(refused.is_final);
+  EXPECT_EQ(refused.error.kind, net::NetError::Kind::kPermission);
   server.kill();
-  const auto silent = Connection::open(by(server.url()), mailbox, state);
-  ASSERT_FALSE(silent);
-  EXPECT_FALSE(silent.error().is_final);
-  EXPECT_THAT(silent.error().error.sentence, HasSubstr("no NATS server answers at " + server.url()));
+  const auto silent = error_of(Connection::open(by(server.url()), mailbox, state));
+  EXPECT_FALSE(silent.is_final);
+  EXPECT_THAT(silent.error.sentence, HasSubstr("no NATS server answers at " + server.url()));
   EXPECT_FALSE(state->is_up());
 }
 

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/must.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/peerd/net/nats/nats_server.hpp"
 
@@ -36,9 +37,7 @@ using Heard = std::vector<std::pair<std::uint32_t, std::string>>;
 // A transport that records what it hears.
 struct Listener {
   Listener(boost::asio::io_context& io, NatsOptions options) {
-    auto opened = NatsTransport::open(io, clock(), options);
-    if (!opened) throw std::runtime_error(opened.error().sentence);
-    transport = *std::move(opened);
+    transport = must(NatsTransport::open(io, clock(), options));
     transport->on_receive([this](const net::Arrival& arrival) {
       heard.emplace_back(arrival.region.value, text_of(arrival.datagram));
       at.push_back(arrival.at);
@@ -239,10 +238,9 @@ TEST_F(NatsTransportTest, ASlowReaderLosesAndSaysSo) {
   ASSERT_TRUE(meet(a, b, 0, "hello"));
   for (int i = 0; i < 50; ++i) a.send(0, std::string(1000, 'x'));
   EXPECT_TRUE(testing_support::comes_true([&] { return b.transport->counters().in_queue_overflow >= 40; }, 20));
-  const auto said = b.transport->follow_interface();
-  ASSERT_TRUE(said);
-  EXPECT_FALSE(said->is_back);
-  EXPECT_THAT(said->sentence, HasSubstr("were lost: this peer reads them too slowly"));
+  const auto said = must(b.transport->follow_interface());
+  EXPECT_FALSE(said.is_back);
+  EXPECT_THAT(said.sentence, HasSubstr("were lost: this peer reads them too slowly"));
   EXPECT_FALSE(b.transport->follow_interface()) << "said once";
   ASSERT_TRUE(run_until([&] { return b.has_heard(std::string(1000, 'x')); }));
   ASSERT_TRUE(mark(a, b, 0)) << "and goes on";
@@ -453,9 +451,8 @@ TEST_F(NatsTls, ShowsItsOwnCertificateToWhoAsksForIt) {
   {
     Listener without(io, options);  // it goes on trying
     EXPECT_THAT(without.transport->describe(), HasSubstr("no server so far"));
-    const auto said = without.transport->follow_interface();
-    ASSERT_TRUE(said);
-    EXPECT_THAT(said->sentence, HasSubstr("it may want transport.nats_tls_cert"));
+    const auto said = must(without.transport->follow_interface());
+    EXPECT_THAT(said.sentence, HasSubstr("it may want transport.nats_tls_cert"));
   }
   options.settings.tls_cert = (folder / "peer.pem").string();
   options.settings.tls_key = (folder / "peer.key").string();
@@ -467,11 +464,9 @@ TEST_F(NatsTls, ShowsItsOwnCertificateToWhoAsksForIt) {
 TEST_F(NatsTls, AFileThatIsNoneIsAWrongSetting) {
   NatsServer server(folder, "server", tls("server"));
   NatsOptions options = trusting(server, "missing");
-  const auto opened = NatsTransport::open(io, clock(), options);
-  ASSERT_FALSE(opened);
-  EXPECT_EQ(opened.error().kind, net::NetError::Kind::kBadSetting);
-  EXPECT_THAT(opened.error().sentence,
-              AllOf(HasSubstr("transport.nats_tls_ca: can't read"), HasSubstr("missing.pem: No such file")));
+  EXPECT_THAT(error_of(NatsTransport::open(io, clock(), options)),
+              IsError(net::NetError::Kind::kBadSetting,
+                      AllOf(HasSubstr("transport.nats_tls_ca: can't read"), HasSubstr("missing.pem: No such file"))));
 }
 
 }  // namespace peerd::nats::nats_transport_test

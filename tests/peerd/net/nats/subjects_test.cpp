@@ -20,9 +20,7 @@ TEST(Subjects, OfTwoVersionsOfAWorldShareRegion0Alone) {
 }
 
 struct Case {
-  const char* name;
-  const char* text;
-  const char* token;
+  const char *name, *text, *token;
 };
 class Token : public testing::TestWithParam<Case> {};
 TEST_P(Token, IsOneForNats) { EXPECT_EQ(token(GetParam().text), GetParam().token); }

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <regex>
 
+#include "tests/must.hpp"
 #include "tests/peerd/net/os/notified.hpp"
 
 namespace peerd::net::service_manager_test {
@@ -38,9 +39,8 @@ TEST(ServiceManager, GetsTheMessagesOfSdNotify) {
   EXPECT_TRUE(manager.stopping());
   EXPECT_THAT(notified.messages(), ElementsAre("READY=1", "WATCHDOG=1", "STATUS=two lines", "STOPPING=1"));
   EXPECT_TRUE(manager.reloading());
-  const auto messages = notified.messages();
-  ASSERT_EQ(messages.size(), 1u);
-  EXPECT_TRUE(std::regex_match(messages.front(), std::regex("RELOADING=1\nMONOTONIC_USEC=[1-9][0-9]*"))) << messages[0];
+  const auto message = only(notified.messages());
+  EXPECT_TRUE(std::regex_match(message, std::regex("RELOADING=1\nMONOTONIC_USEC=[1-9][0-9]*"))) << message;
 }
 
 TEST(ServiceManager, SaysForHowLongItWatches) {
@@ -62,10 +62,8 @@ TEST(ServiceManager, ThatHasGoneIsAnErrorWithASentence) {
     const Notified notified;
     setenv("NOTIFY_SOCKET", notified.path().c_str(), 1);
   }
-  const auto done = ServiceManager::of_environment().ready();
-  ASSERT_FALSE(done);
-  EXPECT_THAT(done.error().text, HasSubstr("can't reach the service manager at "));
-  EXPECT_EQ(done.error().exit_code, 3);
+  EXPECT_THAT(error_of(ServiceManager::of_environment().ready()),
+              IsError(3, HasSubstr("can't reach the service manager at ")));
 }
 
 }  // namespace

@@ -22,11 +22,7 @@ TEST(TrafficCounters, EachHasANameOfItsOwn) {
 }
 
 TEST(TrafficCounters, NamesAreThoseOfTheMembers) {
-  TrafficCounters counters;
-  counters.packets_in = 1;
-  counters.in_queue_overflow = 2;
-  counters.out_blocked = 3;
-  counters.peers_refused = 4;
+  const TrafficCounters counters{.packets_in = 1, .in_queue_overflow = 2, .out_blocked = 3, .peers_refused = 4};
   const auto named = counters.named();
   EXPECT_EQ(named.at("net.packets_in"), 1u);
   EXPECT_EQ(named.at("net.in_queue_overflow"), 2u);

@@ -6,6 +6,7 @@
 #include <boost/asio/io_context.hpp>
 
 #include "peerd/net/os/udp_socket.hpp"
+#include "tests/must.hpp"
 #include "tests/net/listener.hpp"
 
 namespace peerd::net::udp_batch_test {
@@ -19,8 +20,7 @@ using testing_support::text_of;
 struct UdpBatch : testing::Test {
   UdpBatch() {
     for (udp::socket* socket : {&a, &b}) {
-      const auto opened = open_udp(*socket, {.v4 = true, .dscp = 0, .receive_buffer_bytes = 1 << 20});
-      EXPECT_TRUE(opened) << opened.error().sentence;
+      must(open_udp(*socket, {.v4 = true, .dscp = 0, .receive_buffer_bytes = 1 << 20}));
       socket->bind({asio::ip::address_v4::loopback(), 0});
     }
     to_b = b.local_endpoint();

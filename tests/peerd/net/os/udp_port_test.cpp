@@ -5,6 +5,7 @@
 
 #include <boost/asio/io_context.hpp>
 
+#include "tests/must.hpp"
 #include "tests/net/listener.hpp"
 
 namespace peerd::net::udp_port_test {
@@ -15,8 +16,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 
 struct Text {
-  const char* name;
-  const char* text;
+  const char *name, *text;
   const char* address;  // empty: none
   int port;
 };
@@ -87,13 +87,9 @@ TEST_F(UdpPortTest, CountsWhatTheSystemLosesForWantOfRoom) {
 TEST_F(UdpPortTest, APortThatIsTakenOrNoAddressIsOneSentence) {
   const auto port = open("127.0.0.1:0");
   const std::string taken = "127.0.0.1:" + std::to_string(port->endpoint().port());
-  const auto second = UdpPort::open(io, taken, "peer.a.feed.udp", [](std::string_view) {});
-  ASSERT_FALSE(second);
-  EXPECT_EQ(second.error().exit_code, 3);
-  EXPECT_THAT(second.error().text, HasSubstr("peer.a.feed.udp = \"" + taken + "\": another program listens there"));
-  const auto bad = UdpPort::open(io, "nonsense", "peer.a.feed.udp", [](std::string_view) {});
-  ASSERT_FALSE(bad);
-  EXPECT_EQ(bad.error().exit_code, 2);
+  EXPECT_THAT(error_of(UdpPort::open(io, taken, "peer.a.feed.udp", [](std::string_view) {})),
+              IsError(3, HasSubstr("peer.a.feed.udp = \"" + taken + "\": another program listens there")));
+  EXPECT_EQ(error_of(UdpPort::open(io, "nonsense", "peer.a.feed.udp", [](std::string_view) {})).exit_code, 2);
 }
 
 TEST_F(UdpPortTest, MayGoWhileItListens) {

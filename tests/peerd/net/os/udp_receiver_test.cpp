@@ -12,7 +12,6 @@ namespace peerd::net::udp_receiver_test {
 
 using asio::ip::udp;
 using testing::ElementsAre;
-using testing_support::bytes_of;
 using testing_support::clock;
 using testing_support::run_until;
 using testing_support::text_of;

@@ -10,6 +10,8 @@
 #include <boost/asio/io_context.hpp>
 #include <cerrno>
 
+#include "tests/must.hpp"
+
 namespace peerd::net::udp_socket_test {
 
 using asio::ip::udp;
@@ -59,20 +61,18 @@ TEST_F(UdpSocket, APortThatAnotherHoldsIsNamedWithTheAdvice) {
   ASSERT_TRUE(bind_udp(a, 0, ""));
   const std::uint16_t port = a.local_endpoint().port();
   ASSERT_NE(port, 0);
-  const auto bound = bind_udp(b, port, "take another one");
-  ASSERT_FALSE(bound);
-  EXPECT_EQ(bound.error().kind, NetError::Kind::kPortBusy);
-  EXPECT_THAT(bound.error().sentence, HasSubstr("UDP port " + std::to_string(port) + " is held by another program"));
-  EXPECT_THAT(bound.error().sentence, HasSubstr("take another one"));
+  const auto bound = error_of(bind_udp(b, port, "take another one"));
+  EXPECT_EQ(bound.kind, NetError::Kind::kPortBusy);
+  EXPECT_THAT(bound.sentence, HasSubstr("UDP port " + std::to_string(port) + " is held by another program"));
+  EXPECT_THAT(bound.sentence, HasSubstr("take another one"));
 }
 
 TEST_F(UdpSocket, AnOptionThatTheSystemRefusesIsNamed) {
   ASSERT_TRUE(open_udp(a, {.v4 = true, .dscp = 0, .receive_buffer_bytes = 8192}));
   const std::array<SocketOption, 2> options{
       {{SOL_SOCKET, SO_REUSEADDR, 1, "SO_REUSEADDR"}, {IPPROTO_IP, 9999, 1, "SO_NONE"}}};
-  const auto set = set_options(a.native_handle(), options);
-  ASSERT_FALSE(set);
-  EXPECT_THAT(set.error().sentence, HasSubstr("the system refuses socket option SO_NONE: " + text_of(ENOPROTOOPT)));
+  EXPECT_THAT(error_of(set_options(a.native_handle(), options)).sentence,
+              HasSubstr("the system refuses socket option SO_NONE: " + text_of(ENOPROTOOPT)));
   EXPECT_EQ(option(a, SOL_SOCKET, SO_REUSEADDR), 1) << "the one before it is set";
 }
 

@@ -1,8 +1,8 @@
 #include "peerd/net/relay/mesh.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
 #include "tests/peerd/net/relay/relay_fixture.hpp"
 
 namespace peerd::relay::mesh_test {
@@ -14,15 +14,13 @@ using MeshTest = RelayFixture;
 TEST_F(MeshTest, AMeshOfUnicastIsOneMoreNetwork) {
   RelayUnderTest relay(io, 0);
   relay.join_island(0);
-  auto mesh = Mesh::open(io, clock(), {.interface = "lo", .port = own_port(3), .seeds = {address(4)}, .key = {1, 77}});
-  ASSERT_TRUE(mesh);
-  relay.relay->add(*std::move(mesh));
+  auto mesh =
+      must(Mesh::open(io, clock(), {.interface = "lo", .port = own_port(3), .seeds = {address(4)}, .key = {1, 77}}));
+  relay.relay->add(std::move(mesh));
   relay.relay->start();
   const auto in_mesh = [&](unsigned slot) {
-    auto opened = net::UnicastFanOut::open(
-        io, clock(), {.interface = "lo", .port = own_port(slot), .seeds = {address(4)}, .key = {next_key(), 5}});
-    if (!opened) throw std::runtime_error(opened.error().sentence);
-    return *std::move(opened);
+    return must(net::UnicastFanOut::open(
+        io, clock(), {.interface = "lo", .port = own_port(slot), .seeds = {address(4)}, .key = {next_key(), 5}}));
   };
   Peer a(in_mesh(4), {0, 5}), b(in_mesh(5), {0, 5}), c(on_island(0), {0, 5}), d(by_relay({0}), {0, 5});
   const auto each = [&](const std::string& text) {

@@ -1,9 +1,7 @@
 #pragma once
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -12,6 +10,7 @@
 #include "peerd/net/relay/relay.hpp"
 #include "peerd/net/transport/island_member.hpp"
 #include "peerd/net/transport/relay_transport.hpp"
+#include "tests/must.hpp"
 #include "tests/net/listener.hpp"
 
 // Relays, islands and peers of one process, over real sockets on lo. An island is a multicast port of its own.
@@ -35,11 +34,9 @@ inline std::uint64_t next_key() {
 }
 
 inline net::MulticastOptions multicast(unsigned island) {
-  net::MulticastOptions options;
-  options.interface = "lo";
-  options.groups = *net::parse_group_plan("239.192.90.0", own_port(kFirstIsland + island));
-  options.receives_own_datagrams = false;
-  return options;
+  return {.interface = "lo",
+          .groups = *net::parse_group_plan("239.192.90.0", own_port(kFirstIsland + island)),
+          .receives_own_datagrams = false};
 }
 
 struct RelayUnderTest {
@@ -49,17 +46,14 @@ struct RelayUnderTest {
     RelayOptions options{.port = own_port(slot), .key = {next_key(), 1}, .seal = seal};
     options.budget_bytes_per_s = budget_bytes_per_s;
     for (const unsigned parent : parents) options.parents.push_back(address(parent));
-    auto opened = Relay::open(io, clock(), options, [this](bool, const std::string& line) { said.push_back(line); });
-    if (!opened) throw std::runtime_error(opened.error().sentence);
-    relay = *std::move(opened);
+    relay = must(Relay::open(io, clock(), options, [this](bool, const std::string& line) { said.push_back(line); }));
   }
   Island& join_island(unsigned number) {
     IslandOptions options{.multicast = multicast(number), .instance = relay->instance(), .key = {next_key(), 2}};
     options.seal = seal;
-    auto opened = Island::open(io_context, clock(), options);
-    if (!opened) throw std::runtime_error(opened.error().sentence);
-    Island& island = **opened;
-    relay->add(*std::move(opened));
+    auto opened = must(Island::open(io_context, clock(), options));
+    Island& island = *opened;
+    relay->add(std::move(opened));
     return island;
   }
   [[nodiscard]] std::size_t peers() const {
@@ -112,17 +106,14 @@ struct RelayFixture : testing::Test {
                                            std::shared_ptr<net::GreetingSeal> seal = nullptr) {
     net::RelayTransportOptions options{.key = {next_key(), 3}, .seal = std::move(seal)};
     for (const unsigned relay : relays) options.relays.push_back(address(relay));
-    auto opened = net::RelayTransport::open(io, clock(), options);
-    if (!opened) throw std::runtime_error(opened.error().sentence);
-    return *std::move(opened);
+    return must(net::RelayTransport::open(io, clock(), options));
   }
   std::unique_ptr<net::Transport> on_island(unsigned number, std::shared_ptr<net::GreetingSeal> seal = nullptr) {
     net::MulticastOptions options = multicast(number);
     options.groups.offset = 4096;  // as of some world: the relay learns it
-    auto opened = net::MulticastSocket::open(io, clock(), options);
-    if (!opened) throw std::runtime_error(opened.error().sentence);
+    auto opened = must(net::MulticastSocket::open(io, clock(), options));
     return std::make_unique<net::IslandMember>(
-        clock(), *std::move(opened),
+        clock(), std::move(opened),
         net::IslandMember::Options{.key = {next_key(), 4}, .seal = std::move(seal), .group_offset = 4096});
   }
 

@@ -1,6 +1,5 @@
 #include "peerd/net/relay/relay_report.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/peerd/net/relay/relay_fixture.hpp"

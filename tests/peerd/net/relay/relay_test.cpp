@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
 #include "tests/peerd/net/relay/relay_fixture.hpp"
 
 namespace peerd::relay::relay_test {
@@ -108,9 +109,8 @@ TEST_F(RelayTest, DatagramsThatGoRoundEnd) {
   ASSERT_TRUE(run_until(io, [&] { return raw.available() > 0; }));
   std::array<std::byte, 2000> answer{};
   const auto size = raw.receive(asio::buffer(answer));
-  const auto answered = net::decode_greeting(std::span(answer).first(size), true);
-  ASSERT_TRUE(answered);
-  greeting = {.instance = 7, .number = 3, .echo = answered->number};
+  const auto answered = must(net::decode_greeting(std::span(answer).first(size), true));
+  greeting = {.instance = 7, .number = 3, .echo = answered.number};
   greeting.link = net::LinkNote{.sent_at_ns = 1};
   raw.send_to(asio::buffer(net::encode(greeting, true)), address(0));
   ASSERT_TRUE(run_until(io, [&] { return relay.peers() == 3; }));

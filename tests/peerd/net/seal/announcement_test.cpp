@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
+
 namespace peerd::seal::announcement_test {
 namespace {
 
@@ -22,10 +24,9 @@ class Announcements : public testing::Test {
 TEST_F(Announcements, SayAllThatWentIn) {
   const auto sealed = seal_announcement(says, 0xC1, key, identity);
   EXPECT_EQ(std::to_integer<int>(sealed.front()), 0xC1);
-  const auto opened = OpenedAnnouncement::open(sealed, key);
-  ASSERT_TRUE(opened);
-  EXPECT_TRUE(opened->is_signed());
-  const Announcement& got = opened->says();
+  const auto opened = must(OpenedAnnouncement::open(sealed, key));
+  EXPECT_TRUE(opened.is_signed());
+  const Announcement& got = opened.says();
   EXPECT_EQ(got.sender, says.sender);
   EXPECT_EQ(got.boot, says.boot);
   EXPECT_EQ(got.number, 5u);
@@ -39,9 +40,8 @@ TEST_F(Announcements, SayAllThatWentIn) {
 }
 
 TEST_F(Announcements, AreSignedByThoseWhoseTheyAre) {
-  const auto opened = OpenedAnnouncement::open(seal_announcement(says, 0xC0, key, keys::Identity::random()), key);
-  ASSERT_TRUE(opened);
-  EXPECT_FALSE(opened->is_signed());
+  const auto opened = must(OpenedAnnouncement::open(seal_announcement(says, 0xC0, key, keys::Identity::random()), key));
+  EXPECT_FALSE(opened.is_signed());
 }
 
 TEST_F(Announcements, OfAnotherSessionOrDamagedAreNone) {

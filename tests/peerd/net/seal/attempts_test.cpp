@@ -1,7 +1,6 @@
 // Ten million attempts of somebody who hears all that is sealed, and has everything but the key.
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <random>
 #include <vector>
 

@@ -4,11 +4,11 @@
 #include <sodium.h>
 
 #include <algorithm>
-#include <cstring>
 #include <random>
 #include <vector>
 
 #include "peerd/net/seal/sealer.hpp"
+#include "tests/must.hpp"
 
 namespace peerd::seal::insider_test {
 namespace {
@@ -153,9 +153,7 @@ TEST_F(Insider, IsFoundOnALossyLinkAndAmongManyDatagrams) {
 TEST_F(Insider, IsFoundByThePeerInWhoseNameItSpeaks) {
   (void)a.open(now, kHere, forger.datagram(1, sent + 3, 104, false));
   ASSERT_TRUE(a.signs_all(now));
-  const auto findings = a.take_findings();
-  ASSERT_EQ(findings.size(), 1u);
-  EXPECT_EQ(findings[0].peer, PeerId{1});
+  EXPECT_EQ(only(a.take_findings()).peer, PeerId{1});
   step();
   EXPECT_FALSE(forge(sent + 1)) << "from the next announcement on";
 }
@@ -196,9 +194,7 @@ TEST_F(Insider, TakesNobodysNumber) {
   EXPECT_EQ(b.hear(impostor.announcement_due(now).value(), now), Refusal::kImpostor);
   now += seconds(2);
   EXPECT_FALSE(impostor.hear(b.announcement_due(now).value(), now));
-  const auto findings = impostor.take_findings();
-  ASSERT_EQ(findings.size(), 1u);
-  EXPECT_EQ(findings[0].kind, Kind::kNumberTaken) << "it is told";
+  EXPECT_EQ(only(impostor.take_findings()).kind, Kind::kNumberTaken) << "it is told";
   Sealer same_boot(key, {.peer = PeerId{1}, .identity = keys::Identity::random(), .boot = boot_of_a});
   EXPECT_EQ(b.hear(same_boot.announcement_due(now).value(), now), Refusal::kImpostor);
   step();
@@ -214,9 +210,7 @@ TEST_F(Insider, IsNotHeardWhereItsKeyIsNoMembers) {
   EXPECT_EQ(strict.hear(good.announcement_due(now).value(), now), std::nullopt);
   EXPECT_EQ(strict.hear(bad.announcement_due(now).value(), now), Refusal::kNoMember);
   EXPECT_FALSE(bad.hear(strict.announcement_due(now).value(), now));
-  const auto findings = bad.take_findings();
-  ASSERT_EQ(findings.size(), 1u);
-  EXPECT_EQ(findings[0].kind, Kind::kNoMember);
+  EXPECT_EQ(only(bad.take_findings()).kind, Kind::kNoMember);
 }
 
 // An announcement that its sender has not signed: the forger seals what it likes.

@@ -1,9 +1,7 @@
 // Locks in a world with a roster, among whole peers whose operations are signed.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/vrml/document.hpp"
-#include "core/writer/writer.hpp"
 #include "peerd/net/seal/operation_signer.hpp"
 #include "tests/replication/peer/lan.hpp"
 
@@ -12,7 +10,6 @@ namespace {
 
 using namespace replication;
 using namespace replication::test;
-using testing::HasSubstr;
 
 // Anna is the administrator, Bo an editor. Cy becomes another administrator by a later roster.
 class RosterLocks : public testing::Test {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "replication/edits/log/operation_log.hpp"
+#include "tests/must.hpp"
 #include "tests/replication/peer/operations.hpp"
 
 namespace peerd::seal::operation_signer_test {
@@ -64,9 +65,8 @@ TEST(SignedLogs, AreTakenWholeAndInParts) {
     }
     std::ranges::shuffle(parts, random);
     for (const OperationPart& part : parts) {
-      const auto read = reader.logs.receive(part);
-      ASSERT_TRUE(read) << read.error();
-      operations += read->size();
+      const auto read = must(reader.logs.receive(part));
+      operations += read.size();
     }
     EXPECT_EQ(operations, 40u);
     EXPECT_EQ(reader.logs.bytes({writer.author.id, 0, log.size()}), log);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "peerd/net/seal/sealed_greetings.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/net/relay/relay_fixture.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
@@ -20,10 +21,9 @@ TEST(RelayKey, ComesBackFromItsFileAndIsNotTheSessions) {
   const auto session = keys::SymmetricKey::random();
   folder.write("relay.key", relay_key_text(session) + "\n");
   std::filesystem::permissions(folder / "relay.key", std::filesystem::perms::owner_read);
-  const auto read = read_relay_key(folder / "relay.key");
-  ASSERT_TRUE(read) << read.error().text;
-  EXPECT_EQ(*read, SealedGreetings::key_of(session));
-  EXPECT_FALSE(*read == session);
+  const auto read = must(read_relay_key(folder / "relay.key"));
+  EXPECT_EQ(read, SealedGreetings::key_of(session));
+  EXPECT_FALSE(read == session);
 }
 
 TEST(RelayKey, AnythingElseIsRefusedByASentence) {

@@ -8,6 +8,8 @@
 #include <set>
 #include <string>
 
+#include "tests/must.hpp"
+
 namespace peerd::seal {
 namespace {
 
@@ -104,21 +106,18 @@ TEST_F(Sealing, NothingOfItCanBeReadOnTheWay) {
 
 // The first announcement of each names nobody. The answer to it proves its sender.
 TEST_F(Sealing, ThreeAnnouncementsProveBoth) {
-  const auto first = a.announcement_due(now);
-  ASSERT_TRUE(first);
+  const auto first = must(a.announcement_due(now));
   EXPECT_EQ(a.announcement_due(now), std::nullopt) << "one at a time";
   const Bytes early = sealed(a, "early");
-  ASSERT_EQ(b.hear(*first, now), std::nullopt);
+  ASSERT_EQ(b.hear(first, now), std::nullopt);
   EXPECT_EQ(opened(b, early), "<unproven>") << "it may be a record";
-  const auto answer = b.announcement_due(now);
-  ASSERT_TRUE(answer);
-  ASSERT_EQ(a.hear(*answer, now), std::nullopt);
+  const auto answer = must(b.announcement_due(now));
+  ASSERT_EQ(a.hear(answer, now), std::nullopt);
   EXPECT_EQ(opened(a, sealed(b, "by b")), "by b");
   EXPECT_EQ(a.announcement_due(now), std::nullopt) << "announcements are 20 ms apart";
   now += milliseconds(20);
-  const auto proof = a.announcement_due(now);
-  ASSERT_TRUE(proof);
-  ASSERT_EQ(b.hear(*proof, now), std::nullopt);
+  const auto proof = must(a.announcement_due(now));
+  ASSERT_EQ(b.hear(proof, now), std::nullopt);
   EXPECT_EQ(opened(b, sealed(a, "by a")), "by a");
   now += milliseconds(25);
   EXPECT_EQ(b.announcement_due(now), std::nullopt) << "both know";

@@ -22,6 +22,7 @@
 #include "peerd/net/snapshot/snapshot_server.hpp"
 #include "replication/edits/log/operation_log.hpp"
 #include "replication/wire/codec.hpp"
+#include "tests/must.hpp"
 #include "tests/replication/peer/operations.hpp"
 
 namespace peerd::snapshot::snapshot_fetch_test {
@@ -65,12 +66,10 @@ class ProvidingPeer {
                          std::uint64_t session = kSession, const std::optional<keys::SymmetricKey>& key = {})
       : archive(std::move(packed)), logs(std::move(held)) {
     for (const auto& [author, length] : logs.lengths()) bytes.emplace(author, logs.bytes({author, 0, length}));
-    auto opened = SnapshotServer::open(
+    server = must(SnapshotServer::open(
         io, asio::ip::address_v4::loopback(), 0,
         {session, "town", "expansion = 1\n", 9, archive, digest(archive),
-         [this]() -> const OperationLogs& { return logs; }, [] { return SimTime::max(); }, [key] { return key; }});
-    EXPECT_TRUE(opened);
-    server = *std::move(opened);
+         [this]() -> const OperationLogs& { return logs; }, [] { return SimTime::max(); }, [key] { return key; }}));
     thread = std::thread([this] { io.run(); });
   }
   ProvidingPeer(const ProvidingPeer&) = delete;
@@ -167,10 +166,9 @@ TEST(SnapshotFetch, IsSealedWhereBothHaveTheKey) {
   const auto key = keys::SymmetricKey::random();
   const ProvidingPeer a(some_logs(20), random_bytes(1'000'000, 1), kSession, key);
   const ProvidingPeer b(some_logs(20), random_bytes(1'000'000, 1), kSession, key);
-  const auto snapshot = fetch_snapshot({a.provider("a"), b.provider("b")}, kSession, {.key = key});
-  ASSERT_TRUE(snapshot) << snapshot.error();
-  expect_all_of(*snapshot, a);
-  EXPECT_FALSE(snapshot->checked_with.empty());
+  const auto snapshot = must(fetch_snapshot({a.provider("a"), b.provider("b")}, kSession, {.key = key}));
+  expect_all_of(snapshot, a);
+  EXPECT_FALSE(snapshot.checked_with.empty());
 }
 
 TEST(SnapshotFetch, GivesNothingToWhoHasAnotherKeyOrNone) {
@@ -188,36 +186,32 @@ TEST(SnapshotFetch, GivesNothingToWhoHasAnotherKeyOrNone) {
 
 TEST(SnapshotFetch, GetsAllFromOnePeer) {
   const ProvidingPeer a(some_logs(20));
-  const auto snapshot = fetch_snapshot({a.provider("a")}, kSession);
-  ASSERT_TRUE(snapshot) << snapshot.error();
-  expect_all_of(*snapshot, a);
-  EXPECT_EQ(snapshot->provided_by, "a");
-  EXPECT_EQ(snapshot->checked_with, "");
-  EXPECT_GT(snapshot->connections, 1u);
+  const auto snapshot = must(fetch_snapshot({a.provider("a")}, kSession));
+  expect_all_of(snapshot, a);
+  EXPECT_EQ(snapshot.provided_by, "a");
+  EXPECT_EQ(snapshot.checked_with, "");
+  EXPECT_GT(snapshot.connections, 1u);
 }
 
 TEST(SnapshotFetch, AWorldWithoutOperationsIsCompared) {
   const ProvidingPeer a(OperationLogs{}), b(OperationLogs{});
-  const auto snapshot = fetch_snapshot({a.provider("a"), b.provider("b")}, 0);
-  ASSERT_TRUE(snapshot) << snapshot.error();
-  expect_all_of(*snapshot, a);
-  EXPECT_EQ(snapshot->checked_with, snapshot->provided_by == "a" ? "b" : "a");
+  const auto snapshot = must(fetch_snapshot({a.provider("a"), b.provider("b")}, 0));
+  expect_all_of(snapshot, a);
+  EXPECT_EQ(snapshot.checked_with, snapshot.provided_by == "a" ? "b" : "a");
 }
 
 // The first peer to answer offers what it has; the other one is asked about as much as both have.
 TEST(SnapshotFetch, ComparesWithAPeerThatHasLess) {
   const ProvidingPeer a(some_logs(20)), b(some_logs(10));
-  const auto snapshot = fetch_snapshot({a.provider("a"), b.provider("b")}, kSession);
-  ASSERT_TRUE(snapshot) << snapshot.error();
-  expect_all_of(*snapshot, snapshot->provided_by == "a" ? a : b);
-  EXPECT_NE(snapshot->checked_with, "");
+  const auto snapshot = must(fetch_snapshot({a.provider("a"), b.provider("b")}, kSession));
+  expect_all_of(snapshot, snapshot.provided_by == "a" ? a : b);
+  EXPECT_NE(snapshot.checked_with, "");
 }
 
 TEST(SnapshotFetch, TellsThatTwoPeersDiffer) {
   const ProvidingPeer a(some_logs(20, 1)), b(some_logs(20, 2));
-  const auto snapshot = fetch_snapshot({a.provider("a"), b.provider("b")}, kSession);
-  ASSERT_FALSE(snapshot);
-  EXPECT_THAT(snapshot.error(), HasSubstr("have different operations of author 5 "));
+  EXPECT_THAT(error_of(fetch_snapshot({a.provider("a"), b.provider("b")}, kSession)),
+              HasSubstr("have different operations of author 5 "));
 }
 
 // A log that one peer has given is compared with another one, also where that other one has made the offer: a makes the
@@ -243,9 +237,8 @@ TEST(SnapshotFetch, ComparesWithAPeerThatHasNotGivenIt) {
   FetchOptions options;
   options.connections = 2;  // one to each
   const WilfulPeer a(content_a, a_answers), b(content_b, b_answers);
-  const auto snapshot = fetch_snapshot({a.provider("a"), b.provider("b")}, kSession, options);
-  ASSERT_FALSE(snapshot);
-  EXPECT_THAT(snapshot.error(), HasSubstr("b and a have different operations of author 5 "));
+  EXPECT_THAT(error_of(fetch_snapshot({a.provider("a"), b.provider("b")}, kSession, options)),
+              HasSubstr("b and a have different operations of author 5 "));
 }
 
 TEST(SnapshotFetch, APeerThatFailsIsReplaced) {
@@ -254,11 +247,10 @@ TEST(SnapshotFetch, APeerThatFailsIsReplaced) {
   const SnapshotContent content = content_of(a.archive, same);
   for (int replies = 0; replies < 12; ++replies) {
     const WilfulPeer failing(content, [left = replies](const Request&) mutable { return left-- > 0; });
-    const auto snapshot = fetch_snapshot({failing.provider("failing"), a.provider("a")}, kSession);
-    ASSERT_TRUE(snapshot) << snapshot.error();
-    expect_all_of(*snapshot, a);
+    const auto snapshot = must(fetch_snapshot({failing.provider("failing"), a.provider("a")}, kSession));
+    expect_all_of(snapshot, a);
     if (replies == 0) {  // a later one may fail when all is there
-      EXPECT_FALSE(snapshot->notes.empty());
+      EXPECT_FALSE(snapshot.notes.empty());
     }
   }
 }
@@ -267,9 +259,8 @@ TEST(SnapshotFetch, SaysWhyNobodyGives) {
   const ProvidingPeer elsewhere(OperationLogs{}, "archive", kSession + 1);
   FetchOptions options;
   options.patience = 1s;
-  const auto other = fetch_snapshot({elsewhere.provider("elsewhere")}, kSession, options);
-  ASSERT_FALSE(other);
-  EXPECT_THAT(other.error(), HasSubstr("elsewhere: this peer is in another world"));
+  EXPECT_THAT(error_of(fetch_snapshot({elsewhere.provider("elsewhere")}, kSession, options)),
+              HasSubstr("elsewhere: this peer is in another world"));
   EXPECT_FALSE(fetch_snapshot({}, kSession));
   // A port at which nobody listens any more.
   Provider gone{"gone", {}};
@@ -277,17 +268,14 @@ TEST(SnapshotFetch, SaysWhyNobodyGives) {
     const ProvidingPeer peer(OperationLogs{});
     gone.at = peer.provider("").at;
   }
-  const auto nobody = fetch_snapshot({gone}, kSession, options);
-  ASSERT_FALSE(nobody);
-  EXPECT_THAT(nobody.error(), HasSubstr("gone: "));
+  EXPECT_THAT(error_of(fetch_snapshot({gone}, kSession, options)), HasSubstr("gone: "));
 }
 
 TEST(SnapshotFetch, APeerWithAnotherArchiveGivesNothing) {
   const ProvidingPeer a(OperationLogs{}, "one archive"), b(OperationLogs{}, "another archive");
-  const auto snapshot = fetch_snapshot({a.provider("a"), b.provider("b")}, kSession);
-  ASSERT_TRUE(snapshot) << snapshot.error();
-  expect_all_of(*snapshot, snapshot->provided_by == "a" ? a : b);
-  EXPECT_THAT(snapshot->notes, testing::Contains(HasSubstr("has packed the world's files in another way")));
+  const auto snapshot = must(fetch_snapshot({a.provider("a"), b.provider("b")}, kSession));
+  expect_all_of(snapshot, snapshot.provided_by == "a" ? a : b);
+  EXPECT_THAT(snapshot.notes, testing::Contains(HasSubstr("has packed the world's files in another way")));
 }
 
 TEST(SnapshotServer, OffersNoLogOfABrokenClock) {
@@ -337,9 +325,8 @@ TEST(SnapshotServer, TakesFewConnectionsAndGoesOn) {
   idle.front().read_some(asio::buffer(byte), still_open);
   EXPECT_EQ(still_open, asio::error::would_block);
   idle.clear();  // which makes room
-  const auto snapshot = fetch_snapshot({a.provider("a")}, kSession);
-  ASSERT_TRUE(snapshot) << snapshot.error();
-  expect_all_of(*snapshot, a);
+  const auto snapshot = must(fetch_snapshot({a.provider("a")}, kSession));
+  expect_all_of(snapshot, a);
 }
 
 // Somebody without the key holds as many connections as there can be.
@@ -352,9 +339,8 @@ TEST(SnapshotServer, WhoProvesNoKeyMakesRoom) {
   // All have been accepted once the last of them has got the server's hello.
   std::array<char, 4 + seal::StreamSeal::kHello_bytes> hello{};
   asio::read(idle.back(), asio::buffer(hello));
-  const auto snapshot = fetch_snapshot({a.provider("a")}, kSession, {.patience = 1h, .key = key});
-  ASSERT_TRUE(snapshot) << snapshot.error();
-  expect_all_of(*snapshot, a);
+  const auto snapshot = must(fetch_snapshot({a.provider("a")}, kSession, {.patience = 1h, .key = key}));
+  expect_all_of(snapshot, a);
   boost::system::error_code closed;
   asio::read(idle.front(), asio::buffer(hello), closed);
   EXPECT_FALSE(closed) << "its hello";

@@ -4,6 +4,8 @@
 
 #include <random>
 
+#include "tests/must.hpp"
+
 namespace peerd::snapshot::snapshot_message_test {
 
 using replication::AuthorId;
@@ -33,14 +35,10 @@ const std::vector<Reply>& replies() {
 
 TEST(SnapshotMessage, IsReadAsItWasWritten) {
   for (const Request& request : requests()) {
-    const auto read = decode_request(encode(request));
-    ASSERT_TRUE(read) << read.error();
-    EXPECT_EQ(*read, request);
+    EXPECT_EQ(must(decode_request(encode(request))), request);
   }
   for (const Reply& reply : replies()) {
-    const auto read = decode_reply(encode(reply));
-    ASSERT_TRUE(read) << read.error();
-    EXPECT_EQ(*read, reply);
+    EXPECT_EQ(must(decode_reply(encode(reply))), reply);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
 #include "tests/net/listener.hpp"
 
 namespace peerd::net::multicast_probe_test {
@@ -12,24 +13,19 @@ using testing_support::clock;
 using testing_support::own_port;
 
 TEST(MulticastProbe, FindsWhatDoctorTells) {
-  MulticastOptions options;
-  options.interface = "lo";
-  options.groups = {asio::ip::make_address("239.192.4.0"), own_port(1)};
+  const MulticastOptions options{.interface = "lo", .groups = {asio::ip::make_address("239.192.4.0"), own_port(1)}};
   asio::io_context io;
   const asio::ip::udp::socket greedy(io, {asio::ip::udp::v4(), own_port(1)});  // the peers' port is not the probe's
-  const auto probe = probe_multicast(clock(), options);
-  ASSERT_TRUE(probe) << probe.error().sentence;
-  EXPECT_EQ(probe->over.interface.name, "lo");
-  EXPECT_TRUE(probe->stamped);
-  EXPECT_GT(probe->took, Duration{0});
-  EXPECT_EQ(probe->memberships_max, memberships_limit(IpFamily::kV4));
+  const auto probe = must(probe_multicast(clock(), options));
+  EXPECT_EQ(probe.over.interface.name, "lo");
+  EXPECT_TRUE(probe.stamped);
+  EXPECT_GT(probe.took, Duration{0});
+  EXPECT_EQ(probe.memberships_max, memberships_limit(IpFamily::kV4));
 }
 
 TEST(MulticastProbe, NoPeerReceivesIt) {
   asio::io_context io;
-  MulticastOptions options;
-  options.interface = "lo";
-  options.groups = {asio::ip::make_address("239.192.4.0"), own_port(2)};
+  const MulticastOptions options{.interface = "lo", .groups = {asio::ip::make_address("239.192.4.0"), own_port(2)}};
   testing_support::Listener peer(io, options);
   peer.join(0);
   ASSERT_TRUE(probe_multicast(clock(), options));
@@ -39,21 +35,17 @@ TEST(MulticastProbe, NoPeerReceivesIt) {
 }
 
 TEST(MulticastProbe, TheSettingsOfOwnDatagramsDoNotMatter) {
-  MulticastOptions options;
-  options.interface = "lo";
-  options.groups = {asio::ip::make_address("239.192.4.0"), own_port(1)};
-  options.receives_own_datagrams = false;  // as peers have it
+  const MulticastOptions options{.interface = "lo",
+                                 .groups = {asio::ip::make_address("239.192.4.0"), own_port(1)},
+                                 .receives_own_datagrams = false};  // as peers have it
   EXPECT_TRUE(probe_multicast(clock(), options));
 }
 
 TEST(MulticastProbe, AnErrorOfTheSocketIsTheProbesError) {
-  MulticastOptions options;
-  options.interface = "nosuch9";
-  options.groups = {asio::ip::make_address("239.192.4.0"), own_port(1)};
-  const auto probe = probe_multicast(clock(), options);
-  ASSERT_FALSE(probe);
-  EXPECT_EQ(probe.error().kind, NetError::Kind::kNoSuchInterface);
-  EXPECT_THAT(probe.error().sentence, HasSubstr("nosuch9"));
+  const MulticastOptions options{.interface = "nosuch9",
+                                 .groups = {asio::ip::make_address("239.192.4.0"), own_port(1)}};
+  EXPECT_THAT(error_of(probe_multicast(clock(), options)),
+              IsError(NetError::Kind::kNoSuchInterface, HasSubstr("nosuch9")));
 }
 
 }  // namespace peerd::net::multicast_probe_test

@@ -9,6 +9,7 @@
 #include <boost/asio/ip/multicast.hpp>
 #include <thread>
 
+#include "tests/must.hpp"
 #include "tests/net/listener.hpp"
 
 namespace peerd::net::multicast_socket_test {
@@ -144,9 +145,8 @@ TEST_F(MulticastSocketTest, ASocketWithoutOwnDatagramsCountsOnlyOthers) {
 TEST_F(MulticastSocketTest, TheHandlerMayJoinLeaveAndSend) {
   Listener a(io, options(8));
   Listener::Heard heard;
-  auto b = MulticastSocket::open(io, testing_support::clock(), options(8));
-  ASSERT_TRUE(b) << b.error().sentence;
-  MulticastSocket& echo = **b;
+  auto b = must(MulticastSocket::open(io, testing_support::clock(), options(8)));
+  MulticastSocket& echo = *b;
   ASSERT_TRUE(echo.join(RegionId{1}));
   echo.on_receive([&](const Arrival& arrival) {
     EXPECT_TRUE(echo.leave(arrival.region));
@@ -256,9 +256,8 @@ TEST_F(MulticastSocketTest, WhatLeavesMakesRoom) {
 // The kernel's limit is for each socket; a handler may need another socket in the middle of a batch.
 TEST_F(MulticastSocketTest, TheHandlerMayJoinMoreThanASocketHolds) {
   Listener a(io, options(13));
-  auto b = MulticastSocket::open(io, testing_support::clock(), options(13));
-  ASSERT_TRUE(b) << b.error().sentence;
-  MulticastSocket& socket = **b;
+  auto b = must(MulticastSocket::open(io, testing_support::clock(), options(13)));
+  MulticastSocket& socket = *b;
   ASSERT_TRUE(socket.join(RegionId{0}));
   std::vector<std::uint32_t> heard;
   socket.on_receive([&](const Arrival& arrival) {

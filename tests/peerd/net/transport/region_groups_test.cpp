@@ -6,23 +6,19 @@
 #include <cstdint>
 #include <random>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "tests/must.hpp"
 
 namespace peerd::net::region_groups_test {
 
 using testing::HasSubstr;
 
-GroupPlan plan_of(const char* base) {
-  auto plan = parse_group_plan(base, 4000);
-  if (!plan) throw std::runtime_error(plan.error().sentence);
-  return *plan;
-}
+GroupPlan plan_of(const char* base) { return must(parse_group_plan(base, 4000)); }
 
 struct Case {
-  const char* name;
-  const char* base;
+  const char *name, *base;
   std::uint32_t region;
   const char* group;  // nullptr: beyond the range
 };
@@ -64,9 +60,8 @@ TEST(RegionGroups, AnyRegionMapsThereAndBack) {
     for (int i = 0; i < 1000; ++i) {
       const auto number = static_cast<std::uint32_t>(random());
       const RegionId region{plan.base.is_v4() ? number >> 10 : number};  // 2^22 groups from 239.192.0.0 on
-      const auto endpoint = group_endpoint(plan, region);
-      ASSERT_TRUE(endpoint) << endpoint.error().sentence;
-      ASSERT_EQ(group_number(plan, endpoint->address()), region.value) << endpoint->address();
+      const auto endpoint = must(group_endpoint(plan, region));
+      ASSERT_EQ(group_number(plan, endpoint.address()), region.value) << endpoint.address();
     }
   }
 }
@@ -91,14 +86,12 @@ TEST(GroupPool, AnyRegionHasOneOfItsGroups) {
   std::mt19937 random(7);
   for (const char* base : {"239.192.0.0", "ff15::"}) {
     for (const std::uint32_t pool : {1u, 2u, 7u, 64u, 65'536u}) {
-      const auto plan = parse_group_plan(base, 4000, pool);
-      ASSERT_TRUE(plan) << plan.error().sentence;
+      const auto plan = must(parse_group_plan(base, 4000, pool));
       for (int i = 0; i < 1000; ++i) {
         const RegionId region{static_cast<std::uint32_t>(random())};
-        const auto endpoint = group_endpoint(*plan, region);
-        ASSERT_TRUE(endpoint) << endpoint.error().sentence;
-        ASSERT_LT(group_number(*plan, region), pool);
-        ASSERT_EQ(group_number(*plan, endpoint->address()), group_number(*plan, region));
+        const auto endpoint = must(group_endpoint(plan, region));
+        ASSERT_LT(group_number(plan, region), pool);
+        ASSERT_EQ(group_number(plan, endpoint.address()), group_number(plan, region));
       }
     }
   }
@@ -106,24 +99,22 @@ TEST(GroupPool, AnyRegionHasOneOfItsGroups) {
 
 // The hash is part of the protocol: all builds must map a region to the same group.
 TEST(GroupPool, WhichOneIsFixedForEver) {
-  const auto plan = parse_group_plan("239.192.80.0", 4000, 64);
-  ASSERT_TRUE(plan);
+  const auto plan = must(parse_group_plan("239.192.80.0", 4000, 64));
   std::vector<std::uint32_t> numbers;
   for (const std::uint32_t region : {0u, 1u, 2u, 3u, 1000u, 0xFFFF'FFFFu})
-    numbers.push_back(group_number(*plan, RegionId{region}));
+    numbers.push_back(group_number(plan, RegionId{region}));
   EXPECT_THAT(numbers, testing::ElementsAre(0u, 0x514E28B7u % 64, 0x30F4C306u % 64, 0x85F0B427u % 64, 0x66692658u % 64,
                                             0x81F16F39u % 64));
 }
 
 // The rows and columns of a grid spread over the pool, although its side is a multiple of the pool's size.
 TEST(GroupPool, NeighboursOfAGridAreSpread) {
-  const auto plan = parse_group_plan("239.192.0.0", 4000, 16);
-  ASSERT_TRUE(plan);
+  const auto plan = must(parse_group_plan("239.192.0.0", 4000, 16));
   for (std::uint32_t line = 0; line < 64; ++line) {
     std::set<std::uint32_t> row, column;
     for (std::uint32_t i = 0; i < 64; ++i) {
-      row.insert(group_number(*plan, RegionId{line * 64 + i}));
-      column.insert(group_number(*plan, RegionId{i * 64 + line}));
+      row.insert(group_number(plan, RegionId{line * 64 + i}));
+      column.insert(group_number(plan, RegionId{i * 64 + line}));
     }
     EXPECT_GE(row.size(), 12u) << line;
     EXPECT_GE(column.size(), 12u) << line;
@@ -131,19 +122,16 @@ TEST(GroupPool, NeighboursOfAGridAreSpread) {
 }
 
 TEST(GroupPool, AGroupPastItIsNone) {
-  const auto plan = parse_group_plan("239.192.0.0", 4000, 4);
-  ASSERT_TRUE(plan);
-  EXPECT_EQ(group_number(*plan, asio::ip::make_address("239.192.0.3")), 3u);
-  EXPECT_FALSE(group_number(*plan, asio::ip::make_address("239.192.0.4")));
+  const auto plan = must(parse_group_plan("239.192.0.0", 4000, 4));
+  EXPECT_EQ(group_number(plan, asio::ip::make_address("239.192.0.3")), 3u);
+  EXPECT_FALSE(group_number(plan, asio::ip::make_address("239.192.0.4")));
 }
 
 TEST(GroupPool, MustFitBehindItsBase) {
   EXPECT_TRUE(parse_group_plan("239.255.255.0", 4000, 256));
-  const auto plan = parse_group_plan("239.255.255.0", 4000, 257);
-  ASSERT_FALSE(plan);
-  EXPECT_EQ(plan.error().kind, NetError::Kind::kBadSetting);
-  EXPECT_THAT(plan.error().sentence,
-              HasSubstr("a pool of 257 groups from 239.255.255.0 on leaves the multicast range"));
+  EXPECT_THAT(error_of(parse_group_plan("239.255.255.0", 4000, 257)),
+              IsError(NetError::Kind::kBadSetting,
+                      HasSubstr("a pool of 257 groups from 239.255.255.0 on leaves the multicast range")));
 }
 
 TEST(GroupsOfAWorld, AreItsOwnButThatOfTheWholeScene) {
@@ -153,11 +141,8 @@ TEST(GroupsOfAWorld, AreItsOwnButThatOfTheWholeScene) {
       const GroupPlan plan = plan_of_world(plan_of(base), 0x9E37'79B9'7F4A'7C15 * world);
       EXPECT_EQ(group_endpoint(plan, RegionId{0})->address(), plan.base);
       for (const std::uint32_t region : {0u, 1u, 2u, 64u, 1023u, 65'536u}) {
-        const auto endpoint = group_endpoint(plan, RegionId{region});
-        ASSERT_TRUE(endpoint);
-        const auto number = group_number(plan, endpoint->address());
-        ASSERT_TRUE(number);
-        EXPECT_EQ(region_of_group(plan, *number), RegionId{region});
+        const auto endpoint = must(group_endpoint(plan, RegionId{region}));
+        EXPECT_EQ(region_of_group(plan, must(group_number(plan, endpoint.address()))), RegionId{region});
       }
       firsts.insert(group_endpoint(plan, RegionId{1})->address());
     }
@@ -178,18 +163,14 @@ TEST(GroupsOfAWorld, AGroupBetweenTheWholeScenesAndTheFirstIsOfNoRegion) {
 }
 
 struct Garbage {
-  const char* name;
-  const char* base;
+  const char *name, *base;
   std::uint16_t port;
   const char* sentence;
 };
 class GroupPlanRefusal : public testing::TestWithParam<Garbage> {};
 TEST_P(GroupPlanRefusal, SaysWhatToDo) {
   const Garbage& c = GetParam();
-  const auto plan = parse_group_plan(c.base, c.port);
-  ASSERT_FALSE(plan);
-  EXPECT_EQ(plan.error().kind, NetError::Kind::kBadSetting);
-  EXPECT_THAT(plan.error().sentence, HasSubstr(c.sentence));
+  EXPECT_THAT(error_of(parse_group_plan(c.base, c.port)), IsError(NetError::Kind::kBadSetting, HasSubstr(c.sentence)));
 }
 INSTANTIATE_TEST_SUITE_P(
     Table, GroupPlanRefusal,

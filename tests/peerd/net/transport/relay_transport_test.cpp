@@ -1,6 +1,5 @@
 #include "peerd/net/transport/relay_transport.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/peerd/net/relay/relay_fixture.hpp"

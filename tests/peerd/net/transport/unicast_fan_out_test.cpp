@@ -6,6 +6,7 @@
 #include <boost/asio/ip/udp.hpp>
 
 #include "peerd/net/seal/sealed_greetings.hpp"
+#include "tests/must.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/wire.hpp"
 
@@ -29,14 +30,12 @@ udp::endpoint address(unsigned slot) { return {asio::ip::address_v4::loopback(),
 struct UnicastPeer {
   UnicastPeer(asio::io_context& io, unsigned slot, std::vector<udp::endpoint> seeds, std::uint64_t start = 1,
               std::shared_ptr<GreetingSeal> seal = nullptr) {
-    auto opened = UnicastFanOut::open(io, clock(),
-                                      {.interface = "lo",
-                                       .port = own_port(slot),
-                                       .seeds = std::move(seeds),
-                                       .key = {start, slot},
-                                       .seal = std::move(seal)});
-    if (!opened) throw std::runtime_error(opened.error().sentence);
-    transport = *std::move(opened);
+    transport = must(UnicastFanOut::open(io, clock(),
+                                         {.interface = "lo",
+                                          .port = own_port(slot),
+                                          .seeds = std::move(seeds),
+                                          .key = {start, slot},
+                                          .seal = std::move(seal)}));
     transport->on_receive([this](const Arrival& arrival) {
       heard.emplace_back(arrival.region.value, text_of(arrival.datagram));
       at.push_back(arrival.at);
@@ -179,12 +178,11 @@ TEST_F(UnicastFanOutTest, APeerWithAStaleInstanceIsAnswered) {
     const std::size_t size = other.receive(asio::buffer(bytes), 0, ec);
     return ec ? std::nullopt : decode_greeting(std::span(bytes).first(size), true);
   };
-  const auto answer = answer_to({.instance = 5, .number = 6, .echo = 12345});
-  ASSERT_TRUE(answer);
-  EXPECT_NE(answer->instance, 5u);
-  EXPECT_NE(answer->number, 0u);
-  EXPECT_EQ(answer->echo, 6u);
-  EXPECT_TRUE(answer->reply);
+  const auto answer = must(answer_to({.instance = 5, .number = 6, .echo = 12345}));
+  EXPECT_NE(answer.instance, 5u);
+  EXPECT_NE(answer.number, 0u);
+  EXPECT_EQ(answer.echo, 6u);
+  EXPECT_TRUE(answer.reply);
   EXPECT_FALSE(answer_to({.instance = 5, .echo = 12345, .leaving = true}));
   EXPECT_FALSE(answer_to({.instance = 5}));
   EXPECT_THAT(a.transport->peers(), IsEmpty());
@@ -245,18 +243,17 @@ TEST_F(UnicastFanOutTest, NobodyIsHeardBeforeItHasEchoed) {
 
   other.send(encode({.instance = 5, .number = 6, .reply = true}, true));
   a.transport->receive_pending();
-  const auto answer = decode_greeting(other.receive(), true);
-  ASSERT_TRUE(answer);
+  const auto answer = must(decode_greeting(other.receive(), true));
   other.send_datagram(1, "greeted, not echoed");
   a.transport->receive_pending();
   EXPECT_EQ(counters.in_stranger, 2u);
   EXPECT_THAT(a.heard, IsEmpty());
 
-  other.send(encode({.instance = 5, .number = 6, .echo = answer->number}, true));
+  other.send(encode({.instance = 5, .number = 6, .echo = answer.number}, true));
   other.send_datagram(1, "echoed");
   a.transport->receive_pending();
   EXPECT_THAT(a.heard, ElementsAre(Pair(1, "echoed")));
-  other.send(encode({.instance = 5, .number = 6, .echo = answer->number, .leaving = true}, true));
+  other.send(encode({.instance = 5, .number = 6, .echo = answer.number, .leaving = true}, true));
   other.send_datagram(1, "left");
   a.transport->receive_pending();
   EXPECT_EQ(a.heard.size(), 1u);
@@ -314,20 +311,15 @@ TEST_F(UnicastFanOutTest, WhatComesOverAnotherInterfaceIsDropped) {
 TEST_F(UnicastFanOutTest, AnInterfaceThatIsMadeAnewIsFollowed) {
   testing_support::with_wire([&](const testing_support::Wire& wire) {
     wire.left.enter();
-    auto opened = UnicastFanOut::open(io, clock(), {.interface = "va", .port = own_port(0), .key = {9, 0}});
-    ASSERT_TRUE(opened) << opened.error().sentence;
-    UnicastFanOut& peer = **opened;
+    auto opened = must(UnicastFanOut::open(io, clock(), {.interface = "va", .port = own_port(0), .key = {9, 0}}));
+    UnicastFanOut& peer = *opened;
     peer.on_receive([](const Arrival&) {});
     ASSERT_TRUE(shell("ip link del va"));
-    const auto gone = peer.follow_interface();
-    ASSERT_TRUE(gone);
-    EXPECT_FALSE(gone->is_back);
+    EXPECT_FALSE(must(peer.follow_interface()).is_back);
     EXPECT_FALSE(peer.follow_interface()) << "is said once";
     ASSERT_EQ(wire.connect(), "");
     wire.left.enter();
-    const auto back = peer.follow_interface();
-    ASSERT_TRUE(back);
-    EXPECT_TRUE(back->is_back);
+    EXPECT_TRUE(must(peer.follow_interface()).is_back);
     wire.right.enter();
     udp::socket other(io, udp::v4());
     other.send_to(asio::buffer(encode({.instance = 5}, true)), {asio::ip::make_address("192.0.2.1"), own_port(0)});
@@ -337,10 +329,8 @@ TEST_F(UnicastFanOutTest, AnInterfaceThatIsMadeAnewIsFollowed) {
 
 TEST_F(UnicastFanOutTest, APortOfSomebodyElseIsRefused) {
   const UnicastPeer a(io, 0, {});
-  const auto second = UnicastFanOut::open(io, clock(), {.port = own_port(0), .key = {2, 0}});
-  ASSERT_FALSE(second);
-  EXPECT_EQ(second.error().kind, NetError::Kind::kPortBusy);
-  EXPECT_THAT(second.error().sentence, HasSubstr("give this peer another port"));
+  EXPECT_THAT(error_of(UnicastFanOut::open(io, clock(), {.port = own_port(0), .key = {2, 0}})),
+              IsError(NetError::Kind::kPortBusy, HasSubstr("give this peer another port")));
 }
 
 }  // namespace peerd::net::unicast_fan_out_test

@@ -30,27 +30,12 @@ class EventsTest : public testing_support::ScenarioText {
 };
 
 TEST_F(EventsTest, ComeByTimeThenByName) {
-  const auto events = events_of(R"([event.z-first]
-at_s = 2
-kind = "kill"
-peer = "b"
-[event.parted]
-at_s = 3
-kind = "partition"
-groups = [["c"]]
-[event.again]
-at_s = 9
-kind = "heal"
-[event.alike]
-at_s = 9
-kind = "network"
-from = "a"
-latency_ms = 300
-loss = 0.5
-[event.back]
-at_s = 10.5
-kind = "join"
-peer = "b"
+  const auto events = events_of(R"([event]
+z-first = { at_s = 2, kind = "kill", peer = "b" }
+parted = { at_s = 3, kind = "partition", groups = [["c"]] }
+again = { at_s = 9, kind = "heal" }
+alike = { at_s = 9, kind = "network", from = "a", latency_ms = 300, loss = 0.5 }
+back = { at_s = 10.5, kind = "join", peer = "b" }
 )");
   std::vector<std::string> names;
   for (const ScenarioEvent& e : events) names.push_back(e.name);
@@ -93,17 +78,9 @@ TEST_F(EventsTest, KeysAreHandedToTheirPeers) {
   const Scenario scenario = read(R"([[peer.b.key]]
 at_s = 4
 key = "ArrowUp"
-[event.strike]
-at_s = 3
-kind = "key"
-peer = "b"
-key = " "
-shift = true
-[event.again]
-at_s = 5
-kind = "key"
-peer = "b"
-value = 4115
+[event]
+strike = { at_s = 3, kind = "key", peer = "b", key = " ", shift = true }
+again = { at_s = 5, kind = "key", peer = "b", value = 4115 }
 )");
   const RunSettings& run = scenario.runs.front();
   EXPECT_TRUE(starts_with(run.events, "b"));
@@ -119,8 +96,7 @@ value = 4115
 struct Bad {
   const char* name;
   const char* event;  // line 10 is its first key
-  const char* where;
-  const char* sentence;
+  const char *where, *sentence;
 };
 class EventRefusal : public EventsTest, public testing::WithParamInterface<Bad> {};
 TEST_P(EventRefusal, SaysWhereAndWhat) {
@@ -166,19 +142,9 @@ TEST_F(EventsTest, SomebodyIsThereFromTheStart) {
 
 TEST_F(EventsTest, EditsAreTheirPeersOwn) {
   folder.write("wall.wrl", "#VRML V2.0 utf8\nDEF WALL Transform { }\n");
-  const Scenario scenario = read(R"([event.later]
-at_s = 5
-kind = "set"
-peer = "b"
-path = "WALL"
-field = "scale"
-value = "2 1 1"
-[event.first]
-at_s = 2
-kind = "add"
-peer = "b"
-file = "wall.wrl"
-under = "HOUSE"
+  const Scenario scenario = read(R"([event]
+later = { at_s = 5, kind = "set", peer = "b", path = "WALL", field = "scale", value = "2 1 1" }
+first = { at_s = 2, kind = "add", peer = "b", file = "wall.wrl", under = "HOUSE" }
 )");
   const auto& edits = scenario.runs.front().peers[1].edits;
   ASSERT_EQ(edits.size(), 2u);

@@ -99,8 +99,7 @@ TEST_F(ExpectationsTest, OfWhatAShortenedRunDoesNotReachAreNotChecked) {
 struct Bad {
   const char* name;
   const char* expectation;  // line 9 is its first key
-  const char* where;
-  const char* sentence;
+  const char *where, *sentence;
 };
 class ExpectationRefusal : public ExpectationsTest, public testing::WithParamInterface<Bad> {};
 TEST_P(ExpectationRefusal, SaysWhereAndWhat) {

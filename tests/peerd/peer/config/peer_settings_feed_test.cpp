@@ -4,6 +4,7 @@
 
 #include "peerd/lab/sim/simulation.hpp"
 #include "peerd/peer/node/peer_node.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/peer/config/scenario_text.hpp"
 
 namespace peerd::config::peer_settings_feed_test {
@@ -36,9 +37,7 @@ TEST_F(ConfigFeed, FalseLeavesAFormula) {
 }
 
 struct Wrong {
-  const char* name;
-  const char* text;
-  const char* error;
+  const char *name, *text, *error;
 };
 class WrongFeed : public ConfigFeed, public testing::WithParamInterface<Wrong> {};
 TEST_P(WrongFeed, IsOneSentenceAtItsPlace) { expect_refused(GetParam().text, "", GetParam().error); }
@@ -55,17 +54,14 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_F(ConfigFeed, ASimulationHasNoProgramOutside) {
   const Scenario s = read("[peer.a.motion.CAR]\noutside = true\n");
-  const auto logs = sim::simulate(s.runs.front(), **share_world(s.world));
-  ASSERT_FALSE(logs);
-  EXPECT_EQ(logs.error().exit_code, 2);
-  EXPECT_THAT(logs.error().text, HasSubstr("peer.a leaves \"CAR\" to a program outside, which runs in real time"));
+  EXPECT_THAT(error_of(sim::simulate(s.runs.front(), **share_world(s.world))),
+              IsError(2, HasSubstr("peer.a leaves \"CAR\" to a program outside, which runs in real time")));
 }
 
 TEST_F(ConfigFeed, APortNeedsSomethingToMove) {
   const Scenario s = read("[peer.a.feed]\nudp = \"1\"\n");
-  const auto logs = sim::simulate(s.runs.front(), **share_world(s.world));
-  ASSERT_FALSE(logs);
-  EXPECT_THAT(logs.error().text, HasSubstr("peer.a.feed.udp: no program moves anything here"));
+  EXPECT_THAT(error_of(sim::simulate(s.runs.front(), **share_world(s.world))).text,
+              HasSubstr("peer.a.feed.udp: no program moves anything here"));
 }
 
 }  // namespace peerd::config::peer_settings_feed_test

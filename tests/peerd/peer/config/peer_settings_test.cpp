@@ -1,5 +1,4 @@
 // [[peer.NAME.key]], [control] and the convergence of [replication].
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/peerd/peer/config/scenario_text.hpp"
@@ -41,9 +40,7 @@ TEST_F(ConfigKeys, MayBeSetAsAList) {
 }
 
 struct Wrong {
-  const char* name;
-  const char* text;
-  const char* error;
+  const char *name, *text, *error;
 };
 class WrongKeys : public ConfigKeys, public testing::WithParamInterface<Wrong> {};
 TEST_P(WrongKeys, AreOneSentenceAtTheirPlace) { expect_refused(GetParam().text, "", GetParam().error); }

@@ -5,6 +5,7 @@
 #include "peerd/peer/config/peer_settings.hpp"
 #include "peerd/peer/config/scenario.hpp"
 #include "peerd/peer/config/shared_settings.hpp"
+#include "tests/must.hpp"
 
 namespace peerd::config::read_nats_test {
 
@@ -53,9 +54,8 @@ nats_subject = "worlds"
 [peer.a]
 id = 1
 )";
-  const auto scenario = read_scenario(request);
-  ASSERT_TRUE(scenario) << scenario.error().text;
-  const RunSettings& run = scenario->runs.front();
+  const auto scenario = must(read_scenario(request));
+  const RunSettings& run = scenario.runs.front();
   EXPECT_THAT(run.transport.nats.servers, ElementsAre("nats://user:secret@one", "tls://two:5000"));
   EXPECT_THAT(run.toml, AllOf(HasSubstr("nats://one:4222"), Not(HasSubstr("secret"))));
   const std::string shared = shared_settings(run);

@@ -5,6 +5,7 @@
 
 #include <sstream>
 
+#include "tests/must.hpp"
 #include "tests/peerd/peer/config/scenario_text.hpp"
 
 namespace peerd::config::renamed_keys_test {
@@ -85,9 +86,8 @@ TEST(RenamedKeys, AssignmentsAreRenamedByTheirKeysAndInsideOfTheirValues) {
                                     "warning: --set peer.a.enslaves.1 is now called peer.a.owns.1",
                                     HasSubstr("warning: replication.along_at is now called")));
   Assignment both = *parse_assignment("peer.a={enslaves = [], owns = []}");
-  const auto refused = rename_old_keys(both, warnings);
-  ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().text, HasSubstr("peer.a.enslaves and peer.a.owns are two names"));
+  EXPECT_THAT(error_of(rename_old_keys(both, warnings)).text,
+              HasSubstr("peer.a.enslaves and peer.a.owns are two names"));
 }
 
 // Whatever part of a configuration brings the old name, the run is the one that the new name gives.
@@ -102,9 +102,8 @@ class RenamedKeysOfAScenario : public testing_support::ScenarioText {
 };
 
 TEST_F(RenamedKeysOfAScenario, FileOverlayAndSetTakeBothNames) {
-  const auto now = read("piggyback_fraction = 0.5", "owns = [\"CAR\"]");
-  ASSERT_TRUE(now) << now.error().text;
-  EXPECT_THAT(now->warnings, IsEmpty());
+  const auto now = must(read("piggyback_fraction = 0.5", "owns = [\"CAR\"]"));
+  EXPECT_THAT(now.warnings, IsEmpty());
   const std::string in_file = (folder / "my.toml").string(), in_overlay = (folder / "over.toml").string();
   const auto of_file = read("along_at = 0.5", "enslaves = [\"CAR\"]");
   const auto of_overlay = read("", "", "[replication]\nalong_at = 0.5\n[peer.a]\nenslaves = [\"CAR\"]\n");
@@ -112,7 +111,7 @@ TEST_F(RenamedKeysOfAScenario, FileOverlayAndSetTakeBothNames) {
   for (const auto* const old : {&of_file, &of_overlay, &of_sets}) {
     ASSERT_TRUE(*old) << old->error().text;
     EXPECT_EQ((*old)->runs.size(), 1u) << "the list of --set is one value";
-    EXPECT_EQ((*old)->runs.front().toml, now->runs.front().toml);
+    EXPECT_EQ((*old)->runs.front().toml, now.runs.front().toml);
     EXPECT_EQ((*old)->runs.front().replication.policy.piggyback_fraction, 0.5);
     ASSERT_EQ((*old)->runs.front().peers.front().owns.size(), 1u);
     EXPECT_EQ((*old)->warnings.size(), 2u);
@@ -134,18 +133,15 @@ TEST_F(RenamedKeysOfAScenario, TheLaterOneWinsWhateverItsName) {
 }
 
 TEST_F(RenamedKeysOfAScenario, BothNamesInOneFileAreRefused) {
-  const auto refused = read("along_at = 0.5\npiggyback_fraction = 0.5", "");
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().exit_code, 2);
-  EXPECT_THAT(refused.error().text, HasSubstr("my.toml:6:1: error: replication.along_at and "));
+  EXPECT_THAT(error_of(read("along_at = 0.5\npiggyback_fraction = 0.5", "")),
+              IsError(2, HasSubstr("my.toml:6:1: error: replication.along_at and ")));
 }
 
 TEST_F(RenamedKeysOfAScenario, AnOldNameInASweepSweeps) {
-  const auto swept = read("order = 1\n[sweep]\n\"replication.along_at\" = [0.25, 0.5]", "");
-  ASSERT_TRUE(swept) << swept.error().text;
-  ASSERT_EQ(swept->runs.size(), 2u);
-  EXPECT_EQ(swept->runs.back().replication.policy.piggyback_fraction, 0.5);
-  EXPECT_EQ(swept->warnings.size(), 1u) << "once, and not once a run";
+  const auto swept = must(read("order = 1\n[sweep]\n\"replication.along_at\" = [0.25, 0.5]", ""));
+  ASSERT_EQ(swept.runs.size(), 2u);
+  EXPECT_EQ(swept.runs.back().replication.policy.piggyback_fraction, 0.5);
+  EXPECT_EQ(swept.warnings.size(), 1u) << "once, and not once a run";
 }
 
 }  // namespace peerd::config::renamed_keys_test

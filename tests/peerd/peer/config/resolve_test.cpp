@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
 #include "tests/peerd/peer/config/scenario_text.hpp"
 
 namespace peerd::config::resolve_test {
@@ -31,9 +32,7 @@ class ResolveTest : public testing_support::ScenarioText {
     return resolve(scenario->runs.front(), world->scene);
   }
   std::vector<PeerObjects> peers(const std::string& text, std::vector<std::string> sets = {}) {
-    auto objects = resolved(text, std::move(sets));
-    if (!objects) throw std::runtime_error(objects.error().text);
-    return *std::move(objects);
+    return must(resolved(text, std::move(sets)));
   }
   std::string error(const std::string& text) {
     const auto objects = resolved(text);
@@ -177,9 +176,8 @@ TEST_F(ResolveTest, WhoSkipsTheUnseenNeedsAView) {
 }
 
 TEST_F(ResolveTest, ARandomMotionOfHoursIsRefused) {
-  const auto r = resolved(kTwo + "[motion.VAN]\ndrive = {}\n", {"duration_s=3601"});
-  ASSERT_FALSE(r.has_value());
-  EXPECT_THAT(r.error().text, HasSubstr("motion.VAN: such a motion is made before the run, so for 3600 s at most"));
+  EXPECT_THAT(error_of(resolved(kTwo + "[motion.VAN]\ndrive = {}\n", {"duration_s=3601"})).text,
+              HasSubstr("motion.VAN: such a motion is made before the run, so for 3600 s at most"));
 }
 
 TEST_F(ResolveTest, AProgramOutsideCallsThemAsTheSettingsDo) {
@@ -261,12 +259,11 @@ TEST_F(FounderTest, AMotionOfWhatItOwnsHasAnEffect) {
 // The objects that any peer of any run owns, whatever else it names.
 TEST_F(ResolveTest, KnowsWhatIsOwnedInAllRuns) {
   std::vector<RunSettings> runs = read(kTwo + "[peer.c]\nid = 3\nowns = [\"ROCKET\", \"VA*\"]\n").runs;
-  const auto world = load_world(folder / "w.wrl");
-  ASSERT_TRUE(world);
-  EXPECT_THAT(owned_in(runs, world->scene), ElementsAre(kCarB, kCarA, kVan, kCarC));
+  const auto world = must(load_world(folder / "w.wrl"));
+  EXPECT_THAT(owned_in(runs, world.scene), ElementsAre(kCarB, kCarA, kVan, kCarC));
   runs.push_back(read("[peer.a]\nid = 1\nowns = [\"ROCK\"]\n").runs.front());
-  EXPECT_THAT(owned_in(runs, world->scene), ElementsAre(kCarB, kCarA, kVan, kCarC, ObjectId{4}));
-  EXPECT_THAT(owned_in({}, world->scene), IsEmpty());
+  EXPECT_THAT(owned_in(runs, world.scene), ElementsAre(kCarB, kCarA, kVan, kCarC, ObjectId{4}));
+  EXPECT_THAT(owned_in({}, world.scene), IsEmpty());
 }
 
 }  // namespace peerd::config::resolve_test

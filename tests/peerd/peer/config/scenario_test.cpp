@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
 #include "tests/peerd/peer/config/scenario_text.hpp"
 
 namespace peerd::config::scenario_test {
@@ -68,9 +69,8 @@ physics = { }
   EXPECT_FALSE(box.velocity.has_value());
   EXPECT_EQ(box.acceleration, Vec3::Zero());
   EXPECT_EQ(box.after, Duration{0});
-  const auto swept = read(text, {"peer.a.motion.BALL.physics.velocity=[4, 5, 6]"}).runs;
-  ASSERT_EQ(swept.size(), 1u);
-  EXPECT_EQ(launch(swept.front(), "BALL").velocity, Vec3(4, 5, 6));
+  const auto swept = only(read(text, {"peer.a.motion.BALL.physics.velocity=[4, 5, 6]"}).runs);
+  EXPECT_EQ(launch(swept, "BALL").velocity, Vec3(4, 5, 6));
   EXPECT_THAT(error(text, {"peer.a.motion.BALL.x=t"}), HasSubstr("peer.a.motion.BALL.x"));
   EXPECT_THAT(error(text, {"peer.a.motion.BALL.physics.speed=1"}), HasSubstr("peer.a.motion.BALL.physics.speed"));
   EXPECT_THAT(error(text, {"peer.a.motion.BALL.physics.angular_velocity=[1e4, 1, 0]"}),
@@ -278,10 +278,9 @@ TEST_F(ScenarioTest, APeerOfItsOwnTakesTheValuesOutsideOfTheSweep) {
 
 TEST_F(ScenarioTest, WithoutAFileEverythingComesFromSets) {
   request.sets = {"world=\"/w.wrl\"", "peer.me.id=4"};
-  const auto s = read_scenario(request);
-  ASSERT_TRUE(s) << s.error().text;
-  EXPECT_EQ(s->world, "/w.wrl");
-  EXPECT_EQ(s->runs.front().peers.front().name, "me");
+  const auto s = must(read_scenario(request));
+  EXPECT_EQ(s.world, "/w.wrl");
+  EXPECT_EQ(s.runs.front().peers.front().name, "me");
 }
 
 // ---- what is refused ----
@@ -289,9 +288,7 @@ TEST_F(ScenarioTest, WithoutAFileEverythingComesFromSets) {
 struct Bad {
   const char* name;
   const char* find;  // in kTwoPeers, replaced by
-  const char* replacement;
-  const char* where;
-  const char* sentence;
+  const char *replacement, *where, *sentence;
 };
 class ScenarioRefusal : public ScenarioTest, public testing::WithParamInterface<Bad> {};
 TEST_P(ScenarioRefusal, SaysWhereAndWhat) {
@@ -459,14 +456,12 @@ TEST_F(ScenarioTest, ABadSetIsRefused) {
 TEST(LoadWorld, TellsWorldsApartByTheirBytesAndFindsObjects) {
   const ScratchFolder folder;
   const char* text = "#VRML V2.0 utf8\nDEF CAR Transform { }\nDEF CUBE Transform { children DEF LAMP Group { } }\n";
-  const auto one = load_world(folder.write("one.wrl", text));
-  ASSERT_TRUE(one) << one.error().text;
-  EXPECT_EQ(load_world(folder.write("same.wrl", text))->hash, one->hash);
-  EXPECT_NE(load_world(folder.write("other.wrl", std::string(text) + "\n"))->hash, one->hash);
-  EXPECT_EQ(*find_object(one->scene, "CUBE", "x"), ObjectId{1});
-  const auto wrong = find_object(one->scene, "CUBA", "peer.a.owns");
-  ASSERT_FALSE(wrong);
-  EXPECT_EQ(wrong.error().text, "error: peer.a.owns: the world has no object \"CUBA\"; did you mean \"CUBE\"?");
+  const auto one = must(load_world(folder.write("one.wrl", text)));
+  EXPECT_EQ(load_world(folder.write("same.wrl", text))->hash, one.hash);
+  EXPECT_NE(load_world(folder.write("other.wrl", std::string(text) + "\n"))->hash, one.hash);
+  EXPECT_EQ(*find_object(one.scene, "CUBE", "x"), ObjectId{1});
+  EXPECT_EQ(error_of(find_object(one.scene, "CUBA", "peer.a.owns")).text,
+            "error: peer.a.owns: the world has no object \"CUBA\"; did you mean \"CUBE\"?");
 }
 
 TEST_F(ScenarioTest, Decisions) {

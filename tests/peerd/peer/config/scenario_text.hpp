@@ -2,13 +2,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "peerd/peer/config/scenario.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::testing_support {
@@ -24,9 +24,7 @@ class ScenarioText : public testing::Test {
     return config::read_scenario(request);
   }
   config::Scenario read(const std::string& text, std::vector<std::string> sets = {}) {
-    auto scenario = result(text, std::move(sets));
-    if (!scenario) throw std::runtime_error(scenario.error().text);
-    return *std::move(scenario);
+    return must(result(text, std::move(sets)));
   }
   std::string error(const std::string& text, std::vector<std::string> sets = {}) {
     const auto scenario = result(text, std::move(sets));

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "peerd/peer/config/scenario.hpp"
+#include "tests/must.hpp"
 
 namespace peerd::config::shared_settings_test {
 
@@ -11,14 +12,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 RunSettings run_of(const std::string& text, std::vector<std::string> sets = {}) {
-  ScenarioRequest request;
-  request.text = text;
-  request.sets = std::move(sets);
-  request.real = true;
-  request.sweep = false;
-  auto scenario = read_scenario(request);
-  EXPECT_TRUE(scenario) << scenario.error().text;
-  return scenario ? scenario->runs.front() : RunSettings{};
+  return must(read_scenario({.sets = std::move(sets), .real = true, .sweep = false, .text = text})).runs.front();
 }
 
 // A joining peer that adds its world and itself has the same session.

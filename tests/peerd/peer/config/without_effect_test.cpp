@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "tests/must.hpp"
 #include "tests/peerd/peer/config/scenario_text.hpp"
 
 namespace peerd::config::without_effect_test {
@@ -179,9 +180,7 @@ TEST_F(WithoutEffectTest, WhatOtherPeersHaveSetIsNotNamed) {
 TEST_F(WithoutEffectTest, NoShippedScenarioHasSuchAKey) {
   for (const auto& file : std::filesystem::directory_iterator(PEERD_SOURCE_DIR "/configs/scenarios")) {
     request.file = file.path();
-    const auto scenario = read_scenario(request);
-    ASSERT_TRUE(scenario) << scenario.error().text;
-    EXPECT_THAT(scenario->warnings, IsEmpty()) << file.path();
+    EXPECT_THAT(must(read_scenario(request)).warnings, IsEmpty()) << file.path();
     ScenarioRequest with_best = request;
     with_best.configs = {PEERD_SOURCE_DIR "/configs/best.toml"};
     EXPECT_THAT(read_scenario(with_best)->warnings, IsEmpty()) << file.path();

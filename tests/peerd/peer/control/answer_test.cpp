@@ -8,6 +8,7 @@
 #include "peerd/net/os/traffic_counters.hpp"
 #include "peerd/peer/control/request.hpp"
 #include "replication/wire/codec.hpp"
+#include "tests/has_members.hpp"
 #include "tests/peerd/peer/node/lone_peer.hpp"
 
 namespace peerd::control::answer_test {
@@ -56,10 +57,7 @@ TEST_F(ControlAnswer, StatusSaysWhoWhereAndHowFast) {
 TEST_F(ControlAnswer, PeersReportsReceptionOfEachPeer) {
   make();
   run(1);
-  replication::Message hello;
-  hello.sender = PeerId{2};
-  hello.incarnation = 7;
-  hello.number = 1;
+  replication::Message hello{.sender = PeerId{2}, .incarnation = 7, .number = 1};
   hello.hello.emplace().introduction.emplace();
   hello.hello->introduction->name = "b";
   hello.hello->introduction->world_hash = replication::RegionSettings{}.session_hash(shared->world.hash);
@@ -81,9 +79,7 @@ TEST_F(ControlAnswer, PeersReportsReceptionOfEachPeer) {
   EXPECT_EQ(reply["peers"][0]["joined"], false);
   EXPECT_EQ(reply["peers"][0]["bytes_in"], datagram.size() + 3 * replication::encode(more).size());
   for (const json& row : {reply["peers"][0], reply["regions"][0]}) {
-    EXPECT_EQ(row["datagrams_in"], 4);
-    EXPECT_EQ(row["duplicates"], 1);
-    EXPECT_EQ(row["overtaken"], 1);
+    EXPECT_THAT(row, HasMembers(R"({"datagrams_in": 4, "duplicates": 1, "overtaken": 1})"));
     EXPECT_GT(row["loss_in"], 0.2) << "one of four";
   }
   EXPECT_EQ(reply["peers"][0]["drops"], json({{"not_owner", 3}}));
@@ -107,10 +103,7 @@ TEST_F(ControlAnswer, AKeysReplySaysWhatItDid) {
   make();
   run(1);
   const json reply = ask(R"({"do":"key","key":"a"})");
-  EXPECT_EQ(reply["ok"], true);
-  EXPECT_EQ(reply["done"], false);
-  EXPECT_EQ(reply["key"], "A");
-  EXPECT_EQ(reply["consumed"], false);
+  EXPECT_THAT(reply, HasMembers(R"({"ok": true, "done": false, "key": "A", "consumed": false})"));
   ASSERT_EQ(reply["changes"].size(), 2u);
   EXPECT_EQ(reply["changes"][0]["sensor"], "MORE");
   EXPECT_EQ(reply["changes"][0]["recipient"], "A");
@@ -172,11 +165,8 @@ TEST_F(ControlAnswer, EditsTheScene) {
   EXPECT_EQ(ask(operation.dump())["applied"], false);
   run(2);
   const json state = ask(operation.dump());
-  EXPECT_EQ(state["applied"], true);
-  EXPECT_EQ(state["held"], false);
-  EXPECT_EQ(state["stored"], false);
-  EXPECT_EQ(state["stores"], false);
-  EXPECT_EQ(state["alone"], true);
+  EXPECT_THAT(state, HasMembers(R"(
+    {"applied": true, "held": false, "stored": false, "stores": false, "alone": true})"));
   EXPECT_EQ(node->scene().path_of(*node->scene().find("NEW")), "B/NEW");
   EXPECT_EQ(ask(R"({"do":"set","path":"A","field":"translation","value":"5 6 7"})")["done"], true);
   EXPECT_EQ(ask(R"({"do":"move","path":"B/NEW"})")["done"], true);

@@ -12,6 +12,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
 
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::control::control_path_test {
@@ -71,18 +72,13 @@ TEST_F(ControlPath, TheFolderIsMadeForThisUserAlone) {
 
 TEST_F(ControlPath, AFolderThatOthersMayWriteToIsRefused) {
   fs::permissions(folder / "peerd", fs::perms::all);
-  const auto made = make_runtime_folder();
-  ASSERT_FALSE(made);
-  EXPECT_EQ(made.error().exit_code, 3);
-  EXPECT_THAT(made.error().text, HasSubstr("other users may write to it"));
+  EXPECT_THAT(error_of(make_runtime_folder()), IsError(3, HasSubstr("other users may write to it")));
 }
 
 TEST_F(ControlPath, ALinkIsNoFolder) {
   fs::remove(folder / "peerd");
   fs::create_directory_symlink(folder.path(), folder / "peerd");
-  const auto made = make_runtime_folder();
-  ASSERT_FALSE(made);
-  EXPECT_THAT(made.error().text, HasSubstr("something else stands there"));
+  EXPECT_THAT(error_of(make_runtime_folder()).text, HasSubstr("something else stands there"));
 }
 
 TEST_F(ControlPath, ASecondPeerOfTheNameHasASocketOfItsOwn) {
@@ -96,10 +92,7 @@ TEST_F(ControlPath, ANamedPeersSocketIsFound) {
   listen("car");
   listen("van");
   EXPECT_EQ(find_socket("van").value(), folder / "peerd" / "van.sock");
-  const auto other = find_socket("bus");
-  ASSERT_FALSE(other);
-  EXPECT_EQ(other.error().text, "error: no peer bus listens; there are car, van");
-  EXPECT_EQ(other.error().exit_code, 3);
+  EXPECT_THAT(error_of(find_socket("bus")), IsError(3, "error: no peer bus listens; there are car, van"));
 }
 
 TEST_F(ControlPath, TheOnlyPeerNeedsNoName) {
@@ -113,16 +106,11 @@ TEST_F(ControlPath, TheOnlyPeerNeedsNoName) {
 TEST_F(ControlPath, OfSeveralPeersNoneIsChosen) {
   listen("van");
   listen("car");
-  const auto found = find_socket("");
-  ASSERT_FALSE(found);
-  EXPECT_EQ(found.error().text, "error: which peer? Say --name NAME; there are car, van");
+  EXPECT_EQ(error_of(find_socket("")).text, "error: which peer? Say --name NAME; there are car, van");
 }
 
 TEST_F(ControlPath, WithoutPeersTheEnvironmentIsTheError) {
-  const auto found = find_socket("");
-  ASSERT_FALSE(found);
-  EXPECT_THAT(found.error().text, HasSubstr("no peer listens in " + (folder / "peerd").string()));
-  EXPECT_EQ(found.error().exit_code, 3);
+  EXPECT_THAT(error_of(find_socket("")), IsError(3, HasSubstr("no peer listens in " + (folder / "peerd").string())));
 }
 
 }  // namespace peerd::control::control_path_test

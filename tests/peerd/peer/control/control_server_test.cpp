@@ -22,6 +22,7 @@
 
 #include "peerd/peer/control/control_client.hpp"
 #include "peerd/peer/control/request.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::control::control_server_test {
@@ -179,10 +180,7 @@ TEST_F(ControlServerTest, ADeadPeersSocketIsReplaced) {
 
 TEST_F(ControlServerTest, ALivingPeersSocketIsNot) {
   const auto first = open();
-  const auto second = ControlServer::open(io, path, {});
-  ASSERT_FALSE(second);
-  EXPECT_EQ(second.error().exit_code, 3);
-  EXPECT_THAT(second.error().text, HasSubstr("another peer listens there"));
+  EXPECT_THAT(error_of(ControlServer::open(io, path, {})), IsError(3, HasSubstr("another peer listens there")));
   Protocol::socket a = connect();
   send(a, "one\n");
   EXPECT_EQ(receive(a, 1), "got one\n");
@@ -201,9 +199,7 @@ TEST_F(ControlServerTest, DoesNotWaitForWhoHoldsTheFolder) {
 TEST_F(ControlServerTest, WaitsForWhoHoldsTheLockFileAndFollowsNoLink) {
   const std::string lock = path.string() + ".lock";
   std::filesystem::create_symlink(folder / "elsewhere", lock);
-  const auto linked = ControlServer::open(io, path, {});
-  ASSERT_FALSE(linked);
-  EXPECT_THAT(linked.error().text, HasSubstr("c.sock.lock can't be made"));
+  EXPECT_THAT(error_of(ControlServer::open(io, path, {})).text, HasSubstr("c.sock.lock can't be made"));
   EXPECT_FALSE(std::filesystem::exists(folder / "elsewhere"));
   std::filesystem::remove(lock);
   const int lock_fd = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
@@ -217,20 +213,14 @@ TEST_F(ControlServerTest, WaitsForWhoHoldsTheLockFileAndFollowsNoLink) {
 
 TEST_F(ControlServerTest, WhatIsNoSocketIsLeftAlone) {
   folder.write("c.sock", "precious");
-  const auto server = ControlServer::open(io, path, {});
-  ASSERT_FALSE(server);
-  EXPECT_EQ(server.error().exit_code, 2);
+  EXPECT_EQ(error_of(ControlServer::open(io, path, {})).exit_code, 2);
   EXPECT_EQ(testing_support::text_of(path), "precious");
 }
 
 TEST_F(ControlServerTest, PathsThatCannotBe) {
-  const auto far = ControlServer::open(io, folder / std::string(120, 'x'), {});
-  ASSERT_FALSE(far);
-  EXPECT_EQ(far.error().exit_code, 2);
-  EXPECT_THAT(far.error().text, HasSubstr("107 bytes"));
-  const auto nowhere = ControlServer::open(io, folder / "no/c.sock", {});
-  ASSERT_FALSE(nowhere);
-  EXPECT_EQ(nowhere.error().exit_code, 3);
+  EXPECT_THAT(error_of(ControlServer::open(io, folder / std::string(120, 'x'), {})),
+              IsError(2, HasSubstr("107 bytes")));
+  EXPECT_EQ(error_of(ControlServer::open(io, folder / "no/c.sock", {})).exit_code, 3);
 }
 
 TEST_F(ControlServerTest, ALineWithoutAnEndIsRefused) {
@@ -370,13 +360,8 @@ TEST_F(ControlServerTest, WhoseQueueIsFullLivesAndIsBusy) {
     waiting.back().connect(Protocol::endpoint(path.string()), error);
   }
   ASSERT_TRUE(error) << "the queue is full";
-  const auto busy = ask(path, "one");
-  ASSERT_FALSE(busy);
-  EXPECT_EQ(busy.error().exit_code, 3);
-  EXPECT_THAT(busy.error().text, HasSubstr("it is stopped, or busy"));
-  const auto second = ControlServer::open(io, path, {});
-  ASSERT_FALSE(second);
-  EXPECT_THAT(second.error().text, HasSubstr("another peer listens there"));
+  EXPECT_THAT(error_of(ask(path, "one")), IsError(3, HasSubstr("it is stopped, or busy")));
+  EXPECT_THAT(error_of(ControlServer::open(io, path, {})).text, HasSubstr("another peer listens there"));
 }
 
 }  // namespace peerd::control::control_server_test

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/vrml/document.hpp"
+#include "tests/has_members.hpp"
 #include "tests/peerd/peer/node/lone_peer.hpp"
 
 namespace peerd::control::event_line_test {
@@ -58,9 +59,7 @@ TEST_F(EventLine, SaysWhatHasHappened) {
   seen.contact.normal = Vec3(0, 1, 0);
   seen.contact.collider_before.position = Vec3(1, 2, 3);
   const json contact = line(seen);
-  EXPECT_EQ(contact["kind"], "decided");
-  EXPECT_EQ(contact["collider"], "A");
-  EXPECT_EQ(contact["decider"], 2);
+  EXPECT_THAT(contact, HasMembers(R"({"kind": "decided", "collider": "A", "decider": 2})"));
   EXPECT_EQ(contact["collider_position_m"], (json{1.0, 2.0, 3.0}));
   EXPECT_EQ(contact["normal"], (json{0.0, 1.0, 0.0}));
   seen.decider = kNobody;

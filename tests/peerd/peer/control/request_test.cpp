@@ -5,6 +5,8 @@
 
 #include <random>
 
+#include "tests/must.hpp"
+
 namespace peerd::control::request_test {
 
 using testing::HasSubstr;
@@ -96,15 +98,11 @@ TEST(Request, PosesAreThoseOfAMessage) {
 }
 
 struct Wrong {
-  const char* name;
-  const char* line;
-  const char* error;
+  const char *name, *line, *error;
 };
 class WrongRequest : public testing::TestWithParam<Wrong> {};
 TEST_P(WrongRequest, IsOneSentence) {
-  const auto request = parse_request(GetParam().line);
-  ASSERT_FALSE(request);
-  EXPECT_THAT(request.error(), HasSubstr(GetParam().error));
+  EXPECT_THAT(error_of(parse_request(GetParam().line)), HasSubstr(GetParam().error));
 }
 INSTANTIATE_TEST_SUITE_P(
     Table, WrongRequest,

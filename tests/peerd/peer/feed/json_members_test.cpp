@@ -3,14 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
+
 namespace peerd::feed::json_members_test {
 
 using nlohmann::json;
 using testing::HasSubstr;
 
 struct Line {
-  const char* name;
-  const char* line;
+  const char *name, *line;
   const char* error;  // empty: the line is accepted
 };
 class ParseJsonObject : public testing::TestWithParam<Line> {};
@@ -108,9 +109,7 @@ TEST(JsonMembers, AnotherVersionIsRefused) {
   const json ours = json::parse(R"({"v":1})"), other = json::parse(R"({"v":2})"), none = json::object();
   EXPECT_TRUE(JsonMembers(ours).check_version());
   EXPECT_TRUE(JsonMembers(none).check_version());
-  const auto checked = JsonMembers(other).check_version();
-  ASSERT_FALSE(checked);
-  EXPECT_EQ(checked.error(), "version 2 is not spoken here; this is version 1");
+  EXPECT_EQ(error_of(JsonMembers(other).check_version()), "version 2 is not spoken here; this is version 1");
 }
 
 }  // namespace peerd::feed::json_members_test

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -23,9 +22,7 @@ HostTime after(double s) { return kBegin + from_seconds(s); }
 constexpr double kRadius = 2.0, kOmega = 1.5, kSpeed = kRadius * kOmega, kThird = kSpeed * kOmega * kOmega;
 KinematicState circle(double t) {
   const double a = kOmega * t, s = std::sin(a), c = std::cos(a);
-  KinematicState k;
-  k.position = kRadius * Vec3(c, 0.0, -s);
-  k.velocity = kRadius * kOmega * Vec3(-s, 0.0, -c);
+  KinematicState k{.position = kRadius * Vec3(c, 0.0, -s), .velocity = kRadius * kOmega * Vec3(-s, 0.0, -c)};
   k.acceleration = -kOmega * kOmega * k.position;
   k.orientation = Quat(Eigen::AngleAxisd(a, Vec3::UnitY()));
   k.angular_velocity_body = kOmega * Vec3::UnitY();

@@ -3,19 +3,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
+
 namespace peerd::feed::pose_message_test {
 
 using testing::HasSubstr;
 
 TEST(PoseMessage, HasOnePoseWithAllItsValues) {
-  const auto message = parse_pose_message(
+  const auto message = must(parse_pose_message(
       R"({"v":1,"do":"pose","object":"CAR","position_m":[1,2.5,-3e1],"orientation_xyzw":[0.1,0.2,0.3,0.9],)"
       R"("time_s":12.5,"velocity_m_s":[4,5,6],"acceleration_m_s2":[7,8,9],"angular_velocity_rad_s":[10,11,12],)"
-      R"("jump":true,"reply":false})");
-  ASSERT_TRUE(message) << message.error();
-  ASSERT_EQ(message->poses.size(), 1u);
-  EXPECT_FALSE(message->reply);
-  const FedPose& p = message->poses[0];
+      R"("jump":true,"reply":false})"));
+  ASSERT_EQ(message.poses.size(), 1u);
+  EXPECT_FALSE(message.reply);
+  const FedPose& p = message.poses[0];
   EXPECT_EQ(p.object, "CAR");
   EXPECT_EQ(p.time_s, 12.5);
   EXPECT_EQ(p.pose.position, Vec3(1, 2.5, -30));
@@ -27,33 +28,28 @@ TEST(PoseMessage, HasOnePoseWithAllItsValues) {
 }
 
 TEST(PoseMessage, ItsTimeIsThatOfPosesWithoutTheirOwn) {
-  const auto message = parse_pose_message(R"({"do":"pose","time_s":1,"poses":[{"object":"A","position_m":[0,0,0]},)"
-                                          R"({"object":"B","position_m":[0,0,0],"time_s":2}]})");
-  ASSERT_TRUE(message) << message.error();
-  EXPECT_TRUE(message->reply);
-  ASSERT_EQ(message->poses.size(), 2u);
-  EXPECT_EQ(message->poses[0].time_s, 1.0);
-  EXPECT_EQ(message->poses[1].time_s, 2.0);
+  const auto message =
+      must(parse_pose_message(R"({"do":"pose","time_s":1,"poses":[{"object":"A","position_m":[0,0,0]},)"
+                              R"({"object":"B","position_m":[0,0,0],"time_s":2}]})"));
+  EXPECT_TRUE(message.reply);
+  ASSERT_EQ(message.poses.size(), 2u);
+  EXPECT_EQ(message.poses[0].time_s, 1.0);
+  EXPECT_EQ(message.poses[1].time_s, 2.0);
 }
 
 TEST(PoseMessage, ValuesThatAreNotGivenAreNone) {
-  const auto message = parse_pose_message(R"({"do":"pose","object":"A","position_m":[0,0,0]})");
-  ASSERT_TRUE(message) << message.error();
-  const FedPose& p = message->poses.at(0);
+  const auto message = must(parse_pose_message(R"({"do":"pose","object":"A","position_m":[0,0,0]})"));
+  const FedPose& p = message.poses.at(0);
   EXPECT_FALSE(p.time_s || p.pose.orientation || p.pose.velocity || p.pose.acceleration ||
                p.pose.angular_velocity_body || p.pose.jump);
 }
 
 struct Wrong {
-  const char* name;
-  const char* datagram;
-  const char* error;
+  const char *name, *datagram, *error;
 };
 class WrongPoseMessage : public testing::TestWithParam<Wrong> {};
 TEST_P(WrongPoseMessage, IsOneSentence) {
-  const auto message = parse_pose_message(GetParam().datagram);
-  ASSERT_FALSE(message);
-  EXPECT_THAT(message.error(), HasSubstr(GetParam().error));
+  EXPECT_THAT(error_of(parse_pose_message(GetParam().datagram)), HasSubstr(GetParam().error));
 }
 INSTANTIATE_TEST_SUITE_P(
     Table, WrongPoseMessage,

@@ -8,12 +8,7 @@ namespace peerd::motion::flock_test {
 
 constexpr PathTimes kTimes{-5.0, 60.0};
 
-FlockSettings air() {
-  FlockSettings s;
-  s.low = Vec3(-200, 30, -200);
-  s.high = Vec3(200, 120, 200);
-  return s;
-}
+FlockSettings air() { return {.low = Vec3(-200, 30, -200), .high = Vec3(200, 120, 200)}; }
 std::vector<Vec3> starts(int count) {
   std::vector<Vec3> all;
   for (int i = 0; i < count; ++i) all.emplace_back(8.0 * (i % 8), 60.0 + i % 3, 8.0 * (i / 8));

@@ -8,17 +8,14 @@
 #include <numbers>
 
 #include "peerd/peer/motion/right_derivatives.hpp"
+#include "tests/must.hpp"
 
 namespace peerd::motion::motion_formula_test {
 
 using std::numbers::pi;
 using testing::HasSubstr;
 
-FormulaMotion motion(const MotionFormula& formula) {
-  auto source = FormulaMotion::make(formula, "m", 15.0);
-  if (!source) throw std::runtime_error(source.error().text);
-  return *std::move(source);
-}
+FormulaMotion motion(const MotionFormula& formula) { return must(FormulaMotion::make(formula, "m", 15.0)); }
 
 // The formulas of a motion along x, y and z.
 MotionFormula path(const std::string& x, const std::string& y = "0", const std::string& z = "0") {
@@ -44,8 +41,7 @@ MotionFormula held(MotionFormula f) {
 
 using Derivative = std::function<double(double)>;
 struct Formula {
-  const char* name;
-  const char* text;
+  const char *name, *text;
   Derivative value, first, second;  // from the right
   std::vector<double> times;        // beside the corners and every tick of 15 s
   double first_error = 1e-6, second_error = 1e-2;
@@ -200,9 +196,8 @@ TEST(Motion, TurnsAboutItsAxis) {
 }
 
 TEST(Motion, FormulasKnowTheObjectsNumber) {
-  const auto made = FormulaMotion::make(defining({"twice = 2*n"}, path("twice + t", "n")), "m", 15.0, 3);
-  ASSERT_TRUE(made.has_value()) << made.error().text;
-  EXPECT_EQ(made->pose(1.0).position, Vec3(7, 3, 0));
+  const auto made = must(FormulaMotion::make(defining({"twice = 2*n"}, path("twice + t", "n")), "m", 15.0, 3));
+  EXPECT_EQ(made.pose(1.0).position, Vec3(7, 3, 0));
   EXPECT_EQ(motion(path("n")).pose(1.0).position.x(), 0.0) << "alone";
 }
 

@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "tests/must.hpp"
+
 namespace peerd::motion::motion_settings_test {
 
 using testing::HasSubstr;
@@ -15,11 +17,10 @@ struct Read {
   std::string error;
 };
 Read read(const std::string& text) {
-  const auto table = parse_toml(text, "my.toml");
-  EXPECT_TRUE(table) << table.error().text;
+  const auto table = must(parse_toml(text, "my.toml"));
   std::optional<InputError> error;
   Read out;
-  out.motion = read_motion(TomlReader(*table, "motion.X", error), "/folder");
+  out.motion = read_motion(TomlReader(table, "motion.X", error), "/folder");
   if (error) out.error = error->text;
   return out;
 }

@@ -5,9 +5,9 @@
 
 #include <vector>
 
-namespace peerd::motion::motion_source_test {
+#include "tests/must.hpp"
 
-using testing::HasSubstr;
+namespace peerd::motion::motion_source_test {
 
 const std::vector<Pose> kPlaces(3);
 
@@ -31,12 +31,11 @@ Result<std::vector<MotionSource>> make(const MotionSettings& motion, std::vector
 TEST(MotionSource, AFormulaKnowsTheNumberOfItsObject) {
   MotionSettings motion;
   motion.kind = x_formula("10*n + t");
-  const auto sources = make(motion, {0, 2});
-  ASSERT_TRUE(sources) << sources.error().text;
-  ASSERT_EQ(sources->size(), 2u);
-  EXPECT_NEAR((*sources)[0].pose(1.5).position.x(), 1.5, 1e-12);
-  EXPECT_NEAR((*sources)[1].pose(1.5).position.x(), 21.5, 1e-12);
-  EXPECT_NEAR((*sources)[1].sample(1.5).velocity.x(), 1.0, 1e-6);
+  const auto sources = must(make(motion, {0, 2}));
+  ASSERT_EQ(sources.size(), 2u);
+  EXPECT_NEAR(sources[0].pose(1.5).position.x(), 1.5, 1e-12);
+  EXPECT_NEAR(sources[1].pose(1.5).position.x(), 21.5, 1e-12);
+  EXPECT_NEAR(sources[1].sample(1.5).velocity.x(), 1.0, 1e-6);
 }
 
 TEST(MotionSource, HoldStandsBeforeTheStart) {
@@ -56,9 +55,8 @@ TEST(MotionSource, TheSeedOfTheMotionComesBeforeTheScenarios) {
   MotionSettings motion;
   motion.kind = walk_of_40_m();
   const auto at_end = [&](std::uint64_t scenario_seed) {
-    const auto sources = make(motion, {0, 1}, scenario_seed);
-    EXPECT_TRUE(sources) << sources.error().text;
-    return std::pair((*sources)[0].pose(10.0).position, (*sources)[1].pose(10.0).position);
+    const auto sources = must(make(motion, {0, 1}, scenario_seed));
+    return std::pair(sources[0].pose(10.0).position, sources[1].pose(10.0).position);
   };
   EXPECT_EQ(at_end(1), at_end(1));
   EXPECT_NE(at_end(1).first, at_end(2).first);
@@ -70,9 +68,7 @@ TEST(MotionSource, TheSeedOfTheMotionComesBeforeTheScenarios) {
 TEST(MotionSource, ErrorsBeginWithTheirKey) {
   MotionSettings motion;
   motion.kind = x_formula("sin(");
-  const auto wrong = make(motion, {0});
-  ASSERT_FALSE(wrong);
-  EXPECT_THAT(wrong.error().text, testing::StartsWith("error: motion.X"));
+  EXPECT_THAT(error_of(make(motion, {0})).text, testing::StartsWith("error: motion.X"));
   motion.kind = walk_of_40_m();
   EXPECT_FALSE(make(motion, {0}, 1, 5000.0)) << "made before the run, for an hour at most";
 }

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 namespace peerd::motion::street_route_test {
 
 TEST(StreetRoute, IsOneSmoothLineOfUnitSpeed) {
@@ -22,9 +20,7 @@ TEST(StreetRoute, IsOneSmoothLineOfUnitSpeed) {
 }
 
 TEST(StreetRoute, StaysOnTheGridOfStreets) {
-  DriveSettings settings;
-  settings.blocks = 2;
-  settings.origin_x_m = -50.0;
+  const DriveSettings settings{.blocks = 2, .origin_x_m = -50.0};
   Random random(3, 1);
   StreetRoute route(settings, Vec2(0.0, 0.0), random);
   const double size_m = settings.block_m * settings.blocks, room_m = settings.lane_m + 1e-6;

@@ -3,8 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-
+#include "tests/must.hpp"
 #include "tests/peerd/path_checks.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
@@ -39,10 +38,9 @@ TEST(Track, OrientationsAreHitAndTurnSmoothly) {
            std::to_string(q.y()) + "," + std::to_string(q.z()) + "\n";
   }
   for (const bool corners : {false, true}) {
-    const auto loaded = load_track({folder.write("t.csv", csv), false, corners});
-    ASSERT_TRUE(loaded.has_value()) << loaded.error().text;
-    EXPECT_TRUE(loaded->turns);
-    const MotionPath path(loaded->knots);
+    const auto loaded = must(load_track({folder.write("t.csv", csv), false, corners}));
+    EXPECT_TRUE(loaded.turns);
+    const MotionPath path(loaded.knots);
     for (int i = 0; i < 6; ++i) {
       EXPECT_LT(turn_between(path.pose(i).orientation, orientations[static_cast<std::size_t>(i)]).norm(), 1e-5) << i;
     }

@@ -21,10 +21,7 @@ struct Describe : testing::Test {
     return described ? std::to_string(static_cast<int>(described->level)) + " " + described->text : "none";
   }
   [[nodiscard]] Output contact(ContactKind kind) const {
-    ContactEvent event{};
-    event.collider = a;
-    event.collidee = b;
-    event.at = SimTime{1s};
+    const ContactEvent event{.at = SimTime{1s}, .collider = a, .collidee = b};
     return ContactSeen{kind, event, SimTime{1s + 2500us}};
   }
 

@@ -1,11 +1,11 @@
 #pragma once
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "peerd/peer/node/peer_node.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::testing_support {
@@ -15,9 +15,7 @@ class LonePeer {
  public:
   LonePeer(const char* vrml, const std::vector<std::string>& owns) {
     folder.write("w.wrl", vrml);
-    auto read = share_world(folder / "w.wrl");
-    if (!read) throw std::runtime_error(read.error().text);
-    shared = std::move(*read);
+    shared = must(share_world(folder / "w.wrl"));
     settings.name = "a";
     settings.id = 1;
     settings.owns.assign(owns.begin(), owns.end());

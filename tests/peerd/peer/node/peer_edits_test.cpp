@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
+
 namespace peerd::peer_edits_test {
 
 using namespace replication;
@@ -15,9 +17,7 @@ class Edits : public testing::Test {
  protected:
   OperationId note(Kind kind, std::optional<HostTime> asks_until = {}) {
     const OperationId id{AuthorId{5}, ++number};
-    config::SceneEdit edit;
-    edit.kind = kind;
-    edit.path = "CAR";
+    const config::SceneEdit edit{.kind = kind, .path = "CAR"};
     edits.note({edit, id, {}}, kCar, asks_until);
     (void)edits.poll();
     return id;
@@ -139,11 +139,10 @@ TEST_F(Edits, OldOnesAreStillKnown) {
   EXPECT_TRUE(edits.find(plain)->stored && edits.find(late)->stored && edits.find(last)->stored);
   say(OperationHeld{late});
   say(SceneEdited{late, {}, "it is not in the scene any more"});
-  const auto report = edits.poll();
-  ASSERT_TRUE(report);
-  EXPECT_EQ(report->edit.kind, Kind::kSet);
-  EXPECT_EQ(report->edit.path, "(operation 5:6)") << "its path is forgotten";
-  EXPECT_EQ(report->operation, late);
+  const auto report = must(edits.poll());
+  EXPECT_EQ(report.edit.kind, Kind::kSet);
+  EXPECT_EQ(report.edit.path, "(operation 5:6)") << "its path is forgotten";
+  EXPECT_EQ(report.operation, late);
   EXPECT_EQ(edits.find(late)->refused, "it is not in the scene any more");
   EXPECT_TRUE(edits.find(late)->held);
   say(SceneEdited{late, {}, ""});

@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::peer_log_test {
@@ -13,16 +14,12 @@ using testing::HasSubstr;
 using testing_support::ScratchFolder;
 
 PeerLog full_log() {
-  PeerLog log;
-  log.peer = PeerId{7};
-  log.name = "alice";
-  log.start = SimTime{Duration{1'700'000'000'123'456'789}};
-  KinematicState s;
-  s.position = {0.1, -1e300, std::numeric_limits<double>::denorm_min()};
-  s.velocity = {1.0 / 3.0, -0.0, 2.0};
-  s.acceleration = {1, 2, 3};
-  s.orientation = Quat(0.5, -0.5, 0.5, -0.5);
-  s.angular_velocity_body = {4, 5, 6};
+  PeerLog log{.peer = PeerId{7}, .name = "alice", .start = SimTime{Duration{1'700'000'000'123'456'789}}};
+  const KinematicState s{.orientation = Quat(0.5, -0.5, 0.5, -0.5),
+                         .position = {0.1, -1e300, std::numeric_limits<double>::denorm_min()},
+                         .velocity = {1.0 / 3.0, -0.0, 2.0},
+                         .acceleration = {1, 2, 3},
+                         .angular_velocity_body = {4, 5, 6}};
   log.object_samples = {{SimTime{Duration{-5}}, HostTime{Duration{5}}, ObjectId{3}, PeerId{7}, s}, {}};
   log.updates = {{SimTime{Duration{11}}, ObjectId{3}, 31, 0.01, "error"}};
   log.datagrams = {{SimTime{Duration{12}}, 98}};
@@ -83,15 +80,12 @@ TEST(PeerLog, ComesBackBitForBit) {
   const ScratchFolder folder;
   std::vector<PeerLog> logs{full_log()};
   for (const char* any_word : {"a", "-", "größe", "12", "a\"b"}) {
-    PeerLog& empty = logs.emplace_back();
-    empty.peer = PeerId{1};
-    empty.name = any_word;
+    logs.push_back({.peer = PeerId{1}, .name = any_word});
   }
   for (const PeerLog& log : logs) {
     ASSERT_TRUE(save(log, folder / "a.rows"));
-    const auto read = load_peer_log(folder / "a.rows");
-    ASSERT_TRUE(read) << read.error().text;
-    expect_same(log, *read);
+    const auto read = must(load_peer_log(folder / "a.rows"));
+    expect_same(log, read);
   }
 }
 
@@ -109,10 +103,7 @@ TEST(PeerLog, WhatIsNoRowIsNamedByItsLine) {
 TEST(PeerLog, SaysWhichFileCannotBeHad) {
   const ScratchFolder folder;
   EXPECT_THAT(load_peer_log(folder / "none").error().text, HasSubstr("none"));
-  const auto saved = save(full_log(), folder / "no" / "such" / "folder");
-  ASSERT_FALSE(saved);
-  EXPECT_THAT(saved.error().text, HasSubstr("can't be written"));
-  EXPECT_EQ(saved.error().exit_code, 3);
+  EXPECT_THAT(error_of(save(full_log(), folder / "no" / "such" / "folder")), IsError(3, HasSubstr("can't be written")));
 }
 
 }  // namespace peerd::peer_log_test

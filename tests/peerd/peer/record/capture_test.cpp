@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/must.hpp"
 #include "tests/peerd/peer/record/some_setup.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
@@ -49,9 +50,8 @@ TEST_P(Capture, WhatIsWrittenIsRead) {
   const ip::udp::endpoint from(ip::make_address(v4 ? "192.0.2.7" : "2001:db8::7"), 1234);
   const auto bytes = [](std::string_view text) { return std::as_bytes(std::span(text)); };
   {
-    auto opened = CaptureWriter::open(folder / "c", setup, HostTime{Duration{10}}, from.address());
-    ASSERT_TRUE(opened);
-    CaptureWriter& writer = **opened;
+    auto opened = must(CaptureWriter::open(folder / "c", setup, HostTime{Duration{10}}, from.address()));
+    CaptureWriter& writer = *opened;
     writer.on_send(RegionId{0}, bytes("joins"));
     writer.on_tick(HostTime{Duration{11}});
     writer.on_packet(HostTime{Duration{12}}, from, RegionId{300}, bytes("R12345"));
@@ -63,22 +63,20 @@ TEST_P(Capture, WhatIsWrittenIsRead) {
     EXPECT_TRUE(writer.good());
   }
   const std::string file = text_of(folder / "c");
-  auto reader = CaptureReader::open(std::as_bytes(std::span(file)));
-  ASSERT_TRUE(reader) << reader.error();
-  EXPECT_EQ(to_text(reader->setup()), to_text(setup));
-  EXPECT_EQ(reader->setup().options.wait_for, setup.options.wait_for);
-  EXPECT_EQ(reader->begin(), HostTime{Duration{10}});
+  auto reader = must(CaptureReader::open(std::as_bytes(std::span(file))));
+  EXPECT_EQ(to_text(reader.setup()), to_text(setup));
+  EXPECT_EQ(reader.setup().options.wait_for, setup.options.wait_for);
+  EXPECT_EQ(reader.begin(), HostTime{Duration{10}});
   std::vector<std::string> lines;
   for (;;) {
-    const auto event = reader->next();
-    ASSERT_TRUE(event) << event.error();
-    if (!*event) break;
-    lines.push_back(as_text(**event));
+    const auto event = must(reader.next());
+    if (!event) break;
+    lines.push_back(as_text(*event));
   }
   EXPECT_THAT(lines, testing::ElementsAre("10 out 0 joins", "11 tick", "12 in 300 R12345", "12 out 65536 answer",
                                           "12 control -7 {\"do\": \"status\"} \t",
                                           "13 poses 8 " + std::string("\0 \n\xFF", 4), "13 poses 8 ", "14 left"));
-  EXPECT_FALSE(reader->cut_off());
+  EXPECT_FALSE(reader.cut_off());
 }
 INSTANTIATE_TEST_SUITE_P(Groups, Capture,
                          testing::Values(Groups{"Ipv4", "239.192.0.0", 0}, Groups{"Ipv4Pool", "239.192.0.0", 4},
@@ -88,10 +86,10 @@ INSTANTIATE_TEST_SUITE_P(Groups, Capture,
 
 TEST(CaptureFile, CantBeWrittenWhereThereIsNoFolder) {
   const ScratchFolder folder;
-  const auto opened = CaptureWriter::open(folder / "no" / "c", some_setup({ip::make_address("239.192.0.0"), 47474}),
-                                          HostTime{}, ip::make_address("127.0.0.1"));
-  ASSERT_FALSE(opened);
-  EXPECT_EQ(opened.error().exit_code, 3);
+  EXPECT_EQ(error_of(CaptureWriter::open(folder / "no" / "c", some_setup({ip::make_address("239.192.0.0"), 47474}),
+                                         HostTime{}, ip::make_address("127.0.0.1")))
+                .exit_code,
+            3);
 }
 
 TEST(CaptureFile, AFullDiskEndsTheCaptureAndSaysSo) {
@@ -106,9 +104,7 @@ TEST(CaptureFile, OfSomebodyElseIsRefused) {
   writer.interface(LinkType::kRawIp, "eth0", "");
   writer.packet(0, HostTime{}, Direction::kIn, {});
   const std::string file = out.str();
-  const auto reader = CaptureReader::open(std::as_bytes(std::span(file)));
-  ASSERT_FALSE(reader);
-  EXPECT_THAT(reader.error(), HasSubstr("no capture of peerd's"));
+  EXPECT_THAT(error_of(CaptureReader::open(std::as_bytes(std::span(file)))), HasSubstr("no capture of peerd's"));
 }
 
 // A capture whose inputs have the given times [ns]. Its setup, packet 1, has time 10.
@@ -128,10 +124,9 @@ std::string file_with_times(std::initializer_list<std::int64_t> times_ns) {
 TEST(CaptureFile, WhoseTimesDecreaseIsRefused) {
   const auto error_of = [](std::initializer_list<std::int64_t> times_ns) {
     const std::string file = file_with_times(times_ns);
-    auto reader = CaptureReader::open(std::as_bytes(std::span(file)));
-    EXPECT_TRUE(reader) << reader.error();
+    auto reader = must(CaptureReader::open(std::as_bytes(std::span(file))));
     for (;;) {
-      const auto event = reader->next();
+      const auto event = reader.next();
       if (!event) return event.error();
       if (!*event) return std::string();
     }

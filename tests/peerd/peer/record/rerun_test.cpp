@@ -5,6 +5,8 @@
 
 #include <string>
 
+#include "tests/must.hpp"
+
 namespace peerd::record::rerun_test {
 
 using testing::ElementsAre;
@@ -20,16 +22,15 @@ Rerun some_rerun() {
 }
 
 TEST(Rerun, IsReadAsItIsWritten) {
-  const auto read = rerun_from(to_text(some_rerun()));
-  ASSERT_TRUE(read) << read.error();
-  EXPECT_EQ(read->name, "eq47");
-  EXPECT_EQ(read->file, "/there/eq47.toml");
-  EXPECT_EQ(read->world, "/there/eq47.wrl");
-  EXPECT_EQ(read->world_hash, 0xFFFF'FFFF'FFFF'FFFE);
-  EXPECT_TRUE(read->reading.inlines_when_needed);
-  EXPECT_EQ(read->reading.expansion, 4u);
-  EXPECT_EQ(read->reading.name, "square");
-  EXPECT_THAT(read->configurations, ElementsAre("seed = 1\n", "seed = 2\n"));
+  const auto read = must(rerun_from(to_text(some_rerun())));
+  EXPECT_EQ(read.name, "eq47");
+  EXPECT_EQ(read.file, "/there/eq47.toml");
+  EXPECT_EQ(read.world, "/there/eq47.wrl");
+  EXPECT_EQ(read.world_hash, 0xFFFF'FFFF'FFFF'FFFE);
+  EXPECT_TRUE(read.reading.inlines_when_needed);
+  EXPECT_EQ(read.reading.expansion, 4u);
+  EXPECT_EQ(read.reading.name, "square");
+  EXPECT_THAT(read.configurations, ElementsAre("seed = 1\n", "seed = 2\n"));
 }
 
 TEST(Rerun, HostileTextIsRefused) {

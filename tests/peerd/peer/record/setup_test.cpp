@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/must.hpp"
 #include "tests/peerd/peer/record/some_setup.hpp"
 
 namespace peerd::record::setup_test {
@@ -14,26 +15,25 @@ using testing::HasSubstr;
 
 TEST(CaptureSetup, IsReadAsItWasWritten) {
   const record::Setup s = some_setup();
-  const auto read = setup_from(to_text(s));
-  ASSERT_TRUE(read) << read.error();
-  EXPECT_EQ(read->peer, s.peer);
-  EXPECT_EQ(read->configuration, s.configuration);
-  EXPECT_EQ(read->file, s.file);
-  EXPECT_EQ(read->world, s.world);
-  EXPECT_EQ(read->world_hash, s.world_hash) << "all 64 bits";
-  EXPECT_TRUE(read->reading.inlines_when_needed);
-  EXPECT_EQ(read->reading.expansion, 7U);
-  EXPECT_TRUE(read->options.late);
-  EXPECT_EQ(read->options.incarnation, s.options.incarnation);
-  EXPECT_EQ(read->options.wait_for, s.options.wait_for);
-  EXPECT_EQ(read->options.start_lead, s.options.start_lead);
-  EXPECT_EQ(read->options.clock_offset, s.options.clock_offset);
-  EXPECT_FALSE(read->options.keep_log);
-  EXPECT_EQ(read->options.sample_hz, 50u);
-  EXPECT_EQ(read->groups.base, s.groups.base);
-  EXPECT_EQ(read->groups.port, s.groups.port);
-  EXPECT_EQ(read->groups.pool, s.groups.pool);
-  EXPECT_EQ(read->groups.offset, s.groups.offset);
+  const auto read = must(setup_from(to_text(s)));
+  EXPECT_EQ(read.peer, s.peer);
+  EXPECT_EQ(read.configuration, s.configuration);
+  EXPECT_EQ(read.file, s.file);
+  EXPECT_EQ(read.world, s.world);
+  EXPECT_EQ(read.world_hash, s.world_hash) << "all 64 bits";
+  EXPECT_TRUE(read.reading.inlines_when_needed);
+  EXPECT_EQ(read.reading.expansion, 7U);
+  EXPECT_TRUE(read.options.late);
+  EXPECT_EQ(read.options.incarnation, s.options.incarnation);
+  EXPECT_EQ(read.options.wait_for, s.options.wait_for);
+  EXPECT_EQ(read.options.start_lead, s.options.start_lead);
+  EXPECT_EQ(read.options.clock_offset, s.options.clock_offset);
+  EXPECT_FALSE(read.options.keep_log);
+  EXPECT_EQ(read.options.sample_hz, 50u);
+  EXPECT_EQ(read.groups.base, s.groups.base);
+  EXPECT_EQ(read.groups.port, s.groups.port);
+  EXPECT_EQ(read.groups.pool, s.groups.pool);
+  EXPECT_EQ(read.groups.offset, s.groups.offset);
 }
 
 TEST(CaptureSetup, SaysHowItsDatagramsAre) {

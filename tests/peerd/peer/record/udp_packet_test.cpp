@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "tests/must.hpp"
+
 namespace peerd::record::udp_packet_test {
 
 namespace ip = boost::asio::ip;
@@ -43,11 +45,10 @@ TEST(UdpPacket, WhatIsEncodedDecodesAndNoBitMayDiffer) {
       const UdpPacket packet{v4 ? at("192.0.2.1", 1) : at("2001:db8::1", 1),
                              v4 ? at("239.192.0.7", 65535) : at("ff15::1:0:7", 65535), bytes_of(payload)};
       auto bytes = encode(packet);
-      const auto back = decode_udp_packet(bytes);
-      ASSERT_TRUE(back);
-      EXPECT_EQ(back->from, packet.from);
-      EXPECT_EQ(back->to, packet.to);
-      EXPECT_TRUE(std::ranges::equal(back->payload, packet.payload));
+      const auto back = must(decode_udp_packet(bytes));
+      EXPECT_EQ(back.from, packet.from);
+      EXPECT_EQ(back.to, packet.to);
+      EXPECT_TRUE(std::ranges::equal(back.payload, packet.payload));
       for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
         const auto mask = static_cast<std::byte>(1 << bit % 8);
         bytes[bit / 8] ^= mask;

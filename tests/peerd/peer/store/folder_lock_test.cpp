@@ -7,6 +7,7 @@
 
 #include <csignal>
 
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::store::folder_lock_test {
@@ -22,9 +23,8 @@ class Lock : public testing::Test {
 
 TEST_F(Lock, IsOfOneUntilItEnds) {
   {
-    const auto first = FolderLock::take(at, Making::kFolders);
-    ASSERT_TRUE(first) << first.error().text;
-    EXPECT_EQ(first->folder(), at);
+    const auto first = must(FolderLock::take(at, Making::kFolders));
+    EXPECT_EQ(first.folder(), at);
     EXPECT_EQ(FolderLock::take(at, Making::kFolders).error().why, Why::kInUse);
     EXPECT_EQ(FolderLock::take(folder / "a" / "." / "b", Making::kNone).error().why, Why::kInUse) << "by another path";
   }
@@ -38,18 +38,16 @@ TEST_F(Lock, MakesNoFolderUnlessItIsToldTo) {
 }
 
 TEST_F(Lock, GoesWithAFolderThatGetsAnotherName) {
-  const auto lock = FolderLock::take(at, Making::kFolders);
-  ASSERT_TRUE(lock);
+  const auto lock = must(FolderLock::take(at, Making::kFolders));
   std::filesystem::rename(at, folder / "aside");
   EXPECT_EQ(FolderLock::take(folder / "aside", Making::kNone).error().why, Why::kInUse);
   EXPECT_TRUE(FolderLock::take(at, Making::kFolders)) << "a new folder";
 }
 
 TEST_F(Lock, IsMovedWithItsObject) {
-  auto lock = FolderLock::take(at, Making::kFolders);
-  ASSERT_TRUE(lock);
+  auto lock = must(FolderLock::take(at, Making::kFolders));
   {
-    const FolderLock moved = *std::move(lock);
+    const FolderLock moved = std::move(lock);
     EXPECT_EQ(FolderLock::take(at, Making::kNone).error().why, Why::kInUse);
   }
   EXPECT_TRUE(FolderLock::take(at, Making::kNone));

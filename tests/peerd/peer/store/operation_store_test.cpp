@@ -14,6 +14,7 @@
 
 #include "peerd/peer/store/part_row.hpp"
 #include "replication/edits/log/operation_log.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/peer/store/open_database.hpp"
 #include "tests/peerd/peer/store/watched_fsync.hpp"
 #include "tests/peerd/scratch_folder.hpp"
@@ -22,7 +23,6 @@
 namespace peerd::store::operation_store_test {
 
 using replication::AuthorId;
-using replication::Operation;
 using replication::OperationPart;
 using testing::AllOf;
 using testing::HasSubstr;
@@ -50,15 +50,11 @@ class Store : public testing::Test {
     log.bytes += part.bytes.size();
     return part;
   }
-  static void append(OperationStore& store, std::vector<OperationPart> parts) {
-    const auto done = store.append(parts);
-    ASSERT_TRUE(done) << done.error().text;
-  }
+  static void append(OperationStore& store, std::vector<OperationPart> parts) { must(store.append(parts)); }
   // Opens the store for that alone.
   void keep(std::vector<OperationPart> parts) {
-    const auto store = open();
-    ASSERT_TRUE(store) << store.error().text;
-    append(**store, std::move(parts));
+    const auto store = must(open());
+    append(*store, std::move(parts));
   }
   // As on a full disk: files cannot grow.
   static Result<void> append_on_full_disk(OperationStore& store, const OperationPart& more) {
@@ -96,23 +92,21 @@ class Store : public testing::Test {
 TEST_F(Store, BeginsEmptyAndKeepsWhatIsAppended) {
   std::vector<OperationPart> all;
   {
-    auto store = open();
-    ASSERT_TRUE(store) << store.error().text;
-    EXPECT_THAT((*store)->log(), IsEmpty());
-    EXPECT_EQ((*store)->author(), kOwn);
+    auto store = must(open());
+    EXPECT_THAT(store->log(), IsEmpty());
+    EXPECT_EQ(store->author(), kOwn);
     all = {part(kOwn, 3), part(kOther, 1)};
-    append(**store, all);
+    append(*store, all);
     all.push_back(part(kOwn, 2));
-    append(**store, {all.back()});
+    append(*store, {all.back()});
   }
-  const auto again = OperationStore::open(at, kWorld, {AuthorId{1234}});
-  ASSERT_TRUE(again) << again.error().text;
-  EXPECT_EQ((*again)->author(), kOwn) << "the author that the store began with";
-  EXPECT_EQ(bytes_of((*again)->log()), bytes_of(all));
-  ASSERT_THAT((*again)->logs(), SizeIs(2));
-  EXPECT_EQ((*again)->logs()[0].operations, 5U);
-  EXPECT_EQ((*again)->logs()[0].bytes, logs[kOwn].bytes);
-  EXPECT_EQ((*again)->logs()[1].operations, 1U);
+  const auto again = must(OperationStore::open(at, kWorld, {AuthorId{1234}}));
+  EXPECT_EQ(again->author(), kOwn) << "the author that the store began with";
+  EXPECT_EQ(bytes_of(again->log()), bytes_of(all));
+  ASSERT_THAT(again->logs(), SizeIs(2));
+  EXPECT_EQ(again->logs()[0].operations, 5U);
+  EXPECT_EQ(again->logs()[0].bytes, logs[kOwn].bytes);
+  EXPECT_EQ(again->logs()[1].operations, 1U);
 }
 
 // Parts that the store got one by one become a few packed rows, with the same bytes.
@@ -123,34 +117,26 @@ TEST_F(Store, OldPartsArePacked) {
   };
   std::vector<OperationPart> all;
   {
-    auto store = open();
-    ASSERT_TRUE(store) << store.error().text;
+    auto store = must(open());
     while (logs[kOwn].bytes < 4 * PartPacker::kPacked_bytes + 4000) {  // a row ends with an operation
       all.push_back(part(kOwn, 1));
-      append(**store, {all.back()});
+      append(*store, {all.back()});
     }
     all.push_back(part(kOther, 2000));  // at once
-    append(**store, {all.back()});
-    EXPECT_EQ((*store)->packing_error(), "");
+    append(*store, {all.back()});
+    EXPECT_EQ(store->packing_error(), "");
   }
   ASSERT_GT(logs[kOther].bytes, PartPacker::kPacked_bytes);
   EXPECT_EQ(rows("packed"), 4 + 1);
   EXPECT_LT(rows("parts"), 100);
+  EXPECT_EQ(bytes_of(must(OperationStore::open(at))->log()), bytes_of(all));
   {
-    const auto checked = OperationStore::open(at);
-    ASSERT_TRUE(checked) << checked.error().text;
-    EXPECT_EQ(bytes_of((*checked)->log()), bytes_of(all));
-  }
-  {
-    auto store = open();
-    ASSERT_TRUE(store) << store.error().text;
-    EXPECT_EQ(bytes_of((*store)->log()), bytes_of(all));
+    auto store = must(open());
+    EXPECT_EQ(bytes_of(store->log()), bytes_of(all));
     all.push_back(part(kOwn, 3));
-    append(**store, {all.back()});
+    append(*store, {all.back()});
   }
-  const auto again = open();
-  ASSERT_TRUE(again) << again.error().text;
-  EXPECT_EQ(bytes_of((*again)->log()), bytes_of(all));
+  EXPECT_EQ(bytes_of(must(open())->log()), bytes_of(all));
 }
 
 // The file of a store as earlier builds have left it gets shorter.
@@ -159,40 +145,33 @@ TEST_F(Store, OneOfTheFormatBeforeIsPacked) {
   const auto file = at / "operations.sqlite";
   OperationPart all{kOwn, 0, {}};
   {
-    auto database = testing_support::open_database(file, false);
-    ASSERT_TRUE(database) << database.error().text;
-    ASSERT_TRUE(database->accept());
+    auto database = must(testing_support::open_database(file, false));
+    ASSERT_TRUE(database.accept());
     for (const char* const sql : {"DROP TABLE packed", "PRAGMA user_version = 1", "BEGIN"}) {
-      ASSERT_TRUE(database->run(sql));
+      ASSERT_TRUE(database.run(sql));
     }
-    auto insert = database->prepare("INSERT INTO parts VALUES (?, ?, ?, ?)");
-    ASSERT_TRUE(insert);
+    auto insert = must(database.prepare("INSERT INTO parts VALUES (?, ?, ?, ?)"));
     for (std::uint32_t number = 1; number <= 10'000; ++number) {
       const auto bytes = replication::encode({{kOwn, number},
                                               SimTime{Duration{number * 20'000'000LL}},
                                               replication::SetField{NodeId{number % 100}, "translation", "1 2 3", 7}});
-      insert->bind(0, std::int64_t{kOwn.value});
-      insert->bind(1, static_cast<std::int64_t>(all.bytes.size()));
-      insert->bind(2, part_checksum(kOwn, all.bytes.size(), bytes));
-      insert->bind(3, bytes);
-      ASSERT_TRUE(insert->step());
+      insert.bind(0, std::int64_t{kOwn.value});
+      insert.bind(1, static_cast<std::int64_t>(all.bytes.size()));
+      insert.bind(2, part_checksum(kOwn, all.bytes.size(), bytes));
+      insert.bind(3, bytes);
+      ASSERT_TRUE(insert.step());
       all.bytes.insert(all.bytes.end(), bytes.begin(), bytes.end());
     }
-    ASSERT_TRUE(database->run("COMMIT"));
+    ASSERT_TRUE(database.run("COMMIT"));
   }
   const std::string before = testing_support::text_of(file);
-  {
-    const auto checked = OperationStore::open(at);
-    ASSERT_TRUE(checked) << checked.error().text;
-    EXPECT_EQ(bytes_of((*checked)->log()), bytes_of({all}));
-  }
+  EXPECT_EQ(bytes_of(must(OperationStore::open(at))->log()), bytes_of({all}));
   EXPECT_EQ(testing_support::text_of(file), before) << "it was only read";
   for (int i = 0; i < 2; ++i) {
-    const auto store = open();
-    ASSERT_TRUE(store) << store.error().text;
-    EXPECT_EQ(bytes_of((*store)->log()), bytes_of({all}));
-    EXPECT_EQ((*store)->author(), kOwn);
-    EXPECT_EQ((*store)->packing_error(), "");
+    const auto store = must(open());
+    EXPECT_EQ(bytes_of(store->log()), bytes_of({all}));
+    EXPECT_EQ(store->author(), kOwn);
+    EXPECT_EQ(store->packing_error(), "");
   }
   EXPECT_LT(std::filesystem::file_size(file), before.size() / 3);
 }
@@ -215,23 +194,19 @@ TEST_F(Store, AnotherWorldIsRefusedByName) {
   const std::vector<OperationPart> all{part(kOwn, 3)};
   keep(all);
   EXPECT_THAT(error_of_opening(kWorld + 1), AllOf(HasSubstr(at.string()), HasSubstr("another world")));
-  const auto store = open();
-  ASSERT_TRUE(store) << store.error().text;
-  EXPECT_EQ(bytes_of((*store)->log()), bytes_of(all)) << "and nothing of it is lost";
+  EXPECT_EQ(bytes_of(must(open())->log()), bytes_of(all)) << "and nothing of it is lost";
 }
 
 TEST_F(Store, ASecondUserIsRefused) {
-  const auto first = open();
-  ASSERT_TRUE(first) << first.error().text;
+  const auto first = must(open());
   EXPECT_THAT(error_of_opening(), AllOf(HasSubstr(at.string()), HasSubstr("in use by another process")));
 }
 
 TEST_F(Store, AnotherFormatIsRefused) {
   ASSERT_TRUE(open());
   {
-    auto database = testing_support::open_database(at / "operations.sqlite", false);
-    ASSERT_TRUE(database) << database.error().text;
-    ASSERT_TRUE(database->run("PRAGMA user_version = 3"));
+    auto database = must(testing_support::open_database(at / "operations.sqlite", false));
+    ASSERT_TRUE(database.run("PRAGMA user_version = 3"));
   }
   EXPECT_THAT(error_of_opening(), HasSubstr("has format 3"));
 }
@@ -249,24 +224,18 @@ TEST_F(Store, AnotherProgramsDatabaseIsNoStore) {
   std::filesystem::create_directories(at);
   const auto file = at / "operations.sqlite";
   {
-    auto database = testing_support::open_database(file, true);
-    ASSERT_TRUE(database) << database.error().text;
-    ASSERT_TRUE(database->run("CREATE TABLE theirs (x)"));
+    auto database = must(testing_support::open_database(file, true));
+    ASSERT_TRUE(database.run("CREATE TABLE theirs (x)"));
   }
   const std::string before = testing_support::text_of(file);
-  const auto store = open();
-  ASSERT_FALSE(store);
-  EXPECT_THAT(store.error().text, AllOf(HasSubstr(at.string()), HasSubstr("another program's")));
-  EXPECT_EQ(store.error().exit_code, 2);
+  EXPECT_THAT(error_of(open()), IsError(2, AllOf(HasSubstr(at.string()), HasSubstr("another program's"))));
   EXPECT_EQ(testing_support::text_of(file), before);
 }
 
 TEST_F(Store, AFileThatCannotBeReadIsNotCalledDamaged) {
   std::filesystem::create_directories(at / "operations.sqlite");
-  const auto store = OperationStore::open(at);
-  ASSERT_FALSE(store);
-  EXPECT_THAT(store.error().text, AllOf(HasSubstr(at.string()), HasSubstr("Is a directory")));
-  EXPECT_EQ(store.error().exit_code, 3);
+  EXPECT_THAT(error_of(OperationStore::open(at)),
+              IsError(3, AllOf(HasSubstr(at.string()), HasSubstr("Is a directory"))));
 }
 
 // A store whose peer was killed has its last operations in the file that is written ahead. Nothing of the two changes
@@ -275,9 +244,8 @@ TEST_F(Store, WhatIsRefusedOrCheckedStaysAsItIs) {
   const auto killed = folder / "killed";
   std::filesystem::create_directories(killed);
   {
-    auto store = open();
-    ASSERT_TRUE(store) << store.error().text;
-    append(**store, {part(kOwn, 20)});
+    auto store = must(open());
+    append(*store, {part(kOwn, 20)});
     for (const char* const file : {"operations.sqlite", "operations.sqlite-wal", "author"}) {
       std::filesystem::copy_file(at / file, killed / file);
     }
@@ -291,29 +259,16 @@ TEST_F(Store, WhatIsRefusedOrCheckedStaysAsItIs) {
   };
   const auto before = all();
   ASSERT_GT(before.at("operations.sqlite-wal").size(), 4096U);
-  {
-    const auto refused = OperationStore::open(killed, kWorld + 1, {kOwn});
-    ASSERT_FALSE(refused);
-    EXPECT_THAT(refused.error().text, HasSubstr("another world"));
-  }
+  EXPECT_THAT(error_of(OperationStore::open(killed, kWorld + 1, {kOwn})).text, HasSubstr("another world"));
   EXPECT_EQ(all(), before);
-  {
-    const auto checked = OperationStore::open(killed);
-    ASSERT_TRUE(checked) << checked.error().text;
-    EXPECT_THAT((*checked)->log(), SizeIs(1));
-  }
+  EXPECT_THAT(must(OperationStore::open(killed))->log(), SizeIs(1));
   EXPECT_EQ(all(), before);
   {  // a newer format, which is written ahead
-    auto database = testing_support::open_database(killed / "operations.sqlite", false);
-    ASSERT_TRUE(database) << database.error().text;
-    ASSERT_TRUE(database->run("PRAGMA user_version = 3"));
+    auto database = must(testing_support::open_database(killed / "operations.sqlite", false));
+    ASSERT_TRUE(database.run("PRAGMA user_version = 3"));
   }
   const auto newer = all();
-  {
-    const auto refused = OperationStore::open(killed, kWorld, {kOwn});
-    ASSERT_FALSE(refused);
-    EXPECT_THAT(refused.error().text, HasSubstr("has format 3"));
-  }
+  EXPECT_THAT(error_of(OperationStore::open(killed, kWorld, {kOwn})).text, HasSubstr("has format 3"));
   EXPECT_EQ(all(), newer);
 }
 
@@ -324,9 +279,7 @@ TEST_F(Store, ACheckOfAStoreThatWasClosedLeavesNoOtherFile) {
 }
 
 TEST_F(Store, AStoreThatIsNotThereIsNotMadeByACheck) {
-  const auto store = OperationStore::open(at);
-  ASSERT_FALSE(store);
-  EXPECT_THAT(store.error().text, HasSubstr("there is no store in"));
+  EXPECT_THAT(error_of(OperationStore::open(at)).text, HasSubstr("there is no store in"));
   EXPECT_FALSE(std::filesystem::exists(at));
 }
 
@@ -374,11 +327,10 @@ TEST_F(Store, ALogThatIsWrittenAheadMayEndAnywhere) {
   std::vector<OperationPart> all;
   std::string ahead;
   {
-    auto store = open();
-    ASSERT_TRUE(store);
+    auto store = must(open());
     for (int i = 0; i < 5; ++i) {
       all.push_back(part(i % 2 == 0 ? kOwn : kOther, 2));
-      append(**store, {all.back()});
+      append(*store, {all.back()});
     }
     ahead = testing_support::text_of(wal);
     ASSERT_EQ(testing_support::text_of(file), before) << "all of it is ahead";
@@ -410,32 +362,26 @@ TEST_F(Store, ALogThatIsWrittenAheadMayEndAnywhere) {
 TEST_F(Store, AFullDiskIsSaidAndLosesNothing) {
   const OperationPart first = part(kOwn, 2), lost = part(kOwn, 200);
   {
-    auto store = open();
-    ASSERT_TRUE(store);
-    append(**store, {first});
-    const auto refused = append_on_full_disk(**store, lost);
-    ASSERT_FALSE(refused);
-    EXPECT_THAT(refused.error().text, HasSubstr("cannot be written"));
-    EXPECT_FALSE((*store)->must_stop());
+    auto store = must(open());
+    append(*store, {first});
+    EXPECT_THAT(error_of(append_on_full_disk(*store, lost)).text, HasSubstr("cannot be written"));
+    EXPECT_FALSE(store->must_stop());
   }
-  const auto again = OperationStore::open(at, kWorld, {AuthorId{55}});
-  ASSERT_TRUE(again) << again.error().text;
-  EXPECT_EQ(bytes_of((*again)->log()), bytes_of({first}));
-  EXPECT_EQ((*again)->author(), AuthorId{55});
+  const auto again = must(OperationStore::open(at, kWorld, {AuthorId{55}}));
+  EXPECT_EQ(bytes_of(again->log()), bytes_of({first}));
+  EXPECT_EQ(again->author(), AuthorId{55});
 }
 
 TEST_F(Store, WhatAFullDiskRefusedCanBeWrittenLater) {
   const OperationPart late = part(kOwn, 200);
   {
-    auto store = open();
-    ASSERT_TRUE(store);
-    EXPECT_FALSE(append_on_full_disk(**store, late));
-    append(**store, {late});
+    auto store = must(open());
+    EXPECT_FALSE(append_on_full_disk(*store, late));
+    append(*store, {late});
   }
-  const auto again = OperationStore::open(at, kWorld, {AuthorId{55}});
-  ASSERT_TRUE(again) << again.error().text;
-  EXPECT_EQ(bytes_of((*again)->log()), bytes_of({late}));
-  EXPECT_EQ((*again)->author(), kOwn);
+  const auto again = must(OperationStore::open(at, kWorld, {AuthorId{55}}));
+  EXPECT_EQ(bytes_of(again->log()), bytes_of({late}));
+  EXPECT_EQ(again->author(), kOwn);
 }
 
 // The author of a store that is a copy, or was put back, may have written on elsewhere: its log would fork.
@@ -443,11 +389,10 @@ class Copy : public Store {
  protected:
   void SetUp() override { keep({part(kOwn, 2)}); }
   static void expect_author(const std::filesystem::path& where, AuthorId author, bool is_copy) {
-    const auto store = OperationStore::open(where, kWorld, {AuthorId{55}});
-    ASSERT_TRUE(store) << store.error().text;
-    EXPECT_EQ((*store)->author(), author);
-    EXPECT_EQ((*store)->is_copy(), is_copy);
-    EXPECT_THAT((*store)->logs(), Not(IsEmpty())) << "and all that was in it is there";
+    const auto store = must(OperationStore::open(where, kWorld, {AuthorId{55}}));
+    EXPECT_EQ(store->author(), author);
+    EXPECT_EQ(store->is_copy(), is_copy);
+    EXPECT_THAT(store->logs(), Not(IsEmpty())) << "and all that was in it is there";
   }
 };
 
@@ -501,39 +446,34 @@ TEST_F(Disk, HasTheNamesOfAllFoldersThatLeadToAStore) {
 TEST_F(Disk, AnAuthorThatIsNotWrittenForGoodGoesWithTheNextFailure) {
   const OperationPart first = part(kOwn, 200), second = part(kOwn, 200);
   {
-    auto store = open();
-    ASSERT_TRUE(store) << store.error().text;
-    ASSERT_FALSE(append_on_full_disk(**store, first));
+    auto store = must(open());
+    ASSERT_FALSE(append_on_full_disk(*store, first));
     ASSERT_FALSE(std::filesystem::exists(at / "author"));
     fsyncs.fail(at);
-    append(**store, {first});
-    EXPECT_THAT((*store)->author_error(), AllOf(HasSubstr(at.string()), HasSubstr("`author`")));
+    append(*store, {first});
+    EXPECT_THAT(store->author_error(), AllOf(HasSubstr(at.string()), HasSubstr("`author`")));
     fsyncs.fail({});
-    ASSERT_FALSE(append_on_full_disk(**store, second));
-    EXPECT_FALSE((*store)->must_stop());
+    ASSERT_FALSE(append_on_full_disk(*store, second));
+    EXPECT_FALSE(store->must_stop());
   }
-  const auto again = OperationStore::open(at, kWorld, {AuthorId{55}});
-  ASSERT_TRUE(again) << again.error().text;
-  EXPECT_EQ((*again)->author(), AuthorId{55}) << "the second part may be at other peers";
+  const auto again = must(OperationStore::open(at, kWorld, {AuthorId{55}}));
+  EXPECT_EQ(again->author(), AuthorId{55}) << "the second part may be at other peers";
 }
 
 TEST_F(Disk, AnAuthorWhoseContentsAreNotThereGetsNoName) {
   fsyncs.fail(at / "author.new");
-  const auto store = open();
-  ASSERT_TRUE(store) << store.error().text;
-  EXPECT_THAT((*store)->author_error(), HasSubstr("Input/output error"));
+  const auto store = must(open());
+  EXPECT_THAT(store->author_error(), HasSubstr("Input/output error"));
   EXPECT_FALSE(std::filesystem::exists(at / "author"));
 }
 
 TEST_F(Disk, APeerWhoseAuthorCannotBeRemovedMustStop) {
   const OperationPart lost = part(kOwn, 200);
-  auto store = open();
-  ASSERT_TRUE(store) << store.error().text;
+  auto store = must(open());
   fsyncs.fail(at);
-  const auto refused = append_on_full_disk(**store, lost);
-  ASSERT_FALSE(refused);
-  EXPECT_TRUE((*store)->must_stop());
-  EXPECT_THAT(refused.error().text, HasSubstr("This peer ends"));
+  const auto refused = error_of(append_on_full_disk(*store, lost));
+  EXPECT_TRUE(store->must_stop());
+  EXPECT_THAT(refused.text, HasSubstr("This peer ends"));
 }
 
 // Whoever comes second must not take the first one's unfinished file away.

@@ -6,7 +6,6 @@
 #include <random>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "peerd/input/compression.hpp"
 #include "peerd/peer/store/part_row.hpp"

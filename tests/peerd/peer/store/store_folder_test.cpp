@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "peerd/peer/store/operation_store.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/peer/store/open_database.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
@@ -119,23 +120,18 @@ TEST_F(StoreFolder, WhatIsNoStoreStaysWhereItIs) {
   std::filesystem::create_directories(folder / "home");
   folder.write("home/letter.txt", "dear");
   ASSERT_TRUE(open(folder / "home"));
-  const auto aside = put_aside(lock_folder(folder / "home").value());
-  ASSERT_FALSE(aside);
-  EXPECT_THAT(aside.error().text, AllOf(HasSubstr((folder / "home").string()), HasSubstr("letter.txt")));
-  EXPECT_EQ(aside.error().exit_code, 2);
+  EXPECT_THAT(error_of(put_aside(lock_folder(folder / "home").value())),
+              IsError(2, AllOf(HasSubstr((folder / "home").string()), HasSubstr("letter.txt"))));
   EXPECT_EQ(testing_support::text_of(folder / "home" / "letter.txt"), "dear");
 }
 
 TEST_F(StoreFolder, AnotherProgramsDatabaseStaysWhereItIs) {
   std::filesystem::create_directories(folder / "theirs");
   {
-    auto database = testing_support::open_database(folder / "theirs" / "operations.sqlite", true);
-    ASSERT_TRUE(database) << database.error().text;
-    ASSERT_TRUE(database->run("CREATE TABLE theirs (x)"));
+    auto database = must(testing_support::open_database(folder / "theirs" / "operations.sqlite", true));
+    ASSERT_TRUE(database.run("CREATE TABLE theirs (x)"));
   }
-  const auto aside = put_aside(lock_folder(folder / "theirs").value());
-  ASSERT_FALSE(aside);
-  EXPECT_THAT(aside.error().text, HasSubstr("another program's"));
+  EXPECT_THAT(error_of(put_aside(lock_folder(folder / "theirs").value())).text, HasSubstr("another program's"));
   EXPECT_TRUE(std::filesystem::exists(folder / "theirs" / "operations.sqlite"));
 }
 

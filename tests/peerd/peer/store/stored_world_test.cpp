@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::store::stored_world_test {
@@ -20,9 +21,7 @@ StoredWorld some(const std::string& name = "town") {
 
 TEST(StoredWorld, IsThereAgain) {
   const ScratchFolder folder;
-  const auto none = read_world_of_store(folder.path());
-  ASSERT_TRUE(none);
-  EXPECT_FALSE(*none);
+  EXPECT_FALSE(must(read_world_of_store(folder.path())));
   ASSERT_TRUE(write_world(folder.path(), some()));
   auto world = read_world_of_store(folder.path());
   ASSERT_TRUE(world && *world);
@@ -86,9 +85,7 @@ TEST(Identity, IsOfTheStoresAuthor) {
     ASSERT_FALSE(id) << bad;
     EXPECT_THAT(id.error().text, HasSubstr("peer is damaged"));
   }
-  const auto nowhere = identity_in(folder / "nowhere", PeerId{8}, AuthorId{2});
-  ASSERT_FALSE(nowhere);
-  EXPECT_EQ(nowhere.error().exit_code, 3);
+  EXPECT_EQ(error_of(identity_in(folder / "nowhere", PeerId{8}, AuthorId{2})).exit_code, 3);
 }
 
 }  // namespace peerd::store::stored_world_test

@@ -12,7 +12,6 @@ namespace peerd::view::driven_looks_test {
 using peerd::testing_support::scene_of;
 using testing::ElementsAre;
 using testing::FloatEq;
-using testing::IsEmpty;
 
 std::uint32_t node_of(const Scene& scene, std::string_view def) {
   for (std::uint32_t i = 0; i < scene.document->nodes.size(); ++i) {

@@ -13,7 +13,6 @@ namespace peerd::view::look_frame_test {
 using peerd::testing_support::scene_of;
 using testing::ElementsAre;
 using testing::FloatEq;
-using testing::FloatNear;
 using testing::IsEmpty;
 using testing::SizeIs;
 

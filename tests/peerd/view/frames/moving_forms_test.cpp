@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <string>
-
 #include "tests/peerd/view/picture/picture_of_text.hpp"
 
 namespace peerd::view::moving_forms_test {
@@ -12,7 +10,6 @@ namespace peerd::view::moving_forms_test {
 using peerd::testing_support::scene_of;
 using testing::ElementsAre;
 using testing::IsEmpty;
-using testing::SizeIs;
 
 MovingForms forms_of(const Scene& scene) {
   const PredefinedMotion motion(scene);

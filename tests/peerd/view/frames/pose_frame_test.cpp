@@ -1,6 +1,5 @@
 #include "peerd/view/frames/pose_frame.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +14,6 @@
 namespace peerd::view::pose_frame_test {
 
 using peerd::testing_support::TwoPeers;
-using testing::ElementsAre;
 
 // A frame as docs/reference/gateway.md has it, read byte by byte.
 struct Row {
@@ -49,14 +47,13 @@ T number_at(std::span<const std::byte> bytes, std::size_t at) {
 }
 
 Frame read_frame(std::span<const std::byte> bytes) {
-  Frame f;
-  f.magic = number_at<std::uint32_t>(bytes, 0);
-  f.count = number_at<std::uint32_t>(bytes, 4);
-  f.session_s = number_at<double>(bytes, 8);
-  f.world_s = number_at<double>(bytes, 16);
-  f.since_start_s = number_at<double>(bytes, 24);
-  f.revision = number_at<std::uint32_t>(bytes, 32);
-  f.row_bytes = number_at<std::uint32_t>(bytes, 36);
+  Frame f{.magic = number_at<std::uint32_t>(bytes, 0),
+          .count = number_at<std::uint32_t>(bytes, 4),
+          .revision = number_at<std::uint32_t>(bytes, 32),
+          .row_bytes = number_at<std::uint32_t>(bytes, 36),
+          .session_s = number_at<double>(bytes, 8),
+          .world_s = number_at<double>(bytes, 16),
+          .since_start_s = number_at<double>(bytes, 24)};
   EXPECT_EQ(bytes.size(), 40 + std::size_t{56} * f.count);
   for (std::size_t at = 40; at < bytes.size(); at += 56) {
     Row& row = f.rows.emplace_back();

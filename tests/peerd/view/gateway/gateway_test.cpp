@@ -130,9 +130,7 @@ TEST_F(GatewayTest, TheReplyToLeaveIsOutBeforeThePeerLeaves) {
 }
 
 struct Refused {
-  const char* name;
-  const char* method;
-  const char* target;
+  const char *name, *method, *target;
   WebClient::Headers headers;
   unsigned status;
   const char* counter;

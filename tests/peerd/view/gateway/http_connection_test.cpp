@@ -1,12 +1,10 @@
 // A real peer under clients that are many, slow, broken or hostile.
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <boost/asio/ip/tcp.hpp>
 #include <deque>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <random>
 
 #include "peerd/view/frames/pose_frame.hpp"
@@ -16,8 +14,6 @@
 
 namespace peerd::gateway::http_connection_test {
 
-using nlohmann::json;
-using testing::HasSubstr;
 using testing_support::LiveClient;
 using testing_support::ServedPeer;
 using testing_support::WebClient;

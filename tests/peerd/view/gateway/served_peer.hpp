@@ -5,7 +5,6 @@
 #include <future>
 #include <memory>
 #include <mutex>
-#include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
@@ -18,6 +17,7 @@
 #include "peerd/daemon/loop/viewed_peer.hpp"
 #include "peerd/net/transport/multicast_socket.hpp"
 #include "peerd/view/gateway/gateway.hpp"
+#include "tests/must.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/peerd/comes_true.hpp"
 #include "tests/peerd/scratch_folder.hpp"
@@ -32,34 +32,28 @@ class ServedPeer {
 
   ServedPeer(const std::string& vrml, const std::vector<std::string>& owns) {
     shared_ = std::move(*share_world(folder_.write("w.wrl", vrml)));
-    config::PeerSettings settings;
-    settings.name = "a";
-    settings.id = 1;
+    const config::PeerSettings settings{.name = "a", .id = 1};
     config::PeerObjects objects;
     for (const std::string& path : owns) objects.owned.push_back(shared_->world.scene.find(path).value());
     PeerNode::Options options;
     options.keep_log = false;
     node_ = PeerNode::make(settings, {}, *shared_, std::move(objects), options);
-    auto transport = net::MulticastSocket::open(
+    transport_ = must(net::MulticastSocket::open(
         io_, clock_,
         {.interface = "lo",
-         .groups = {boost::asio::ip::make_address("239.192.80.0"), net::testing_support::own_port(13)}});
-    if (!transport) throw std::runtime_error(transport.error().sentence);
-    transport_ = *std::move(transport);
+         .groups = {boost::asio::ip::make_address("239.192.80.0"), net::testing_support::own_port(13)}}));
     const auto log = [this](const LogLine& line) {
       const std::lock_guard lock(said_mutex_);
       said_ += line.text + '\n';
     };
     daemon_ = std::make_unique<Daemon>(io_, *node_, *transport_, clock_, log, std::nullopt);
     viewed_ = std::make_unique<ViewedPeer>(io_, *daemon_, *node_, "w", view::ImageLoader());
-    auto opened = gateway::Gateway::open(io_, *viewed_,
-                                         {.at = {boost::asio::ip::address_v4::loopback(), 0},
-                                          .assets = {},
-                                          .token = kToken,
-                                          .origins = {kOtherOrigin},
-                                          .log = log});
-    if (!opened) throw std::runtime_error(opened.error().text);
-    gateway_ = *std::move(opened);
+    gateway_ = must(gateway::Gateway::open(io_, *viewed_,
+                                           {.at = {boost::asio::ip::address_v4::loopback(), 0},
+                                            .assets = {},
+                                            .token = kToken,
+                                            .origins = {kOtherOrigin},
+                                            .log = log}));
     port_ = gateway_->endpoint().port();
     daemon_->publish_to(*gateway_);
     daemon_->count_in_status([this] { return gateway_->counters().named(); });

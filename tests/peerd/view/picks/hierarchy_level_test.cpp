@@ -3,12 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
 #include "core/box.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/view/picture/picture_of_text.hpp"
 
 namespace peerd::view::hierarchy_level_test {
@@ -42,11 +42,10 @@ DEF NONE Transform { children Shape { geometry PointSet { } } })";
 
 TEST(HierarchyLevel, TheRootHoldsTheWholeObjectInItsFrame) {
   const Scene scene = scene_of(kWorld);
-  const auto root = hierarchy_level(scene, *scene.find("A"), 0);
-  ASSERT_TRUE(root) << root.error();
-  ASSERT_THAT(root->volumes, SizeIs(1));
-  EXPECT_FALSE(root->is_last);
-  const auto [lo, hi] = bounds_of(*root);
+  const auto root = must(hierarchy_level(scene, *scene.find("A"), 0));
+  ASSERT_THAT(root.volumes, SizeIs(1));
+  EXPECT_FALSE(root.is_last);
+  const auto [lo, hi] = bounds_of(root);
   EXPECT_NEAR(lo.x(), -2.5, 0.02);
   EXPECT_NEAR(hi.x(), 2.5, 1e-5);
   EXPECT_NEAR(lo.y(), -1.5, 1e-5);
@@ -56,20 +55,18 @@ TEST(HierarchyLevel, TheRootHoldsTheWholeObjectInItsFrame) {
 // Each level refines the one above: more volumes, none outside of the root; and there is a last one.
 TEST(HierarchyLevel, LevelsRefineEachOtherDownToTheLeaves) {
   const Scene scene = scene_of(kWorld);
-  const auto root = hierarchy_level(scene, *scene.find("A"), 0);
-  ASSERT_TRUE(root);
-  const auto [lo, hi] = bounds_of(*root);
+  const auto root = must(hierarchy_level(scene, *scene.find("A"), 0));
+  const auto [lo, hi] = bounds_of(root);
   std::size_t before = 1;
   bool ended = false;
   for (std::uint32_t level = 1; level <= kLevels && !ended; ++level) {
-    const auto next = hierarchy_level(scene, *scene.find("A"), level);
-    ASSERT_TRUE(next);
-    EXPECT_GE(next->volumes.size() + next->left_out, before);
-    EXPECT_LE(next->volumes.size(), kVolumes);
-    before = next->volumes.size() + next->left_out;
-    const auto [inner_lo, inner_hi] = bounds_of(*next);
+    const auto next = must(hierarchy_level(scene, *scene.find("A"), level));
+    EXPECT_GE(next.volumes.size() + next.left_out, before);
+    EXPECT_LE(next.volumes.size(), kVolumes);
+    before = next.volumes.size() + next.left_out;
+    const auto [inner_lo, inner_hi] = bounds_of(next);
     EXPECT_TRUE(((inner_lo - lo).array() > -1e-4).all() && ((hi - inner_hi).array() > -1e-4).all());
-    ended = next->is_last;
+    ended = next.is_last;
   }
   EXPECT_TRUE(ended);
   EXPECT_GT(before, 100u) << "a sphere has many triangles";
@@ -91,9 +88,7 @@ TEST(HierarchyLevel, SaysWhyThereIsNone) {
 
 TEST(HierarchyLevel, AsJsonHasFacesOfFlatCoordinates) {
   const Scene scene = scene_of("DEF A Shape { geometry Box { size 2 2 2 } }");
-  const auto root = hierarchy_level(scene, *scene.find("A"), 0);
-  ASSERT_TRUE(root);
-  const auto json = to_json(*root);
+  const auto json = to_json(must(hierarchy_level(scene, *scene.find("A"), 0)));
   ASSERT_THAT(json["volumes"], SizeIs(1));
   EXPECT_GE(json["volumes"][0].size(), 6u);
   for (const auto& face : json["volumes"][0]) {

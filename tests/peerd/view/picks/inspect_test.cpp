@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
+#include "tests/has_members.hpp"
 #include "tests/peerd/peer/node/lone_peer.hpp"
 
 namespace peerd::view::inspect_test {
@@ -19,25 +18,15 @@ DEF OTHER Transform { }
                 {"DRIVEN"});
   PeerNode& node = lone.make();
   lone.run(0.5);
-  config::SceneEdit edit;
-  edit.kind = config::SceneEdit::Kind::kData;
-  edit.path = "DRIVEN";
-  edit.key = "colour";
-  edit.data = "red";
+  const config::SceneEdit edit{
+      .kind = config::SceneEdit::Kind::kData, .path = "DRIVEN", .key = "colour", .data = "red"};
   ASSERT_TRUE(node.edit(lone.now, edit).done());
   lone.run(2.0);
   const auto own = inspect(node, *node.scene().find("DRIVEN"));
-  EXPECT_EQ(own.at("id"), "0");
-  EXPECT_EQ(own.at("path"), "DRIVEN");
-  EXPECT_EQ(own.at("def"), "DRIVEN");
-  EXPECT_EQ(own.at("type"), "Transform");
-  EXPECT_EQ(own.at("owner"), 1);
-  EXPECT_EQ(own.at("own"), true);
-  EXPECT_EQ(own.at("driven"), true);
-  EXPECT_EQ(own.at("threshold_m"), 0.25);
-  EXPECT_EQ(own.at("fields").at("distanceThreshold"), "0.25");
-  EXPECT_EQ(own.at("fields").at("children"), "[ DEF S Shape { .. }, Group { .. } ]");
-  EXPECT_EQ(own.at("data").at("colour"), "red");
+  EXPECT_THAT(own, HasMembers(R"(
+    {"id": "0", "path": "DRIVEN", "def": "DRIVEN", "type": "Transform", "owner": 1, "own": true,
+    "driven": true, "threshold_m": 0.25, "fields": {"distanceThreshold": "0.25",
+    "children": "[ DEF S Shape { .. }, Group { .. } ]"}, "data": {"colour": "red"}})"));
   const auto other = inspect(node, *node.scene().find("OTHER"));
   EXPECT_TRUE(other.at("owner").is_null());
   EXPECT_TRUE(other.at("threshold_m").is_null());

@@ -1,6 +1,5 @@
 #include "peerd/view/picks/pick.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <optional>
 #include <random>
 
+#include "tests/must.hpp"
 #include "tests/peerd/view/picture/picture_of_text.hpp"
 
 namespace peerd::view::pick_test {
@@ -22,24 +22,24 @@ DEF CAR Transform { enslaved TRUE translation 3 0 0 children [
   DEF BODY Shape { geometry Box { size 2 2 2 } }
   DEF DOOR Transform { translation 0 0 1.5 children Shape { geometry Box { size 1 1 1 } } } ] })";
 
+PickHit hit_of(ScenePicker& picker, const Vec3& origin, const Vec3& direction) {
+  return must(must(picker.pick(origin, direction)));
+}
+
 TEST(Pick, FindsWhatARayHitsFirst) {
   const PictureInput input = input_at(scene_of(kWorld), 0.0, "w");
   ScenePicker picker(input);
-  const auto hit = picker.pick(Vec3(0, 1, 0), Vec3(0, 0, -2));
-  ASSERT_TRUE(hit && *hit);
-  EXPECT_EQ((*hit)->node, 1u) << "what stands";
-  EXPECT_EQ(input.scene.path_of((*hit)->object), "WALL");
-  EXPECT_EQ(input.scene.path_of((*hit)->shape), "WALL/W");
-  EXPECT_DOUBLE_EQ((*hit)->distance_m, 9.5);
-  EXPECT_EQ((*hit)->position, Vec3(0, 1, -9.5));
-  EXPECT_EQ((*hit)->normal, Vec3::UnitZ());
-  const auto door = picker.pick(Vec3(3, 0, 10), -Vec3::UnitZ());
-  ASSERT_TRUE(door && *door);
-  EXPECT_EQ(input.scene.path_of((*door)->object), "CAR") << "the door goes with the car";
-  EXPECT_DOUBLE_EQ((*door)->distance_m, 8.0);
-  const auto nothing = picker.pick(Vec3(0, 0, 0), Vec3::UnitY());
-  ASSERT_TRUE(nothing);
-  EXPECT_FALSE(*nothing);
+  const auto hit = hit_of(picker, Vec3(0, 1, 0), Vec3(0, 0, -2));
+  EXPECT_EQ(hit.node, 1u) << "what stands";
+  EXPECT_EQ(input.scene.path_of(hit.object), "WALL");
+  EXPECT_EQ(input.scene.path_of(hit.shape), "WALL/W");
+  EXPECT_DOUBLE_EQ(hit.distance_m, 9.5);
+  EXPECT_EQ(hit.position, Vec3(0, 1, -9.5));
+  EXPECT_EQ(hit.normal, Vec3::UnitZ());
+  const auto door = hit_of(picker, Vec3(3, 0, 10), -Vec3::UnitZ());
+  EXPECT_EQ(input.scene.path_of(door.object), "CAR") << "the door goes with the car";
+  EXPECT_DOUBLE_EQ(door.distance_m, 8.0);
+  EXPECT_FALSE(must(picker.pick(Vec3(0, 0, 0), Vec3::UnitY())));
   EXPECT_FALSE(picker.pick(Vec3(0, 0, 0), Vec3::Zero()));
 }
 
@@ -47,14 +47,12 @@ TEST(Pick, MoversAreWhereTheyHaveBeenPlaced) {
   const PictureInput input = input_at(scene_of(kWorld), 0.0, "w");
   ScenePicker picker(input);
   picker.place(0, {Vec3(0, 0, -5), Quat(Eigen::AngleAxisd(std::acos(-1.0) / 2.0, Vec3::UnitY()))});
-  const auto hit = picker.pick(Vec3(0, 0, 0), -Vec3::UnitZ());
-  ASSERT_TRUE(hit && *hit);
-  EXPECT_EQ((*hit)->node, 0u);
-  EXPECT_NEAR((*hit)->distance_m, 4.0, 1e-12);
+  const auto hit = hit_of(picker, Vec3(0, 0, 0), -Vec3::UnitZ());
+  EXPECT_EQ(hit.node, 0u);
+  EXPECT_NEAR(hit.distance_m, 4.0, 1e-12);
   picker.place(0, {Vec3(50, 0, -5), Quat::Identity()});
-  const auto wall = picker.pick(Vec3(0, 0, 0), -Vec3::UnitZ());
-  ASSERT_TRUE(wall && *wall);
-  EXPECT_EQ((*wall)->node, 1u);
+  const auto wall = hit_of(picker, Vec3(0, 0, 0), -Vec3::UnitZ());
+  EXPECT_EQ(wall.node, 1u);
 }
 
 // The oracle: each drawn triangle by itself, after Moeller and Trumbore.
@@ -89,9 +87,7 @@ TEST(Pick, HitsWhatIsDrawnThere) {
     }
     const PictureInput input = input_at(scene_of(world), 0.0, "w");
     ScenePicker picker(input);
-    const auto written = write_glb(picture_of(input));
-    ASSERT_TRUE(written);
-    const Glb glb = read_glb(*written);
+    const Glb glb = read_glb(must(write_glb(picture_of(input))));
     std::vector<Glb::Triangle> all;
     for (std::size_t i = 0; i <= input.movers.size(); ++i) {
       const auto below = glb.triangles(static_cast<int>(i));
@@ -100,14 +96,13 @@ TEST(Pick, HitsWhatIsDrawnThere) {
     for (int ray = 0; ray < 50; ++ray) {
       const Vec3 origin(number(-8, 8), number(-8, 8), number(-8, 8));
       const Vec3 direction = (Vec3(number(-3, 3), number(-3, 3), number(-3, 3)) - origin).normalized();
-      const auto hit = picker.pick(origin, direction);
-      ASSERT_TRUE(hit);
+      const auto hit = must(picker.pick(origin, direction));
       const auto expected = nearest(all, origin, direction);
-      ASSERT_EQ(hit->has_value(), expected.has_value()) << "seed " << seed << " ray " << ray;
+      ASSERT_EQ(hit.has_value(), expected.has_value()) << "seed " << seed << " ray " << ray;
       if (!expected) continue;
       ++hits;
-      EXPECT_NEAR((*hit)->distance_m, *expected, 1e-5) << "seed " << seed << " ray " << ray;
-      EXPECT_TRUE((*hit)->position.isApprox(origin + (*hit)->distance_m * direction, 1e-9));
+      EXPECT_NEAR(hit->distance_m, *expected, 1e-5) << "seed " << seed << " ray " << ray;
+      EXPECT_TRUE(hit->position.isApprox(origin + hit->distance_m * direction, 1e-9));
     }
   }
   EXPECT_GT(hits, 200);

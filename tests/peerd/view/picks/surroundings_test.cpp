@@ -14,7 +14,6 @@ namespace peerd::view::surroundings_test {
 
 using nlohmann::ordered_json;
 using peerd::testing_support::TwoPeers;
-using testing::Contains;
 using testing::SizeIs;
 
 // Two spheres, one of each peer, that come towards each other along x at 2 m/s each.

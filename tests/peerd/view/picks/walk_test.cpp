@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "peerd/view/picks/pick.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/view/picture/picture_of_text.hpp"
 
 namespace peerd::view::walk_test {
@@ -28,16 +29,13 @@ class Hall {
       : input_(view::input_at(scene_of(text), 0.0, "w")), picker_(input_, Pickable::kColliding) {}
 
   Stand go(const Stride& stride) {
-    const auto stand = walk(
+    return must(walk(
         [this](const Vec3& origin, const Vec3& direction) -> CastResult {
-          const auto hit = picker_.pick(origin, direction);
-          if (!hit) return std::unexpected(hit.error());
-          if (!*hit) return std::nullopt;
-          return RayHit{(*hit)->distance_m, (*hit)->normal};
+          const auto hit = must(picker_.pick(origin, direction));
+          if (!hit) return std::nullopt;
+          return RayHit{hit->distance_m, hit->normal};
         },
-        AvatarSize{}, stride);
-    EXPECT_TRUE(stand);
-    return stand.value_or(Stand{});
+        AvatarSize{}, stride));
   }
 
  private:

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <numbers>
 #include <random>
-#include <span>
 
 #include "core/geometry/tessellate.hpp"
 #include "core/geometry/triangulation.hpp"
+#include "tests/has_members.hpp"
 #include "tests/peerd/view/picture/picture_of_text.hpp"
 
 namespace peerd::view::gltf_writer_test {
@@ -19,7 +19,6 @@ using peerd::testing_support::Glb;
 using peerd::testing_support::glb_of_text;
 using peerd::testing_support::scene_of;
 using testing::ElementsAre;
-using testing::HasSubstr;
 
 // The triangles that collide, in the world.
 std::vector<Glb::Triangle> colliding_triangles(const Scene& scene) {
@@ -113,10 +112,7 @@ DEF OUTER Transform { translation 0 1 0 scale 2 2 2 children [
   DEF WALL Shape { geometry Box { } } ] })");
   EXPECT_THAT(glb.problems, ElementsAre());
   const json& car = glb.nodes.at(0).json;
-  EXPECT_EQ(car.at("extras").at("path"), "OUTER/CAR");
-  EXPECT_EQ(car.at("extras").at("def"), "CAR");
-  EXPECT_EQ(car.at("extras").at("id"), "1");
-  EXPECT_EQ(car.at("extras").at("owner"), 0);
+  EXPECT_THAT(car.at("extras"), HasMembers(R"({"path": "OUTER/CAR", "def": "CAR", "id": "1", "owner": 0})"));
   EXPECT_FALSE(car.contains("scale"));
   EXPECT_EQ(glb.nodes[0].world.translation(), Vec3(6, 1, 0));
   EXPECT_EQ(glb.nodes[static_cast<std::size_t>(glb.find("OUTER/CAR/BODY"))].parent, 0);
@@ -176,10 +172,9 @@ Shape { appearance Appearance { material Material { diffuseColor 1 0.5 0 emissiv
   EXPECT_EQ(base.at(2), 0.0);
   EXPECT_EQ(base.at(3), 0.5);
   EXPECT_NEAR(material.at("emissiveFactor").at(2).get<double>(), 0.2140411, 1e-6);
-  EXPECT_EQ(material.at("pbrMetallicRoughness").at("roughnessFactor"), 0.75);
-  EXPECT_EQ(material.at("pbrMetallicRoughness").at("metallicFactor"), 0);
-  EXPECT_EQ(material.at("alphaMode"), "BLEND");
-  EXPECT_EQ(material.at("doubleSided"), true);
+  EXPECT_THAT(material, HasMembers(R"(
+    {"pbrMetallicRoughness": {"roughnessFactor": 0.75, "metallicFactor": 0}, "alphaMode": "BLEND",
+    "doubleSided": true})"));
   EXPECT_FALSE(material.contains("extensions"));
 }
 

@@ -7,6 +7,8 @@
 
 #include <zlib.h>
 
+#include "tests/must.hpp"
+
 namespace peerd::view::image_kind_test {
 
 std::string png(char color_type, const std::string& chunk = "IDAT") {
@@ -68,20 +70,17 @@ std::string pixels_of(const std::string& bytes) {
 }
 
 TEST(ImageKind, MakesPngsOfPixels) {
-  const auto colors = png_of_pixels(std::vector<std::int32_t>{1, 2, 3, 0x112233, 0xFF8001});
-  ASSERT_TRUE(colors) << colors.error();
-  EXPECT_EQ(pixels_of(*colors), std::string("\0\xFF\x80\x01\0\x11\x22\x33", 8)) << "its first pixel is the lower one";
-  const auto image = image_of(*colors);
-  ASSERT_TRUE(image);
-  EXPECT_TRUE(image->has_color);
-  EXPECT_FALSE(image->has_alpha);
-  const auto grey = png_of_pixels(std::vector<std::int32_t>{2, 1, 2, 0x1122, 0x3344});
-  ASSERT_TRUE(grey) << grey.error();
-  EXPECT_EQ(pixels_of(*grey), std::string("\0\x11\x22\x33\x44", 5));
-  EXPECT_FALSE(image_of(*grey)->has_color);
-  EXPECT_TRUE(image_of(*grey)->has_alpha);
+  const auto colors = must(png_of_pixels(std::vector<std::int32_t>{1, 2, 3, 0x112233, 0xFF8001}));
+  EXPECT_EQ(pixels_of(colors), std::string("\0\xFF\x80\x01\0\x11\x22\x33", 8)) << "its first pixel is the lower one";
+  const auto image = must(image_of(colors));
+  EXPECT_TRUE(image.has_color);
+  EXPECT_FALSE(image.has_alpha);
+  const auto grey = must(png_of_pixels(std::vector<std::int32_t>{2, 1, 2, 0x1122, 0x3344}));
+  EXPECT_EQ(pixels_of(grey), std::string("\0\x11\x22\x33\x44", 5));
+  EXPECT_FALSE(image_of(grey)->has_color);
+  EXPECT_TRUE(image_of(grey)->has_alpha);
   // Its last four bytes are the checksum of "IEND", which the standard gives.
-  EXPECT_TRUE(grey->ends_with("IEND\xAE\x42\x60\x82"));
+  EXPECT_TRUE(grey.ends_with("IEND\xAE\x42\x60\x82"));
 }
 
 TEST(ImageKind, RefusesPixelsThatAreNoImage) {

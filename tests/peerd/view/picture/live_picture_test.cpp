@@ -7,6 +7,8 @@
 
 #include "peerd/view/picture/gltf_writer.hpp"
 #include "peerd/view/picture/scene_picture.hpp"
+#include "tests/has_members.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/view/picture/glb_reader.hpp"
 #include "tests/peerd/view/picture/two_peers.hpp"
 
@@ -43,9 +45,7 @@ TEST(LivePicture, ItsFileHasEverythingWhereThePeerHasIt) {
   LivePicture picture("w.wrl", {});
   ASSERT_TRUE(picture.follow(*peers.nodes[0]));
   EXPECT_FALSE(picture.follow(*peers.nodes[0]));
-  const auto written = write_glb(picture_of(picture.input(*peers.nodes[0], peers.now)));
-  ASSERT_TRUE(written);
-  const Glb glb = read_glb(*written);
+  const Glb glb = read_glb(must(write_glb(picture_of(picture.input(*peers.nodes[0], peers.now)))));
   EXPECT_THAT(glb.problems, ElementsAre());
   EXPECT_THAT(paths(glb), ElementsAre("A", "B"));
   EXPECT_NEAR(glb.nodes[0].world.translation().x(), 2.0, 0.1);
@@ -60,9 +60,9 @@ TEST(LivePicture, AnEditOfTheSceneIsAnotherRevision) {
   PeerNode& node = *peers.nodes[0];
   LivePicture picture("w.wrl", {});
   ASSERT_TRUE(picture.follow(node));
-  config::SceneEdit edit;
-  edit.kind = config::SceneEdit::Kind::kAdd;
-  edit.text = "DEF NEW Transform { translation 0 5 0 children Shape { geometry Sphere { } } }";
+  const config::SceneEdit edit{
+      .kind = config::SceneEdit::Kind::kAdd,
+      .text = "DEF NEW Transform { translation 0 5 0 children Shape { geometry Sphere { } } }"};
   ASSERT_TRUE(node.edit(peers.now, edit).done());
   peers.run_until(3.0);
   ASSERT_TRUE(picture.follow(node));
@@ -70,9 +70,7 @@ TEST(LivePicture, AnEditOfTheSceneIsAnotherRevision) {
   picture.refresh(node, peers.now, set_of(PoseKind::kShown));
   PoseStream stream;
   (void)stream.next(picture.poses());
-  const auto written = write_glb(picture_of(picture.input(node, peers.now)));
-  ASSERT_TRUE(written);
-  EXPECT_EQ(read_glb(*written).meshes.size(), 2u);
+  EXPECT_EQ(read_glb(must(write_glb(picture_of(picture.input(node, peers.now))))).meshes.size(), 2u);
   const auto hit = picture.pick(node, peers.now, Vec3(0, 5, 10), -Vec3::UnitZ());
   EXPECT_EQ(hit.at("hit").at("path"), "NEW");
 }
@@ -84,9 +82,7 @@ TEST(LivePicture, WhatBeginsToBeOwnedGetsANodeOfItsOwn) {
   LivePicture picture("w.wrl", {});
   ASSERT_TRUE(picture.follow(*peers.nodes[0]));
   EXPECT_EQ(picture.poses().node_count(), 2u);
-  config::SceneEdit edit;
-  edit.kind = config::SceneEdit::Kind::kOwn;
-  edit.path = "C";
+  config::SceneEdit edit{.kind = config::SceneEdit::Kind::kOwn, .path = "C"};
   ASSERT_TRUE(peers.nodes[1]->edit(peers.now, edit).done());
   peers.run_until(3.0);
   ASSERT_TRUE(picture.follow(*peers.nodes[0]));
@@ -107,10 +103,7 @@ TEST(LivePicture, PicksWhatMovesWhereItIsShown) {
   ASSERT_TRUE(picture.follow(*peers.nodes[0]));
   const auto reply = picture.pick(*peers.nodes[0], peers.now, Vec3(4, 0, 10), -Vec3::UnitZ());
   ASSERT_TRUE(reply.at("hit").is_object()) << reply.dump();
-  EXPECT_EQ(reply.at("hit").at("node"), 0);
-  EXPECT_EQ(reply.at("hit").at("path"), "A");
-  EXPECT_EQ(reply.at("hit").at("owner"), 1);
-  EXPECT_EQ(reply.at("hit").at("shape").at("path"), "A/S");
+  EXPECT_THAT(reply.at("hit"), HasMembers(R"({"node": 0, "path": "A", "owner": 1, "shape": {"path": "A/S"}})"));
   EXPECT_DOUBLE_EQ(reply.at("hit").at("distance_m"), 9.0);
   EXPECT_TRUE(picture.pick(*peers.nodes[0], peers.now, Vec3(0, 9, 10), -Vec3::UnitZ()).at("hit").is_null());
   EXPECT_EQ(picture.pick(*peers.nodes[0], peers.now, Vec3(0, 0, 0), Vec3::Zero()).at("ok"), false);

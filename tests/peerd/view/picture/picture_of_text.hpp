@@ -6,6 +6,7 @@
 #include "core/scene/reader.hpp"
 #include "peerd/view/picture/gltf_writer.hpp"
 #include "peerd/view/picture/scene_picture.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/view/picture/glb_reader.hpp"
 
 namespace peerd::testing_support {
@@ -24,9 +25,7 @@ namespace peerd::testing_support {
 }
 
 [[nodiscard]] inline Glb glb_of_text(const std::string& body, double at_s = 0.0, view::ImageLoader images = {}) {
-  const auto written = view::write_glb(picture_of_text(body, at_s, std::move(images)));
-  if (!written) throw std::runtime_error(written.error());
-  return read_glb(*written);
+  return read_glb(must(view::write_glb(picture_of_text(body, at_s, std::move(images)))));
 }
 
 }  // namespace peerd::testing_support

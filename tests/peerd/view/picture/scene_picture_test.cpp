@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <string>
 
 #include "tests/peerd/view/picture/picture_of_text.hpp"
@@ -12,7 +11,6 @@ namespace peerd::view::scene_picture_test {
 
 using peerd::testing_support::picture_of_text;
 using testing::ElementsAre;
-using testing::HasSubstr;
 using testing::IsEmpty;
 
 std::vector<std::string> left_out(const ScenePicture& drawn) {

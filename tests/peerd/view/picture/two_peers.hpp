@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "peerd/peer/node/peer_node.hpp"
+#include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
 namespace peerd::testing_support {
@@ -18,13 +19,10 @@ struct Way {
 };
 inline void add_movers(config::RunSettings& run, const Way& a, const Way& b) {
   for (const std::uint32_t id : {1U, 2U}) {
-    config::PeerSettings& peer = run.peers.emplace_back();
-    peer.id = id;
-    peer.name = id == 1 ? "one" : "two";
+    config::PeerSettings& peer =
+        run.peers.emplace_back(config::PeerSettings{.name = id == 1 ? "one" : "two", .id = id});
     peer.owns.emplace_back(id == 1 ? "A" : "B");
-    motion::MotionFormula formula;
-    formula.x = id == 1 ? a.x : b.x;
-    formula.z = id == 1 ? a.z : b.z;
+    const motion::MotionFormula formula{.x = id == 1 ? a.x : b.x, .z = id == 1 ? a.z : b.z};
     peer.motion[id == 1 ? "A" : "B"].kind = formula;
   }
 }
@@ -42,17 +40,14 @@ class TwoPeers {
   // `settings`: of both peers, by what they own and how it moves.
   TwoPeers(const std::string& vrml, const config::RunSettings& run, bool keeps_log = true) {
     folder.write("w.wrl", "#VRML V2.0 utf8\n" + vrml);
-    auto read = share_world(folder / "w.wrl", {}, std::vector{run});
-    if (!read) throw std::runtime_error(read.error().text);
-    shared = std::move(*read);
-    auto objects = config::resolve(run, shared->world.scene);
-    if (!objects) throw std::runtime_error(objects.error().text);
+    shared = must(share_world(folder / "w.wrl", {}, std::vector{run}));
+    auto objects = must(config::resolve(run, shared->world.scene));
     for (std::size_t i = 0; i < run.peers.size(); ++i) {
       PeerNode::Options options;
       options.keep_log = keeps_log;
       for (const auto& each : run.peers) options.wait_for.push_back({PeerId{each.id}, each.name});
       nodes.push_back(
-          PeerNode::make(run.peers[i], run.replication, *shared, std::move((*objects)[i]), std::move(options)));
+          PeerNode::make(run.peers[i], run.replication, *shared, std::move(objects[i]), std::move(options)));
     }
   }
 

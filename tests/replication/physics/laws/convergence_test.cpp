@@ -157,10 +157,7 @@ TEST(Convergence, WaitsOnABarredTrailNoLongerThanAWayBackTakes) {
 }
 
 PeerConfig joins(const World& world, std::uint32_t id, const char* owns, ConvergencePolicy convergence = {}) {
-  PeerConfig config;
-  config.id = PeerId{id};
-  config.name = id == 1 ? "one" : "two";
-  config.convergence = convergence;
+  PeerConfig config{.id = PeerId{id}, .name = id == 1 ? "one" : "two", .convergence = convergence};
   if (owns != nullptr) config.owned.push_back({world[owns], true});
   return config;
 }

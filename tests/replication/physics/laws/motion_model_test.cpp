@@ -7,6 +7,7 @@
 #include <random>
 
 #include "replication/physics/laws/timeline.hpp"
+#include "tests/must.hpp"
 #include "tests/replication/peer/worlds.hpp"
 
 namespace peerd::replication::motion_model_test {
@@ -216,9 +217,7 @@ TEST(PieceEnd, ComesSeldomAndAtLastNoMore) {
 TEST(PieceEnd, IsTheTimelinesNextChange) {
   Timeline line(sim(1s), moving({0, 0, 0}));
   line.replace_from(sim(2s), third(moving({0, 0, 0}), {1, 0, 0}), std::nullopt);
-  const auto first = line.next_change_after(sim(2s));
-  ASSERT_TRUE(first);
-  EXPECT_EQ(*first - sim(2s), *piece_end(third(moving({0, 0, 0}), {1, 0, 0}), 0ns));
+  EXPECT_EQ(must(line.next_change_after(sim(2s))) - sim(2s), *piece_end(third(moving({0, 0, 0}), {1, 0, 0}), 0ns));
   line.replace_from(sim(2s) + 1ms, moving({0, 0, 0}), std::nullopt);
   EXPECT_EQ(line.next_change_after(sim(2s)), sim(2s) + 1ms) << "what comes first";
 }

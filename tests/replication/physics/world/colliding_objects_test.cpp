@@ -93,9 +93,7 @@ TEST(CollidingObjects, AllPeersReportTheSameForABounce) {
   const World world(corridor());
   Lan lan(world, {5ms, 0ms, 0, 0});
   for (const std::uint32_t id : {1u, 2u}) {
-    PeerConfig config;
-    config.id = PeerId{id};
-    config.name = id == 1 ? "one" : "two";
+    PeerConfig config{.id = PeerId{id}, .name = id == 1 ? "one" : "two"};
     if (id == 1) config.owned.push_back({world["BALL"], false});
     lan.add(config);
   }
@@ -124,9 +122,7 @@ TEST(CollidingObjects, AnOwnObjectIsReportedByItsTruthNotItsGhost) {
     return x < -1.1 ? moving({x, 0, 0}, {1, 0, 0}) : moving({-1.1, 0, 0});
   };
   for (const std::uint32_t id : {1u, 2u}) {
-    PeerConfig config;
-    config.id = PeerId{id};
-    config.name = id == 1 ? "one" : "two";
+    PeerConfig config{.id = PeerId{id}, .name = id == 1 ? "one" : "two"};
     config.policy.track_proximity = false;
     config.owned.push_back({world[id == 1 ? "CAR" : "CUBE"], id == 1});
     lan.add(

@@ -68,11 +68,10 @@ TEST(ContactIsland, WhatBearsLaterDoesNotBearNow) {
 // A box between a wall that stands and a press that comes: the press goes through, and the wall stays one.
 TEST(ContactIsland, OnlyWhatComesAndGivesWayToNothingGoesThrough) {
   const std::uint32_t wall = 0, box = 1, press = 2;
-  ContactIsland island;
-  island.objects = {ContactIsland::kNone, 7, ContactIsland::kNone};
-  island.bodies = {{{0, 0, 0}, 0.0}, {{-0.5, 0, 0}, 1.0}, {{-1, 0, 0}, 0.0}};
-  island.constraints = {{box, wall, Vec3::UnitX()}, {press, box, Vec3::UnitX()}};
-  island.pairs = {30, 40};
+  ContactIsland island{.objects = {ContactIsland::kNone, 7, ContactIsland::kNone},
+                       .bodies = {{{0, 0, 0}, 0.0}, {{-0.5, 0, 0}, 1.0}, {{-1, 0, 0}, 0.0}},
+                       .constraints = {{box, wall, Vec3::UnitX()}, {press, box, Vec3::UnitX()}},
+                       .pairs = {30, 40}};
   EXPECT_EQ(solve(island), std::vector<std::uint32_t>{40});
   EXPECT_TRUE(island.bodies[box].value.isZero(0.0)) << "the wall holds it";
   EXPECT_EQ(island.bodies[press].value, Vec3(-1, 0, 0));

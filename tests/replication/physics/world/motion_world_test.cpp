@@ -8,6 +8,7 @@
 #include <random>
 #include <string>
 
+#include "tests/must.hpp"
 #include "tests/replication/peer/worlds.hpp"
 
 namespace peerd::replication::motion_world_test {
@@ -38,15 +39,14 @@ TEST(MotionWorld, BouncesAtTheContactTimeWhereverTicksLie) {
   auto&& [w, world] = Started(corridor(), {{"BALL", Role::kPredicted, moving({0, 1, 0}, {2, 0.5, 0})}});
   (void)events_of(world);
   world.advance(sim(1700ms));
-  const auto seen = contacts_of(world);
-  ASSERT_EQ(seen.size(), 1u);
-  EXPECT_EQ(seen[0].at, sim(1500ms));
-  EXPECT_EQ(seen[0].collider, w["BALL"]);
-  EXPECT_EQ(seen[0].collidee, w["RIGHT"]);
-  EXPECT_EQ(seen[0].normal, -Vec3::UnitX());
-  EXPECT_EQ(seen[0].collider_before.velocity, Vec3(2, 0.5, 0));
-  EXPECT_EQ(seen[0].collider_after.velocity, Vec3(-2, 0.5, 0));
-  EXPECT_EQ(seen[0].collider_after.position, seen[0].collider_before.position) << "a touch is not set back";
+  const auto seen = only(contacts_of(world));
+  EXPECT_EQ(seen.at, sim(1500ms));
+  EXPECT_EQ(seen.collider, w["BALL"]);
+  EXPECT_EQ(seen.collidee, w["RIGHT"]);
+  EXPECT_EQ(seen.normal, -Vec3::UnitX());
+  EXPECT_EQ(seen.collider_before.velocity, Vec3(2, 0.5, 0));
+  EXPECT_EQ(seen.collider_after.velocity, Vec3(-2, 0.5, 0));
+  EXPECT_EQ(seen.collider_after.position, seen.collider_before.position) << "a touch is not set back";
   EXPECT_NEAR(world.at(w["BALL"], sim(1700ms)).position.x(), 2.6, 1e-12);
   EXPECT_NEAR(world.at(w["BALL"], sim(1300ms)).position.x(), 2.6, 1e-12);
 }
@@ -278,11 +278,10 @@ TEST(MotionWorld, OnlyTheRegisteredColliderAnswersUnlessMutual) {
                                 {{"BALL", Role::kAuthoritative, moving({-2, 0, 0}, {1, 0, 0})},
                                  {"CUBE", Role::kAuthoritative, moving({0, 0, 0}, {-0.5, 0, 0})}});
     world.advance(sim(1100ms));
-    const auto seen = contacts_of(world);
-    ASSERT_EQ(seen.size(), 1u);
-    EXPECT_EQ(seen[0].at, sim(1s));
-    EXPECT_EQ(seen[0].collider_after.velocity, mutual ? Vec3(-1, 0, 0) : Vec3(-2, 0, 0));
-    EXPECT_EQ(seen[0].collidee_after.velocity, mutual ? Vec3(0.5, 0, 0) : Vec3(-0.5, 0, 0));
+    const auto seen = only(contacts_of(world));
+    EXPECT_EQ(seen.at, sim(1s));
+    EXPECT_EQ(seen.collider_after.velocity, mutual ? Vec3(-1, 0, 0) : Vec3(-2, 0, 0));
+    EXPECT_EQ(seen.collidee_after.velocity, mutual ? Vec3(0.5, 0, 0) : Vec3(-0.5, 0, 0));
   }
 }
 
@@ -323,9 +322,7 @@ TEST(MotionWorld, APredictedContactIsRetractedWhenItsCauseMovedOtherwise) {
 
   world.set_base(w["CUBE"], sim(1100ms), moving({0.25, 0, 0}));  // and stood again, a little farther away
   world.advance(sim(2s));
-  const auto found_anew = standing(world);
-  ASSERT_EQ(found_anew.size(), 1u);
-  EXPECT_NEAR(to_seconds(found_anew[0] - sim(1750ms)), 0.0, 1.1e-9);
+  EXPECT_NEAR(to_seconds(only(standing(world)) - sim(1750ms)), 0.0, 1.1e-9);
   EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), -0.5, 1e-8);
 }
 
@@ -448,13 +445,12 @@ TEST(MotionWorld, SetBackOnlyOnOverlapAndOnlyWhereAsked) {
     (void)events_of(world);
     world.set_base(w["BALL"], sim(1s), moving({3.2, 0, 0}, {1, 0, 0}));  // put into the wall from outside
     world.advance(sim(1s));
-    const auto seen = contacts_of(world);
-    ASSERT_EQ(seen.size(), 1u);
-    EXPECT_EQ(seen[0].collider_after.velocity, Vec3(-1, 0, 0));
+    const auto contact = only(contacts_of(world));
+    EXPECT_EQ(contact.collider_after.velocity, Vec3(-1, 0, 0));
     if (set_back) {
-      EXPECT_LT(seen[0].collider_after.position.x(), 3.0);
+      EXPECT_LT(contact.collider_after.position.x(), 3.0);
     } else {
-      EXPECT_EQ(seen[0].collider_after.position, Vec3(3.2, 0, 0));
+      EXPECT_EQ(contact.collider_after.position, Vec3(3.2, 0, 0));
     }
     EXPECT_GE(world.counters().overlapped, 1u);
   }
@@ -668,10 +664,9 @@ TEST(MotionWorld, ObjectsDeclaredLateLeaveThePairsAlone) {
   world.declare(w["LAST"], Role::kPredicted);
   world.set_base(w["FIRST"], sim(1s), moving({0, 20, 0}, {1, 0, 0}));
   world.advance(sim(2s));
-  const auto seen = contacts_of(world);
-  ASSERT_EQ(seen.size(), 1u);
-  EXPECT_EQ(seen[0].collider, w["BALL"]);
-  EXPECT_EQ(seen[0].collidee, w["RIGHT"]);
+  const auto contact = only(contacts_of(world));
+  EXPECT_EQ(contact.collider, w["BALL"]);
+  EXPECT_EQ(contact.collidee, w["RIGHT"]);
   EXPECT_EQ(world.at(w["FIRST"], sim(2s)).position, Vec3(1, 20, 0));
   EXPECT_TRUE(world.has(w["LAST"]));
 }
@@ -724,10 +719,9 @@ TEST(MotionWorld, APairThatWasSparedWasApart) {
   EXPECT_GE(world.counters().searches_far, 3u);
   world.set_base(w["BALL"], sim(1700ms), moving({-0.3, 0, 0}, {1, 0, 0}));  // its owner puts it into the other
   world.advance(sim(1800ms));
-  const auto seen = contacts_of(world);
-  ASSERT_EQ(seen.size(), 1u);
-  EXPECT_EQ(seen[0].at, sim(1700ms));
-  EXPECT_NEAR(seen[0].collider_after.position.x(), -19.5, 1e-12);  // where it was at 1.5 s
+  const auto contact = only(contacts_of(world));
+  EXPECT_EQ(contact.at, sim(1700ms));
+  EXPECT_NEAR(contact.collider_after.position.x(), -19.5, 1e-12);  // where it was at 1.5 s
 }
 
 TEST(MotionWorld, AnUnwatchedPairIsNotChecked) {
@@ -946,13 +940,12 @@ TEST(Carriers, TheWheelOfADrivenCarMeetsACurb) {
       world.set_base(w["CAR"], sim(t), moving({3 * to_seconds(t), 2, 0}, {3, 0, 0}));
       world.advance(sim(std::min<Duration>(t + sample, 4s)));
     }
-    const auto met = contacts_of(world);
-    ASSERT_EQ(met.size(), 1u);
-    EXPECT_EQ(met[0].collider, w["WHEEL"]);
-    EXPECT_LE(met[0].at, meets);
-    EXPECT_GT(met[0].at, meets - 1us);
-    EXPECT_EQ(met[0].normal, -Vec3::UnitX());
-    EXPECT_EQ(met[0].collider_before.velocity, Vec3(3, 0, 0)) << "in the world";
+    const auto met = only(contacts_of(world));
+    EXPECT_EQ(met.collider, w["WHEEL"]);
+    EXPECT_LE(met.at, meets);
+    EXPECT_GT(met.at, meets - 1us);
+    EXPECT_EQ(met.normal, -Vec3::UnitX());
+    EXPECT_EQ(met.collider_before.velocity, Vec3(3, 0, 0)) << "in the world";
     EXPECT_EQ(world.relative_at(w["WHEEL"], sim(3s)).position, Vec3(1, -1, 0));
     EXPECT_NEAR(world.at(w["WHEEL"], sim(3s)).position.x(), 10.0, 1e-9);
   }
@@ -971,13 +964,12 @@ TEST(Carriers, AHandOnATurningArmMeetsAWall) {
     world.set_base(w["ARM"], sim(0s), turning(moving({0, 0, 0}), {0, spin_rad_s, 0}));
     const double meets_s = angle_rad / std::abs(spin_rad_s);
     world.advance(sim(seconds(meets_s + 0.01)));
-    const auto met = contacts_of(world);
-    ASSERT_EQ(met.size(), 1u);
-    EXPECT_LE(met[0].at, sim(seconds(meets_s)) + Duration{1}) << "never late";
+    const auto met = only(contacts_of(world));
+    EXPECT_LE(met.at, sim(seconds(meets_s)) + Duration{1}) << "never late";
     // 2e-6 m early at most: 1e-6 m, and the error of the fine piece.
     const double speed_m_s = corner_m * std::abs(spin_rad_s) * std::sin(std::acos(-2.0 / corner_m));
-    EXPECT_GT(met[0].at, sim(seconds(meets_s - 2e-6 / speed_m_s)) - Duration{2});
-    EXPECT_LT((met[0].normal - Vec3::UnitX()).norm(), 1e-9);
+    EXPECT_GT(met.at, sim(seconds(meets_s - 2e-6 / speed_m_s)) - Duration{2});
+    EXPECT_LT((met.normal - Vec3::UnitX()).norm(), 1e-9);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <random>
 #include <sstream>
 
+#include "tests/must.hpp"
 #include "tests/replication/peer/worlds.hpp"
 
 namespace peerd::replication::part_contact_test {
@@ -310,9 +311,8 @@ TEST(FirstPartContact, AHandThatIsAheadOfItsPieceIsNotLate) {
     Boxes hand, wall;
     hand.push_back({Vec3(0.5, 0.5, 0.5), {level({0, 0, 0}, {0, 0, 0}, {0, 1.5, 0}), level({3, 0, 0})}});
     wall.push_back({Vec3(1, 16, 16), {level({x - 0.5, 0, 0})}});
-    const auto found = first_until({hand, wall, CollisionType::kWitness}, sim(3s));
-    ASSERT_TRUE(found);
-    const double gap_m = gap_of(hand[0], wall[0], to_seconds(found->at.time_since_epoch()));
+    const auto found = must(first_until({hand, wall, CollisionType::kWitness}, sim(3s)));
+    const double gap_m = gap_of(hand[0], wall[0], to_seconds(found.at.time_since_epoch()));
     deepest_m = std::min(deepest_m, gap_m);
     EXPECT_LE(gap_m, 1e-6 + 4 * kFineError_m + 1e-7) << "early";
   }

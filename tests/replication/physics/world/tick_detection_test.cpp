@@ -5,6 +5,7 @@
 
 #include "collision/engines/engine.hpp"
 #include "replication/settings/output/tick_grid.hpp"
+#include "tests/must.hpp"
 #include "tests/replication/peer/worlds.hpp"
 
 namespace peerd::replication::tick_detection_test {
@@ -26,12 +27,11 @@ TEST(TickDetection, FindsAContactAtTheNextTick) {
     world.declare(w["BALL"], Role::kPredicted);
     world.set_base(w["BALL"], sim(0s), moving({0, 1, 0}, {2, 0.5, 0}));
     world.advance(sim(2s));
-    const auto seen = contacts_of(world);
-    ASSERT_THAT(seen, SizeIs(1)) << engine;
-    EXPECT_EQ(seen[0].at, TickGrid(7).time_of(11)) << engine;  // 1.571 s
-    EXPECT_EQ(seen[0].collidee, w["RIGHT"]) << engine;
-    EXPECT_EQ(seen[0].normal, -Vec3::UnitX()) << engine;
-    EXPECT_EQ(seen[0].collider_after.velocity, Vec3(-2, 0.5, 0)) << engine;
+    const auto contact = only(contacts_of(world));
+    EXPECT_EQ(contact.at, TickGrid(7).time_of(11)) << engine;  // 1.571 s
+    EXPECT_EQ(contact.collidee, w["RIGHT"]) << engine;
+    EXPECT_EQ(contact.normal, -Vec3::UnitX()) << engine;
+    EXPECT_EQ(contact.collider_after.velocity, Vec3(-2, 0.5, 0)) << engine;
   }
 }
 
@@ -98,11 +98,10 @@ TEST(TickDetection, SidesInOnePlaneAreNotWhatIsMet) {
   world.set_base(w["A"], sim(0s), moving({-2, 0, 0}, {1, 0, 0}));
   world.set_base(w["B"], sim(0s), moving({2, 0, 0}, {-1, 0, 0}));
   world.advance(sim(3s));
-  const auto seen = contacts_of(world);
-  ASSERT_THAT(seen, SizeIs(1));
-  EXPECT_EQ(seen[0].normal.cwiseAbs(), Vec3::UnitX());
-  EXPECT_GE(seen[0].at, sim(1500ms));
-  EXPECT_LT(seen[0].at, sim(1500ms) + 17ms);
+  const auto seen = only(contacts_of(world));
+  EXPECT_EQ(seen.normal.cwiseAbs(), Vec3::UnitX());
+  EXPECT_GE(seen.at, sim(1500ms));
+  EXPECT_LT(seen.at, sim(1500ms) + 17ms);
   EXPECT_EQ(world.at(w["A"], sim(3s)).velocity, Vec3(-1, 0, 0));
 }
 
@@ -115,9 +114,8 @@ TEST(TickDetection, WithoutAnAnswerAContactLastsFromTickToTick) {
   world.declare(w["A"], Role::kDriven);
   world.set_base(w["A"], sim(0s), moving({-5, 0, 0}, {3, 0, 0}));
   world.advance(sim(4s));
-  const auto seen = contacts_of(world);
-  ASSERT_THAT(seen, SizeIs(1));
-  EXPECT_EQ(seen[0].at, sim(1400ms));  // it touches from 1.333 s to 2 s
+  const auto seen = only(contacts_of(world));
+  EXPECT_EQ(seen.at, sim(1400ms));  // it touches from 1.333 s to 2 s
 }
 
 // What is found hangs on the timelines alone.

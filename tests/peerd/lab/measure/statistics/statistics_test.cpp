@@ -1,7 +1,5 @@
 #include "peerd/lab/measure/statistics/statistics.hpp"
 
-#include <gmock/gmock.h>
-
 #include <algorithm>
 #include <cmath>
 #include <random>
