@@ -71,9 +71,4 @@ TEST(Interface, OfAnExposedFieldTakesItsEventNamesToo) {  // 4.7
   EXPECT_THAT(problems_of("PROTO P [ field SFBool a TRUE eventIn SFBool set_a ] { Group { } }"), testing::IsEmpty());
 }
 
-TEST(Interface, OfAnExternprotoHasNoDefaultValues) {
-  EXPECT_THAT(problems_of("EXTERNPROTO P [ field SFBool a TRUE ] \"none.wrl\""),
-              ElementsAre(HasSubstr("expected eventIn, eventOut, field, exposedField or ']' in the interface of 'P'")));
-}
-
 }  // namespace peerd::vrml::interface_parser_test
