@@ -10,11 +10,6 @@ namespace peerd::vrml::interface_parser_test {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-struct BadCase {
-  const char* name;
-  const char* body;
-  std::vector<std::string> problems;
-};
 class BadInterface : public testing::TestWithParam<BadCase> {};
 TEST_P(BadInterface, IsReportedWhereItIs) { EXPECT_EQ(problems_of(GetParam().body), GetParam().problems); }
 

@@ -87,11 +87,6 @@ TEST(Parser, TakesTypesAndFieldsForNames) {
   EXPECT_THAT(errors_of("DEF Group Group { children DEF children Shape { } } USE Group USE children"), IsEmpty());
 }
 
-struct BadCase {
-  const char* name;
-  const char* body;
-  std::vector<std::string> problems;
-};
 class BadText : public testing::TestWithParam<BadCase> {};
 TEST_P(BadText, IsReportedWhereItIs) { EXPECT_EQ(problems_of(GetParam().body), GetParam().problems); }
 INSTANTIATE_TEST_SUITE_P(

@@ -161,11 +161,6 @@ TEST(Proto, CarriesEveryFieldType) {
   EXPECT_EQ(floats(first, "mv3"), (Numbers{1, 2, 3}));
 }
 
-struct BadCase {
-  const char* name;
-  const char* body;
-  std::vector<std::string> problems;
-};
 class BadProto : public testing::TestWithParam<BadCase> {};
 TEST_P(BadProto, IsReportedWhereItIs) { EXPECT_EQ(problems_of(GetParam().body), GetParam().problems); }
 
