@@ -1,22 +1,18 @@
 // Reads any file as a capture: all spans lie within the file, times never decrease, and the packets survive writing and
 // reading.
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 #include <sstream>
 
 #include "peerd/peer/record/capture.hpp"
 #include "peerd/peer/record/udp_packet.hpp"
+#include "tests/fuzz/require.hpp"
 
 namespace {
 
 using namespace peerd;
+using fuzz::require;
 using namespace peerd::record;
-
-// Unlike assert(), this check is on in every build.
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 void require_within(std::span<const std::byte> part, std::span<const std::byte> whole) {
   require(part.empty() || (part.data() >= whole.data() && part.data() + part.size() <= whole.data() + whole.size()));

@@ -3,25 +3,20 @@
 //
 // An input is a row of requests, one a line.
 #include <cstdint>
-#include <cstdlib>
 #include <string_view>
 
 #include <nlohmann/json.hpp>
 
-#include "core/scene/reader.hpp"
 #include "peerd/peer/control/answer.hpp"
 #include "peerd/peer/control/request.hpp"
 #include "peerd/peer/feed/json_members.hpp"
-#include "replication/wire/codec.hpp"
+#include "tests/fuzz/driven_peer.hpp"
+#include "tests/fuzz/require.hpp"
 
 namespace {
 
 using namespace peerd;
-
-// Unlike assert(), this check is on in every build.
-void require(bool condition) {
-  if (!condition) std::abort();
-}
+using fuzz::require;
 
 // The world has sensors of a few keys; one sets a velocity and one disables other sensors.
 constexpr const char* kWorld = R"(#VRML V2.0 utf8
@@ -36,37 +31,13 @@ ROUTE ADD.keyHit TO OFF.enabled
 )";
 constexpr int kLinesMax = 64;  // in one input
 
-SharedWorld make_world() {
-  SharedWorld shared;
-  shared.world.scene = read_world(kWorld).scene.value();
-  shared.model = replication::make_world_model(shared.world.scene);
-  return shared;
-}
-
-class Driver {
+class Driver : public fuzz::DrivenPeer {
  public:
-  Driver() : world_(make_world()) {
-    config::PeerSettings settings;
-    settings.name = "fuzzed";
-    settings.id = 1;
+  Driver() : DrivenPeer(kWorld) {
     config::PeerObjects objects;
-    objects.owned = {*world_.world.scene.find("A")};
-    node_ = PeerNode::make(settings, {}, world_, std::move(objects), {});
-    while (!node_->start() || node_->peer().clock().to_session(now_) < *node_->start()) pass();
-  }
-
-  void pass() {
-    now_ += std::chrono::milliseconds(5);
-    node_->on_tick(now_);
-    while (auto out = node_->poll_output()) {
-      if (const auto* send = std::get_if<replication::Send>(&*out)) {
-        require(replication::decode(send->datagram, SimTime{}).has_value());
-      }
-    }
-    while (node_->poll_key_report()) {
-    }
-    while (node_->poll_edit_report()) {
-    }
+    objects.owned = {object("A")};
+    make(std::move(objects));
+    pass_until_it_runs();
   }
 
   void ask(std::string_view line) {
@@ -76,23 +47,18 @@ class Driver {
     require(reply.at("v") == feed::kMessageVersion && reply.at("ok").is_boolean());
     require(reply.at("ok") == control::parse_request(line).has_value());
     pass();
+    while (node_->poll_key_report()) {
+    }
+    while (node_->poll_edit_report()) {
+    }
   }
-
- private:
-  SharedWorld world_;
-  std::unique_ptr<PeerNode> node_;
-  HostTime now_{std::chrono::seconds(1'000)};
 };
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Driver driver;
-  std::string_view rest(reinterpret_cast<const char*>(data), size);
-  for (int i = 0; i < kLinesMax && !rest.empty(); ++i) {
-    const std::size_t end = std::min(rest.find('\n'), rest.size());
-    driver.ask(rest.substr(0, std::min(end, control::kLineMax_bytes)));
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-  }
+  fuzz::for_each_line(data, size, kLinesMax,
+                      [&](std::string_view line) { driver.ask(line.substr(0, control::kLineMax_bytes)); });
   return 0;
 }

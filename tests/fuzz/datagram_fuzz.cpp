@@ -5,23 +5,19 @@
 // passes before it [10 ms, 6 bits] and of its region (2 bits above). The rest is the last datagram. Each input goes to
 // a peer that cuts the scene into regions and to one that does not.
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
 #include <span>
 
 #include "core/scene/reader.hpp"
 #include "replication/peer/peer.hpp"
 #include "replication/wire/codec.hpp"
+#include "tests/fuzz/require.hpp"
 
 namespace {
 
 using namespace peerd;
+using fuzz::require;
 using namespace peerd::replication;
-
-// Unlike assert(), this check is on in every build.
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 // The world has an own ball between two walls, a cube that the datagrams may claim, and one without interests.
 constexpr const char* kWorld = R"(#VRML V2.0 utf8

@@ -4,7 +4,6 @@
 // The first byte of an input says what the others are: 'h' a stream of HTTP, 'f' frames, 'm' messages, one a line.
 // @HOST@ in them stands for the gateway's address.
 #include <cstdint>
-#include <cstdlib>
 #include <functional>
 #include <memory>
 #include <string>
@@ -15,7 +14,6 @@
 #include <boost/asio/write.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/scene/reader.hpp"
 #include "peerd/peer/control/answer.hpp"
 #include "peerd/peer/feed/json_members.hpp"
 #include "peerd/view/gateway/gateway.hpp"
@@ -25,16 +23,14 @@
 #include "peerd/view/picture/gltf_writer.hpp"
 #include "peerd/view/picture/live_picture.hpp"
 #include "peerd/view/picture/scene_picture.hpp"
+#include "tests/fuzz/driven_peer.hpp"
+#include "tests/fuzz/require.hpp"
 
 namespace {
 
 using namespace peerd;
+using fuzz::require;
 namespace asio = boost::asio;
-
-// Unlike assert(), this check is on in every build.
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 constexpr const char* kWorld = R"(#VRML V2.0 utf8
 DEF A Transform { children Shape { geometry Box { } } }
@@ -48,24 +44,13 @@ constexpr int kMessagesMax = 64;  // in one input
 constexpr int kQuietTurns = 3;    // of the loop, without anything to do
 
 // A peer in fake time, as a gateway asks it.
-class Source : public gateway::GatewaySource {
+class Source : public gateway::GatewaySource, public fuzz::DrivenPeer {
  public:
-  Source() : picture_("fuzzed", {}) {
-    world_.world.scene = read_world(kWorld).scene.value();
-    world_.model = replication::make_world_model(world_.world.scene);
-    config::PeerSettings settings;
-    settings.name = "fuzzed";
-    settings.id = 1;
+  Source() : DrivenPeer(kWorld), picture_("fuzzed", {}) {
     config::PeerObjects objects;
-    objects.owned = {*world_.world.scene.find("A")};
-    node_ = PeerNode::make(settings, {}, world_, std::move(objects), {});
-    while (!node_->start() || node_->peer().clock().to_session(now_) < *node_->start()) pass();
-  }
-  void pass() {
-    now_ += std::chrono::milliseconds(5);
-    node_->on_tick(now_);
-    while (node_->poll_output()) {
-    }
+    objects.owned = {object("A")};
+    make(std::move(objects));
+    pass_until_it_runs();
   }
 
   control::Answer ask(std::string_view request) override {
@@ -122,10 +107,7 @@ class Source : public gateway::GatewaySource {
   }
 
  private:
-  SharedWorld world_;
-  std::unique_ptr<PeerNode> node_;
   view::LivePicture picture_;
-  HostTime now_{std::chrono::seconds(1'000)};
 };
 
 class Driver {

@@ -4,22 +4,18 @@
 // The first byte selects the family (its lowest bit) and the sender's port; the rest is the datagram.
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 
 #include "peerd/net/greeting/known_peers.hpp"
 #include "peerd/net/greeting/relay_choice.hpp"
 #include "peerd/net/seal/sealed_greetings.hpp"
+#include "tests/fuzz/require.hpp"
 
 namespace {
 
 using namespace peerd;
+using fuzz::require;
 using namespace peerd::net;
-
-// Unlike assert(), this check is on in every build.
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 }  // namespace
 

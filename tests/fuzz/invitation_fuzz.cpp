@@ -1,17 +1,14 @@
 // Users get invitations and texts of keys from others, or from files. An invitation that is read is the one that its
 // text is of.
 #include <cstdint>
-#include <cstdlib>
 #include <string_view>
 
 #include "peerd/net/keys/invitation.hpp"
+#include "tests/fuzz/require.hpp"
 
 namespace {
 
-// Unlike assert(), this check is on in every build.
-void require(bool condition) {
-  if (!condition) std::abort();
-}
+using peerd::fuzz::require;
 
 }  // namespace
 

@@ -5,23 +5,19 @@
 // passes before it [10 ms]. The rest is the last datagram.
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <map>
 #include <span>
 #include <vector>
 
 #include "replication/edits/log/operation_exchange.hpp"
 #include "replication/wire/codec.hpp"
+#include "tests/fuzz/require.hpp"
 
 namespace {
 
 using namespace peerd;
+using fuzz::require;
 using namespace peerd::replication;
-
-// Unlike assert(), this check is on in every build.
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 constexpr AuthorId kOwn{1}, kAuthor{2};
 constexpr PeerId kSelf{2};

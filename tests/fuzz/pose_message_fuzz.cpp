@@ -5,24 +5,18 @@
 // each datagram.
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <string_view>
 
-#include "core/scene/reader.hpp"
 #include "peerd/peer/control/request.hpp"
 #include "peerd/peer/feed/pose_message.hpp"
 #include "peerd/peer/node/describe.hpp"
-#include "peerd/peer/node/peer_node.hpp"
-#include "replication/wire/codec.hpp"
+#include "tests/fuzz/driven_peer.hpp"
+#include "tests/fuzz/require.hpp"
 
 namespace {
 
 using namespace peerd;
-
-// Unlike assert(), this check is on in every build.
-void require(bool condition) {
-  if (!condition) std::abort();
-}
+using fuzz::require;
 
 constexpr const char* kWorld = R"(#VRML V2.0 utf8
 DEF A Transform { children Shape { geometry Box { } } }
@@ -30,39 +24,23 @@ DEF B Transform { translation 9 9 9 children Shape { geometry Box { } } }
 )";
 constexpr int kLinesMax = 256;  // in one input
 
-SharedWorld make_world() {
-  SharedWorld shared;
-  shared.world.scene = read_world(kWorld).scene.value();
-  shared.model = replication::make_world_model(shared.world.scene);
-  return shared;
-}
-
-class Driver {
+class Driver : public fuzz::DrivenPeer {
  public:
-  Driver() : world_(make_world()) {
-    config::PeerSettings settings;
-    settings.name = "fuzzed";
-    settings.id = 1;
+  Driver() : DrivenPeer(kWorld) {
     config::PeerObjects objects;
     for (const char* path : {"A", "B"}) {
-      objects.owned.push_back(*world_.world.scene.find(path));
+      objects.owned.push_back(object(path));
       objects.outside.emplace(path, objects.owned.back());
     }
     config::ReplicationSettings replication;
     replication.policy.models = replication::ModelPolicy{};
-    node_ = PeerNode::make(settings, replication, world_, std::move(objects), {});
+    make(std::move(objects), replication);
     now_ -= std::chrono::seconds(2);
-    while (now_ < HostTime{std::chrono::seconds(1'000)}) pass();
+    while (now_ < HostTime{std::chrono::seconds(1'000)}) go_on();
   }
 
-  void pass() {
-    now_ += std::chrono::milliseconds(5);
-    node_->on_tick(now_);
-    while (auto out = node_->poll_output()) {
-      if (const auto* send = std::get_if<replication::Send>(&*out)) {
-        require(replication::decode(send->datagram, SimTime{}).has_value());
-      }
-    }
+  void go_on() {
+    pass();
     while (const auto notice = node_->poll_feed_notice()) {
       const LogLine line = describe(*notice);
       require(line.text.size() < 500);
@@ -87,9 +65,9 @@ class Driver {
     }
     require(count("poses_taken") + count("poses_refused") == before + (poses == nullptr ? 0 : poses->poses.size()));
     require(count("pose_messages_refused") == messages_before + (poses == nullptr ? 1 : 0));
-    pass();
-    for (const ObjectId object : {*world_.world.scene.find("A"), *world_.world.scene.find("B")}) {
-      const KinematicState s = node_->peer().truth(object, node_->peer().clock().to_session(now_));
+    go_on();
+    for (const char* path : {"A", "B"}) {
+      const KinematicState s = node_->peer().truth(object(path), node_->peer().clock().to_session(now_));
       require(s.position.norm() < 1e12 && s.velocity.norm() < 1e12 && s.acceleration.norm() < 1e12);
       require(s.angular_velocity_body.norm() <= 1.0001e4 && s.orientation.coeffs().allFinite());
     }
@@ -98,9 +76,6 @@ class Driver {
  private:
   std::uint64_t count(const char* name) { return node_->log().counters.at(name); }
 
-  SharedWorld world_;
-  std::unique_ptr<PeerNode> node_;
-  HostTime now_{std::chrono::seconds(1'000)};
   Duration host_minus_wall_{0};
 };
 
@@ -108,12 +83,7 @@ class Driver {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Driver driver;
-  std::string_view rest(reinterpret_cast<const char*>(data), size);
-  for (int i = 0; i < kLinesMax && !rest.empty(); ++i) {
-    const std::size_t end = std::min(rest.find('\n'), rest.size());
-    driver.hear(rest.substr(0, end));
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-  }
-  for (int i = 0; i < 200; ++i) driver.pass();  // until all objects stand
+  fuzz::for_each_line(data, size, kLinesMax, [&](std::string_view line) { driver.hear(line); });
+  for (int i = 0; i < 200; ++i) driver.go_on();  // until all objects stand
   return 0;
 }

@@ -1,23 +1,19 @@
 // Everything that comes before a tag is right: sealed datagrams, announcements, frames of a sealed connection, and
 // texts of keys. The first byte says which the rest is. Nothing that this file did not seal itself may be opened.
 #include <cstdint>
-#include <cstdlib>
 #include <string_view>
 #include <vector>
 
 #include "peerd/net/seal/sealer.hpp"
 #include "peerd/net/seal/stream_seal.hpp"
+#include "tests/fuzz/require.hpp"
 
 namespace {
 
 using namespace peerd;
+using fuzz::require;
 using seal::Sealer;
 using seal::StreamSeal;
-
-// Unlike assert(), this check is on in every build.
-void require(bool holds) {
-  if (!holds) std::abort();
-}
 
 struct Session {
   keys::SymmetricKey key = keys::SymmetricKey::random();

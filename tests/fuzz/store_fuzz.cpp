@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -25,10 +24,12 @@
 #include "peerd/peer/store/part_row.hpp"
 #include "peerd/peer/store/stored_world.hpp"
 #include "replication/edits/log/operation_log.hpp"
+#include "tests/fuzz/require.hpp"
 
 namespace {
 
 using namespace peerd;
+using fuzz::require;
 using namespace peerd::store;
 using replication::AuthorId;
 
@@ -39,11 +40,6 @@ constexpr const char* kFile = "operations.sqlite";
 // bytes.
 constexpr unsigned kPacked = 1, kWrongSum = 2, kNoFrame = 4, kHuge = 8;
 constexpr std::int64_t kHugeSize = std::int64_t{1} << 62;
-
-// Unlike assert(), this check is on in every build.
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 // The disk of a computer on which one store stands.
 class Disk {

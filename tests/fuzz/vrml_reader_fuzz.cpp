@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,13 +13,11 @@
 #include "core/motion/predefined_motion.hpp"
 #include "core/scene/reader.hpp"
 #include "tests/core/document_violation.hpp"
+#include "tests/fuzz/require.hpp"
 
 namespace {
 
-// This is no assert, since it must hold in every build.
-void require(bool condition) {
-  if (!condition) std::abort();
-}
+using peerd::fuzz::require;
 
 constexpr std::string_view kSeparator = "\n@@@@\n";
 

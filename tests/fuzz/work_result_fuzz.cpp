@@ -1,18 +1,15 @@
 // Results of runs come from files that other computers have written. What is read as one is what its bytes are of.
 #include <cstdint>
-#include <cstdlib>
 #include <string_view>
 
 #include "peerd/lab/cluster/result_bytes.hpp"
 #include "peerd/lab/cluster/slurm.hpp"
 #include "peerd/lab/cluster/work_list.hpp"
+#include "tests/fuzz/require.hpp"
 
 namespace {
 
-// Unlike assert(), this check is on in every build.
-void require(bool condition) {
-  if (!condition) std::abort();
-}
+using peerd::fuzz::require;
 
 }  // namespace
 
