@@ -196,19 +196,9 @@ Run timed(World& world, Target& target, int warm_up, int ticks) {
   return run;
 }
 
-// The exponent of ms = c n^e, by least squares of the logarithms.
-double exponent(const std::map<std::size_t, double>& ms_of) {
-  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-  for (const auto& [objects, ms] : ms_of) {
-    const double lx = std::log(static_cast<double>(objects)), ly = std::log(ms);
-    n += 1, x += lx, y += ly, xx += lx * lx, xy += lx * ly;
-  }
-  return (n * xy - x * y) / (n * xx - x * x);
-}
-
-class Bench {
+class Bench : public Report {
  public:
-  explicit Bench(const Options& options) : options_(options) {}
+  explicit Bench(const Options& options) : Report(options) {}
 
   void measure(const char* kind_name, Kind kind) {
     std::vector<std::size_t> sizes = {100, 316, 1000, 3162, 10000, 31623, 100000};
@@ -270,20 +260,15 @@ class Bench {
     }
     for (const auto& [name, series] : ms_of) {
       if (series.size() < 2) continue;
-      const double e = exponent(series);
+      const double e = fitted_exponent({series.begin(), series.end()});
       const std::size_t from = series.begin()->first, to = series.rbegin()->first;
       std::printf("%s.%s: n^%.3f from %zu to %zu\n", kind_name, name.c_str(), e, from, to);
       figures_.push_back(
           {std::string(kind_name) + '.' + name + ".exponent_to_" + std::to_string(to), e, "", "linear: 1", e, e, e});
     }
   }
-  [[nodiscard]] bool finish() const { return write_figures(options_, figures_) && right_; }
 
  private:
-  void wrong(const std::string& what) {
-    std::printf("WRONG: %s\n", what.c_str());
-    right_ = false;
-  }
   // The last answer must be the twin's, and a tick in which nothing moves must repeat it without a test of boxes.
   void check(const std::string& what, const World& world, BroadPhase& broad, bool against_twin) {
     const auto before = broad.counters();
@@ -308,10 +293,6 @@ class Bench {
     }
     return quartiles(std::move(samples));
   }
-
-  const Options& options_;
-  std::vector<Figure> figures_;
-  bool right_ = true;
 };
 
 }  // namespace

@@ -5,11 +5,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <random>
-#include <sstream>
 
+#include "bench/polygon_file.hpp"
 #include "core/geometry/mesh.hpp"
 
 namespace peerd::bench {
@@ -100,53 +99,6 @@ void append_stump(Polygons& out, const Vec3& from, const Vec3& to, double thick,
   }
 }
 
-Polygons read_obj(std::istream& file) {
-  Polygons out;
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream words(line);
-    std::string word;
-    words >> word;
-    if (word == "v") {
-      Vec3 p;
-      words >> p[0] >> p[1] >> p[2];
-      out.vertices.push_back(p);
-    } else if (word == "f") {
-      while (words >> word) {
-        const int index = std::atoi(word.c_str());  // up to a '/'
-        out.corners.push_back(index > 0 ? index - 1 : static_cast<std::int32_t>(out.vertices.size()) + index);
-      }
-      out.corners.push_back(-1);
-    }
-  }
-  return out;
-}
-
-Polygons read_off(std::istream& file) {
-  std::stringstream words;
-  for (std::string line; std::getline(file, line);) words << line.substr(0, line.find('#')) << '\n';
-  Polygons out;
-  std::string magic;
-  std::size_t vertices = 0, faces = 0, edges = 0;
-  words >> magic >> vertices >> faces >> edges;
-  if (magic != "OFF" || vertices > 10'000'000 || faces > 10'000'000) return out;
-  for (std::size_t i = 0; i < vertices && words; ++i) {
-    Vec3 p;
-    words >> p[0] >> p[1] >> p[2];
-    out.vertices.push_back(p);
-  }
-  words >> std::ws;
-  std::string line;
-  for (std::size_t i = 0; i < faces && std::getline(words >> std::ws, line); ++i) {
-    std::istringstream corners(line);
-    std::size_t count = 0;
-    corners >> count;
-    std::int32_t corner = 0;
-    while (count-- > 0 && corners >> corner) out.corners.push_back(corner);
-    out.corners.push_back(-1);
-  }
-  return out;
-}
-
 }  // namespace
 
 TriangleSoup bumpy_knot(std::uint32_t triangles, std::uint64_t seed) {
@@ -219,17 +171,13 @@ TriangleSoup branches(std::uint32_t triangles, std::uint64_t seed) {
 }
 
 std::optional<TriangleSoup> read_soup(const std::string& path) {
-  std::ifstream file(path);
-  const bool obj = path.ends_with(".obj");
-  if (!file || (!obj && !path.ends_with(".off"))) return {};
-  Polygons polygons = obj ? read_obj(file) : read_off(file);
-  Polygons out{polygons.vertices, {}};
-  const auto count = static_cast<std::int32_t>(polygons.vertices.size());
-  for (auto begin = polygons.corners.begin(); begin != polygons.corners.end();) {
-    const auto end = std::find(begin, polygons.corners.end(), -1);
-    const auto known = [&](std::int32_t i) { return 0 <= i && i < count; };
-    if (begin != end && std::all_of(begin, end, known)) out.corners.insert(out.corners.end(), begin, end + 1);
-    begin = end + 1;
+  const auto file = read_polygon_file(path);
+  if (!file) return {};
+  Polygons out;
+  for (const auto& p : file->vertices) out.vertices.emplace_back(p[0], p[1], p[2]);
+  for (const std::vector<int>& polygon : file->polygons) {
+    out.corners.insert(out.corners.end(), polygon.begin(), polygon.end());
+    out.corners.push_back(Mesh::kEndOfPolygon);
   }
   return centred(out);
 }

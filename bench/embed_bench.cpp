@@ -179,10 +179,13 @@ std::vector<Figure> measure(const Pair& pair, int rounds) {
   return figures;
 }
 
-class Benchmark {
+class Benchmark : public Report {
  public:
   explicit Benchmark(const Options& options)
-      : quick_(options.quick), boxes_(options.quick ? 200 : 10'000), rounds_(options.quick ? 3 : 101) {}
+      : Report(options),
+        quick_(options.quick),
+        boxes_(options.quick ? 200 : 10'000),
+        rounds_(options.quick ? 3 : 101) {}
 
   int run(const Options& options) {
     add(poses("poses"));
@@ -206,16 +209,12 @@ class Benchmark {
       std::printf("%-28s %12.1f %s  (%.1f to %.1f)\n", f.name.c_str(), f.value, f.unit.c_str(), f.low, f.high);
     }
     if (!write_figures(options, figures_)) return 3;
-    return is_wrong_ ? 1 : 0;
+    return right_ ? 0 : 1;
   }
 
  private:
   void add(const Pair& pair) {
-    for (Figure& figure : measure(pair, rounds_)) figures_.push_back(std::move(figure));
-  }
-  void wrong(const std::string& what) {
-    is_wrong_ = true;
-    std::printf("WRONG: %s\n", what.c_str());
+    for (Figure& figure : measure(pair, rounds_)) Report::add(std::move(figure));
   }
   void target(const std::string& name) {
     const auto at = std::ranges::find(figures_, name, &Figure::name);
@@ -336,12 +335,11 @@ class Benchmark {
   bool quick_;
   Boxes boxes_;
   int rounds_;
-  bool rests_ = true, is_wrong_ = false;
+  bool rests_ = true;
   std::optional<SimTime> seen_at_;
   std::vector<Pose> inside_;
   std::vector<peerd_pose> library_;
   double sum_ = 0.0;
-  std::vector<Figure> figures_;
 };
 
 int run(const Options& options) { return Benchmark(options).run(options); }

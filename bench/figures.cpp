@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cassert>
+#include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -82,6 +84,39 @@ bool write_beside(const Options& options, const std::string& name, const std::st
   file.close();
   if (!file) std::fprintf(stderr, "error: %s cannot be written\n", path.c_str());
   return static_cast<bool>(file);
+}
+
+void Report::add_and_print(Figure f) {
+  std::printf("%-44s %12.5g %-12s [%.5g %.5g] %s\n", f.name.c_str(), f.value, f.unit.c_str(), f.low, f.high,
+              f.against.c_str());
+  std::fflush(stdout);
+  add(std::move(f));
+}
+
+void Report::wrong(const std::string& what) {
+  std::printf("WRONG: %s\n", what.c_str());
+  right_ = false;
+}
+
+bool read_numbers(const std::vector<std::string>& arguments, std::initializer_list<NumberOption> options) {
+  if (arguments.size() % 2 != 0) return false;
+  for (std::size_t i = 0; i < arguments.size(); i += 2) {
+    const auto option = std::ranges::find(options, arguments[i], &NumberOption::first);
+    if (option == options.end()) return false;
+    const std::string& text = arguments[i + 1];
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), *option->second);
+    if (error != std::errc{} || end != text.data() + text.size()) return false;
+  }
+  return true;
+}
+
+double fitted_exponent(const std::vector<std::pair<double, double>>& points) {
+  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+  for (const auto& [size, cost] : points) {
+    const double lx = std::log(size), ly = std::log(cost);
+    n += 1, x += lx, y += ly, xx += lx * lx, xy += lx * ly;
+  }
+  return (n * xy - x * y) / (n * xx - x * x);
 }
 
 Quartiles quartiles(std::vector<double> samples) {

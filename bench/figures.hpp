@@ -1,6 +1,10 @@
 #pragma once
+#include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace peerd::bench {
@@ -33,6 +37,32 @@ struct Figure {
 
 // Writes a file beside them, where they are written at all. False where it cannot be; says which.
 [[nodiscard]] bool write_beside(const Options& options, const std::string& name, const std::string& text);
+
+// What a run has found: its figures, and whether an answer was wrong.
+class Report {
+ public:
+  explicit Report(Options options) : options_(std::move(options)) {}
+
+  // Writes the figures. False where they cannot be written, or where something was wrong.
+  [[nodiscard]] bool finish() const { return write_figures(options_, figures_) && right_; }
+
+ protected:
+  void add(Figure figure) { figures_.push_back(std::move(figure)); }
+  void add_and_print(Figure figure);
+  void wrong(const std::string& what);
+
+  Options options_;
+  std::vector<Figure> figures_;
+  bool right_ = true;
+};
+
+// Sets the numbers that the arguments give, each behind the name of its option. False where one is no whole number, or
+// behind no such name.
+using NumberOption = std::pair<std::string_view, std::uint64_t*>;
+[[nodiscard]] bool read_numbers(const std::vector<std::string>& arguments, std::initializer_list<NumberOption> options);
+
+// The exponent of y = c x^e through the points (x, y), by least squares of the logarithms.
+[[nodiscard]] double fitted_exponent(const std::vector<std::pair<double, double>>& points);
 
 struct Quartiles {
   double low = 0, median = 0, high = 0;

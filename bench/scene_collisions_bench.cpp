@@ -181,9 +181,9 @@ double share(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
-class Bench {
+class Bench : public Report {
  public:
-  explicit Bench(const Options& options) : options_(options) {}
+  explicit Bench(const Options& options) : Report(options) {}
 
   [[nodiscard]] Run run(const std::string& name, const Setting& setting, const std::vector<NamedSoup>& soups,
                         const CoherenceOptions& coherence, bool ask_for_polygons = false, bool checked = true) {
@@ -289,18 +289,11 @@ class Bench {
     std::printf("%-22s %9.0f us [%.0f %.0f]\n", name.c_str(), us.median, us.low, us.high);
     figures_.push_back({name, us.median, "us", "", std::nullopt, us.low, us.high});
   }
-  // The exponent of us = c n^e, by least squares of the logarithms.
   void report_growth(const std::string& name, const std::map<double, double>& us_of) {
-    double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-    for (const auto& [size, us] : us_of) {
-      const double lx = std::log(size), ly = std::log(us);
-      n += 1, x += lx, y += ly, xx += lx * lx, xy += lx * ly;
-    }
-    const double e = (n * xy - x * y) / (n * xx - x * x);
+    const double e = fitted_exponent({us_of.begin(), us_of.end()});
     std::printf("%s: n^%.3f from %.0f to %.0f\n", name.c_str(), e, us_of.begin()->first, us_of.rbegin()->first);
     figures_.push_back({name + ".exponent", e, "", "linear: 1", e, e, e});
   }
-  [[nodiscard]] bool finish() const { return write_figures(options_, figures_) && right_; }
 
  private:
   static void subtract(CollisionWatchCounters& of, const CollisionWatchCounters& first) {
@@ -317,16 +310,14 @@ class Bench {
              bool polygons) {
     SceneQuery fresh(world.scene);
     fresh.set_transforms(world.transforms);
-    std::size_t wrong = 0;
+    std::size_t different = 0;
     for (std::uint32_t i = 0; i < watch.interests().size(); ++i) {
       const auto& [collider, collidee, type] = watch.interests()[i];
       const Collision expected = fresh.collide(collider, collidee, type).value();
-      wrong += expected.colliding != std::ranges::binary_search(answer.colliding, i);
-      if (polygons) wrong += watch.collision(i).pairs != expected.pairs;
+      different += expected.colliding != std::ranges::binary_search(answer.colliding, i);
+      if (polygons) different += watch.collision(i).pairs != expected.pairs;
     }
-    if (wrong == 0) return;
-    std::printf("WRONG: %s: %zu interests\n", name.c_str(), wrong);
-    right_ = false;
+    if (different > 0) wrong(name + ": " + std::to_string(different) + " interests");
   }
   static void measure_phases(World& world, int warm_up, int ticks, Run& out) {
     SceneQuery query(world.scene);
@@ -355,10 +346,6 @@ class Bench {
     out.placing = quartiles(std::move(placing_us));
     out.broad = quartiles(std::move(broad_us));
   }
-
-  const Options& options_;
-  std::vector<Figure> figures_;
-  bool right_ = true;
 };
 
 std::vector<NamedSoup> generated(std::uint32_t triangles) {

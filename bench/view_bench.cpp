@@ -186,9 +186,9 @@ std::vector<Ray> rays_of(Kind kind, const TriangleSoup& soup, std::size_t count)
   return rays;
 }
 
-class Bench {
+class Bench : public Report {
  public:
-  explicit Bench(const Options& options) : options_(options), rounds_(options.quick ? 3 : 25) {}
+  explicit Bench(const Options& options) : Report(options), rounds_(options.quick ? 3 : 25) {}
 
   void measure(const NamedSoup& named) {
     const TriangleSoup& soup = named.soup;
@@ -272,7 +272,6 @@ class Bench {
                 static_cast<unsigned long long>(counters.soups_built),
                 static_cast<unsigned long long>(counters.nodes_built));
   }
-  [[nodiscard]] bool finish() const { return write_figures(options_, figures_) && right_; }
 
  private:
   // Quartiles of the time of one of `count` queries [ns], of several ways to ask them, by turns.
@@ -310,10 +309,6 @@ class Bench {
   void count(const std::string& name, double value, const std::string& unit) {
     figures_.push_back({name, value, unit, "", std::nullopt, value, value});
     std::printf("%-44s %12.3f %s\n", name.c_str(), value, unit.c_str());
-  }
-  void wrong(const std::string& what) {
-    std::printf("WRONG: %s\n", what.c_str());
-    right_ = false;
   }
 
   // The first ray is asked of a mesh that nobody has asked for yet.
@@ -442,10 +437,7 @@ class Bench {
           "of those, by rounding");
   }
 
-  const Options& options_;
   int rounds_;
-  std::vector<Figure> figures_;
-  bool right_ = true;
 };
 
 }  // namespace

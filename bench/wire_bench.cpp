@@ -56,8 +56,8 @@ class Town {
   Town(std::size_t own_count, const PublishPolicy& policy)
       : own_count_(own_count),
         crowd_((1 + kOthers) * own_count),
-        measured_(config_of(1, 0, policy), *crowd_.model),
-        sender_(config_of(1 + kOthers, kOthers, policy), *crowd_.model) {
+        measured_(config_of(1, object(0, 0), own_count_, policy), *crowd_.model),
+        sender_(config_of(1 + kOthers, object(kOthers, 0), own_count_, policy), *crowd_.model) {
     std::mt19937_64 rng(own_count);
     for (std::size_t i = 0; i < 2 * own_count; ++i) paths_.emplace_back(rng);
   }
@@ -131,15 +131,6 @@ class Town {
     return crowd_.object(block * own_count_ + i);
   }
 
-  [[nodiscard]] PeerConfig config_of(std::uint32_t id, std::size_t block, const PublishPolicy& policy) const {
-    PeerConfig c;
-    c.id = PeerId{id};
-    c.name = "peer" + std::to_string(id);
-    c.world_hash = 1;
-    c.policy = policy;
-    for (std::size_t i = 0; i < own_count_; ++i) c.owned.push_back({object(block, i), true, {}});
-    return c;
-  }
   [[nodiscard]] std::vector<OwnSample> samples(const Peer& peer, std::size_t block, std::size_t first_path) const {
     std::vector<OwnSample> all;
     const auto due = peer.due_tick(now_);
@@ -236,9 +227,9 @@ class Town {
   double seen_ = 0.0;
 };
 
-class Bench {
+class Bench : public Report {
  public:
-  explicit Bench(const Options& options) : options_(options) {}
+  explicit Bench(const Options& options) : Report(options) {}
 
   int run() {
     const std::string only = options_.arguments.size() == 1 ? options_.arguments.front() : "";
@@ -261,40 +252,30 @@ class Bench {
   }
 
  private:
-  int write() {
-    const bool written = write_figures(options_, figures_) && write_beside(options_, "wire-growth.csv", csv());
-    return written && right_ ? 0 : 1;
-  }
+  int write() { return finish() && write_beside(options_, "wire-growth.csv", csv()) ? 0 : 1; }
   void wrong(const std::string& what, std::uint64_t count) {
     if (count == 0) return;
-    std::printf("WRONG: %s: %llu\n", what.c_str(), static_cast<unsigned long long>(count));
-    right_ = false;
+    Report::wrong(what + ": " + std::to_string(count));
   }
   void figure(const std::string& name, const std::vector<double>& samples, const char* unit, const char* target = "",
               double target_value = 0.0) {
     const Quartiles q = quartiles(samples);
     const auto ratio = target_value > 0.0 ? std::optional(q.median / target_value) : std::nullopt;
-    add({name, q.median, unit, target, ratio, q.low, q.high});
+    add_and_print({name, q.median, unit, target, ratio, q.low, q.high});
   }
   void growth(std::size_t objects, const std::string& what, const std::vector<double>& samples, const char* unit) {
     figure("growth." + std::to_string(objects) + '.' + what, samples, unit);
-  }
-  void add(const Figure& f) {
-    std::printf("%-44s %12.5g %-12s [%.5g %.5g] %s\n", f.name.c_str(), f.value, f.unit.c_str(), f.low, f.high,
-                f.against.c_str());
-    std::fflush(stdout);
-    figures_.push_back(f);
   }
 
   void loopback() {
     for (const LoopbackResult& result : {measure_loopback(options_.quick), measure_loopback_growth(options_.quick)}) {
       for (const std::string& what : result.wrong) wrong(what, 1);
-      for (const Figure& f : result.figures) add(f);
+      for (const Figure& f : result.figures) add_and_print(f);
     }
   }
 
   void traffic() {
-    for (const Figure& f : wire_traffic(options_)) add(f);
+    for (const Figure& f : wire_traffic(options_)) add_and_print(f);
   }
 
   void codec(std::size_t objects, bool headline) {
@@ -386,10 +367,6 @@ class Bench {
     }
     return text;
   }
-
-  Options options_;
-  std::vector<Figure> figures_;
-  bool right_ = true;
 };
 
 }  // namespace

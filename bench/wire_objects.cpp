@@ -44,6 +44,17 @@ Crowd::Crowd(std::size_t objects) {
   first = scene.find("O0").value();
 }
 
+replication::PeerConfig config_of(std::uint32_t id, ObjectId first, std::size_t count,
+                                  const replication::PublishPolicy& policy) {
+  replication::PeerConfig config;
+  config.id = PeerId{id};
+  config.name = "peer" + std::to_string(id);
+  config.world_hash = 1;
+  config.policy = policy;
+  for (std::uint32_t i = 0; i < count; ++i) config.owned.push_back({ObjectId{first.number + i}, true, {}});
+  return config;
+}
+
 Path::Path(std::mt19937_64& rng) {
   for (auto& axis : waves_) {
     for (Wave& w : axis) {

@@ -8,6 +8,7 @@
 #include "core/kinematics.hpp"
 #include "core/scene/scene.hpp"
 #include "core/time.hpp"
+#include "replication/peer/peer.hpp"
 #include "replication/physics/world/world_model.hpp"
 #include "replication/wire/wire.hpp"
 
@@ -43,6 +44,10 @@ struct Crowd {
   std::unique_ptr<const replication::WorldModel> model;
   ObjectId first;
 };
+
+// A peer that owns `count` objects of a file side by side, beginning with `first`.
+[[nodiscard]] replication::PeerConfig config_of(std::uint32_t id, ObjectId first, std::size_t count,
+                                                const replication::PublishPolicy& policy = {});
 
 // Walks and drives: on each axis of the ground two waves of 5 to 60 s, at up to 12 m/s, looking where it goes.
 class Path {

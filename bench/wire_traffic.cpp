@@ -89,8 +89,8 @@ class TwoPeers {
   TwoPeers(std::size_t own, const PublishPolicy& policy)
       : own_(own),
         crowd_(kShare * own),
-        publisher_(config_of(1, own, policy), *crowd_.model),
-        receiver_(config_of(2, 0, policy), *crowd_.model) {
+        publisher_(config_of(1, crowd_.object(0), own, policy), *crowd_.model),
+        receiver_(config_of(2, crowd_.object(0), 0, policy), *crowd_.model) {
     std::mt19937_64 rng(own);
     for (std::size_t i = 0; i < own; ++i) paths_.emplace_back(rng);
   }
@@ -125,15 +125,6 @@ class TwoPeers {
     Bytes datagram;
   };
 
-  PeerConfig config_of(std::uint32_t id, std::size_t own, const PublishPolicy& policy) const {
-    PeerConfig c;
-    c.id = PeerId{id};
-    c.name = "peer" + std::to_string(id);
-    c.world_hash = 1;
-    c.policy = policy;
-    for (std::size_t i = 0; i < own; ++i) c.owned.push_back({crowd_.object(i), true, {}});
-    return c;
-  }
   [[nodiscard]] Counted counted() const {
     Counted all;
     for (const Peer* peer : {&publisher_, &receiver_}) {

@@ -10,7 +10,6 @@
 //
 // --quick: a hundredth of the pairs, and the smallest meshes. Exit code 1: anything is wrong.
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
@@ -32,22 +31,6 @@ constexpr std::size_t kQuickTriangles = 300;
 struct Counts {
   std::uint64_t general = 10'000'000, adversarial = 1'000'000, seed = 1;
 };
-
-std::optional<Counts> parse(const std::vector<std::string>& arguments) {
-  Counts counts;
-  for (std::size_t i = 0; i + 1 < arguments.size(); i += 2) {
-    std::uint64_t* number = nullptr;
-    if (arguments[i] == "--general") number = &counts.general;
-    if (arguments[i] == "--adversarial") number = &counts.adversarial;
-    if (arguments[i] == "--seed") number = &counts.seed;
-    const std::string& text = arguments[i + 1];
-    if (number == nullptr) return std::nullopt;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), *number);
-    if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  }
-  if (arguments.size() % 2 != 0) return std::nullopt;
-  return counts;
-}
 
 void add_figures(const char* group, const PairResult& sum, std::vector<Figure>& figures) {
   const std::string of = std::string(group) + '.';
@@ -147,27 +130,29 @@ std::uint64_t check_meshes(const std::string& folder, bool quick, std::uint64_t 
 }
 
 int run(const Options& options) {
-  auto counts = parse(options.arguments);
-  if (!counts) {
+  Counts counts;
+  if (!read_numbers(
+          options.arguments,
+          {{"--general", &counts.general}, {"--adversarial", &counts.adversarial}, {"--seed", &counts.seed}})) {
     std::fprintf(stderr,
                  "usage: collision_exact_bench [--general N] [--adversarial N] [--seed S] [--quick] [--out DIR] "
                  "[--commit NAME]\n");
     return 2;
   }
   if (options.quick) {
-    counts->general /= 100;
-    counts->adversarial /= 100;
+    counts.general /= 100;
+    counts.adversarial /= 100;
   }
   std::vector<Figure> figures;
   std::printf("%-44s %9s %9s %6s %8s %6s %9s %9s %8s %9s\n", "pairs of", "pairs", "touching", "wrong", "orders",
               "wrong", "exact/pr", "wide/pr", "ours ns", "oracle ns");
-  std::uint64_t wrong = check_generators("general", oracle::general(), counts->general, counts->seed, figures);
-  wrong += check_generators("adversarial", oracle::adversarial(), counts->adversarial, counts->seed, figures);
+  std::uint64_t wrong = check_generators("general", oracle::general(), counts.general, counts.seed, figures);
+  wrong += check_generators("adversarial", oracle::adversarial(), counts.adversarial, counts.seed, figures);
   if (const char* const corpus = std::getenv("PEERD_CORPUS")) {
     const std::vector<PairResult> recorded = check_recorded(corpus);
     for (const PairResult& result : recorded) print(result);
     wrong += report("recorded", recorded, figures);
-    wrong += check_meshes(std::string(corpus) + "/meshes", options.quick, counts->seed, figures);
+    wrong += check_meshes(std::string(corpus) + "/meshes", options.quick, counts.seed, figures);
   } else {
     std::printf("no files: PEERD_CORPUS does not name the folder of real ones\n");
   }

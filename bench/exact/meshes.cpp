@@ -4,9 +4,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <set>
-#include <utility>
 
-#include "bench/polygon_file.hpp"
+#include "bench/polygon_mesh.hpp"
 #include "collision/query/wide_query.hpp"
 #include "tests/collision/soups.hpp"
 
@@ -18,14 +17,7 @@ using namespace collision;
 std::expected<TriangleSoup, std::string> soup_of(const std::string& path) {
   const auto file = read_polygon_file(path);
   if (!file) return std::unexpected(file.error());
-  std::vector<Eigen::Vector3f> vertices;
-  std::vector<std::int32_t> corners;
-  for (const auto& p : file->vertices) vertices.push_back(Vec3(p[0], p[1], p[2]).cast<float>());
-  for (const auto& polygon : file->polygons) {
-    corners.insert(corners.end(), polygon.begin(), polygon.end());
-    corners.push_back(Mesh::kEndOfPolygon);
-  }
-  return make_soup(make_mesh(std::move(vertices), std::move(corners)));
+  return make_soup(mesh_of(*file));
 }
 
 // The corner of a face that is farthest in that direction: surfaces that only meet there do no more than touch.
@@ -129,11 +121,11 @@ std::vector<NamedSoup> read_soups(const std::string& folder, std::size_t most) {
   if (error) std::fprintf(stderr, "warning: no meshes in %s: %s\n", folder.c_str(), error.message().c_str());
   std::vector<NamedSoup> soups;
   for (const auto& path : paths) {
-    auto soup = soup_of(path.string());
+    const auto soup = soup_of(path.string());
     if (!soup) {
       std::fprintf(stderr, "warning: %s: %s\n", path.filename().c_str(), soup.error().c_str());
     } else if (!soup->faces.empty() && soup->faces.size() <= most) {
-      soups.push_back({path.stem().string(), std::move(*soup)});
+      soups.push_back({path.stem().string(), *soup});
     }
   }
   return soups;

@@ -3,14 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "collision/exact/triangle_soup.hpp"
+#include "bench/collision_meshes.hpp"
 
 namespace peerd::bench::exact {
-
-struct NamedSoup {
-  std::string name;
-  collision::TriangleSoup soup;
-};
 
 // The soups are those of all OBJ and OFF files of a folder that have at least one and no more than `most` triangles,
 // in the order of their names.

@@ -15,7 +15,6 @@
 // Exit code 1: any of the first three, or work that ran out.
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -37,22 +36,6 @@ constexpr double kEarly = 2.0;  // tolerances: then its speed of approach falls,
 struct Wish {
   std::uint64_t pairs = 100'000, first = 0, seed = 1;
 };
-
-std::optional<Wish> parse(const std::vector<std::string>& arguments) {
-  Wish wish;
-  if (arguments.size() % 2 != 0) return std::nullopt;
-  for (std::size_t i = 0; i < arguments.size(); i += 2) {
-    std::uint64_t* number = nullptr;
-    if (arguments[i] == "--pairs") number = &wish.pairs;
-    if (arguments[i] == "--first") number = &wish.first;
-    if (arguments[i] == "--seed") number = &wish.seed;
-    const std::string& text = arguments[i + 1];
-    if (number == nullptr) return std::nullopt;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), *number);
-    if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  }
-  return wish;
-}
 
 bool is_wrong(const Judgement& j) {
   return j.false_negative || j.not_near || j.wrong_start || j.impact.state == MeshImpactState::kIterationLimit ||
@@ -139,18 +122,18 @@ std::vector<Figure> figures_of(Sums& sums) {
 }
 
 int run(const Options& options) {
-  auto wish = parse(options.arguments);
-  if (!wish) {
+  Wish wish;
+  if (!read_numbers(options.arguments, {{"--pairs", &wish.pairs}, {"--first", &wish.first}, {"--seed", &wish.seed}})) {
     std::fprintf(stderr,
                  "usage: impact_bench [--pairs N] [--first I] [--seed S] [--quick] [--out DIR] [--commit NAME]\n");
     return 2;
   }
-  if (options.quick) wish->pairs /= 100;
+  if (options.quick) wish.pairs /= 100;
   Sums sums;
   Checker checker(kMostSamples);
   std::uint64_t printed = 0;
-  for (std::uint64_t i = wish->first; i < wish->first + wish->pairs; ++i) {
-    collision::Numbers numbers(wish->seed * 1'000'003 + i);  // so that any pair can be asked for alone
+  for (std::uint64_t i = wish.first; i < wish.first + wish.pairs; ++i) {
+    collision::Numbers numbers(wish.seed * 1'000'003 + i);  // so that any pair can be asked for alone
     const MovingPair pair = random_pair(numbers);
     const Judgement judgement = checker.judge(pair);
     sums.add(judgement);

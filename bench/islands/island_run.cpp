@@ -170,14 +170,4 @@ IslandCosts run_islands(const IslandWorld& world) {
   return costs;
 }
 
-double fitted_exponent(const std::vector<std::pair<double, double>>& points) {
-  double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
-  const auto n = static_cast<double>(points.size());
-  for (const auto& [x, y] : points) {
-    const double lx = std::log(x), ly = std::log(y);
-    sx += lx, sy += ly, sxx += lx * lx, sxy += lx * ly;
-  }
-  return (n * sxy - sx * sy) / (n * sxx - sx * sx);
-}
-
 }  // namespace peerd::bench

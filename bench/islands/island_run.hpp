@@ -2,7 +2,6 @@
 #include <cstdint>
 #include <map>
 #include <string>
-#include <vector>
 
 #include "island_world.hpp"
 
@@ -30,8 +29,5 @@ struct IslandCosts {
 
 // Runs it on the simulated network. Throws std::runtime_error where it cannot.
 [[nodiscard]] IslandCosts run_islands(const IslandWorld& world);
-
-// Returns the a of y = c x^a by least squares of the logarithms. It takes two points of different x at least.
-[[nodiscard]] double fitted_exponent(const std::vector<std::pair<double, double>>& points);
 
 }  // namespace peerd::bench

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <deque>
-#include <string>
 #include <variant>
 
 #include "bench/wire_objects.hpp"
@@ -22,8 +21,8 @@ class TwoPeers {
         own_(std::max<std::size_t>(1, bodies.legs.size() / 10)),
         bare_(bodies.scene),
         bare_model_((bare_.interests.clear(), make_world_model(bare_))),
-        measured_(config_of(1, 0, own_), *bodies.model),
-        sender_(config_of(2, own_, bodies.legs.size()), *bare_model_) {}
+        measured_(config_of(1, bodies.object(0), own_), *bodies.model),
+        sender_(config_of(2, bodies.object(own_), bodies.legs.size() - own_), *bare_model_) {}
 
   void run(HostTime until, PeerCost* cost) {
     while (now_ < until) {
@@ -61,14 +60,6 @@ class TwoPeers {
     Bytes datagram;
   };
 
-  [[nodiscard]] PeerConfig config_of(std::uint32_t id, std::size_t from, std::size_t to) const {
-    PeerConfig c;
-    c.id = PeerId{id};
-    c.name = "peer" + std::to_string(id);
-    c.world_hash = 1;
-    for (std::size_t i = from; i < to; ++i) c.owned.push_back({bodies_.object(i), true, {}});
-    return c;
-  }
   [[nodiscard]] std::vector<OwnSample> samples(const Peer& peer, std::size_t from, std::size_t to) const {
     std::vector<OwnSample> all;
     if (const auto due = peer.due_tick(now_)) {

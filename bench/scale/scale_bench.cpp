@@ -14,8 +14,6 @@
 // BODIES: only these numbers; of `standing`, the nodes. Exit code 1: two methods do not find the same contacts; the
 // measured peer knows nothing of a body; a tick depends on the nodes that stand, or does something where nothing moves.
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -35,9 +33,9 @@ constexpr double kExponentMax = 1.2;
 constexpr double kTooSlow = 10.0;  // of a core
 constexpr std::size_t kTriangles = 320, kTrianglesMax = 8000, kMeshes = 16;
 
-class Bench {
+class Bench : public Report {
  public:
-  explicit Bench(const Options& options) : options_(options) {
+  explicit Bench(const Options& options) : Report(options) {
     for (const std::string& argument : options.arguments) {
       if (argument.find_first_not_of("0123456789") == std::string::npos) {
         counts_.push_back(std::stoul(argument));
@@ -58,7 +56,7 @@ class Bench {
     if (wants("pairs")) world(Interests::kPairs, "pairs");
     if (wants("groups")) world(Interests::kGroups, "groups");
     if (wants("peer")) peer();
-    return write_figures(options_, figures_) && right_ ? 0 : 1;
+    return finish() ? 0 : 1;
   }
 
  private:
@@ -71,38 +69,23 @@ class Bench {
   [[nodiscard]] std::vector<std::size_t> counts(std::vector<std::size_t> usual, std::vector<std::size_t> quick) const {
     return !counts_.empty() ? counts_ : options_.quick ? quick : usual;
   }
-  void wrong(const std::string& what) {
-    std::printf("WRONG: %s\n", what.c_str());
-    right_ = false;
+  void add(const std::string& name, double value, const char* unit) {
+    add_and_print({name, value, unit, "", {}, value, value});
   }
-  void add(const Figure& f) {
-    std::printf("%-44s %12.5g %-12s [%.5g %.5g] %s\n", f.name.c_str(), f.value, f.unit.c_str(), f.low, f.high,
-                f.against.c_str());
-    std::fflush(stdout);
-    figures_.push_back(f);
-  }
-  void add(const std::string& name, double value, const char* unit) { add({name, value, unit, "", {}, value, value}); }
   void add(const std::string& name, const std::vector<double>& samples, const char* unit) {
     const Quartiles q = quartiles(samples);
-    add({name, q.median, unit, "", {}, q.low, q.high});
+    add_and_print({name, q.median, unit, "", {}, q.low, q.high});
   }
 
-  struct Point {
-    double bodies, share;
-  };
-  void exponent(const std::string& name, const std::vector<Point>& points) {
+  using Points = std::vector<std::pair<double, double>>;  // bodies, and their share of a core
+  void exponent(const std::string& name, const Points& points) {
     if (points.size() < 2) return;
-    double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
-    for (const Point& p : points) {
-      const double a = std::log(p.bodies), b = std::log(p.share);
-      x += a, y += b, xx += a * a, xy += a * b;
-    }
-    const double n = static_cast<double>(points.size()), value = (n * xy - x * y) / (n * xx - x * x);
-    add({name + ".exponent", value, "", "<= 1.2", value / kExponentMax, value, value});
+    const double value = fitted_exponent(points);
+    add_and_print({name + ".exponent", value, "", "<= 1.2", value / kExponentMax, value, value});
   }
 
   void world(Interests interests, const std::string& name) {
-    std::vector<Point> grown[4];
+    Points grown[4];
     bool too_slow[4] = {};
     for (const std::size_t bodies : counts({100, 1000, 10'000, 100'000}, {60})) {
       const Duration warm = 1s, until = bodies > 20'000 || options_.quick ? Duration{3s} : Duration{6s};
@@ -116,7 +99,8 @@ class Bench {
         const std::string prefix = name + '.' + std::to_string(bodies) + '.' + name_of(method);
         const Quartiles q = quartiles(cost.shares);
         if (!first) share = q.median;
-        add({prefix + ".share", q.median, "of a core", first ? "the schedule" : "", q.median / share, q.low, q.high});
+        add_and_print(
+            {prefix + ".share", q.median, "of a core", first ? "the schedule" : "", q.median / share, q.low, q.high});
         add(prefix + ".updates", cost.updates_s / cost.simulated_s, "of a core");
         add(prefix + ".checks", static_cast<double>(cost.checks) / cost.simulated_s / 60.0, "a tick");
         add(prefix + ".searches", static_cast<double>(cost.searches) / cost.simulated_s / 60.0, "a tick");
@@ -137,7 +121,7 @@ class Bench {
   }
 
   void peer() {
-    std::vector<Point> grown;
+    Points grown;
     for (const std::size_t bodies : counts({100, 1000, 10'000, 100'000}, {60})) {
       const Duration warm = 4s, until = bodies > 20'000 || options_.quick ? Duration{6s} : Duration{9s};
       const MovingBodies moving(bodies, meshes_, Interests::kPairs, until + 1s);
@@ -187,12 +171,9 @@ class Bench {
     }
   }
 
-  Options options_;
   std::vector<std::size_t> counts_;
   std::vector<std::string> parts_, methods_;
   std::vector<NamedSoup> meshes_;
-  std::vector<Figure> figures_;
-  bool right_ = true;
 };
 
 }  // namespace

@@ -114,8 +114,6 @@ std::span<const std::uint32_t> SceneQuery::instances_of_geometry(std::uint32_t i
 
 const std::vector<std::string>& SceneQuery::notes() const { return parts_->placement.geometries().notes(); }
 
-std::size_t SceneQuery::forms() const { return parts_->placement.geometries().size(); }
-
 std::expected<std::vector<SceneQuery::Baked>, std::string> SceneQuery::bake() {
   parts_->apply_moves();
   const Scene& scene = parts_->scene;

@@ -1,5 +1,4 @@
 #pragma once
-#include <cstddef>
 #include <cstdint>
 #include <expected>
 #include <functional>
@@ -135,8 +134,6 @@ class SceneQuery {
   // The hierarchyFiles that were refused, each with its Shape and the reason; their hierarchies were built instead.
   [[nodiscard]] const std::vector<std::string>& notes() const;
   [[nodiscard]] SceneQueryCounters counters() const;
-  // How many geometries are kept, each as it is scaled.
-  [[nodiscard]] std::size_t forms() const;
 
  private:
   struct Parts;  // at one place, since they refer to each other

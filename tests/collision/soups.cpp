@@ -50,6 +50,23 @@ TriangleSoup torus(std::uint32_t around, std::uint32_t along, bool quads) {
   return soup;
 }
 
+TriangleSoup closed_box(const Vec3& half, const Vec3& center) {
+  TriangleSoup soup;
+  for (int i = 0; i < 8; ++i) {
+    const Vec3 sign(i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0);
+    soup.vertices.push_back(center + sign.cwiseProduct(half));
+  }
+  constexpr std::uint32_t kSides[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
+                                          {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    const auto& side = kSides[i];
+    soup.faces.push_back({{side[0], side[1], side[2]}, i});
+    soup.faces.push_back({{side[0], side[2], side[3]}, i});
+  }
+  find_box(soup);
+  return soup;
+}
+
 TriangleSoup half_space() {
   constexpr double m = std::numeric_limits<float>::max();
   TriangleSoup soup;
@@ -58,8 +75,13 @@ TriangleSoup half_space() {
        {std::array{0u, 1u, 2u}, {0u, 2u, 3u}, {4u, 6u, 5u}, {4u, 7u, 6u}, {0u, 5u, 1u}, {2u, 7u, 3u}}) {
     soup.faces.push_back({corners, static_cast<std::uint32_t>(soup.faces.size())});
   }
-  for (const Vec3& v : soup.vertices) soup.box.merge(v);
+  find_box(soup);
   return soup;
+}
+
+void find_box(TriangleSoup& soup) {
+  soup.box = {};
+  for (const Vec3& v : soup.vertices) soup.box.merge(v);
 }
 
 Pose random_pose(Numbers& numbers, double distance) {

@@ -33,8 +33,14 @@ class Numbers {
 // A closed tube around a circle: 2 * around * along triangles, two to a polygon where `quads`.
 [[nodiscard]] TriangleSoup torus(std::uint32_t around, std::uint32_t along, bool quads);
 
+// A closed box of half sides `half` around `center`, seen from outside. Polygons of two triangles each: 0 -x, 1 +x,
+// 2 -y, 3 +y, 4 -z, 5 +z.
+[[nodiscard]] TriangleSoup closed_box(const Vec3& half, const Vec3& center = Vec3::Zero());
 // Half a space as files have it: a box below z = 0, to the largest binary32 numbers. Six of its triangles.
 [[nodiscard]] TriangleSoup half_space();
+
+// Sets the box of a soup whose vertices have been changed.
+void find_box(TriangleSoup& soup);
 
 [[nodiscard]] Pose random_pose(Numbers& numbers, double distance);
 

@@ -98,6 +98,13 @@ inline std::vector<std::string> errors_of(const std::string& body, const Files& 
   return lines;
 }
 
+// A case of a table: a text, and what is reported of it.
+struct BadCase {
+  const char* name;
+  const char* body;
+  std::vector<std::string> problems;
+};
+
 // Returns the paths of all instances, in order.
 inline std::vector<std::string> paths_of(const Scene& scene) {
   std::vector<std::string> paths;

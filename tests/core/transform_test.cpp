@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <random>
 #include <vector>
 
@@ -80,6 +81,13 @@ TEST(StretchedPose, SplitsThePathIntoAPoseAndAStretch) {
     EXPECT_EQ(rigid.position, s.pose.position);
     EXPECT_EQ(rigid.orientation.coeffs(), s.pose.orientation.coeffs());
   }
+}
+
+TEST(StretchedPose, IsNotRoundedWhereOnlyTheLastTransformScales) {
+  Random random;
+  TransformFields stretch;
+  stretch.scale = {2, 0.5, 3};
+  EXPECT_EQ(stretched_pose(std::array{random.fields(false), stretch}).stretch, Mat3(stretch.scale.asDiagonal()));
 }
 
 TEST(StretchedPose, IsExactlyTheIdentityWithoutScale) {

@@ -16,7 +16,7 @@ class CutPolygon {
  public:
   explicit CutPolygon(const std::vector<std::pair<double, double>>& corners) {
     for (const auto& [x, y] : corners) at_.push_back({mpq_class(x), mpq_class(y)});
-    for (std::size_t i = 0; i < at_.size(); ++i) left_.push_back(i);
+    for (std::uint32_t i = 0; i < at_.size(); ++i) left_.push_back(i);
   }
 
   [[nodiscard]] std::size_t size() const { return left_.size(); }
@@ -32,16 +32,16 @@ class CutPolygon {
     }
     return 0;
   }
-  [[nodiscard]] std::array<std::size_t, 3> cut(std::size_t k) {
-    const std::array<std::size_t, 3> triangle{before(k), left_[k], after(k)};
+  [[nodiscard]] std::array<std::uint32_t, 3> cut(std::size_t k) {
+    const std::array<std::uint32_t, 3> triangle{before(k), left_[k], after(k)};
     left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(k));
     return triangle;
   }
-  [[nodiscard]] const std::vector<std::size_t>& left() const { return left_; }
+  [[nodiscard]] const std::vector<std::uint32_t>& left() const { return left_; }
 
  private:
-  [[nodiscard]] std::size_t before(std::size_t k) const { return left_[(k + left_.size() - 1) % left_.size()]; }
-  [[nodiscard]] std::size_t after(std::size_t k) const { return left_[(k + 1) % left_.size()]; }
+  [[nodiscard]] std::uint32_t before(std::size_t k) const { return left_[(k + left_.size() - 1) % left_.size()]; }
+  [[nodiscard]] std::uint32_t after(std::size_t k) const { return left_[(k + 1) % left_.size()]; }
 
   // Twice the signed area of the triangle: positive for a turn to the left.
   [[nodiscard]] static int turn(const Corner& a, const Corner& b, const Corner& c) {
@@ -59,7 +59,7 @@ class CutPolygon {
 
   [[nodiscard]] bool is_ear(std::size_t k) const {
     if (turn(at_[before(k)], at_[left_[k]], at_[after(k)]) <= 0) return false;
-    for (const std::size_t other : left_) {
+    for (const std::uint32_t other : left_) {
       if (other != before(k) && other != left_[k] && other != after(k) && blocks(other, k)) return false;
     }
     return true;
@@ -87,14 +87,14 @@ class CutPolygon {
   }
 
   std::vector<Corner> at_;
-  std::vector<std::size_t> left_;  // corners that are not cut, in their order
+  std::vector<std::uint32_t> left_;  // corners that are not cut, in their order
 };
 
 }  // namespace
 
-std::vector<std::array<std::size_t, 3>> cut_ears(const std::vector<std::pair<double, double>>& polygon) {
+std::vector<std::array<std::uint32_t, 3>> cut_ears(const std::vector<std::pair<double, double>>& polygon) {
   CutPolygon rest(polygon);
-  std::vector<std::array<std::size_t, 3>> triangles;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
   while (rest.size() > 3) triangles.push_back(rest.cut(rest.next()));
   triangles.push_back({rest.left()[0], rest.left()[1], rest.left()[2]});
   return triangles;

@@ -5,14 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "tests/collision/broad_phase/overlap_finder_check.hpp"
-
 namespace peerd::collision::dynamic_tree_test {
-
-TEST(DynamicTree, FindsAllNewOverlapsAndNothingElse) {
-  test::expect_finds_new_overlaps<DynamicTree>(81, 8);
-  test::expect_finds_new_overlaps<DynamicTree>(82, 40);
-}
 
 std::vector<FatBox> row(BroadIndex count) {
   std::vector<FatBox> boxes;

@@ -197,15 +197,6 @@ TEST(FirstBoxContact, IsNeverLateAndEarlyByAMicrometreAtMost) {
   EXPECT_GT(passed, 40);
 }
 
-// Paths that are known to a margin may truly touch when they seem to be that far apart.
-TEST(FirstBoxContact, IsNotLateWhereThePathsAreKnownToAMargin) {
-  const End a = one(moving({0, 0, 0}, {2, 0, 0})), b = one(moving({5, 0, 0}));
-  const Contact found = first_box_contact(a.at(), b.at(), 10, 0.5);
-  ASSERT_EQ(found.state, ContactState::kContact);
-  EXPECT_LE(found.time_s, 1.75);
-  EXPECT_NEAR(found.time_s, 1.75, 1e-6);
-}
-
 TEST(BoxesOverlapFor, IsATimeForWhichTheyCertainlyOverlap) {
   constexpr double kHorizon_s = 1.0;
   std::mt19937_64 rng(6);

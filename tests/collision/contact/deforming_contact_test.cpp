@@ -9,8 +9,8 @@
 
 #include "collision/exact/triangle_pair.hpp"
 #include "tests/allocation_counter.hpp"
+#include "tests/collision/oracle_types.hpp"
 #include "tests/collision/soups.hpp"
-#include "tests/oracle/moving_oracle.hpp"
 
 namespace peerd::collision::deforming_contact_test {
 
@@ -29,22 +29,6 @@ Moving moved(const TriangleSoup& soup, const Affine& begin, const Affine& end) {
   return out;
 }
 Affine shift(const Vec3& by) { return {Mat3::Identity(), by}; }
-
-// Side 1, its polygons 0 -x, 1 +x, 2 -y, 3 +y, 4 -z, 5 +z, two triangles each.
-TriangleSoup cube() {
-  TriangleSoup soup;
-  for (int i = 0; i < 8; ++i) {
-    soup.vertices.emplace_back((i & 1 ? 0.5 : -0.5), (i & 2 ? 0.5 : -0.5), (i & 4 ? 0.5 : -0.5));
-    soup.box.merge(soup.vertices.back());
-  }
-  const std::array<std::array<std::uint32_t, 4>, 6> sides = {
-      {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
-  for (std::uint32_t p = 0; p < 6; ++p) {
-    soup.faces.push_back({{sides[p][0], sides[p][1], sides[p][2]}, p});
-    soup.faces.push_back({{sides[p][0], sides[p][2], sides[p][3]}, p});
-  }
-  return soup;
-}
 
 // The answer by all pairs of triangles.
 SoupImpact brute_force(const SoupStep& a, const SoupStep& b, const SoupImpactOptions& options) {
@@ -86,7 +70,7 @@ void expect_same(const SoupImpact& found, const SoupImpact& expected) {
 }
 
 TEST(DeformingContact, ACubeFallsOnACube) {
-  const TriangleSoup soup = cube();
+  const TriangleSoup soup = closed_box({0.5, 0.5, 0.5});
   SoupImpactQuery query;
   const Moving below = moved(soup, shift({0, 0, 0}), shift({0, 0, 0}));
   const Moving falls = moved(soup, shift({0.25, 3, 0.25}), shift({0.25, -1, 0.25}));
@@ -106,7 +90,7 @@ TEST(DeformingContact, ACubeFallsOnACube) {
 }
 
 TEST(DeformingContact, TouchingAtTheBeginIsExact) {
-  const TriangleSoup soup = cube();
+  const TriangleSoup soup = closed_box({0.5, 0.5, 0.5});
   SoupImpactQuery query;
   const Moving below = moved(soup, shift({0, 0, 0}), shift({0, 0, 0}));
   const Moving on = moved(soup, shift({0.25, 1, 0.25}), shift({0.25, 3, 0.25}));
@@ -120,7 +104,7 @@ TEST(DeformingContact, TouchingAtTheBeginIsExact) {
 
 // A gap of one unit in the last place, far below the tolerance.
 TEST(DeformingContact, WhatPartsOrSlidesIsNoContact) {
-  const TriangleSoup soup = cube();
+  const TriangleSoup soup = closed_box({0.5, 0.5, 0.5});
   SoupImpactQuery query;
   const Moving below = moved(soup, shift({0, 0, 0}), shift({0, 0, 0}));
   const Vec3 above(0.25, 1 + 0x1p-52, 0.25);
@@ -147,7 +131,7 @@ TEST(DeformingContact, WhatPartsOrSlidesIsNoContact) {
 }
 
 TEST(DeformingContact, EmptySoupsTouchNothing) {
-  const TriangleSoup soup = cube();
+  const TriangleSoup soup = closed_box({0.5, 0.5, 0.5});
   const Moving still = moved(soup, {}, {});
   SoupImpactQuery query;
   EXPECT_EQ(query.first_impact(SoupStep{}, still.step()).state, SoupImpactState::kSeparated);
@@ -189,18 +173,9 @@ TEST(DeformingContact, IsTheLeastOfAllPairs) {
   EXPECT_GT(separated, 10);
 }
 
-oracle::MovingTriangle plain(const MovingTriangle& triangle) {
-  oracle::MovingTriangle out{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    out.at_0[i] = {triangle[i].at_0[0], triangle[i].at_0[1], triangle[i].at_0[2]};
-    out.at_1[i] = {triangle[i].at_1[0], triangle[i].at_1[1], triangle[i].at_1[2]};
-  }
-  return out;
-}
-
 // Two cubes tumble towards each other in steps of chords. Rational arithmetic says of each step when they first touch.
 TEST(DeformingContact, TumblingCubesMeetWhenTheOracleSaysSo) {
-  const TriangleSoup soup = cube();
+  const TriangleSoup soup = closed_box({0.5, 0.5, 0.5});
   SoupImpactQuery query;
   Numbers numbers(142);
   int contacts = 0, steps = 0;

@@ -6,8 +6,11 @@
 
 #include "collision/contact/contact_time.hpp"
 #include "core/scene/reader.hpp"
+#include "tests/collision/shapes.hpp"
 
 namespace peerd::collision::sphere_contact_test {
+
+using test::moving;
 
 struct Balls {
   explicit Balls(const std::string& a = "Shape { geometry Sphere { radius 0.5 } }",
@@ -23,14 +26,6 @@ struct Balls {
   Scene scene;
   std::vector<Body> bodies;
 };
-
-KinematicState moving(const Vec3& p, const Vec3& v = Vec3::Zero(), const Vec3& a = Vec3::Zero()) {
-  KinematicState s;
-  s.position = p;
-  s.velocity = v;
-  s.acceleration = a;
-  return s;
-}
 
 TEST(SphereContact, IsOfTheSpheresAndNotOfTheirFacets) {
   const Balls balls;

@@ -11,8 +11,11 @@
 
 #include "collision/contact/contact_time.hpp"
 #include "core/scene/reader.hpp"
+#include "tests/collision/shapes.hpp"
 
 namespace peerd::collision::sphere_surface_contact_test {
+
+using test::moving;
 
 // A ball of radius 0.5 m and another object, by their geometries.
 struct Two {
@@ -47,14 +50,6 @@ const char* const kPrism =
     "IndexedFaceSet { convex FALSE coord Coordinate { point [-1 -1 -1, 1 -1 -1, 1 0 -1, 0 0 -1, 0 1 -1, -1 1 -1, "
     "-1 -1 1, 1 -1 1, 1 0 1, 0 0 1, 0 1 1, -1 1 1] } coordIndex [5 4 3 2 1 0 -1, 6 7 8 9 10 11 -1, 0 1 7 6 -1, "
     "1 2 8 7 -1, 2 3 9 8 -1, 3 4 10 9 -1, 4 5 11 10 -1, 5 0 6 11 -1] }";
-
-KinematicState moving(const Vec3& place, const Vec3& velocity, const Vec3& acceleration = Vec3::Zero()) {
-  KinematicState s;
-  s.position = place;
-  s.velocity = velocity;
-  s.acceleration = acceleration;
-  return s;
-}
 
 TEST(SphereSurfaceContact, OfAFaceItIsExact) {
   const Two two(kBox);
@@ -150,19 +145,6 @@ TEST(SphereSurfaceContact, RollsOffAnEdgeAndFallsFreely) {
   const Contact slow = two.meet(moving({2.0 + 1e-9, 1.5, 0}, {0.1, 0, 0}, {0, -9.81, 0}), 0.25);
   ASSERT_EQ(slow.state, ContactState::kContact);
   EXPECT_EQ(slow.time_s, 0.0);
-}
-
-TEST(SphereSurfaceContact, TwoFacesAtAnEdgeGiveOneNormal) {
-  const Two two(kRoof);
-  std::mt19937_64 random(11);
-  std::uniform_real_distribution<double> any(-1.0, 1.0);
-  for (int i = 0; i < 200; ++i) {
-    const Vec3 place(0.1 * any(random), 2.0, any(random));
-    const Contact c = two.meet(moving(place, {0, -4, 0}), 1.0);
-    ASSERT_EQ(c.state, ContactState::kContact);
-    EXPECT_NEAR(c.normal_world.x(), place.x() / 0.5, 1e-12);
-    EXPECT_EQ(c.collidee_polygon, 0u);
-  }
 }
 
 // Whichever triangle comes first: the two see one point of their edge, though they go along it in opposite directions.

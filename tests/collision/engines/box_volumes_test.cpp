@@ -18,20 +18,9 @@ double volume(const Box& box) { return 8.0 * box.half.prod(); }
 
 // A plate of 4 x 1 x 0.1 m, turned.
 TriangleSoup plate(const Quat& turn) {
-  TriangleSoup soup;
-  for (const double x : {-2.0, 2.0}) {
-    for (const double y : {-0.5, 0.5}) {
-      for (const double z : {-0.05, 0.05}) soup.vertices.push_back(turn * Vec3(x, y, z));
-    }
-  }
-  const std::array<std::array<std::uint32_t, 4>, 6> sides{
-      {{0, 1, 3, 2}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 3, 7, 5}}};
-  for (std::uint32_t i = 0; i < sides.size(); ++i) {
-    const auto& s = sides[i];
-    soup.faces.push_back({{s[0], s[1], s[2]}, i});
-    soup.faces.push_back({{s[0], s[2], s[3]}, i});
-  }
-  for (const Vec3& v : soup.vertices) soup.box.merge(v);
+  TriangleSoup soup = closed_box({2.0, 0.5, 0.05});
+  for (Vec3& v : soup.vertices) v = turn * v;
+  find_box(soup);
   return soup;
 }
 
@@ -81,7 +70,7 @@ TEST(OrientedBox, IsSomethingForTrianglesWithoutAnArea) {
   TriangleSoup line;
   line.vertices = {{0, 0, 0}, {1, 1, 0}, {2, 2, 0}};
   line.faces = {{{0, 1, 2}, 0}, {{1, 1, 1}, 1}};
-  for (const Vec3& v : line.vertices) line.box.merge(v);
+  find_box(line);
   const auto faces = all_faces(line);
   const OrientedBox box = OrientedBox::around(line, faces);
   EXPECT_NEAR(box.half.maxCoeff(), std::sqrt(2.0), 1e-9);

@@ -7,24 +7,6 @@
 
 namespace peerd::collision::engines {
 
-// A closed box of half sides `half` around `center`, two triangles to a polygon, seen from outside.
-inline TriangleSoup closed_box(const Vec3& half, const Vec3& center = Vec3::Zero()) {
-  TriangleSoup soup;
-  for (int i = 0; i < 8; ++i) {
-    const Vec3 sign(i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0);
-    soup.vertices.push_back((center + sign.cwiseProduct(half)).cast<float>().cast<double>());
-    soup.box.merge(soup.vertices.back());
-  }
-  constexpr std::uint32_t kSides[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
-                                          {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
-  for (std::uint32_t i = 0; i < 6; ++i) {
-    const auto& side = kSides[i];
-    soup.faces.push_back({{side[0], side[1], side[2]}, i});
-    soup.faces.push_back({{side[0], side[2], side[3]}, i});
-  }
-  return soup;
-}
-
 // A closed convex polyhedron: two rings of `around` corners each and two poles, within a metre of the origin.
 inline TriangleSoup spindle(std::uint32_t around) {
   TriangleSoup soup;

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -12,32 +11,6 @@
 namespace peerd::collision::engines::cylinder_query_test {
 
 constexpr double kPi = 3.14159265358979323846;
-
-TriangleSoup with_box(TriangleSoup soup) {
-  for (const TriangleSoup::Face& face : soup.faces) {
-    for (const std::uint32_t corner : face.corners) soup.box.merge(soup.vertices[corner]);
-  }
-  return soup;
-}
-
-// A closed box, two triangles a side, each of its own polygon.
-TriangleSoup block(const Vec3& half) {
-  TriangleSoup soup;
-  for (const double x : {-1.0, 1.0}) {
-    for (const double y : {-1.0, 1.0}) {
-      for (const double z : {-1.0, 1.0}) soup.vertices.push_back(half.cwiseProduct(Vec3(x, y, z)));
-    }
-  }
-  // Counter-clockwise as seen from outside.
-  const std::array<std::array<std::uint32_t, 4>, 6> sides{
-      {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}}};
-  for (std::uint32_t i = 0; i < sides.size(); ++i) {
-    const auto& s = sides[i];
-    soup.faces.push_back({{s[0], s[1], s[2]}, i});
-    soup.faces.push_back({{s[0], s[2], s[3]}, i});
-  }
-  return with_box(soup);
-}
 
 // A hill of heights over a square of 10 m x 10 m around the origin, as an ElevationGrid is.
 TriangleSoup hill(std::uint32_t cells) {
@@ -55,7 +28,8 @@ TriangleSoup hill(std::uint32_t cells) {
       soup.faces.push_back({{at, next + 1, next}, cell});
     }
   }
-  return with_box(soup);
+  find_box(soup);
+  return soup;
 }
 
 Pose at(double x, double y, double z, double about_y = 0.0, double about_z = 0.0) {
@@ -74,7 +48,7 @@ bool touches(CylinderQuery& query, const TriangleSoup& a, const Pose& pose_a, co
 }
 
 TEST(Cylinder, IsAroundASoupAlongADirection) {
-  const TriangleSoup car = block({2.0, 0.75, 1.0});
+  const TriangleSoup car = closed_box({2.0, 0.75, 1.0});
   const Cylinder upright = cylinder_around(car, Vec3::UnitY());
   EXPECT_NEAR(upright.radius_m, std::sqrt(5.0), 1e-12);
   EXPECT_DOUBLE_EQ(upright.low_m, -0.75);
@@ -87,7 +61,7 @@ TEST(Cylinder, IsAroundASoupAlongADirection) {
 // NPSNET's two levels: what is higher than the other one is tall goes over it; else the radii decide.
 TEST(Cylinders, CompareHeightsThenDistances) {
   CylinderQuery query(CylinderAxis::kWorld);
-  const TriangleSoup a = block({1.0, 1.0, 1.0}), b = block({1.0, 0.5, 1.0});
+  const TriangleSoup a = closed_box({1.0, 1.0, 1.0}), b = closed_box({1.0, 0.5, 1.0});
   EXPECT_TRUE(touches(query, a, at(0, 0, 0), b, at(2.8, 0, 0))) << "the corners' radii are 1.414 m";
   EXPECT_FALSE(touches(query, a, at(0, 0, 0), b, at(2.83, 0, 0)));
   EXPECT_TRUE(touches(query, a, at(0, 0, 0), b, at(2, 1.5, 0)));
@@ -100,7 +74,7 @@ TEST(Cylinders, CompareHeightsThenDistances) {
 
 // A pole that falls over reaches out of the cylinder that it stood in.
 TEST(Cylinders, OfTheModelMissWhatLeansOut) {
-  const TriangleSoup pole = block({0.1, 3.0, 0.1}), wall = block({0.5, 0.5, 0.5});
+  const TriangleSoup pole = closed_box({0.1, 3.0, 0.1}), wall = closed_box({0.5, 0.5, 0.5});
   CylinderQuery world(CylinderAxis::kWorld), model(CylinderAxis::kModel);
   const Pose lying = at(0, 0, 0, 0.0, kPi / 2), beside = at(2.5, 0, 0);
   EXPECT_FALSE(brute_force(pole, wall, RelativeMotion(lying, beside)).empty());
@@ -133,13 +107,13 @@ TEST(Cylinders, KnowTerrain) {
   EXPECT_TRUE(is_terrain(hill(4), Vec3::UnitY()));
   EXPECT_TRUE(is_terrain(hill(4), -Vec3::UnitY()));
   EXPECT_FALSE(is_terrain(hill(4), Vec3::UnitX())) << "it has two slopes";
-  EXPECT_FALSE(is_terrain(block({1, 1, 1}), Vec3::UnitY()));
+  EXPECT_FALSE(is_terrain(closed_box({1, 1, 1}), Vec3::UnitY()));
 }
 
 // The slope under the circle decides, not the cylinder around all of the hill.
 TEST(Cylinders, StandOnTerrain) {
   CylinderQuery query(CylinderAxis::kWorld);
-  const TriangleSoup ground = hill(40), thing = block({0.3, 0.5, 0.3});
+  const TriangleSoup ground = hill(40), thing = closed_box({0.3, 0.5, 0.3});
   EXPECT_TRUE(touches(query, ground, at(0, 0, 0), thing, at(0, 3.4, 0)));
   EXPECT_FALSE(touches(query, ground, at(0, 0, 0), thing, at(0, 3.6, 0)));
   EXPECT_FALSE(touches(query, ground, at(0, 0, 0), thing, at(4, 2.6, 0))) << "lower than the top, above the slope";
@@ -176,7 +150,7 @@ TEST(Cylinders, OnTerrainMissNothing) {
 
 TEST(Cylinders, MeasureAnewWhenSomethingLeans) {
   CylinderQuery query(CylinderAxis::kWorld);
-  const TriangleSoup pole = block({0.1, 3.0, 0.1}), wall = block({0.5, 0.5, 0.5});
+  const TriangleSoup pole = closed_box({0.1, 3.0, 0.1}), wall = closed_box({0.5, 0.5, 0.5});
   for (int turn = 0; turn < 4; ++turn) {
     const bool lies = turn % 2 == 1;
     EXPECT_EQ(touches(query, pole, at(0, 0, 0, 0.3 * turn, lies ? kPi / 2 : 0.0), wall, at(2.5, 0, 0)), lies) << turn;

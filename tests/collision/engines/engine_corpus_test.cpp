@@ -8,11 +8,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "bench/polygon_file.hpp"
+#include "bench/polygon_mesh.hpp"
 #include "collision/contact/body.hpp"
 #include "collision/engines/engine.hpp"
 #include "collision/query/wide_query.hpp"
@@ -22,7 +21,6 @@
 namespace peerd::collision::engines::engine_corpus_test {
 
 namespace fs = std::filesystem;
-using ::testing::ElementsAreArray;
 
 constexpr std::size_t kTrianglesMax = 12'000;  // of a soup: larger ones would take minutes in all
 constexpr std::size_t kShapesOfWorld = 12;
@@ -35,21 +33,6 @@ struct Corpus {
   std::vector<NamedSoup> soups;
   std::size_t too_large = 0;
 };
-
-std::optional<TriangleSoup> soup_of(const bench::PolygonFile& file) {
-  std::vector<Eigen::Vector3f> vertices;
-  for (const auto& v : file.vertices) vertices.emplace_back(Vec3(v[0], v[1], v[2]).cast<float>());
-  std::vector<std::int32_t> corners;
-  for (const std::vector<int>& polygon : file.polygons) {
-    if (polygon.size() < 3) continue;
-    corners.insert(corners.end(), polygon.begin(), polygon.end());
-    corners.push_back(Mesh::kEndOfPolygon);
-  }
-  if (corners.empty()) return std::nullopt;
-  auto soup = make_soup(make_mesh(std::move(vertices), std::move(corners)));
-  if (!soup) return std::nullopt;
-  return *std::move(soup);
-}
 
 void add(Corpus& corpus, std::string name, TriangleSoup soup) {
   if (soup.faces.empty() || largest_coordinate(soup.box) > 1e6) return;
@@ -74,7 +57,7 @@ void add_meshes(Corpus& corpus, const fs::path& folder) {
     if (path.extension() != ".obj" && path.extension() != ".off") continue;
     const auto file = bench::read_polygon_file(path.string());
     if (!file) continue;
-    if (auto soup = soup_of(*file)) add(corpus, path.filename().string(), *std::move(soup));
+    if (auto soup = make_soup(bench::mesh_of(*file))) add(corpus, path.filename().string(), *std::move(soup));
   }
 }
 

@@ -43,24 +43,6 @@ Cost cost_of(const ICollide& engine) {
   return {engine.feature_steps(), engine.sort_moves(), engine.counters().triangle_tests};
 }
 
-// The second of two questions about a pair that has hardly moved costs less than the first one; about one that is
-// elsewhere it does not.
-TEST(ICollideTest, CoherenceSavesStepsBetweenConvexPieces) {
-  const TriangleSoup a = spindle(100), b = spindle(80);
-  ICollide engine;
-  const auto ask = [&](const Vec3& position, double turn) {
-    const Cost before = cost_of(engine);
-    EXPECT_TRUE(engine.all_pairs({1, &a}, {2, &b}, RelativeMotion(Pose{}, {position, quat_exp(Vec3(0.01, 0.02, turn))}))
-                    .empty());
-    return cost_of(engine) - before;
-  };
-  const Vec3 near(1.2, 1.15, 0.0);
-  const Cost first = ask(near, 0.3), second = ask(near + Vec3(1e-3, 0, 0), 0.301);
-  EXPECT_GT(second.steps, 0u);
-  EXPECT_LT(2 * second.steps, first.steps);
-  EXPECT_EQ(first.triangle_tests + second.triangle_tests, 0u);
-}
-
 TEST(ICollideTest, CoherenceSavesSortingOfManyPieces) {
   const TriangleSoup a = torus(12, 30, true), b = torus(10, 20, false);
   ICollide engine;

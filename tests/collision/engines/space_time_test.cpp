@@ -33,15 +33,6 @@ TEST(SpaceTime, BoxesMeetWhenTheirSidesDo) {
   EXPECT_EQ(earliest_overlap_s(a, SpaceTimeBound{}, b, rests, 3.0), 3.0) << "nothing is known";
 }
 
-// All three axes must close.
-TEST(SpaceTime, TheLastAxisDecides) {
-  const WorldBox a = cube_at({0, 0, 0}, 1.0), b = cube_at({4, 10, 0}, 1.0);
-  const SpaceTimeBound rests{.end_s = kInfinity}, comes{.velocity_m_s = {-1, -1, 0}, .end_s = kInfinity};
-  EXPECT_NEAR(earliest_overlap_s(a, rests, b, comes, 0.0), 8.0, 1e-9);
-  const SpaceTimeBound passes{.velocity_m_s = {-1, 0.5, 0}, .end_s = kInfinity};
-  EXPECT_EQ(earliest_overlap_s(a, rests, b, passes, 0.0), kInfinity);
-}
-
 // Objects on parabolas that change at times of their own; some jump then. Nothing is known of the last one.
 class Flights : public SpaceTime {
  public:

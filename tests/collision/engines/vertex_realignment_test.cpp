@@ -78,7 +78,7 @@ TEST(VertexRealignment, HoldsWhatIsFlatOrAPoint) {
     soup.faces.push_back({{at, at + 1, at + 4}, i});
   }
   soup.faces.push_back({{0, 0, 0}, 4});
-  for (const Vec3& v : soup.vertices) soup.box.merge(v);
+  find_box(soup);
   compare<6>(soup, 1.0, 10);
   compare<18>(soup, 1.0, 11);
   compare<26>(soup, 1.0, 12);

@@ -34,6 +34,23 @@ TEST(Convexity, NamesTheReason) {
   EXPECT_THAT(refusal({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}), HasSubstr("no area"));
   EXPECT_THAT(refusal({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2, 1}}), HasSubstr("repeats a corner"));
   EXPECT_THAT(refusal({{0, 0, 0}, {NAN, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}), HasSubstr("not finite"));
+  EXPECT_THAT(refusal({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 1}}),
+              HasSubstr("several polygons in one plane"));
+
+  auto two_cubes = cube;
+  Faces of_both = kBoxFaces;
+  for (const Eigen::Vector3f& v : cube) two_cubes.push_back(v + Eigen::Vector3f(3, 0, 0));
+  for (const auto& f : kBoxFaces) of_both.push_back({f[0] + 8, f[1] + 8, f[2] + 8, f[3] + 8});
+  EXPECT_THAT(refusal(two_cubes, of_both), HasSubstr("several parts"));
+
+  Faces fan;
+  std::vector<Eigen::Vector3f> around = {{0, 0, 0}};
+  for (std::uint32_t i = 0; i < 300; ++i) {
+    const float angle = 0.02F * static_cast<float>(i);
+    around.emplace_back(std::cos(angle), std::sin(angle), 1.0F);
+    if (i > 0) fan.push_back({0, i, i + 1});
+  }
+  EXPECT_THAT(refusal(around, fan), HasSubstr("more than 256 polygons"));
 }
 
 // One binary32 step decides: no tolerance.
@@ -52,7 +69,7 @@ TEST(Convexity, IsExact) {
 TEST(Convexity, SurfacesFaceOutwardHoweverTheyAreWound) {
   std::mt19937_64 rng(211);
   for (int i = 0; i < 30; ++i) {
-    const Mesh mesh = random_polyhedron(rng, 10);
+    const Mesh mesh = random_polyhedron(rng, i == 0 ? 102 : 4 + static_cast<std::size_t>(i));  // of 200 faces, and few
     std::vector<std::vector<std::uint32_t>> faces;
     for (std::size_t p = 0; p < mesh.polygon_count(); ++p) {
       faces.emplace_back(mesh.polygon(p).begin(), mesh.polygon(p).end());
@@ -68,6 +85,13 @@ TEST(Convexity, SurfacesFaceOutwardHoweverTheyAreWound) {
       for (const Eigen::Vector3f& v : surface->vertices) EXPECT_LE(n.dot(v.cast<double>() - corner), 1e-12);
     }
   }
+}
+
+// The coordinates are 2^100 apart: the filter cannot tell, the integers can.
+TEST(Convexity, SeesAWideRangeOfMagnitudes) {
+  const float tiny = 0x1p-60F, large = 0x1p60F;
+  const Faces faces{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  EXPECT_EQ(refusal({{0, 0, 0}, {large, 0, 0}, {0, large, 0}, {0, 0, tiny}}, faces), "");
 }
 
 TEST(Convexity, AFlatPolygonFacesAsItIsWound) {

@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -63,22 +62,6 @@ TEST(EdgeEdgeImpact, CrossingAndParallelEdges) {
             ImpactState::kSeparated);
 }
 
-TEST(LinearImpact, AMarginIsAlongEachAxis) {
-  LinearImpactQuery query;
-  const MovingPoint falls = moving({0.25, 0.25, 1}, {0, 0, -2});
-  for (const double margin : {1e-3, 0.25, 0.5}) {
-    const LinearImpact impact = query.vertex_face(falls, kFloor, {.margin_m = margin});
-    EXPECT_EQ(impact.state, ImpactState::kHit);
-    EXPECT_LE(impact.time, (1.0 - margin) / 2.0);
-    EXPECT_NEAR(impact.time, (1.0 - margin) / 2.0, 1e-6);
-  }
-  const Edge rail = {still({-1, 0, 0}), still({1, 0, 0})};
-  const Edge passes = {moving({0, -1, 1}, {0, 0, -0.5}), moving({0, 1, 1}, {0, 0, -0.5})};
-  EXPECT_EQ(query.edge_edge(passes, rail, {.margin_m = 0.49}).state, ImpactState::kSeparated);
-  EXPECT_EQ(query.edge_edge(passes, rail, {.margin_m = 0.5}).state, ImpactState::kHit);
-  EXPECT_EQ(query.vertex_face(falls, kFloor, {.margin_m = 1.0}).time, 0.0);
-}
-
 TEST(LinearImpact, IsSoughtBetweenTwoTimes) {
   LinearImpactQuery query;
   const MovingPoint falls = moving({0.25, 0.25, 1}, {0, 0, -2});
@@ -94,46 +77,6 @@ TEST(LinearImpact, IsSoughtBetweenTwoTimes) {
   EXPECT_EQ(query.vertex_face(falls, kFloor, {.last = whole.time}).time, whole.time);
   EXPECT_EQ(query.vertex_face(falls, kFloor, {.begin = 0.51}).state, ImpactState::kSeparated);
   EXPECT_EQ(query.vertex_face(falls, kFloor, {.begin = 1.0}).state, ImpactState::kSeparated);
-}
-
-// The first time at which a finely sampled volume changes its sign with the vertex over the face, bisected.
-std::optional<double> sampled_impact(const MovingPoint& vertex, const Face& face) {
-  const auto at = [](const MovingPoint& p, double t) { return Vec3(p.at_0 + (p.at_1 - p.at_0) * t); };
-  const auto height = [&](double t) {
-    const Vec3 a = at(face[0], t);
-    return (at(face[1], t) - a).cross(at(face[2], t) - a).dot(at(vertex, t) - a);
-  };
-  constexpr int kSteps = 2000;
-  for (int i = 0; i < kSteps; ++i) {
-    double lo = static_cast<double>(i) / kSteps, hi = static_cast<double>(i + 1) / kSteps;
-    if ((height(lo) > 0.0) == (height(hi) > 0.0)) continue;
-    for (int n = 0; n < 60; ++n) {
-      const double middle = (lo + hi) / 2;
-      ((height(middle) > 0.0) == (height(lo) > 0.0) ? lo : hi) = middle;
-    }
-    const Vec3 a = at(face[0], lo), u = at(face[1], lo) - a, v = at(face[2], lo) - a, p = at(vertex, lo) - a;
-    const Vec3 n = u.cross(v);
-    const double s = p.cross(v).dot(n) / n.squaredNorm(), r = u.cross(p).dot(n) / n.squaredNorm();
-    if (s > 1e-6 && r > 1e-6 && s + r < 1.0 - 1e-6) return lo;
-  }
-  return std::nullopt;
-}
-
-TEST(VertexFaceImpact, IsNeverLaterThanWhatSamplingFinds) {
-  Numbers numbers(51);
-  int hits = 0;
-  for (int i = 0; i < 3000; ++i) {
-    const auto point = [&] { return MovingPoint{numbers.point(1.0), numbers.point(1.0)}; };
-    const MovingPoint vertex = point();
-    const Face face = {point(), point(), point()};
-    const auto expected = sampled_impact(vertex, face);
-    if (!expected) continue;
-    ++hits;
-    const LinearImpact impact = vertex_face_impact(vertex, face);
-    ASSERT_EQ(impact.state, ImpactState::kHit) << i;
-    ASSERT_LE(impact.time, *expected + 1e-12) << i;
-  }
-  EXPECT_GT(hits, 100);
 }
 
 // Rational coordinates of binary64 numbers: the denominators are powers of two.

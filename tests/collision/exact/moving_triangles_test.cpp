@@ -6,8 +6,8 @@
 #include <numbers>
 #include <string>
 
+#include "tests/collision/oracle_types.hpp"
 #include "tests/collision/soups.hpp"
-#include "tests/oracle/moving_oracle.hpp"
 
 namespace peerd::collision::moving_triangles_test {
 
@@ -21,17 +21,6 @@ MovingTriangle moving(const Triangle& at_0, const Triangle& at_1) {
   return {MovingPoint{at_0[0], at_1[0]}, MovingPoint{at_0[1], at_1[1]}, MovingPoint{at_0[2], at_1[2]}};
 }
 MovingTriangle moved(const Triangle& t, const Vec3& by) { return moving(t, {t[0] + by, t[1] + by, t[2] + by}); }
-
-oracle::MovingTriangle plain(const MovingTriangle& triangle) {
-  oracle::MovingTriangle out{};
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      out.at_0[i][k] = triangle[i].at_0[static_cast<int>(k)];
-      out.at_1[i][k] = triangle[i].at_1[static_cast<int>(k)];
-    }
-  }
-  return out;
-}
 
 // What the table says of the pair's first contact: never where `time` is below 0.
 struct Case {
@@ -86,19 +75,6 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"TwoPoints", {still(kPoint), moved({Vec3(1, 1, 0), Vec3(1, 1, 0), Vec3(1, 1, 0)}, {0, 0, 4})}, 0.5},
         Case{"Shears", {still(kFloor), moving(kTipDown, {Vec3(1, 1, -1), Vec3(9, 1, 3), Vec3(1, 9, 3)})}, 0.5}),
     [](const auto& test) { return std::string(test.param.name); });
-
-TEST(MovingTriangles, AMarginIsKept) {
-  MovingTriangleQuery query;
-  const MovingTriangle floor = still(kFloor), falls = moved(kTipDown, {0, 0, -2});
-  for (const double margin : {1e-9, 1e-3, 0.25, 0.5}) {
-    const LinearImpact impact = query.first_impact(floor, falls, {.margin_m = margin});
-    EXPECT_EQ(impact.state, ImpactState::kHit);
-    EXPECT_LE(impact.time, (1.0 - margin) / 2.0);
-    EXPECT_NEAR(impact.time, (1.0 - margin) / 2.0, 1e-6);
-  }
-  EXPECT_EQ(query.first_impact(floor, falls, {.margin_m = 1.0}).time, 0.0);
-  EXPECT_EQ(query.first_impact(floor, still(kTipDown), {.margin_m = 0.999}).state, ImpactState::kSeparated);
-}
 
 TEST(MovingTriangles, WhatIsLaterThanAskedForIsNone) {
   MovingTriangleQuery query;

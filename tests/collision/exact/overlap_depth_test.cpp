@@ -6,22 +6,12 @@
 #include <limits>
 #include <string>
 
+#include "tests/collision/oracle_types.hpp"
 #include "tests/collision/soups.hpp"
 #include "tests/oracle/triangle_cases.hpp"
-#include "tests/oracle/triangle_oracle.hpp"
 
 namespace peerd::collision::overlap_depth_test {
 
-oracle::Triangle plain(const Triangle& t) {
-  oracle::Triangle out{};
-  for (std::size_t i = 0; i < 3; ++i) out[i] = {t[i][0], t[i][1], t[i][2]};
-  return out;
-}
-Triangle ours(const oracle::Triangle& t) {
-  Triangle out;
-  for (std::size_t i = 0; i < 3; ++i) out[i] = {t[i][0], t[i][1], t[i][2]};
-  return out;
-}
 bool touch(const Triangle& a, const Triangle& b) { return oracle::touch(plain(a), plain(b)); }
 
 const Triangle kFloor = {Vec3(0, 0, 0), Vec3(8, 0, 0), Vec3(0, 8, 0)};

@@ -4,20 +4,13 @@
 
 #include <cmath>
 #include <limits>
-#include <optional>
 
+#include "tests/collision/oracle_types.hpp"
 #include "tests/collision/soups.hpp"
-#include "tests/oracle/ray_oracle.hpp"
 
 namespace peerd::collision::ray_triangle_test {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-oracle::Point point(const Vec3& p) { return {p[0], p[1], p[2]}; }
-
-std::optional<double> oracle_parameter(const Ray& ray, const Triangle& t) {
-  return oracle::first_parameter(point(ray.origin), point(ray.direction), {point(t[0]), point(t[1]), point(t[2])});
-}
 
 // Numbers of few bits, so that lines meet, planes contain and edges are parallel to axes often.
 double coarse(Numbers& numbers) { return std::floor(numbers.between(-3.0, 4.0)) * 0.5; }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tests/collision/oracle_types.hpp"
 #include "tests/collision/soups.hpp"
 #include "tests/oracle/distance_oracle.hpp"
 #include "tests/oracle/triangle_cases.hpp"
@@ -14,24 +15,11 @@ namespace peerd::collision::triangle_distance_test {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-oracle::Triangle plain(const Triangle& t) {
-  oracle::Triangle out{};
-  for (std::size_t i = 0; i < 3; ++i) out[i] = {t[i][0], t[i][1], t[i][2]};
-  return out;
-}
-Triangle ours(const oracle::Triangle& t) {
-  Triangle out;
-  for (std::size_t i = 0; i < 3; ++i) out[i] = {t[i][0], t[i][1], t[i][2]};
-  return out;
-}
-
 double largest(const Triangle& a, const Triangle& b) {
   double out = 0.0;
   for (std::size_t i = 0; i < 3; ++i) out = std::max({out, a[i].cwiseAbs().maxCoeff(), b[i].cwiseAbs().maxCoeff()});
   return out;
 }
-
-mpq_class squared(double x) { return mpq_class(x) * mpq_class(x); }
 
 // Bounds hold, and are a few units in the last place of the largest coordinate apart; between 2^-200 and 2^250.
 void expect_certain(const Triangle& a, const Triangle& b, const char* what) {
@@ -98,16 +86,6 @@ TEST(TriangleDistance, TrianglesThatCrossHaveACommonPoint) {
   EXPECT_LT((through.on_a - through.on_b).norm(), 1e-15);
   EXPECT_LT(std::abs(through.on_a[2]), 1e-15);
   EXPECT_LE(through.on_a[0] + through.on_a[1], 4.0 + 1e-15);
-}
-
-TEST(TriangleDistance, OfPairsThatAreEasilySeen) {
-  const Triangle floor = {Vec3(0, 0, 0), Vec3(4, 0, 0), Vec3(0, 4, 0)};
-  const auto distance = [&](const Triangle& t) { return triangle_distance(floor, t).distance; };
-  EXPECT_EQ(distance({Vec3(1, 1, 2), Vec3(1, 1, 3), Vec3(2, 1, 3)}), 2.0);
-  EXPECT_EQ(distance({Vec3(1, 1, 1), Vec3(1, 1, -1), Vec3(2, 1, -1)}), 0.0);
-  EXPECT_EQ(distance({Vec3(-3, 0, 4), Vec3(-3, 0, 4), Vec3(-3, 0, 4)}), 5.0);
-  EXPECT_EQ(distance({Vec3(-1, -1, 1), Vec3(5, -1, 1), Vec3(5, -1, 1)}), std::sqrt(2.0));
-  EXPECT_EQ(distance({Vec3(1, 1, 0.5), Vec3(2, 1, 0.5), Vec3(1, 2, 0.5)}), 0.5);
 }
 
 }  // namespace peerd::collision::triangle_distance_test

@@ -62,11 +62,8 @@ TEST(CollectFaces, FindsAllThatTouchAndNoOthers) {
 TEST(CollectFaces, SidesThatAreEqualTouch) {
   for (const double far : {0.0, 1e6, 0x1p90}) {
     TriangleSoup soup = random_soup(300, 0.1, 123);
-    soup.box = {};
-    for (Vec3& p : soup.vertices) {
-      p.array() += far;
-      soup.box.merge(p);
-    }
+    for (Vec3& p : soup.vertices) p.array() += far;
+    find_box(soup);
     WideTree tree(soup);
     std::vector<std::uint32_t> faces;
     for (std::uint32_t face = 0; face < soup.faces.size(); face += 7) {

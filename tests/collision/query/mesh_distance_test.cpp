@@ -8,6 +8,7 @@
 
 #include "collision/exact/triangle_distance.hpp"
 #include "collision/query/wide_distance.hpp"
+#include "tests/collision/oracle_types.hpp"
 #include "tests/collision/soups.hpp"
 #include "tests/oracle/distance_oracle.hpp"
 #include "tests/oracle/triangle_cases.hpp"
@@ -15,13 +16,6 @@
 namespace peerd::collision::mesh_distance_test {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-oracle::Triangle plain(const Triangle& t) {
-  oracle::Triangle out{};
-  for (std::size_t i = 0; i < 3; ++i) out[i] = {t[i][0], t[i][1], t[i][2]};
-  return out;
-}
-mpq_class squared(double x) { return mpq_class(x) * mpq_class(x); }
 
 // The square of the distance of meshes, every triangle against every one but those whose boxes are farther apart than
 // what was found: 1 + 2^-40 is more than the rounding of that.
@@ -256,12 +250,11 @@ TEST(MeshDistance, OfSmallGapsAndTouches) {
 TEST(MeshDistance, WhatIsInsideIsAsFarAsTheSkin) {
   const TriangleSoup outside = torus(8, 12, false);
   TriangleSoup inside = outside;  // the tube's axis, thin
-  inside.box = {};
   for (Vec3& v : inside.vertices) {
     const Vec3 axis = 0.7 * Vec3(v[0], v[1], 0).normalized();
     v = axis + 0.1 * (v - axis);
-    inside.box.merge(v);
   }
+  find_box(inside);
   WideTree a(outside), b(inside);
   MeshDistanceQuery query;
   const MeshDistance found = query.distance(a, b, between({}, {}));
@@ -273,11 +266,8 @@ TEST(MeshDistance, FarFromTheOrigin) {
   Numbers numbers(88);
   const TriangleSoup near = random_soup(60, 0.3, 89);
   TriangleSoup far = near;
-  far.box = {};
-  for (Vec3& v : far.vertices) {
-    v += Vec3(1e6, -2e6, 3e6);
-    far.box.merge(v);
-  }
+  for (Vec3& v : far.vertices) v += Vec3(1e6, -2e6, 3e6);
+  find_box(far);
   WideTree a(near), b(far);
   MeshDistanceQuery query;
   for (int i = 0; i < 60; ++i) {

@@ -1,50 +1,33 @@
 #include "collision/query/ray_query.hpp"
 
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 #include <hwy/targets.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "tests/allocation_counter.hpp"
+#include "tests/collision/oracle_types.hpp"
 #include "tests/collision/soups.hpp"
-#include "tests/oracle/ray_oracle.hpp"
 
 namespace peerd::collision::ray_query_test {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-oracle::Point point(const Vec3& p) { return {p[0], p[1], p[2]}; }
-
-std::optional<double> oracle_parameter(const Ray& ray, const Triangle& t) {
-  return oracle::first_parameter(point(ray.origin), point(ray.direction), {point(t[0]), point(t[1]), point(t[2])});
-}
-
-// The oracle tests every triangle.
-std::optional<RayHit> slow_nearest(const TriangleSoup& soup, const Ray& ray) {
+// The nearest hit by a test of every triangle.
+template <class FirstParameter>
+std::optional<RayHit> nearest_of_all(const TriangleSoup& soup, const Ray& ray, const FirstParameter& first_parameter) {
   std::optional<RayHit> best;
   for (std::uint32_t f = 0; f < soup.faces.size(); ++f) {
-    const auto t = oracle_parameter(ray, soup.triangle(f));
+    const std::optional<double> t = first_parameter(ray, soup.triangle(f));
     if (!t || *t > ray.longest) continue;
     const std::uint32_t polygon = soup.faces[f].polygon;
     if (!best || *t < best->t || (*t == best->t && polygon < best->polygon)) best = RayHit{polygon, f, *t};
   }
   return best;
 }
-
-// The library's exact test of every triangle, for soups that are too large for the oracle.
+// By the library's exact test, for soups that are too large for the oracle.
 std::optional<RayHit> flat_nearest(const TriangleSoup& soup, const Ray& ray) {
-  std::optional<RayHit> best;
   OrientationCounters counters;
-  for (std::uint32_t f = 0; f < soup.faces.size(); ++f) {
-    const auto t = first_parameter(ray, soup.triangle(f), counters);
-    if (!t || *t > ray.longest) continue;
-    const std::uint32_t polygon = soup.faces[f].polygon;
-    if (!best || *t < best->t || (*t == best->t && polygon < best->polygon)) best = RayHit{polygon, f, *t};
-  }
-  return best;
+  return nearest_of_all(soup, ray, [&](const Ray& r, const Triangle& t) { return first_parameter(r, t, counters); });
 }
 
 void expect_same(const std::optional<RayHit>& found, const std::optional<RayHit>& expected) {
@@ -103,9 +86,8 @@ std::vector<Ray> rays_at(const TriangleSoup& soup, int count, std::uint64_t seed
 }
 
 void scale(TriangleSoup& soup, double factor, const Vec3& by = Vec3::Zero()) {
-  soup.box = {};
   for (Vec3& v : soup.vertices) v = v * factor + by;
-  for (const Vec3& v : soup.vertices) soup.box.merge(v);
+  find_box(soup);
 }
 
 TEST(RayQuery, IsTheNearestOfAllByTheOracle) {
@@ -115,7 +97,7 @@ TEST(RayQuery, IsTheNearestOfAllByTheOracle) {
     for (const Ray& ray : rays_at(soup, 150, 113)) {
       WideTree tree(soup);
       const auto found = query.nearest(tree, ray);
-      expect_same(found, slow_nearest(soup, ray));
+      expect_same(found, nearest_of_all(soup, ray, oracle_parameter));
       hits += found.has_value();
       ++rays;
     }
@@ -158,30 +140,6 @@ TEST(RayQuery, CullingLosesNothing) {
   EXPECT_GT(hits, 1500u);
 }
 
-TEST(RayQuery, AnswersAndWorkAreTheSameForEachInstructionSet) {
-  const TriangleSoup soup = torus(24, 40, true);
-  std::vector<std::pair<std::uint32_t, double>> first_answers;
-  std::uint64_t first_tests = 0;
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    WideTree tree(soup);
-    RayQuery query;
-    std::vector<std::pair<std::uint32_t, double>> answers;
-    for (const Ray& ray : rays_at(soup, 500, 126)) {
-      const auto hit = query.nearest(tree, ray);
-      answers.emplace_back(hit ? hit->face : ~0u, hit ? hit->t : -1.0);
-    }
-    const std::uint64_t tests = query.counters().bv_tests * 1000003 + query.counters().triangle_tests;
-    if (first_answers.empty()) {
-      first_answers = answers;
-      first_tests = tests;
-    }
-    EXPECT_EQ(answers, first_answers) << target;
-    EXPECT_EQ(tests, first_tests) << target;
-  }
-  hwy::SetSupportedTargetsForTest(0);
-}
-
 // The rays start within a closed tube, at each of its vertices and at the middle of each edge, which several polygons
 // share.
 TEST(RayQuery, NoRaySlipsThroughAnEdgeOrAVertex) {
@@ -210,7 +168,7 @@ TEST(RayQuery, TheLowestPolygonOfThoseMetInOnePointIsNamed) {
     fan.vertices.push_back(Vec3(i % 4 == 2 ? 0 : i < 2 || i > 6 ? 1 : -1, i % 4 == 0 ? 0 : i < 4 ? 1 : -1, 0));
   for (std::uint32_t i = 0; i < 8; ++i) fan.faces.push_back({{0, i + 1, (i + 1) % 8 + 1}, 7 - i});
   for (std::uint32_t i = 0; i < 64; ++i) fan.faces.push_back({{0, 0, 0}, 100 + i});
-  for (const Vec3& v : fan.vertices) fan.box.merge(v);
+  find_box(fan);
   WideTree tree(fan);
   RayQuery query;
   const auto hit = query.nearest(tree, {Vec3(0, 0, 5), Vec3(0, 0, -2)});

@@ -14,28 +14,11 @@ namespace peerd::collision::time_of_impact_test {
 TriangleSoup soup_of(std::vector<Vec3> vertices, const std::vector<std::array<std::uint32_t, 3>>& faces) {
   TriangleSoup soup;
   soup.vertices = std::move(vertices);
-  for (const Vec3& v : soup.vertices) soup.box.merge(v);
+  find_box(soup);
   for (std::uint32_t i = 0; i < faces.size(); ++i) soup.faces.push_back({faces[i], i});
   return soup;
 }
 
-TriangleSoup box(const Vec3& half) {
-  std::vector<Vec3> v;
-  for (int i = 0; i < 8; ++i)
-    v.push_back({i & 1 ? half[0] : -half[0], i & 2 ? half[1] : -half[1], i & 4 ? half[2] : -half[2]});
-  return soup_of(v, {{0, 2, 1},
-                     {1, 2, 3},
-                     {4, 5, 6},
-                     {5, 7, 6},
-                     {0, 1, 4},
-                     {1, 5, 4},
-                     {2, 6, 3},
-                     {3, 6, 7},
-                     {0, 4, 2},
-                     {2, 4, 6},
-                     {1, 3, 5},
-                     {3, 7, 5}});
-}
 TriangleSoup point(const Vec3& p) { return soup_of({p}, {{0, 0, 0}}); }
 TriangleSoup rod(const Vec3& p, const Vec3& q) { return soup_of({p, q}, {{0, 1, 1}}); }
 TriangleSoup plate(double half) {
@@ -89,8 +72,8 @@ TEST(TimeOfImpact, BoxesMeetFaceToFace) {
     const Vec3 half_a(numbers.between(0.1, 2), 1, 1), half_b(numbers.between(0.1, 2), 0.5, 0.5);
     const double gap = numbers.between(0.01, 5.0), speed = numbers.between(0.6, 50.0);
     const Pose there = {stand * Vec3(half_a[0] + half_b[0] + gap, 0.3, -0.2), stand.orientation};
-    expect_hit(box(half_a), at_rest(stand), box(half_b), moving(there, stand.orientation * Vec3(-speed, 0, 0)),
-               gap / speed, speed);
+    expect_hit(closed_box(half_a), at_rest(stand), closed_box(half_b),
+               moving(there, stand.orientation * Vec3(-speed, 0, 0)), gap / speed, speed);
   }
 }
 
@@ -99,7 +82,7 @@ TEST(TimeOfImpact, TurnedBoxesMeetTheFloorWithACorner) {
   Numbers numbers(63);
   const TriangleSoup floor = plate(100.0);
   for (int i = 0; i < 2000; ++i) {
-    const TriangleSoup block = box({0.5, 0.7, 0.3});
+    const TriangleSoup block = closed_box({0.5, 0.7, 0.3});
     const Pose turned = random_pose(numbers, 1.0);
     double lowest = 1e9;
     for (const Vec3& v : block.vertices) lowest = std::min(lowest, (turned * v)[2]);
@@ -134,7 +117,7 @@ TEST(TimeOfImpact, WhatFallsAndSpinsMeetsTheFloorInTime) {
 // The bodies are as after a bounce: nearer than the tolerance.
 TEST(TimeOfImpact, ATouchThatPartsIsNoneUntilItComesBack) {
   Numbers numbers(68);
-  const TriangleSoup floor = plate(100.0), cube = box({0.5, 0.5, 0.5});
+  const TriangleSoup floor = plate(100.0), cube = closed_box({0.5, 0.5, 0.5});
   WideTree a(floor), b(cube);
   MeshImpactQuery query;
   for (int i = 0; i < 500; ++i) {
@@ -152,7 +135,7 @@ TEST(TimeOfImpact, ATouchThatPartsIsNoneUntilItComesBack) {
 }
 
 TEST(TimeOfImpact, WhatSlidesIsFreeAndWhatIsPressedRests) {
-  const TriangleSoup floor = plate(100.0), cube = box({0.5, 0.5, 0.5});
+  const TriangleSoup floor = plate(100.0), cube = closed_box({0.5, 0.5, 0.5});
   WideTree a(floor), b(cube);
   MeshImpactQuery query;
   const Pose on_it = {{0, 0, 0.5 + 0.7 * kTolerance}, Quat::Identity()};
@@ -213,7 +196,7 @@ TEST(TimeOfImpact, WhatIsFastAndThinDoesNotTunnel) {
 
 // Boxes whose faces touch, turned together so that rounding leaves a gap or an overlap: the motion tells.
 TEST(TimeOfImpact, TouchingAtTheStartIsToldByTheMotion) {
-  const TriangleSoup cube = box({1, 1, 1});
+  const TriangleSoup cube = closed_box({1, 1, 1});
   WideTree left(cube), right(cube);
   MeshImpactQuery query;
   Numbers numbers(70);
@@ -245,7 +228,7 @@ TEST(TimeOfImpact, TouchingAtTheStartIsToldByTheMotion) {
 }
 
 TEST(TimeOfImpact, SaysHowFarItCameWhereItDidNotFind) {
-  const TriangleSoup cube = box({1, 1, 1});
+  const TriangleSoup cube = closed_box({1, 1, 1});
   WideTree left(cube), right(cube);
   MeshImpactQuery query;
   const KinematicState coming = moving({{9, 0, 0}, Quat::Identity()}, {-1, 0.1, 0}, {1, 2, 3});
@@ -262,7 +245,7 @@ TEST(TimeOfImpact, WhatIsSmallHitsBeforeItIsNearerThanHalfTheTolerance) {
   for (int i = 0; i < 500; ++i) {
     const double size = 1e-3, gap = numbers.between(2.0, 500.0) * kTolerance, speed = numbers.between(1e-3, 1.0);
     const KinematicState coming = moving({{0, 0, 0.5 * size + gap}, Quat::Identity()}, {0, 0, -speed});
-    const TriangleSoup ground = plate(10.0 * size), block = box({0.5 * size, 0.5 * size, 0.5 * size});
+    const TriangleSoup ground = plate(10.0 * size), block = closed_box({0.5 * size, 0.5 * size, 0.5 * size});
     WideTree floor(ground), cube(block);
     MeshImpactQuery query;
     const MeshImpact impact = query.first_impact(floor, {}, cube, coming, 10.0, {.tolerance_m = kTolerance});
@@ -270,7 +253,7 @@ TEST(TimeOfImpact, WhatIsSmallHitsBeforeItIsNearerThanHalfTheTolerance) {
     ASSERT_GE(impact.distance_m, 0.499 * kTolerance);
     ASSERT_LE(impact.time_s, gap / speed);
   }
-  const TriangleSoup floor = plate(0.01), cube = box({5e-4, 5e-4, 5e-4});
+  const TriangleSoup floor = plate(0.01), cube = closed_box({5e-4, 5e-4, 5e-4});
   WideTree a(floor), b(cube);
   MeshImpactQuery query;
   const MeshImpact rests =
@@ -311,25 +294,8 @@ TEST(TimeOfImpact, IsBeforeTheFirstInstantThatTouches) {
 // A hit is reported earlier where the world's coordinates are so large that places are known less well than the
 // tolerance: at 1e10 m, a unit in the last place is 2e-6 m. A hit must never touch already.
 TEST(TimeOfImpact, CubesThatTumbleOntoAPlateFarOutDoNotTouchItWhenTheyHit) {
-  TriangleSoup cube, plate;
-  for (int i = 0; i < 8; ++i) {
-    cube.vertices.emplace_back((i & 1) != 0 ? 0.5 : -0.5, (i & 2) != 0 ? 0.5 : -0.5, (i & 4) != 0 ? 0.5 : -0.5);
-  }
-  for (const auto& side : {std::array{0u, 4u, 6u, 2u},
-                           {1u, 3u, 7u, 5u},
-                           {0u, 1u, 5u, 4u},
-                           {2u, 6u, 7u, 3u},
-                           {0u, 2u, 3u, 1u},
-                           {4u, 5u, 7u, 6u}}) {
-    const auto polygon = static_cast<std::uint32_t>(cube.faces.size() / 2);
-    cube.faces.push_back({{side[0], side[1], side[2]}, polygon});
-    cube.faces.push_back({{side[0], side[2], side[3]}, polygon});
-  }
-  plate.vertices = {{-20, 0, -20}, {-20, 0, 20}, {20, 0, 20}, {20, 0, -20}};
-  plate.faces = {{{0, 1, 2}, 0}, {{0, 2, 3}, 0}};
-  for (TriangleSoup* const soup : {&cube, &plate}) {
-    for (const Vec3& v : soup->vertices) soup->box.merge(v);
-  }
+  const TriangleSoup cube = closed_box({0.5, 0.5, 0.5}),
+                     plate = soup_of({{-20, 0, -20}, {-20, 0, 20}, {20, 0, 20}, {20, 0, -20}}, {{0, 1, 2}, {0, 2, 3}});
   WideTree of_cube(cube), of_plate(plate);
   MeshImpactQuery query;
   WideQuery exact;

@@ -1,6 +1,5 @@
 #include "collision/query/tree_query.hpp"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,26 +7,6 @@
 #include "tests/collision/soups.hpp"
 
 namespace peerd::collision::tree_query_test {
-
-using ::testing::ElementsAreArray;
-using ::testing::IsEmpty;
-
-// The case that listing 3.4 of the thesis forgets: a leaf against a node with children, either way round.
-TEST(TreeQuery, ALeafMeetsANodeWithChildren) {
-  const TriangleSoup one = random_soup(1, 0.9, 301), many = random_soup(400, 0.2, 302);
-  Numbers numbers(303);
-  std::size_t found = 0;
-  for (int i = 0; i < 20; ++i) {
-    const RelativeMotion motion(random_pose(numbers, 0.5), random_pose(numbers, 0.5));
-    KdopTree<18> leaf(one, {}), node(many, {});
-    QueryCounters counters;
-    const auto expected = brute_force(one, many, motion), turned = brute_force(many, one, motion);
-    EXPECT_THAT(all_pairs(leaf, node, motion, counters), ElementsAreArray(expected));
-    EXPECT_THAT(all_pairs(node, leaf, motion, counters), ElementsAreArray(turned));
-    found += expected.size() + turned.size();
-  }
-  EXPECT_GT(found, 40u);
-}
 
 TEST(TreeQuery, CountsItsWork) {
   const TriangleSoup a = torus(12, 16, true), b = random_soup(200, 0.1, 304);

@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <vector>
 
 #include "collision/query/wide_motion.hpp"
 #include "collision/tree/wide_tree.hpp"
@@ -28,25 +27,5 @@ struct WidePair {
     return {a_from_b(t[0]), a_from_b(t[1]), a_from_b(t[2])};
   }
 };
-
-// The faces below a child of a built tree.
-inline std::vector<std::uint32_t> faces_below(const WideTree& tree, WideTree::Ref ref) {
-  using Ref = WideTree::Ref;
-  std::vector<std::uint32_t> faces;
-  std::vector<Ref> stack = {ref};
-  while (!stack.empty()) {
-    const Ref next = stack.back();
-    stack.pop_back();
-    if (next.kind() == Ref::kNode) {
-      for (const Ref child : tree.node(next.index()).children) {
-        if (child.kind() != Ref::kNone) stack.push_back(child);
-      }
-    } else {
-      const WideTree::Leaf& leaf = tree.leaf(next.index());
-      faces.insert(faces.end(), tree.faces(leaf).begin(), tree.faces(leaf).end());
-    }
-  }
-  return faces;
-}
 
 }  // namespace peerd::collision::test

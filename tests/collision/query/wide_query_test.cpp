@@ -2,7 +2,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <hwy/highway.h>
 
 #include <algorithm>
 #include <cmath>
@@ -40,17 +39,15 @@ std::vector<Case> cases() {
   there.position += Vec3(1e6 + 0.5, -2e6, 3e6);
   out.push_back({torus(10, 12, true), torus(10, 12, true), RelativeMotion(here, there)});
   TriangleSoup far = torus(10, 12, true);
-  far.box = {};
   for (Vec3& v : far.vertices) v += Vec3(4096, 0, 0);
-  for (const Vec3& v : far.vertices) far.box.merge(v);
+  find_box(far);
   out.push_back({far, torus(10, 12, true), RelativeMotion(Pose{}, Pose{{4096.25, 0, 0}, Quat::Identity()})});
   return out;
 }
 
 void scale(TriangleSoup& soup, double factor) {
-  soup.box = {};
   for (Vec3& v : soup.vertices) v *= factor;
-  for (const Vec3& v : soup.vertices) soup.box.merge(v);
+  find_box(soup);
 }
 
 TEST(WideQuery, AllPairsAreThoseOfBruteForce) {
@@ -117,32 +114,6 @@ TEST(WideQuery, HalfSpacesMeetSmallThingsAndEachOther) {
   }
 }
 
-// The choice of instructions changes neither an answer nor a counter.
-TEST(WideQuery, EveryInstructionSetDoesTheSame) {
-  std::vector<std::vector<PolygonPair>> of_target;
-  std::vector<QueryCounters> counters;
-  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
-    hwy::SetSupportedTargetsForTest(target);
-    WideQuery query;
-    std::vector<PolygonPair> found;
-    for (const Case& c : cases()) {
-      WideTree a(c.a), b(c.b);
-      PolygonPair pair{};
-      if (query.find_pair(a, b, c.motion, pair)) found.push_back(pair);
-      const auto& all = query.all_pairs(a, b, c.motion);
-      found.insert(found.end(), all.begin(), all.end());
-    }
-    of_target.push_back(found);
-    counters.push_back(query.counters());
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  for (std::size_t i = 1; i < of_target.size(); ++i) {
-    EXPECT_EQ(of_target[i], of_target[0]);
-    EXPECT_EQ(counters[i].bv_tests, counters[0].bv_tests);
-    EXPECT_EQ(counters[i].triangle_tests, counters[0].triangle_tests);
-  }
-}
-
 TEST(WideQuery, RefittedTreesFollowTheirVertices) {
   const TriangleSoup other = random_soup(150, 0.2, 9);
   for (const bool whole : {false, true}) {
@@ -152,9 +123,8 @@ TEST(WideQuery, RefittedTreesFollowTheirVertices) {
     const RelativeMotion motion(Pose{}, Pose{{0.9, 0, 0}, Quat::Identity()});
     (void)query.all_pairs(moving, still, motion);  // built in part
     if (whole) moving.build_all();
-    soup.box = {};
     for (Vec3& v : soup.vertices) v = {1.5 * v[0] + 3.0, v[1] + 0.3 * v[0] * v[0], v[2] + 0.5};
-    for (const Vec3& v : soup.vertices) soup.box.merge(v);
+    find_box(soup);
     moving.refit();
     const RelativeMotion next(Pose{}, Pose{{3.9, 0.2, 0.4}, Quat::Identity()});
     const std::vector<PolygonPair> expected = brute_force(soup, other, next);

@@ -8,9 +8,9 @@
 #include <string>
 #include <string_view>
 
+#include "tests/collision/oracle_types.hpp"
 #include "tests/collision/query/wide_kernels.hpp"
 #include "tests/oracle/triangle_cases.hpp"
-#include "tests/oracle/triangle_oracle.hpp"
 
 namespace peerd::collision::wide_touch_test {
 
@@ -31,13 +31,6 @@ enum class Placing : std::uint8_t { kAsItIs, kTurned, kFar, kSubnormal, kBesideL
 constexpr std::array<const char*, 5> kPlacings = {"as it is", "turned", "far from the origin", "subnormal",
                                                   "in a large leaf"};
 
-Triangle triangle(const oracle::Triangle& t) {
-  return {Vec3(t[0][0], t[0][1], t[0][2]), Vec3(t[1][0], t[1][1], t[1][2]), Vec3(t[2][0], t[2][1], t[2][2])};
-}
-oracle::Triangle points(const Triangle& t) {
-  const auto point = [](const Vec3& p) { return oracle::Point{p[0], p[1], p[2]}; };
-  return {point(t[0]), point(t[1]), point(t[2])};
-}
 double size_of(const Triangle& t) {
   double size = 0.0;
   for (const Vec3& p : t) size = std::max(size, p.cwiseAbs().maxCoeff());
@@ -71,7 +64,7 @@ void compare(const TriangleSoup& a, const TriangleSoup& b, const RelativeMotion&
     }
   }
   const Triangle in_b = b.triangle(0), moved = {a_from_b(in_b[0]), a_from_b(in_b[1]), a_from_b(in_b[2])};
-  const bool truth = oracle::touch(points(a.triangle(0)), points(moved));
+  const bool truth = oracle::touch(plain(a.triangle(0)), plain(moved));
   ++tally.pairs;
   tally.touching += truth;
   tally.certain += certain;
@@ -80,7 +73,7 @@ void compare(const TriangleSoup& a, const TriangleSoup& b, const RelativeMotion&
 }
 
 void compare(const oracle::Pair& pair, Placing placing, Numbers& numbers, Tally& tally) {
-  Triangle a = triangle(pair.a), b = triangle(pair.b);
+  Triangle a = ours(pair.a), b = ours(pair.b);
   RelativeMotion motion(Pose{}, Pose{});
   const double size = std::max(size_of(a), size_of(b));
   if (!(size <= 0x1p100)) return;  // no soup has such

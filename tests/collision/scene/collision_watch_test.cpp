@@ -286,31 +286,6 @@ TEST(CollisionWatch, WhatIsFarOutIsAskedAsOften) {
   }
 }
 
-// The pair may have been ever so far apart, and have gone ever so little.
-TEST(CollisionWatch, WhatBendsHasNoGapAnyMore) {
-  const Scene scene = scene_of(R"(
-    DEF A Transform { children DEF SA Shape { geometry IndexedFaceSet {
-      coord Coordinate { point [ -1 0 -1, 1 0 -1, 0 0 1, 0 3 -1 ] } coordIndex [ 0 1 2 ] } } }
-    DEF B Transform { translation 0 1.5 0 children Shape { geometry Sphere { radius 0.5 } } }
-    CollisionInterest { objectPath "SA" interests "B" collisionType 1 })");
-  CollisionWatch watch(scene);
-  const std::uint32_t b = transform_of(scene, "B");
-  double y = 1.5;
-  const auto step = [&] {
-    watch.move(b, at(0, y -= 0.001, 0));
-    return watch.tick().colliding.size();
-  };
-  for (int i = 0; i < 20; ++i) EXPECT_EQ(step(), 0u);
-  EXPECT_GT(watch.counters().pairs_separated, 10u);
-  auto faces = std::get<FaceSetGeometry>(scene.geometries[0]);
-  faces.points = std::vector<Eigen::Vector3f>{{-1, 1.4F, -1}, {1, 1.4F, -1}, {0, 1.4F, 1}, {0, 3, -1}};
-  watch.reshape(0, faces);
-  EXPECT_EQ(step(), 1u);
-  EXPECT_EQ(step(), 1u);
-  watch.reshape(0, scene.geometries[0]);
-  EXPECT_EQ(step(), 0u);
-}
-
 constexpr std::string_view kRow = R"(
   DEF A Transform { children Shape { geometry Sphere {} } }
   DEF B Transform { translation 1.9 0 0 children Shape { geometry Sphere {} } }
@@ -379,36 +354,6 @@ TEST(CollisionWatch, OnePairOfShapesIsTestedOnceATick) {
   EXPECT_EQ(watch.tick().colliding.size(), 5u);
   const PairCoherence::Counters shapes = watch.counters().shapes;
   EXPECT_EQ(shapes.pairs_tested + shapes.pairs_witnessed, 2u);
-}
-
-TEST(CollisionWatch, SaysWhatBeganAndEnded) {
-  const Scene scene = scene_of(R"(
-    DEF A Transform { children Shape { geometry Box {} } }
-    DEF B Transform { translation 9 0 0 children Shape { geometry Box {} } }
-    DEF C Transform { translation 1 0 0 children DEF SC Shape { geometry Box {} } }
-    CollisionInterest { objectPath "A" interests [ "B" "SC" ] collisionType 1 }
-    CollisionInterest { objectPath "B" interests "A" })");
-  const ObjectId a = *scene.find("A"), b = *scene.find("B");
-  const std::uint32_t move_b = transform_of(scene, "B"), move_c = transform_of(scene, "C");
-  CollisionWatch watch(scene);
-  const auto expect = [&](std::vector<std::uint32_t> began, std::vector<std::uint32_t> ended,
-                          const std::vector<NotColliding>& events) {
-    const CollisionWatch::Tick& tick = watch.tick();
-    EXPECT_EQ(list(tick.began), began);
-    EXPECT_EQ(list(tick.ended), ended);
-    EXPECT_EQ(list(tick.not_colliding), events);
-  };
-  expect({1}, {}, {{a, false}});  // B has collided with nothing yet; SC is no Transform, and C is in no interest
-  expect({}, {}, {});
-  watch.move(move_b, at(2, 0, 0));
-  expect({0, 2}, {}, {{b, false}});
-  watch.move(move_c, at(0, 30, 0));
-  expect({}, {1}, {});  // A still collides with B
-  watch.move(move_c, at(0, -1, 0));
-  watch.move(move_b, at(9, 0, 0));
-  expect({1}, {0, 2}, {{b, true}});
-  watch.move(move_c, at(0, 30, 0));
-  expect({}, {1}, {{a, true}});
 }
 
 TEST(CollisionWatch, OneThatIsRefusedLeavesTheOthersTheirAnswers) {

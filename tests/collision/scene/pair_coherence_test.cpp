@@ -49,7 +49,7 @@ TEST(ApartBy, IsCertifiedWhereBoxesAreTight) {
   TriangleSoup plate;
   plate.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   plate.faces = {{{0, 1, 2}, 0}};
-  for (const Vec3& v : plate.vertices) plate.box.merge(v);
+  find_box(plate);
   WideTree a(plate), b(plate);
   WideQuery query;
   Numbers numbers(8);

@@ -39,18 +39,6 @@ TEST(SceneCollide, VisitsTheShapesWhoseBoxesOverlap) {
   EXPECT_EQ(world.placement.geometries().counters().soups_built, 2u);  // the box that is far is not triangulated
 }
 
-// The Shape with the lower id gives the frame, whichever is the collider: the pairs are the same ones.
-TEST(SceneCollide, TheLowerShapeGivesTheFrameEitherWay) {
-  World world(kRow);
-  const auto forth = world.collide.collide(world.id("A"), world.id("B"), CollisionType::kAllPairs);
-  const auto back = world.collide.collide(world.id("B"), world.id("A"), CollisionType::kAllPairs);
-  ASSERT_TRUE(forth && back && forth->colliding && back->colliding);
-  std::vector<ShapePair> turned;
-  for (const ShapePair& pair : back->pairs) turned.push_back({pair.collidee, pair.collider});
-  std::ranges::sort(turned);
-  EXPECT_EQ(forth->pairs, turned);
-}
-
 TEST(SceneCollide, GapsAreCertain) {
   World world(kRow);
   EXPECT_TRUE(world.collide.separated_by(world.id("B"), world.id("C"), 1.0));

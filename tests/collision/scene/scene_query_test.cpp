@@ -9,7 +9,6 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/geometry/tessellate.hpp"
@@ -21,9 +20,7 @@
 
 namespace peerd::collision::scene_query_test {
 
-using ::testing::ElementsAre;
 using ::testing::ElementsAreArray;
-using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
@@ -72,19 +69,6 @@ TEST(SceneQuery, GroupsCollideAsAllPairsOfTheirShapesDo) {
   const Collision witness = ask(query, scene, "A", "B", CollisionType::kWitness);
   ASSERT_EQ(witness.pairs.size(), 1u);
   EXPECT_TRUE(std::ranges::binary_search(expected, witness.pairs[0]));
-}
-
-TEST(SceneQuery, FollowsWhatMoves) {
-  const Scene scene = scene_of(R"(
-    DEF A Transform { children Shape { geometry Box {} } }
-    DEF B Transform { translation 5 0 0 children Shape { geometry Box {} } })");
-  SceneQuery query(scene);
-  EXPECT_FALSE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
-  std::vector<TransformFields> transforms = scene.transforms;
-  for (TransformFields& t : transforms) t.translation *= 0.4;
-  query.set_transforms(transforms);
-  EXPECT_TRUE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
-  EXPECT_EQ(query.counters().meshes_built, 2u);
 }
 
 TEST(SceneQuery, MovingOneCostsWhatIsBelowIt) {
@@ -159,48 +143,6 @@ TEST(SceneQuery, WaysAreThoseOfTheFarthestCorners) {
   }
 }
 
-// A Transform that scales all the time doesn't fill the memory.
-TEST(SceneQuery, ForgetsFormsThatNoShapeHasAnyMore) {
-  const Scene scene = scene_of(R"(
-    DEF A Transform { children Shape { geometry Box {} } }
-    DEF B Transform { translation 1 0 0 children Shape { geometry Sphere {} } })");
-  SceneQuery query(scene);
-  for (int i = 1; i <= 50; ++i) {
-    TransformFields scaled;
-    scaled.scale = {1.0 + 0.01 * i, 1, 1};
-    query.move(scene.at(id(scene, "A")).transform, scaled);
-    EXPECT_TRUE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
-    EXPECT_EQ(query.counters().soups_built, 1u + static_cast<unsigned>(i));
-    EXPECT_EQ(query.forms(), 2u);
-  }
-}
-
-TEST(SceneQuery, FollowsWhatBends) {
-  const Scene scene = scene_of(R"(
-    DEF A Shape { geometry IndexedFaceSet {
-      coord Coordinate { point [ 0 0 0, 1 0 0, 0 1 0, 1 1 0 ] } coordIndex [ 0 1 2 -1 1 3 2 ] } }
-    DEF B Transform { translation 0 0 3 children Shape { geometry Sphere {} } })");
-  SceneQuery query(scene);
-  Geometry bent = scene.geometries[0];
-  auto& faces = std::get<FaceSetGeometry>(bent);
-  const auto lifted = [&](float by) {
-    std::vector<Eigen::Vector3f> points(faces.points.begin(), faces.points.end());
-    points[0][2] += by;
-    faces.points = std::move(points);
-  };
-  EXPECT_FALSE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
-  lifted(2.5f);
-  query.reshape(0, bent);
-  EXPECT_TRUE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
-  lifted(-0.25f);
-  query.reshape(0, bent);
-  EXPECT_TRUE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
-  EXPECT_EQ(query.counters().hierarchies_refitted, 1u);
-  lifted(-1.0f);
-  query.reshape(0, bent);
-  EXPECT_FALSE(ask(query, scene, "A", "B", CollisionType::kWitness).colliding);
-}
-
 // Closed boxes, of the vertices that polygons use.
 TEST(SceneQuery, BoxesAreTightAndClosed) {
   const Scene scene = scene_of(R"(
@@ -241,16 +183,6 @@ TEST(SceneQuery, BuildsNothingThatNoQuestionNeeds) {
   EXPECT_EQ(query.counters().meshes_built, 1u);
 }
 
-TEST(SceneQuery, RefusesWhatIsTooFarOutByName) {
-  const Scene scene = scene_of(R"(
-    DEF A Transform { scale 1e38 1 1 children DEF FAR Shape { geometry Box { size 10 10 10 } } }
-    DEF B Shape { geometry Box {} })");
-  SceneQuery query(scene);
-  const auto collision = query.collide(id(scene, "A"), id(scene, "B"), CollisionType::kWitness);
-  ASSERT_FALSE(collision.has_value());
-  EXPECT_THAT(collision.error(), HasSubstr("A/FAR: vertex"));
-}
-
 // The thesis's box (3.2.3) holds every vertex, is larger than theirs where an object is turned, and reads none again.
 TEST(SceneQuery, RealignedBoxesAreLargerAndReadNoVertexTwice) {
   const std::string ball = "Shape { geometry Sphere { radius 1 } }";
@@ -273,28 +205,6 @@ TEST(SceneQuery, RealignedBoxesAreLargerAndReadNoVertexTwice) {
   EXPECT_GT(only_loose, 20);
   EXPECT_EQ(loose.counters().vertices_placed, 0u);
   EXPECT_EQ(loose.counters().soups_built, 0u);
-}
-
-// Not rounded where only the last transform scales; with rotations between, rotation * stretch is the whole map.
-TEST(StretchedPose, IsThePathInTwoParts) {
-  TransformFields turn, stretch;
-  turn.rotation = normalized(Quat(0.9, 0.1, -0.3, 0.2));
-  turn.translation = {1, 2, 3};
-  stretch.scale = {2, 0.5, 3};
-  const StretchedPose simple = stretched_pose(std::array{turn, stretch});
-  EXPECT_EQ(simple.stretch, Mat3(stretch.scale.asDiagonal()));
-  EXPECT_EQ(stretched_pose(std::array{turn, turn}).stretch, Mat3::Identity());
-  TransformFields both = turn;
-  both.scale = {1, 4, 0.25};
-  both.scale_orientation = normalized(Quat(0.5, 0.5, 0.1, -0.7));
-  both.center = {0.5, -1, 2};
-  const std::array path = {both, turn, stretch, both};
-  const StretchedPose parts = stretched_pose(path);
-  Affine whole;
-  for (const TransformFields& t : path) whole = multiply(whole, parent_from_local(t));
-  const Mat3 product = parts.pose.orientation.toRotationMatrix() * parts.stretch;
-  EXPECT_LT((product - whole.linear).cwiseAbs().maxCoeff(), 1e-13);
-  EXPECT_LT((parts.pose.position - whole.offset).norm(), 1e-13);
 }
 
 }  // namespace peerd::collision::scene_query_test

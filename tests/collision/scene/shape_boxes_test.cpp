@@ -37,16 +37,6 @@ TEST(ShapeBoxes, HoldTheirSubtrees) {
   EXPECT_EQ(world.boxes.boxes_placed(), 2u);
 }
 
-TEST(ShapeBoxes, AMoveForgetsItsSubtreeAndWhatIsAbove) {
-  World world(kTwo);
-  (void)world.boxes.box(0, Surfaces::kColliding);
-  TransformFields up;
-  up.translation = {0, 9, 0};
-  world.move(1, up);
-  EXPECT_NEAR(world.boxes.box(0, Surfaces::kColliding).hi[1], 10.0, 1e-9);
-  EXPECT_EQ(world.boxes.boxes_placed(), 3u);  // C's is still known
-}
-
 TEST(ShapeBoxes, BothSetsShareABoxThatIsTheSame) {
   World world(R"(Collision { children Shape { geometry Box {} } proxy Shape { geometry Box { size 8 8 8 } } }
                  Shape { geometry Box {} })");
@@ -68,15 +58,6 @@ TEST(ShapeBoxes, TightBoxesAreThoseOfUsedVerticesOnly) {
   EXPECT_EQ(world.boxes.vertices_placed(), 3u);
   (void)world.boxes.tight_box(ObjectId{0});
   EXPECT_EQ(world.boxes.vertices_placed(), 3u);
-}
-
-TEST(ShapeBoxes, RealignedBoxesLieBetweenTheTightAndThePadded) {
-  World world("DEF A Transform { rotation 1 2 3 0.7 children Shape { geometry Cone {} } }");
-  const WorldBox tight = world.boxes.tight_box(ObjectId{0}).value();
-  world.boxes.set_box_bound(BoxBound::kRealigned);
-  const WorldBox realigned = world.boxes.tight_box(ObjectId{0}).value();
-  EXPECT_TRUE(realigned.contains(tight));
-  EXPECT_TRUE(world.boxes.box(0, Surfaces::kColliding).contains(realigned));
 }
 
 // A translation of 3e38 m under eight scales of 1e38 overflows binary64.

@@ -270,41 +270,4 @@ TEST(HierarchyFile, SaysWhatIsWrong) {
   EXPECT_EQ(read(moved, file).error(), "it is of another mesh");
 }
 
-// For any bits that are changed below a right checksum, the file is refused, or queries stay within its arrays (address
-// sanitizer) and end.
-TEST(HierarchyFile, NothingInAFileMakesAQueryReadBeyondItsArrays) {
-  const TriangleSoup soup = random_soup(150, 0.2, 68), other = torus(8, 10, true);
-  const std::string file = written(soup);
-  Numbers numbers(69);
-  int read_again = 0;
-  for (int i = 0; i < 400; ++i) {
-    Forged forged(file);
-    const std::size_t size = forged.nodes.size() * sizeof(WideTree::Node);
-    auto* const bytes = reinterpret_cast<unsigned char*>(forged.nodes.data());
-    auto* const leaf_bytes = reinterpret_cast<unsigned char*>(forged.leaves.data());
-    auto* const face_bytes = reinterpret_cast<unsigned char*>(forged.faces.data());
-    for (int k = 0; k < 1 + i % 3; ++k) {
-      const double at = numbers.unit();
-      const auto bit = static_cast<unsigned char>(1u << static_cast<unsigned>(8.0 * numbers.unit()));
-      if (i % 10 == 9) {
-        face_bytes[static_cast<std::size_t>(at * static_cast<double>(sizeof(std::uint32_t) * forged.faces.size()))] ^=
-            bit;
-      } else if (i % 2 == 0) {
-        bytes[static_cast<std::size_t>(at * static_cast<double>(size))] ^= bit;
-      } else {
-        leaf_bytes[static_cast<std::size_t>(at * static_cast<double>(forged.leaves.size() * sizeof(WideTree::Leaf)))] ^=
-            bit;
-      }
-    }
-    auto tree = read(soup, forged.file());
-    if (!tree) continue;
-    ++read_again;
-    WideTree still(other);
-    WideQuery query;
-    (void)query.all_pairs(*tree, still, RelativeMotion(random_pose(numbers, 0.5), random_pose(numbers, 0.5)));
-    EXPECT_EQ(tree->faces_below(WideTree::kRoot).size(), soup.faces.size());
-  }
-  EXPECT_GT(read_again, 100);
-}
-
 }  // namespace peerd::collision::hierarchy_file_test

@@ -17,24 +17,6 @@ struct Faces {
 using AllKs = ::testing::Types<Faces<6>, Faces<14>, Faces<18>, Faces<26>>;
 TYPED_TEST_SUITE(RealignmentTest, AllKs);
 
-TYPED_TEST(RealignmentTest, RealignedDopsHoldTheMovedVertices) {
-  constexpr int K = TypeParam::kFaces;
-  Numbers numbers(11);
-  const TriangleSoup soup = random_soup(20, 0.8, 12);
-  KdopTree<K> tree(soup, {});
-  for (int n = 0; n < 2000; ++n) {
-    const RelativeMotion motion(random_pose(numbers, n % 3 == 0 ? 1e6 : 2.0), random_pose(numbers, 2.0));
-    const WideKdop<K> dop = Realignment<K>(motion, 2.0)(tree.node(0).dop);
-    for (const Vec3& v : soup.vertices) {
-      const Vec3 p = motion(v);
-      for (std::size_t i = 0; i < dop.kSlabs; ++i) {
-        ASSERT_GE(along(dop.kDirections[i], p), dop.lo[i]);
-        ASSERT_LE(along(dop.kDirections[i], p), dop.hi[i]);
-      }
-    }
-  }
-}
-
 // Without turning, the slabs are the old ones, moved, but for the padding.
 TYPED_TEST(RealignmentTest, WithoutRotationKeepsTheSlabs) {
   constexpr int K = TypeParam::kFaces;

@@ -11,16 +11,6 @@
 
 namespace peerd::collision::enclosing_ball_test {
 
-TEST(SmallestBall, OfFewPoints) {
-  EXPECT_EQ(smallest_ball(std::vector<Vec3>{{1, 2, 3}}).radius_m, 0.0);
-  const EnclosingBall two = smallest_ball(std::vector<Vec3>{{1, 2, 3}, {3, 2, 3}, {2, 2, 3}});
-  EXPECT_NEAR(two.radius_m, 1.0, 1e-12);
-  EXPECT_NEAR((two.center - Vec3(2, 2, 3)).norm(), 0.0, 1e-12);
-  // An obtuse triangle's ball is on its longest side; an equilateral one's is around it.
-  EXPECT_NEAR(smallest_ball(std::vector<Vec3>{{-2, 0, 0}, {2, 0, 0}, {0, 0.5, 0}}).radius_m, 2.0, 1e-12);
-  EXPECT_NEAR(smallest_ball(std::vector<Vec3>{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}).radius_m, std::sqrt(2.0 / 3.0), 1e-12);
-}
-
 // The thesis's figure for a cube: its bounding sphere has pi sqrt(3) / 2 = 272.07 % of its volume.
 TEST(SmallestBall, OfACube) {
   std::vector<Vec3> cube;

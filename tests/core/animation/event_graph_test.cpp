@@ -32,29 +32,4 @@ TEST(EventGraph, KnowsTheFieldsOfSensorsUnderAllTheirNames) {
   EXPECT_EQ(graph.ports[*port].kind, PortKind::kSensorInput);
 }
 
-struct Case {
-  const char* name;
-  Route route;
-  Problem problem;
-};
-class LeftOut : public testing::TestWithParam<Case> {};
-TEST_P(LeftOut, IsFound) {
-  Network network = sensor_and_relay();
-  network.routes.push_back(GetParam().route);
-  const EventGraph graph(network);
-  ASSERT_EQ(graph.findings.size(), 1u);
-  EXPECT_EQ(graph.findings[0].problem, GetParam().problem);
-  EXPECT_EQ(graph.findings[0].index, 3u);
-  EXPECT_EQ(graph.links[3].from, kNone);
-}
-INSTANTIATE_TEST_SUITE_P(
-    Routes, LeftOut,
-    testing::Values(
-        Case{"NoSuchNode", {9, "x", 2, "translation", FieldType::kVec3}, Problem::kNoSuchNode},
-        Case{"NoSuchField", {0, "height_changed", 2, "translation", FieldType::kFloat}, Problem::kNoSuchField},
-        Case{"Type", {0, "fraction_changed", 2, "translation", FieldType::kFloat}, Problem::kTypeMismatch},
-        Case{"Keys", {3, "k", 1, "set_key", FieldType::kFloats}, Problem::kRouteToKeys},
-        Case{"Repeated", {3, "x", 4, "x", FieldType::kFloat}, Problem::kRepeated}),
-    [](const auto& test) { return std::string(test.param.name); });
-
 }  // namespace peerd::animation::event_graph_test

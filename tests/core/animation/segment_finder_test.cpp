@@ -74,17 +74,6 @@ TEST(Segment, EndsNeverWhereNothingComes) {
   EXPECT_EQ(a.segment(*a.field(4, "translation"), 61.0)->position, Vec3(1, 2, 3));
 }
 
-TEST(Segment, ComesDownByAFallingFraction) {
-  Animation a(network({10, true, true, 0, 0}, {0, 0.5, 1}, {0, 1, 0}, {0, 0.5, 1}, {0, 0, 0, 1, 0, 0, 3, 0, 0},
-                      {0, 0, 1, 0, 0, 0, 1, 1, 0, 0, 1, 2}));
-  const Segment s = *a.segment(*a.field(4, "translation"), 6.0);
-  EXPECT_EQ(s.begin_s, 5.0);
-  EXPECT_EQ(s.end_s, 7.5);
-  EXPECT_EQ(s.position, Vec3(3, 0, 0));
-  EXPECT_NEAR(s.velocity.x(), -0.8, 1e-15);
-  EXPECT_NEAR(a.segment(*a.field(4, "rotation"), 6.0)->angular_velocity_body.z(), -0.4, 1e-7);
-}
-
 // Segments are followed along whole lives: they are gapless, go forwards, and agree with value() to the stated bound.
 TEST(Segment, AgreesWithValueToTheStatedBound) {
   std::mt19937 random(17);
@@ -165,16 +154,6 @@ TEST(Segment, OfWhatASegmentCannotSayIsNone) {
   ASSERT_TRUE(still);
   EXPECT_TRUE(still->is_constant);
   EXPECT_EQ(still->end_s, 4.0);
-}
-
-TEST(Segment, OfNumbersIsTheirRate) {
-  Animation a({{TimeSensorFields{4, true, true, 0, 0}, PlainNode{}},
-               {{0, "fraction_changed", 1, "x", kFloat}, {0, "time", 1, "t", FieldType::kTime}}});
-  const Segment s = *a.segment(*a.field(1, "x"), 5);
-  EXPECT_EQ(s.begin_s, 4.0);
-  EXPECT_EQ(s.end_s, 8.0);
-  EXPECT_EQ(s.velocity.x(), 0.25);
-  EXPECT_EQ(a.segment(*a.field(1, "t"), 5)->position_at(7).x(), 7.0);
 }
 
 }  // namespace peerd::animation::segment_finder_test

@@ -63,39 +63,6 @@ TEST(SceneEditor, AddsWhatAFileWouldHave) {
   EXPECT_FALSE(edited.contains(ObjectId(5, 7)));
 }
 
-TEST(SceneEditor, AddsInFrontAndBelow) {
-  const Scene world = read(kHead + kWall);
-  SceneEditor editor(world);
-  ASSERT_TRUE(editor.add(kHead + kCar, {{}, world.find("WALL")}, {kFirstObject, kFirstNode}, {}));
-  ASSERT_TRUE(editor.add(kHead + "Group { }", {ObjectId(2, 7), {}}, {ObjectId(9, 7), NodeId(99, 7)}, {}));
-  const Scene edited = finished(editor);
-  expect_like(edited, kHead +
-                          "DEF CAR Transform { translation 1 0 0 children [ DEF WHEEL Transform { children [ Shape { "
-                          "geometry Sphere { } } Group { } ] } Shape { geometry Box { } } ] }" +
-                          kWall);
-  EXPECT_EQ(edited.parent_of(ObjectId(9, 7)), ObjectId(2, 7));
-}
-
-TEST(SceneEditor, KeepsIdsWhereInstancesMoveAndGo) {
-  const Scene world = read(kHead + kCar + kWall);
-  const ObjectId wall = *world.find("WALL"), wheel = *world.find("WHEEL"), car = *world.find("CAR");
-  SceneEditor editor(world);
-  ASSERT_TRUE(editor.move(wheel, {wall, {}}));
-  ASSERT_TRUE(editor.remove(car));
-  const Scene edited = finished(editor);
-  expect_like(edited, kHead +
-                          "DEF WALL Transform { translation 9 0 0 children [ Shape { geometry Box { size 1 4 9 } } DEF "
-                          "WHEEL Transform { children Shape { geometry Sphere { } } } ] }");
-  EXPECT_FALSE(edited.contains(car));
-  EXPECT_EQ(edited.path_of(wheel), "WALL/WHEEL");
-
-  SceneEditor again(edited);
-  ASSERT_TRUE(again.move(wheel, {{}, wall}));
-  const Scene top = finished(again);
-  expect_like(top, kHead + "DEF WHEEL Transform { children Shape { geometry Sphere { } } }" + kWall);
-  EXPECT_EQ(top.path_of(wheel), "WHEEL");
-}
-
 TEST(SceneEditor, SetsFieldsOfNodesOfAllKinds) {
   const Scene world = read(kHead + kCar);
   const auto node_of = [](const Scene& scene, const char* path) {

@@ -23,11 +23,7 @@ Triangles cut(const Points& points) {
 Triangles by_oracle(const Points& points) {
   std::vector<std::pair<double, double>> polygon;
   for (const PlanePoint& p : points) polygon.emplace_back(p.x, p.y);
-  Triangles triangles;
-  for (const auto& [a, b, c] : oracle::cut_ears(polygon)) {
-    triangles.push_back({static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), static_cast<std::uint32_t>(c)});
-  }
-  return triangles;
+  return oracle::cut_ears(polygon);
 }
 
 // The area of most polygons is positive, as cut() requires; the rule is defined for the others as well.

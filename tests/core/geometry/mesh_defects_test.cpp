@@ -130,18 +130,6 @@ INSTANTIATE_TEST_SUITE_P(
              {8}}),
     [](const auto& test) { return std::string(test.param.name); });
 
-TEST(MeshDefects, NameTheFirstPolygon) {
-  const MeshDefects found =
-      defects_of(kBook, {2, 3, 4, -1, 0, 1,  2, -1, 5, -1, 1,  0, 3, -1, 0, 2, 1, -1, 0, 1, 4, -1,  //
-                         2, 1, 0, -1, 0, -1, 0, 1,  2, 3,  -1, 0, 1, 3,  5, -1});
-  EXPECT_EQ(counts_of(found), (Counts{2, 2, 1, 1, 7}));
-  EXPECT_EQ(found[Defect::kDegenerate].first, 2U);
-  EXPECT_EQ(found[Defect::kDuplicate].first, 4U);  // the second of its kind, not the first
-  EXPECT_EQ(found[Defect::kNonPlanar].first, 8U);
-  EXPECT_EQ(found[Defect::kWarped].first, 8U);
-  EXPECT_EQ(found[Defect::kNonManifold].first, 1U);
-}
-
 TEST(MeshDefects, OfSolidsAreNone) {
   for (const Geometry& solid :
        {Geometry(BoxGeometry{}), Geometry(ConeGeometry{}), Geometry(CylinderGeometry{}), Geometry(SphereGeometry{})}) {
@@ -338,40 +326,6 @@ TEST(MeshDefects, OfAnyMeshAreWhatTheOracleSays) {
   EXPECT_GT(compared, 2900);
   for (const std::uint64_t count : seen) EXPECT_GT(count, 500U);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_GT(edges_seen[i], 500U);
-}
-
-// The counts do not depend on the order of polygons or of vertices, nor on where a polygon begins and which way it
-// runs.
-TEST(MeshDefects, DoNotDependOnTheOrder) {
-  std::mt19937 rng(9);
-  for (int round = 0; round < 200; ++round) {
-    std::vector<Point> vertices;
-    for (int i = 0; i < 10; ++i) vertices.emplace_back(rng() % 3, rng() % 3, rng() % 2);
-    std::vector<std::vector<std::int32_t>> polygons(20);
-    for (auto& p : polygons) {
-      for (std::size_t k = 0, n = 2 + rng() % 4; k < n; ++k) p.push_back(static_cast<std::int32_t>(rng() % 10));
-    }
-    const auto found = [&] {
-      std::vector<std::int32_t> corners;
-      for (const auto& p : polygons) {
-        corners.insert(corners.end(), p.begin(), p.end());
-        corners.push_back(-1);
-      }
-      return defects_of(vertices, corners);
-    };
-    const MeshDefects before = found();
-    std::ranges::shuffle(polygons, rng);
-    for (auto& p : polygons) std::ranges::reverse(p);
-    std::ranges::reverse(vertices);
-    for (auto& p : polygons) {
-      for (std::int32_t& corner : p) corner = 9 - corner;
-    }
-    const MeshDefects after = found();
-    EXPECT_EQ(edges_of(before), edges_of(after));
-    EXPECT_EQ(before[Defect::kDuplicate].polygons, after[Defect::kDuplicate].polygons);
-    EXPECT_EQ(before[Defect::kNonPlanar].polygons, after[Defect::kNonPlanar].polygons);
-    EXPECT_EQ(before[Defect::kNonManifold].polygons, after[Defect::kNonManifold].polygons);
-  }
 }
 
 // The polygons have many equal beginnings, all of one lowest corner, or are cycles that repeat themselves: the test is

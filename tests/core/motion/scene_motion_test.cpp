@@ -31,14 +31,6 @@ TEST(SceneMotion, VelocityVectorsMoveWhatNothingElseMoves) {
   EXPECT_EQ(translation(0, 1.0), Vec3(1, 0, 2)) << "a function of the time, not of the calls before";
 }
 
-TEST(SceneMotion, ARoutedInterpolatorOverrulesTheVelocityVector) {
-  const Scene scene = scene_of("DEF LIFT Transform { translation 9 9 9 velocityVector 1 1 1 }" + kLift);
-  SceneMotion motion(scene);
-  EXPECT_EQ(motion.transforms_at(1.0).front().translation, Vec3(0, 1, 0));
-  EXPECT_EQ(motion.transforms_at(2.0).front().translation, Vec3(0, 2, 0));
-  EXPECT_EQ(motion.transforms_at(5.0).front().translation, Vec3(0, 1, 0)) << "one second into the second cycle";
-}
-
 TEST(SceneMotion, OnlyGeometriesWhoseVerticesMovedAreGiven) {
   const Scene scene = scene_of(R"(
 Shape { geometry IndexedFaceSet {

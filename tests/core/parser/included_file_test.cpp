@@ -7,7 +7,6 @@
 namespace peerd::vrml::included_file_test {
 
 using testing::ElementsAre;
-using testing::HasSubstr;
 using testing::IsEmpty;
 
 struct Files : TextFixture {
@@ -36,35 +35,6 @@ TEST(OpenFile, AddsTheFileToThoseThatAreOpen) {
   f.context.open_files.pop_back();
   EXPECT_EQ(f.open("a.wrl"), file);  // a file is one however often it is named
   EXPECT_THAT(f.messages(), IsEmpty());
-}
-
-TEST(OpenFile, RefusesAFileThatIsBeingRead) {
-  Files f;
-  ASSERT_NE(f.open("a.wrl"), nullptr);
-  EXPECT_EQ(f.open("a.wrl"), nullptr);
-  EXPECT_THAT(f.messages(), ElementsAre(HasSubstr("it contains itself")));
-}
-
-TEST(OpenFile, RefusesDeepNesting) {
-  Files f;
-  for (std::size_t i = 0; i < kMaxOpenFiles; ++i) {
-    ASSERT_NE(f.open(std::to_string(i) + ".wrl"), nullptr);
-  }
-  EXPECT_EQ(f.open("last.wrl"), nullptr);
-  EXPECT_THAT(f.messages(), ElementsAre(HasSubstr("files are nested more than 32 deep")));
-}
-
-TEST(OpenFile, SaysWhyThereIsNone) {
-  Files f;
-  EXPECT_EQ(f.open("none.wrl"), nullptr);
-  EXPECT_EQ(f.why, "no such file");
-  EXPECT_EQ(f.open("bad.wrl"), nullptr);
-  EXPECT_NE(f.why, "");
-  f.options.load = nullptr;
-  EXPECT_EQ(f.open("a.wrl"), nullptr);
-  EXPECT_EQ(f.why, "no other file is read here");
-  EXPECT_THAT(f.context.open_files, IsEmpty());
-  EXPECT_THAT(f.messages(), IsEmpty());  // that is for the caller, which may have other URLs
 }
 
 }  // namespace peerd::vrml::included_file_test

@@ -238,23 +238,12 @@ TEST_F(InlinesLater, TakeTheSizeFromAProtosInstance) {
   EXPECT_THAT(paths_of(scene), ElementsAre("0", "0/A", "1"));
   EXPECT_EQ(scene.pending_inlines.size(), 1u);
 }
-TEST_F(InlinesLater, CountEachUse) {
-  EXPECT_EQ(scene_of("DEF I Inline { url \"a.wrl\" bboxSize 1 1 1 } USE I", files, options).pending_inlines.size(), 2u);
-}
 TEST_F(InlinesLater, AreNotPendingWithoutAUrl) {  // 6.25: an Inline with an empty URL does nothing
   EXPECT_THAT(scene_of("Inline { url [ ] bboxSize 1 1 1 }", files, options).pending_inlines, IsEmpty());
 }
 TEST(InlinesNow, AreNeverPending) {
   EXPECT_THAT(scene_of("Inline { url \"none.wrl\" bboxSize 1 1 1 }").pending_inlines, IsEmpty());
   EXPECT_THAT(scene_of("Inline { url \"a.wrl\" bboxSize 1 1 1 }", {{"a.wrl", ""}}).pending_inlines, IsEmpty());
-}
-
-TEST(ContentHash, CoversAllFiles) {
-  const auto hash = [](const std::string& part) {
-    return content_hash(read_body("Inline { url \"a.wrl\" }", {{"a.wrl", part}}));
-  };
-  EXPECT_EQ(hash("Group { }"), hash("Group { }"));
-  EXPECT_NE(hash("Group { }"), hash("Shape { }"));
 }
 
 }  // namespace peerd::vrml::inline_loader_test

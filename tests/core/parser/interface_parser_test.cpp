@@ -10,11 +10,6 @@ namespace peerd::vrml::interface_parser_test {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-struct BadCase {
-  const char* name;
-  const char* body;
-  std::vector<std::string> problems;
-};
 class BadInterface : public testing::TestWithParam<BadCase> {};
 TEST_P(BadInterface, IsReportedWhereItIs) { EXPECT_EQ(problems_of(GetParam().body), GetParam().problems); }
 
@@ -69,11 +64,6 @@ TEST(Interface, OfAnExposedFieldTakesItsEventNamesToo) {  // 4.7
               ElementsAre(HasSubstr("'a' is in the interface of 'P' already")));
   // A plain field has no events, so their names are free.
   EXPECT_THAT(problems_of("PROTO P [ field SFBool a TRUE eventIn SFBool set_a ] { Group { } }"), testing::IsEmpty());
-}
-
-TEST(Interface, OfAnExternprotoHasNoDefaultValues) {
-  EXPECT_THAT(problems_of("EXTERNPROTO P [ field SFBool a TRUE ] \"none.wrl\""),
-              ElementsAre(HasSubstr("expected eventIn, eventOut, field, exposedField or ']' in the interface of 'P'")));
 }
 
 }  // namespace peerd::vrml::interface_parser_test

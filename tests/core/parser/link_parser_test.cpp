@@ -38,11 +38,6 @@ TEST(ProtoIs, MayJoinWhatTable44Says) {
   }
 }
 
-struct BadCase {
-  const char* name;
-  const char* body;
-  std::vector<std::string> problems;
-};
 class BadIs : public testing::TestWithParam<BadCase> {};
 TEST_P(BadIs, IsReportedWhereItIs) { EXPECT_EQ(problems_of(GetParam().body), GetParam().problems); }
 

@@ -8,7 +8,6 @@
 namespace peerd::vrml::parse_context_test {
 
 using testing::ElementsAre;
-using testing::HasSubstr;
 
 constexpr std::string_view kText = "#VRML V2.0 utf8\nGroup { }";
 
@@ -25,15 +24,6 @@ TEST(OpenText, RefusesATextWithoutAHeaderAndKeepsItAmongTheSources) {
   TextFixture t("first");
   EXPECT_FALSE(open_text(t.context, {"a.wrl", "Group { }", nullptr}));
   EXPECT_EQ(t.problems.take().sources.size(), 2u);
-}
-
-TEST(OpenText, CountsTheBytesOfAllTexts) {
-  TextFixture t("first");
-  t.options.limits.text_bytes = kText.size() + 3;
-  EXPECT_TRUE(open_text(t.context, {"a.wrl", kText, nullptr}));
-  const auto second = open_text(t.context, {"b.wrl", kText, nullptr});
-  ASSERT_FALSE(second);
-  EXPECT_THAT(second.error(), HasSubstr("it is larger than 3 bytes"));
 }
 
 TEST(ParseContext, CountsEightReferencesAsANodeAndReportsOnce) {

@@ -161,11 +161,6 @@ TEST(Proto, CarriesEveryFieldType) {
   EXPECT_EQ(floats(first, "mv3"), (Numbers{1, 2, 3}));
 }
 
-struct BadCase {
-  const char* name;
-  const char* body;
-  std::vector<std::string> problems;
-};
 class BadProto : public testing::TestWithParam<BadCase> {};
 TEST_P(BadProto, IsReportedWhereItIs) { EXPECT_EQ(problems_of(GetParam().body), GetParam().problems); }
 
@@ -214,12 +209,6 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"FieldTwice",
                 "PROTO P [ field SFBool a TRUE\n field SFBool a FALSE ] { Group { } }",
                 {"3:15: 'a' is in the interface of 'P' already"}},
-        BadCase{"SetOfAnExposedField",
-                "PROTO P [ exposedField SFBool a TRUE\n eventIn SFBool set_a ] { Group { } }",
-                {"3:17: 'set_a' is in the interface of 'P' already"}},
-        BadCase{"ChangedOfAnExposedField",
-                "PROTO P [ eventOut SFBool a_changed\n exposedField SFBool a TRUE ] { Group { } }",
-                {"3:22: 'a' is in the interface of 'P' already"}},
         BadCase{"KeywordAsFieldName",
                 "PROTO P [ field SFBool USE TRUE ] { Group { } }",
                 {"2:24: expected the name of a field, found 'USE'"}}),
@@ -286,16 +275,6 @@ TEST(ProtoScope, KeepsEqualNamesApart) {
   EXPECT_EQ(scene.transform(ObjectId{4}).translation.x(), 1);
   // The world's name comes first, wherever the other one stands.
   EXPECT_EQ(scene.find("A"), ObjectId{0});
-  for (std::uint32_t i = 0; i < scene.instances.size(); ++i)
-    EXPECT_EQ(scene.find(scene.path_of(ObjectId{i})), ObjectId{i});
-}
-
-TEST(ProtoScope, LetsTheWorldsNameWinOverAnEarlierInnerOne) {
-  const Scene scene = scene_of(R"(
-    PROTO P [ ] { Group { children DEF A Transform { } } }
-    P { }
-    DEF A Shape { })");
-  EXPECT_EQ(scene.find("A"), ObjectId{2});
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i)
     EXPECT_EQ(scene.find(scene.path_of(ObjectId{i})), ObjectId{i});
 }

@@ -142,13 +142,8 @@ TEST(RouteToAnInstance, ReachesLaterNodesOfTheBody) {
               ElementsAre("S.isOver > T.enabled"));
 }
 
-struct BadCase {
-  const char* name;
-  const char* route;
-  std::vector<std::string> problems;
-};
 class BadRoute : public testing::TestWithParam<BadCase> {};
-TEST_P(BadRoute, IsReportedWhereItIs) { EXPECT_EQ(problems_of(kNodes + GetParam().route), GetParam().problems); }
+TEST_P(BadRoute, IsReportedWhereItIs) { EXPECT_EQ(problems_of(kNodes + GetParam().body), GetParam().problems); }
 INSTANTIATE_TEST_SUITE_P(
     Table, BadRoute,
     testing::Values(

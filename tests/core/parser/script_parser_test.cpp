@@ -134,13 +134,8 @@ TEST(Script, TakesItsFieldsAndEventsFromAProto) {
   EXPECT_THAT(routes_of(*scene.document), ElementsAre("A.gone > B.go"));
 }
 
-struct BadCase {
-  const char* name;
-  const char* body;
-  std::vector<std::string> errors;
-};
 class BadScript : public testing::TestWithParam<BadCase> {};
-TEST_P(BadScript, IsReportedWhereItIs) { EXPECT_EQ(errors_of(GetParam().body), GetParam().errors); }
+TEST_P(BadScript, IsReportedWhereItIs) { EXPECT_EQ(errors_of(GetParam().body), GetParam().problems); }
 INSTANTIATE_TEST_SUITE_P(
     Table, BadScript,
     testing::Values(

@@ -6,7 +6,6 @@
 
 namespace peerd::vrml::text_parser_test {
 
-using testing::ElementsAre;
 using testing::IsEmpty;
 
 struct Parsed : TextFixture {
@@ -31,17 +30,6 @@ TEST(TextParser, GivesThePrototypesOfTheTopLevel) {
   for (const auto& [name, declaration] : p.declarations) names.push_back(name);
   EXPECT_THAT(names, testing::UnorderedElementsAre("A", "C"));
   EXPECT_TRUE(p.declarations.at("C").external);
-}
-
-TEST(TextParser, GoesOnBehindWhatIsNoNode) {
-  Parsed p("3 4 Group { } ] Group { }");
-  EXPECT_EQ(p.context.world.roots.size(), 2u);
-  EXPECT_THAT(p.messages(), ElementsAre("expected a node, found '3'", "expected a node, found ']'"));
-}
-
-TEST(TextParser, WarnsOfNodesThatAreNoPartOfTheSceneByThemselves) {
-  Parsed p("Material { }");
-  EXPECT_THAT(p.messages(), ElementsAre("Material at the top level is not part of the scene by itself"));
 }
 
 }  // namespace peerd::vrml::text_parser_test

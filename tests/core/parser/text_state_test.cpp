@@ -8,15 +8,6 @@ namespace peerd::vrml::text_state_test {
 
 using testing::ElementsAre;
 
-TEST(TextState, LetsALaterDefinitionTakeOverAName) {
-  TextFixture t("");
-  Definition& first = t.define("A", "Group");
-  Definition& second = t.define("A", "Transform");
-  EXPECT_NE(&first, &second);
-  EXPECT_EQ(*t.scope.names.find("A"), &second);
-  EXPECT_EQ(t.scope.definitions.size(), 2u);  // references to the first one still hold
-}
-
 TEST(TextState, KnowsUnreadableNamesButNoEmptyOne) {
   TextFixture t("");
   t.state.define_unreadable(std::vector<std::string_view>{"LOST", ""});
@@ -31,14 +22,6 @@ TEST(TextState, DefinesTheNamesThatItPassesOver) {
   EXPECT_NE(t.scope.names.find("A"), nullptr);
   EXPECT_NE(t.scope.names.find("B"), nullptr);
   EXPECT_TRUE(t.state.tokens.at_word("Shape"));
-}
-
-TEST(TextState, SuggestsTheNameThatIsMostAlike) {
-  TextFixture t("");
-  t.define("Wheel", "Group");
-  t.define("Door", "Group");
-  EXPECT_EQ(did_you_mean(t.state.names_like("Whel")), ", did you mean 'Wheel'?");
-  EXPECT_EQ(did_you_mean(t.state.names_like("Motor")), "");
 }
 
 TEST(TextState, IsInTheWorldUnlessAPrototypesBodyIsOpen) {

@@ -91,11 +91,6 @@ TEST(ExternProto, WithoutALoaderIsNotFound) {
           "warning 2:13: EXTERNPROTO 'P' is not found, its instances stay empty: 'p.wrl': no other file is read here"));
 }
 
-struct BadCase {
-  const char* name;
-  const char* body;
-  std::vector<std::string> problems;
-};
 class BadExternProto : public testing::TestWithParam<BadCase> {};
 TEST_P(BadExternProto, IsReportedWhereItIs) { EXPECT_EQ(problems_of(GetParam().body, kLibrary), GetParam().problems); }
 INSTANTIATE_TEST_SUITE_P(

@@ -26,33 +26,6 @@ T read(const std::string& node) {
   return std::get<T>(geometry_of(node));
 }
 
-// Returns Newell's normal: twice the area of the polygon, along its front side.
-Eigen::Vector3f front(const Mesh& mesh, std::size_t polygon) {
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  const auto corners = mesh.polygon(polygon);
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    sum += mesh.vertices[corners[i]].cross(mesh.vertices[corners[(i + 1) % corners.size()]]);
-  }
-  return mesh.ccw ? sum : Eigen::Vector3f(-sum);
-}
-
-TEST(BoxGeometry, HasSixQuadsThatFaceOutwards) {
-  const Mesh box = build_mesh(geometry_of("Box { size 2 4 6 }"));
-  ASSERT_EQ(box.polygon_count(), 6u);
-  const std::vector<Eigen::Vector3f> normals = {{-48, 0, 0}, {48, 0, 0},  {0, -24, 0},
-                                                {0, 24, 0},  {0, 0, -16}, {0, 0, 16}};
-  std::vector<Eigen::Vector3f> found;
-  for (std::size_t p = 0; p < 6; ++p) {
-    EXPECT_EQ(box.polygon(p).size(), 4u);
-    found.push_back(front(box, p));
-    for (const std::int32_t i : box.polygon(p)) {
-      EXPECT_GT(box.vertices[i].dot(found.back()), 0) << p;
-      EXPECT_EQ(box.vertices[i].cwiseAbs(), Eigen::Vector3f(1, 2, 3));
-    }
-  }
-  EXPECT_THAT(found, testing::UnorderedElementsAreArray(normals));
-}
-
 TEST(GeometryReader, ReadsFieldsAndDefaults) {
   EXPECT_THAT(read<BoxGeometry>("Box { }").size, ElementsAre(2, 2, 2));
   EXPECT_EQ(read<SphereGeometry>("Sphere { }").radius, 1);
@@ -147,15 +120,6 @@ TEST(FaceSets, ReportBadIndicesWhereTheyAre) {
           "warning 6:3: 2 polygons have fewer than 3 corners, this one first: kept and numbered, without area"));
   EXPECT_THAT(problems_of("Shape { geometry IndexedFaceSet { coordIndex 7 } }"),
               ElementsAre("warning 2:46: this IndexedFaceSet has no points for its coordIndex: it has no polygons"));
-}
-
-TEST(FaceSets, KeepTheNumbersOfPolygonsWithoutArea) {
-  const Mesh mesh = build_mesh(geometry_of(
-      "IndexedFaceSet { coord Coordinate { point [ 0 0 0, 1 0 0, 1 1 0 ] } coordIndex [ 0 1 -1 -1 0 1 2 -1 2 ] }"));
-  ASSERT_EQ(mesh.polygon_count(), 3u);
-  EXPECT_THAT(mesh.polygon(0), ElementsAre(0, 1));
-  EXPECT_THAT(mesh.polygon(1), ElementsAre(0, 1, 2));
-  EXPECT_THAT(mesh.polygon(2), ElementsAre(2));
 }
 
 TEST(FaceSets, SayNothingTwiceOfABrokenCoordinate) {

@@ -7,8 +7,6 @@
 namespace peerd::vrml::interest_reader_test {
 
 using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
 
 TEST(KeySensors, AreRead) {
   const Scene scene = scene_of(R"(
@@ -47,26 +45,6 @@ TEST(KeySensors, InAProtoMoveItsOwnTransform) {
   EXPECT_EQ(scene.key_sensors[0].recipient, ObjectId{1});
   EXPECT_EQ(scene.key_sensors[1].recipient, ObjectId{2});
   EXPECT_EQ(scene.key_sensors[1].key_value, 2);
-}
-
-TEST(CollisionInterests, CountEachCollideeOnceAndNeverTheColliderItself) {
-  EXPECT_THAT(problems_of("DEF A Group { } DEF B Group { }\n"
-                          "CollisionInterest { objectPath \"A\" interests [ \"B\", \"B\", \"A\" ] }"),
-              ElementsAre("warning 3:53: 'B' is listed twice; it counts once", "3:58: 'A' is the collider itself"));
-}
-
-TEST(CollisionInterests, MustNameTheirCollider) {
-  EXPECT_THAT(problems_of("DEF B Group { }\nCollisionInterest { interests \"B\" }"),
-              ElementsAre("3:1: this CollisionInterest has no objectPath: it must name the node that is registered"));
-}
-
-TEST(CollisionInterests, HaveATypeOfThree) {
-  const std::string body =
-      "DEF A Group { } DEF B Group { }\n"
-      "CollisionInterest { objectPath \"A\" interests \"B\" collisionType ";
-  EXPECT_EQ(scene_of(body + "2 }").interests.at(0).type, CollisionType::kAllPairs);
-  EXPECT_THAT(problems_of(body + "3 }"),
-              ElementsAre("3:64: collisionType must be 0 (box), 1 (witness) or 2 (all pairs), found 3"));
 }
 
 }  // namespace peerd::vrml::interest_reader_test

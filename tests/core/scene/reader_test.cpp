@@ -26,15 +26,6 @@ TEST(ReadWorld, ListsItsSourcesInTheOrderOfReading) {
   EXPECT_THAT(names, ElementsAre(kWorldName, "b.wrl", "a.wrl"));
 }
 
-TEST(ReadWorld, DefersAnInlineThatSaysHowLargeItIs) {
-  ReadOptions options;
-  options.defer_inlines = true;
-  const Scene deferred = scene_of(kSized, {{"a.wrl", "Shape { geometry Box { } }"}}, options);
-  ASSERT_EQ(deferred.pending_inlines.size(), 1u);
-  EXPECT_EQ(deferred.instances.size(), 1u);
-  EXPECT_THAT(scene_of(kSized, {{"a.wrl", "Shape { geometry Box { } }"}}).pending_inlines, IsEmpty());
-}
-
 TEST(ReadWorld, ReadsAnInlineThatCollides) {
   ReadOptions options;
   options.defer_inlines = true;

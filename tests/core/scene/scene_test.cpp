@@ -95,12 +95,6 @@ TEST(SceneRigidPose, IsTheOriginAndTheRotations) {
   EXPECT_LT(angle_between(pose.orientation, expected), 1e-15);
 }
 
-// The origin is not the translation where a node turns about another point.
-TEST(SceneRigidPose, CountsTheCenter) {
-  const Scene scene = scene_of("Transform { translation 1 0 0 center 0 2 0 rotation 0 0 1 3.1415927 }");
-  EXPECT_LT((scene.rigid_pose(ObjectId{0}).position - Vec3(1, 4, 0)).norm(), 1e-6);
-}
-
 TEST(SceneObjectFromShape, TakesShapeToWorldThroughThePose) {
   const Scene scene = scene_of(R"(
     Transform { translation 5 1 0 scale 3 1 1 rotation 0 1 0 0.5 children

@@ -6,17 +6,6 @@
 
 namespace peerd::vrml::default_values_test {
 
-TEST(DefaultOf, ExistsForEveryFieldOfTheStandard) {
-  for (const NodeType& type : node_types()) {
-    for (const FieldSpec& spec : type.fields) {
-      if (!has_value(spec.access) || spec.access == Access::kContent) continue;
-      const Field& value = default_of(spec);
-      EXPECT_EQ(value.spec, &spec) << type.name << '.' << spec.name;
-      EXPECT_TRUE(is_list(spec.type) || holds_nodes(spec.type) || value.count > 0) << type.name << '.' << spec.name;
-    }
-  }
-}
-
 struct Case {
   const char *type, *field;
   std::vector<float> value;

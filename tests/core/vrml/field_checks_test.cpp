@@ -75,14 +75,4 @@ TEST(CheckNodes, RefusesANodeOfAnotherClass) {
   EXPECT_THAT(messages(problems), ElementsAre("'geometry' takes a geometry node; Material is a Material"));
 }
 
-TEST(CheckNodes, OnlyWarnsAmongChildren) {
-  Problems problems;
-  const Position begin = problems.open({"t", "x", nullptr}).value();
-  const std::vector<Node> nodes = {{.type = find_node_type("Box")}};
-  const FieldSpec children{"children", FieldType::kMFNode, Access::kField, {}, Range::kAny, kChild};
-  const NodeRef box{0, begin};
-  EXPECT_TRUE(check_nodes(children, {&children, &box, 1, begin}, nodes, problems));
-  EXPECT_THAT(messages(problems), ElementsAre(HasSubstr("write Shape { geometry Box { .. } }")));
-}
-
 }  // namespace peerd::vrml::field_checks_test

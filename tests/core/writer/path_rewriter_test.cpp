@@ -15,19 +15,6 @@ std::uint32_t scope_of_interest(const Scene& scene) {
   return scene.document->nodes[nodes_of_type(*scene.document, "CollisionInterest").at(0)].scope;
 }
 
-TEST(PathRewriter, FindsInnerNamesInTheirOwnScopeOnly) {
-  const Scene scene = scene_of(kWorld);
-  const PathRewriter paths(scene);
-  const std::uint32_t scope = scope_of_interest(scene);
-  ASSERT_NE(scope, 0u);
-  const auto inner = paths.instance_of("IN", scope);
-  ASSERT_TRUE(inner);
-  EXPECT_EQ(scene.instances[*inner].def, "IN");
-  EXPECT_EQ(paths.first_in_world_scope("IN"), std::nullopt);
-  EXPECT_EQ(paths.instance_of("A/C", 0), paths.instance_of("C", 0));
-  EXPECT_EQ(paths.instance_of("nobody", scope), std::nullopt);
-}
-
 TEST(PathRewriter, RewritesPathsToTheNewNames) {
   const Scene scene = scene_of(kWorld);
   PathRewriter paths(scene);

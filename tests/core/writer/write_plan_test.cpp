@@ -6,31 +6,6 @@
 
 namespace peerd::vrml::write_plan_test {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
-
-TEST(WritePlan, NamesNodesThatAreUsedAgain) {
-  const Scene scene = scene_of(
-      "PROTO P [ field MFNode a [ ] field MFNode b [ ] ] {\n"
-      " Group { children [ Group { children IS a } Group { children IS a } ] } }\n"
-      "P { a Shape { geometry Box { } } }");
-  const WritePlan plan(scene, {});
-  const std::uint32_t shape = nodes_of_type(*scene.document, "Shape").at(0);
-  EXPECT_NE(plan.name_of(shape), "");
-  EXPECT_EQ(plan.name_of(nodes_of_type(*scene.document, "Box").at(0)), "");
-  EXPECT_FALSE(plan.too_deep());
-}
-
-TEST(WritePlan, DefinesANodeOnceAndThenUsesIt) {
-  const Scene scene = scene_of("DEF A Group { } USE A");
-  const WritePlan plan(scene, {});
-  std::vector<bool> visited(scene.document->nodes.size(), false);
-  const NodeRef& first = scene.document->top_level[0];
-  EXPECT_EQ(plan.action_at(first, NodeRef::kNull, visited), WritePlan::RefAction::kDefine);
-  visited[first.index] = true;
-  EXPECT_EQ(plan.action_at(scene.document->top_level[1], NodeRef::kNull, visited), WritePlan::RefAction::kUse);
-}
-
 // A name means the last node before it that has it (4.4.3), so two nodes may have one name where their uses do not
 // meet.
 TEST(WritePlan, ChangesANameOnlyWhereAnotherNodeTakesItTooEarly) {
@@ -50,17 +25,6 @@ TEST(WritePlan, ChangesANameOnlyWhereAnotherNodeTakesItTooEarly) {
   }
   ASSERT_EQ(names.size(), 2u);
   EXPECT_NE(names[0], names[1]);
-}
-
-TEST(WritePlan, WritesARouteBehindBothOfItsNodes) {
-  const Scene scene = scene_of("DEF T TouchSensor { } DEF L DirectionalLight { } ROUTE T.isOver TO L.on");
-  const WritePlan plan(scene, {});
-  std::vector<std::uint32_t> routes(plan.last_routes());
-  for (std::uint32_t place = 0; place < 2; ++place) {
-    for (const std::uint32_t r : plan.routes_at(place)) routes.push_back(r);
-  }
-  EXPECT_THAT(plan.routes_at(0), IsEmpty());  // the light is not there yet
-  EXPECT_THAT(routes, ElementsAre(0u));
 }
 
 TEST(OutsideNodes, AreThoseThatMatterAndThatNothingHolds) {
