@@ -25,6 +25,7 @@
 
 #include "collision/broad_phase/broad_phase.hpp"
 #include "figures.hpp"
+#include "fitted_exponent.hpp"
 #include "heap_meter.hpp"
 
 namespace peerd::bench {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <charconv>
-#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
@@ -108,15 +107,6 @@ bool read_numbers(const std::vector<std::string>& arguments, std::initializer_li
     if (error != std::errc{} || end != text.data() + text.size()) return false;
   }
   return true;
-}
-
-double fitted_exponent(const std::vector<std::pair<double, double>>& points) {
-  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-  for (const auto& [size, cost] : points) {
-    const double lx = std::log(size), ly = std::log(cost);
-    n += 1, x += lx, y += ly, xx += lx * lx, xy += lx * ly;
-  }
-  return (n * xy - x * y) / (n * xx - x * x);
 }
 
 Quartiles quartiles(std::vector<double> samples) {

@@ -61,9 +61,6 @@ class Report {
 using NumberOption = std::pair<std::string_view, std::uint64_t*>;
 [[nodiscard]] bool read_numbers(const std::vector<std::string>& arguments, std::initializer_list<NumberOption> options);
 
-// The exponent of y = c x^e through the points (x, y), by least squares of the logarithms.
-[[nodiscard]] double fitted_exponent(const std::vector<std::pair<double, double>>& points);
-
 struct Quartiles {
   double low = 0, median = 0, high = 0;
 };

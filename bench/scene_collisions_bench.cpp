@@ -30,6 +30,7 @@
 #include "core/geometry/mesh.hpp"
 #include "core/kinematics.hpp"
 #include "figures.hpp"
+#include "fitted_exponent.hpp"
 #include "heap_meter.hpp"
 
 namespace peerd::bench {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "../figures.hpp"
+#include "../fitted_exponent.hpp"
 #include "island_run.hpp"
 
 // Question: what does a peer of a large session cost, in traffic, memory and time, and how does that grow with the

@@ -19,6 +19,7 @@
 
 #include "bench/collision_meshes.hpp"
 #include "bench/figures.hpp"
+#include "bench/fitted_exponent.hpp"
 #include "bench/scale/moving_bodies.hpp"
 #include "bench/scale/peer_run.hpp"
 #include "bench/scale/standing_world.hpp"

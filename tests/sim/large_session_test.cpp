@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "bench/fitted_exponent.hpp"
 #include "bench/islands/island_run.hpp"
 #include "peerd/lab/sim/simulation.hpp"
 #include "peerd/peer/config/scenario.hpp"
