@@ -3,6 +3,7 @@
 
 The report of 240 runs is the same, byte for byte, as that of one process, also where a job was cancelled, a task killed, or
 whoever waits for it. 77: there is no Slurm here, and nothing is tested."""
+import json
 import os
 import pathlib
 import signal
@@ -55,7 +56,7 @@ class Sweep(unittest.TestCase):
         here = cls.run_peerd("--out", "here", on=None)
         assert here.returncode == 0, here.stderr
         cls.expected = cls.report("here")
-        assert len(cls.expected) > RUNS, "there are pictures of each run"
+        assert len(json.loads(cls.expected["summary.json"])["runs"]) == RUNS and "report.html" in cls.expected
 
     @classmethod
     def command(cls, *options, on="slurm", tasks=TASKS):
