@@ -11,12 +11,13 @@ namespace peerd::sim {
 
 namespace {
 
-// Watches for the time at which a run is stopped.
+// Watches for the time at which a run is stopped. What lingers after its end belongs to a whole run, and is not
+// stopped.
 class Stop {
  public:
-  explicit Stop(const Progress& progress) : progress_(progress) {}
+  Stop(const Progress& progress, double duration_s) : progress_(progress), duration_s_(duration_s) {}
   bool operator()(std::optional<double> run_s) {
-    if (!progress_ || progress_(run_s)) return true;
+    if (!progress_ || progress_(run_s) || run_s >= duration_s_) return true;
     at_s_ = std::max(0.0, run_s.value_or(0.0));
     return false;
   }
@@ -24,6 +25,7 @@ class Stop {
 
  private:
   const Progress& progress_;
+  double duration_s_;
   std::optional<double> at_s_;
 };
 
@@ -36,7 +38,7 @@ Result<measure::RunRecord> simulated_run(const config::RunSettings& run, const S
   auto assembler = RunAssembler::make(run, shared, std::move(measuring));
   if (!assembler) return std::unexpected(assembler.error());
   std::optional<measure::InterestRecord> interest;
-  Stop stop(progress);
+  Stop stop(progress, run.duration_s);
   const auto logs =
       simulate(run, shared, observer, action_observer, &interest, captures, assembler->get(), std::ref(stop), watch);
   if (!logs) return std::unexpected(logs.error());
@@ -45,9 +47,7 @@ Result<measure::RunRecord> simulated_run(const config::RunSettings& run, const S
     nothing.stopped = true;
     return nothing;
   }
-  // What lingers after the end belongs to a whole run.
-  const bool cut = stop.at_s() && *stop.at_s() < run.duration_s;
-  auto record = (*assembler)->finish(*logs, cut ? stop.at_s() : std::nullopt);
+  auto record = (*assembler)->finish(*logs, stop.at_s());
   if (!record) return record;
   record->interest = std::move(interest);
   if (!run.compare_outcomes || stop.at_s()) return record;
@@ -63,7 +63,7 @@ Result<std::optional<measure::WrongOutcomes>> compare_outcomes(const measure::Ru
   const config::RunSettings ideal = without_latency(run);
   auto assembler = RunAssembler::make(ideal, shared, {.limits = {0, 0, 0}, .parts = {}});
   if (!assembler) return std::unexpected(assembler.error());
-  Stop stop(progress);
+  Stop stop(progress, ideal.duration_s);
   const auto logs = simulate(ideal, shared, {}, {}, nullptr, nullptr, assembler->get(), std::ref(stop));
   if (!logs) return std::unexpected(logs.error());
   if (stop.at_s()) return std::nullopt;

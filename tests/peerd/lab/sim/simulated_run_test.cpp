@@ -2,15 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include "peerd/lab/cluster/result_bytes.hpp"
 #include "tests/sim/run_scenario.hpp"
 
 namespace peerd::sim::simulated_run_test {
 
 const std::string kMeeting = PEERD_SOURCE_DIR "/tests/sim/worlds/meeting.toml";
 
-measure::RunRecord run(std::vector<std::string> sets) {
+measure::RunRecord run(std::vector<std::string> sets, const Progress& progress = {}) {
   const config::Scenario scenario = testing_support::scenario_of(kMeeting, std::move(sets));
-  return must(simulated_run(scenario.runs.front(), *must(share_world(scenario.world))));
+  return must(simulated_run(scenario.runs.front(), *must(share_world(scenario.world)), {}, {}, nullptr, {}, progress));
 }
 
 TEST(SimulatedRun, ComparesWithTheTruthWhereAsked) {
@@ -20,5 +21,17 @@ TEST(SimulatedRun, ComparesWithTheTruthWhereAsked) {
 }
 
 TEST(SimulatedRun, JudgesAreasOfInterest) { EXPECT_TRUE(run({"peer.a.interest_radius_m=50"}).interest); }
+
+// A signal that comes while the last updates still arrive leaves a whole run, with all of its traffic.
+TEST(SimulatedRun, IsNotStoppedAfterItsEnd) {
+  std::vector<bool> answers;
+  const measure::RunRecord record = run({"duration_s=2"}, [&](std::optional<double> run_s) {
+    answers.push_back(!run_s || *run_s < 2.0);
+    return answers.back();
+  });
+  ASSERT_FALSE(answers.back()) << "it lingers";
+  EXPECT_FALSE(record.stopped);
+  EXPECT_TRUE(cluster::to_bytes({record, {}}) == cluster::to_bytes({run({"duration_s=2"}), {}}));
+}
 
 }  // namespace peerd::sim::simulated_run_test
