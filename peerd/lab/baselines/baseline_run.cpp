@@ -1,12 +1,12 @@
 #include "peerd/lab/baselines/baseline_run.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <optional>
 
 #include "peerd/lab/baselines/game_client.hpp"
 #include "peerd/lab/baselines/lockstep.hpp"
-#include "peerd/lab/measure/wrong_outcomes.hpp"
 #include "peerd/lab/sim/event_times.hpp"
 #include "peerd/lab/sim/network.hpp"
 #include "peerd/peer/config/scenario.hpp"
@@ -184,19 +184,9 @@ Result<measure::RunRecord> run_of_any_system(const config::RunSettings& run, con
   auto assembler = RunAssembler::make(all, shared, std::move(measuring));
   if (!assembler) return std::unexpected(assembler.error());
   BaselineRun baseline(all, shared, *std::move(objects), **assembler);
-  std::optional<double> stopped_at_s;
-  baseline.go_on([&](std::optional<double> run_s) {
-    if (!progress || progress(run_s)) return true;
-    stopped_at_s = run_s;
-    return false;
-  });
-  const bool cut = stopped_at_s && *stopped_at_s < run.duration_s;
-  auto record = (*assembler)->finish(baseline.logs(), cut ? stopped_at_s : std::nullopt);
-  if (!record || !run.compare_outcomes || stopped_at_s) return record;
-  auto wrong = sim::compare_outcomes(*record, run, shared, progress);
-  if (!wrong) return std::unexpected(wrong.error());
-  record->wrong = *wrong;
-  return record;
+  sim::Stop stop(progress, run.duration_s);
+  baseline.go_on(std::ref(stop));
+  return sim::record_of(**assembler, baseline.logs(), stop, run, shared, progress);
 }
 
 }  // namespace peerd::baselines

@@ -140,7 +140,7 @@ struct RunRecord {
   nlohmann::ordered_json network_settings = nlohmann::ordered_json::object();
   std::uint64_t seed = 1;
   double duration_s = 0.0;
-  bool stopped = false;  // the run was to be longer than duration_s, and a signal has ended it
+  bool stopped = false;  // by a signal, at duration_s; or the comparison with truth was, after the run
   std::vector<PeerInfo> peers;
   std::vector<ObjectInfo> objects;              // objects with an owner, sorted by object
   std::map<ObjectId, std::string> scene_paths;  // what contacts name and nobody owns: walls, Shapes

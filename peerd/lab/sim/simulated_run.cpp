@@ -9,27 +9,11 @@
 
 namespace peerd::sim {
 
-namespace {
-
-// Watches for the time at which a run is stopped. What lingers after its end belongs to a whole run, and is not
-// stopped.
-class Stop {
- public:
-  Stop(const Progress& progress, double duration_s) : progress_(progress), duration_s_(duration_s) {}
-  bool operator()(std::optional<double> run_s) {
-    if (!progress_ || progress_(run_s) || run_s >= duration_s_) return true;
-    at_s_ = std::max(0.0, run_s.value_or(0.0));
-    return false;
-  }
-  [[nodiscard]] std::optional<double> at_s() const { return at_s_; }  // none: it was not
-
- private:
-  const Progress& progress_;
-  double duration_s_;
-  std::optional<double> at_s_;
-};
-
-}  // namespace
+bool Stop::operator()(std::optional<double> run_s) {
+  if (!progress_ || progress_(run_s) || run_s >= duration_s_) return true;
+  at_s_ = std::max(0.0, run_s.value_or(0.0));
+  return false;
+}
 
 Result<measure::RunRecord> simulated_run(const config::RunSettings& run, const SharedWorld& shared,
                                          const Observer& observer, const ActionObserver& action_observer,
@@ -42,17 +26,24 @@ Result<measure::RunRecord> simulated_run(const config::RunSettings& run, const S
   const auto logs =
       simulate(run, shared, observer, action_observer, &interest, captures, assembler->get(), std::ref(stop), watch);
   if (!logs) return std::unexpected(logs.error());
+  auto record = record_of(**assembler, *logs, stop, run, shared, progress);
+  if (record) record->interest = std::move(interest);
+  return record;
+}
+
+Result<measure::RunRecord> record_of(RunAssembler& assembler, const std::vector<PeerLog>& logs, const Stop& stop,
+                                     const config::RunSettings& run, const SharedWorld& shared,
+                                     const Progress& progress) {
   if (stop.at_s() == 0.0) {
     measure::RunRecord nothing;
     nothing.stopped = true;
     return nothing;
   }
-  auto record = (*assembler)->finish(*logs, stop.at_s());
-  if (!record) return record;
-  record->interest = std::move(interest);
-  if (!run.compare_outcomes || stop.at_s()) return record;
+  auto record = assembler.finish(logs, stop.at_s());
+  if (!record || !run.compare_outcomes || record->stopped) return record;
   auto wrong = compare_outcomes(*record, run, shared, progress);
   if (!wrong) return std::unexpected(wrong.error());
+  record->stopped = !*wrong;
   record->wrong = *wrong;
   return record;
 }

@@ -31,7 +31,7 @@ std::string contents(const std::string& file) {
   return all;
 }
 
-// What an export has of a view of peer 7 with these rows.
+// Returns the contents of the MCAP file of a recording in which peer 7 shows these rows.
 std::string exported(const std::vector<view::PoseRow>& rows) {
   recorded::StretchWriter stretches;
   stretches.add(0.0, 1, 1, {}, rows);

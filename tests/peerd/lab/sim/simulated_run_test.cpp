@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "peerd/lab/cluster/result_bytes.hpp"
 #include "tests/sim/run_scenario.hpp"
 
@@ -32,6 +34,18 @@ TEST(SimulatedRun, IsNotStoppedAfterItsEnd) {
   ASSERT_FALSE(answers.back()) << "it lingers";
   EXPECT_FALSE(record.stopped);
   EXPECT_TRUE(cluster::to_bytes({record, {}}) == cluster::to_bytes({run({"duration_s=2"}), {}}));
+}
+
+TEST(SimulatedRun, IsStoppedWhereTheComparisonIs) {
+  double latest_s = 0.0;
+  const auto until_the_second_run = [&](std::optional<double> run_s) {
+    latest_s = std::max(latest_s, run_s.value_or(0.0));
+    return latest_s < 2.0 || run_s >= 2.0;
+  };
+  const measure::RunRecord record = run({"duration_s=2", "decisions.compare=true"}, until_the_second_run);
+  EXPECT_TRUE(record.stopped);
+  EXPECT_EQ(record.duration_s, 2.0);
+  EXPECT_FALSE(record.wrong);
 }
 
 }  // namespace peerd::sim::simulated_run_test
