@@ -38,7 +38,7 @@ struct Figure {
 // Writes a file beside them, where they are written at all. False where it cannot be; says which.
 [[nodiscard]] bool write_beside(const Options& options, const std::string& name, const std::string& text);
 
-// What a run has found: its figures, and whether an answer was wrong.
+// Collects a benchmark's figures, and whether an answer was wrong.
 class Report {
  public:
   explicit Report(Options options) : options_(std::move(options)) {}

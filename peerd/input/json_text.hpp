@@ -7,10 +7,11 @@
 
 namespace peerd {
 
-// JSON to and from text, compiled once: the library's own reader and writer are templates, dear to compile.
+// JSON to and from text. The library's parser and serializer are templates that cost seconds in each file that calls
+// them; these functions are compiled once.
 //
-// Names in old VRML files are Latin-1, and paths are bytes: in what is written, a byte that is not UTF-8 becomes
-// U+FFFD. Ordered values are templates' arguments, so that a string is not both kinds of value.
+// Names in old VRML files are Latin-1, and paths are bytes: in the written text, a byte that is not UTF-8 becomes
+// U+FFFD. The overloads for ordered values are templates, because a string converts to both kinds of value.
 template <class T>
 concept OrderedJson = std::same_as<T, nlohmann::ordered_json>;
 
@@ -19,7 +20,7 @@ concept OrderedJson = std::same_as<T, nlohmann::ordered_json>;
 template <OrderedJson Json>
 [[nodiscard]] std::string json_line(const Json& value);
 
-// A member a line, each level indented by so many spaces.
+// One member or item on each line, indented by `indent` spaces for each level.
 [[nodiscard]] std::string json_text(const nlohmann::json& value, int indent = 2);
 template <OrderedJson Json>
 [[nodiscard]] std::string json_text(const Json& value, int indent = 2);

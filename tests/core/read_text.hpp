@@ -98,7 +98,7 @@ inline std::vector<std::string> errors_of(const std::string& body, const Files& 
   return lines;
 }
 
-// A case of a table: a text, and what is reported of it.
+// A world with an error in it, and the lines that the reader reports.
 struct BadCase {
   const char* name;
   const char* body;

@@ -13,7 +13,7 @@ inline void require(bool condition) {
   if (!condition) std::abort();
 }
 
-// Takes so many lines of an input at most.
+// Calls take(line) for the first `most` lines of the input.
 template <class Take>
 void for_each_line(std::string_view input, int most, const Take& take) {
   for (int i = 0; i < most && !input.empty(); ++i) {
@@ -23,16 +23,17 @@ void for_each_line(std::string_view input, int most, const Take& take) {
   }
 }
 
-// Takes so many datagrams of an input at most: each follows two bytes of its length (low byte first) and one byte more,
-// and the rest is the last one.
+// Calls take(extra, datagram) for the first `most` datagrams of the input. Each has a header of three bytes: its length
+// (little-endian), then a byte for the target's own use, such as a pause. Where the length is too large, the rest of
+// the input is the datagram.
 template <class Take>
 void for_each_datagram(std::span<const std::byte> input, int most, const Take& take) {
   for (int i = 0; i < most && input.size() > 3; ++i) {
     const auto length = std::to_integer<std::size_t>(input[0]) | std::to_integer<std::size_t>(input[1]) << 8;
-    const auto more = std::to_integer<std::uint8_t>(input[2]);
+    const auto extra = std::to_integer<std::uint8_t>(input[2]);
     input = input.subspan(3);
     const auto datagram = input.first(std::min(length, input.size()));
-    take(more, datagram);
+    take(extra, datagram);
     input = input.subspan(datagram.size());
   }
 }

@@ -4,7 +4,7 @@
 
 namespace peerd::testing_support {
 
-// Asks again and again, for so long at most; whether it holds at last.
+// Evaluates the condition every 5 ms until it holds, for at most `within_s` seconds. Returns whether it came to hold.
 template <class Condition>
 bool comes_true(const Condition& holds, double within_s) {
   const auto give_up = std::chrono::steady_clock::now() + std::chrono::duration<double>(within_s);

@@ -8,7 +8,7 @@
 namespace peerd::report {
 namespace {
 
-bool drawable_point(const Point& p) { return report::drawable(p.x) && report::drawable(p.y); }
+bool drawable_point(const Point& p) { return drawable(p.x) && drawable(p.y); }
 
 // The double that is nearest to the decimal number, so that JSON has no more digits than that.
 double rounded(double value, int decimals) {

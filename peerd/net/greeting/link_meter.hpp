@@ -28,8 +28,6 @@ class LinkMeter {
 
   // Smoothed with 1/8, as TCP's (RFC 6298, 2.3). None: nothing has been echoed.
   [[nodiscard]] std::optional<Duration> round_trip() const { return round_trip_; }
-  // How far round trips lie from the mean.
-  [[nodiscard]] Duration round_trip_deviation() const { return deviation_; }
   // The offset by the shortest round trip of the last ten seconds or more.
   [[nodiscard]] std::optional<ClockOffset> clock() const { return clock_; }
   // The latency [ns] that no datagram of this link is expected to exceed: half of the mean round trip and twice the

@@ -12,7 +12,6 @@ namespace peerd::keys {
 namespace {
 
 constexpr std::string_view kMemberBegin = "peerd-member-1:", kIdentityBegin = "peerd-identity-1:";
-constexpr std::size_t kShort_letters = 8;
 
 static_assert(PublicKey::kBytes == crypto_sign_PUBLICKEYBYTES && PublicKey::kSignature_bytes == crypto_sign_BYTES);
 static_assert(Identity::kSeed_bytes == crypto_sign_SEEDBYTES);
@@ -43,8 +42,6 @@ std::optional<PublicKey> PublicKey::of_text(std::string_view text) {
 }
 
 std::string PublicKey::text() const { return std::string(kMemberBegin) + base64_of(bits_); }
-
-std::string PublicKey::short_text() const { return base64_of(bits_).substr(0, kShort_letters); }
 
 bool PublicKey::has_signed(std::string_view use, std::span<const std::uint8_t> bytes,
                            std::span<const std::uint8_t, kSignature_bytes> signature) const {

@@ -24,8 +24,6 @@ class PublicKey {
 
   // One line of printable ASCII: "peerd-member-1:" and the key in base64 for URLs.
   [[nodiscard]] std::string text() const;
-  // The first letters of that, for people to tell a few keys apart.
-  [[nodiscard]] std::string short_text() const;
   [[nodiscard]] std::span<const std::uint8_t, kBytes> bytes() const { return bits_; }
   // Whether the signature is this key's, for that use and of these bytes.
   [[nodiscard]] bool has_signed(std::string_view use, std::span<const std::uint8_t> bytes,

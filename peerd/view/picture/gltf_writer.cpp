@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "peerd/view/picks/node_place.hpp"
-#include "peerd/view/picture/json_text.hpp"
+#include "peerd/view/picture/json_writer.hpp"
 
 namespace peerd::view {
 namespace {
@@ -85,7 +85,7 @@ class GltfWriter {
   void append(const std::string& bytes);
 
   const ScenePicture& picture_;
-  JsonText json_, accessors_;
+  JsonWriter json_, accessors_;
   std::array<std::string, kViews> views_;
   std::array<std::size_t, kViews> view_number_{};  // of those that are used
   std::size_t view_count_ = 0;
@@ -509,7 +509,7 @@ std::expected<std::string, std::string> GltfWriter::write() {
   if (accessor_count_ > 0) {
     json_.key("accessors");
     std::string text = json_.take() + accessors_.take();
-    json_ = JsonText(std::move(text));
+    json_ = JsonWriter(std::move(text));
     write_views();
   }
   json_.close('}');

@@ -24,7 +24,7 @@ std::optional<RayHit> nearest_of_all(const TriangleSoup& soup, const Ray& ray, c
   }
   return best;
 }
-// By the library's exact test, for soups that are too large for the oracle.
+// Returns the nearest hit by the product's exact test of each triangle. The oracle is too slow for these soups.
 std::optional<RayHit> flat_nearest(const TriangleSoup& soup, const Ray& ray) {
   OrientationCounters counters;
   return nearest_of_all(soup, ray, [&](const Ray& r, const Triangle& t) { return first_parameter(r, t, counters); });

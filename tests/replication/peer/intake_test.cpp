@@ -24,7 +24,7 @@ struct Receiver {
   std::expected<void, Drop> take(const Message& m, HostTime now, RegionId region = kWholeScene) {
     return intake.on_packet(now, region, encode(m));
   }
-  // What a member decides or publishes.
+  // Takes a datagram in which `sender` publishes updates, or a decision.
   bool take(std::uint32_t sender, const std::vector<UpdateRecord>& updates, HostTime now) {
     Message m = message_of(sender);
     m.updates = updates;

@@ -204,7 +204,7 @@ TEST_F(Regions, ALongObjectIsReceivedAsFarAsItExtends) {
   EXPECT_FALSE(apart.peer(2).receives(long_one["A"]));
 }
 
-// Who may announce one is decided in region_subscriptions_test.
+// region_subscriptions_test asks who may announce a handover.
 TEST_F(Regions, AnUpdateThatAHandoverHasOvertakenIsDropped) {
   const auto self = lan.add(looking_from(in_regions(1, {}, 1.0), 5.0));
   lan.run_until(2s);

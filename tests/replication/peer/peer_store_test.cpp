@@ -17,7 +17,7 @@ class Stores : public Peers {
   Stores() : Peers(box("BALL", "1 1 1", "0 0 0") + box("CAR", "1 1 1", "0 20 0"), {"BALL", "CAR"}) {}
 
   [[nodiscard]] static AuthorId author(std::size_t i) { return AuthorId{static_cast<std::uint32_t>(41 + i)}; }
-  // These peers begin, with what their stores hold. All else counts those that are here.
+  // Starts these peers, each with the log in its store. Other members number peers by their place in `here`.
   void begin(std::vector<std::size_t> who = {0, 1, 2}, Duration clocks_ahead = 0s) {
     lan = std::make_unique<Lan>(world, Link{.latency = 20ms}, 1);
     here = std::move(who);

@@ -40,7 +40,7 @@ class Peers : public testing::Test {
     const auto written = write_world(scene(i));
     return written ? written->text : written.error();
   }
-  // All peers that run have the scene of the first one.
+  // Expects that all running peers have the same scene as the first one.
   void expect_one_scene() const {
     for (std::size_t i = 1; i < lan->size(); ++i) {
       if (runs(i)) {
@@ -62,7 +62,7 @@ class Peers : public testing::Test {
     for (std::size_t i = 0; i < lan->size(); ++i) owners.push_back(lan->peer(i).owner(world[path]).value);
     return owners;
   }
-  // At all peers that run.
+  // Expects this owner at all running peers.
   void expect_owner(const char* path, PeerId owner) const {
     for (std::size_t i = 0; i < lan->size(); ++i) {
       if (runs(i)) {
@@ -70,7 +70,7 @@ class Peers : public testing::Test {
       }
     }
   }
-  // All peers that run have the ghost of the first one, so long ago, to the last bit.
+  // Expects that all running peers have the same ghost of the object as the first one, bit for bit, `ago` before now.
   void expect_one_ghost(const char* path, Duration ago = 100ms) const {
     const SimTime t = lan->session_now(0) - ago;
     const KinematicState first = lan->peer(0).ghost(world[path], t);

@@ -152,7 +152,7 @@ TEST_P(HeadOn, ThePolicysChoiceDecides) {
   EXPECT_EQ(sum(&Peer::Counters::decisions_repeated), 0u) << "all have acknowledged it";
 }
 
-// Where every third datagram is lost, the hellos, which carry notes and latencies, are lost, too.
+// With a third of the datagrams many hellos are lost, and with them the notes of decisions and the latencies.
 TEST_P(HeadOn, LossJitterAndCopies) {
   for (const auto& [link, seeds] : {std::pair(Link{0ms, 30ms, 0.05, 0.05}, 12u), {Link{0ms, 20ms, 0.33, 0.0}, 4u}}) {
     for (std::uint64_t seed = 1; seed <= seeds; ++seed) {

@@ -357,8 +357,8 @@ TEST_F(Store, ALogThatIsWrittenAheadMayEndAnywhere) {
   }
 }
 
-// What was acknowledged stays; the author writes no more in its next life, for what it published meanwhile may be
-// missing.
+// Acknowledged operations stay. After a restart the peer writes as a new author, because the store may lack operations
+// that the former author had published while the disk was full.
 TEST_F(Store, AFullDiskIsSaidAndLosesNothing) {
   const OperationPart first = part(kOwn, 2), lost = part(kOwn, 200);
   {

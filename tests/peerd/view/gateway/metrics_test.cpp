@@ -39,7 +39,7 @@ struct Replies {
   json status, peers;
 };
 
-// What a peer says of another one, of which it does not know yet how long datagrams from it take.
+// Returns the row of `ctl peers` for a peer whose one-way delay has not been measured yet.
 json row_of_b() {
   return {{"id", 2},
           {"name", "b \"c\" \\ d\ne"},

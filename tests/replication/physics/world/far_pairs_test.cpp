@@ -13,7 +13,7 @@ namespace peerd::replication::far_pairs_test {
 
 using namespace test;
 
-// What has been met, in order.
+// Returns the collidees of all contacts, in order of time.
 std::vector<ObjectId> take_met(MotionWorld& world) {
   std::vector<ObjectId> met;
   for (const ContactEvent& contact : contacts_of(world)) met.push_back(contact.collidee);

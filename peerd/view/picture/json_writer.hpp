@@ -14,24 +14,24 @@ namespace peerd::view {
 
 // Appends JSON to a text, without a tree of it: a picture has hundreds of thousands of nodes. The caller opens and
 // closes in pairs.
-class JsonText {
+class JsonWriter {
  public:
-  JsonText() = default;
+  JsonWriter() = default;
   // Goes on behind a key, or behind a value within a list or an object.
-  explicit JsonText(std::string begun) : out_(std::move(begun)), first_(false) {}
+  explicit JsonWriter(std::string begun) : out_(std::move(begun)), first_(false) {}
 
-  JsonText& open(char bracket) {
+  JsonWriter& open(char bracket) {
     comma();
     out_ += bracket;
     first_ = true;
     return *this;
   }
-  JsonText& close(char bracket) {
+  JsonWriter& close(char bracket) {
     out_ += bracket;
     first_ = false;
     return *this;
   }
-  JsonText& key(std::string_view name) {  // plain letters
+  JsonWriter& key(std::string_view name) {  // plain letters
     comma();
     out_ += '"';
     out_ += name;
@@ -40,14 +40,14 @@ class JsonText {
     return *this;
   }
   // Bytes that are not UTF-8 are replaced.
-  JsonText& value(std::string_view text) {
+  JsonWriter& value(std::string_view text) {
     comma();
     out_ += json_line(nlohmann::json(text));
     return *this;
   }
-  JsonText& value(const char* text) { return value(std::string_view(text)); }
+  JsonWriter& value(const char* text) { return value(std::string_view(text)); }
   template <class Number>
-  requires std::integral<Number> || std::floating_point<Number> JsonText& value(Number number) {
+  requires std::integral<Number> || std::floating_point<Number> JsonWriter& value(Number number) {
     comma();
     if constexpr (std::same_as<Number, bool>) {
       out_ += number ? "true" : "false";
@@ -64,11 +64,11 @@ class JsonText {
     return *this;
   }
   template <class Value>
-  JsonText& member(std::string_view name, const Value& each) {
+  JsonWriter& member(std::string_view name, const Value& each) {
     return key(name).value(each);
   }
   template <class Range>
-  JsonText& list(std::string_view name, const Range& range) {
+  JsonWriter& list(std::string_view name, const Range& range) {
     key(name).open('[');
     for (const auto& each : range) value(each);
     return close(']');
