@@ -26,6 +26,13 @@ struct Contact {
   std::uint32_t iterations = 0;  // steps of conservative advancement; 0 where the closed form answered
 };
 
+// What two bodies are to each other. A Sphere is round, and a convex piece has an inside, but not as polygons.
+enum class MeetAs : std::uint8_t {
+  kSurfaces,  // what begins wholly inside of another meets it from inside
+  kSolids,    // what is in a Sphere or in a convex piece overlaps it
+  kPolygons   // by their polygons alone, as SceneQuery has them
+};
+
 // A body and how it moves from time 0 on.
 struct MovingBody {
   const Body& body;

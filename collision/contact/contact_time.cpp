@@ -136,8 +136,8 @@ bool touching(const MovingBody& a, const MovingBody& b, CollisionType type, cons
   if (options.as == MeetAs::kPolygons) return has_exact_answer(a.body, b.body) && surfaces_within(a, b, near_m);
   const ContactState now = first_contact(a, b, type, 0.0, options).state;
   if (now == ContactState::kContact || now == ContactState::kOverlapped) return true;
-  if (meet_as_spheres(a, b)) return spheres_within(a, b, near_m);
-  if (meet_as_sphere_and_surface(a, b)) return sphere_within_surface(a, b, near_m);
+  if (meet_as_spheres(a, b)) return spheres_within(a, b, near_m, options.as);
+  if (meet_as_sphere_and_surface(a, b)) return sphere_within_surface(a, b, near_m, options.as);
   return has_exact_answer(a.body, b.body) && surfaces_within(a, b, near_m);
 }
 
@@ -158,8 +158,10 @@ Contact first_contact(const MovingBody& collider, const MovingBody& collidee, Co
     return contact;
   }
   if (collider.body.vertices().empty() || collidee.body.vertices().empty()) return {};
-  const bool solid = options.as == MeetAs::kSolids && options.margin_m == 0.0;
-  if (!box && solid && meet_as_spheres(collider, collidee)) return sphere_contact(collider, collidee, horizon_s);
+  const bool round = options.as != MeetAs::kPolygons && options.margin_m == 0.0;
+  if (!box && round && meet_as_spheres(collider, collidee)) {
+    return sphere_contact(collider, collidee, horizon_s, options.as);
+  }
   const Query query(collider, collidee, horizon_s);
   assert(box || (collider.body.surface && collidee.body.surface));
   if (query.hopeless(box ? kBoxReach : 1.0, options.margin_m)) return {};
@@ -167,13 +169,15 @@ Contact first_contact(const MovingBody& collider, const MovingBody& collidee, Co
     if (options.margin_m == 0.0) return query.boxes();
     return first_box_contact({&collider, 1}, {&collidee, 1}, horizon_s, options.margin_m);
   }
-  if (solid && meet_as_sphere_and_surface(collider, collidee)) {
-    return sphere_surface_contact(collider, collidee, horizon_s);
+  if (round && meet_as_sphere_and_surface(collider, collidee)) {
+    return sphere_surface_contact(collider, collidee, horizon_s, options.as);
   }
   if (options.margin_m == 0.0 && both_convex(collider.body, collidee.body)) {
     const Contact contact = query.pieces();
-    // From outside, the first contact of solids is that of their polygons.
-    if (solid || contact.state != ContactState::kOverlapped) return contact;
+    // From outside, the first contact of solids is that of their polygons. Of solids that overlap one may be inside the
+    // other: then their surfaces have still to meet.
+    if (contact.state != ContactState::kOverlapped || options.as == MeetAs::kSolids) return contact;
+    if (options.as == MeetAs::kSurfaces && surfaces_within(collider, collidee, 0.0)) return contact;
   }
   return mesh_contact(collider, collidee, horizon_s, options.margin_m);
 }

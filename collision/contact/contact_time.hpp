@@ -3,9 +3,8 @@
 
 namespace peerd::collision {
 
-enum class MeetAs : std::uint8_t { kSolids, kPolygons };
 struct ContactOptions {
-  MeetAs as = MeetAs::kSolids;
+  MeetAs as = MeetAs::kSurfaces;
   double margin_m = 0.0;
 };
 
@@ -19,10 +18,13 @@ struct ContactOptions {
 //   one approaches  -> kContact at 0;
 //   one is pressed  -> kContact at 0, resting: no speed along the axis and accelerated inwards, or parting so slowly
 //                      that the acceleration ends it within e or within one tick;
-//   all are still   -> no contact yet (sliding along a floor); the search goes on to what follows once they parted.
+//   one is still    -> no contact: the one glides along the other (a floor; the next slab of it, flush with this one).
+//                      Two flat polygons in one plane can meet in it; the search goes on to what follows once they
+//                      parted.
 // Where a body turns, still can't be told from pressed: all that touch and don't part are contacts, resting where no
 // speed closes them.
-// Bodies that overlap at 0 deeper than touching are kOverlapped, with normal_world the direction of least penetration.
+// Bodies whose surfaces are in each other at 0 deeper than touching are kOverlapped, with normal_world the direction of
+// least penetration; with MeetAs::kSolids also those of which one is inside the other.
 //
 // Without rotation the answer is in closed form for accelerations that are constant: on each separating-axis candidate
 // the gap is a quadratic in t, and the bodies overlap where all gaps are <= 0; passing by in touch is a contact. With
@@ -36,16 +38,15 @@ struct ContactOptions {
 //
 // CollisionType::kBox uses the tight world boxes of all vertices in place of the polygons, and answers where only
 // polygons are unsupported.
-// kPolygons: the two meet as SceneQuery has them, by their polygons alone. A Sphere is its polygons, and what is wholly
-// inside a closed mesh touches nothing. `margin_m` > 0: the paths of the two are known to so much, and what comes so
-// near is a contact; the two then meet as polygons too, and answers are never later than the truth, and earlier by a
-// distance of at most the margin and the tolerance.
+// MeetAs::kPolygons: the two meet by their polygons alone. A Sphere is its polygons. `margin_m` > 0: the paths of the
+// two are known to so much, and what comes so near is a contact; the two then meet as polygons too, and answers are
+// never later than the truth, and earlier by a distance of at most the margin and the tolerance.
 [[nodiscard]] Contact first_contact(const MovingBody& collider, const MovingBody& collidee, CollisionType type,
                                     double horizon_s, const ContactOptions& options = {});
 
 // Whether two bodies touch as they stand, or are nearer than contact times leave them: to within twice
-// advancement_tolerance_m(). A body that is wholly inside a convex piece touches it, too. The two must have an exact
-// answer (has_exact_answer()), but for kBox.
+// advancement_tolerance_m(); as solids also where one is inside the other. The two must have an exact answer
+// (has_exact_answer()), but for kBox.
 [[nodiscard]] bool touching(const MovingBody& a, const MovingBody& b, CollisionType type,
                             const ContactOptions& options = {});
 

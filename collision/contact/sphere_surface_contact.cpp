@@ -123,8 +123,9 @@ bool is_round(const MovingBody& m) {
 
 class SphereSearch {
  public:
-  SphereSearch(const MovingBody& sphere, const MovingBody& other)
-      : sphere_(sphere),
+  SphereSearch(const MovingBody& sphere, const MovingBody& other, MeetAs as)
+      : as_(as),
+        sphere_(sphere),
         other_(other),
         soup_(other.body.surface->soup()),
         tree_(other.body.surface->tree()),
@@ -178,9 +179,9 @@ class SphereSearch {
   [[nodiscard]] std::uint32_t iterations() const { return iterations_; }
 
  private:
-  // The centre is in a convex piece, which is solid.
+  // The centre is in a convex piece, and that is solid.
   [[nodiscard]] std::optional<SphereTouch> inside_at(const Moment& now) const {
-    if (!other_.body.not_convex_reason.empty()) return std::nullopt;
+    if (as_ != MeetAs::kSolids || !other_.body.not_convex_reason.empty()) return std::nullopt;
     std::uint32_t polygon = 0;
     for (const ConvexPiece& piece : other_.body.pieces) {
       double highest = -kNever;
@@ -355,6 +356,7 @@ class SphereSearch {
     return {true, false, std::sqrt(error_.gap_m / -closing)};
   }
 
+  MeetAs as_;
   const MovingBody &sphere_, &other_;
   const TriangleSoup& soup_;
   WideTree& tree_;
@@ -382,20 +384,20 @@ bool meet_as_sphere_and_surface(const MovingBody& a, const MovingBody& b) {
   return (is_round(a) && b.body.surface) || (is_round(b) && a.body.surface);
 }
 
-bool sphere_within_surface(const MovingBody& a, const MovingBody& b, double distance_m) {
+bool sphere_within_surface(const MovingBody& a, const MovingBody& b, double distance_m, MeetAs as) {
   assert(meet_as_sphere_and_surface(a, b) && distance_m >= 0.0);
   const MovingBody &sphere = is_round(a) ? a : b, &other = is_round(a) ? b : a;
-  return !other.body.surface->soup().faces.empty() && SphereSearch(sphere, other).is_within(distance_m);
+  return !other.body.surface->soup().faces.empty() && SphereSearch(sphere, other, as).is_within(distance_m);
 }
 
-Contact sphere_surface_contact(const MovingBody& collider, const MovingBody& collidee, double horizon_s) {
+Contact sphere_surface_contact(const MovingBody& collider, const MovingBody& collidee, double horizon_s, MeetAs as) {
   assert(meet_as_sphere_and_surface(collider, collidee) && horizon_s >= 0.0);
   const bool collider_round = is_round(collider);
   const MovingBody &sphere = collider_round ? collider : collidee, &other = collider_round ? collidee : collider;
   Contact contact;
   const Surface& surface = *other.body.surface;
   if (surface.soup().faces.empty()) return contact;
-  SphereSearch search(sphere, other);
+  SphereSearch search(sphere, other, as);
   const SphereTouch touch = search.first_until(horizon_s);
   contact.iterations = search.iterations();
   if (touch.state == ContactState::kSeparated) return contact;

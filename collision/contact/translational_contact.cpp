@@ -166,7 +166,7 @@ Contact translational_contact(const PairQuery& query, double radius_sum_m, const
   // This list is kept between calls for its memory alone; each call clears it.
   static thread_local std::vector<Gap> gaps;
   gaps.clear();
-  bool never = false;
+  bool never = false, glides = false;
   std::array<std::size_t, 6> counts{};  // by Start
   const auto any = [&](Start start) { return counts[static_cast<std::size_t>(start)] > 0; };
   double least_depth = -kNever;
@@ -176,11 +176,12 @@ Contact translational_contact(const PairQuery& query, double radius_sum_m, const
       least_depth = q.c0;
       n_least = n;
     }
-    if (always_inside(q, horizon, e)) return;
+    if (always_inside(q, horizon, e)) return Start::kInside;
     const Gap gap = make_gap(n, kind, q, horizon, e);
     ++counts[static_cast<std::size_t>(gap.start)];
     never = (gap.start == Start::kApart || gap.start == Start::kParting) && !(gap.overlap.next(0.0) <= horizon);
     gaps.push_back(gap);
+    return gap.start;
   };
   for_each_axis(query.collider, R_a, query.collidee, R_b, [&](const Vec3& n, AxisKind kind) {
     const Extent extent_a = extent_along(rotate_back(R_a, n), query.collider.vertices);
@@ -194,11 +195,13 @@ Contact translational_contact(const PairQuery& query, double radius_sum_m, const
     } else if (touches(behind, e)) {
       before.c0 = low - high;
     }
-    consider(n, kind, before);
-    if (!never) consider(-n, kind, behind);
+    const Start in_front = consider(n, kind, before);
+    const Start at_back = never ? Start::kInside : consider(-n, kind, behind);
+    const bool is_flat = touches(before, e) && touches(behind, e);
+    glides = glides || (!is_flat && (in_front == Start::kStill || at_back == Start::kStill));
     return !never;
   });
-  if (never) return {};
+  if (never || glides) return {};
   const bool apart = any(Start::kApart) || any(Start::kParting);
 
   Contact contact;

@@ -112,7 +112,8 @@ struct AxisProjections {
 };
 
 // Calls visit(n, noise) for directions that may have triangles that don't touch on either side, in either sense: of
-// faces, of pairs of edges, of their nearest points (`between`), until it returns false. `noise`: what rounding makes
+// faces, of pairs of edges, across an edge in its face, of their nearest points (`between`), until it returns false.
+// `noise`: what rounding makes
 // of a direction between near points; a face's and an edge's hang on lengths that are not small.
 template <class Visit>
 void for_each_direction(const Triangle& a, const Triangle& b, const Vec3& between, double noise, Visit&& visit) {
@@ -129,6 +130,13 @@ void for_each_direction(const Triangle& a, const Triangle& b, const Vec3& betwee
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
       if (!go(a[(i + 1) % 3] - a[i], b[(j + 1) % 3] - b[j])) return;
+    }
+  }
+  // What slides along a surface has the edges of the next triangles before it, and is beside them in their plane.
+  for (const Triangle* face : {&b, &a}) {
+    const Vec3 normal = ((*face)[1] - (*face)[0]).cross((*face)[2] - (*face)[0]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!go(normal, (*face)[(i + 1) % 3] - (*face)[i])) return;
     }
   }
   if (noise < 1.0) visit(between, noise);
@@ -350,8 +358,7 @@ class MeshImpactQuery::Search {
     bool rests = false;
     const double noise = found.distance > 0.0 ? rounding / found.distance : 1.0;
     for_each_direction(a, b, between, noise, [&](const Vec3& direction, double noise_of_direction) {
-      const Vec3 n = noise < kClearSide ? Vec3(dot(direction, between) < 0.0 ? Vec3(-direction) : direction)
-                                        : facing(direction, now, a, b, rounding);
+      const Vec3 n = facing(direction, now, a, b, rounding, noise < kClearSide ? std::optional(between) : std::nullopt);
       const AxisProjections along(now, n, a, b);
       const double gap = along.gap();
       if (gap < -2.0 * rounding) return true;
@@ -384,12 +391,13 @@ class MeshImpactQuery::Search {
     return 0x1p-46 * (magnitude(now.a_from_b.translation) + coordinate_bound_m_);
   }
 
-  // The sense of a direction that leads from A's triangle to B's, which touch: that in which they are farther apart;
-  // where both lie across it, that from the middle of A to the middle of B.
+  // The sense of a direction that leads from A's triangle to B's, which are near: that in which they are farther apart;
+  // where both lie across it, that of `between`, or of the way from the middle of A to the middle of B.
   [[nodiscard]] Vec3 facing(const Vec3& n, const MotionState& now, const Triangle& a, const Triangle& b,
-                            double rounding) const {
+                            double rounding, const std::optional<Vec3>& between) const {
     const double ahead = AxisProjections(now, n, a, b).gap(), behind = AxisProjections(now, -n, a, b).gap();
     if (std::min(ahead, behind) < -2.0 * rounding) return ahead < behind ? Vec3(-n) : n;
+    if (between) return dot(n, *between) < 0.0 ? Vec3(-n) : n;
     const Vec3 middle_a = 0.5 * (a_.soup().box.lo + a_.soup().box.hi);
     const Vec3 middle_b = now.a_from_b(Vec3(0.5 * (b_.soup().box.lo + b_.soup().box.hi)));
     return dot(n, middle_b - middle_a) < 0.0 ? Vec3(-n) : n;

@@ -119,7 +119,7 @@ class WayCheck {
       return pair.type == CollisionType::kBox ? boxes_meet({sides, 1}, {sides + 1, 1}) : soups_meet(a, b);
     }
     const auto as =
-        model_.is_answered(pair.collider, pair.collidee) ? collision::MeetAs::kSolids : collision::MeetAs::kPolygons;
+        model_.is_answered(pair.collider, pair.collidee) ? collision::MeetAs::kSurfaces : collision::MeetAs::kPolygons;
     const ContactState met =
         collision::first_contact({*a.body, a.motion}, {*b.body, b.motion}, pair.type, 1.0, {as, 0.0}).state;
     return met == ContactState::kContact || met == ContactState::kOverlapped;

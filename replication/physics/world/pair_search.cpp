@@ -26,7 +26,10 @@ SweptBound PairSearch::bound_of_side(const WatchedPair& pair, bool of_collider, 
 
 template <class Function>
 auto PairSearch::with_query(const WatchedPair& pair, Function function) const {
-  const auto as = pair.is_answered() ? collision::MeetAs::kSolids : collision::MeetAs::kPolygons;
+  // What went through a surface is inside until it has come out again.
+  const auto as = !pair.is_answered() ? collision::MeetAs::kPolygons
+                  : pair.inside       ? collision::MeetAs::kSolids
+                                      : collision::MeetAs::kSurfaces;
   if (pair.is_plain) {  // nothing is composed
     const Timeline *const a = &objects_[pair.part_a].timeline, *const b = &objects_[pair.part_b].timeline;
     const MovingPart part_a{{&a, 1}, &objects_.body(pair.part_a)}, part_b{{&b, 1}, &objects_.body(pair.part_b)};

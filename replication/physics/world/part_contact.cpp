@@ -32,7 +32,7 @@ struct SideStates {
 // Whether the part moves by the pieces of one law: by all that it is, or as those that answer contacts are predicted.
 bool moves_by_pieces(const MovingPart& part, SimTime t, collision::MeetAs as) {
   if (part.chain.size() != 1) return false;
-  if (as == collision::MeetAs::kSolids) return true;
+  if (as != collision::MeetAs::kPolygons) return true;
   const Timeline::Segment& law = part.chain.front()->segment_at(t);
   return t < law.from || is_one_piece(law.model);
 }

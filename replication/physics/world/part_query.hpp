@@ -25,7 +25,7 @@ struct MovingPart {
 struct PartQuery {
   std::span<const MovingPart> a, b;
   CollisionType type = CollisionType::kWitness;
-  collision::MeetAs as = collision::MeetAs::kSolids;
+  collision::MeetAs as = collision::MeetAs::kSurfaces;
   TickDetection* detection = nullptr;  // finds contacts at ticks; none: contact times
 
   [[nodiscard]] bool is_flexible() const {

@@ -42,7 +42,7 @@ class PolygonChoice {
         middle_(middle_of(*query.a.front().body, a)),
         middle_b_(middle_of(*query.b.front().body, b)),
         velocity_(a.velocity - b.velocity),
-        must_approach_(query.as == collision::MeetAs::kSolids) {}
+        must_approach_(query.as != collision::MeetAs::kPolygons) {}
 
   [[nodiscard]] std::optional<Met> of(std::span<const collision::PolygonPair> pairs) const {
     std::optional<Met> behind;

@@ -82,7 +82,11 @@ INSTANTIATE_TEST_SUITE_P(
               false},
         Start{"PressedMoreThanItPasses", moving({0.75, 0, 0}, {0, 3, 0}, {-13, 0, 0}), ContactState::kContact, 0, true},
         Start{"Overlapped", moving({0.74, 0, 0}, {-1, 0, 0}), ContactState::kOverlapped, 0, false},
-        Start{"OneCentre", moving({0, 0, 0}, {-1, 0, 0}), ContactState::kOverlapped, 0, false},
+        Start{"OneInsideTheOther", moving({0.125, 0, 0}, {-1, 0, 0}), ContactState::kContact, 0.375, false},
+        Start{"TouchingFromInside", moving({0.25, 0, 0}, {1, 0, 0}), ContactState::kContact, 0, false},
+        Start{"RestingInside", moving({0, 0.25, 0}, {0, 0, 0}, {0, 9.81, 0}), ContactState::kContact, 0, true},
+        Start{"PartingInside", moving({0.25, 0, 0}, {-1, 0, 0}), ContactState::kContact, 0.5, false},
+        Start{"AcrossFromInside", moving({0.26, 0, 0}, {1, 0, 0}), ContactState::kOverlapped, 0, false},
         Start{"PassesBy", moving({-5, 0.7501, 0}, {1, 0, 0}), ContactState::kSeparated, 0, false},
         Start{"JustHits", moving({-5, 0.75 - 1e-9, 0}, {1, 0, 0}), ContactState::kContact, 5 - std::sqrt(1.5e-9),
               false}),
@@ -116,6 +120,31 @@ TEST(SphereContact, IsTheFirstTimeAtWhichTheyTouch) {
     EXPECT_EQ(swapped.normal_world, Vec3(-c.normal_world));
   }
   EXPECT_GT(hits, 300);
+}
+
+TEST(SphereContact, FromInsideIsTheFirstTimeAtWhichTheyTouch) {
+  const Balls balls;
+  std::mt19937_64 rng(5);
+  const auto number = [&] { return 2.0 * static_cast<double>(rng() >> 11) * 0x1p-53 - 1.0; };
+  const auto vector = [&](double size) {
+    const double x = number(), y = number();
+    return Vec3(size * x, size * y, size * number());
+  };
+  for (int i = 0; i < 2000; ++i) {
+    const KinematicState a = moving(vector(0.13), vector(4), vector(6)), b = moving(vector(0.01), vector(4), vector(6));
+    const auto gap = [&](double t) { return 0.25 - (advance(a, t).position - advance(b, t).position).norm(); };
+    ASSERT_GT(gap(0.0), 0.0);
+    const Contact c = balls.meet(a, b, 1.0);
+    const double until = c.state == ContactState::kContact ? c.time_s : 1.0;
+    for (int k = 0; k < 100; ++k) ASSERT_GT(gap(until * k / 100.0), -1e-12) << i;
+    if (c.state != ContactState::kContact) continue;
+    EXPECT_NEAR(gap(c.time_s), 0.0, 1e-12) << i;
+    const Vec3 n = (advance(b, c.time_s).position - advance(a, c.time_s).position).normalized();
+    EXPECT_LT((c.normal_world - n).norm(), 1e-12);
+    const MeetAs solids = MeetAs::kSolids;
+    EXPECT_EQ(first_contact({balls.bodies[0], a}, {balls.bodies[1], b}, CollisionType::kWitness, 1.0, {solids}).state,
+              ContactState::kOverlapped);
+  }
 }
 
 TEST(SphereContact, TouchesAtItsContactTimeAndNotBefore) {

@@ -197,12 +197,29 @@ TEST(SphereSurfaceContact, OfALineTheNormalIsTheLineToTheCentre) {
 
 TEST(SphereSurfaceContact, InASolidOrAcrossAFaceItOverlaps) {
   const Two two(kBox);
-  const Contact inside = two.meet(moving({0.1, 0.3, 0.2}, {0, 0, 0}), 1.0);
+  const KinematicState stands = moving({0.1, 0.3, 0.2}), still;
+  const Contact inside =
+      first_contact({two.a, stands}, {two.b, still}, CollisionType::kWitness, 1.0, {MeetAs::kSolids});
   EXPECT_EQ(inside.state, ContactState::kOverlapped);
   EXPECT_EQ(inside.normal_world, Vec3::UnitY());
+  EXPECT_TRUE(touching({two.a, stands}, {two.b, still}, CollisionType::kWitness, {MeetAs::kSolids}));
+  EXPECT_FALSE(touching({two.a, stands}, {two.b, still}, CollisionType::kWitness));
   const Contact across = two.meet(moving({0.1, 1.4, 0.2}, {0, 0, 0}), 1.0);
   EXPECT_EQ(across.state, ContactState::kOverlapped);
   EXPECT_NEAR((across.normal_world - Vec3::UnitY()).norm(), 0.0, 1e-15);
+}
+
+// A box of six polygons is a room: what begins in it meets its walls from inside.
+TEST(SphereSurfaceContact, OfWhatIsInsideItIsFromInside) {
+  const Contact floor = Two(kBox).meet(moving({0.1, 0.3, 0.2}, {0, -4, 0}), 1.0);
+  ASSERT_EQ(floor.state, ContactState::kContact);
+  EXPECT_EQ(floor.time_s, 0.2);
+  EXPECT_EQ(floor.normal_world, Vec3::UnitY());
+  const Contact lies = Two(kBox).meet(moving({0.1, -0.5, 0.2}, {0, 0, 0}, {0, -9.81, 0}), 1.0);
+  EXPECT_EQ(lies.state, ContactState::kContact);
+  EXPECT_EQ(lies.time_s, 0.0);
+  EXPECT_TRUE(lies.resting);
+  EXPECT_EQ(Two(kBox).meet(moving({0.1, 0, 0.2}, {0, 0, 0}), 1.0).state, ContactState::kSeparated);
 }
 
 TEST(SphereSurfaceContact, IsTheSameFromBothSides) {

@@ -155,14 +155,17 @@ TEST(ContactPolygons, OfTwoThatOverlapAreThoseOfCollide) {
   EXPECT_EQ(touched.count, 4u) << "the sides, and not the face inside";
 }
 
-TEST(ContactPolygons, OfWhatIsWhollyInsideAreNone) {
+TEST(ContactPolygons, OfWhatIsWhollyInsideAreThoseThatItMeets) {
   Met m(box("BOX", "1 1 1", "-9 0 0", kBounces) + box("ROOM", "9 9 9", "9 0 0") + interest("BOX", "\"ROOM\"", 2),
         {"BOX"});
   m.motion.advance(sim(1s));
   m.motion.set_base(m.world["BOX"], sim(1s), moving({9, 0, 0}, {1, 0, 0}));
-  static_cast<void>(m.first(2s));
-  EXPECT_EQ(m.touched(CollisionType::kAllPairs).count, 0u);
-  EXPECT_TRUE(m.touched(CollisionType::kWitness).pairs.empty());
+  m.motion.advance(sim(4900ms));
+  EXPECT_TRUE(contacts_of(m.motion).empty());
+  EXPECT_NEAR(to_seconds(m.first(6s).at - sim(0s)), 5.0, 1e-6);
+  EXPECT_EQ(m.met->normal, Vec3(-1, 0, 0));
+  EXPECT_EQ(m.touched(CollisionType::kAllPairs).count, 5u) << "the side of the box, and those at its edges";
+  EXPECT_EQ(m.touched(CollisionType::kWitness).pairs.size(), 1u);
 }
 
 // Many polygons of one plane: all are counted, and the first are kept.
