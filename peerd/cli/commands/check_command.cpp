@@ -5,6 +5,7 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <ostream>
 #include <set>
@@ -15,6 +16,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "collision/contact/containment.hpp"
 #include "core/geometry/tessellate.hpp"
 #include "core/motion/predefined_motion.hpp"
 #include "core/scene/scene_defects.hpp"
@@ -59,6 +61,42 @@ std::uint64_t polygons_of_bodies(const Scene& scene) {
   return polygons;
 }
 
+// The objects that interests name and whose surface is closed; and which of two that may meet begins inside the other.
+struct Enclosures {
+  std::vector<ObjectId> closed;
+  struct Inside {
+    ObjectId inner, outer;
+  };
+  std::vector<Inside> inside;
+};
+
+Enclosures enclosures_of(const replication::WorldModel& model) {
+  const SimTime start{};
+  const replication::MotionWorld world(model, start, replication::MotionWorld::Watched::kNone);
+  Enclosures found;
+  std::map<const collision::Surface*, bool> closed;  // several objects may share one
+  std::set<ObjectId> seen;
+  const auto has_inside = [&](ObjectId id) {
+    const collision::Body* const body = model.body(id);
+    if (body == nullptr || !body->surface) return false;
+    const auto [at, is_new] = closed.try_emplace(body->surface.get(), false);
+    if (is_new) at->second = collision::is_closed(body->surface->soup());
+    if (at->second && seen.insert(id).second) found.closed.push_back(id);
+    return at->second;
+  };
+  for (const replication::CollisionPair& pair : model.pairs) {
+    for (const auto& [inner, outer] : {std::pair{pair.collider, pair.collidee}, {pair.collidee, pair.collider}}) {
+      if (!has_inside(outer) || model.body(inner) == nullptr) continue;
+      const KinematicState at_inner = world.at(inner, start), at_outer = world.at(outer, start);
+      const bool inside = collision::is_inside({*model.body(inner), at_inner}, {*model.body(outer), at_outer});
+      const auto same = [&](const Enclosures::Inside& known) { return known.inner == inner && known.outer == outer; };
+      if (inside && std::ranges::none_of(found.inside, same)) found.inside.push_back({inner, outer});
+    }
+  }
+  std::ranges::sort(found.closed);
+  return found;
+}
+
 // All that is printed. Without a file, only the first two members count.
 struct Finding {
   std::string path;
@@ -68,6 +106,7 @@ struct Finding {
   SceneStatistics statistics{};  // these three are of a good world
   std::optional<SceneDefects> defects{};
   std::vector<std::string> unsupported{};
+  Enclosures enclosures{};
 
   [[nodiscard]] bool good() const { return result != nullptr && result->scene.has_value(); }
 };
@@ -191,6 +230,14 @@ void print_text(const Finding& finding, std::ostream& out, std::ostream& err) {
     if (row.count > 0) print_row(row, "", out);
   }
   if (finding.defects) print_defects(*finding.defects, *result.scene, out);
+  const Scene& scene = *result.scene;
+  const auto& inside = finding.enclosures.inside;
+  for (std::size_t i = 0; i < std::min(kShownProblems, inside.size()); ++i) {
+    out << scene.path_of(inside[i].inner) << " begins inside " << scene.path_of(inside[i].outer) << '\n';
+  }
+  if (inside.size() > kShownProblems) {
+    out << counted(inside.size() - kShownProblems, "more object") << " inside another; --json lists all\n";
+  }
 }
 
 Json defects_to_json(const SceneDefects& defects, const Scene& scene) {
@@ -209,7 +256,7 @@ Json defects_to_json(const SceneDefects& defects, const Scene& scene) {
 }
 
 Json to_json(const Finding& finding) {
-  Json errors = Json::array(), warnings = Json::array(), statistics, defects;
+  Json errors = Json::array(), warnings = Json::array(), statistics, defects, closed, inside;
   std::size_t files = 0, bytes = 0;
   if (finding.result != nullptr) {
     for (const Diagnostic& d : finding.result->diagnostics) {
@@ -224,7 +271,13 @@ Json to_json(const Finding& finding) {
   }
   if (finding.good()) {
     for (const Row& row : rows_of(finding.statistics)) statistics[row.name] = row.count;
-    if (finding.defects) defects = defects_to_json(*finding.defects, *finding.result->scene);
+    const Scene& scene = *finding.result->scene;
+    if (finding.defects) defects = defects_to_json(*finding.defects, scene);
+    closed = inside = Json::array();
+    for (const ObjectId id : finding.enclosures.closed) closed.push_back(scene.path_of(id));
+    for (const auto& [inner, outer] : finding.enclosures.inside) {
+      inside.push_back({{"inner", scene.path_of(inner)}, {"outer", scene.path_of(outer)}});
+    }
   }
   const auto rounded = [](double ms) { return std::round(ms * 1e3) / 1e3; };  // rounded to microseconds
   return {{"world", finding.path},
@@ -234,6 +287,8 @@ Json to_json(const Finding& finding) {
           {"unsupported", finding.unsupported},
           {"statistics", std::move(statistics)},
           {"defects", std::move(defects)},
+          {"closed", std::move(closed)},
+          {"inside", std::move(inside)},
           {"files", files},
           {"bytes", bytes},
           {"read_ms", rounded(finding.read_ms)},
@@ -285,7 +340,9 @@ Result<void> write_copy(const Scene& scene, const std::string& copy, std::ostrea
 void examine(const Scene& scene, Finding& finding) {
   // Interests that collision cannot answer are not errors of the world.
   if (polygons_of_bodies(scene) <= kMostPolygons) {
-    finding.unsupported = replication::make_world_model(scene)->unsupported;
+    const auto model = replication::make_world_model(scene);
+    finding.unsupported = model->unsupported;
+    finding.enclosures = enclosures_of(*model);
   } else {
     finding.unsupported.push_back("interests in more than " + std::to_string(kMostPolygons) +
                                   " polygons: they are not looked at");

@@ -43,7 +43,7 @@ Transform { translation 9 0 0 children USE HULL }
 )";
 
 const auto kTopLevel = ElementsAre("world", "good", "errors", "warnings", "unsupported", "statistics", "defects",
-                                   "files", "bytes", "read_ms", "defects_ms");
+                                   "closed", "inside", "files", "bytes", "read_ms", "defects_ms");
 
 TEST(Check, JsonOfAGoodWorldCountsAll) {
   const ScratchFolder folder;
@@ -296,6 +296,23 @@ TEST(Check, ACopyThatCannotBeWrittenIsNotGood) {
   EXPECT_EQ(said.exit_code, 3);
   EXPECT_EQ(said.json()["good"], false);
   EXPECT_EQ(said.json()["errors"][0]["file"], "/dev/full");
+}
+
+TEST(Check, SaysWhichMeshesAreClosedAndWhatBeginsInside) {
+  const ScratchFolder folder;
+  const std::string_view world = R"(
+DEF ROOM Transform { children Shape { geometry Box { size 8 4 8 } } }
+DEF BALL Transform { translation 1 0 0 children Shape { geometry Sphere { radius 0.5 } } }
+DEF OPEN Transform { children Shape { geometry Cylinder { radius 20 height 20 top FALSE } } }
+DEF OUTSIDE Transform { translation 6 0 0 children Shape { geometry Box { } } }
+DEF ACROSS Transform { translation 4 0 0 children Shape { geometry Box { } } }
+CollisionInterest { objectPath "BALL" interests [ "ROOM" "OPEN" "OUTSIDE" ] collisionType 1 }
+CollisionInterest { objectPath "ROOM" interests [ "BALL" "ACROSS" "OUTSIDE" ] collisionType 2 }
+)";
+  const Json json = json_of(folder, world);
+  EXPECT_EQ(json["closed"], Json::array({"ROOM", "BALL", "OUTSIDE", "ACROSS"}));
+  EXPECT_EQ(json["inside"], Json::array({{{"inner", "BALL"}, {"outer", "ROOM"}}}));
+  EXPECT_THAT(check(folder, world, false).out, HasSubstr("\nBALL begins inside ROOM\n"));
 }
 
 }  // namespace peerd::check_command_test
