@@ -35,6 +35,18 @@ constexpr int kRepeatedOfPair = 64;
 // The most decisions of one peer on one pair that are remembered: twice as many as there can be in kRememberedFor.
 constexpr std::size_t kOfPairMax = 4000;
 
+// How the object rests against the other one after the decision; none: the two part, or go on as they are. Before the
+// contact, the states of such a decision have the accelerations that the two have where nothing bears them.
+std::optional<Rest> rest_of(const DecisionRecord& d, ObjectId object) {
+  const double parting = d.normal.dot(d.collider_after.velocity - d.collidee_after.velocity);
+  const double pressing = d.normal.dot(d.collider_before.acceleration - d.collidee_before.acceleration);
+  if (!comes_to_rest(std::max(parting, 0.0), pressing)) return std::nullopt;
+  const bool is_collider = object == d.collider;
+  const Vec3 &a = d.collider_before.acceleration, &b = d.collidee_before.acceleration;
+  return Rest{is_collider ? d.collidee : d.collider, is_collider ? d.normal : Vec3(-d.normal), is_collider ? a : b,
+              is_collider ? b : a};
+}
+
 // Another interest in the pair may name the two the other way round.
 bool has_outcome(const DecisionRecord& d, const ContactEvent& c) {
   const bool same_way = d.collider == c.collider;
@@ -114,7 +126,8 @@ void ContactDecisions::watch(std::span<const std::uint32_t> pairs) {
     const bool moves_scene =
         (scene_.answers(pair, a) && owners_.of(a) == kNobody) || (scene_.answers(pair, b) && owners_.of(b) == kNobody);
     const bool as_partner = moves_scene ? of_nobody : is_partner(a) || is_partner(b);
-    replica_.truth().watch(number, here && (mine ? searches_contacts_of(a, b) : as_partner));
+    const bool by_us = searches_contacts_of(a, b) || lasting_.contains(std::minmax(a, b));
+    replica_.truth().watch(number, here && (mine ? by_us : as_partner));
     replica_.ghosts().watch(number, here && (config_.policy.predict_collisions || of_nobody));
   }
 }
@@ -184,7 +197,10 @@ ContactAuthority ContactDecisions::authority(ObjectId a, ObjectId b, SimTime con
   if (mine && (is_free_scene_object(a) || is_free_scene_object(b))) {
     return reaches_all_in_time(contact) ? ContactAuthority::kAsPublished : ContactAuthority::kDeferred;
   }
-  if (!owners_.have_two(a, b) || !searches_contacts_of(a, b)) return ContactAuthority::kAsPublished;
+  if (!owners_.have_two(a, b)) return ContactAuthority::kAsPublished;
+  if (!searches_contacts_of(a, b)) {
+    return lasting_.contains(std::minmax(a, b)) ? ContactAuthority::kDeferred : ContactAuthority::kAsPublished;
+  }
   if (!reaches_all_in_time(contact)) return ContactAuthority::kDeferred;
   if (config_.decisions.policy == DecisionPolicy::kId) return ContactAuthority::kLocal;
   return choose_decider(a, b, contact) == config_.id ? ContactAuthority::kLocal : ContactAuthority::kDeferred;
@@ -204,16 +220,21 @@ ContactEvent ContactDecisions::within_wire_limits(ContactEvent c) {
 }
 
 DecisionRecord ContactDecisions::record_of(const ContactEvent& c, DecisionRule rule) const {
-  return {c.collider,
-          c.collidee,
-          c.at,
-          c.normal,
-          c.collider_before,
-          c.collidee_before,
-          c.collider_after,
-          c.collidee_after,
-          rule,
-          log_.last(c.collider, c.collidee)};
+  DecisionRecord d{c.collider,
+                   c.collidee,
+                   c.at,
+                   c.normal,
+                   c.collider_before,
+                   c.collidee_before,
+                   c.collider_after,
+                   c.collidee_after,
+                   rule,
+                   log_.last(c.collider, c.collidee)};
+  if (c.rests) {  // rest_of() reads it
+    d.collider_before.acceleration = c.collider_free;
+    d.collidee_before.acceleration = c.collidee_free;
+  }
+  return d;
 }
 
 std::vector<DecisionLog::Change> ContactDecisions::add_own(const DecisionRecord& d, CollisionType type) {
@@ -275,6 +296,7 @@ void ContactDecisions::defer(const ContactEvent& c) {
     ++counters_.contacts_too_late;
     return;
   }
+  if (lasting_.contains(std::minmax(c.collider, c.collidee))) return;  // the other owner finds it, and decides
   const SimTime decided = log_.last(c.collider, c.collidee);
   if (decided >= c.at && decided <= c.at + DecisionLog::kSameCollision) return;
   if (!reaches_all_in_time(c.at)) {
@@ -459,6 +481,16 @@ bool ContactDecisions::counts(const UpdateRecord& u, SimTime decided) const {
 
 // The decision holds from the contact time on, not from its arrival.
 void ContactDecisions::apply(const DecisionRecord& d, PeerId author, SimTime known_at) {
+  // By the policy `id` one owner does not look for contacts of the two. What lasts it has to go on with by itself.
+  const bool mine = own_.contains(d.collider) || own_.contains(d.collidee);
+  if (mine && owners_.have_two(d.collider, d.collidee) && !searches_contacts_of(d.collider, d.collidee)) {
+    const std::pair<ObjectId, ObjectId> two = std::minmax(d.collider, d.collidee);
+    const bool lasts = rest_of(d, d.collider) && replica_.receives(d.collider) && replica_.receives(d.collidee);
+    if (lasts != lasting_.contains(two)) {
+      replica_.truth().watch(d.collider, d.collidee, lasts);
+      lasts ? void(lasting_.insert(two)) : void(lasting_.erase(two));
+    }
+  }
   std::erase_if(deferred_, [&](const Deferred& h) { return of_pair(d, h.contact.collider, h.contact.collidee); });
   for (const ObjectId object : {d.collider, d.collidee}) {
     if (!binds(d, object)) continue;
@@ -526,8 +558,8 @@ void ContactDecisions::rebase(ObjectId object, SimTime from) {
 void ContactDecisions::replay(ObjectId object, SimTime from, bool in_truth) {
   const OwnObject* own = own_.find(object);
   const bool owned = own != nullptr, moved_by_physics = owned && !own->driven;
-  const auto lay = [&](SimTime t, const MotionModel& model) {
-    replica_.set_ghost(object, t, model, owned || !in_truth);
+  const auto lay = [&](SimTime t, const MotionModel& model, const std::optional<Rest>& rest = {}) {
+    replica_.set_ghost(object, t, model, owned || !in_truth, rest);
   };
   replica_.note_change_ahead(object);
   replica_.ghosts().forget_bases(object, from);
@@ -550,8 +582,11 @@ void ContactDecisions::replay(ObjectId object, SimTime from, bool in_truth) {
     if (!model_->is_answered(d.collider, d.collidee)) continue;
     const KinematicState& after = d.collider == object ? d.collider_after : d.collidee_after;
     MotionWorld& truth = replica_.truth();
-    if (in_truth && moved_by_physics) truth.set_base(object, d.contact, outcome_in(truth, object, d.contact, after));
-    lay(d.contact, outcome_in(replica_.ghosts(), object, d.contact, after));
+    const std::optional<Rest> rest = rest_of(d, object);
+    if (in_truth && moved_by_physics) {
+      truth.set_base(object, d.contact, outcome_in(truth, object, d.contact, after), rest);
+    }
+    lay(d.contact, outcome_in(replica_.ghosts(), object, d.contact, after), rest);
     last = d.contact;
   }
   if (is_free_scene_object(object) && scene_.at(object).freed >= last) {
@@ -648,10 +683,12 @@ void ContactDecisions::remove(ObjectId object) {
                 [&](const Deferred& d) { return d.contact.collider == object || d.contact.collidee == object; });
   log_.forget(object);
   life_since_.erase(object);
+  std::erase_if(lasting_, [&](const auto& two) { return two.first == object || two.second == object; });
 }
 
 void ContactDecisions::restart(bool same_session) {
   deferred_.clear();
+  lasting_.clear();
   if (same_session) return;
   log_.clear();
   life_since_.clear();

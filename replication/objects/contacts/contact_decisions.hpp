@@ -4,8 +4,10 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "core/ids.hpp"
@@ -178,6 +180,8 @@ class ContactDecisions {
   OnDecided on_decided_;
   DecisionLog log_;
   std::vector<Deferred> deferred_;
+  // Pairs of which the other owner decides contacts, and that rest against each other: the lower and the higher object.
+  std::set<std::pair<ObjectId, ObjectId>> lasting_;
   // The last contact that was found of each interest, of pairs with several; by the lower and the higher object.
   std::map<std::tuple<ObjectId, ObjectId, CollisionType>, SimTime> last_found_;
   std::map<ObjectId, SimTime> life_since_;  // of objects whose owner has left once

@@ -68,10 +68,11 @@ MotionModel Replica::in_own_frame(const UpdateRecord& update) {
   return ghosts().in_carrier(update.object, update.at, world);
 }
 
-void Replica::set_ghost(ObjectId object, SimTime t, const MotionModel& model, bool owned) {
+void Replica::set_ghost(ObjectId object, SimTime t, const MotionModel& model, bool owned,
+                        const std::optional<Rest>& rest) {
   note_change_ahead(object);
-  ghosts().set_base(object, t, model);
-  if (!owned && truth().has(object)) truth().set_base(object, t, model);
+  ghosts().set_base(object, t, model, rest);
+  if (!owned && truth().has(object)) truth().set_base(object, t, model, rest);
 }
 
 void Replica::note_changes() {

@@ -162,7 +162,8 @@ class Replica {
 
   // Sets the motion that all peers predict for the object from t on, in the frame of its carrier. The truth follows
   // unless the object is owned here.
-  void set_ghost(ObjectId object, SimTime t, const MotionModel& model, bool owned);
+  void set_ghost(ObjectId object, SimTime t, const MotionModel& model, bool owned,
+                 const std::optional<Rest>& rest = {});
   // The role of an object that is not owned here. One that nothing can meet is in the ghosts alone, and has no place
   // there before this peer receives it for the first time.
   void declare_remote(ObjectId object, Role role);

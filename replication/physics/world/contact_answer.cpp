@@ -98,6 +98,17 @@ ContactAnswer answer_to_closing(const WorldModel& model, const MovingObjects& ob
   return answer_to(model, objects, back, answer.authority);
 }
 
+bool lasts_at(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair) {
+  assert(pair.contact);
+  if (pair.resting) return true;
+  const ContactAnswer answer = answer_to(model, objects, pair, ContactAuthority::kAsPublished);
+  const Vec3& n = pair.normal;
+  const double approach = -n.dot(answer.before_a.state.velocity - answer.before_b.state.velocity);
+  const double acceleration = n.dot(objects.free_acceleration_of(pair.collider, *pair.contact) -
+                                    objects.free_acceleration_of(pair.collidee, *pair.contact));
+  return comes_to_rest(std::max(approach, 0.0), acceleration) && comes_to_rest_at(objects, pair, answer);
+}
+
 bool comes_to_rest_at(const MovingObjects& objects, const WatchedPair& pair, const ContactAnswer& answer) {
   assert(pair.contact);
   const Vec3& n = pair.normal;

@@ -39,6 +39,10 @@ struct ContactAnswer {
 [[nodiscard]] ContactAnswer answer_to_closing(const WorldModel& model, const MovingObjects& objects,
                                               const WatchedPair& pair, const ContactAnswer& answer);
 
+// Whether the two do not strike each other at the contact: they come as slowly as two that come to rest part, and come
+// to rest.
+[[nodiscard]] bool lasts_at(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair);
+
 // Whether the two would part for no more than kShortestFlight_s.
 [[nodiscard]] bool comes_to_rest_at(const MovingObjects& objects, const WatchedPair& pair, const ContactAnswer& answer);
 

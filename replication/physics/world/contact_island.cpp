@@ -5,27 +5,28 @@
 
 namespace peerd::replication {
 
-ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs, std::size_t a,
-                        std::size_t b, SimTime t, Touching which, Quantity quantity) {
+ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
+                        std::span<const std::uint32_t> around, SimTime t, Touching which, Quantity quantity) {
   ContactIsland island;
-  const auto add = [&](std::size_t index, bool moves) {
-    const auto object = static_cast<std::uint32_t>(index);
+  const auto add = [&](std::uint32_t object, bool moves, std::uint32_t from) {
     if (moves) {
       const auto known = std::ranges::find(island.objects, object);
       if (known != island.objects.end()) return static_cast<std::uint32_t>(known - island.objects.begin());
     }
-    const KinematicState state = objects.world_law(index, t).state;
-    const CollisionResponse* const response = model.response_of(objects[index].id);
+    const KinematicState state = objects.world_law(object, t).state;
+    const CollisionResponse* const response = model.response_of(objects[object].id);
     const bool accelerated = quantity == Quantity::kAcceleration;
     island.objects.push_back(moves ? object : ContactIsland::kNone);
+    island.reached_from.push_back(from);
     island.bodies.push_back({!accelerated ? state.velocity
-                             : moves      ? objects.free_acceleration_of(index, t)
+                             : moves      ? objects.free_acceleration_of(object, t)
                                           : state.acceleration,
                              moves ? 1.0 / response->mass_kg : 0.0});
     return static_cast<std::uint32_t>(island.objects.size() - 1);
   };
-  for (const std::size_t index : {a, b}) {
-    if (objects[index].will_respond(model.response_of(objects[index].id) != nullptr, t)) add(index, true);
+  for (const std::uint32_t object : around) {
+    const bool responds = model.response_of(objects[object].id) != nullptr;
+    if (objects[object].will_respond(responds, t)) add(object, true, ContactIsland::kNone);
   }
   std::vector<std::uint32_t> seen;
   for (std::size_t next = 0; next < island.objects.size(); ++next) {
@@ -42,7 +43,8 @@ ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, c
       const bool a_moves = objects[pair.collider].will_respond(pair.collider_responds, t);
       const bool b_moves = objects[pair.collidee].will_respond(pair.collidee_responds, t);
       if (!a_moves && !b_moves) continue;
-      const std::uint32_t body_a = add(pair.collider, a_moves), body_b = add(pair.collidee, b_moves);
+      const std::uint32_t body_a = add(pair.collider, a_moves, object);
+      const std::uint32_t body_b = add(pair.collidee, b_moves, object);
       for (const Vec3& n : pair.normals) {
         island.constraints.push_back({body_a, body_b, n});
         island.pairs.push_back(i);
@@ -50,6 +52,13 @@ ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, c
     }
   }
   return island;
+}
+
+bool is_driven(const ContactIsland& island) {
+  for (std::size_t i = 0; i < island.objects.size(); ++i) {
+    if (island.objects[i] == ContactIsland::kNone && !island.bodies[i].value.isZero(0.0)) return true;
+  }
+  return false;
 }
 
 std::vector<std::uint32_t> solve(ContactIsland& island) {

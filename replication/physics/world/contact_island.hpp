@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/least_change.hpp"
@@ -12,7 +13,8 @@ namespace peerd::replication {
 struct ContactIsland {
   static constexpr std::uint32_t kNone = MovingObjects::kNone;
 
-  std::vector<std::uint32_t> objects;  // of `bodies`: indices, or kNone for one that does not give way
+  std::vector<std::uint32_t> objects;       // of `bodies`: indices, or kNone for one that does not give way
+  std::vector<std::uint32_t> reached_from;  // of `bodies`: the object that touches it; kNone for one to begin with
   std::vector<ConstrainedBody> bodies;
   std::vector<OneSided> constraints;
   std::vector<std::uint32_t> pairs;  // of each constraint
@@ -20,9 +22,13 @@ struct ContactIsland {
 enum class Touching : std::uint8_t { kBearing, kAny };  // the pairs that bear, or all of the burst
 enum class Quantity : std::uint8_t { kVelocity, kAcceleration };
 
-// The island around two objects at t.
+// The island around these objects at t; of those that give way.
 [[nodiscard]] ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
-                                      std::size_t a, std::size_t b, SimTime t, Touching which, Quantity quantity);
+                                      std::span<const std::uint32_t> around, SimTime t, Touching which,
+                                      Quantity quantity);
+
+// Whether what gives way to nothing comes into the island, which is of velocities.
+[[nodiscard]] bool is_driven(const ContactIsland& island);
 
 // The values become those that the constraints allow. Returns the pairs that had to be left out: of them one comes
 // and gives way to nothing, and the other has no room.

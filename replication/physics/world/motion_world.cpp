@@ -31,6 +31,17 @@ constexpr double kSameNormal = 1.0 - 0x1p-40;
 // needed.
 constexpr std::size_t kPieceAhead = 8, kLawAhead = 4;
 
+// Returns the part about the normal of a contact of a spin that is not about it [rad/s, of the body]; nothing where the
+// spin is about it, or the body a Sphere: neither presses corners into what it touches.
+std::optional<Vec3> rolling_off(const collision::Body& body, const KinematicState& state, const Vec3& normal) {
+  const Vec3& all = state.angular_velocity_body;
+  if (all.isZero(0.0) || (body.sphere && body.sphere->center.isZero(0.0))) return std::nullopt;
+  const Vec3 n = state.orientation.conjugate() * normal;
+  Vec3 spin = n.dot(all) * n;
+  if ((spin - all).norm() <= kRounding * spin.norm()) return std::nullopt;
+  return spin;
+}
+
 }  // namespace
 
 MotionCounters& MotionCounters::operator+=(const MotionCounters& other) {
@@ -106,8 +117,9 @@ void MotionWorld::replace_model(const WorldModel& next, SimTime t, ChangeObjects
 void MotionWorld::change_model(const WorldModel& next) {
   replace_model(next, advanced_, [&] { objects_.change_model(next, advanced_); });
   for (const std::uint32_t i : objects_.asked_for()) {  // what bore an object may be another part now
-    if (objects_[i].borne) settle(i, i, advanced_);
+    if (objects_[i].borne) unsettled_.push_back({i, i});
   }
+  settle(advanced_);
 }
 
 std::vector<MovingObjects::Placed> MotionWorld::change_scene(const WorldModel& next, const SceneChange& change) {
@@ -134,8 +146,9 @@ std::vector<MovingObjects::Placed> MotionWorld::change_scene(const WorldModel& n
   for (const auto& [object, law] : placed) set_base(object, t, law);
   for (const ObjectId id : answer_otherwise) reopen_pairs(objects_.index_of(id), t, true);
   for (const std::uint32_t i : objects_.asked_for()) {  // what bore an object may be gone
-    if (objects_[i].borne) settle(i, i, std::max(t, advanced_));
+    if (objects_[i].borne) unsettled_.push_back({i, i});
   }
+  settle(std::max(t, advanced_));
   return placed;
 }
 
@@ -246,15 +259,17 @@ void MotionWorld::reopen_flexible(SimTime t) {
   }
 }
 
-void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model) {
+void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model, const std::optional<Rest>& rest) {
   const std::size_t index = objects_.index_of(object);
   MovingObject& o = objects_[index];
+  const Base base{t, model, rest};
   if (replays_bases_ && may_meet(index)) {
-    note_base(o, t, model);
+    forget_kept(o.bases, t, advanced_);
+    o.bases.push_back(base);
   } else {
     o.base_time = t;
   }
-  lay_base(index, t, model);
+  lay_base(index, base);
 }
 
 // Whether the object, or what it carries, may meet anything. The others are most.
@@ -263,8 +278,10 @@ bool MotionWorld::may_meet(std::size_t index) const {
          (!model_->part_pairs_moved_by(index).empty() || !objects_.carried_by(index).empty());
 }
 
-void MotionWorld::lay_base(std::size_t index, SimTime t, const MotionModel& model) {
+void MotionWorld::lay_base(std::size_t index, const Base& given) {
   MovingObject& o = objects_[index];
+  const SimTime t = given.at;
+  const MotionModel& model = given.model;
   ++o.revision;
   if (!may_meet(index)) {
     if (o.role == Role::kDriven && objects_.driven_history()) {
@@ -286,14 +303,19 @@ void MotionWorld::lay_base(std::size_t index, SimTime t, const MotionModel& mode
   MotionModel base = model;
   if (!stays) o.borne = false;
   const bool weightless_slide = base.kind == MotionKind::kSliding && o.free.isZero(0.0);
-  if (o.free_is_given && !o.borne && !weightless_slide) {
+  if (o.free_is_given && !o.borne && !weightless_slide && !given.rest) {
     base.kind = MotionKind::kSecond;
     base.state.acceleration = objects_.in_frame_of_carrier(index, t, o.free);
   }
   o.timeline.replace_from(t, base, std::nullopt);
   objects_.timeline_changed(index);
   reopen_pairs(index, t, !stays);
-  if (stays && o.borne) settle(index, index, t);
+  if (given.rest) {
+    begin_rest(index, t, *given.rest);
+  } else if (stays) {
+    unsettled_.push_back({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index)});
+    settle(t);
+  }
 }
 
 void MotionWorld::retract_all(std::size_t index, SimTime t) {
@@ -317,9 +339,35 @@ void MotionWorld::forget_bases(ObjectId object, SimTime t) {
   reopen_pairs(index, t, true);
 }
 
-void MotionWorld::note_base(MovingObject& o, SimTime t, const MotionModel& model) {
-  forget_kept(o.bases, t, advanced_);
-  o.bases.push_back({t, model});
+// The partner's part of the outcome may be laid later, or have been replaced since.
+void MotionWorld::begin_rest(std::size_t index, SimTime t, const Rest& rest) {
+  if (!objects_.contains(rest.partner)) return;
+  const std::size_t partner = objects_.index_of(rest.partner);
+  const Timeline::Segment& law = objects_[partner].timeline.segment_at(t);
+  if (law.from != t || law.cause) return;
+  bool begins = false;
+  for (const std::uint32_t i : model_->part_pairs_of(index)) {
+    WatchedPair* const pair = pairs_.find(i);
+    if (pair == nullptr || !pair->watched || !pair->is_answered()) continue;
+    const bool is_collider = pair->collider == index;
+    if ((is_collider ? pair->collidee : pair->collider) != partner || !search().touch_at(*pair, t)) continue;
+    remember_course(i, t);
+    note_touch(*pair, t);
+    pair->normals.assign(1, is_collider ? rest.normal : Vec3(-rest.normal));
+    pair->contact.reset();
+    pair->lifts = pair->inside = false;
+    set_bearing(*pair, t, true);
+    begins = true;
+    reschedule(i);
+  }
+  if (!begins) return;
+  for (const auto& [object, free] : {std::pair{index, rest.free}, std::pair{partner, rest.partner_free}}) {
+    MovingObject& o = objects_[object];
+    if (!o.is_answering()) continue;
+    o.free = o.free_is_given ? o.free : free;
+    o.borne = true;
+  }
+  settle(t);
 }
 
 void MotionWorld::retract_bases(const MovingObject& o, SimTime t) {
@@ -339,7 +387,7 @@ void MotionWorld::lay_next_base() {
   const std::vector<Base>& bases = objects_[index].bases;
   const auto base = std::ranges::lower_bound(bases, t, {}, &Base::at);
   if (base == bases.end() || base->at != t) return;
-  lay_base(index, t, MotionModel(base->model));
+  lay_base(index, Base(*base));
   retract_bases(objects_[index], t + Duration{1});
   retracted_bases_.erase({t, id});  // answers of the object itself may just have been retracted
 }
@@ -466,16 +514,6 @@ void MotionWorld::remember_course(std::uint32_t i, SimTime t) {
   with_past_.insert(i);
 }
 
-void MotionWorld::forget_old_courses() {
-  if (advanced_ < courses_forgotten_ + kHistory) return;
-  courses_forgotten_ = advanced_;
-  std::erase_if(with_past_, [&](std::uint32_t i) {
-    if (!pairs_.contains(i)) return true;
-    pairs_[i].forget_course_before(advanced_ - kHistory);
-    return pairs_[i].past.empty();
-  });
-}
-
 SimTime MotionWorld::reopened_from(const WatchedPair& pair, bool lived, SimTime t) const {
   const SimTime known = std::max(objects_.known_since(pair.collider), objects_.known_since(pair.collidee));
   return std::max({t, known, advanced_ - (lived ? Duration{0} : kHistory)});
@@ -551,6 +589,9 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
   const ContactAuthority authority =
       authority_of_ ? authority_of_(collider, collidee, t) : ContactAuthority::kAsPublished;
   ContactAnswer answer = answer_to(*model_, objects_, pair, authority);
+  // What lasts needs no decision: all peers solve it alike, from what is published.
+  const bool lasts = authority == ContactAuthority::kDeferred && lasts_at(*model_, objects_, pair);
+  if (lasts) answer = answer_to(*model_, objects_, pair, ContactAuthority::kAsPublished);
   pair.both_changed = !moves_alike(answer.before_a.state, answer.after_a.state) &&
                       !moves_alike(answer.before_b.state, answer.after_b.state);
   const std::size_t a = pair.collider, b = pair.collidee;
@@ -574,9 +615,9 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
     if (!pair.overlapped && !answer.changes_motion()) answer = answer_to_closing(*model_, objects_, pair, answer);
     if (answer.a_responds) change_motion(a, t, answer.after_a, objects_[b].id);
     if (answer.b_responds) change_motion(b, t, answer.after_b, objects_[a].id);
-    settle(a, b, t);
   }
   remove_gain(pair, t, answer);
+  settle(t);
   pair.contact.reset();
   answer.after_a = objects_.world_law(a, t);
   answer.after_b = objects_.world_law(b, t);
@@ -587,7 +628,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
   }
   // A contact in which no response changes anything (an object that was stopped is run into) goes on.
   pair.inside = !changed;
-  report(pair, t, answer);
+  if (!lasts) report(pair, t, answer);
 }
 
 // Others that touch the two may have made them faster. Where both answer contacts neither is a racket, so they go as
@@ -622,9 +663,22 @@ void MotionWorld::report(const WatchedPair& pair, SimTime t, const ContactAnswer
   };
   const ObjectId a = objects_[pair.collider].id, b = objects_[pair.collidee].id;
   ++counters_.contacts;
-  events_.push_back(ContactEvent{t, a, b, pair.normal, answer.before_a.state, answer.before_b.state,
-                                 state_as_published(a, answer.after_a), state_as_published(b, answer.after_b),
-                                 pair.type, answer.authority == ContactAuthority::kDeferred});
+  ContactEvent event{t,
+                     a,
+                     b,
+                     pair.normal,
+                     answer.before_a.state,
+                     answer.before_b.state,
+                     state_as_published(a, answer.after_a),
+                     state_as_published(b, answer.after_b),
+                     pair.type};
+  event.deferred = answer.authority == ContactAuthority::kDeferred;
+  event.rests = pair.bears_at(t);
+  if (event.rests) {
+    event.collider_free = objects_.free_acceleration_of(pair.collider, t);
+    event.collidee_free = objects_.free_acceleration_of(pair.collidee, t);
+  }
+  events_.push_back(std::move(event));
 }
 
 void MotionWorld::change_motion(std::size_t index, SimTime t, const MotionModel& after_in_world, ObjectId cause) {
@@ -642,6 +696,7 @@ void MotionWorld::change_motion(std::size_t index, SimTime t, const MotionModel&
   o.base_time = std::min(o.base_time, t);
   objects_.timeline_changed(index);
   reopen_pairs(index, t, false);
+  unsettled_.push_back({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(objects_.index_of(cause))});
 }
 
 void MotionWorld::note_touch(WatchedPair& pair, SimTime t) {
@@ -670,7 +725,7 @@ void MotionWorld::come_to_rest(WatchedPair& pair, SimTime t) {
   ++counters_.came_to_rest;
   // A turning body that is pressed hard would be lifted by its edges and meet again without end.
   if (met_lately(pair.lifted, t, kShortestFlight)) pair.held_until = t + kShortestFlight;
-  pair.begin_to_bear(t);
+  set_bearing(pair, t, true);
   const std::size_t a = pair.collider, b = pair.collidee;
   if (objects_[a].will_respond(pair.collider_responds, t)) end_rolling(a, t, pair.normal, b);
   if (objects_[b].will_respond(pair.collidee_responds, t)) end_rolling(b, t, pair.normal, a);
@@ -678,7 +733,8 @@ void MotionWorld::come_to_rest(WatchedPair& pair, SimTime t) {
   // Two that part too slowly to come apart would be lifted off for good without the acceleration that presses them.
   // Where a body rolls, the speed of its centre is not that of the contact.
   const double speed = pair.normal.dot(law_a.state.velocity - law_b.state.velocity);
-  const bool rolls = rolling_off(a, law_a.state, pair.normal) || rolling_off(b, law_b.state, pair.normal);
+  const bool rolls = rolling_off(objects_.body(a), law_a.state, pair.normal) ||
+                     rolling_off(objects_.body(b), law_b.state, pair.normal);
   const bool driven = (!gives_way(a, pair.collider_responds, t) && !is_motionless(law_a.state)) ||
                       (!gives_way(b, pair.collidee_responds, t) && !is_motionless(law_b.state));
   if (speed > 0.0 && !rolls && !driven) {  // to keep up with what moves away would take energy
@@ -691,22 +747,11 @@ void MotionWorld::come_to_rest(WatchedPair& pair, SimTime t) {
     if (of_b > 0.0) change_velocity(b, t, law_b.state.velocity + (speed * of_b / (of_a + of_b)) * pair.normal, a);
   }
   settle_velocities(pair, t, Touching::kBearing);
-  settle(a, b, t);
-}
-
-std::optional<Vec3> MotionWorld::rolling_off(std::size_t index, const KinematicState& state, const Vec3& normal) const {
-  const std::optional<collision::ExactSphere>& sphere = objects_.body(index).sphere;
-  const Vec3& all = state.angular_velocity_body;
-  if (all.isZero(0.0) || (sphere && sphere->center.isZero(0.0))) return std::nullopt;
-  const Vec3 n = state.orientation.conjugate() * normal;
-  Vec3 spin = n.dot(all) * n;
-  if ((spin - all).norm() <= kRounding * spin.norm()) return std::nullopt;
-  return spin;
 }
 
 void MotionWorld::end_rolling(std::size_t index, SimTime t, const Vec3& normal, std::size_t cause) {
   MotionModel law = objects_.world_law(index, t);
-  const std::optional<Vec3> spin = rolling_off(index, law.state, normal);
+  const std::optional<Vec3> spin = rolling_off(objects_.body(index), law.state, normal);
   if (!spin) return;
   law.state.angular_velocity_body = *spin;
   law.angular_acceleration_body.setZero();
@@ -725,11 +770,12 @@ void MotionWorld::change_velocity(std::size_t index, SimTime t, const Vec3& velo
 
 void MotionWorld::settle_velocities(WatchedPair& pair, SimTime t, Touching which) {
   const std::size_t a = pair.collider, b = pair.collidee;
-  ContactIsland island = island_of(*model_, objects_, pairs_, a, b, t, which, Quantity::kVelocity);
+  ContactIsland island =
+      island_of(*model_, objects_, pairs_, std::array{pair.collider, pair.collidee}, t, which, Quantity::kVelocity);
   const std::vector<std::uint32_t> through = solve(island);
   for (const std::uint32_t i : through) {
     remember_course(i, t);
-    pairs_[i].bears = false;
+    set_bearing(pairs_[i], t, false);
     pairs_[i].squeezed = kGivenUp;
   }
   for (std::size_t i = 0; i < island.objects.size(); ++i) {
@@ -759,7 +805,10 @@ void MotionWorld::let_through(std::uint32_t i, SimTime t) {
 
 bool MotionWorld::is_squeezed(const WatchedPair& pair, SimTime t) const {
   if (pair.at_once > kAnswersMax) return true;
-  return pair.in_burst > kAnswersMax && (is_driven(pair, t) || is_trapped(pair, t));
+  if (pair.in_burst <= kAnswersMax) return false;
+  const std::array around = {pair.collider, pair.collidee};
+  return is_driven(island_of(*model_, objects_, pairs_, around, t, Touching::kAny, Quantity::kVelocity)) ||
+         is_trapped(pair, t);
 }
 
 bool MotionWorld::is_trapped(const WatchedPair& pair, SimTime t) const {
@@ -772,15 +821,6 @@ bool MotionWorld::is_trapped(const WatchedPair& pair, SimTime t) const {
   });
 }
 
-bool MotionWorld::is_driven(const WatchedPair& pair, SimTime t) const {
-  const ContactIsland island =
-      island_of(*model_, objects_, pairs_, pair.collider, pair.collidee, t, Touching::kAny, Quantity::kVelocity);
-  for (std::size_t i = 0; i < island.objects.size(); ++i) {
-    if (island.objects[i] == kNone && !island.bodies[i].value.isZero(0.0)) return true;
-  }
-  return false;
-}
-
 void MotionWorld::answer_squeezed(WatchedPair& pair, SimTime t) {
   ++counters_.jammed;
   const std::size_t a = pair.collider, b = pair.collidee;
@@ -789,7 +829,6 @@ void MotionWorld::answer_squeezed(WatchedPair& pair, SimTime t) {
   const bool changed =
       !moves_alike(before_a, objects_.world_law(a, t).state) || !moves_alike(before_b, objects_.world_law(b, t).state);
   if (pair.squeezed > kAnswersMax || !changed) stop(pair, t);
-  settle(pair.collider, pair.collidee, t);
 }
 
 // The two stand from t on, as far as they respond: there is no room left for any other answer.
@@ -805,7 +844,7 @@ void MotionWorld::stop(WatchedPair& pair, SimTime t) {
     o.borne = true;
     if (!stood) change_motion(index, t, stands, objects_[cause].id);
   }
-  pair.begin_to_bear(t);
+  set_bearing(pair, t, true);
 }
 
 bool MotionWorld::stands_firm(const WatchedPair& pair, SimTime t) const {
@@ -824,18 +863,30 @@ void MotionWorld::hold_against_wall(WatchedPair& wall, SimTime t) {
     if (!pair.is_answered()) continue;  // it presses nothing
     if (!met_lately(pair.touched, t, kShortestFlight) || stands_firm(pair, t)) continue;
     remember_course(i, t);
-    pair.bears = pair.lifts = false;
+    set_bearing(pair, t, false);
+    pair.lifts = false;
     pair.squeezed = kGivenUp;
     through.push_back(i);
   }
   wall.contact.reset();
   wall.inside = stood;  // it does not even move
   stop(wall, t);
+  settle(t);
   for (const std::uint32_t i : through) {
     let_through(i, t);
     pairs_[i].contact.reset();
     reschedule(i);
   }
+}
+
+void MotionWorld::set_bearing(WatchedPair& pair, SimTime t, bool bears) {
+  if (bears) {
+    pair.begin_to_bear(t);
+  } else if (!std::exchange(pair.bears, false)) {
+    return;
+  }
+  unsettled_.push_back({pair.collider, pair.collidee});
+  unsettled_.push_back({pair.collidee, pair.collider});
 }
 
 void MotionWorld::release_parting(std::size_t object, SimTime t) {
@@ -845,48 +896,71 @@ void MotionWorld::release_parting(std::size_t object, SimTime t) {
     const Vec3 a = objects_.world_law(pair.collider, t).state.velocity;
     const Vec3 b = objects_.world_law(pair.collidee, t).state.velocity;
     const auto parts = [&](const Vec3& n) { return n.dot(a - b) > kRounding * (a.norm() + b.norm()); };
-    if (!pair.normals.empty() && std::ranges::none_of(pair.normals, parts)) continue;
-    remember_course(i, t);
-    std::erase_if(pair.normals, parts);
-    pair.bears = !pair.normals.empty();
+    const bool releases = pair.normals.empty() || std::ranges::any_of(pair.normals, parts);
+    if (releases) {
+      remember_course(i, t);
+      std::erase_if(pair.normals, parts);
+      if (pair.normals.empty()) set_bearing(pair, t, false);
+    }
+    const bool is_collider = pair.collider == object;
+    const std::uint32_t other = is_collider ? pair.collidee : pair.collider;
+    const bool gives = gives_way(object, is_collider ? pair.collider_responds : pair.collidee_responds, t);
+    if (releases || !gives) unsettled_.push_back({other, static_cast<std::uint32_t>(object)});
   }
 }
 
-void MotionWorld::settle(std::size_t a, std::size_t b, SimTime t) {
-  release_parting(a, t);
-  if (b != a) release_parting(b, t);
-  ContactIsland island = island_of(*model_, objects_, pairs_, a, b, t, Touching::kBearing, Quantity::kAcceleration);
-  static_cast<void>(solve(island));  // what cannot be held is squeezed, and answered as that
-  for (std::size_t i = 0; i < island.objects.size(); ++i) {
-    const std::uint32_t index = island.objects[i];
-    if (index == kNone) continue;
-    MovingObject& o = objects_[index];
-    const bool borne = std::ranges::any_of(
-        model_->part_pairs_of(index), [&](std::uint32_t pair) { return pairs_.contains(pair) && pairs_[pair].bears; });
-    if (!borne && !o.borne) continue;
-    if (!o.borne) o.free = objects_.free_acceleration_of(index, t);
-    o.borne = borne;
-    const MotionModel law = objects_.world_law(index, t);
-    const bool slides = law.kind == MotionKind::kSliding;
-    Vec3 acceleration = island.bodies[i].value;
-    if (acceleration.norm() <= kRounding * o.free.norm()) acceleration.setZero();  // all of it is borne
-    if (acceleration == (slides ? Vec3(Vec3::Zero()) : law.state.acceleration)) continue;
-    KinematicState after = law.state;
-    after.acceleration = acceleration;
-    const CollisionResponse* const response = model_->response_of(o.id);
-    const bool impulse = response->type == ResponseType::kImpulse;
-    const bool lies = acceleration.isZero(0.0);
-    change_motion(index, t, impulse ? law_after(response, lies ? law : MotionModel{}, after) : MotionModel(after),
-                  objects_[index == a ? b : a].id);
+void MotionWorld::settle(SimTime t) {
+  std::vector<std::uint32_t> released;
+  for (std::size_t k = 0; k < unsettled_.size(); ++k) {  // it grows
+    const std::uint32_t object = unsettled_[k].object;
+    if (std::ranges::find(released, object) != released.end()) continue;
+    released.push_back(object);
+    release_parting(object, t);
   }
+  const std::vector<Unsettled> unsettled = std::exchange(unsettled_, {});
+  std::vector<std::uint32_t> settled;
+  for (const Unsettled& first : unsettled) {
+    if (std::ranges::find(settled, first.object) != settled.end()) continue;
+    ContactIsland island =
+        island_of(*model_, objects_, pairs_, {&first.object, 1}, t, Touching::kBearing, Quantity::kAcceleration);
+    static_cast<void>(solve(island));  // what cannot be held is squeezed, and answered as that
+    for (std::size_t i = 0; i < island.objects.size(); ++i) {
+      if (island.objects[i] == kNone) continue;
+      settled.push_back(island.objects[i]);
+      const std::uint32_t through = island.reached_from[i];
+      set_borne_acceleration(island.objects[i], t, island.bodies[i].value, through != kNone ? through : first.cause);
+    }
+  }
+  unsettled_.clear();  // what has just been given is settled
+}
+
+void MotionWorld::set_borne_acceleration(std::size_t index, SimTime t, Vec3 acceleration, std::size_t cause) {
+  MovingObject& o = objects_[index];
+  const bool borne = std::ranges::any_of(
+      model_->part_pairs_of(index), [&](std::uint32_t pair) { return pairs_.contains(pair) && pairs_[pair].bears; });
+  if (!borne && !o.borne) return;
+  if (!o.borne) o.free = objects_.free_acceleration_of(index, t);
+  o.borne = borne;
+  const MotionModel law = objects_.world_law(index, t);
+  const bool slides = law.kind == MotionKind::kSliding;
+  if (acceleration.norm() <= kRounding * o.free.norm()) acceleration.setZero();  // all of it is borne
+  if (acceleration == (slides ? Vec3(Vec3::Zero()) : law.state.acceleration)) return;
+  KinematicState after = law.state;
+  after.acceleration = acceleration;
+  const CollisionResponse* const response = model_->response_of(o.id);
+  const bool impulse = response->type == ResponseType::kImpulse;
+  const bool lies = acceleration.isZero(0.0);
+  change_motion(index, t, impulse ? law_after(response, lies ? law : MotionModel{}, after) : MotionModel(after),
+                objects_[cause].id);
 }
 
 void MotionWorld::lift(WatchedPair& pair, SimTime t) {
   pair.contact.reset();
-  pair.lifts = pair.bears = false;
+  pair.lifts = false;
+  set_bearing(pair, t, false);
   pair.lifted = t;
   pair.normals.clear();
-  settle(pair.collider, pair.collidee, t);
+  settle(t);
 }
 
 // ---- advancing ----
@@ -937,11 +1011,13 @@ void MotionWorld::advance(SimTime to) {
       const SimTime t = *pair.contact;
       pair.contact.reset();
       if (pair.lifts) {
-        pair.lifts = pair.bears = false;
+        pair.lifts = false;
+        set_bearing(pair, t, false);
       } else {
         stop(pair, t);
         pair.inside = true;
       }
+      settle(t);
       pair.clear_until = t + kOverlapRetry;
     }
     reschedule(*first);
@@ -949,7 +1025,13 @@ void MotionWorld::advance(SimTime to) {
   while (!retracted_bases_.empty()) lay_next_base();  // of the time that is still to come
   advanced_ = std::max(advanced_, to);
   objects_.prune_timelines(advanced_);
-  forget_old_courses();
+  if (advanced_ < courses_forgotten_ + kHistory) return;
+  courses_forgotten_ = advanced_;
+  std::erase_if(with_past_, [&](std::uint32_t i) {
+    if (!pairs_.contains(i)) return true;
+    pairs_[i].forget_course_before(advanced_ - kHistory);
+    return pairs_[i].past.empty();
+  });
 }
 
 std::vector<ObjectId> MotionWorld::objects() const {

@@ -119,8 +119,9 @@ class MotionWorld {
 
   // Sets the object's motion from t on, in the frame of its carrier, after an update, a sample or a decision. t may lie
   // in the past: the predictions that followed from the replaced motion are retracted, and the next advance() finds
-  // them anew. What was set for this object from t on is void.
-  void set_base(ObjectId object, SimTime t, const MotionModel& model);
+  // them anew. What was set for this object from t on is void. `rest`: it rests from then on against another one, if
+  // that has such a base of the same time, and the two are watched.
+  void set_base(ObjectId object, SimTime t, const MotionModel& model, const std::optional<Rest>& rest = {});
 
   // The acceleration [m/s^2, world frame] that the object has where nothing bears it: from then on, and in
   // whatever motion set_base() gives it. Without it that of the law under which it came to rest counts.
@@ -213,8 +214,8 @@ class MotionWorld {
   void unstop(std::uint32_t pair);
 
   [[nodiscard]] bool may_meet(std::size_t object) const;
-  void lay_base(std::size_t object, SimTime t, const MotionModel& model);
-  void note_base(MovingObject& object, SimTime t, const MotionModel& model);
+  void lay_base(std::size_t object, const Base& base);
+  void begin_rest(std::size_t object, SimTime t, const Rest& rest);
   // Makes void all that followed from the object's motion from t on.
   void retract_all(std::size_t object, SimTime t);
   // The object's timeline has lost its laws from t on: its bases from then on are to be laid again.
@@ -234,8 +235,6 @@ class MotionWorld {
   void come_to_rest(WatchedPair& pair, SimTime t);
   // Whether answers for two do not end the contacts around the pair.
   [[nodiscard]] bool is_squeezed(const WatchedPair& pair, SimTime t) const;
-  // Whether what gives way to nothing comes into those that met within the burst around the pair.
-  [[nodiscard]] bool is_driven(const WatchedPair& pair, SimTime t) const;
   // Whether the two meet far too often, and nothing that they met within the burst gives way.
   [[nodiscard]] bool is_trapped(const WatchedPair& pair, SimTime t) const;
   // All that met within the burst are answered at once.
@@ -246,20 +245,22 @@ class MotionWorld {
   [[nodiscard]] bool stands_firm(const WatchedPair& pair, SimTime t) const;
   // An object that is pressed into a wall without end stops there, and the one that presses it goes through it.
   void hold_against_wall(WatchedPair& pair, SimTime t);
-  // Gives all that rest on each other around the two the velocities and accelerations that their bearing leaves.
-  void settle(std::size_t a, std::size_t b, SimTime t);
+  // Gives all that rest on each other around the pair the velocities that their bearing leaves.
   void settle_velocities(WatchedPair& pair, SimTime t, Touching which);
+  // Gives the accelerations that bearing leaves to all that is unsettled at t, and to what it rests on or bears.
+  void settle(SimTime t);
+  void set_borne_acceleration(std::size_t object, SimTime t, Vec3 acceleration, std::size_t cause);
+  // The two bear each other from t on, or no more.
+  void set_bearing(WatchedPair& pair, SimTime t, bool bears);
   // Called once all that the contacts at t change is changed: the two, which met within the burst, go through each
   // other from t on, where there was no room for an answer.
   void let_through(std::uint32_t pair, SimTime t);
-  // Returns the part about the normal of a contact of a spin that is not about it [rad/s, of the body]; nothing where
-  // the spin is about it, or the body a Sphere: neither presses corners into what it touches.
-  [[nodiscard]] std::optional<Vec3> rolling_off(std::size_t object, const KinematicState& state,
-                                                const Vec3& normal) const;
   // Leaves a body that rests against another along that normal only the spin about the normal: its corners would press
   // into the other.
   void end_rolling(std::size_t object, SimTime t, const Vec3& normal, std::size_t cause);
   void change_velocity(std::size_t object, SimTime t, const Vec3& velocity, std::size_t cause);
+  // What the object bears, or is borne by, and parts from is unsettled, and so is all that rests on an object that
+  // gives way to nothing.
   void release_parting(std::size_t object, SimTime t);
   void lift(WatchedPair& pair, SimTime t);
   [[nodiscard]] bool gives_way(std::size_t object, bool registered, SimTime t) const {
@@ -284,8 +285,6 @@ class MotionWorld {
   void forget_bursts(std::size_t object, SimTime t);
   // Called before something of t changes what the pair has been through.
   void remember_course(std::uint32_t i, SimTime t);
-  // Forgets what pairs went through longer than kHistory ago; it looks once in that time.
-  void forget_old_courses();
   // The instant from which the pair is searched again if one of the two moves otherwise from t on; `lived`: this peer
   // moves the other one, or both.
   [[nodiscard]] SimTime reopened_from(const WatchedPair& pair, bool lived, SimTime t) const;
@@ -299,8 +298,8 @@ class MotionWorld {
   SimTime start_, advanced_;
   MovingObjects objects_;
   WatchedPairs pairs_;
-  std::set<std::uint32_t> with_past_;  // the pairs of which a course is remembered
-  SimTime courses_forgotten_ = SimTime::min();
+  std::set<std::uint32_t> with_past_;           // the pairs of which a course is remembered
+  SimTime courses_forgotten_ = SimTime::min();  // what is older than kHistory is, once in that time
   FarPairs far_;
   std::vector<std::uint32_t> opened_;  // pairs that are far no more, and not in the schedule yet
   // For each node those of its partners whose timelines have, or had lately, a law with it as the cause; ascending.
@@ -314,6 +313,11 @@ class MotionWorld {
   std::vector<bool> in_pair_checks_;
   WaitingPairs waiting_;             // of them none of the part pairs is there
   std::set<std::uint32_t> stopped_;  // into pairs_
+  // Objects of which the velocity, or what bears them, has changed at the instant that is being answered.
+  struct Unsettled {
+    std::uint32_t object, cause;
+  };
+  std::vector<Unsettled> unsettled_;
   bool replays_bases_ = false;
   std::set<std::pair<SimTime, ObjectId>> retracted_bases_;  // bases that are to be laid again
   AuthorityOf authority_of_;                                // none: kAsPublished for all

@@ -28,10 +28,19 @@ enum class Role : std::uint8_t {
   kPredicted,      // responds to contacts; a response is retracted when its cause turns out to have moved otherwise
 };
 
+// What a decision says of an object that rests against another one after the contact: of the two that is one contact,
+// whoever owns them, and each peer goes on with it by itself.
+struct Rest {
+  ObjectId partner;
+  Vec3 normal;              // unit, world frame, facing the object
+  Vec3 free, partner_free;  // the accelerations of the two where nothing bears them [m/s^2, world frame]
+};
+
 // A law that was set from outside, and is in force from `at` on; in the frame of the object's carrier.
 struct Base {
   SimTime at;
   MotionModel model;
+  std::optional<Rest> rest{};
 };
 
 // Timelines keep this much of the past, for updates and decisions that arrive late.

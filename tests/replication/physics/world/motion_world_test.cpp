@@ -545,6 +545,145 @@ TEST(MotionWorld, WhatRestsOnASlopeGoesOnSliding) {
   }
 }
 
+// ---- what lasts ----
+
+constexpr const char* kDead = " collisionResponse CollisionResponse { responseType 2 restitution 0 } ";
+
+// A and B side by side: A accelerates by 2 m/s^2 and pushes B, so that each has 1 m/s^2. A post stands in A's way
+// alone.
+std::string pusher_and_pushed() {
+  return box("A", "1 1 1", "0 0 0", kDead) + box("B", "1 1 1", "1 0 0", kDead) + box("POST", "1 1 1", "3 1 0") +
+         interest("A", "\"B\" \"POST\"") + interest("B", "\"A\"");
+}
+
+TEST(LastingContact, WhatWasPushedGoesOnAloneWhenThePusherIsStopped) {
+  auto&& [w, world] =
+      Started(pusher_and_pushed(), {{"A", Role::kAuthoritative, moving({0, 0.5, 0}, Vec3::Zero(), {2, 0, 0})},
+                                    {"B", Role::kAuthoritative, moving({1, 0.5, 0})}});
+  world.advance(sim(7s));
+  EXPECT_NEAR(world.at(w["B"], sim(1900ms)).velocity.x(), 1.9, 1e-9);
+  EXPECT_EQ(world.at(w["A"], sim(7s)).velocity, Vec3::Zero().eval());
+  EXPECT_NEAR(world.at(w["B"], sim(7s)).velocity.x(), 2.0, 1e-7) << "A met the post at 2 s";
+  EXPECT_EQ(world.at(w["B"], sim(7s)).acceleration, Vec3::Zero().eval());
+}
+
+TEST(LastingContact, WhatWasPushedGoesOnAloneWhenAnInputStopsThePusher) {
+  auto&& [w, world] =
+      Started(pusher_and_pushed(), {{"A", Role::kAuthoritative, moving({0, 0, 0}, Vec3::Zero(), {2, 0, 0})},
+                                    {"B", Role::kAuthoritative, moving({1, 0, 0})}});
+  world.advance(sim(1s));
+  world.set_free_acceleration(w["A"], Vec3::Zero());
+  world.set_base(w["A"], sim(1s), moving(world.at(w["A"], sim(1s)).position));
+  world.advance(sim(3s));
+  EXPECT_EQ(world.at(w["B"], sim(3s)).velocity.x(), 1.0);
+  EXPECT_EQ(world.at(w["B"], sim(3s)).acceleration, Vec3::Zero().eval());
+}
+
+// A train of three: the first is stopped by an input, and what it pushed through the second goes on, too.
+TEST(LastingContact, ReleasesAllThatWasPushedThroughAnother) {
+  auto&& [w, world] = Started(box("A", "1 1 1", "0 0 0", kDead) + box("B", "1 1 1", "1 0 0", kDead) +
+                                  box("C", "1 1 1", "2 0 0", kDead) + interest("A", "\"B\"") +
+                                  interest("B", "\"A\" \"C\"") + interest("C", "\"B\""),
+                              {{"A", Role::kAuthoritative, moving({0, 0, 0}, Vec3::Zero(), {3, 0, 0})},
+                               {"B", Role::kAuthoritative, moving({1, 0, 0})},
+                               {"C", Role::kAuthoritative, moving({2, 0, 0})}});
+  world.advance(sim(1s));
+  for (const char* name : {"A", "B", "C"}) EXPECT_NEAR(world.at(w[name], sim(1s)).velocity.x(), 1.0, 1e-12) << name;
+  world.set_free_acceleration(w["A"], Vec3::Zero());
+  world.set_base(w["A"], sim(1s), moving(world.at(w["A"], sim(1s)).position));
+  world.advance(sim(3s));
+  for (const char* name : {"B", "C"}) {
+    EXPECT_NEAR(world.at(w[name], sim(3s)).velocity.x(), 1.0, 1e-12) << name;
+    EXPECT_EQ(world.at(w[name], sim(3s)).acceleration, Vec3::Zero().eval()) << name;
+  }
+}
+
+// What lies on a table falls when the table, which gives way to nothing, drops faster than it.
+TEST(LastingContact, FollowsWhatBearsItAsFarAsItFalls) {
+  auto&& [w, world] =
+      Started(box("TABLE", "4 1 4", "0 -0.5 0") + box("BOX", "1 1 1", "0 0.5 0", kDead) + interest("BOX", "\"TABLE\""),
+              {{"TABLE", Role::kDriven, moving({0, -0.5, 0})},
+               {"BOX", Role::kAuthoritative, moving({0, 0.5, 0}, Vec3::Zero(), {0, -9.81, 0})}});
+  world.advance(sim(1s));
+  EXPECT_EQ(world.at(w["BOX"], sim(1s)).position.y(), 0.5);
+  world.set_base(w["TABLE"], sim(1s), moving({0, -0.5, 0}, Vec3::Zero(), {0, -4, 0}));
+  world.advance(sim(1500ms));
+  EXPECT_NEAR(world.at(w["BOX"], sim(1500ms)).position.y(), 0.5 - 0.5 * 4 * 0.25, 1e-6);
+  world.set_base(w["TABLE"], sim(1500ms), moving({0, -1, 0}, {0, -2, 0}, {0, -20, 0}));
+  world.advance(sim(2s));
+  EXPECT_NEAR(world.at(w["BOX"], sim(2s)).position.y(), -2.0 * 0.5 - 0.5 * 9.81 * 0.25, 1e-5);
+}
+
+// Three balls lie on a floor, and a fourth drops on them: no contact adds energy.
+TEST(LastingContact, ADropOnThreeBallsAddsNoEnergy) {
+  const auto ball = [](const std::string& name, const std::string& at) {
+    return "DEF " + name + " Transform { translation " + at + kDead +
+           " children Shape { geometry Sphere { radius 0.5 } } }\n";
+  };
+  const Vec3 g(0, -9.81, 0);
+  auto&& [w, world] =
+      Started(box("FLOOR", "10 1 10", "0 -0.5 0") + ball("B0", "0 0 0") + ball("B1", "0 0 0") + ball("B2", "0 0 0") +
+                  ball("T", "0 0 0") + interest("B0", "\"FLOOR\" \"T\" \"B1\" \"B2\"") +
+                  interest("B1", "\"FLOOR\" \"T\" \"B0\" \"B2\"") + interest("B2", "\"FLOOR\" \"T\" \"B0\" \"B1\"") +
+                  interest("T", "\"FLOOR\" \"B0\" \"B1\" \"B2\""),
+              {{"B0", Role::kAuthoritative, moving({0.55, 0.5, 0}, Vec3::Zero(), g)},
+               {"B1", Role::kAuthoritative, moving({-0.275, 0.5, 0.476313}, Vec3::Zero(), g)},
+               {"B2", Role::kAuthoritative, moving({-0.274995, 0.5, -0.476317}, Vec3::Zero(), g)},
+               {"T", Role::kAuthoritative, moving({0, 3, 0}, Vec3::Zero(), g)}});
+  double before = 9.81 * (3 * 0.5 + 3.0);
+  for (Duration t = 10ms; t <= 4s; t += 10ms) {
+    world.advance(sim(t));
+    double energy = 0.0;
+    for (const char* name : {"B0", "B1", "B2", "T"}) {
+      const KinematicState s = world.at(w[name], sim(t));
+      energy += 0.5 * s.velocity.squaredNorm() + 9.81 * s.position.y();
+    }
+    EXPECT_LE(energy, before + 1e-9 * std::abs(before)) << to_seconds(t);
+    before = energy;
+  }
+  EXPECT_GT(world.at(w["B0"], sim(2s)).position.x(), 1.0);
+}
+
+TEST(LastingContact, SlidesOverTheSeamOfTwoSlabsOfOneHeight) {
+  for (const char* const second : {"2 -0.5 0", "2 -0.5 0.3"}) {
+    auto&& [w, world] = Started(box("LEFT", "4 1 4", "-2 -0.5 0") + box("RIGHT", "4 1 4", second) +
+                                    box("BOX", "1 1 1", "-2 0.5 0", kDead) + interest("BOX", "\"LEFT\" \"RIGHT\""),
+                                {{"BOX", Role::kAuthoritative, moving({-2, 0.5, 0}, {1, 0, 0.1}, {0, -9.81, 0})}});
+    world.advance(sim(5s));
+    const KinematicState s = world.at(w["BOX"], sim(5s));
+    EXPECT_NEAR((s.position - Vec3(3, 0.5, 0.5)).norm(), 0.0, 1e-9);
+    EXPECT_EQ(s.velocity, Vec3(1, 0, 0.1));
+  }
+}
+
+// ---- inside and outside ----
+
+TEST(Inside, WhatBeginsInAClosedRoomStaysInIt) {
+  const std::string balls = "DEF BALL Transform { translation 0 0 0 " + std::string(kDead) +
+                            " children Shape { geometry Sphere { radius 0.2 } } }\n";
+  for (const std::string& inner : {balls, box("BALL", "0.4 0.4 0.4", "0 0 0", kDead)}) {
+    for (const std::string& room :
+         {box("ROOM", "4 4 4", "0 0 0"),
+          std::string("DEF ROOM Transform { children Shape { geometry Cylinder { radius 3 height 4 } } }\n"),
+          std::string("DEF ROOM Transform { children Shape { geometry Sphere { radius 2 } } }\n")}) {
+      auto&& [w, world] = Started(room + inner + interest("BALL", "\"ROOM\""),
+                                  {{"BALL", Role::kAuthoritative, moving({0, 0, 0}, Vec3::Zero(), {0, -9.81, 0})}});
+      world.advance(sim(3s));
+      const bool round = room.find("Sphere") != std::string::npos;
+      if (round && inner != balls) continue;  // the facets of the ball are nearer
+      EXPECT_NEAR(world.at(w["BALL"], sim(3s)).position.y(), -1.8, 1e-5) << room << inner;
+      EXPECT_EQ(world.at(w["BALL"], sim(3s)).velocity, Vec3::Zero().eval());
+    }
+  }
+}
+
+// What goes through because nothing answers is in one contact until it has come out at the other side.
+TEST(Inside, WhatIsNotAnsweredIsOneContactUntilItIsOut) {
+  auto&& [w, world] = Started(corridor(), {{"BALL", Role::kScene, moving({0, 0, 0}, {2, 0, 0})}});
+  world.advance(sim(5s));
+  EXPECT_THAT(contact_times(world), ElementsAre(sim(1500ms)));
+}
+
 TEST(MotionWorld, ZeroStopsAtTheContact) {
   auto&& [w, world] = Started(corridor(kStops), {{"BALL", Role::kAuthoritative, moving({0, 0, 0}, {2, 1, 0})}});
   for (int i = 0; i < 300; ++i) world.advance(sim(i * 16ms));
