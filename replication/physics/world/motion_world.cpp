@@ -895,7 +895,11 @@ void MotionWorld::release_parting(std::size_t object, SimTime t) {
     WatchedPair& pair = pairs_[i];
     const Vec3 a = objects_.world_law(pair.collider, t).state.velocity;
     const Vec3 b = objects_.world_law(pair.collidee, t).state.velocity;
-    const auto parts = [&](const Vec3& n) { return n.dot(a - b) > kRounding * (a.norm() + b.norm()); };
+    const Vec3 free = objects_.free_acceleration_of(pair.collider, t) - objects_.free_acceleration_of(pair.collidee, t);
+    const auto parts = [&](const Vec3& n) {
+      const double speed = n.dot(a - b);
+      return speed > kRounding * (a.norm() + b.norm()) && !comes_to_rest(speed, n.dot(free));
+    };
     const bool releases = pair.normals.empty() || std::ranges::any_of(pair.normals, parts);
     if (releases) {
       remember_course(i, t);
