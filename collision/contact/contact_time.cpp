@@ -64,6 +64,23 @@ bool comes_first(const Contact& candidate, const Contact& best) {
 
 bool both_convex(const Body& a, const Body& b) { return a.not_convex_reason.empty() && b.not_convex_reason.empty(); }
 
+// Whether no vertex of the one body is outside of the other one, which is one convex piece, but for rounding. It may
+// touch it from inside.
+bool is_within_piece(const MovingBody& inner, const MovingBody& outer) {
+  if (outer.body.pieces.size() != 1 || outer.body.pieces.front().faces.size() == 1) return false;
+  const ConvexPiece& piece = outer.body.pieces.front();
+  const Pose from = inner.motion.pose(), to = outer.motion.pose();
+  const double rounding =
+      kRounding * (sum_of_magnitudes(from.position, to.position) + inner.body.extent_m() + outer.body.extent_m());
+  return std::ranges::all_of(inner.body.vertices(), [&](const Vec3& vertex) {
+    const Vec3 place = to.orientation.conjugate() * (from * vertex - to.position);
+    for (std::size_t i = 0; i < piece.faces.size(); ++i) {
+      if (dot(piece.face_normals[i], place - piece.vertices[piece.faces[i].front()]) > rounding) return false;
+    }
+    return true;
+  });
+}
+
 bool boxes_within(const MovingBody& a, const MovingBody& b, double distance_m) {
   assert(distance_m >= 0.0);
   const WorldBox of_a = tight_box(a), of_b = tight_box(b);
@@ -177,7 +194,8 @@ Contact first_contact(const MovingBody& collider, const MovingBody& collidee, Co
     // From outside, the first contact of solids is that of their polygons. Of solids that overlap one may be inside the
     // other: then their surfaces have still to meet.
     if (contact.state != ContactState::kOverlapped || options.as == MeetAs::kSolids) return contact;
-    if (options.as == MeetAs::kSurfaces && surfaces_within(collider, collidee, 0.0)) return contact;
+    const bool is_one_inside = is_within_piece(collider, collidee) || is_within_piece(collidee, collider);
+    if (options.as == MeetAs::kSurfaces && !is_one_inside && surfaces_within(collider, collidee, 0.0)) return contact;
   }
   return mesh_contact(collider, collidee, horizon_s, options.margin_m);
 }

@@ -98,12 +98,13 @@ struct Approach {
     gap_error_m = kRounding * (magnitudes(a.motion.position, b.motion.position) + sum_m +
                                magnitudes(a.body.sphere->center, b.body.sphere->center));
     speed_error_m_s = kRounding * speed;
-    bend_error_m_s2 = kRounding * (0.5 * magnitudes(a.motion.acceleration, b.motion.acceleration) +
-                                   speed * magnitude(velocity) / sum_m);
-    if (as != MeetAs::kSolids && difference_m > gap_error_m && length(apart) <= difference_m + gap_error_m) {
+    if (as != MeetAs::kSolids && difference_m > gap_error_m &&
+        length(apart) < std::max(a.body.sphere->radius_m, b.body.sphere->radius_m)) {
       radii_m = difference_m;
       side = -1.0;
     }
+    bend_error_m_s2 = kRounding * (0.5 * magnitudes(a.motion.acceleration, b.motion.acceleration) +
+                                   speed * magnitude(velocity) / radii_m);
   }
 
   // The square of the distance less the square of the distance at touching, as a polynomial of time [m^2]; positive

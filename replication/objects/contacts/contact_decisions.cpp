@@ -5,6 +5,7 @@
 #include <cassert>
 #include <iterator>
 #include <map>
+#include <ranges>
 #include <utility>
 
 #include "replication/physics/laws/response.hpp"
@@ -37,8 +38,15 @@ constexpr std::size_t kOfPairMax = 4000;
 
 // How the object rests against the other one after the decision; none: the two part, or go on as they are. Before the
 // contact, the states of such a decision have the accelerations that the two have where nothing bears them.
-std::optional<Rest> rest_of(const DecisionRecord& d, ObjectId object) {
+std::optional<Rest> rest_of(const WorldModel& model, const DecisionRecord& d, ObjectId object) {
+  for (const ObjectId each : {d.collider, d.collidee}) {
+    const CollisionResponse* const response = model.response_of(each);
+    if (response != nullptr && response->type == ResponseType::kZero)
+      return std::nullopt;  // nothing drives it any more
+  }
   const double parting = d.normal.dot(d.collider_after.velocity - d.collidee_after.velocity);
+  const double came = (d.collider_before.velocity - d.collidee_before.velocity).norm();
+  if (parting < -kRounding * came) return std::nullopt;
   const double pressing = d.normal.dot(d.collider_before.acceleration - d.collidee_before.acceleration);
   if (!comes_to_rest(std::max(parting, 0.0), pressing)) return std::nullopt;
   const bool is_collider = object == d.collider;
@@ -230,7 +238,8 @@ DecisionRecord ContactDecisions::record_of(const ContactEvent& c, DecisionRule r
                    c.collidee_after,
                    rule,
                    log_.last(c.collider, c.collidee)};
-  if (c.rests) {  // rest_of() reads it
+  const bool of_two_owners = owners_.have_two(c.collider, c.collidee);
+  if (c.rests && of_two_owners && acceptable(c.collider_free) && acceptable(c.collidee_free)) {  // rest_of() reads them
     d.collider_before.acceleration = c.collider_free;
     d.collidee_before.acceleration = c.collidee_free;
   }
@@ -448,6 +457,18 @@ void ContactDecisions::apply(const std::vector<DecisionLog::Change>& changes, Si
   (void)name_owners(changes);
   for (const DecisionLog::Change& change : changes) {
     const DecisionRecord& d = change.record;
+    // By the policy `id` one owner does not look for contacts of the two. What lasts it has to go on with by itself.
+    const bool mine = own_.contains(d.collider) || own_.contains(d.collidee);
+    if (mine && owners_.have_two(d.collider, d.collidee) && !searches_contacts_of(d.collider, d.collidee)) {
+      const auto known = std::views::reverse(log_.entries());
+      const auto last = std::ranges::find_if(
+          known, [&](const DecisionLog::Entry& e) { return e.in_force && of_pair(e.record, d.collider, d.collidee); });
+      const bool here = replica_.receives(d.collider) && replica_.receives(d.collidee);
+      const bool lasts = here && last != known.end() && rest_of(*model_, last->record, d.collider);
+      const std::pair<ObjectId, ObjectId> two = std::minmax(d.collider, d.collidee);
+      if (lasts != lasting_.contains(two)) replica_.truth().watch(d.collider, d.collidee, lasts);
+      lasts ? void(lasting_.insert(two)) : void(lasting_.erase(two));
+    }
     if (change.in_force) {
       apply(d, change.author, known_at);
       continue;
@@ -481,16 +502,6 @@ bool ContactDecisions::counts(const UpdateRecord& u, SimTime decided) const {
 
 // The decision holds from the contact time on, not from its arrival.
 void ContactDecisions::apply(const DecisionRecord& d, PeerId author, SimTime known_at) {
-  // By the policy `id` one owner does not look for contacts of the two. What lasts it has to go on with by itself.
-  const bool mine = own_.contains(d.collider) || own_.contains(d.collidee);
-  if (mine && owners_.have_two(d.collider, d.collidee) && !searches_contacts_of(d.collider, d.collidee)) {
-    const std::pair<ObjectId, ObjectId> two = std::minmax(d.collider, d.collidee);
-    const bool lasts = rest_of(d, d.collider) && replica_.receives(d.collider) && replica_.receives(d.collidee);
-    if (lasts != lasting_.contains(two)) {
-      replica_.truth().watch(d.collider, d.collidee, lasts);
-      lasts ? void(lasting_.insert(two)) : void(lasting_.erase(two));
-    }
-  }
   std::erase_if(deferred_, [&](const Deferred& h) { return of_pair(d, h.contact.collider, h.contact.collidee); });
   for (const ObjectId object : {d.collider, d.collidee}) {
     if (!binds(d, object)) continue;
@@ -582,7 +593,7 @@ void ContactDecisions::replay(ObjectId object, SimTime from, bool in_truth) {
     if (!model_->is_answered(d.collider, d.collidee)) continue;
     const KinematicState& after = d.collider == object ? d.collider_after : d.collidee_after;
     MotionWorld& truth = replica_.truth();
-    const std::optional<Rest> rest = rest_of(d, object);
+    const std::optional<Rest> rest = rest_of(*model_, d, object);
     if (in_truth && moved_by_physics) {
       truth.set_base(object, d.contact, outcome_in(truth, object, d.contact, after), rest);
     }

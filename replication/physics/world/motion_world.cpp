@@ -312,7 +312,9 @@ void MotionWorld::lay_base(std::size_t index, const Base& given) {
   reopen_pairs(index, t, !stays);
   if (given.rest) {
     begin_rest(index, t, *given.rest);
-  } else if (stays) {
+  } else if (stays && std::ranges::any_of(far_.near(index), [&](std::uint32_t i) {
+               return pairs_.contains(i) && pairs_[i].bears_at(t);
+             })) {
     unsettled_.push_back({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index)});
     settle(t);
   }
@@ -604,7 +606,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
     const bool goes_on = !pair.is_answered() && search().ends_touch_elsewhere(pair, t);
     pair.contact.reset();
     pair.inside = true;
-    if (!goes_on) report(pair, t, answer);
+    if (!goes_on && !lasts) report(pair, t, answer);
     return;
   }
   if (is_squeezed(pair, t)) {
@@ -1029,13 +1031,14 @@ void MotionWorld::advance(SimTime to) {
   while (!retracted_bases_.empty()) lay_next_base();  // of the time that is still to come
   advanced_ = std::max(advanced_, to);
   objects_.prune_timelines(advanced_);
-  if (advanced_ < courses_forgotten_ + kHistory) return;
-  courses_forgotten_ = advanced_;
-  std::erase_if(with_past_, [&](std::uint32_t i) {
-    if (!pairs_.contains(i)) return true;
-    pairs_[i].forget_course_before(advanced_ - kHistory);
-    return pairs_[i].past.empty();
-  });
+  if (advanced_ >= courses_forgotten_ + kHistory) {
+    courses_forgotten_ = advanced_;
+    std::erase_if(with_past_, [&](std::uint32_t i) {
+      if (!pairs_.contains(i)) return true;
+      pairs_[i].forget_course_before(advanced_ - kHistory);
+      return pairs_[i].past.empty();
+    });
+  }
 }
 
 std::vector<ObjectId> MotionWorld::objects() const {

@@ -677,6 +677,28 @@ TEST(Inside, WhatBeginsInAClosedRoomStaysInIt) {
   }
 }
 
+// It lies on the floor of the room from the beginning, or slides on it.
+TEST(Inside, WhatBeginsAtAWallStaysInside) {
+  for (const double speed : {0.0, 0.25}) {
+    auto&& [w, world] =
+        Started(box("ROOM", "8 4 8", "0 0 0") + box("BOX", "1 1 1", "0 -1.5 0", kDead) + interest("BOX", "\"ROOM\""),
+                {{"BOX", Role::kAuthoritative, moving({0, -1.5, 0}, {speed, 0, 0}, {0, -9.81, 0})}});
+    world.advance(sim(4s));
+    EXPECT_LE((world.at(w["BOX"], sim(4s)).position - Vec3(4.0 * speed, -1.5, 0)).norm(), 1e-5) << speed;
+  }
+}
+
+TEST(Inside, WhatSlidesAlongTheInsideOfASphereStaysInside) {
+  auto&& [w, world] = Started(
+      "DEF ROOM Transform { children Shape { geometry Sphere { radius 2 } } }\nDEF BALL Transform { " +
+          std::string(kDead) + " children Shape { geometry Sphere { radius 0.2 } } }\n" + interest("BALL", "\"ROOM\""),
+      {{"BALL", Role::kAuthoritative, moving({0, -1.8, 0}, {1, 0, 0}, {0, -9.81, 0})}});
+  for (Duration t = 20ms; t <= 4s; t += 20ms) {
+    world.advance(sim(t));
+    ASSERT_LE(world.at(w["BALL"], sim(t)).position.norm(), 1.8 + 1e-3) << to_seconds(t);
+  }
+}
+
 // What goes through because nothing answers is in one contact until it has come out at the other side.
 TEST(Inside, WhatIsNotAnsweredIsOneContactUntilItIsOut) {
   auto&& [w, world] = Started(corridor(), {{"BALL", Role::kScene, moving({0, 0, 0}, {2, 0, 0})}});
