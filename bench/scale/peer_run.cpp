@@ -21,8 +21,8 @@ class TwoPeers {
         own_(std::max<std::size_t>(1, bodies.legs.size() / 10)),
         bare_(bodies.scene),
         bare_model_((bare_.interests.clear(), make_world_model(bare_))),
-        measured_(config_of(1, bodies.object(0), own_), *bodies.model),
-        sender_(config_of(2, bodies.object(own_), bodies.legs.size() - own_), *bare_model_) {}
+        measured_(owner_of(1, 0, own_), *bodies.model),
+        sender_(owner_of(2, own_, bodies.legs.size()), *bare_model_) {}
 
   void run(HostTime until, PeerCost* cost) {
     while (now_ < until) {
@@ -60,6 +60,12 @@ class TwoPeers {
     Bytes datagram;
   };
 
+  // The configuration of the peer that owns these bodies. Their ids do not follow each other.
+  [[nodiscard]] PeerConfig owner_of(std::uint32_t id, std::size_t from, std::size_t to) const {
+    PeerConfig config = config_of(id, bodies_.object(from), 0);
+    for (std::size_t i = from; i < to; ++i) config.owned.push_back({bodies_.object(i), true, {}});
+    return config;
+  }
   [[nodiscard]] std::vector<OwnSample> samples(const Peer& peer, std::size_t from, std::size_t to) const {
     std::vector<OwnSample> all;
     if (const auto due = peer.due_tick(now_)) {
