@@ -26,11 +26,12 @@ struct Contact {
   std::uint32_t iterations = 0;  // steps of conservative advancement; 0 where the closed form answered
 };
 
-// What two bodies are to each other. A Sphere is round, and a convex piece has an inside, but not as polygons.
+// MeetAs says what a body counts as. As a surface or a solid a Sphere is round; as polygons it has facets. Bodies that
+// cross overlap in any case.
 enum class MeetAs : std::uint8_t {
-  kSurfaces,  // what begins wholly inside of another meets it from inside
-  kSolids,    // what is in a Sphere or in a convex piece overlaps it
-  kPolygons   // by their polygons alone, as SceneQuery has them
+  kSurfaces,  // a body that begins wholly inside another one is apart from it, and meets it from inside
+  kSolids,    // a body that is inside a Sphere or a convex piece overlaps it
+  kPolygons   // only polygons count, as SceneQuery has them
 };
 
 // A body and how it moves from time 0 on.

@@ -27,9 +27,10 @@ struct ContactOptions {
 // least penetration; with MeetAs::kSolids also those of which one is inside the other.
 //
 // Without rotation the answer is in closed form for accelerations that are constant: on each separating-axis candidate
-// the gap is a quadratic in t, and the bodies overlap where all gaps are <= 0; passing by in touch is a contact. With
-// rotation it is conservative advancement (Mirtich, PhD, Berkeley 1996) on the largest gap: never later than the truth,
-// at most advancement_tolerance_m() short of it, so that a pass within that tolerance may be taken for a contact.
+// the gap is a quadratic in t, and the bodies overlap where all gaps are <= 0; to pass by in touch is a contact,
+// unless the touch is there at 0 and the one glides along the other. With rotation it is conservative advancement
+// (Mirtich, PhD, Berkeley 1996) on the largest gap: never later than the truth, at most advancement_tolerance_m() short
+// of it, so that a pass within that tolerance may be taken for a contact.
 //
 // A body that is one Sphere (Body::sphere) meets another such body, and the polygons of others, as the sphere it is
 // (sphere_contact.hpp, sphere_surface_contact.hpp): a ball doesn't bounce off its facets. The normal is the line of the

@@ -75,12 +75,11 @@ Vec3 center_of(const MovingBody& m) {
   return m.motion.position + rotate(m.motion.orientation.toRotationMatrix(), m.body.sphere->center);
 }
 
-// The motion of the collider's sphere as seen from the collidee's. From outside the two touch where their
-// centres are as far apart as the sum of the radii, as surfaces with one inside the other as far as the difference.
+// The motion of the collider's sphere as seen from the collidee's. Spheres that are outside of each other touch where
+// their centres are as far apart as the sum of their radii; one inside the other touches it at the difference.
 struct Approach {
   Vec3 apart, velocity, half_acceleration;  // of the collider's centre against the collidee's
-  double sum_m, difference_m;               // of the radii
-  double radii_m;                           // the one at which they touch
+  double touching_m;                        // distance of the centres at which they touch
   double side = 1.0;                        // 1: they are outside of each other; -1: one is inside the other
   // Bounds of the rounding of the distance, of its rate, and of half its second derivative.
   double gap_error_m, speed_error_m_s, bend_error_m_s2;
@@ -89,29 +88,27 @@ struct Approach {
       : apart(center_of(a) - center_of(b)),
         velocity(a.motion.velocity - b.motion.velocity),
         half_acceleration(0.5 * (a.motion.acceleration - b.motion.acceleration)),
-        sum_m(a.body.sphere->radius_m + b.body.sphere->radius_m),
-        difference_m(std::abs(a.body.sphere->radius_m - b.body.sphere->radius_m)),
-        radii_m(sum_m) {
+        touching_m(a.body.sphere->radius_m + b.body.sphere->radius_m) {
     const auto magnitudes = [](const Vec3& p, const Vec3& q) { return magnitude(p) + magnitude(q); };
     const double speed = magnitudes(a.motion.velocity, b.motion.velocity);
-    assert(sum_m >= 0.0);
-    gap_error_m = kRounding * (magnitudes(a.motion.position, b.motion.position) + sum_m +
+    assert(touching_m >= 0.0);
+    gap_error_m = kRounding * (magnitudes(a.motion.position, b.motion.position) + touching_m +
                                magnitudes(a.body.sphere->center, b.body.sphere->center));
     speed_error_m_s = kRounding * speed;
-    if (as != MeetAs::kSolids && difference_m > gap_error_m &&
-        length(apart) < std::max(a.body.sphere->radius_m, b.body.sphere->radius_m)) {
-      radii_m = difference_m;
+    const auto [smaller_m, larger_m] = std::minmax({a.body.sphere->radius_m, b.body.sphere->radius_m});
+    if (as != MeetAs::kSolids && larger_m - smaller_m > gap_error_m && length(apart) < larger_m) {
+      touching_m = larger_m - smaller_m;
       side = -1.0;
     }
     bend_error_m_s2 = kRounding * (0.5 * magnitudes(a.motion.acceleration, b.motion.acceleration) +
-                                   speed * magnitude(velocity) / radii_m);
+                                   speed * magnitude(velocity) / touching_m);
   }
 
   // The square of the distance less the square of the distance at touching, as a polynomial of time [m^2]; positive
   // while they are apart.
   [[nodiscard]] Quartic polynomial() const {
     const double d = length(apart);
-    Quartic f = {(d - radii_m) * (d + radii_m), 2.0 * dot(apart, velocity),
+    Quartic f = {(d - touching_m) * (d + touching_m), 2.0 * dot(apart, velocity),
                  dot(velocity, velocity) + 2.0 * dot(apart, half_acceleration), 2.0 * dot(velocity, half_acceleration),
                  dot(half_acceleration, half_acceleration)};
     for (double& x : f) x *= side;
@@ -141,7 +138,7 @@ bool meet_as_spheres(const MovingBody& a, const MovingBody& b) {
 bool spheres_within(const MovingBody& a, const MovingBody& b, double distance_m, MeetAs as) {
   assert(a.body.sphere && b.body.sphere && distance_m >= 0.0);
   const Approach way(a, b, as);
-  return way.side * (length(way.apart) - way.radii_m) <= distance_m;
+  return way.side * (length(way.apart) - way.touching_m) <= distance_m;
 }
 
 Contact sphere_contact(const MovingBody& collider, const MovingBody& collidee, double horizon_s, MeetAs as) {
@@ -156,7 +153,7 @@ Contact sphere_contact(const MovingBody& collider, const MovingBody& collidee, d
     contact.normal_world = way.normal(t);
     return contact;
   };
-  const double distance = length(way.apart), gap = way.side * (distance - way.radii_m);
+  const double distance = length(way.apart), gap = way.side * (distance - way.touching_m);
   const Vec3 n = way.normal(0.0);
   double speed = dot(n, way.velocity);
   const bool touches = gap <= way.gap_error_m && gap >= -(way.gap_error_m + kClockTick_s * std::abs(speed));
@@ -164,8 +161,8 @@ Contact sphere_contact(const MovingBody& collider, const MovingBody& collidee, d
   if (touches) {
     if (std::abs(speed) <= way.speed_error_m_s) speed = 0.0;
     // Half the distance's second derivative: what passes across comes apart, too.
-    double bend = dot(n, way.half_acceleration) +
-                  way.side * 0.5 * (dot(way.velocity, way.velocity) - speed * speed) / std::max(distance, way.radii_m);
+    double bend = dot(n, way.half_acceleration) + way.side * 0.5 * (dot(way.velocity, way.velocity) - speed * speed) /
+                                                      std::max(distance, way.touching_m);
     if (std::abs(bend) <= way.bend_error_m_s2) bend = 0.0;
     if (speed < 0.0) return finish(ContactState::kContact, 0.0);
     const bool too_low =

@@ -9,8 +9,7 @@ namespace peerd::collision {
 
 // first_contact() of two bodies for which meet_as_spheres() holds, by the same rule of touching. Their distance's
 // square is a polynomial of degree 4 in time, whose first root is found by halving in Bernstein form: never later than
-// the truth, and earlier by rounding alone. The normal is the line of centres. As surfaces,
-// one that begins inside the other meets it from inside.
+// the truth, and earlier by rounding alone. The normal is the line of centres.
 [[nodiscard]] Contact sphere_contact(const MovingBody& collider, const MovingBody& collidee, double horizon_s,
                                      MeetAs as);
 

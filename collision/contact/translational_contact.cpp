@@ -96,7 +96,8 @@ double next_common(const std::vector<Gap>& gaps, double t, double horizon) {
   return t;
 }
 
-// For bodies that touch and stay: the first contact after they came apart and closed again on the same axis.
+// For two flat polygons in one plane that touch and stay: the first contact after they came apart and closed again on
+// the same axis.
 double next_after_parting(const std::vector<Gap>& gaps, double horizon) {
   assert(!gaps.empty());
   double parting = kNever, back = kNever;

@@ -113,8 +113,8 @@ struct AxisProjections {
 
 // Calls visit(n, noise) for directions that may have triangles that don't touch on either side, in either sense: of
 // faces, of pairs of edges, across an edge in its face, of their nearest points (`between`), until it returns false.
-// `noise`: what rounding makes
-// of a direction between near points; a face's and an edge's hang on lengths that are not small.
+// `noise`: what rounding makes of a direction between near points; a face's and an edge's hang on lengths that are not
+// small.
 template <class Visit>
 void for_each_direction(const Triangle& a, const Triangle& b, const Vec3& between, double noise, Visit&& visit) {
   // Of vectors that are parallel but for rounding the product is mostly that.
@@ -132,7 +132,8 @@ void for_each_direction(const Triangle& a, const Triangle& b, const Vec3& betwee
       if (!go(a[(i + 1) % 3] - a[i], b[(j + 1) % 3] - b[j])) return;
     }
   }
-  // What slides along a surface has the edges of the next triangles before it, and is beside them in their plane.
+  // A body that slides towards the next triangle of a floor is above it: across an edge of that triangle, or of its
+  // own.
   for (const Triangle* face : {&b, &a}) {
     const Vec3 normal = ((*face)[1] - (*face)[0]).cross((*face)[2] - (*face)[0]);
     for (std::size_t i = 0; i < 3; ++i) {

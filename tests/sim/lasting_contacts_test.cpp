@@ -1,4 +1,5 @@
-// What rests on an object of another peer, or pushes it: one end, whoever owns what, and whoever decides.
+// An object that rests on another peer's, or pushes it, ends alike at all peers, whoever owns what, and whoever
+// decides.
 #include <gtest/gtest.h>
 
 #include <map>

@@ -8,8 +8,9 @@
 namespace peerd {
 
 // `peerd check WORLD.wrl` prints the problems of the world as FILE:LINE:COLUMN with a caret to `err`, the first 20
-// errors and the first 20 warnings with the number of the others; then its statistics and the defects of its polygons
-// to `out`. Returns the exit code: 0 good, 1 the world has errors, 2 there is no such file, 3 it can't be read.
+// errors and the first 20 warnings with the number of the others; then its statistics, the defects of its polygons and
+// what begins inside what to `out`. Returns the exit code: 0 good, 1 the world has errors, 2 there is no such file, 3
+// it can't be read.
 //
 // With `json` it prints one object to `out` in place of both, with these keys whatever happens:
 //   world        path as it was given
@@ -24,6 +25,9 @@ namespace peerd {
 //   defects      counts of polygons and of edges, which core/geometry/mesh_defects.hpp defines. `first` has for each
 //                defect of polygons {shape, polygon}, or null where there is none; shape is null where no Shape has
 //                that geometry. null unless good, and if `unsupported` says so
+//   closed       [path]: the objects that interests name and whose surface is closed. null unless good
+//   inside       [{inner, outer}]: the pairs that interests name of which one begins wholly inside the other, which is
+//                closed. null unless good; both are empty where `unsupported` says that interests are not looked at
 //   files        number of texts that were read: the world, its Inlines and EXTERNPROTOs
 //   bytes        length of these texts, unpacked
 //   read_ms      wall-clock time from opening the file to the scene

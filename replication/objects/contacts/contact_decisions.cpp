@@ -36,8 +36,8 @@ constexpr int kRepeatedOfPair = 64;
 // The most decisions of one peer on one pair that are remembered: twice as many as there can be in kRememberedFor.
 constexpr std::size_t kOfPairMax = 4000;
 
-// How the object rests against the other one after the decision; none: the two part, or go on as they are. Before the
-// contact, the states of such a decision have the accelerations that the two have where nothing bears them.
+// Returns how the object rests against the other one after the decision; none: the two part, or go on as they are. The
+// states *before* in a decision on a resting contact hold the accelerations of the two where nothing bears them.
 std::optional<Rest> rest_of(const WorldModel& model, const DecisionRecord& d, ObjectId object) {
   for (const ObjectId each : {d.collider, d.collidee}) {
     const CollisionResponse* const response = model.response_of(each);
@@ -134,7 +134,7 @@ void ContactDecisions::watch(std::span<const std::uint32_t> pairs) {
     const bool moves_scene =
         (scene_.answers(pair, a) && owners_.of(a) == kNobody) || (scene_.answers(pair, b) && owners_.of(b) == kNobody);
     const bool as_partner = moves_scene ? of_nobody : is_partner(a) || is_partner(b);
-    const bool by_us = searches_contacts_of(a, b) || lasting_.contains(std::minmax(a, b));
+    const bool by_us = searches_contacts_of(a, b) || resting_.contains(std::minmax(a, b));
     replica_.truth().watch(number, here && (mine ? by_us : as_partner));
     replica_.ghosts().watch(number, here && (config_.policy.predict_collisions || of_nobody));
   }
@@ -207,7 +207,7 @@ ContactAuthority ContactDecisions::authority(ObjectId a, ObjectId b, SimTime con
   }
   if (!owners_.have_two(a, b)) return ContactAuthority::kAsPublished;
   if (!searches_contacts_of(a, b)) {
-    return lasting_.contains(std::minmax(a, b)) ? ContactAuthority::kDeferred : ContactAuthority::kAsPublished;
+    return resting_.contains(std::minmax(a, b)) ? ContactAuthority::kDeferred : ContactAuthority::kAsPublished;
   }
   if (!reaches_all_in_time(contact)) return ContactAuthority::kDeferred;
   if (config_.decisions.policy == DecisionPolicy::kId) return ContactAuthority::kLocal;
@@ -305,7 +305,7 @@ void ContactDecisions::defer(const ContactEvent& c) {
     ++counters_.contacts_too_late;
     return;
   }
-  if (lasting_.contains(std::minmax(c.collider, c.collidee))) return;  // the other owner finds it, and decides
+  if (resting_.contains(std::minmax(c.collider, c.collidee))) return;  // the other owner finds it, and decides
   const SimTime decided = log_.last(c.collider, c.collidee);
   if (decided >= c.at && decided <= c.at + DecisionLog::kSameCollision) return;
   if (!reaches_all_in_time(c.at)) {
@@ -457,17 +457,17 @@ void ContactDecisions::apply(const std::vector<DecisionLog::Change>& changes, Si
   (void)name_owners(changes);
   for (const DecisionLog::Change& change : changes) {
     const DecisionRecord& d = change.record;
-    // By the policy `id` one owner does not look for contacts of the two. What lasts it has to go on with by itself.
+    // By the policy `id` one owner does not look for contacts of the two. It has to solve a resting one all the same.
     const bool mine = own_.contains(d.collider) || own_.contains(d.collidee);
     if (mine && owners_.have_two(d.collider, d.collidee) && !searches_contacts_of(d.collider, d.collidee)) {
       const auto known = std::views::reverse(log_.entries());
       const auto last = std::ranges::find_if(
           known, [&](const DecisionLog::Entry& e) { return e.in_force && of_pair(e.record, d.collider, d.collidee); });
       const bool here = replica_.receives(d.collider) && replica_.receives(d.collidee);
-      const bool lasts = here && last != known.end() && rest_of(*model_, last->record, d.collider);
+      const bool rests = here && last != known.end() && rest_of(*model_, last->record, d.collider);
       const std::pair<ObjectId, ObjectId> two = std::minmax(d.collider, d.collidee);
-      if (lasts != lasting_.contains(two)) replica_.truth().watch(d.collider, d.collidee, lasts);
-      lasts ? void(lasting_.insert(two)) : void(lasting_.erase(two));
+      if (rests != resting_.contains(two)) replica_.truth().watch(d.collider, d.collidee, rests);
+      rests ? void(resting_.insert(two)) : void(resting_.erase(two));
     }
     if (change.in_force) {
       apply(d, change.author, known_at);
@@ -694,12 +694,12 @@ void ContactDecisions::remove(ObjectId object) {
                 [&](const Deferred& d) { return d.contact.collider == object || d.contact.collidee == object; });
   log_.forget(object);
   life_since_.erase(object);
-  std::erase_if(lasting_, [&](const auto& two) { return two.first == object || two.second == object; });
+  std::erase_if(resting_, [&](const auto& two) { return two.first == object || two.second == object; });
 }
 
 void ContactDecisions::restart(bool same_session) {
   deferred_.clear();
-  lasting_.clear();
+  resting_.clear();
   if (same_session) return;
   log_.clear();
   life_since_.clear();

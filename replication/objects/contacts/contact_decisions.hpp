@@ -181,7 +181,7 @@ class ContactDecisions {
   DecisionLog log_;
   std::vector<Deferred> deferred_;
   // Pairs of which the other owner decides contacts, and that rest against each other: the lower and the higher object.
-  std::set<std::pair<ObjectId, ObjectId>> lasting_;
+  std::set<std::pair<ObjectId, ObjectId>> resting_;
   // The last contact that was found of each interest, of pairs with several; by the lower and the higher object.
   std::map<std::tuple<ObjectId, ObjectId, CollisionType>, SimTime> last_found_;
   std::map<ObjectId, SimTime> life_since_;  // of objects whose owner has left once

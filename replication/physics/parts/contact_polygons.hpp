@@ -13,8 +13,7 @@ namespace peerd::replication {
 // rounded down to a nanosecond, and most searches end within a tolerance of the contact, so that often no two polygons
 // touch yet. Then the nearest are named, and those that are no more than kAdvancementTolerance_m farther apart: of a
 // Sphere, which meets others as the sphere it is, the polygons nearest to the contact. None are named where all are
-// farther apart than contact times leave them (one is wholly inside the other), or where it is not known any more how a
-// part stood.
+// farther apart than contact times leave them, or where it is not known any more how a part stood.
 //
 // `flexible`: null where the model has no flexible parts.
 [[nodiscard]] TouchedPolygons touched_polygons(const WorldModel& model, const MotionWorld& world,

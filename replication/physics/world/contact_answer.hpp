@@ -39,8 +39,8 @@ struct ContactAnswer {
 [[nodiscard]] ContactAnswer answer_to_closing(const WorldModel& model, const MovingObjects& objects,
                                               const WatchedPair& pair, const ContactAnswer& answer);
 
-// Whether the two do not strike each other at the contact: they come as slowly as two that come to rest part, and come
-// to rest.
+// Whether the contact is a resting one without a blow: the two approach no faster than they would part to come to rest
+// again, and do so.
 [[nodiscard]] bool lasts_at(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair);
 
 // Whether the two would part for no more than kShortestFlight_s.

@@ -14,7 +14,7 @@ struct ContactIsland {
   static constexpr std::uint32_t kNone = MovingObjects::kNone;
 
   std::vector<std::uint32_t> objects;       // of `bodies`: indices, or kNone for one that does not give way
-  std::vector<std::uint32_t> reached_from;  // of `bodies`: the object that touches it; kNone for one to begin with
+  std::vector<std::uint32_t> reached_from;  // of `bodies`: the neighbour that led to it; kNone: asked for
   std::vector<ConstrainedBody> bodies;
   std::vector<OneSided> constraints;
   std::vector<std::uint32_t> pairs;  // of each constraint
@@ -22,12 +22,12 @@ struct ContactIsland {
 enum class Touching : std::uint8_t { kBearing, kAny };  // the pairs that bear, or all of the burst
 enum class Quantity : std::uint8_t { kVelocity, kAcceleration };
 
-// The island around these objects at t; of those that give way.
+// The island around those of these objects that give way at t.
 [[nodiscard]] ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
                                       std::span<const std::uint32_t> around, SimTime t, Touching which,
                                       Quantity quantity);
 
-// Whether what gives way to nothing comes into the island, which is of velocities.
+// Whether a body of the island, which is of velocities, moves and gives way to nothing.
 [[nodiscard]] bool is_driven(const ContactIsland& island);
 
 // The values become those that the constraints allow. Returns the pairs that had to be left out: of them one comes

@@ -591,7 +591,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
   const ContactAuthority authority =
       authority_of_ ? authority_of_(collider, collidee, t) : ContactAuthority::kAsPublished;
   ContactAnswer answer = answer_to(*model_, objects_, pair, authority);
-  // What lasts needs no decision: all peers solve it alike, from what is published.
+  // No peer decides a resting contact: all solve it alike, by the laws that are published.
   const bool lasts = authority == ContactAuthority::kDeferred && lasts_at(*model_, objects_, pair);
   if (lasts) answer = answer_to(*model_, objects_, pair, ContactAuthority::kAsPublished);
   pair.both_changed = !moves_alike(answer.before_a.state, answer.after_a.state) &&
@@ -933,8 +933,8 @@ void MotionWorld::settle(SimTime t) {
     for (std::size_t i = 0; i < island.objects.size(); ++i) {
       if (island.objects[i] == kNone) continue;
       settled.push_back(island.objects[i]);
-      const std::uint32_t through = island.reached_from[i];
-      set_borne_acceleration(island.objects[i], t, island.bodies[i].value, through != kNone ? through : first.cause);
+      const std::uint32_t from = island.reached_from[i];
+      set_borne_acceleration(island.objects[i], t, island.bodies[i].value, from != kNone ? from : first.cause);
     }
   }
   unsettled_.clear();  // what has just been given is settled

@@ -119,8 +119,8 @@ class MotionWorld {
 
   // Sets the object's motion from t on, in the frame of its carrier, after an update, a sample or a decision. t may lie
   // in the past: the predictions that followed from the replaced motion are retracted, and the next advance() finds
-  // them anew. What was set for this object from t on is void. `rest`: it rests from then on against another one, if
-  // that has such a base of the same time, and the two are watched.
+  // them anew. What was set for this object from t on is void. With `rest` it
+  // rests from t on against its partner, once that has such a base of t, too, if the pair is watched.
   void set_base(ObjectId object, SimTime t, const MotionModel& model, const std::optional<Rest>& rest = {});
 
   // The acceleration [m/s^2, world frame] that the object has where nothing bears it: from then on, and in
@@ -259,8 +259,8 @@ class MotionWorld {
   // into the other.
   void end_rolling(std::size_t object, SimTime t, const Vec3& normal, std::size_t cause);
   void change_velocity(std::size_t object, SimTime t, const Vec3& velocity, std::size_t cause);
-  // What the object bears, or is borne by, and parts from is unsettled, and so is all that rests on an object that
-  // gives way to nothing.
+  // Ends the bearing between the object and what parts from it. That is unsettled from then on, and so is all that
+  // an object bears that gives way to nothing.
   void release_parting(std::size_t object, SimTime t);
   void lift(WatchedPair& pair, SimTime t);
   [[nodiscard]] bool gives_way(std::size_t object, bool registered, SimTime t) const {
@@ -299,7 +299,7 @@ class MotionWorld {
   MovingObjects objects_;
   WatchedPairs pairs_;
   std::set<std::uint32_t> with_past_;           // the pairs of which a course is remembered
-  SimTime courses_forgotten_ = SimTime::min();  // what is older than kHistory is, once in that time
+  SimTime courses_forgotten_ = SimTime::min();  // when courses were last forgotten
   FarPairs far_;
   std::vector<std::uint32_t> opened_;  // pairs that are far no more, and not in the schedule yet
   // For each node those of its partners whose timelines have, or had lately, a law with it as the cause; ascending.

@@ -28,8 +28,8 @@ enum class Role : std::uint8_t {
   kPredicted,      // responds to contacts; a response is retracted when its cause turns out to have moved otherwise
 };
 
-// What a decision says of an object that rests against another one after the contact: of the two that is one contact,
-// whoever owns them, and each peer goes on with it by itself.
+// A decision on a contact after which the object rests against another one gives its law with this. Each peer then
+// solves the resting contact by itself.
 struct Rest {
   ObjectId partner;
   Vec3 normal;              // unit, world frame, facing the object

@@ -26,7 +26,7 @@ SweptBound PairSearch::bound_of_side(const WatchedPair& pair, bool of_collider, 
 
 template <class Function>
 auto PairSearch::with_query(const WatchedPair& pair, Function function) const {
-  // What went through a surface is inside until it has come out again.
+  // An object that nothing stopped at the surface is in contact until it has come out again.
   const auto as = !pair.is_answered() ? collision::MeetAs::kPolygons
                   : pair.inside       ? collision::MeetAs::kSolids
                                       : collision::MeetAs::kSurfaces;

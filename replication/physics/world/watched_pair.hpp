@@ -16,7 +16,7 @@ namespace peerd::replication {
 // The marks that the contacts of a pair so far have left on it. A world that goes through the past again takes them
 // back.
 struct PairCourse {
-  bool inside = false;                   // a contact without a response goes on; it is reported once
+  bool inside = false;                   // a contact without a response goes on (MeetAs::kSolids); reported once
   bool bears = false;                    // the two rest against each other, along all of `normals`
   SimTime parted = SimTime::min();       // when `inside` was last over
   SimTime parted_from = SimTime::min();  // the contact that was over then

@@ -54,6 +54,20 @@ TEST(SphereContact, IsLeftToPolygonsWhereItIsNoSphere) {
   EXPECT_TRUE(meet_as_spheres({scaled.bodies[1], turning}, {scaled.bodies[0], stands}));
 }
 
+// Vectors with each component in [-size, size].
+class RandomVectors {
+ public:
+  explicit RandomVectors(std::uint64_t seed) : rng_(seed) {}
+  Vec3 operator()(double size) {
+    const double x = number(), y = number();
+    return {size * x, size * y, size * number()};
+  }
+
+ private:
+  double number() { return 2.0 * static_cast<double>(rng_() >> 11) * 0x1p-53 - 1.0; }
+  std::mt19937_64 rng_;
+};
+
 struct Start {
   const char* name;
   KinematicState a;  // B stands at the origin; they touch at 0.75 m
@@ -95,12 +109,7 @@ INSTANTIATE_TEST_SUITE_P(
 // The answer is checked against the distance itself, in small steps: no contact before it, and contact then.
 TEST(SphereContact, IsTheFirstTimeAtWhichTheyTouch) {
   const Balls balls;
-  std::mt19937_64 rng(4);
-  const auto number = [&] { return 2.0 * static_cast<double>(rng() >> 11) * 0x1p-53 - 1.0; };
-  const auto vector = [&](double size) {
-    const double x = number(), y = number();
-    return Vec3(size * x, size * y, size * number());
-  };
+  RandomVectors vector(4);
   int hits = 0;
   for (int i = 0; i < 10000; ++i) {
     const KinematicState a = moving(vector(2), vector(4), vector(6)), b = moving(vector(2), vector(4), vector(6));
@@ -124,12 +133,7 @@ TEST(SphereContact, IsTheFirstTimeAtWhichTheyTouch) {
 
 TEST(SphereContact, FromInsideIsTheFirstTimeAtWhichTheyTouch) {
   const Balls balls;
-  std::mt19937_64 rng(5);
-  const auto number = [&] { return 2.0 * static_cast<double>(rng() >> 11) * 0x1p-53 - 1.0; };
-  const auto vector = [&](double size) {
-    const double x = number(), y = number();
-    return Vec3(size * x, size * y, size * number());
-  };
+  RandomVectors vector(5);
   for (int i = 0; i < 2000; ++i) {
     const KinematicState a = moving(vector(0.13), vector(4), vector(6)), b = moving(vector(0.01), vector(4), vector(6));
     const auto gap = [&](double t) { return 0.25 - (advance(a, t).position - advance(b, t).position).norm(); };

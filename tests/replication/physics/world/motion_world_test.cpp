@@ -598,7 +598,7 @@ TEST(LastingContact, ReleasesAllThatWasPushedThroughAnother) {
   }
 }
 
-// What lies on a table falls when the table, which gives way to nothing, drops faster than it.
+// A box on a table follows it down, and falls by itself when the table drops faster than it.
 TEST(LastingContact, FollowsWhatBearsItAsFarAsItFalls) {
   auto&& [w, world] =
       Started(box("TABLE", "4 1 4", "0 -0.5 0") + box("BOX", "1 1 1", "0 0.5 0", kDead) + interest("BOX", "\"TABLE\""),
@@ -699,7 +699,7 @@ TEST(Inside, WhatSlidesAlongTheInsideOfASphereStaysInside) {
   }
 }
 
-// What goes through because nothing answers is in one contact until it has come out at the other side.
+// An object that goes through because nothing answers has one contact until it has come out at the other side.
 TEST(Inside, WhatIsNotAnsweredIsOneContactUntilItIsOut) {
   auto&& [w, world] = Started(corridor(), {{"BALL", Role::kScene, moving({0, 0, 0}, {2, 0, 0})}});
   world.advance(sim(5s));
