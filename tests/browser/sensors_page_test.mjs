@@ -89,6 +89,8 @@ async function dragMark(page, from, to, seen, picture) {
   await mouse.move(a.x, a.y);
   await mouse.down();
   for (let i = 1; i <= 8; ++i) await mouse.move(a.x + ((b.x - a.x) * i) / 8, a.y + ((b.y - a.y) * i) / 8);
+  // On a busy computer a picture may be taken before the page has drawn the last move.
+  await page.tab.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
   await page.shot(join(out, picture));
   const pixels = await Pixels.of(page);
   const [there, before] = [await pixels.at(seen), await pixels.at(from)];
