@@ -1,12 +1,12 @@
 #include "core/least_change.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <cstddef>
 #include <limits>
-
-#include <Eigen/Dense>
+#include <utility>
 
 namespace peerd {
 namespace {
@@ -16,131 +16,296 @@ constexpr double kSumRounding = 0x1p-48;
 // Rounding, multiplied by the condition of a set of constraints, mostly stays below so many times its bound; what
 // contradicts the others is far above.
 constexpr double kContradiction = 0x1p10;
+// A constraint of which the others leave less than this part (a square) depends on them, but for rounding. Where that
+// is too little, and the multipliers grow until they hide what they are to make, the next one is tried.
+constexpr std::array kIndependent = {0x1p-36, 0x1p-24, 0x1p-14};
 
-// The multipliers (impulses, forces) l >= 0 that minimise l.A l / 2 + b.l. The constraints are scaled so that A has
-// ones on its diagonal: masses of any ratio are as good as equal ones.
+// A guess at which constraints are held pays off where there are more than this.
+constexpr std::size_t kFew = 6;
+constexpr int kSweeps = 30;
+
+// The multipliers l >= 0 for which all slacks, s + G l, are >= 0, and those with a multiplier 0. G is the matrix of the
+// constraints, scaled so that it has ones on its diagonal: masses of any ratio are as good as equal ones.
 class ActiveSet {
  public:
-  ActiveSet(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rates, const Eigen::VectorXd& tolerances)
-      : scale_(gram.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse()),
-        gram_(scale_.asDiagonal() * gram * scale_.asDiagonal()),
-        rates_(scale_.cwiseProduct(rates)),
-        tolerances_(scale_.cwiseProduct(tolerances)),
-        multipliers_(Eigen::VectorXd::Zero(rates_.size())),
-        refused_(static_cast<std::size_t>(rates_.size()), false) {}
+  ActiveSet(std::span<const ConstrainedBody> bodies, std::span<const OneSided> constraints, double independent)
+      : independent_(independent),
+        scale_(constraints.size(), 0.0),
+        gram_(constraints.size()),
+        slack_(constraints.size()),
+        tolerance_(constraints.size()),
+        multiplier_(constraints.size(), 0.0),
+        place_(constraints.size(), kNowhere),
+        refused_(constraints.size(), false) {
+    std::vector<std::vector<std::uint32_t>> of_body(bodies.size());
+    for (std::uint32_t i = 0; i < constraints.size(); ++i) {
+      const OneSided& c = constraints[i];
+      assert(c.a != c.b && c.a < bodies.size() && c.b < bodies.size() && std::abs(c.normal.norm() - 1.0) < 1e-9);
+      const double gives = bodies[c.a].inverse_mass + bodies[c.b].inverse_mass;
+      scale_[i] = gives > 0.0 ? 1.0 / std::sqrt(gives) : 1.0;
+      const Vec3 &a = bodies[c.a].value, &b = bodies[c.b].value;
+      slack_[i] = scale_[i] * c.normal.dot(a - b);
+      tolerance_[i] = scale_[i] * kSumRounding * (a.norm() + b.norm());
+      for (const std::uint32_t body : {c.a, c.b}) {
+        if (bodies[body].inverse_mass > 0.0) of_body[body].push_back(i);
+      }
+    }
+    for (std::uint32_t i = 0; i < constraints.size(); ++i) {
+      const OneSided& c = constraints[i];
+      for (const std::uint32_t body : {c.a, c.b}) {
+        for (const std::uint32_t j : of_body[body]) {
+          const double sign = (constraints[j].a == body) == (c.a == body) ? 1.0 : -1.0;
+          const double part = sign * bodies[body].inverse_mass * c.normal.dot(constraints[j].normal);
+          add_to_gram(i, j, scale_[i] * part * scale_[j]);
+        }
+      }
+    }
+    first_slack_ = slack_;
+  }
+
+  [[nodiscard]] bool is_met() const {
+    return std::ranges::equal(slack_, tolerance_, [](double slack, double tolerance) { return slack >= -tolerance; });
+  }
+
+  // Begins with the constraints that push after some sweeps of Gauss and Seidel's method, as far as each of them has
+  // to.
+  void begin_with_a_guess() {
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      for (std::uint32_t i = 0; i < slack_.size(); ++i) {
+        const double by = std::max(-slack_[i], -multiplier_[i]);
+        if (by != 0.0) change_multiplier(i, by);
+      }
+    }
+    for (std::uint32_t i = 0; i < slack_.size(); ++i) {
+      const bool pushes = std::exchange(multiplier_[i], 0.0) > 0.0;
+      if (pushes && row_of(i) > independent_) append(i);
+    }
+    for (;;) {
+      set_multipliers();
+      const auto pulls = [&](std::uint32_t i) { return multiplier_[i] <= 0.0; };
+      if (std::ranges::none_of(active_, pulls)) break;
+      const std::vector<std::uint32_t> before = std::exchange(active_, {});
+      rows_.clear();
+      for (const std::uint32_t i : before) place_[i] = kNowhere;
+      for (const std::uint32_t i : before) {
+        const bool keeps = !pulls(i);
+        multiplier_[i] = 0.0;
+        if (keeps && row_of(i) > independent_) append(i);
+      }
+    }
+    set_slacks();
+  }
 
   // False where the constraints contradict each other.
   [[nodiscard]] bool solve() {
-    for (Eigen::Index i = most_violated(); i >= 0; i = most_violated()) {
-      const std::vector<Eigen::Index> active_before = active_;
-      const Eigen::VectorXd multipliers_before = multipliers_;
-      active_.push_back(i);
-      const double sum_before = sum();
-      if (descend(i) && sum() < sum_before) {  // a sum that falls comes back to no set it had
-        refused_.assign(refused_.size(), false);
-        continue;
+    std::size_t left = 64 + 32 * scale_.size();  // rounding could go round in circles
+    for (std::uint32_t p = most_violated(); p != kNowhere; p = most_violated()) {
+      for (;;) {
+        if (left-- == 0) return false;
+        const double independent = row_of(p);
+        const std::vector<double> step = back_substituted();
+        // The multiplier of p rises until p is met, or one that is held has to push no more.
+        const double to_meet = independent > independent_ ? -slack_[p] / independent : kInfinity;
+        double to_drop = kInfinity;
+        std::uint32_t drops = kNowhere;
+        for (std::uint32_t k = 0; k < active_.size(); ++k) {
+          if (step[k] <= kSumRounding) continue;
+          const double rise = multiplier_[active_[k]] / step[k];
+          if (rise >= to_drop) continue;
+          to_drop = rise;
+          drops = k;
+        }
+        const double rise = std::min(to_meet, to_drop);
+        if (rise == kInfinity) {  // it depends on those that are held
+          if (slack_[p] < -kContradiction * rounding(p)) return false;
+          refused_[p] = true;
+          break;
+        }
+        change_multiplier(p, rise);
+        for (std::uint32_t k = 0; k < active_.size(); ++k) change_multiplier(active_[k], -rise * step[k]);
+        if (to_meet <= to_drop) {
+          static_cast<void>(row_of(p));
+          append(p);
+          refused_.assign(refused_.size(), false);
+          break;
+        }
+        drop(drops);
       }
-      active_ = active_before;
-      multipliers_ = multipliers_before;
-      refused_[static_cast<std::size_t>(i)] = true;
     }
-    // One that could not be added is met but for the rounding of the others, or it contradicts them.
-    const Eigen::VectorXd after = gram_ * multipliers_ + rates_;
-    return (after.array() >= -kContradiction * rounding().array()).all();
+    set_multipliers();
+    for (const std::uint32_t i : active_) multiplier_[i] = std::max(multiplier_[i], 0.0);
+    set_slacks();
+    for (std::uint32_t i = 0; i < slack_.size(); ++i) {
+      if (slack_[i] < -kContradiction * rounding(i)) return false;
+    }
+    return true;
   }
 
-  [[nodiscard]] double multiplier(Eigen::Index i) const { return scale_[i] * multipliers_[i]; }
+  [[nodiscard]] double multiplier(std::uint32_t i) const { return scale_[i] * multiplier_[i]; }
 
  private:
-  [[nodiscard]] double sum() const { return multipliers_.dot(0.5 * (gram_ * multipliers_) + rates_); }
+  static constexpr std::uint32_t kNowhere = std::numeric_limits<std::uint32_t>::max();
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-  // A bound of the rounding of what the multipliers make of the rates.
-  [[nodiscard]] Eigen::VectorXd rounding() const {
-    return (tolerances_.array() + kSumRounding * multipliers_.lpNorm<1>()).matrix();
+  struct Entry {
+    std::uint32_t column;
+    double value;
+  };
+  // A row of the Cholesky factor of what is held, from its first column that is not zero.
+  struct Row {
+    std::uint32_t first;
+    std::vector<double> values;
+    double diagonal;
+  };
+
+  void add_to_gram(std::uint32_t i, std::uint32_t j, double value) {
+    const auto known = std::ranges::find(gram_[i], j, &Entry::column);
+    if (known == gram_[i].end()) {
+      gram_[i].push_back({j, value});
+    } else {
+      known->value += value;
+    }
   }
 
-  // -1: none is.
-  [[nodiscard]] Eigen::Index most_violated() const {
-    const Eigen::VectorXd after = gram_ * multipliers_ + rates_, tolerances = rounding();
-    Eigen::Index worst = -1;
-    for (Eigen::Index i = 0; i < after.size(); ++i) {
-      const bool candidate = !refused_[static_cast<std::size_t>(i)] && std::ranges::find(active_, i) == active_.end();
-      if (!candidate || after[i] >= -tolerances[i] || (worst >= 0 && after[i] >= after[worst])) continue;
-      worst = i;
+  // A bound of the rounding of a slack.
+  [[nodiscard]] double rounding(std::uint32_t i) const { return tolerance_[i] + kSumRounding * pushed_; }
+
+  [[nodiscard]] std::uint32_t most_violated() const {
+    std::uint32_t worst = kNowhere;
+    for (std::uint32_t i = 0; i < slack_.size(); ++i) {
+      if (refused_[i] || place_[i] != kNowhere || slack_[i] >= -rounding(i)) continue;
+      if (worst == kNowhere || slack_[i] < slack_[worst]) worst = i;
     }
     return worst;
   }
 
-  // Goes to the least sum of the active constraints, and drops those that would pull. False where the constraint that
-  // was added last would have to be dropped itself: it depends on the others, but for rounding.
-  [[nodiscard]] bool descend(Eigen::Index added) {
-    while (!active_.empty()) {
-      const Eigen::MatrixXd gram = gram_(active_, active_);
-      const Eigen::VectorXd target = gram.completeOrthogonalDecomposition().solve(-rates_(active_));
-      double step = 1.0;
-      for (Eigen::Index k = 0; k < target.size(); ++k) {
-        const double now = multipliers_[active_[static_cast<std::size_t>(k)]];
-        if (target[k] <= 0.0) step = std::min(step, now / (now - target[k]));
-      }
-      if (!(target.array() <= 0.0).any()) {
-        multipliers_(active_) = target;
-        const Eigen::VectorXd left = gram * target + rates_(active_), tolerances = rounding();
-        return (left.array().abs() <= tolerances(active_).array()).all();
-      }
-      if (!std::isfinite(step)) return false;  // the new constraint has no multiplier yet, and would get none
-      for (Eigen::Index k = 0; k < target.size(); ++k) {
-        double& multiplier = multipliers_[active_[static_cast<std::size_t>(k)]];
-        multiplier += step * (target[k] - multiplier);
-        if (target[k] <= 0.0 && multiplier <= kSumRounding * std::abs(target[k])) multiplier = 0.0;
-      }
-      const std::size_t before = active_.size();
-      std::erase_if(active_, [&](Eigen::Index i) { return multipliers_[i] <= 0.0; });
-      if (active_.size() == before || std::ranges::find(active_, added) == active_.end()) return false;
+  // Sets row_ to the row that i would have in the factor. Returns its diagonal's square: the part of i that is
+  // independent of what is held.
+  double row_of(std::uint32_t i) {
+    const auto size = static_cast<std::uint32_t>(active_.size());
+    row_.first = size;
+    double square = 0.0;
+    for (const Entry& e : gram_[i]) {
+      if (e.column == i) square = e.value;
+      if (place_[e.column] != kNowhere) row_.first = std::min(row_.first, place_[e.column]);
     }
-    return false;
+    row_.values.assign(size - row_.first, 0.0);
+    for (const Entry& e : gram_[i]) {
+      if (place_[e.column] != kNowhere) row_.values[place_[e.column] - row_.first] = e.value;
+    }
+    for (std::uint32_t j = row_.first; j < size; ++j) {
+      const Row& other = rows_[j];
+      double value = row_.values[j - row_.first];
+      for (std::uint32_t k = std::max(row_.first, other.first); k < j; ++k) {
+        value -= row_.values[k - row_.first] * other.values[k - other.first];
+      }
+      value /= other.diagonal;
+      row_.values[j - row_.first] = value;
+      square -= value * value;
+    }
+    row_.diagonal = square > 0.0 ? std::sqrt(square) : 0.0;
+    return square;
   }
 
-  Eigen::VectorXd scale_;
-  Eigen::MatrixXd gram_;
-  Eigen::VectorXd rates_, tolerances_, multipliers_;
-  std::vector<bool> refused_;  // those that could not be added to the present set
-  std::vector<Eigen::Index> active_;
+  void append(std::uint32_t i) {
+    place_[i] = static_cast<std::uint32_t>(active_.size());
+    active_.push_back(i);
+    rows_.push_back(row_);
+  }
+
+  void drop(std::uint32_t place) {
+    const std::vector<std::uint32_t> later(active_.begin() + place + 1, active_.end());
+    change_multiplier(active_[place], -multiplier_[active_[place]]);
+    for (std::size_t k = place; k < active_.size(); ++k) place_[active_[k]] = kNowhere;
+    active_.resize(place);
+    rows_.resize(place);
+    for (const std::uint32_t i : later) {
+      if (row_of(i) > 0.0) {
+        append(i);
+      } else {
+        change_multiplier(i, -multiplier_[i]);
+      }
+    }
+  }
+
+  // Solves L' x = row_.
+  [[nodiscard]] std::vector<double> back_substituted() const {
+    std::vector<double> x(active_.size(), 0.0);
+    std::ranges::copy(row_.values, x.begin() + row_.first);
+    substitute_back(x);
+    return x;
+  }
+  void substitute_back(std::vector<double>& x) const {
+    for (std::size_t i = x.size(); i-- > 0;) {
+      const Row& row = rows_[i];
+      x[i] /= row.diagonal;
+      for (std::size_t k = 0; k < row.values.size(); ++k) x[row.first + k] -= row.values[k] * x[i];
+    }
+  }
+  // Solves L L' x = x.
+  void substitute(std::vector<double>& x) const {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const Row& row = rows_[i];
+      for (std::size_t k = 0; k < row.values.size(); ++k) x[i] -= row.values[k] * x[row.first + k];
+      x[i] /= row.diagonal;
+    }
+    substitute_back(x);
+  }
+
+  void change_multiplier(std::uint32_t i, double by) {
+    pushed_ += std::abs(multiplier_[i] + by) - std::abs(multiplier_[i]);
+    multiplier_[i] += by;
+    for (const Entry& e : gram_[i]) slack_[e.column] += e.value * by;
+  }
+
+  // What is held exactly: the slacks of the active constraints become zero, to the last bits.
+  void set_multipliers() {
+    for (const std::uint32_t i : active_) multiplier_[i] = 0.0;
+    for (int pass = 0; pass < 2; ++pass) {  // the second one mends the rounding of the first
+      std::vector<double> x;
+      for (const std::uint32_t i : active_) {
+        double slack = first_slack_[i];
+        for (const Entry& e : gram_[i]) slack += e.value * multiplier_[e.column];
+        x.push_back(-slack);
+      }
+      substitute(x);
+      for (std::size_t k = 0; k < active_.size(); ++k) multiplier_[active_[k]] += x[k];
+    }
+  }
+  void set_slacks() {
+    pushed_ = 0.0;
+    for (std::uint32_t i = 0; i < slack_.size(); ++i) {
+      slack_[i] = first_slack_[i];
+      for (const Entry& e : gram_[i]) slack_[i] += e.value * multiplier_[e.column];
+      pushed_ += multiplier_[i];
+    }
+  }
+
+  double independent_;
+  std::vector<double> scale_;
+  std::vector<std::vector<Entry>> gram_;
+  std::vector<double> first_slack_, slack_, tolerance_, multiplier_;
+  double pushed_ = 0.0;  // the sum of all multipliers
+  std::vector<std::uint32_t> active_, place_;
+  std::vector<Row> rows_;
+  Row row_;
+  std::vector<bool> refused_;  // those that depend on what is held
 };
 
 // The part of the constraint in what `body` changes by: the inverse mass along the normal, with the sign of the side.
 Vec3 pull(const OneSided& c, std::uint32_t body, std::span<const ConstrainedBody> bodies) {
-  if (body != c.a && body != c.b) return Vec3::Zero();
   return (body == c.a ? bodies[body].inverse_mass : -bodies[body].inverse_mass) * c.normal;
 }
 
-}  // namespace
-
-bool change_least(std::span<ConstrainedBody> bodies, std::span<const OneSided> constraints) {
-  const auto count = static_cast<Eigen::Index>(constraints.size());
-  Eigen::MatrixXd gram(count, count);
-  Eigen::VectorXd rates(count), tolerances(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const OneSided& c = constraints[static_cast<std::size_t>(i)];
-    assert(c.a != c.b && c.a < bodies.size() && c.b < bodies.size() && std::abs(c.normal.norm() - 1.0) < 1e-9);
-    const Vec3 &a = bodies[c.a].value, &b = bodies[c.b].value;
-    rates[i] = c.normal.dot(a - b);
-    tolerances[i] = kSumRounding * (a.norm() + b.norm());
-    for (Eigen::Index j = 0; j < count; ++j) {
-      const OneSided& other = constraints[static_cast<std::size_t>(j)];
-      gram(i, j) = c.normal.dot(pull(other, c.a, bodies) - pull(other, c.b, bodies));
-    }
-  }
-  if ((rates.array() >= -tolerances.array()).all()) return true;
-  ActiveSet set(gram, rates, tolerances);
-  if (!set.solve()) return false;
+void change(std::span<ConstrainedBody> bodies, std::span<const OneSided> constraints,
+            std::span<const double> multipliers) {
   std::vector<bool> changed(bodies.size(), false);
   double largest = 0.0;  // of all that went into the sums: what the others are given depends on each of them
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const OneSided& c = constraints[static_cast<std::size_t>(i)];
-    const double multiplier = set.multiplier(i);
-    if (multiplier == 0.0) continue;
+  for (std::size_t i = 0; i < constraints.size(); ++i) {
+    const OneSided& c = constraints[i];
+    if (multipliers[i] == 0.0) continue;
     for (const std::uint32_t body : {c.a, c.b}) {
-      const Vec3 change = multiplier * pull(c, body, bodies);
+      const Vec3 change = multipliers[i] * pull(c, body, bodies);
       Vec3& value = bodies[body].value;
       largest = std::max({largest, value.cwiseAbs().maxCoeff(), change.cwiseAbs().maxCoeff()});
       value += change;
@@ -153,7 +318,39 @@ bool change_least(std::span<ConstrainedBody> bodies, std::span<const OneSided> c
       if (std::abs(x) <= kSumRounding * largest) x = 0.0;
     }
   }
+}
+
+// Whether the values meet all constraints, and those that push exactly: the mark of the least change.
+bool are_least(std::span<const ConstrainedBody> bodies, std::span<const OneSided> constraints,
+               std::span<const double> multipliers, double rounding) {
+  for (std::size_t i = 0; i < constraints.size(); ++i) {
+    const OneSided& c = constraints[i];
+    const double rate = c.normal.dot(bodies[c.a].value - bodies[c.b].value);
+    if (rate < -rounding || (multipliers[i] > 0.0 && rate > rounding)) return false;
+  }
   return true;
+}
+
+}  // namespace
+
+std::optional<std::vector<double>> change_least(std::span<ConstrainedBody> bodies,
+                                                std::span<const OneSided> constraints) {
+  double largest = 0.0;
+  for (const ConstrainedBody& body : bodies) largest = std::max(largest, body.value.norm());
+  std::vector<double> multipliers(constraints.size(), 0.0);
+  for (const double independent : kIndependent) {
+    ActiveSet set(bodies, constraints, independent);
+    if (set.is_met()) return multipliers;
+    if (constraints.size() > kFew) set.begin_with_a_guess();
+    if (!set.solve()) continue;
+    for (std::uint32_t i = 0; i < constraints.size(); ++i) multipliers[i] = set.multiplier(i);
+    std::vector<ConstrainedBody> changed(bodies.begin(), bodies.end());
+    change(changed, constraints, multipliers);
+    if (!are_least(changed, constraints, multipliers, kSolverRounding * largest)) continue;
+    std::ranges::copy(changed, bodies.begin());
+    return multipliers;
+  }
+  return std::nullopt;
 }
 
 }  // namespace peerd

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,16 +19,23 @@ struct OneSided {
   Vec3 normal;
 };
 
+// What a solution may leave of an approach, in parts of the largest value: rounding.
+inline constexpr double kSolverRounding = 0x1p-38;
+
 // Changes the values by as little as the constraints ask: by the least sum of mass * change^2. For accelerations this
 // is Gauss's principle of least constraint; for velocities it is Moreau's inelastic impact, which never raises the
 // kinetic energy as seen from the bodies that do not give way (J. J. Moreau, "Unilateral contact and dry friction in
-// finite freedom dynamics", 1988). The method is the active set of Lawson and Hanson ("Solving Least Squares Problems",
-// 1974, chapter 23): it ends, as each of its sets has a lower sum than the one before. A component below the rounding
-// of the values that went in becomes zero, so that what rests has no speed at all.
+// finite freedom dynamics", 1988). The method is the dual one of Goldfarb and Idnani ("A numerically stable dual
+// method for solving strictly convex quadratic programs", 1983): it ends, as the sum of each of its sets is greater
+// than that of the one before. A component below the rounding of the values that went in becomes zero, so that what
+// rests has no speed at all.
 //
-// False, and the values are as they were, where no values satisfy all constraints (between bodies that do not give way
+// Returns the multiplier of each constraint, >= 0: the impulse [Ns], or the force [N], by which it holds the two apart.
+//
+// None, and the values are as they were, where no values satisfy all constraints (between bodies that do not give way
 // and come together there is no room), or rounding hides the ones that do: of random sets at masses of 1 to 10^5, one
-// in a thousand.
-[[nodiscard]] bool change_least(std::span<ConstrainedBody> bodies, std::span<const OneSided> constraints);
+// in a thousand of a dozen constraints, and one in twenty of fifty to a hundred.
+[[nodiscard]] std::optional<std::vector<double>> change_least(std::span<ConstrainedBody> bodies,
+                                                              std::span<const OneSided> constraints);
 
 }  // namespace peerd

@@ -19,8 +19,11 @@ struct Contact {
   ContactState state = ContactState::kSeparated;
   double time_s = 0.0;               // in [0, horizon], seconds after both base states
   Vec3 normal_world = Vec3::Zero();  // unit normal of the collidee's polygon, facing the collider
-  bool resting = false;              // they touch at 0 with no speed towards each other, and only the acceleration
-                                     // presses: reflecting the velocity can't end this contact
+  // The unit normal of the plane that lies between the two where they touch, facing the collider. It differs from
+  // normal_world where the collidee meets the collider with a corner or an edge: its polygons there face elsewhere.
+  Vec3 direction_world = Vec3::Zero();
+  bool resting = false;     // they touch at 0 with no speed towards each other, and only the acceleration
+                            // presses: reflecting the velocity can't end this contact
   ObjectId collidee_shape;  // the Shape whose polygon the normal is of; for kBox the collidee itself, and polygon 0
   std::uint32_t collidee_polygon = 0;
   std::uint32_t iterations = 0;  // steps of conservative advancement; 0 where the closed form answered

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "collision/contact/box_contact.hpp"
 #include "collision/contact/convex_contact.hpp"
@@ -81,6 +82,11 @@ bool is_within_piece(const MovingBody& inner, const MovingBody& outer) {
   });
 }
 
+// Whether each of the two is one convex piece, and no Sphere.
+bool are_two_pieces(const Body& a, const Body& b) {
+  return both_convex(a, b) && a.pieces.size() == 1 && b.pieces.size() == 1 && !a.sphere && !b.sphere;
+}
+
 bool boxes_within(const MovingBody& a, const MovingBody& b, double distance_m) {
   assert(distance_m >= 0.0);
   const WorldBox of_a = tight_box(a), of_b = tight_box(b);
@@ -113,6 +119,22 @@ class Query {
   [[nodiscard]] Contact boxes() const {
     return pair({a_.body.vertices(), nullptr, a_.body.object}, {b_.body.vertices(), nullptr, b_.body.object},
                 horizon_s_);
+  }
+
+  // Of the first pieces: the widest gap along a direction that can part them.
+  [[nodiscard]] double widest_gap_m() const {
+    const ConvexPiece &piece_a = a_.body.pieces.front(), &piece_b = b_.body.pieces.front();
+    const Vec3 p = a_.motion.position - b_.motion.position;
+    double widest = -std::numeric_limits<double>::infinity();
+    const Solid solid_a{piece_a.vertices, &piece_a, piece_a.shape}, solid_b{piece_b.vertices, &piece_b, piece_b.shape};
+    for_each_axis(solid_a, R_a_, solid_b, R_b_, [&](const Vec3& n, AxisKind) {
+      const Extent a = extent_along(rotate_back(R_a_, n), piece_a.vertices);
+      const Extent b = extent_along(rotate_back(R_b_, n), piece_b.vertices);
+      const double along = dot(n, p);
+      widest = std::max({widest, along - (b.high - a.low), (b.low - a.high) - along});
+      return true;
+    });
+    return widest;
   }
 
   [[nodiscard]] Contact pieces() const {
@@ -153,6 +175,7 @@ bool touching(const MovingBody& a, const MovingBody& b, CollisionType type, cons
   if (options.as == MeetAs::kPolygons) return has_exact_answer(a.body, b.body) && surfaces_within(a, b, near_m);
   const ContactState now = first_contact(a, b, type, 0.0, options).state;
   if (now == ContactState::kContact || now == ContactState::kOverlapped) return true;
+  if (are_two_pieces(a.body, b.body) && Query(a, b, 0.0).widest_gap_m() <= 0.5 * near_m) return true;
   if (meet_as_spheres(a, b)) return spheres_within(a, b, near_m, options.as);
   if (meet_as_sphere_and_surface(a, b)) return sphere_within_surface(a, b, near_m, options.as);
   return has_exact_answer(a.body, b.body) && surfaces_within(a, b, near_m);

@@ -23,6 +23,9 @@ void set_polygon(Contact& contact, const Surface& collidee, std::uint32_t polygo
   contact.collidee_polygon = polygon.polygon;
 }
 
+// The direction between two places that are a micrometre apart is known to less than this (a cosine): one that is the
+// normal of a polygon but for that is the normal.
+constexpr double kSameDirection = 1.0 - 0x1p-24;
 // Triangles nearer than this part of their coordinates do not tell on which side of each other they are.
 constexpr double kRoundingOfSide = 0x1p-40;
 
@@ -79,7 +82,13 @@ bool find_approached_polygon(Contact& contact, Surface& collider, const Kinemati
 void set_hit_polygon(Contact& contact, const MovingBody& collider, const MovingBody& collidee, const MeshImpact& impact,
                      double tolerance_m) {
   const KinematicState a = advance(collider.motion, impact.time_s), b = advance(collidee.motion, impact.time_s);
-  if (find_approached_polygon(contact, *collider.body.surface, a, *collidee.body.surface, b, tolerance_m)) return;
+  contact.direction_world = -impact.direction;
+  if (find_approached_polygon(contact, *collider.body.surface, a, *collidee.body.surface, b, tolerance_m)) {
+    if (dot(contact.normal_world, contact.direction_world) > kSameDirection) {
+      contact.direction_world = contact.normal_world;
+    }
+    return;
+  }
   set_polygon(contact, *collidee.body.surface, impact.pair.b);
   contact.normal_world = -impact.direction;
 }
@@ -97,11 +106,11 @@ void set_overlap_polygon(Contact& contact, const MovingBody& collider, const Mov
     const auto first = std::ranges::lower_bound(b.soup().faces, pairs.front().b, {}, &TriangleSoup::Face::polygon);
     const Vec3 corner = collidee.motion.position + rotate(R_b, b.soup().vertices[first->corners[0]]);
     const Vec3 n = rotate(R_b, *normal);
-    contact.normal_world = dot(n, middle - corner) < 0.0 ? Vec3(-n) : n;
+    contact.normal_world = contact.direction_world = dot(n, middle - corner) < 0.0 ? Vec3(-n) : n;
     return;
   }
   const Vec3 apart = middle - other_middle;  // a polygon without an area faces nowhere
-  contact.normal_world = length(apart) > 0.0 ? unit(apart) : Vec3::UnitY();
+  contact.normal_world = contact.direction_world = length(apart) > 0.0 ? unit(apart) : Vec3::UnitY();
 }
 
 }  // namespace

@@ -235,7 +235,7 @@ Contact rotational_contact(const PairQuery& query, double radius_sum_m) {
     contact.time_s = t;
     contact.resting = !overlapped && t == 0.0 && touch.closing_rate >= -(e.speed_m_s + kRounding * turning.speed);
     set_contact_polygon(contact, query.collidee, now.R_b, n, approach_velocity(query, now, n), e.gap_m);
-    if (overlapped) contact.normal_world = n;
+    if (overlapped) contact.normal_world = contact.direction_world = n;
     return contact;
   }
   contact.state = ContactState::kFailed;

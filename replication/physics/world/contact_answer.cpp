@@ -106,10 +106,19 @@ bool lasts_at(const WorldModel& model, const MovingObjects& objects, const Watch
   const double approach = -n.dot(answer.before_a.state.velocity - answer.before_b.state.velocity);
   const double acceleration = n.dot(objects.free_acceleration_of(pair.collider, *pair.contact) -
                                     objects.free_acceleration_of(pair.collidee, *pair.contact));
-  return comes_to_rest(std::max(approach, 0.0), acceleration) && comes_to_rest_at(objects, pair, answer);
+  return comes_to_rest(std::max(approach, 0.0), acceleration) && comes_to_rest_at(model, objects, pair, answer);
 }
 
-bool comes_to_rest_at(const MovingObjects& objects, const WatchedPair& pair, const ContactAnswer& answer) {
+bool is_answered_by_impulse(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair,
+                            const ContactAnswer& answer) {
+  const auto by_impulse = [&](std::uint32_t object) {
+    return model.response_of(objects[object].id)->type == ResponseType::kImpulse;
+  };
+  return (!answer.a_responds || by_impulse(pair.collider)) && (!answer.b_responds || by_impulse(pair.collidee));
+}
+
+bool comes_to_rest_at(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair,
+                      const ContactAnswer& answer) {
   assert(pair.contact);
   const Vec3& n = pair.normal;
   if (pair.resting) return true;
@@ -119,8 +128,10 @@ bool comes_to_rest_at(const MovingObjects& objects, const WatchedPair& pair, con
   };
   const double speed = n.dot(answer.after_a.state.velocity - answer.after_b.state.velocity);
   const double acceleration = n.dot(free(pair.collider, answer.after_a) - free(pair.collidee, answer.after_b));
-  const double came = (answer.before_a.state.velocity - answer.before_b.state.velocity).norm();
-  return speed >= -kRounding * came && comes_to_rest(std::max(speed, 0.0), acceleration);
+  const double came = answer.before_a.state.velocity.norm() + answer.before_b.state.velocity.norm();
+  if (speed < -kRounding * came) return false;
+  if (comes_to_rest(std::max(speed, 0.0), acceleration)) return true;
+  return speed <= kRounding * came && is_answered_by_impulse(model, objects, pair, answer);
 }
 
 }  // namespace peerd::replication

@@ -7,6 +7,9 @@ namespace peerd::replication {
 // A bound of the rounding of a speed or an acceleration along a normal, in parts of its size.
 inline constexpr double kRounding = 0x1p-46;
 
+// In a heap, what approaches more slowly than this stays, whatever its restitution [m/s].
+inline constexpr double kRestSpeed_m_s = 0.05;
+
 // The authority in a contact: the outcome that counts.
 enum class ContactAuthority : std::uint8_t {
   kAsPublished,  // this world's, but for an object with an update of a later time, which contains the outcome
@@ -44,6 +47,11 @@ struct ContactAnswer {
 [[nodiscard]] bool lasts_at(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair);
 
 // Whether the two would part for no more than kShortestFlight_s.
-[[nodiscard]] bool comes_to_rest_at(const MovingObjects& objects, const WatchedPair& pair, const ContactAnswer& answer);
+[[nodiscard]] bool comes_to_rest_at(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair,
+                                    const ContactAnswer& answer);
+
+// Whether all that respond do so by IMPULSE.
+[[nodiscard]] bool is_answered_by_impulse(const WorldModel& model, const MovingObjects& objects,
+                                          const WatchedPair& pair, const ContactAnswer& answer);
 
 }  // namespace peerd::replication

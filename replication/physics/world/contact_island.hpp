@@ -18,6 +18,8 @@ struct ContactIsland {
   std::vector<ConstrainedBody> bodies;
   std::vector<OneSided> constraints;
   std::vector<std::uint32_t> pairs;  // of each constraint
+  // Of each constraint, once it is solved: by how much it keeps the values of its two bodies apart, along its normal.
+  std::vector<double> holds;
 };
 enum class Touching : std::uint8_t { kBearing, kAny };  // the pairs that bear, or all of the burst
 enum class Quantity : std::uint8_t { kVelocity, kAcceleration };
@@ -26,6 +28,34 @@ enum class Quantity : std::uint8_t { kVelocity, kAcceleration };
 [[nodiscard]] ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
                                       std::span<const std::uint32_t> around, SimTime t, Touching which,
                                       Quantity quantity);
+
+// What the velocities of an island do to its constraints, once its accelerations are solved; indices of constraints.
+struct IslandParting {
+  std::vector<std::uint32_t> released;  // that part for good
+  std::vector<std::uint32_t> pressed;   // that part no more than the forces bring back within kShortestFlight_s
+  bool pressed_part = false;            // some of the pressed ones part
+};
+// `rounding`: a speed that is nothing but rounding [m/s].
+[[nodiscard]] IslandParting parting_of(const ContactIsland& island, const MovingObjects& objects,
+                                       const WatchedPairs& pairs, SimTime t, double rounding);
+
+// Makes constraints of the island, which is of velocities, hold both ways: those that are the same as the given ones of
+// another island.
+void hold_together(ContactIsland& velocities, const ContactIsland& accelerations, std::span<const std::uint32_t> given);
+
+// Notes at the pairs of the island by which laws they are solved at t.
+void note_solved(const ContactIsland& island, const MovingObjects& objects, WatchedPairs& pairs, SimTime t);
+
+// Whether an end of the pair that gives way at t bears, or is borne by, anything else.
+[[nodiscard]] bool bears_another(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
+                                 const WatchedPair& pair, SimTime t);
+
+// Whether one of the two gives way and the other stands: a wall, for all that this contact knows.
+[[nodiscard]] bool stands_firm(const MovingObjects& objects, const WatchedPair& pair, SimTime t);
+
+// Whether the two meet far too often, and nothing that they met within the burst gives way.
+[[nodiscard]] bool is_trapped(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
+                              const WatchedPair& pair, SimTime t);
 
 // Whether a body of the island, which is of velocities, moves and gives way to nothing.
 [[nodiscard]] bool is_driven(const ContactIsland& island);

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <tuple>
+#include <unordered_set>
 #include <utility>
 
 #include "collision/contact/contact_time.hpp"
@@ -13,20 +14,11 @@
 namespace peerd::replication {
 namespace {
 
-// Contacts as near as this are of one instant: contact times are rounded down to a nanosecond.
-constexpr Duration kInstant = std::chrono::nanoseconds(2);
 // After so many contacts of a pair in turn all that touch are answered at once; after as many of those again the two
 // stop, and after as many again no answer is sought.
 constexpr std::uint32_t kAnswersMax = 32, kGivenUp = 2 * kAnswersMax;
-// A body is trapped where the contacts of a burst are closer than this in the mean and nothing that it meets gives way:
-// in a gap of 0.1 um it would bounce a million times a second.
-constexpr Duration kTrappedMean = std::chrono::microseconds(100);
 // A bound on the work of one advance(): after so many contacts what meets anything stops.
 constexpr std::size_t kContactsMax = std::size_t{1} << 17;
-// Normals of one pair at one instant that are told apart; more than the faces that meet in any corner of a box.
-constexpr std::size_t kNormalsMax = 8;
-// Normals with a cosine above this are of one face but for rounding.
-constexpr double kSameNormal = 1.0 - 0x1p-40;
 // A caller that asks for all objects does so in order: a piece is fetched so far ahead, and the law where it is
 // needed.
 constexpr std::size_t kPieceAhead = 8, kLawAhead = 4;
@@ -117,7 +109,7 @@ void MotionWorld::replace_model(const WorldModel& next, SimTime t, ChangeObjects
 void MotionWorld::change_model(const WorldModel& next) {
   replace_model(next, advanced_, [&] { objects_.change_model(next, advanced_); });
   for (const std::uint32_t i : objects_.asked_for()) {  // what bore an object may be another part now
-    if (objects_[i].borne) unsettled_.push_back({i, i});
+    if (objects_[i].borne) settling_.objects.push_back({i, i});
   }
   settle(advanced_);
 }
@@ -146,7 +138,7 @@ std::vector<MovingObjects::Placed> MotionWorld::change_scene(const WorldModel& n
   for (const auto& [object, law] : placed) set_base(object, t, law);
   for (const ObjectId id : answer_otherwise) reopen_pairs(objects_.index_of(id), t, true);
   for (const std::uint32_t i : objects_.asked_for()) {  // what bore an object may be gone
-    if (objects_[i].borne) unsettled_.push_back({i, i});
+    if (objects_[i].borne) settling_.objects.push_back({i, i});
   }
   settle(std::max(t, advanced_));
   return placed;
@@ -315,7 +307,7 @@ void MotionWorld::lay_base(std::size_t index, const Base& given) {
   } else if (stays && std::ranges::any_of(far_.near(index), [&](std::uint32_t i) {
                return pairs_.contains(i) && pairs_[i].bears_at(t);
              })) {
-    unsettled_.push_back({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index)});
+    settling_.objects.push_back({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index)});
     settle(t);
   }
 }
@@ -354,8 +346,8 @@ void MotionWorld::begin_rest(std::size_t index, SimTime t, const Rest& rest) {
     const bool is_collider = pair->collider == index;
     if ((is_collider ? pair->collidee : pair->collider) != partner || !search().touch_at(*pair, t)) continue;
     remember_course(i, t);
-    note_touch(*pair, t);
-    pair->normals.assign(1, is_collider ? rest.normal : Vec3(-rest.normal));
+    pair->normal = is_collider ? rest.normal : Vec3(-rest.normal);
+    pair->note_touch(t, true);
     pair->contact.reset();
     pair->lifts = pair->inside = false;
     set_bearing(*pair, t, true);
@@ -539,6 +531,7 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
       pair.contact.reset();
       pair.lifts = false;
     }
+    if (pair.solved >= t) pair.solved = SimTime::min();
     pair.forget_free_since(from);
     if (from < pair.clear_until) unstop(i);
     pair.clear_until = std::min(pair.clear_until, from);
@@ -586,7 +579,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
     lift(pair, t);
     return;
   }
-  note_touch(pair, t);
+  pair.note_touch(t, search().is_parted_by(pair, pair.normal, t));
   const ObjectId collider = objects_[pair.collider].id, collidee = objects_[pair.collidee].id;
   const ContactAuthority authority =
       authority_of_ ? authority_of_(collider, collidee, t) : ContactAuthority::kAsPublished;
@@ -597,7 +590,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
   pair.both_changed = !moves_alike(answer.before_a.state, answer.after_a.state) &&
                       !moves_alike(answer.before_b.state, answer.after_b.state);
   const std::size_t a = pair.collider, b = pair.collidee;
-  if (pair.squeezed >= kGivenUp && stands_firm(pair, t)) {
+  if (pair.squeezed >= kGivenUp && stands_firm(objects_, pair, t)) {
     hold_against_wall(pair, t);
     return;
   }
@@ -611,14 +604,17 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
   }
   if (is_squeezed(pair, t)) {
     answer_squeezed(pair, t);
-  } else if (comes_to_rest_at(objects_, pair, answer)) {
+  } else if (comes_to_rest_at(*model_, objects_, pair, answer)) {
     come_to_rest(pair, t);
+  } else if (!pair.overlapped && is_answered_by_impulse(*model_, objects_, pair, answer) &&
+             bears_another(*model_, objects_, pairs_, pair, t)) {
+    answer_in_heap(pair, t, answer);
   } else {
     if (!pair.overlapped && !answer.changes_motion()) answer = answer_to_closing(*model_, objects_, pair, answer);
     if (answer.a_responds) change_motion(a, t, answer.after_a, objects_[b].id);
     if (answer.b_responds) change_motion(b, t, answer.after_b, objects_[a].id);
   }
-  remove_gain(pair, t, answer);
+  if (!pair.bears_at(t)) remove_gain(pair, t, answer);
   settle(t);
   pair.contact.reset();
   answer.after_a = objects_.world_law(a, t);
@@ -698,27 +694,8 @@ void MotionWorld::change_motion(std::size_t index, SimTime t, const MotionModel&
   o.base_time = std::min(o.base_time, t);
   objects_.timeline_changed(index);
   reopen_pairs(index, t, false);
-  unsettled_.push_back({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(objects_.index_of(cause))});
-}
-
-void MotionWorld::note_touch(WatchedPair& pair, SimTime t) {
-  if (!met_lately(pair.touched, t, kInstant)) pair.at_once = 0;
-  if (!met_lately(pair.touched, t, kShortestFlight)) {
-    pair.in_burst = pair.squeezed = 0;
-    pair.burst_from = t;
-    if (!pair.bears) pair.normals.clear();
-  }
-  pair.touched = t;
-  ++pair.at_once;
-  ++pair.in_burst;
-  const auto same = std::ranges::find_if(pair.normals, [&](const Vec3& n) { return n.dot(pair.normal) > kSameNormal; });
-  if (same != pair.normals.end()) {
-    *same = pair.normal;
-  } else if (pair.normals.size() < kNormalsMax) {
-    pair.normals.push_back(pair.normal);
-  } else {
-    pair.normals.front() = pair.normal;
-  }
+  settling_.objects.push_back(
+      {static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(objects_.index_of(cause))});
 }
 
 // ---- what bears what ----
@@ -731,24 +708,15 @@ void MotionWorld::come_to_rest(WatchedPair& pair, SimTime t) {
   const std::size_t a = pair.collider, b = pair.collidee;
   if (objects_[a].will_respond(pair.collider_responds, t)) end_rolling(a, t, pair.normal, b);
   if (objects_[b].will_respond(pair.collidee_responds, t)) end_rolling(b, t, pair.normal, a);
-  const MotionModel law_a = objects_.world_law(a, t), law_b = objects_.world_law(b, t);
-  // Two that part too slowly to come apart would be lifted off for good without the acceleration that presses them.
-  // Where a body rolls, the speed of its centre is not that of the contact.
-  const double speed = pair.normal.dot(law_a.state.velocity - law_b.state.velocity);
-  const bool rolls = rolling_off(objects_.body(a), law_a.state, pair.normal) ||
-                     rolling_off(objects_.body(b), law_b.state, pair.normal);
-  const bool driven = (!gives_way(a, pair.collider_responds, t) && !is_motionless(law_a.state)) ||
-                      (!gives_way(b, pair.collidee_responds, t) && !is_motionless(law_b.state));
-  if (speed > 0.0 && !rolls && !driven) {  // to keep up with what moves away would take energy
-    const auto gives = [&](std::size_t object, bool registered) {
-      const CollisionResponse* const response = model_->response_of(objects_[object].id);
-      return objects_[object].will_respond(registered, t) ? 1.0 / response->mass_kg : 0.0;
-    };
-    const double of_a = gives(a, pair.collider_responds), of_b = gives(b, pair.collidee_responds);
-    if (of_a > 0.0) change_velocity(a, t, law_a.state.velocity - (speed * of_a / (of_a + of_b)) * pair.normal, b);
-    if (of_b > 0.0) change_velocity(b, t, law_b.state.velocity + (speed * of_b / (of_a + of_b)) * pair.normal, a);
-  }
   settle_velocities(pair, t, Touching::kBearing);
+}
+
+void MotionWorld::answer_in_heap(WatchedPair& pair, SimTime t, const ContactAnswer& answer) {
+  const double came = -pair.normal.dot(answer.before_a.state.velocity - answer.before_b.state.velocity);
+  const double parts = pair.normal.dot(answer.after_a.state.velocity - answer.after_b.state.velocity);
+  if (came <= kRestSpeed_m_s) return come_to_rest(pair, t);
+  set_bearing(pair, t, true);
+  settle_velocities(pair, t, Touching::kBearing, std::clamp(parts / came, 0.0, 1.0));
 }
 
 void MotionWorld::end_rolling(std::size_t index, SimTime t, const Vec3& normal, std::size_t cause) {
@@ -770,11 +738,24 @@ void MotionWorld::change_velocity(std::size_t index, SimTime t, const Vec3& velo
   change_motion(index, t, impulse ? law_after(response, law, after) : MotionModel(after), objects_[cause].id);
 }
 
-void MotionWorld::settle_velocities(WatchedPair& pair, SimTime t, Touching which) {
-  const std::size_t a = pair.collider, b = pair.collidee;
-  ContactIsland island =
-      island_of(*model_, objects_, pairs_, std::array{pair.collider, pair.collidee}, t, which, Quantity::kVelocity);
+void MotionWorld::settle_velocities(WatchedPair& pair, SimTime t, Touching which, double restitution) {
+  const std::array around{pair.collider, pair.collidee};
+  ContactIsland island = island_of(*model_, objects_, pairs_, around, t, which, Quantity::kVelocity);
+  for (std::size_t i = 0; i < island.objects.size(); ++i) {
+    if (island.reached_from[i] == kNone)
+      island.reached_from[i] = island.objects[i] == around[0] ? around[1] : around[0];
+  }
+  give_velocities(std::move(island), t, restitution);
+}
+
+void MotionWorld::give_velocities(ContactIsland island, SimTime t, double restitution) {
+  for (std::size_t i = 0; i < island.objects.size(); ++i)
+    settling_.fastest = std::max(settling_.fastest, island.bodies[i].value.norm());
+  const std::vector<ConstrainedBody> before = island.bodies;
   const std::vector<std::uint32_t> through = solve(island);
+  for (std::size_t i = 0; i < before.size(); ++i) {  // Newton's law for all that are struck at once
+    island.bodies[i].value += restitution * (island.bodies[i].value - before[i].value);
+  }
   for (const std::uint32_t i : through) {
     remember_course(i, t);
     set_bearing(pairs_[i], t, false);
@@ -787,7 +768,18 @@ void MotionWorld::settle_velocities(WatchedPair& pair, SimTime t, Touching which
     const double came = objects_.world_law(index, t).state.velocity.norm();
     const double flight = kShortestFlight_s * objects_.free_acceleration_of(index, t).norm();
     if (velocity.norm() <= kRounding * (came + flight)) velocity.setZero();  // nothing of it is left but rounding
-    change_velocity(index, t, velocity, index == a ? b : a);
+    const Vec3& had = objects_.world_law(index, t).state.velocity;
+    if (!velocity.isZero(0.0) && (velocity - had).norm() <= kRounding * settling_.fastest)
+      continue;  // nothing but rounding
+    const auto touches = [&](const OneSided& c) { return c.a == i || c.b == i; };
+    std::uint32_t cause = island.reached_from[i];
+    if (cause == kNone) {
+      const auto c = std::ranges::find_if(island.constraints, touches);
+      if (c == island.constraints.end()) continue;
+      const WatchedPair& pair = pairs_[island.pairs[static_cast<std::size_t>(c - island.constraints.begin())]];
+      cause = pair.collider == index ? pair.collidee : pair.collider;
+    }
+    change_velocity(index, t, velocity, cause);
   }
   for (const std::uint32_t i : through) let_through(i, t);
 }
@@ -810,17 +802,7 @@ bool MotionWorld::is_squeezed(const WatchedPair& pair, SimTime t) const {
   if (pair.in_burst <= kAnswersMax) return false;
   const std::array around = {pair.collider, pair.collidee};
   return is_driven(island_of(*model_, objects_, pairs_, around, t, Touching::kAny, Quantity::kVelocity)) ||
-         is_trapped(pair, t);
-}
-
-bool MotionWorld::is_trapped(const WatchedPair& pair, SimTime t) const {
-  if (t - pair.burst_from >= pair.in_burst * kTrappedMean) return false;
-  const auto gives = [&](std::uint32_t i) {
-    return pairs_.contains(i) && pairs_[i].both_changed && met_lately(pairs_[i].touched, t, kShortestFlight);
-  };
-  return std::ranges::none_of(std::array{pair.collider, pair.collidee}, [&](std::uint32_t object) {
-    return objects_[object].is_answering() && std::ranges::any_of(model_->part_pairs_of(object), gives);
-  });
+         is_trapped(*model_, objects_, pairs_, pair, t);
 }
 
 void MotionWorld::answer_squeezed(WatchedPair& pair, SimTime t) {
@@ -849,12 +831,6 @@ void MotionWorld::stop(WatchedPair& pair, SimTime t) {
   set_bearing(pair, t, true);
 }
 
-bool MotionWorld::stands_firm(const WatchedPair& pair, SimTime t) const {
-  const bool a_gives_way = gives_way(pair.collider, pair.collider_responds, t);
-  if (a_gives_way == gives_way(pair.collidee, pair.collidee_responds, t)) return false;
-  return is_motionless(objects_.world_at(a_gives_way ? pair.collidee : pair.collider, t));
-}
-
 void MotionWorld::hold_against_wall(WatchedPair& wall, SimTime t) {
   const std::size_t held = gives_way(wall.collider, wall.collider_responds, t) ? wall.collider : wall.collidee;
   const bool stood = is_motionless(objects_.world_law(held, t).state);
@@ -863,7 +839,7 @@ void MotionWorld::hold_against_wall(WatchedPair& wall, SimTime t) {
     if (!pairs_.contains(i)) continue;
     WatchedPair& pair = pairs_[i];
     if (!pair.is_answered()) continue;  // it presses nothing
-    if (!met_lately(pair.touched, t, kShortestFlight) || stands_firm(pair, t)) continue;
+    if (!met_lately(pair.touched, t, kShortestFlight) || stands_firm(objects_, pair, t)) continue;
     remember_course(i, t);
     set_bearing(pair, t, false);
     pair.lifts = false;
@@ -887,57 +863,71 @@ void MotionWorld::set_bearing(WatchedPair& pair, SimTime t, bool bears) {
   } else if (!std::exchange(pair.bears, false)) {
     return;
   }
-  unsettled_.push_back({pair.collider, pair.collidee});
-  unsettled_.push_back({pair.collidee, pair.collider});
+  settling_.objects.push_back({pair.collider, pair.collidee});
+  settling_.objects.push_back({pair.collidee, pair.collider});
 }
 
-void MotionWorld::release_parting(std::size_t object, SimTime t) {
+void MotionWorld::spread_from(std::size_t object, SimTime t) {
   for (const std::uint32_t i : model_->part_pairs_of(object)) {
     if (!pairs_.contains(i) || !pairs_[i].bears_at(t)) continue;
     WatchedPair& pair = pairs_[i];
-    const Vec3 a = objects_.world_law(pair.collider, t).state.velocity;
-    const Vec3 b = objects_.world_law(pair.collidee, t).state.velocity;
-    const Vec3 free = objects_.free_acceleration_of(pair.collider, t) - objects_.free_acceleration_of(pair.collidee, t);
-    const auto parts = [&](const Vec3& n) {
-      const double speed = n.dot(a - b);
-      return speed > kRounding * (a.norm() + b.norm()) && !comes_to_rest(speed, n.dot(free));
-    };
-    const bool releases = pair.normals.empty() || std::ranges::any_of(pair.normals, parts);
-    if (releases) {
+    if (pair.normals.empty()) {
       remember_course(i, t);
-      std::erase_if(pair.normals, parts);
-      if (pair.normals.empty()) set_bearing(pair, t, false);
+      set_bearing(pair, t, false);
+      continue;
     }
     const bool is_collider = pair.collider == object;
-    const std::uint32_t other = is_collider ? pair.collidee : pair.collider;
     const bool gives = gives_way(object, is_collider ? pair.collider_responds : pair.collidee_responds, t);
-    if (releases || !gives) unsettled_.push_back({other, static_cast<std::uint32_t>(object)});
+    if (!gives)
+      settling_.objects.push_back({is_collider ? pair.collidee : pair.collider, static_cast<std::uint32_t>(object)});
   }
 }
 
 void MotionWorld::settle(SimTime t) {
-  std::vector<std::uint32_t> released;
-  for (std::size_t k = 0; k < unsettled_.size(); ++k) {  // it grows
-    const std::uint32_t object = unsettled_[k].object;
-    if (std::ranges::find(released, object) != released.end()) continue;
-    released.push_back(object);
-    release_parting(object, t);
+  std::unordered_set<std::uint32_t> spread, settled;
+  for (std::size_t k = 0; k < settling_.objects.size(); ++k) {  // it grows
+    const std::uint32_t object = settling_.objects[k].object;
+    if (spread.insert(object).second) spread_from(object, t);
   }
-  const std::vector<Unsettled> unsettled = std::exchange(unsettled_, {});
-  std::vector<std::uint32_t> settled;
-  for (const Unsettled& first : unsettled) {
-    if (std::ranges::find(settled, first.object) != settled.end()) continue;
-    ContactIsland island =
-        island_of(*model_, objects_, pairs_, {&first.object, 1}, t, Touching::kBearing, Quantity::kAcceleration);
-    static_cast<void>(solve(island));  // what cannot be held is squeezed, and answered as that
+  for (std::size_t k = 0; k < settling_.objects.size(); ++k) {  // it grows
+    const Settling::Object first = settling_.objects[k];
+    if (settled.contains(first.object)) continue;
+    const ContactIsland island = settle_island(first.object, t);
     for (std::size_t i = 0; i < island.objects.size(); ++i) {
       if (island.objects[i] == kNone) continue;
-      settled.push_back(island.objects[i]);
+      settled.insert(island.objects[i]);
       const std::uint32_t from = island.reached_from[i];
       set_borne_acceleration(island.objects[i], t, island.bodies[i].value, from != kNone ? from : first.cause);
     }
+    note_solved(island, objects_, pairs_, t);
   }
-  unsettled_.clear();  // what has just been given is settled
+  settling_ = {};
+}
+
+ContactIsland MotionWorld::settle_island(std::uint32_t object, SimTime t) {
+  for (;;) {
+    ContactIsland island =
+        island_of(*model_, objects_, pairs_, {&object, 1}, t, Touching::kBearing, Quantity::kAcceleration);
+    static_cast<void>(solve(island));  // what cannot be held is squeezed, and answered as that
+    bool others_bear = false;
+    for (std::size_t held = 0; !others_bear;) {
+      const IslandParting parting = parting_of(island, objects_, pairs_, t, kSolverRounding * settling_.fastest);
+      for (const std::uint32_t c : parting.released) {
+        others_bear = others_bear || island.holds[c] > 0.0;
+        WatchedPair& pair = pairs_[island.pairs[c]];
+        remember_course(island.pairs[c], t);
+        std::erase(pair.normals, island.constraints[c].normal);
+        if (pair.normals.empty()) set_bearing(pair, t, false);
+      }
+      if (others_bear) break;
+      if (!parting.pressed_part || parting.pressed.size() <= held) return island;
+      held = parting.pressed.size();
+      ContactIsland velocities =
+          island_of(*model_, objects_, pairs_, {&object, 1}, t, Touching::kBearing, Quantity::kVelocity);
+      hold_together(velocities, island, parting.pressed);
+      give_velocities(std::move(velocities), t, 0.0);
+    }
+  }
 }
 
 void MotionWorld::set_borne_acceleration(std::size_t index, SimTime t, Vec3 acceleration, std::size_t cause) {
@@ -950,7 +940,9 @@ void MotionWorld::set_borne_acceleration(std::size_t index, SimTime t, Vec3 acce
   const MotionModel law = objects_.world_law(index, t);
   const bool slides = law.kind == MotionKind::kSliding;
   if (acceleration.norm() <= kRounding * o.free.norm()) acceleration.setZero();  // all of it is borne
-  if (acceleration == (slides ? Vec3(Vec3::Zero()) : law.state.acceleration)) return;
+  const Vec3 has = slides ? Vec3(Vec3::Zero()) : law.state.acceleration;
+  if (acceleration == has) return;
+  if (!acceleration.isZero(0.0) && (acceleration - has).norm() <= kRounding * o.free.norm()) return;
   KinematicState after = law.state;
   after.acceleration = acceleration;
   const CollisionResponse* const response = model_->response_of(o.id);

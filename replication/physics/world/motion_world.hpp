@@ -229,26 +229,28 @@ class MotionWorld {
   // The object moves otherwise from t on, because of a contact with `cause`. The law is in the world; what is carried
   // keeps its state, and goes on in the frame of its carrier.
   void change_motion(std::size_t object, SimTime t, const MotionModel& after_in_world, ObjectId cause);
-  void note_touch(WatchedPair& pair, SimTime t);
-
   // The two come to rest against each other at t.
   void come_to_rest(WatchedPair& pair, SimTime t);
+  // The two meet, and one of them bears something else: all that do are struck at once.
+  void answer_in_heap(WatchedPair& pair, SimTime t, const ContactAnswer& answer);
   // Whether answers for two do not end the contacts around the pair.
   [[nodiscard]] bool is_squeezed(const WatchedPair& pair, SimTime t) const;
-  // Whether the two meet far too often, and nothing that they met within the burst gives way.
-  [[nodiscard]] bool is_trapped(const WatchedPair& pair, SimTime t) const;
   // All that met within the burst are answered at once.
   void answer_squeezed(WatchedPair& pair, SimTime t);
   // The two stand from t on, as far as they respond: there is no room left for any other answer.
   void stop(WatchedPair& pair, SimTime t);
-  // Whether one of the two gives way and the other stands: a wall, for all that this contact knows.
-  [[nodiscard]] bool stands_firm(const WatchedPair& pair, SimTime t) const;
   // An object that is pressed into a wall without end stops there, and the one that presses it goes through it.
   void hold_against_wall(WatchedPair& pair, SimTime t);
-  // Gives all that rest on each other around the pair the velocities that their bearing leaves.
-  void settle_velocities(WatchedPair& pair, SimTime t, Touching which);
+  // Gives all that rest on each other around the pair the velocities that their bearing leaves, and as much again of
+  // the change as the restitution says.
+  void settle_velocities(WatchedPair& pair, SimTime t, Touching which, double restitution = 0.0);
   // Gives the accelerations that bearing leaves to all that is unsettled at t, and to what it rests on or bears.
   void settle(SimTime t);
+  // Releases what parts around the object, and holds together what would meet again at once. Returns the island with
+  // the accelerations that are left.
+  [[nodiscard]] ContactIsland settle_island(std::uint32_t object, SimTime t);
+  // Solves the island, which is of velocities, and gives them to its objects.
+  void give_velocities(ContactIsland island, SimTime t, double restitution);
   void set_borne_acceleration(std::size_t object, SimTime t, Vec3 acceleration, std::size_t cause);
   // The two bear each other from t on, or no more.
   void set_bearing(WatchedPair& pair, SimTime t, bool bears);
@@ -259,9 +261,8 @@ class MotionWorld {
   // into the other.
   void end_rolling(std::size_t object, SimTime t, const Vec3& normal, std::size_t cause);
   void change_velocity(std::size_t object, SimTime t, const Vec3& velocity, std::size_t cause);
-  // Ends the bearing between the object and what parts from it. That is unsettled from then on, and so is all that
-  // an object bears that gives way to nothing.
-  void release_parting(std::size_t object, SimTime t);
+  // All that an object bears that gives way to nothing is unsettled with it.
+  void spread_from(std::size_t object, SimTime t);
   void lift(WatchedPair& pair, SimTime t);
   [[nodiscard]] bool gives_way(std::size_t object, bool registered, SimTime t) const {
     return objects_[object].will_respond(registered, t);
@@ -313,11 +314,15 @@ class MotionWorld {
   std::vector<bool> in_pair_checks_;
   WaitingPairs waiting_;             // of them none of the part pairs is there
   std::set<std::uint32_t> stopped_;  // into pairs_
-  // Objects of which the velocity, or what bears them, has changed at the instant that is being answered.
-  struct Unsettled {
-    std::uint32_t object, cause;
+  // What the instant that is being answered leaves to settle.
+  struct Settling {
+    struct Object {
+      std::uint32_t object, cause;
+    };
+    std::vector<Object> objects;  // of which the velocity, or what bears them, has changed
+    double fastest = 0.0;         // of the velocities that were solved [m/s]
   };
-  std::vector<Unsettled> unsettled_;
+  Settling settling_;
   bool replays_bases_ = false;
   std::set<std::pair<SimTime, ObjectId>> retracted_bases_;  // bases that are to be laid again
   AuthorityOf authority_of_;                                // none: kAsPublished for all

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "collision/contact/mesh_contact.hpp"
@@ -111,7 +113,12 @@ bool PairSearch::search_window(WatchedPair& pair, const SweptBound& bound_a, con
   SimTime begin = floor_to(s, MovingObjects::kLookahead);
   if (bound_a.last_change) begin = std::max(begin, *bound_a.last_change);
   if (bound_b.last_change) begin = std::max(begin, *bound_b.last_change);
-  search_interval(pair, begin, end);
+  if (glides(pair, bound_a, bound_b, s)) {
+    note_apart(pair, s);
+    pair.clear_until = end;
+  } else {
+    search_interval(pair, begin, end);
+  }
   const SimTime held = std::max(s, pair.held_until);
   if (pair.bears && !pair.contact && held < pair.clear_until) search_lift(pair, held, pair.clear_until);
   return false;
@@ -164,6 +171,35 @@ void PairSearch::search_lift(WatchedPair& pair, SimTime begin, SimTime end) {
   pair.lifts = true;
 }
 
+bool PairSearch::is_parted_by(const WatchedPair& pair, const Vec3& normal, SimTime t) const {
+  assert(std::abs(normal.squaredNorm() - 1.0) < 1e-9);
+  if (!pair.is_plain || pair.type == CollisionType::kBox) return false;
+  const auto reach = [&](std::uint32_t object, const Vec3& direction) {
+    const collision::Body& body = objects_.body(object);
+    const KinematicState state = objects_.world_at(object, t);
+    const Vec3 n = state.orientation.conjugate() * direction;
+    if (body.sphere) return direction.dot(state.position) + n.dot(body.sphere->center) + body.sphere->radius_m;
+    double farthest = -std::numeric_limits<double>::infinity();
+    for (const Vec3& vertex : body.vertices()) farthest = std::max(farthest, n.dot(vertex));
+    return direction.dot(state.position) + farthest;
+  };
+  return -reach(pair.collider, -normal) - reach(pair.collidee, normal) >= -collision::kAdvancementTolerance_m;
+}
+
+// Whether two that bear each other go on by the laws for which that was solved, with a plane between them that they do
+// not approach: then nothing but their parting can end the contact.
+bool PairSearch::glides(const WatchedPair& pair, const SweptBound& a, const SweptBound& b, SimTime s) const {
+  const auto has_changed = [&](const SweptBound& bound) {
+    return bound.last_change && *bound.last_change > pair.solved;
+  };
+  const auto turns = [&](std::uint32_t object) {
+    return !objects_[object].timeline.at(s).angular_velocity_body.isZero(0.0);
+  };
+  if (!pair.bears || has_changed(a) || has_changed(b) || !pair.is_plain) return false;
+  if (turns(pair.collider) || turns(pair.collidee)) return false;
+  return std::ranges::any_of(pair.normals, [&](const Vec3& n) { return is_parted_by(pair, n, s); });
+}
+
 // Until the base of an object that responds it went through everything: the base says where it really was.
 void PairSearch::note_apart(WatchedPair& pair, SimTime s) {
   if (std::exchange(pair.inside, false)) {
@@ -176,6 +212,15 @@ void PairSearch::note_apart(WatchedPair& pair, SimTime s) {
   if (is_given_later(pair.collider, pair.collider_responds)) return;
   if (is_given_later(pair.collidee, pair.collidee_responds)) return;
   pair.note_free(s);
+}
+
+// An impulse acts along the direction in which the two touch. The other responses are those of the thesis, which mirror
+// about the polygon that is met.
+bool PairSearch::answers_by_impulse(const WatchedPair& pair) const {
+  const auto by_impulse = [&](std::uint32_t object, bool registered) {
+    return registered && model_.response_of(objects_[object].id)->type == ResponseType::kImpulse;
+  };
+  return by_impulse(pair.collider, pair.collider_responds) || by_impulse(pair.collidee, pair.collidee_responds);
 }
 
 // At contact times what has been answered is apart; at ticks it may be on its way out.
@@ -230,14 +275,14 @@ void PairSearch::search_interval(WatchedPair& pair, SimTime begin, SimTime end) 
     return first_part_contact(query, begin, s, end, counters_.contact_searches);
   });
   collision::Contact c = found.contact;
+  const Vec3& normal = answers_by_impulse(pair) ? c.direction_world : c.normal_world;
   const KinematicState &state_a = found.a, &state_b = found.b;
   const auto contact_at = [&](SimTime t, bool overlapped) {
     assert(t >= s);
     pair.contact = t;
     pair.clear_until = t;
-    pair.normal = pair.common == MovingObjects::kNone
-                      ? c.normal_world
-                      : Vec3(objects_.world_at(pair.common, t).orientation * c.normal_world);
+    pair.normal =
+        pair.common == MovingObjects::kNone ? normal : Vec3(objects_.world_at(pair.common, t).orientation * normal);
     pair.overlapped = overlapped;
     pair.resting = c.resting;
     pair.lifts = false;
@@ -269,8 +314,8 @@ void PairSearch::search_interval(WatchedPair& pair, SimTime begin, SimTime end) 
         pair.clear_until = std::min(s + kTouchCheck, end);
         return;
       }
-      const double speed = c.normal_world.dot(state_a.velocity - state_b.velocity);
-      const bool pressed = speed == 0.0 && c.normal_world.dot(state_a.acceleration - state_b.acceleration) < 0.0;
+      const double speed = normal.dot(state_a.velocity - state_b.velocity);
+      const bool pressed = speed == 0.0 && normal.dot(state_a.acceleration - state_b.acceleration) < 0.0;
       const bool answers = a.will_respond(pair.collider_responds, s) || b.will_respond(pair.collidee_responds, s);
       if ((speed < 0.0 || pressed) && answers && !pair.inside) {
         c.resting = pressed;

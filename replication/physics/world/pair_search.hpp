@@ -38,6 +38,9 @@ class PairSearch {
   // The two, which were far, were apart at all instants before pair.clear_until; the law may be the reason that they
   // are far no more.
   void note_was_far(WatchedPair& pair, const std::optional<NewLaw>& law);
+  // Whether the plane of that normal, facing the collider, has the collider on its one side and the collidee on the
+  // other at t.
+  [[nodiscard]] bool is_parted_by(const WatchedPair& pair, const Vec3& normal, SimTime t) const;
   [[nodiscard]] bool touch_at(const WatchedPair& pair, SimTime t) const;
   // Whether the two, which are fixed to each other, touch.
   [[nodiscard]] bool fixed_parts_touch(WatchedPair& pair, SimTime t) const;
@@ -57,6 +60,8 @@ class PairSearch {
   void search_interval(WatchedPair& pair, SimTime begin, SimTime end);
   [[nodiscard]] bool goes_on(WatchedPair& pair, SimTime s, SimTime end);
   // Whether the two are apart at s, from which on a search has found nothing.
+  [[nodiscard]] bool glides(const WatchedPair& pair, const SweptBound& a, const SweptBound& b, SimTime s) const;
+  [[nodiscard]] bool answers_by_impulse(const WatchedPair& pair) const;
   [[nodiscard]] bool was_apart(const WatchedPair& pair, SimTime s) const;
   // The two are known to be apart at s.
   void note_apart(WatchedPair& pair, SimTime s);

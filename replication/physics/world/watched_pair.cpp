@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -10,6 +11,13 @@
 
 namespace peerd::replication {
 namespace {
+
+// Contacts as near as this are of one instant: contact times are rounded down to a nanosecond.
+constexpr Duration kInstant = std::chrono::nanoseconds(2);
+// Normals of one pair at one instant that are told apart; more than the faces that meet in any corner of a box.
+constexpr std::size_t kNormalsMax = 8;
+// Normals with a cosine above this are of one face but for rounding.
+constexpr double kSameNormal = 1.0 - 0x1p-40;
 
 // A part by what does not depend on the model: a body shares its surface with its copies, and a Shape that flexes has
 // none.
@@ -50,6 +58,29 @@ void WatchedPair::remember_course(SimTime t) {
 void WatchedPair::forget_course_before(SimTime oldest) {
   past.erase(past.begin(), std::ranges::lower_bound(past, oldest, {}, &Past::at));
   if (past.empty()) past.shrink_to_fit();
+}
+
+void WatchedPair::note_touch(SimTime t, bool parted) {
+  assert(std::abs(normal.squaredNorm() - 1.0) < 1e-9);
+  if (!met_lately(touched, t, kInstant)) at_once = 0;
+  if (!met_lately(touched, t, kShortestFlight)) {
+    in_burst = squeezed = 0;
+    burst_from = t;
+    if (!bears) normals.clear();
+  }
+  touched = t;
+  ++at_once;
+  ++in_burst;
+  const auto same = std::ranges::find_if(normals, [&](const Vec3& n) { return n.dot(normal) > kSameNormal; });
+  if (parted) {
+    normals.assign(1, normal);
+  } else if (same != normals.end()) {
+    *same = normal;
+  } else if (normals.size() < kNormalsMax) {
+    normals.push_back(normal);
+  } else {
+    normals.front() = normal;
+  }
 }
 
 void WatchedPair::rewind_course(SimTime from) {

@@ -22,6 +22,7 @@ struct PairCourse {
   SimTime parted_from = SimTime::min();  // the contact that was over then
   SimTime bore_since = SimTime::max();   // when the two last came to rest against each other
   SimTime touched = SimTime::min();      // of the last contact
+  SimTime solved = SimTime::min();       // when the laws of the two were solved so that they don't approach
   SimTime lifted = SimTime::min();       // when the two last came apart after they bore each other
   SimTime held_until = SimTime::min();   // the two do not come apart before
   SimTime burst_from = SimTime::min();   // the first contact of the burst
@@ -78,6 +79,8 @@ struct WatchedPair : PairCourse {
   void forget_course_before(SimTime oldest);
   // Takes back all that has changed the course at `from` or later.
   void rewind_course(SimTime from);
+  // The two touch at t, along `normal`; `parted`: the plane of that lies between them.
+  void note_touch(SimTime t, bool parted);
   void begin_to_bear(SimTime t) {
     if (!bears_at(t)) bore_since = t;
     bears = true;
