@@ -109,12 +109,13 @@ bool lasts_at(const WorldModel& model, const MovingObjects& objects, const Watch
   return comes_to_rest(std::max(approach, 0.0), acceleration) && comes_to_rest_at(model, objects, pair, answer);
 }
 
-bool is_answered_by_impulse(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair,
-                            const ContactAnswer& answer) {
-  const auto by_impulse = [&](std::uint32_t object) {
+bool exchanges_momentum(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair,
+                        const ContactAnswer& answer) {
+  const auto takes_part = [&](std::uint32_t object, bool responds) {
+    if (!responds) return !objects[object].is_answering();
     return model.response_of(objects[object].id)->type == ResponseType::kImpulse;
   };
-  return (!answer.a_responds || by_impulse(pair.collider)) && (!answer.b_responds || by_impulse(pair.collidee));
+  return takes_part(pair.collider, answer.a_responds) && takes_part(pair.collidee, answer.b_responds);
 }
 
 bool comes_to_rest_at(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair,
@@ -131,7 +132,7 @@ bool comes_to_rest_at(const WorldModel& model, const MovingObjects& objects, con
   const double came = answer.before_a.state.velocity.norm() + answer.before_b.state.velocity.norm();
   if (speed < -kRounding * came) return false;
   if (comes_to_rest(std::max(speed, 0.0), acceleration)) return true;
-  return speed <= kRounding * came && is_answered_by_impulse(model, objects, pair, answer);
+  return speed <= kRounding * came && exchanges_momentum(model, objects, pair, answer);
 }
 
 }  // namespace peerd::replication

@@ -50,8 +50,8 @@ struct ContactAnswer {
 [[nodiscard]] bool comes_to_rest_at(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair,
                                     const ContactAnswer& answer);
 
-// Whether all that respond do so by IMPULSE.
-[[nodiscard]] bool is_answered_by_impulse(const WorldModel& model, const MovingObjects& objects,
-                                          const WatchedPair& pair, const ContactAnswer& answer);
+// Whether each of the two responds by IMPULSE, or responds to nothing at all.
+[[nodiscard]] bool exchanges_momentum(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair,
+                                      const ContactAnswer& answer);
 
 }  // namespace peerd::replication

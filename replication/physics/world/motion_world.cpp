@@ -606,7 +606,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
     answer_squeezed(pair, t);
   } else if (comes_to_rest_at(*model_, objects_, pair, answer)) {
     come_to_rest(pair, t);
-  } else if (!pair.overlapped && is_answered_by_impulse(*model_, objects_, pair, answer) &&
+  } else if (!pair.overlapped && exchanges_momentum(*model_, objects_, pair, answer) &&
              bears_another(*model_, objects_, pairs_, pair, t)) {
     answer_in_heap(pair, t, answer);
   } else {
@@ -614,7 +614,8 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
     if (answer.a_responds) change_motion(a, t, answer.after_a, objects_[b].id);
     if (answer.b_responds) change_motion(b, t, answer.after_b, objects_[a].id);
   }
-  if (!pair.bears_at(t)) remove_gain(pair, t, answer);
+  const bool is_decided = answer.authority != ContactAuthority::kAsPublished;
+  if (is_decided || !pair.bears_at(t)) remove_gain(pair, t, answer);
   settle(t);
   pair.contact.reset();
   answer.after_a = objects_.world_law(a, t);
@@ -708,6 +709,23 @@ void MotionWorld::come_to_rest(WatchedPair& pair, SimTime t) {
   const std::size_t a = pair.collider, b = pair.collidee;
   if (objects_[a].will_respond(pair.collider_responds, t)) end_rolling(a, t, pair.normal, b);
   if (objects_[b].will_respond(pair.collidee_responds, t)) end_rolling(b, t, pair.normal, a);
+  // Where a body turns, the speed of its centre is not that of the contact; and where the two are pressed together they
+  // stay, although they part.
+  const MotionModel law_a = objects_.world_law(a, t), law_b = objects_.world_law(b, t);
+  const double speed = pair.normal.dot(law_a.state.velocity - law_b.state.velocity);
+  const bool rolls = rolling_off(objects_.body(a), law_a.state, pair.normal) ||
+                     rolling_off(objects_.body(b), law_b.state, pair.normal);
+  const bool driven = (!gives_way(a, pair.collider_responds, t) && !is_motionless(law_a.state)) ||
+                      (!gives_way(b, pair.collidee_responds, t) && !is_motionless(law_b.state));
+  if (speed > 0.0 && !rolls && !driven) {  // to keep up with what moves away would take energy
+    const auto gives = [&](std::size_t object, bool registered) {
+      const CollisionResponse* const response = model_->response_of(objects_[object].id);
+      return objects_[object].will_respond(registered, t) ? 1.0 / response->mass_kg : 0.0;
+    };
+    const double of_a = gives(a, pair.collider_responds), of_b = gives(b, pair.collidee_responds);
+    if (of_a > 0.0) change_velocity(a, t, law_a.state.velocity - (speed * of_a / (of_a + of_b)) * pair.normal, b);
+    if (of_b > 0.0) change_velocity(b, t, law_b.state.velocity + (speed * of_b / (of_a + of_b)) * pair.normal, a);
+  }
   settle_velocities(pair, t, Touching::kBearing);
 }
 
