@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <utility>
 
 namespace peerd {
@@ -96,12 +97,12 @@ class ActiveSet {
     set_slacks();
   }
 
-  // False where the constraints contradict each other.
-  [[nodiscard]] bool solve() {
+  // None: it is solved.
+  [[nodiscard]] std::optional<LeastChangeError> solve() {
     std::size_t left = 64 + 32 * scale_.size();  // rounding could go round in circles
     for (std::uint32_t p = most_violated(); p != kNowhere; p = most_violated()) {
       for (;;) {
-        if (left-- == 0) return false;
+        if (left-- == 0) return LeastChangeError::kRounding;
         const double independent = row_of(p);
         const std::vector<double> step = back_substituted();
         // The multiplier of p rises until p is met, or one that is held has to push no more.
@@ -117,15 +118,14 @@ class ActiveSet {
         }
         const double rise = std::min(to_meet, to_drop);
         if (rise == kInfinity) {  // it depends on those that are held
-          if (slack_[p] < -kContradiction * rounding(p)) return false;
+          if (slack_[p] < -kContradiction * rounding(p)) return LeastChangeError::kNoRoom;
           refused_[p] = true;
           break;
         }
         change_multiplier(p, rise);
         for (std::uint32_t k = 0; k < active_.size(); ++k) change_multiplier(active_[k], -rise * step[k]);
         if (to_meet <= to_drop) {
-          static_cast<void>(row_of(p));
-          append(p);
+          append(p);  // row_ is still its own
           refused_.assign(refused_.size(), false);
           break;
         }
@@ -136,9 +136,9 @@ class ActiveSet {
     for (const std::uint32_t i : active_) multiplier_[i] = std::max(multiplier_[i], 0.0);
     set_slacks();
     for (std::uint32_t i = 0; i < slack_.size(); ++i) {
-      if (slack_[i] < -kContradiction * rounding(i)) return false;
+      if (slack_[i] < -kContradiction * rounding(i)) return LeastChangeError::kRounding;
     }
-    return true;
+    return std::nullopt;
   }
 
   [[nodiscard]] double multiplier(std::uint32_t i) const { return scale_[i] * multiplier_[i]; }
@@ -220,7 +220,7 @@ class ActiveSet {
     active_.resize(place);
     rows_.resize(place);
     for (const std::uint32_t i : later) {
-      if (row_of(i) > 0.0) {
+      if (row_of(i) > independent_) {
         append(i);
       } else {
         change_multiplier(i, -multiplier_[i]);
@@ -333,8 +333,8 @@ bool are_least(std::span<const ConstrainedBody> bodies, std::span<const OneSided
 
 }  // namespace
 
-std::optional<std::vector<double>> change_least(std::span<ConstrainedBody> bodies,
-                                                std::span<const OneSided> constraints) {
+std::expected<std::vector<double>, LeastChangeError> change_least(std::span<ConstrainedBody> bodies,
+                                                                  std::span<const OneSided> constraints) {
   double largest = 0.0;
   for (const ConstrainedBody& body : bodies) largest = std::max(largest, body.value.norm());
   std::vector<double> multipliers(constraints.size(), 0.0);
@@ -342,7 +342,10 @@ std::optional<std::vector<double>> change_least(std::span<ConstrainedBody> bodie
     ActiveSet set(bodies, constraints, independent);
     if (set.is_met()) return multipliers;
     if (constraints.size() > kFew) set.begin_with_a_guess();
-    if (!set.solve()) continue;
+    if (const auto error = set.solve()) {
+      if (error == LeastChangeError::kNoRoom) return std::unexpected(*error);
+      continue;
+    }
     for (std::uint32_t i = 0; i < constraints.size(); ++i) multipliers[i] = set.multiplier(i);
     std::vector<ConstrainedBody> changed(bodies.begin(), bodies.end());
     change(changed, constraints, multipliers);
@@ -350,7 +353,7 @@ std::optional<std::vector<double>> change_least(std::span<ConstrainedBody> bodie
     std::ranges::copy(changed, bodies.begin());
     return multipliers;
   }
-  return std::nullopt;
+  return std::unexpected(LeastChangeError::kRounding);
 }
 
 }  // namespace peerd

@@ -1,6 +1,6 @@
 #pragma once
 #include <cstdint>
-#include <optional>
+#include <expected>
 #include <span>
 #include <vector>
 
@@ -32,10 +32,13 @@ inline constexpr double kSolverRounding = 0x1p-38;
 //
 // Returns the multiplier of each constraint, >= 0: the impulse [Ns], or the force [N], by which it holds the two apart.
 //
-// None, and the values are as they were, where no values satisfy all constraints (between bodies that do not give way
-// and come together there is no room), or rounding hides the ones that do: of random sets at masses of 1 to 10^5, one
-// in a thousand of a dozen constraints, and one in twenty of fifty to a hundred.
-[[nodiscard]] std::optional<std::vector<double>> change_least(std::span<ConstrainedBody> bodies,
-                                                              std::span<const OneSided> constraints);
+// The values are as they were where it fails.
+enum class LeastChangeError : std::uint8_t {
+  kNoRoom,    // no values satisfy all constraints: bodies that do not give way come together
+  kRounding,  // rounding hides them: of random sets at masses of 1 to 10^5, one in a thousand of a dozen constraints,
+              // and one in twenty of fifty to a hundred
+};
+[[nodiscard]] std::expected<std::vector<double>, LeastChangeError> change_least(std::span<ConstrainedBody> bodies,
+                                                                                std::span<const OneSided> constraints);
 
 }  // namespace peerd

@@ -121,7 +121,7 @@ class Query {
                 horizon_s_);
   }
 
-  // Of the first pieces: the widest gap along a direction that can part them.
+  // The widest gap [m] between the first pieces, along all directions that can part them; negative where they overlap.
   [[nodiscard]] double widest_gap_m() const {
     const ConvexPiece &piece_a = a_.body.pieces.front(), &piece_b = b_.body.pieces.front();
     const Vec3 p = a_.motion.position - b_.motion.position;
@@ -175,7 +175,8 @@ bool touching(const MovingBody& a, const MovingBody& b, CollisionType type, cons
   if (options.as == MeetAs::kPolygons) return has_exact_answer(a.body, b.body) && surfaces_within(a, b, near_m);
   const ContactState now = first_contact(a, b, type, 0.0, options).state;
   if (now == ContactState::kContact || now == ContactState::kOverlapped) return true;
-  if (are_two_pieces(a.body, b.body) && Query(a, b, 0.0).widest_gap_m() <= 0.5 * near_m) return true;
+  // Deeper in each other they cross, or the one is inside the other. The gap may be less than the distance.
+  if (are_two_pieces(a.body, b.body) && std::abs(Query(a, b, 0.0).widest_gap_m()) <= 0.5 * near_m) return true;
   if (meet_as_spheres(a, b)) return spheres_within(a, b, near_m, options.as);
   if (meet_as_sphere_and_surface(a, b)) return sphere_within_surface(a, b, near_m, options.as);
   return has_exact_answer(a.body, b.body) && surfaces_within(a, b, near_m);

@@ -18,14 +18,14 @@ double energy(const std::vector<ConstrainedBody>& bodies) {
 
 TEST(LeastChange, LeavesWhatPartsAsItIs) {
   std::vector<ConstrainedBody> bodies = {{{1, 0, 0}, 1}, {{0.5, 0, 0}, 1}};
-  EXPECT_TRUE(change_least(bodies, std::vector<OneSided>{{0, 1, Vec3::UnitX()}}));
+  EXPECT_TRUE(change_least(bodies, std::vector<OneSided>{{0, 1, Vec3::UnitX()}}).has_value());
   EXPECT_EQ(bodies[0].value, Vec3(1, 0, 0));
   EXPECT_EQ(bodies[1].value, Vec3(0.5, 0, 0));
 }
 
 TEST(LeastChange, SharesByMass) {
   std::vector<ConstrainedBody> bodies = {{{-4, 2, 0}, 1}, {{0, 0, 3}, 1.0 / 3}};
-  EXPECT_TRUE(change_least(bodies, std::vector<OneSided>{{0, 1, Vec3::UnitX()}}));
+  EXPECT_TRUE(change_least(bodies, std::vector<OneSided>{{0, 1, Vec3::UnitX()}}).has_value());
   EXPECT_TRUE(bodies[0].value.isApprox(Vec3(-1, 2, 0), 1e-15));
   EXPECT_TRUE(bodies[1].value.isApprox(Vec3(-1, 0, 3), 1e-15));
 }
@@ -34,7 +34,7 @@ TEST(LeastChange, SharesByMass) {
 TEST(LeastChange, BearsAStack) {
   std::vector<ConstrainedBody> bodies = {{{0, -10, 0}, 1}, {{0, -10, 0}, 1e-3}, {{0, -10, 0}, 1e3}, {{0, 0, 0}, 0}};
   const Vec3 up = Vec3::UnitY();
-  EXPECT_TRUE(change_least(bodies, std::vector<OneSided>{{0, 3, up}, {1, 0, up}, {2, 1, up}}));
+  EXPECT_TRUE(change_least(bodies, std::vector<OneSided>{{0, 3, up}, {1, 0, up}, {2, 1, up}}).has_value());
   for (const ConstrainedBody& b : bodies) EXPECT_EQ(b.value, Vec3::Zero());
 }
 
@@ -42,14 +42,15 @@ TEST(LeastChange, BearsAStack) {
 TEST(LeastChange, RestsInAWedge) {
   const double s = std::sqrt(0.5);
   std::vector<ConstrainedBody> bodies = {{{0, -9.81, 0}, 1}, {{0, 0, 0}, 0}};
-  EXPECT_TRUE(change_least(bodies, std::vector<OneSided>{{0, 1, {s, s, 0}}, {0, 1, {-s, s, 0}}}));
+  EXPECT_TRUE(change_least(bodies, std::vector<OneSided>{{0, 1, {s, s, 0}}, {0, 1, {-s, s, 0}}}).has_value());
   EXPECT_EQ(bodies[0].value, Vec3::Zero());
 }
 
 TEST(LeastChange, TellsThatThereIsNoRoom) {
   const std::vector<ConstrainedBody> before = {{{0, 0, 0}, 1}, {{1, 0, 0}, 0}, {{-1, 0, 0}, 0}};
   std::vector<ConstrainedBody> bodies = before;
-  EXPECT_FALSE(change_least(bodies, std::vector<OneSided>{{0, 1, Vec3::UnitX()}, {2, 0, Vec3::UnitX()}}));
+  const auto outcome = change_least(bodies, std::vector<OneSided>{{0, 1, Vec3::UnitX()}, {2, 0, Vec3::UnitX()}});
+  EXPECT_EQ(outcome.error(), LeastChangeError::kNoRoom);
   for (std::size_t i = 0; i < bodies.size(); ++i) EXPECT_EQ(bodies[i].value, before[i].value);
 }
 

@@ -111,11 +111,14 @@ bool lasts_at(const WorldModel& model, const MovingObjects& objects, const Watch
 
 bool exchanges_momentum(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair,
                         const ContactAnswer& answer) {
-  const auto takes_part = [&](std::uint32_t object, bool responds) {
-    if (!responds) return !objects[object].is_answering();
+  const auto takes_part = [&](std::uint32_t object, bool registered, bool responds) {
+    const MovingObject& o = objects[object];
+    if (responds != o.will_respond(registered, *pair.contact)) return false;
+    if (!responds) return !o.is_answering();
     return model.response_of(objects[object].id)->type == ResponseType::kImpulse;
   };
-  return takes_part(pair.collider, answer.a_responds) && takes_part(pair.collidee, answer.b_responds);
+  return takes_part(pair.collider, pair.collider_responds, answer.a_responds) &&
+         takes_part(pair.collidee, pair.collidee_responds, answer.b_responds);
 }
 
 bool comes_to_rest_at(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair,

@@ -50,7 +50,7 @@ struct ContactAnswer {
 [[nodiscard]] bool comes_to_rest_at(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair,
                                     const ContactAnswer& answer);
 
-// Whether each of the two responds by IMPULSE, or responds to nothing at all.
+// Whether each of the two responds by IMPULSE, as it would at any contact of that time, or responds to nothing at all.
 [[nodiscard]] bool exchanges_momentum(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair,
                                       const ContactAnswer& answer);
 

@@ -13,17 +13,6 @@ namespace {
 // A body is trapped where the contacts of a burst are closer than this in the mean and nothing that it meets gives way:
 // in a gap of 0.1 um it would bounce a million times a second.
 constexpr Duration kTrappedMean = std::chrono::microseconds(100);
-// A solution that raises the sum that it is to lower by more than this part is none: rounding has hidden it.
-constexpr double kGain = 0x1p-30;
-
-double sum_of_squares(std::span<const ConstrainedBody> bodies) {
-  double sum = 0.0;
-  for (const ConstrainedBody& body : bodies) {
-    if (body.inverse_mass > 0.0) sum += body.value.squaredNorm() / body.inverse_mass;
-  }
-  return sum;
-}
-
 }  // namespace
 
 ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
@@ -119,16 +108,19 @@ void hold_together(ContactIsland& velocities, const ContactIsland& accelerations
 }
 
 void note_solved(const ContactIsland& island, const MovingObjects& objects, WatchedPairs& pairs, SimTime t) {
-  double fastest = 0.0;
+  double fastest = 0.0, most = 0.0;  // speed and acceleration
   for (const std::uint32_t object : island.objects) {
-    if (object != ContactIsland::kNone) fastest = std::max(fastest, objects.world_law(object, t).state.velocity.norm());
+    if (object == ContactIsland::kNone) continue;
+    fastest = std::max(fastest, objects.world_law(object, t).state.velocity.norm());
+    most = std::max(most, objects.free_acceleration_of(object, t).norm());
   }
   for (const std::uint32_t i : island.pairs) {
     WatchedPair& pair = pairs[i];
-    const Vec3 a = objects.world_law(pair.collider, t).state.velocity;
-    const Vec3 b = objects.world_law(pair.collidee, t).state.velocity;
-    const bool is_solved =
-        std::ranges::any_of(pair.normals, [&](const Vec3& n) { return n.dot(a - b) >= -kSolverRounding * fastest; });
+    const KinematicState a = objects.world_law(pair.collider, t).state, b = objects.world_law(pair.collidee, t).state;
+    const bool is_solved = std::ranges::all_of(pair.normals, [&](const Vec3& n) {
+      return n.dot(a.velocity - b.velocity) >= -kSolverRounding * fastest &&
+             n.dot(a.acceleration - b.acceleration) >= -kSolverRounding * most;
+    });
     pair.solved = is_solved ? t : SimTime::min();
   }
 }
@@ -174,33 +166,41 @@ bool is_driven(const ContactIsland& island) {
 
 std::vector<std::uint32_t> solve(ContactIsland& island) {
   assert(island.objects.size() == island.bodies.size() && island.pairs.size() == island.constraints.size());
-  const std::vector<ConstrainedBody> before = island.bodies;
   island.holds.assign(island.constraints.size(), 0.0);
-  if (const auto multipliers = change_least(island.bodies, island.constraints)) {
-    for (std::size_t i = 0; i < multipliers->size(); ++i) {
-      const OneSided& c = island.constraints[i];
-      island.holds[i] = (*multipliers)[i] * (island.bodies[c.a].inverse_mass + island.bodies[c.b].inverse_mass);
-    }
-    if (is_driven(island) || sum_of_squares(island.bodies) <= (1.0 + kGain) * sum_of_squares(before)) return {};
-    island.bodies = before;
+  island.is_solved = true;
+  const auto hold = [&](std::uint32_t constraint, double multiplier) {
+    const OneSided& c = island.constraints[constraint];
+    island.holds[constraint] = multiplier * (island.bodies[c.a].inverse_mass + island.bodies[c.b].inverse_mass);
+  };
+  const auto all = change_least(island.bodies, island.constraints);
+  if (all) {
+    for (std::uint32_t i = 0; i < all->size(); ++i) hold(i, (*all)[i]);
+    return {};
   }
   // A body that comes and gives way to nothing leaves no room. It goes through, rather than push the others through one
   // that stands.
-  std::vector<std::uint32_t> through;
-  std::vector<OneSided> standing;
-  for (std::size_t i = 0; i < island.constraints.size(); ++i) {
+  std::vector<std::uint32_t> through, standing;
+  std::vector<OneSided> left;
+  for (std::uint32_t i = 0; i < island.constraints.size(); ++i) {
     const OneSided& c = island.constraints[i];
     const auto comes = [&](std::uint32_t body) {
       return island.objects[body] == ContactIsland::kNone && !island.bodies[body].value.isZero(0.0);
     };
-    if (comes(c.a) || comes(c.b)) {
+    if (all.error() == LeastChangeError::kNoRoom && (comes(c.a) || comes(c.b))) {
       through.push_back(island.pairs[i]);
     } else {
-      standing.push_back(c);
+      standing.push_back(i);
+      left.push_back(c);
     }
   }
-  if (change_least(island.bodies, standing)) return through;
-  for (std::size_t i = 0; i < island.bodies.size(); ++i) {  // rounding left no solution: to stand is always one
+  if (!through.empty()) {
+    if (const auto multipliers = change_least(island.bodies, left)) {
+      for (std::size_t i = 0; i < standing.size(); ++i) hold(standing[i], (*multipliers)[i]);
+      return through;
+    }
+  }
+  island.is_solved = false;
+  for (std::size_t i = 0; i < island.bodies.size(); ++i) {  // to stand is always a solution
     if (island.objects[i] != ContactIsland::kNone) island.bodies[i].value.setZero();
   }
   return through;

@@ -20,6 +20,7 @@ struct ContactIsland {
   std::vector<std::uint32_t> pairs;  // of each constraint
   // Of each constraint, once it is solved: by how much it keeps the values of its two bodies apart, along its normal.
   std::vector<double> holds;
+  bool is_solved = false;  // once it is solved; else rounding has hidden the solution, and all that gives way stands
 };
 enum class Touching : std::uint8_t { kBearing, kAny };  // the pairs that bear, or all of the burst
 enum class Quantity : std::uint8_t { kVelocity, kAcceleration };
@@ -39,8 +40,8 @@ struct IslandParting {
 [[nodiscard]] IslandParting parting_of(const ContactIsland& island, const MovingObjects& objects,
                                        const WatchedPairs& pairs, SimTime t, double rounding);
 
-// Makes constraints of the island, which is of velocities, hold both ways: those that are the same as the given ones of
-// another island.
+// Adds to an island of velocities the reverse of each given constraint of one of accelerations, so that its two bodies
+// neither approach nor part.
 void hold_together(ContactIsland& velocities, const ContactIsland& accelerations, std::span<const std::uint32_t> given);
 
 // Notes at the pairs of the island by which laws they are solved at t.
@@ -57,7 +58,7 @@ void note_solved(const ContactIsland& island, const MovingObjects& objects, Watc
 [[nodiscard]] bool is_trapped(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
                               const WatchedPair& pair, SimTime t);
 
-// Whether a body of the island, which is of velocities, moves and gives way to nothing.
+// Whether a body that gives way to nothing has a value other than zero.
 [[nodiscard]] bool is_driven(const ContactIsland& island);
 
 // The values become those that the constraints allow. Returns the pairs that had to be left out: of them one comes

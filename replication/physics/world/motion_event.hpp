@@ -14,7 +14,7 @@ namespace peerd::replication {
 struct ContactEvent {
   SimTime at;  // the contact time, rounded down to a nanosecond so that nothing is inside anything
   ObjectId collider, collidee;
-  Vec3 normal = Vec3::Zero();  // in the world frame: of the collidee's polygon, facing the collider
+  Vec3 normal = Vec3::Zero();  // in the world frame: world.md says of what; facing the collider
   KinematicState collider_before, collidee_before, collider_after, collidee_after;
   CollisionType type = CollisionType::kWitness;  // of the interest
   bool rests = false;                            // the two rest against each other from then on

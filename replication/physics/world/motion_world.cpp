@@ -606,7 +606,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
     answer_squeezed(pair, t);
   } else if (comes_to_rest_at(*model_, objects_, pair, answer)) {
     come_to_rest(pair, t);
-  } else if (!pair.overlapped && exchanges_momentum(*model_, objects_, pair, answer) &&
+  } else if (!pair.overlapped && answer.changes_motion() && exchanges_momentum(*model_, objects_, pair, answer) &&
              bears_another(*model_, objects_, pairs_, pair, t)) {
     answer_in_heap(pair, t, answer);
   } else {
@@ -771,6 +771,10 @@ void MotionWorld::give_velocities(ContactIsland island, SimTime t, double restit
     settling_.fastest = std::max(settling_.fastest, island.bodies[i].value.norm());
   const std::vector<ConstrainedBody> before = island.bodies;
   const std::vector<std::uint32_t> through = solve(island);
+  if (!island.is_solved) {
+    ++counters_.jammed;
+    restitution = 0.0;
+  }
   for (std::size_t i = 0; i < before.size(); ++i) {  // Newton's law for all that are struck at once
     island.bodies[i].value += restitution * (island.bodies[i].value - before[i].value);
   }
@@ -927,17 +931,26 @@ ContactIsland MotionWorld::settle_island(std::uint32_t object, SimTime t) {
     ContactIsland island =
         island_of(*model_, objects_, pairs_, {&object, 1}, t, Touching::kBearing, Quantity::kAcceleration);
     static_cast<void>(solve(island));  // what cannot be held is squeezed, and answered as that
-    bool others_bear = false;
-    for (std::size_t held = 0; !others_bear;) {
+    if (!island.is_solved) {           // what stands does not go on at the speed it had
+      ContactIsland velocities =
+          island_of(*model_, objects_, pairs_, {&object, 1}, t, Touching::kBearing, Quantity::kVelocity);
+      for (std::size_t i = 0; i < velocities.bodies.size(); ++i) {
+        if (velocities.objects[i] != kNone) velocities.bodies[i].value.setZero();
+      }
+      give_velocities(std::move(velocities), t, 0.0);
+      return island;
+    }
+    bool released = false;  // others bear what it bore
+    for (std::size_t held = 0; !released;) {
       const IslandParting parting = parting_of(island, objects_, pairs_, t, kSolverRounding * settling_.fastest);
+      released = !parting.released.empty();
       for (const std::uint32_t c : parting.released) {
-        others_bear = others_bear || island.holds[c] > 0.0;
         WatchedPair& pair = pairs_[island.pairs[c]];
         remember_course(island.pairs[c], t);
         std::erase(pair.normals, island.constraints[c].normal);
         if (pair.normals.empty()) set_bearing(pair, t, false);
       }
-      if (others_bear) break;
+      if (released) break;
       if (!parting.pressed_part || parting.pressed.size() <= held) return island;
       held = parting.pressed.size();
       ContactIsland velocities =

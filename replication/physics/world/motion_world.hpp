@@ -35,7 +35,8 @@ namespace peerd::replication {
 // the object slides off or is lifted, the rest comes back. What bears what is solved for all that rest on each other at
 // once (least_change.hpp).
 //
-// Contacts of one instant are answered in turn; each later one sees what the earlier ones have changed, and none is
+// Where one of two that meet bears something else, all that bear each other are struck at once. All other contacts of
+// one instant are answered in turn; each later one sees what the earlier ones have changed, and none is
 // undone for it. A ball between a wall and a driven car that approaches, or between two objects that stand a few
 // micrometres from it, would bounce without end. So objects that met within kShortestFlight_s are answered together,
 // without restitution, and an object that has no room left stops. No answer of two
@@ -231,7 +232,7 @@ class MotionWorld {
   void change_motion(std::size_t object, SimTime t, const MotionModel& after_in_world, ObjectId cause);
   // The two come to rest against each other at t.
   void come_to_rest(WatchedPair& pair, SimTime t);
-  // The two meet, and one of them bears something else: all that do are struck at once.
+  // One of the two bears something else: the impulse reaches all that bear each other, in one solution.
   void answer_in_heap(WatchedPair& pair, SimTime t, const ContactAnswer& answer);
   // Whether answers for two do not end the contacts around the pair.
   [[nodiscard]] bool is_squeezed(const WatchedPair& pair, SimTime t) const;
@@ -241,8 +242,8 @@ class MotionWorld {
   void stop(WatchedPair& pair, SimTime t);
   // An object that is pressed into a wall without end stops there, and the one that presses it goes through it.
   void hold_against_wall(WatchedPair& pair, SimTime t);
-  // Gives all that rest on each other around the pair the velocities that their bearing leaves, and as much again of
-  // the change as the restitution says.
+  // Gives all that rest on each other around the pair the velocities that their bearing leaves, and
+  // `restitution` times that change once more.
   void settle_velocities(WatchedPair& pair, SimTime t, Touching which, double restitution = 0.0);
   // Gives the accelerations that bearing leaves to all that is unsettled at t, and to what it rests on or bears.
   void settle(SimTime t);

@@ -183,21 +183,22 @@ bool PairSearch::is_parted_by(const WatchedPair& pair, const Vec3& normal, SimTi
     for (const Vec3& vertex : body.vertices()) farthest = std::max(farthest, n.dot(vertex));
     return direction.dot(state.position) + farthest;
   };
-  return -reach(pair.collider, -normal) - reach(pair.collidee, normal) >= -collision::kAdvancementTolerance_m;
+  return -reach(pair.collider, -normal) - reach(pair.collidee, normal) >=
+         -collision::advancement_tolerance_m(objects_.body(pair.collider).radius_m,
+                                             objects_.body(pair.collidee).radius_m);
 }
 
-// Whether two that bear each other go on by the laws for which that was solved, with a plane between them that they do
-// not approach: then nothing but their parting can end the contact.
 bool PairSearch::glides(const WatchedPair& pair, const SweptBound& a, const SweptBound& b, SimTime s) const {
   const auto has_changed = [&](const SweptBound& bound) {
     return bound.last_change && *bound.last_change > pair.solved;
   };
   const auto turns = [&](std::uint32_t object) {
-    return !objects_[object].timeline.at(s).angular_velocity_body.isZero(0.0);
+    const MotionModel law = objects_[object].timeline.model_at(s);
+    return !law.state.angular_velocity_body.isZero(0.0) || !law.angular_acceleration_body.isZero(0.0);
   };
   if (!pair.bears || has_changed(a) || has_changed(b) || !pair.is_plain) return false;
-  if (turns(pair.collider) || turns(pair.collidee)) return false;
-  return std::ranges::any_of(pair.normals, [&](const Vec3& n) { return is_parted_by(pair, n, s); });
+  if (turns(pair.collider) || turns(pair.collidee) || pair.normals.size() != 1) return false;
+  return is_parted_by(pair, pair.normals.front(), s);
 }
 
 // Until the base of an object that responds it went through everything: the base says where it really was.
@@ -214,8 +215,8 @@ void PairSearch::note_apart(WatchedPair& pair, SimTime s) {
   pair.note_free(s);
 }
 
-// An impulse acts along the direction in which the two touch. The other responses are those of the thesis, which mirror
-// about the polygon that is met.
+// An impulse acts along the direction in which the two touch. The responses of the thesis are to the polygon that
+// is met.
 bool PairSearch::answers_by_impulse(const WatchedPair& pair) const {
   const auto by_impulse = [&](std::uint32_t object, bool registered) {
     return registered && model_.response_of(objects_[object].id)->type == ResponseType::kImpulse;

@@ -59,9 +59,12 @@ class PairSearch {
   // Searches for the first contact from `begin` on; contacts before pair.clear_until have been dealt with.
   void search_interval(WatchedPair& pair, SimTime begin, SimTime end);
   [[nodiscard]] bool goes_on(WatchedPair& pair, SimTime s, SimTime end);
-  // Whether the two are apart at s, from which on a search has found nothing.
+  // Whether nothing but parting can end the contact from s on: the two bear each other, do not turn, go on by the laws
+  // for which that was solved, and have a plane between them that they do not approach.
   [[nodiscard]] bool glides(const WatchedPair& pair, const SweptBound& a, const SweptBound& b, SimTime s) const;
+  // Whether one of the two responds by IMPULSE.
   [[nodiscard]] bool answers_by_impulse(const WatchedPair& pair) const;
+  // Whether the two are apart at s, from which on a search has found nothing.
   [[nodiscard]] bool was_apart(const WatchedPair& pair, SimTime s) const;
   // The two are known to be apart at s.
   void note_apart(WatchedPair& pair, SimTime s);

@@ -22,7 +22,7 @@ struct PairCourse {
   SimTime parted_from = SimTime::min();  // the contact that was over then
   SimTime bore_since = SimTime::max();   // when the two last came to rest against each other
   SimTime touched = SimTime::min();      // of the last contact
-  SimTime solved = SimTime::min();       // when the laws of the two were solved so that they don't approach
+  SimTime solved = SimTime::min();       // when laws were last chosen by which the two don't approach
   SimTime lifted = SimTime::min();       // when the two last came apart after they bore each other
   SimTime held_until = SimTime::min();   // the two do not come apart before
   SimTime burst_from = SimTime::min();   // the first contact of the burst
@@ -30,7 +30,8 @@ struct PairCourse {
   std::uint32_t in_burst = 0;            // contacts until `touched`, each within kShortestFlight_s of the one before
   std::uint32_t squeezed = 0;            // of the burst: those answered for all that touched
   bool both_changed = false;             // the last contact gave both another motion, and not one alone
-  std::vector<Vec3> normals{};           // of the contacts of the burst, and those along which the two bear each other
+  std::vector<Vec3>
+      normals{};  // along which the two touch or bear: the last one where its plane parts them, else all of the burst
 };
 
 // Two parts of two ends of an interest (PartPair). What answers is the end.
@@ -79,7 +80,7 @@ struct WatchedPair : PairCourse {
   void forget_course_before(SimTime oldest);
   // Takes back all that has changed the course at `from` or later.
   void rewind_course(SimTime from);
-  // The two touch at t, along `normal`; `parted`: the plane of that lies between them.
+  // The two touch at t, along `normal`; `parted`: the plane with that normal lies between the two.
   void note_touch(SimTime t, bool parted);
   void begin_to_bear(SimTime t) {
     if (!bears_at(t)) bore_since = t;

@@ -55,6 +55,28 @@ TEST(ContactTime, CoplanarPolygonsMeetAtTheirSides) {
   EXPECT_EQ(meet(a, moving({1e-9, 5, 0}, {0, -1, 0}), b, moving(Vec3::Zero())).state, ContactState::kSeparated);
 }
 
+// The collidee meets a face of the collider with its corner: of its own polygons none faces that way.
+TEST(ContactTime, ACornerMeetsAFaceAlongTheFace) {
+  const Body plate = box(4, 1, 4), tip = box(1, 1, 1);
+  KinematicState tilted = moving({0, 3, 0}, {0, -1, 0});
+  tilted.orientation = Quat(Eigen::AngleAxisd(0.7, Vec3(1, 0.4, 0).normalized()));
+  const Contact c = meet(plate, moving(Vec3::Zero()), tip, tilted);
+  ASSERT_EQ(c.state, ContactState::kContact);
+  EXPECT_EQ(c.direction_world, -Vec3::UnitY());
+  EXPECT_GT((c.normal_world + Vec3::UnitY()).norm(), 0.1);
+  const Contact turned = meet(tip, tilted, plate, moving(Vec3::Zero()));
+  EXPECT_EQ(turned.direction_world, Vec3::UnitY());
+  EXPECT_EQ(turned.normal_world, Vec3::UnitY()) << "the plate is the collidee now, and it is its polygon that is met";
+}
+
+TEST(ContactTime, InMidAirInARoomNothingTouches) {
+  const Body room = box(10, 10, 10), crate = box(1, 1, 1);
+  const KinematicState still = moving(Vec3::Zero()), at_wall = moving({4.5, 0, 0});
+  EXPECT_FALSE(touching({crate, still}, {room, still}, kWitness));
+  EXPECT_TRUE(touching({crate, still}, {room, still}, kWitness, {.as = MeetAs::kSolids}));
+  EXPECT_TRUE(touching({crate, at_wall}, {room, still}, kWitness));
+}
+
 TEST(ContactTime, EdgeMeetsEdge) {
   const Body a = box(2, 2, 2), b = box(2, 2, 2);
   KinematicState top = moving({0, 10, 0}, {0, -1, 0}), below = moving(Vec3::Zero());
