@@ -60,7 +60,7 @@ void WatchedPair::forget_course_before(SimTime oldest) {
   if (past.empty()) past.shrink_to_fit();
 }
 
-void WatchedPair::note_touch(SimTime t, bool parted) {
+void WatchedPair::note_touch(SimTime t, bool is_parted) {
   assert(std::abs(normal.squaredNorm() - 1.0) < 1e-9);
   if (!met_lately(touched, t, kInstant)) at_once = 0;
   if (!met_lately(touched, t, kShortestFlight)) {
@@ -72,7 +72,7 @@ void WatchedPair::note_touch(SimTime t, bool parted) {
   ++at_once;
   ++in_burst;
   const auto same = std::ranges::find_if(normals, [&](const Vec3& n) { return n.dot(normal) > kSameNormal; });
-  if (parted) {
+  if (is_parted) {
     normals.assign(1, normal);
   } else if (same != normals.end()) {
     *same = normal;

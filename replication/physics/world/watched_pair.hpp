@@ -80,8 +80,8 @@ struct WatchedPair : PairCourse {
   void forget_course_before(SimTime oldest);
   // Takes back all that has changed the course at `from` or later.
   void rewind_course(SimTime from);
-  // The two touch at t, along `normal`; `parted`: the plane with that normal lies between the two.
-  void note_touch(SimTime t, bool parted);
+  // The two touch at t, along `normal`; `is_parted`: the plane with that normal lies between the two.
+  void note_touch(SimTime t, bool is_parted);
   void begin_to_bear(SimTime t) {
     if (!bears_at(t)) bore_since = t;
     bears = true;
