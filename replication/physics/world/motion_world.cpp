@@ -606,7 +606,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
     answer_squeezed(pair, t);
   } else if (comes_to_rest_at(*model_, objects_, pair, answer)) {
     come_to_rest(pair, t);
-  } else if (!pair.overlapped && answer.changes_motion() && exchanges_momentum(*model_, objects_, pair, answer) &&
+  } else if (!pair.overlapped && exchanges_momentum(*model_, objects_, pair, answer) &&
              bears_another(*model_, objects_, pairs_, pair, t)) {
     answer_in_heap(pair, t, answer);
   } else {
