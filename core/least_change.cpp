@@ -117,7 +117,7 @@ class ActiveSet {
           drops = k;
         }
         const double rise = std::min(to_meet, to_drop);
-        if (rise == kInfinity) {  // it depends on those that are held
+        if (rise == kInfinity) {  // p is a combination of active constraints
           if (slack_[p] < -kContradiction * rounding(p)) return LeastChangeError::kNoRoom;
           refused_[p] = true;
           break;
@@ -258,7 +258,7 @@ class ActiveSet {
     for (const Entry& e : gram_[i]) slack_[e.column] += e.value * by;
   }
 
-  // What is held exactly: the slacks of the active constraints become zero, to the last bits.
+  // Solves for the multipliers of the active constraints: their slacks become zero, to the last bits.
   void set_multipliers() {
     for (const std::uint32_t i : active_) multiplier_[i] = 0.0;
     for (int pass = 0; pass < 2; ++pass) {  // the second one mends the rounding of the first
@@ -289,7 +289,7 @@ class ActiveSet {
   std::vector<std::uint32_t> active_, place_;
   std::vector<Row> rows_;
   Row row_;
-  std::vector<bool> refused_;  // those that depend on what is held
+  std::vector<bool> refused_;  // combinations of active constraints
 };
 
 // The part of the constraint in what `body` changes by: the inverse mass along the normal, with the sign of the side.
@@ -320,7 +320,8 @@ void change(std::span<ConstrainedBody> bodies, std::span<const OneSided> constra
   }
 }
 
-// Whether the values meet all constraints, and those that push exactly: the mark of the least change.
+// Whether no constraint is violated, and each with a multiplier > 0 is met exactly. The change is the least one then
+// (the conditions of Karush, Kuhn and Tucker).
 bool are_least(std::span<const ConstrainedBody> bodies, std::span<const OneSided> constraints,
                std::span<const double> multipliers, double rounding) {
   for (std::size_t i = 0; i < constraints.size(); ++i) {

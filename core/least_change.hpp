@@ -19,7 +19,7 @@ struct OneSided {
   Vec3 normal;
 };
 
-// What a solution may leave of an approach, in parts of the largest value: rounding.
+// A solution leaves approaches of at most this part of the largest value: rounding.
 inline constexpr double kSolverRounding = 0x1p-38;
 
 // Changes the values by as little as the constraints ask: by the least sum of mass * change^2. For accelerations this

@@ -80,7 +80,7 @@ Contact first_box_contact(std::span<const MovingBody> collider, std::span<const 
       const auto [gap, side] = gap_along(axis, a, b);
       if (gap > greatest) {
         greatest = gap;
-        contact.normal_world = contact.direction_world = side * Vec3::Unit(axis);
+        contact.normal_world = contact.separating_normal_world = side * Vec3::Unit(axis);
       }
       if (gap <= near_m) continue;
       const double left_s = horizon_s - s;

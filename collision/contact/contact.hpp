@@ -21,7 +21,7 @@ struct Contact {
   Vec3 normal_world = Vec3::Zero();  // unit normal of the collidee's polygon, facing the collider
   // The unit normal of the plane that lies between the two where they touch, facing the collider. It differs from
   // normal_world where the collidee meets the collider with a corner or an edge: its polygons there face elsewhere.
-  Vec3 direction_world = Vec3::Zero();
+  Vec3 separating_normal_world = Vec3::Zero();
   bool resting = false;     // they touch at 0 with no speed towards each other, and only the acceleration
                             // presses: reflecting the velocity can't end this contact
   ObjectId collidee_shape;  // the Shape whose polygon the normal is of; for kBox the collidee itself, and polygon 0

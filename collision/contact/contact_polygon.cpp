@@ -40,7 +40,7 @@ void set_contact_polygon(Contact& contact, const Solid& collidee, const Mat3& R,
   assert(!(std::abs(dot(n_world, n_world) - 1.0) > 1e-9) && !(e < 0.0));
   contact.collidee_shape = collidee.shape;
   contact.collidee_polygon = 0;
-  contact.normal_world = contact.direction_world = n_world;
+  contact.normal_world = contact.separating_normal_world = n_world;
   if (collidee.piece == nullptr) return;
   const ConvexPiece& piece = *collidee.piece;
   const bool flat = piece.faces.size() == 1;
@@ -48,7 +48,7 @@ void set_contact_polygon(Contact& contact, const Solid& collidee, const Mat3& R,
   if (const std::int64_t face = face_along(collidee, R, n_world); face >= 0) {
     const Vec3 normal = rotate(R, piece.face_normals[static_cast<std::size_t>(face)]);
     contact.collidee_polygon = static_cast<std::uint32_t>(face);
-    contact.normal_world = contact.direction_world = dot(normal, n_world) < 0.0 ? Vec3(-normal) : normal;
+    contact.normal_world = contact.separating_normal_world = dot(normal, n_world) < 0.0 ? Vec3(-normal) : normal;
     return;
   }
   const std::vector<std::uint32_t> feature = support_feature(collidee, rotate_back(R, n_world), e);

@@ -127,13 +127,7 @@ class Query {
     const Vec3 p = a_.motion.position - b_.motion.position;
     double widest = -std::numeric_limits<double>::infinity();
     const Solid solid_a{piece_a.vertices, &piece_a, piece_a.shape}, solid_b{piece_b.vertices, &piece_b, piece_b.shape};
-    for_each_axis(solid_a, R_a_, solid_b, R_b_, [&](const Vec3& n, AxisKind) {
-      const Extent a = extent_along(rotate_back(R_a_, n), piece_a.vertices);
-      const Extent b = extent_along(rotate_back(R_b_, n), piece_b.vertices);
-      const double along = dot(n, p);
-      widest = std::max({widest, along - (b.high - a.low), (b.low - a.high) - along});
-      return true;
-    });
+    for_each_gap(solid_a, R_a_, solid_b, R_b_, p, [&](const Vec3&, double gap) { widest = std::max(widest, gap); });
     return widest;
   }
 

@@ -82,10 +82,10 @@ bool find_approached_polygon(Contact& contact, Surface& collider, const Kinemati
 void set_hit_polygon(Contact& contact, const MovingBody& collider, const MovingBody& collidee, const MeshImpact& impact,
                      double tolerance_m) {
   const KinematicState a = advance(collider.motion, impact.time_s), b = advance(collidee.motion, impact.time_s);
-  contact.direction_world = -impact.direction;
+  contact.separating_normal_world = -impact.direction;
   if (find_approached_polygon(contact, *collider.body.surface, a, *collidee.body.surface, b, tolerance_m)) {
-    if (dot(contact.normal_world, contact.direction_world) > kSameDirection) {
-      contact.direction_world = contact.normal_world;
+    if (dot(contact.normal_world, contact.separating_normal_world) > kSameDirection) {
+      contact.separating_normal_world = contact.normal_world;
     }
     return;
   }
@@ -106,11 +106,11 @@ void set_overlap_polygon(Contact& contact, const MovingBody& collider, const Mov
     const auto first = std::ranges::lower_bound(b.soup().faces, pairs.front().b, {}, &TriangleSoup::Face::polygon);
     const Vec3 corner = collidee.motion.position + rotate(R_b, b.soup().vertices[first->corners[0]]);
     const Vec3 n = rotate(R_b, *normal);
-    contact.normal_world = contact.direction_world = dot(n, middle - corner) < 0.0 ? Vec3(-n) : n;
+    contact.normal_world = contact.separating_normal_world = dot(n, middle - corner) < 0.0 ? Vec3(-n) : n;
     return;
   }
   const Vec3 apart = middle - other_middle;  // a polygon without an area faces nowhere
-  contact.normal_world = contact.direction_world = length(apart) > 0.0 ? unit(apart) : Vec3::UnitY();
+  contact.normal_world = contact.separating_normal_world = length(apart) > 0.0 ? unit(apart) : Vec3::UnitY();
 }
 
 }  // namespace

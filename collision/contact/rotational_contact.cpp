@@ -117,26 +117,13 @@ class LowerBound {
   double offset_, rate_, k_;
 };
 
-// Calls visit(n, gap) for all axes, in both directions.
-template <class Visit>
-void for_each_gap(const PairQuery& query, const Instant& now, Visit&& visit) {
-  for_each_axis(query.collider, now.R_a, query.collidee, now.R_b, [&](const Vec3& n, AxisKind) {
-    const Extent a = extent_along(rotate_back(now.R_a, n), query.collider.vertices);
-    const Extent b = extent_along(rotate_back(now.R_b, n), query.collidee.vertices);
-    const double along = dot(n, now.p);
-    visit(n, along - (b.high - a.low));
-    visit(Vec3(-n), (b.low - a.high) - along);
-    return true;
-  });
-}
-
 struct Axis {
   Vec3 n = Vec3::Zero();
   double gap = -kNever;
 };
 Axis widest(const PairQuery& query, const Instant& now) {
   Axis best;
-  for_each_gap(query, now, [&](const Vec3& n, double gap) {
+  for_each_gap(query.collider, now.R_a, query.collidee, now.R_b, now.p, [&](const Vec3& n, double gap) {
     if (gap > best.gap) best = {n, gap};
   });
   return best;
@@ -158,7 +145,7 @@ Touch examine_touch(const PairQuery& query, const Instant& now, const RotationBo
   Touch touch;
   bool closing_is_face = false;
   const double still = e.speed_m_s + kRounding * turning.speed;
-  for_each_gap(query, now, [&](const Vec3& n, double gap) {
+  for_each_gap(query.collider, now.R_a, query.collidee, now.R_b, now.p, [&](const Vec3& n, double gap) {
     if (gap < -window) return;
     const LowerBound bound(query, now, turning, n);
     const double rate = bound.rate(e.gap_m), k = bound.curvature();
@@ -235,7 +222,7 @@ Contact rotational_contact(const PairQuery& query, double radius_sum_m) {
     contact.time_s = t;
     contact.resting = !overlapped && t == 0.0 && touch.closing_rate >= -(e.speed_m_s + kRounding * turning.speed);
     set_contact_polygon(contact, query.collidee, now.R_b, n, approach_velocity(query, now, n), e.gap_m);
-    if (overlapped) contact.normal_world = contact.direction_world = n;
+    if (overlapped) contact.normal_world = contact.separating_normal_world = n;
     return contact;
   }
   contact.state = ContactState::kFailed;

@@ -73,6 +73,21 @@ void for_each_axis(const Solid& collider, const Mat3& R_a, const Solid& collidee
   }
 }
 
+// Calls visit(n, gap) for all these directions, both ways. The gap [m] is that along n from the collidee to the
+// collider, and negative where they overlap; `p` leads from the collidee's origin to the collider's [m, world frame].
+template <class Visit>
+void for_each_gap(const Solid& collider, const Mat3& R_a, const Solid& collidee, const Mat3& R_b, const Vec3& p,
+                  Visit&& visit) {
+  for_each_axis(collider, R_a, collidee, R_b, [&](const Vec3& n, AxisKind) {
+    const Extent a = extent_along(rotate_back(R_a, n), collider.vertices);
+    const Extent b = extent_along(rotate_back(R_b, n), collidee.vertices);
+    const double along = dot(n, p);
+    visit(n, along - (b.high - a.low));
+    visit(Vec3(-n), (b.low - a.high) - along);
+    return true;
+  });
+}
+
 // Fewer than this many roundings lie on any operand's way into a gap: the caller's evaluation of its motion (4), the
 // rotation matrix and its two uses (15), normal and vertex baked into the object's frame (8), products and sums (6).
 // Times u = 2^-53 and the sum of the operands' magnitudes this bounds a gap's error.

@@ -150,7 +150,7 @@ Contact sphere_contact(const MovingBody& collider, const MovingBody& collidee, d
   const auto finish = [&](ContactState state, double t) {
     contact.state = state;
     contact.time_s = t;
-    contact.normal_world = contact.direction_world = way.normal(t);
+    contact.normal_world = contact.separating_normal_world = way.normal(t);
     return contact;
   };
   const double distance = length(way.apart), gap = way.side * (distance - way.touching_m);

@@ -418,7 +418,7 @@ Contact sphere_surface_contact(const MovingBody& collider, const MovingBody& col
     contact.collidee_shape = sphere.body.sphere->shape;
     contact.normal_world = -n;
   }
-  contact.direction_world = contact.normal_world;
+  contact.separating_normal_world = contact.normal_world;
   return contact;
 }
 

@@ -220,7 +220,7 @@ Contact translational_contact(const PairQuery& query, double radius_sum_m, const
   }
   if (!apart && !any(Start::kStill)) {
     finish(ContactState::kOverlapped, 0.0, n_least);
-    contact.normal_world = contact.direction_world = n_least;
+    contact.normal_world = contact.separating_normal_world = n_least;
     return contact;
   }
   const double t = apart ? next_common(gaps, 0.0, horizon) : next_after_parting(gaps, horizon);

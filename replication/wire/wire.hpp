@@ -41,8 +41,9 @@ struct UpdateRecord {
 // The policy by which the sender was to decide; kId also for a decision by fallback, when nobody else had decided.
 using DecisionRule = DecisionPolicy;
 
-// The outcome of a collision, stated by the peer that decides it. A second copy changes nothing. Of two that rest
-// against each other afterwards, the accelerations before are those that they have where nothing bears them.
+// The outcome of a collision, stated by the peer that decides it. A second copy changes nothing. Where the
+// two rest against each other afterwards, the states before hold the accelerations that the two have while nothing
+// bears them.
 struct DecisionRecord {
   ObjectId collider, collidee;
   SimTime contact{};

@@ -457,7 +457,8 @@ void ContactDecisions::apply(const std::vector<DecisionLog::Change>& changes, Si
   (void)name_owners(changes);
   for (const DecisionLog::Change& change : changes) {
     const DecisionRecord& d = change.record;
-    // By the policy `id` one owner does not look for contacts of the two. It has to solve a resting one all the same.
+    // By the policy `id` only one owner looks for contacts of the two. The other one has to solve a resting one as
+    // well.
     const bool mine = own_.contains(d.collider) || own_.contains(d.collidee);
     if (mine && owners_.have_two(d.collider, d.collidee) && !searches_contacts_of(d.collider, d.collidee)) {
       const auto known = std::views::reverse(log_.entries());

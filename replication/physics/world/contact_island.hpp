@@ -18,7 +18,8 @@ struct ContactIsland {
   std::vector<ConstrainedBody> bodies;
   std::vector<OneSided> constraints;
   std::vector<std::uint32_t> pairs;  // of each constraint
-  // Of each constraint, once it is solved: by how much it keeps the values of its two bodies apart, along its normal.
+  // For each constraint, the speed or the acceleration along its normal that it adds between its two bodies; solve()
+  // sets it.
   std::vector<double> holds;
   bool is_solved = false;  // once it is solved; else rounding has hidden the solution, and all that gives way stands
 };
@@ -30,7 +31,8 @@ enum class Quantity : std::uint8_t { kVelocity, kAcceleration };
                                       std::span<const std::uint32_t> around, SimTime t, Touching which,
                                       Quantity quantity);
 
-// What the velocities of an island do to its constraints, once its accelerations are solved; indices of constraints.
+// IslandParting sorts the constraints of an island whose accelerations are solved, by the velocities of its bodies. It
+// has indices of constraints.
 struct IslandParting {
   std::vector<std::uint32_t> released;  // that part for good
   std::vector<std::uint32_t> pressed;   // that part no more than the forces bring back within kShortestFlight_s

@@ -283,7 +283,7 @@ PartContact first_flexible_contact(const PartQuery& query, SimTime from, SimTime
           const bool overlaps = hit.state == SoupImpactState::kTouching && found.at == from;
           found.contact.state = overlaps ? ContactState::kOverlapped : ContactState::kContact;
           found.contact.time_s = to_seconds(found.at - from);
-          found.contact.normal_world = found.contact.direction_world = hit.normal;
+          found.contact.normal_world = found.contact.separating_normal_world = hit.normal;
           found.contact.collidee_polygon = hit.polygon;
           return found;
         }

@@ -18,7 +18,7 @@ struct ContactEvent {
   KinematicState collider_before, collidee_before, collider_after, collidee_after;
   CollisionType type = CollisionType::kWitness;  // of the interest
   bool rests = false;                            // the two rest against each other from then on
-  // Where the two rest: their accelerations if nothing bore them [m/s^2, world frame].
+  // The accelerations of the two if nothing bore them [m/s^2, world frame]; given where they rest.
   Vec3 collider_free = Vec3::Zero(), collidee_free = Vec3::Zero();
   bool deferred = false;  // nobody responded: another peer decides; the states after are what the outcome would be here
   TouchedPolygons polygons{};  // only of what a peer puts out (contact_polygons.hpp)

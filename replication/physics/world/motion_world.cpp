@@ -579,7 +579,9 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
     lift(pair, t);
     return;
   }
-  pair.note_touch(t, search().is_parted_by(pair, pair.normal, t));
+  const bool has_met_before =
+      pair.bears || met_lately(pair.touched, t, kShortestFlight);  // else it has no other normal
+  pair.note_touch(t, has_met_before && search().is_parted_by(pair, pair.normal, t));
   const ObjectId collider = objects_[pair.collider].id, collidee = objects_[pair.collidee].id;
   const ContactAuthority authority =
       authority_of_ ? authority_of_(collider, collidee, t) : ContactAuthority::kAsPublished;
@@ -709,8 +711,8 @@ void MotionWorld::come_to_rest(WatchedPair& pair, SimTime t) {
   const std::size_t a = pair.collider, b = pair.collidee;
   if (objects_[a].will_respond(pair.collider_responds, t)) end_rolling(a, t, pair.normal, b);
   if (objects_[b].will_respond(pair.collidee_responds, t)) end_rolling(b, t, pair.normal, a);
-  // Where a body turns, the speed of its centre is not that of the contact; and where the two are pressed together they
-  // stay, although they part.
+  // The two are pressed together and stay, although their centres part. The speed of a turning body's centre is not
+  // that of the contact.
   const MotionModel law_a = objects_.world_law(a, t), law_b = objects_.world_law(b, t);
   const double speed = pair.normal.dot(law_a.state.velocity - law_b.state.velocity);
   const bool rolls = rolling_off(objects_.body(a), law_a.state, pair.normal) ||
@@ -760,15 +762,14 @@ void MotionWorld::settle_velocities(WatchedPair& pair, SimTime t, Touching which
   const std::array around{pair.collider, pair.collidee};
   ContactIsland island = island_of(*model_, objects_, pairs_, around, t, which, Quantity::kVelocity);
   for (std::size_t i = 0; i < island.objects.size(); ++i) {
-    if (island.reached_from[i] == kNone)
-      island.reached_from[i] = island.objects[i] == around[0] ? around[1] : around[0];
+    if (island.reached_from[i] != kNone) continue;
+    island.reached_from[i] = island.objects[i] == around[0] ? around[1] : around[0];
   }
   give_velocities(std::move(island), t, restitution);
 }
 
 void MotionWorld::give_velocities(ContactIsland island, SimTime t, double restitution) {
-  for (std::size_t i = 0; i < island.objects.size(); ++i)
-    settling_.fastest = std::max(settling_.fastest, island.bodies[i].value.norm());
+  for (const ConstrainedBody& body : island.bodies) settling_.fastest = std::max(settling_.fastest, body.value.norm());
   const std::vector<ConstrainedBody> before = island.bodies;
   const std::vector<std::uint32_t> through = solve(island);
   if (!island.is_solved) {
@@ -790,9 +791,9 @@ void MotionWorld::give_velocities(ContactIsland island, SimTime t, double restit
     const double came = objects_.world_law(index, t).state.velocity.norm();
     const double flight = kShortestFlight_s * objects_.free_acceleration_of(index, t).norm();
     if (velocity.norm() <= kRounding * (came + flight)) velocity.setZero();  // nothing of it is left but rounding
-    const Vec3& had = objects_.world_law(index, t).state.velocity;
-    if (!velocity.isZero(0.0) && (velocity - had).norm() <= kRounding * settling_.fastest)
-      continue;  // nothing but rounding
+    const Vec3 had = objects_.world_law(index, t).state.velocity;
+    const bool is_rounding = !velocity.isZero(0.0) && (velocity - had).norm() <= kRounding * settling_.fastest;
+    if (is_rounding) continue;
     const auto touches = [&](const OneSided& c) { return c.a == i || c.b == i; };
     std::uint32_t cause = island.reached_from[i];
     if (cause == kNone) {
@@ -889,7 +890,7 @@ void MotionWorld::set_bearing(WatchedPair& pair, SimTime t, bool bears) {
   settling_.objects.push_back({pair.collidee, pair.collider});
 }
 
-void MotionWorld::spread_from(std::size_t object, SimTime t) {
+void MotionWorld::unsettle_borne_by(std::size_t object, SimTime t) {
   for (const std::uint32_t i : model_->part_pairs_of(object)) {
     if (!pairs_.contains(i) || !pairs_[i].bears_at(t)) continue;
     WatchedPair& pair = pairs_[i];
@@ -900,16 +901,17 @@ void MotionWorld::spread_from(std::size_t object, SimTime t) {
     }
     const bool is_collider = pair.collider == object;
     const bool gives = gives_way(object, is_collider ? pair.collider_responds : pair.collidee_responds, t);
-    if (!gives)
+    if (!gives) {
       settling_.objects.push_back({is_collider ? pair.collidee : pair.collider, static_cast<std::uint32_t>(object)});
+    }
   }
 }
 
 void MotionWorld::settle(SimTime t) {
-  std::unordered_set<std::uint32_t> spread, settled;
+  std::unordered_set<std::uint32_t> known, settled;
   for (std::size_t k = 0; k < settling_.objects.size(); ++k) {  // it grows
     const std::uint32_t object = settling_.objects[k].object;
-    if (spread.insert(object).second) spread_from(object, t);
+    if (known.insert(object).second) unsettle_borne_by(object, t);
   }
   for (std::size_t k = 0; k < settling_.objects.size(); ++k) {  // it grows
     const Settling::Object first = settling_.objects[k];
@@ -932,6 +934,7 @@ ContactIsland MotionWorld::settle_island(std::uint32_t object, SimTime t) {
         island_of(*model_, objects_, pairs_, {&object, 1}, t, Touching::kBearing, Quantity::kAcceleration);
     static_cast<void>(solve(island));  // what cannot be held is squeezed, and answered as that
     if (!island.is_solved) {           // what stands does not go on at the speed it had
+      ++counters_.jammed;
       ContactIsland velocities =
           island_of(*model_, objects_, pairs_, {&object, 1}, t, Touching::kBearing, Quantity::kVelocity);
       for (std::size_t i = 0; i < velocities.bodies.size(); ++i) {

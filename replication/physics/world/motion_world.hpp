@@ -35,12 +35,12 @@ namespace peerd::replication {
 // the object slides off or is lifted, the rest comes back. What bears what is solved for all that rest on each other at
 // once (least_change.hpp).
 //
-// Where one of two that meet bears something else, all that bear each other are struck at once. All other contacts of
-// one instant are answered in turn; each later one sees what the earlier ones have changed, and none is
-// undone for it. A ball between a wall and a driven car that approaches, or between two objects that stand a few
-// micrometres from it, would bounce without end. So objects that met within kShortestFlight_s are answered together,
-// without restitution, and an object that has no room left stops. No answer of two
-// objects that both respond adds energy (response.hpp).
+// A contact in which one of the two bears something else strikes all that bear each other at once. All other contacts
+// of one instant are answered in turn; each later one sees what the earlier ones have changed, and none is undone for
+// it. A ball between a wall and a driven car that approaches, or between two objects that stand a few micrometres from
+// it, would bounce without end. So objects that met within kShortestFlight_s are answered together, without
+// restitution, and an object that has no room left stops. No answer of two objects that both respond adds energy
+// (response.hpp).
 //
 // A tick costs what is due: pairs wait for the instant at which they need a check, objects for that at which their
 // timelines are pruned. An object that no interest names costs nothing between two changes of its motion. Two that have
@@ -120,8 +120,8 @@ class MotionWorld {
 
   // Sets the object's motion from t on, in the frame of its carrier, after an update, a sample or a decision. t may lie
   // in the past: the predictions that followed from the replaced motion are retracted, and the next advance() finds
-  // them anew. What was set for this object from t on is void. With `rest` it
-  // rests from t on against its partner, once that has such a base of t, too, if the pair is watched.
+  // them anew. What was set for this object from t on is void. With `rest`,
+  // and if the pair is watched, it rests against its partner from t on as soon as both have such a base of t.
   void set_base(ObjectId object, SimTime t, const MotionModel& model, const std::optional<Rest>& rest = {});
 
   // The acceleration [m/s^2, world frame] that the object has where nothing bears it: from then on, and in
@@ -263,7 +263,7 @@ class MotionWorld {
   void end_rolling(std::size_t object, SimTime t, const Vec3& normal, std::size_t cause);
   void change_velocity(std::size_t object, SimTime t, const Vec3& velocity, std::size_t cause);
   // All that an object bears that gives way to nothing is unsettled with it.
-  void spread_from(std::size_t object, SimTime t);
+  void unsettle_borne_by(std::size_t object, SimTime t);
   void lift(WatchedPair& pair, SimTime t);
   [[nodiscard]] bool gives_way(std::size_t object, bool registered, SimTime t) const {
     return objects_[object].will_respond(registered, t);
@@ -315,7 +315,7 @@ class MotionWorld {
   std::vector<bool> in_pair_checks_;
   WaitingPairs waiting_;             // of them none of the part pairs is there
   std::set<std::uint32_t> stopped_;  // into pairs_
-  // What the instant that is being answered leaves to settle.
+  // Settling lists what has changed at the instant that is being answered, until settle() has dealt with it.
   struct Settling {
     struct Object {
       std::uint32_t object, cause;

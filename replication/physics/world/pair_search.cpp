@@ -276,7 +276,7 @@ void PairSearch::search_interval(WatchedPair& pair, SimTime begin, SimTime end) 
     return first_part_contact(query, begin, s, end, counters_.contact_searches);
   });
   collision::Contact c = found.contact;
-  const Vec3& normal = answers_by_impulse(pair) ? c.direction_world : c.normal_world;
+  const Vec3& normal = answers_by_impulse(pair) ? c.separating_normal_world : c.normal_world;
   const KinematicState &state_a = found.a, &state_b = found.b;
   const auto contact_at = [&](SimTime t, bool overlapped) {
     assert(t >= s);

@@ -144,7 +144,7 @@ PartContact TickDetection::first_contact(const PartQuery& query, SimTime from, S
     const ShapePolygon polygon = query.b.front().body->surface->polygon(met->polygon);
     found.contact.state = collision::ContactState::kContact;
     found.contact.time_s = to_seconds(t - from);
-    found.contact.normal_world = found.contact.direction_world = met->normal;
+    found.contact.normal_world = found.contact.separating_normal_world = met->normal;
     found.contact.collidee_shape = polygon.shape;
     found.contact.collidee_polygon = polygon.polygon;
     found.at = t;

@@ -62,10 +62,10 @@ TEST(ContactTime, ACornerMeetsAFaceAlongTheFace) {
   tilted.orientation = Quat(Eigen::AngleAxisd(0.7, Vec3(1, 0.4, 0).normalized()));
   const Contact c = meet(plate, moving(Vec3::Zero()), tip, tilted);
   ASSERT_EQ(c.state, ContactState::kContact);
-  EXPECT_EQ(c.direction_world, -Vec3::UnitY());
+  EXPECT_EQ(c.separating_normal_world, -Vec3::UnitY());
   EXPECT_GT((c.normal_world + Vec3::UnitY()).norm(), 0.1);
   const Contact turned = meet(tip, tilted, plate, moving(Vec3::Zero()));
-  EXPECT_EQ(turned.direction_world, Vec3::UnitY());
+  EXPECT_EQ(turned.separating_normal_world, Vec3::UnitY());
   EXPECT_EQ(turned.normal_world, Vec3::UnitY()) << "the plate is the collidee now, and it is its polygon that is met";
 }
 

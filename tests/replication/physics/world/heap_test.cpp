@@ -107,7 +107,7 @@ TEST(Heap, LosesEnergyAndOverlapsNothing) {
   }
 }
 
-// What rests stands still, to the last bit, and costs no search any more. Nothing brakes a box that slides along the
+// Boxes at rest stand still, to the last bit, and cost no search any more. Nothing brakes a box that slides along the
 // floor at a few millimetres a second: it takes its time to the wall.
 TEST(Heap, OfThreeTiltedBoxesComesToRest) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
@@ -146,7 +146,7 @@ TEST(Heap, AnImpulseActsAlongTheFaceThatACornerMeets) {
         box("PLATE", "4 1 4", "0 -0.5 0", answers) + box("TIP", "1 1 1", "0 3 0", "rotation 1 0.4 0 0.7 " + answers) +
             interest("PLATE", "\"TIP\"") + interest("TIP", "\"PLATE\""),
         {{"PLATE", Role::kAuthoritative, moving({0, -0.5, 0}, {0, 1, 0})}, {"TIP", Role::kAuthoritative}});
-    KinematicState tip = world.at(w["TIP"], sim(0s));
+    const KinematicState tip = world.at(w["TIP"], sim(0s));
     world.advance(sim(4s));
     const auto seen = contacts_of(world);
     ASSERT_GE(seen.size(), 1u);
