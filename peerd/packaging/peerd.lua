@@ -14,7 +14,7 @@ peerd.prefs.group = Pref.string("Group of region 0", "239.192.80.0",
 peerd.prefs.regions = Pref.string("Group of region 1", "",
   "as peers log it when they start: a datagram to the n-th group after it is of region n + 1. Empty: no grid has more than 1,023 regions")
 
-local VERSION = 10
+local VERSION = 11
 local NEXT_HELLO_MOST_MS = 24 * 60 * 60 * 1000
 local MOST_BYTES = 1136
 local REGION_MARK, RELAY_MARK, GREETING_MARK, SEALED_GREETING_MARK = 0x52, 0x53, 0x47, 0x67
@@ -107,6 +107,9 @@ local F = {
     normal = vector("decision.normal", "Normal"),
     rule = field("uint32", "decision.rule", "Rule", base.DEC, RULES),
     known = field("int64", "decision.known_ns", "Last decision known [ns]"),
+    rests = field("bool", "decision.rests", "They rest against each other"),
+    collider_free = vector("decision.collider_free", "Collider's acceleration where nothing bears it", "m/s^2"),
+    collidee_free = vector("decision.collidee_free", "Collidee's acceleration where nothing bears it", "m/s^2"),
   },
   state = {
     position = vector("decision.position", "Position", "m"),
@@ -241,6 +244,8 @@ local F = {
     orientation = quaternion("record.orientation", "Orientation"),
     spin = vector("record.spin", "Spin", "rad/s"),
     spin_up = vector("record.spin_acceleration", "Spin acceleration", "rad/s^2"),
+    drive = vector("record.drive", "Acceleration where nothing bears it", "m/s^2"),
+    driven_since = field("int64", "record.driven_since_ns", "It has that one since [ns]"),
     unknown = field("uint32", "record.unknown_kind", "Model of a later version"),
   },
   greeting = {
@@ -709,7 +714,7 @@ local function dissect_record(tvb, tree, at, base_time, only_exact)
   kind = kind % UNKNOWN_KIND
   local later, decided = bits:get(1) == 1, bits:get(1) == 1
   local turned, spins_up = bits:get(1) == 1, bits:get(1) == 1
-  local level, upright = bits:get(1) == 1, bits:get(1) == 1
+  local level, upright, borne = bits:get(1) == 1, bits:get(1) == 1, bits:get(1) == 1
   local object, sequence = bits:varint64(), bits:varint32()
   if sequence == 0 then refuse("sequence 0") end
   local carrier = is_carried and bits:varint64() or nil
@@ -730,6 +735,12 @@ local function dissect_record(tvb, tree, at, base_time, only_exact)
   else
     m = take_in_steps(bits, kind, step - 23, turned, spins_up, level, upright)
   end
+  local drive, driven_since = nil, nil
+  if borne then
+    drive = check_vector(bits:exact())
+    driven_since = bits:time(time)
+    if driven_since > time then refuse("a drive from after the update") end
+  end
   bits:pad()
   check_limits(kind, m)
 
@@ -745,6 +756,10 @@ local function dissect_record(tvb, tree, at, base_time, only_exact)
   if step == EXACT then sub:add(R.exact, range, true) else sub:add(R.step, range, step - 23) end
   for _, name in ipairs({ "position", "velocity", "acceleration", "jerk", "rate", "orientation", "spin", "spin_up" }) do
     if m[name] then add_vector(sub, R[name], range, m[name]) end
+  end
+  if drive then
+    add_vector(sub, R.drive, range, drive)
+    sub:add(R.driven_since, range, driven_since)
   end
   return at + range:len(), time
 end
@@ -1555,6 +1570,14 @@ local function add_state(tree, range, title, state)
   end
 end
 
+-- Reads a free acceleration of an object that rests by its difference from that before.
+local function take_free(bits, before)
+  if bits:get(1) == 0 then return nil end
+  local free = check_vector(bits:exact())
+  if same_bits(free, before.acceleration) then refuse("a change that is none") end
+  return free
+end
+
 local function dissect_decision(tvb, tree, at, pinfo)
   local bits, D = Bits.new(tvb, at), F.decision
   local contact = nearest_time(bits:get(40), pinfo)
@@ -1570,6 +1593,11 @@ local function dissect_decision(tvb, tree, at, pinfo)
   local collider_after = take_state(bits, collider_before)
   local collidee_before = take_state(bits, AT_REST)
   local collidee_after = take_state(bits, collidee_before)
+  local rests, collider_free, collidee_free = bits:get(1) == 1, nil, nil
+  if rests then
+    collider_free = take_free(bits, collider_before)
+    collidee_free = take_free(bits, collidee_before)
+  end
   bits:pad()
 
   local range = bits:range()
@@ -1584,6 +1612,9 @@ local function dissect_decision(tvb, tree, at, pinfo)
   add_state(sub, range, "Collidee after", collidee_after)
   sub:add(D.rule, range, rule)
   if known then sub:add(D.known, range, known) end
+  if rests then sub:add(D.rests, range, true) end
+  if collider_free then add_vector(sub, D.collider_free, range, collider_free) end
+  if collidee_free then add_vector(sub, D.collidee_free, range, collidee_free) end
   return at + range:len()
 end
 

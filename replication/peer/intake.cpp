@@ -532,14 +532,16 @@ void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, Sim
   if (!p_.regions.accept(u, session_now)) return;
   const SimTime decided = p_.decisions.last_binding(u.object);
   if (!p_.decisions.counts(u, decided)) {
-    if (u.at < decided) take_until_decision(u, session_now);
+    if (u.at <= decided) take_until_decision(u, session_now);
     return p_.drop(sender, "before_decision");
   }
   p_.display.on_update(u.at, session_now);
   p_.replica.note_update(u);
   if (u.carrier && !p_.model->is_carrier(*u.carrier)) keeper_.let_move(*u.carrier);  // its owner's hello may be lost
   if (!p_.replica.ghosts().has(u.object)) p_.replica.declare_remote(u.object, Role::kPredicted);
-  p_.replica.set_ghost(u.object, u.at, p_.replica.in_own_frame(u), p_.own.contains(u.object));
+  const Base base = p_.replica.base_of(u);
+  p_.replica.set_ghost(u.object, base.at, base.model, p_.own.contains(u.object), {}, base.free);
+  p_.decisions.on_drive(u);
 }
 
 // A later update has come before it. Until the instant of that one the ghost goes by this one, as its owner's does, and
@@ -547,7 +549,9 @@ void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, Sim
 // the object.
 void Intake::take_overtaken(const UpdateRecord& u) {
   if (p_.regions.cuts() || !p_.replica.ghosts().has(u.object)) return;
-  if (p_.replica.keep_overtaken(u)) p_.decisions.replay_ghost(u.object, u.at);
+  if (!p_.replica.keep_overtaken(u)) return;
+  p_.decisions.replay_ghost(u.object, u.at);
+  p_.decisions.on_drive(u);
 }
 
 // The update does not know of a later decision. From the update to that decision the ghost goes as its owner has shown
@@ -555,11 +559,12 @@ void Intake::take_overtaken(const UpdateRecord& u) {
 // latency that time is still to be shown. From the decision on the object goes as it did, and the truth stays: the
 // contact has been found in it.
 void Intake::take_until_decision(const UpdateRecord& u, SimTime session_now) {
-  const bool counts = p_.decisions.counts(u, p_.decisions.last_binding(u.object, u.at));
+  const bool counts = p_.decisions.counts(u, p_.decisions.last_binding(u.object, u.at - Duration{1}));
   if (!counts || p_.own.contains(u.object) || !p_.replica.ghosts().has(u.object)) return;
   p_.display.on_update(u.at, session_now);
   p_.replica.keep_update(u);
   p_.decisions.replay_ghost(u.object, u.at);
+  p_.decisions.on_drive(u);
 }
 
 }  // namespace peerd::replication

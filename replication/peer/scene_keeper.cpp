@@ -70,7 +70,7 @@ void SceneKeeper::let_go(const UpdateRecord& state) {
   known.is_free = true;
   known.sequence = state.sequence;
   known.freed = state.at;
-  known.model = p_.replica.in_own_frame(state);
+  known.model = *p_.replica.base_of(state).model;
   known.carrier = p_.model->carrier_of(state.object);
   known.copies = 0;
   p_.scene.note_moved(state.object);

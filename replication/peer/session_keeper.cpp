@@ -177,6 +177,7 @@ void SessionKeeper::move_to_session_time(SimTime before, SimTime now, bool same_
   p_.launches.shift(now - before);
   for (auto& [object, own] : p_.own) {
     own.last_sent.reset();
+    if (own.driven_since) own.driven_since = now;
     own.delivery.record.reset();
     own.models.reset();  // their samples are of the other time
     own.poses = {};

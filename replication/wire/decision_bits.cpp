@@ -71,6 +71,22 @@ bool take_change(BitReader& in, const KinematicState& was, KinematicState& is) {
          take_change(in, was.angular_velocity_body, is.angular_velocity_body) && acceptable(is);
 }
 
+// A free acceleration, as a change of that before the contact.
+void put_free(BitWriter& out, const KinematicState& before, const std::optional<Vec3>& free) {
+  assert(!free || bits_of(*free) != bits_of(before.acceleration));
+  put_change(out, before.acceleration, free.value_or(before.acceleration));
+}
+bool take_free(BitReader& in, const KinematicState& before, std::optional<Vec3>& free) {
+  if (in.get(1) == 0) return true;
+  Vec3& is = free.emplace();
+  return take_all(in, is) && bits_of(is) != bits_of(before.acceleration) && acceptable(is);
+}
+bool take_rest(BitReader& in, DecisionRecord& d) {
+  d.rests = in.get(1) != 0;
+  return !d.rests ||
+         (take_free(in, d.collider_before, d.collider_free) && take_free(in, d.collidee_before, d.collidee_free));
+}
+
 bool take(BitReader& in, SimTime near, DecisionRecord& d) {
   if (!take_low_time(in.get(kLowTime_bits), near, d.contact)) return false;
   if (!take_object(in, d.collider) || !take_object(in, d.collidee)) return false;
@@ -83,7 +99,7 @@ bool take(BitReader& in, SimTime near, DecisionRecord& d) {
   if (!take_exact(in, d.normal) || !acceptable(d.normal) || std::abs(d.normal.norm() - 1.0) > kUnitSlack) return false;
   return take_change(in, KinematicState{}, d.collider_before) && take_change(in, d.collider_before, d.collider_after) &&
          take_change(in, KinematicState{}, d.collidee_before) && take_change(in, d.collidee_before, d.collidee_after) &&
-         in.good() && in.padded_with_zeros();
+         take_rest(in, d) && in.good() && in.padded_with_zeros();
 }
 
 }  // namespace
@@ -102,6 +118,11 @@ std::size_t encode_decision(const DecisionRecord& d, std::span<std::byte, kDecis
   put_change(out, d.collider_before, d.collider_after);
   put_change(out, KinematicState{}, d.collidee_before);
   put_change(out, d.collidee_before, d.collidee_after);
+  out.put(d.rests ? 1 : 0, 1);
+  if (d.rests) {
+    put_free(out, d.collider_before, d.collider_free);
+    put_free(out, d.collidee_before, d.collidee_free);
+  }
   return out.finish();
 }
 

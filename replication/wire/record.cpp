@@ -337,6 +337,11 @@ bool take_steps(BitReader& in, int position_log2, const Present& present, Motion
   return present.level == is_level(m) && present.upright == is_upright(m);
 }
 
+bool take(BitReader& in, SimTime at, Drive& drive) {
+  return take_exact(in, drive.acceleration) && acceptable(drive.acceleration) && take_time(in, at, drive.since) &&
+         drive.since <= at;
+}
+
 bool take(BitReader& in, SimTime base, UpdateRecord& u) {
   const std::uint64_t kind = in.get(kKind_bits);
   u.model.kind = static_cast<MotionKind>(kind % kCarried);
@@ -344,7 +349,7 @@ bool take(BitReader& in, SimTime base, UpdateRecord& u) {
   const std::uint64_t step = in.get(kStep_bits);
   const bool later = in.get(1) != 0, decided = in.get(1) != 0;
   const bool turned = in.get(1) != 0, spins_up = in.get(1) != 0;
-  const bool level = in.get(1) != 0, upright = in.get(1) != 0;
+  const bool level = in.get(1) != 0, upright = in.get(1) != 0, borne = in.get(1) != 0;
   if (!take_object(in, u.object) || !take_varint(in, u.sequence) || u.sequence == 0) return false;
   if (kind > kCarried && !take_object(in, u.carrier.emplace())) return false;
   u.at = base;
@@ -355,6 +360,7 @@ bool take(BitReader& in, SimTime base, UpdateRecord& u) {
   if ((level || upright) && !u.position_step_log2) return false;
   const bool taken =
       u.position_step_log2 ? take_steps(in, *u.position_step_log2, present, u.model) : take_exact(in, present, u.model);
+  if (borne && !take(in, u.at, u.drive.emplace())) return false;
   return taken && in.good() && in.padded_with_zeros() && acceptable(u.model.state) && within_limits(u.model);
 }
 
@@ -408,12 +414,18 @@ std::size_t encode_record(const UpdateRecord& u, SimTime base, std::span<std::by
   const Form form = u.position_step_log2 ? form_of(u.model.kind, is_level(u.model), is_upright(u.model)) : Form{};
   out.put(form.moves ? 1 : 0, 1);
   out.put(form.turns ? 1 : 0, 1);
+  out.put(u.drive ? 1 : 0, 1);
   put_object(out, u.object);
   put_varint(out, u.sequence);
   if (u.carrier) put_object(out, *u.carrier);
   if (later) put_time(out, base, u.at);
   if (decided) put_time(out, u.at, u.decision);
   u.position_step_log2 ? put_steps(out, u.model, *u.position_step_log2, form) : put_exact(out, u.model);
+  if (u.drive) {
+    assert(u.drive->since <= u.at);
+    put_exact(out, u.drive->acceleration);
+    put_time(out, u.at, u.drive->since);
+  }
   return out.finish();
 }
 

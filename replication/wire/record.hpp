@@ -47,7 +47,7 @@ inline constexpr int kStepLeast_log2 = -23, kStepMost_log2 = -9;
 [[nodiscard]] UpdateRecord quantised(const UpdateRecord& record, const Tolerance& tolerance);
 
 // The size of an exact record with everything in it, and 10 bytes for each time.
-inline constexpr std::size_t kRecordMax_bytes = 256;
+inline constexpr std::size_t kRecordMax_bytes = 288;
 
 // Writes the bytes of a record and returns their number. Times count from `base`. A record that names a step must be
 // quantised().

@@ -21,6 +21,13 @@ using Bytes = std::vector<std::byte>;
 
 // The messages that travel, as the rest of this folder sees them. proto/README.md specifies the bytes and limits.
 
+// What drives an object that others bear or push: the acceleration that it would have without them, and the instant
+// since which its owner has given it that one.
+struct Drive {
+  Vec3 acceleration = Vec3::Zero();  // [m/s^2], in the frame of the update that states it
+  SimTime since{};                   // not later than the update
+};
+
 // A dead-reckoning update: from `at` on, `object` moves as `model` says.
 struct UpdateRecord {
   ObjectId object;
@@ -36,14 +43,14 @@ struct UpdateRecord {
   // The carrier in whose frame the model is, a node above the object; none: the world. A sender that does not know yet
   // that something moves there names a frame further out.
   std::optional<ObjectId> carrier{};
+  // Others bear or push the object, and the model's acceleration is what they leave of this one. None: nothing does.
+  std::optional<Drive> drive{};
 };
 
 // The policy by which the sender was to decide; kId also for a decision by fallback, when nobody else had decided.
 using DecisionRule = DecisionPolicy;
 
-// The outcome of a collision, stated by the peer that decides it. A second copy changes nothing. Where the
-// two rest against each other afterwards, the states before hold the accelerations that the two have while nothing
-// bears them.
+// The outcome of a collision, stated by the peer that decides it. A second copy changes nothing.
 struct DecisionRecord {
   ObjectId collider, collidee;
   SimTime contact{};
@@ -52,6 +59,11 @@ struct DecisionRecord {
   KinematicState collider_after, collidee_after;
   DecisionRule rule = DecisionRule::kId;
   SimTime known{};  // contact time of the last decision on this pair that the sender knew; none: SimTime{}
+  // The two rest against each other from the contact on. Each receiver solves that contact by itself.
+  bool rests = false;
+  // For two that rest: the accelerations that they would have if nothing bore them [m/s^2, world frame]. None: the
+  // acceleration before the contact.
+  std::optional<Vec3> collider_free{}, collidee_free{};
 };
 
 // A note in a hello: a contact of two peers' objects that the sender has found.

@@ -77,6 +77,11 @@ Message farewell() {
   s.orientation = Quat(0.5, -0.5, 0.5, -0.5);
   s.angular_velocity_body = Vec3(0, 1e4, 0);
   d.collider_before = d.collidee_after = s;
+  m.decisions.push_back(d);
+  m.decisions.back().contact += std::chrono::seconds(1);
+  m.decisions.back().rests = true;
+  m.decisions.back().collider_free = Vec3(2, 0, -9.81);
+  m.decisions.back().collidee_free = Vec3(-1.0 / 3.0, 5, 1e-7);
   m.scene.since = SimTime{Duration{-3}};
   UpdateRecord& rests = m.scene.states.emplace_back();
   rests.object = ObjectId{9, 5};
@@ -142,6 +147,7 @@ Message of_ghosts() {
     state.at = at + std::chrono::nanoseconds(1);
     if (i % 2 == 0) state.decision = at - std::chrono::seconds(1);
     state.model.state.position = Vec3(1.0 / 3.0, i, 0);
+    if (i % 3 == 0) state.drive = Drive{Vec3(0, -9.81, 1.0 / i), state.at - std::chrono::seconds(i)};
   }
   m.ghost_reports = {{ObjectId{2, 2'000'000'000}, 0.1f}, {ObjectId{1}, 0.0f}, {ObjectId{7}, 1e6f}};
   return m;

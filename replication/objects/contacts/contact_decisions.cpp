@@ -36,23 +36,10 @@ constexpr int kRepeatedOfPair = 64;
 // The most decisions of one peer on one pair that are remembered: twice as many as there can be in kRememberedFor.
 constexpr std::size_t kOfPairMax = 4000;
 
-// Returns how the object rests against the other one after the decision; none: the two part, or go on as they are. The
-// states *before* in a decision on a resting contact hold the accelerations of the two where nothing bears them.
-std::optional<Rest> rest_of(const WorldModel& model, const DecisionRecord& d, ObjectId object) {
-  for (const ObjectId each : {d.collider, d.collidee}) {
-    const CollisionResponse* const response = model.response_of(each);
-    if (response != nullptr && response->type == ResponseType::kZero)
-      return std::nullopt;  // nothing drives it any more
-  }
-  const double parting = d.normal.dot(d.collider_after.velocity - d.collidee_after.velocity);
-  const double came = (d.collider_before.velocity - d.collidee_before.velocity).norm();
-  if (parting < -kRounding * came) return std::nullopt;
-  const double pressing = d.normal.dot(d.collider_before.acceleration - d.collidee_before.acceleration);
-  if (!comes_to_rest(std::max(parting, 0.0), pressing)) return std::nullopt;
-  const bool is_collider = object == d.collider;
-  const Vec3 &a = d.collider_before.acceleration, &b = d.collidee_before.acceleration;
-  return Rest{is_collider ? d.collidee : d.collider, is_collider ? d.normal : Vec3(-d.normal), is_collider ? a : b,
-              is_collider ? b : a};
+// Whether nothing drives the object any more once it has met something.
+bool stops_for_good(const WorldModel& model, ObjectId object) {
+  const CollisionResponse* const response = model.response_of(object);
+  return response != nullptr && response->type == ResponseType::kZero;
 }
 
 // Another interest in the pair may name the two the other way round.
@@ -60,6 +47,24 @@ bool has_outcome(const DecisionRecord& d, const ContactEvent& c) {
   const bool same_way = d.collider == c.collider;
   return d.collider_after == (same_way ? c.collider_after : c.collidee_after) &&
          d.collidee_after == (same_way ? c.collidee_after : c.collider_after);
+}
+
+// Whether a decision that is made now on a contact of that time reaches all peers in time.
+bool reaches_all_in_time(const TickGrid& ticks, SimTime contact) {
+  return contact >= ticks.last_time() - kDecidedWithin;
+}
+
+// Whether every peer of the session has the decision, as far as they say.
+bool is_acknowledged_by_all(const Membership& members, const DecisionLog::Entry& own) {
+  return std::ranges::all_of(members.all(), [&](const auto& member) {
+    // In a large session some are heard that do not hear this peer.
+    if (members.is_large() && !member.second.echo.echoes_us) return true;
+    return !member.second.synchronised || own.acknowledged_by.contains(member.first);
+  });
+}
+
+void forget_rests_of(ObjectId object, std::set<std::pair<ObjectId, ObjectId>>& resting) {
+  std::erase_if(resting, [&](const auto& two) { return two.first == object || two.second == object; });
 }
 
 }  // namespace
@@ -75,6 +80,7 @@ ContactDecisions::ContactDecisions(const PeerConfig& config, const ModelInForce&
       scene_(scene),
       own_(own),
       replica_(replica),
+      drives_(owners, replica),
       display_(display),
       ticks_(ticks),
       outbox_(outbox),
@@ -108,22 +114,34 @@ bool ContactDecisions::searches_contacts_of(ObjectId a, ObjectId b) const {
   return mine || config_.is_decision_server();
 }
 
+// Whether one of the two is this peer's, and the other one's owner alone looks for their contacts.
+bool ContactDecisions::leaves_contacts_of(ObjectId a, ObjectId b) const {
+  return (own_.contains(a) || own_.contains(b)) && owners_.have_two(a, b) && !searches_contacts_of(a, b);
+}
+
 // The truth watches what this peer finds. Ghosts are watched wherever they may meet something, own ones included: the
 // sender must know what every receiver predicts, or a predicted collision would cost an update. Objects that this peer
 // does not receive meet nothing.
 void ContactDecisions::watch(std::span<const std::uint32_t> pairs) {
   if (!replica_.begun()) return;
   std::map<ObjectId, bool> partners;
-  // A remote object whose collisions with own ones this peer finds, or with any as the server.
+  // A remote object whose collisions with own ones this peer finds, or with any as the server, or that rests against an
+  // own one.
   const auto is_partner = [&](ObjectId object) {
     const auto [at, is_new] = partners.try_emplace(object, false);
     if (is_new && !own_.contains(object) && owners_.of(object) != kNobody) {
       at->second = std::ranges::any_of(model_->pairs_of(object), [&](std::uint32_t number) {
-        return searches_contacts_of(model_->pairs[number].collider, model_->pairs[number].collidee);
+        const CollisionPair& pair = model_->pairs[number];
+        return searches_contacts_of(pair.collider, pair.collidee) ||
+               resting_.contains(std::minmax(pair.collider, pair.collidee));
       });
     }
     return at->second;
   };
+  for (const std::uint32_t number : pairs) {
+    const CollisionPair& pair = model_->pairs[number];
+    if (!leaves_contacts_of(pair.collider, pair.collidee)) resting_.erase(std::minmax(pair.collider, pair.collidee));
+  }
   for (const std::uint32_t number : pairs) {
     assert(number < model_->pairs.size());
     const CollisionPair& pair = model_->pairs[number];
@@ -194,22 +212,17 @@ PeerId ContactDecisions::choose_decider(ObjectId a, ObjectId b, SimTime contact)
                  here ? server : kNobody);
 }
 
-// Whether a decision that is made now on a contact of that time reaches all peers in time.
-bool ContactDecisions::reaches_all_in_time(SimTime contact) const {
-  return contact >= ticks_.last_time() - kDecidedWithin;
-}
-
 // A contact of two other peers' objects is nothing but a prediction.
 ContactAuthority ContactDecisions::authority(ObjectId a, ObjectId b, SimTime contact) const {
   const bool mine = own_.contains(a) || own_.contains(b);
   if (mine && (is_free_scene_object(a) || is_free_scene_object(b))) {
-    return reaches_all_in_time(contact) ? ContactAuthority::kAsPublished : ContactAuthority::kDeferred;
+    return reaches_all_in_time(ticks_, contact) ? ContactAuthority::kAsPublished : ContactAuthority::kDeferred;
   }
   if (!owners_.have_two(a, b)) return ContactAuthority::kAsPublished;
   if (!searches_contacts_of(a, b)) {
     return resting_.contains(std::minmax(a, b)) ? ContactAuthority::kDeferred : ContactAuthority::kAsPublished;
   }
-  if (!reaches_all_in_time(contact)) return ContactAuthority::kDeferred;
+  if (!reaches_all_in_time(ticks_, contact)) return ContactAuthority::kDeferred;
   if (config_.decisions.policy == DecisionPolicy::kId) return ContactAuthority::kLocal;
   return choose_decider(a, b, contact) == config_.id ? ContactAuthority::kLocal : ContactAuthority::kDeferred;
 }
@@ -238,12 +251,43 @@ DecisionRecord ContactDecisions::record_of(const ContactEvent& c, DecisionRule r
                    c.collidee_after,
                    rule,
                    log_.last(c.collider, c.collidee)};
-  const bool of_two_owners = owners_.have_two(c.collider, c.collidee);
-  if (c.rests && of_two_owners && acceptable(c.collider_free) && acceptable(c.collidee_free)) {  // rest_of() reads them
-    d.collider_before.acceleration = c.collider_free;
-    d.collidee_before.acceleration = c.collidee_free;
-  }
+  d.rests = c.rests && acceptable(c.collider_free) && acceptable(c.collidee_free) &&
+            !stops_for_good(*model_, c.collider) && !stops_for_good(*model_, c.collidee);
+  if (!d.rests) return d;
+  if (c.collider_free != d.collider_before.acceleration) d.collider_free = c.collider_free;
+  if (c.collidee_free != d.collidee_before.acceleration) d.collidee_free = c.collidee_free;
   return d;
+}
+
+// ---- what drives objects that rest (resting_drives.hpp) ----
+
+void ContactDecisions::on_drive(const UpdateRecord& u) {
+  const std::optional<Drive> drive = drives_.in(u);
+  if (!drive || model_->pairs_of(u.object).empty()) return;
+  const bool owned = own_.contains(u.object);
+  const auto lay_again = [&](ObjectId object, SimTime from) {
+    owned ? replay_ghost(object, from) : rebase(object, from);
+    const OwnObject* own = own_.find(object);
+    if (!owned && own != nullptr && own->last_sent) own_.republish(object);
+  };
+  bool changed = false;
+  for (const DecisionLog::Entry& e : log_.entries()) {
+    const DecisionRecord& d = e.record;
+    if (!e.in_force || !d.rests || d.contact < drive->since) continue;
+    if (d.collider != u.object && d.collidee != u.object) continue;
+    if (drives_.after(d, e.author, u.object) == drives_.after(d, e.author, u.object, u.sequence)) continue;
+    for (const ObjectId object : {d.collider, d.collidee}) {
+      if (binds(d, object)) lay_again(object, d.contact);
+    }
+    changed = true;
+  }
+  // An update between that one and the change is lost.
+  if (!changed && u.drive && drive->since < u.at) {
+    const std::optional<Vec3> known = drives_.published(u.object, u.at, u.sequence);
+    changed = known && *known != drive->acceleration;
+    if (changed) lay_again(u.object, drive->since);
+  }
+  if (changed && !owned) replica_.catch_up_truth();
 }
 
 std::vector<DecisionLog::Change> ContactDecisions::add_own(const DecisionRecord& d, CollisionType type) {
@@ -308,7 +352,7 @@ void ContactDecisions::defer(const ContactEvent& c) {
   if (resting_.contains(std::minmax(c.collider, c.collidee))) return;  // the other owner finds it, and decides
   const SimTime decided = log_.last(c.collider, c.collidee);
   if (decided >= c.at && decided <= c.at + DecisionLog::kSameCollision) return;
-  if (!reaches_all_in_time(c.at)) {
+  if (!reaches_all_in_time(ticks_, c.at)) {
     ++counters_.contacts_too_late;
     return;
   }
@@ -344,7 +388,7 @@ void ContactDecisions::decide_by_fallback(const ContactEvent& c, SimTime known_a
     return h.contact.at == c.at && h.contact.collider == c.collider && h.contact.collidee == c.collidee;
   });
   if (!config_.decisions.fallback || !owners_.have_two(c.collider, c.collidee)) return;
-  if (!reaches_all_in_time(c.at)) {
+  if (!reaches_all_in_time(ticks_, c.at)) {
     ++counters_.contacts_too_late;
     return;
   }
@@ -457,18 +501,19 @@ void ContactDecisions::apply(const std::vector<DecisionLog::Change>& changes, Si
   (void)name_owners(changes);
   for (const DecisionLog::Change& change : changes) {
     const DecisionRecord& d = change.record;
-    // By the policy `id` only one owner looks for contacts of the two. The other one has to solve a resting one as
-    // well.
-    const bool mine = own_.contains(d.collider) || own_.contains(d.collidee);
-    if (mine && owners_.have_two(d.collider, d.collidee) && !searches_contacts_of(d.collider, d.collidee)) {
+    // By the policy `id` one owner does not look for contacts of the two. It has to solve a resting one all the same.
+    if (leaves_contacts_of(d.collider, d.collidee)) {
       const auto known = std::views::reverse(log_.entries());
       const auto last = std::ranges::find_if(
           known, [&](const DecisionLog::Entry& e) { return e.in_force && of_pair(e.record, d.collider, d.collidee); });
       const bool here = replica_.receives(d.collider) && replica_.receives(d.collidee);
-      const bool rests = here && last != known.end() && rest_of(*model_, last->record, d.collider);
+      const bool rests = here && last != known.end() && last->record.rests;
       const std::pair<ObjectId, ObjectId> two = std::minmax(d.collider, d.collidee);
-      if (rests != resting_.contains(two)) replica_.truth().watch(d.collider, d.collidee, rests);
-      rests ? void(resting_.insert(two)) : void(resting_.erase(two));
+      if (rests != resting_.contains(two)) {
+        rests ? void(resting_.insert(two)) : void(resting_.erase(two));
+        // What bears or pushes the other one counts here, too.
+        for (const ObjectId object : {d.collider, d.collidee}) watch(model_->pairs_of(object));
+      }
     }
     if (change.in_force) {
       apply(d, change.author, known_at);
@@ -570,8 +615,9 @@ void ContactDecisions::rebase(ObjectId object, SimTime from) {
 void ContactDecisions::replay(ObjectId object, SimTime from, bool in_truth) {
   const OwnObject* own = own_.find(object);
   const bool owned = own != nullptr, moved_by_physics = owned && !own->driven;
-  const auto lay = [&](SimTime t, const MotionModel& model, const std::optional<Rest>& rest = {}) {
-    replica_.set_ghost(object, t, model, owned || !in_truth, rest);
+  const auto lay = [&](SimTime t, const std::optional<MotionModel>& model, const std::optional<Rest>& rest = {},
+                       const std::optional<Vec3>& free = {}) {
+    replica_.set_ghost(object, t, model, owned || !in_truth, rest, free);
   };
   replica_.note_change_ahead(object);
   replica_.ghosts().forget_bases(object, from);
@@ -579,10 +625,16 @@ void ContactDecisions::replay(ObjectId object, SimTime from, bool in_truth) {
   std::ranges::copy_if(replica_.kept_updates(object), std::back_inserter(updates),
                        [&](const UpdateRecord& update) { return update.at >= from; });
   auto next = updates.begin();
-  SimTime decided = last_binding(object, from - Duration{1});
+  SimTime decided = last_binding(object, from - Duration{1}), laid = from - Duration{1};
   const auto lay_updates_until = [&](SimTime end) {
     for (; next != updates.end() && next->at < end; ++next) {
-      if (counts(*next, decided)) lay(next->at, replica_.in_own_frame(*next));
+      if (!counts(*next, decided)) continue;
+      const Base base = replica_.base_of(*next);
+      if (base.free && next->drive->since > laid && next->drive->since < next->at) {
+        lay(next->drive->since, std::nullopt, {}, base.free);
+      }
+      lay(base.at, base.model, {}, base.free);
+      laid = next->at;
     }
   };
   SimTime last = from;
@@ -594,29 +646,20 @@ void ContactDecisions::replay(ObjectId object, SimTime from, bool in_truth) {
     if (!model_->is_answered(d.collider, d.collidee)) continue;
     const KinematicState& after = d.collider == object ? d.collider_after : d.collidee_after;
     MotionWorld& truth = replica_.truth();
-    const std::optional<Rest> rest = rest_of(*model_, d, object);
+    const std::optional<Rest> rest = drives_.rest_of(e, object);
     if (in_truth && moved_by_physics) {
       truth.set_base(object, d.contact, outcome_in(truth, object, d.contact, after), rest);
     }
     lay(d.contact, outcome_in(replica_.ghosts(), object, d.contact, after), rest);
-    last = d.contact;
+    last = laid = d.contact;
   }
   if (is_free_scene_object(object) && scene_.at(object).freed >= last) {
     const SceneObject& freed = scene_.at(object);
     const UpdateRecord state{object, freed.sequence, freed.freed, freed.model, freed.decided, {}, freed.carrier};
-    lay(freed.freed, replica_.in_own_frame(state));
+    lay(freed.freed, replica_.base_of(state).model);
     return;
   }
   lay_updates_until(SimTime::max());
-}
-
-// Whether every peer of the session has the decision, as far as they say.
-bool ContactDecisions::is_acknowledged_by_all(const DecisionLog::Entry& own) const {
-  return std::ranges::all_of(members_.all(), [&](const auto& member) {
-    // In a large session some are heard that do not hear this peer.
-    if (members_.is_large() && !member.second.echo.echoes_us) return true;
-    return !member.second.synchronised || own.acknowledged_by.contains(member.first);
-  });
 }
 
 void ContactDecisions::on_acknowledgement(PeerId sender, const Acknowledgement& acknowledgement) {
@@ -655,7 +698,7 @@ void ContactDecisions::repeat_unacknowledged() {
   for (auto entry = log_.entries().rbegin(); entry != log_.entries().rend(); ++entry) {
     if (entry->author != config_.id || !entry->in_force || entry->record.contact > answered) continue;
     if (newer[std::minmax(entry->record.collider, entry->record.collidee)]++ >= kRepeatedOfPair) continue;
-    if (!is_acknowledged_by_all(*entry)) repeat(*entry);
+    if (!is_acknowledged_by_all(members_, *entry)) repeat(*entry);
   }
 }
 
@@ -675,7 +718,7 @@ std::vector<ContactNote> ContactDecisions::notes() const {
   const SimTime since = replica_.begun() ? ticks_.last_time() - kAnnouncedFor : SimTime{};
   for (auto entry = log_.entries().rbegin(); entry != log_.entries().rend(); ++entry) {
     const DecisionRecord& d = entry->record;
-    if (entry->author != config_.id || d.contact < since || is_acknowledged_by_all(*entry)) continue;
+    if (entry->author != config_.id || d.contact < since || is_acknowledged_by_all(members_, *entry)) continue;
     if (notes.size() == kNotesMax) break;
     notes.push_back({d.collider, d.collidee, d.contact, false});
   }
@@ -695,13 +738,23 @@ void ContactDecisions::remove(ObjectId object) {
                 [&](const Deferred& d) { return d.contact.collider == object || d.contact.collidee == object; });
   log_.forget(object);
   life_since_.erase(object);
-  std::erase_if(resting_, [&](const auto& two) { return two.first == object || two.second == object; });
+  forget_rests_of(object, resting_);
+}
+
+void ContactDecisions::end_life_of(ObjectId object, SimTime t) {
+  life_since_[object] = t;
+  forget_rests_of(object, resting_);
+}
+
+void ContactDecisions::forget(ObjectId object, SimTime t) {
+  log_.forget(object);
+  end_life_of(object, t);
 }
 
 void ContactDecisions::restart(bool same_session) {
   deferred_.clear();
-  resting_.clear();
   if (same_session) return;
+  resting_.clear();
   log_.clear();
   life_since_.clear();
   last_found_.clear();

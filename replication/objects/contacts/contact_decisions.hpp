@@ -14,6 +14,7 @@
 #include "core/time.hpp"
 #include "replication/objects/contacts/decision.hpp"
 #include "replication/objects/contacts/decision_log.hpp"
+#include "replication/objects/contacts/resting_drives.hpp"
 #include "replication/objects/replica/display.hpp"
 #include "replication/objects/replica/own_objects.hpp"
 #include "replication/objects/replica/owners.hpp"
@@ -84,6 +85,10 @@ class ContactDecisions {
   // The datagrams of this peer are numbered anew: what they have carried is not acknowledged by them any more.
   void forget_numbers();
 
+  // An update that is kept (Replica), of any object, may say what drove it at a resting contact that has been decided,
+  // or since: both worlds go on by that; of an own object, the ghosts.
+  void on_drive(const UpdateRecord& update);
+
   // Whether one of the two is a scene object.
   [[nodiscard]] bool is_of_scene(const DecisionRecord& d) const;
 
@@ -118,12 +123,9 @@ class ContactDecisions {
   void restart(bool same_session);
   // The object's owner has left or started anew: decisions on its contacts of before t concern no later life of it. One
   // that was only silent comes back with the life it had.
-  void end_life_of(ObjectId object, SimTime t) { life_since_[object] = t; }
+  void end_life_of(ObjectId object, SimTime t);
   // The object was taken for a scene object until t: what was decided on it is void.
-  void forget(ObjectId object, SimTime t) {
-    end_life_of(object, t);
-    log_.forget(object);
-  }
+  void forget(ObjectId object, SimTime t);
 
   // The object is no more: nothing is decided on it.
   void remove(ObjectId object);
@@ -142,6 +144,7 @@ class ContactDecisions {
   [[nodiscard]] bool binds(const DecisionRecord& decision, ObjectId object) const;
   [[nodiscard]] bool may_have_decided(PeerId peer, const DecisionRecord& decision) const;
   [[nodiscard]] bool searches_contacts_of(ObjectId a, ObjectId b) const;
+  [[nodiscard]] bool leaves_contacts_of(ObjectId a, ObjectId b) const;
   [[nodiscard]] bool is_free_scene_object(ObjectId object) const {
     return scene_.contains(object) && owners_.of(object) == kNobody;
   }
@@ -149,7 +152,6 @@ class ContactDecisions {
   [[nodiscard]] WorldBox box_of_end(ObjectId object, SimTime at) const;
   [[nodiscard]] PeerId choose_decider(ObjectId a, ObjectId b, SimTime contact) const;
   [[nodiscard]] Contender contender(ObjectId object, SimTime at, std::span<const WorldBox> meeting) const;
-  [[nodiscard]] bool reaches_all_in_time(SimTime contact) const;
   [[nodiscard]] bool may_have_missed_our_update(PeerId peer, const ContactEvent& contact) const;
   void decide_by_fallback(const ContactEvent& contact, SimTime known_at);
   [[nodiscard]] ContactEvent within_wire_limits(ContactEvent contact);
@@ -164,7 +166,6 @@ class ContactDecisions {
   void rebase(ObjectId object, SimTime from);
   void replay(ObjectId object, SimTime from, bool in_truth);
   void repeat(DecisionLog::Entry& own);
-  [[nodiscard]] bool is_acknowledged_by_all(const DecisionLog::Entry& own) const;
 
   const PeerConfig& config_;
   const ModelInForce& model_;
@@ -173,6 +174,7 @@ class ContactDecisions {
   const SceneObjects& scene_;
   OwnObjects& own_;
   Replica& replica_;
+  RestingDrives drives_;
   Display& display_;
   const TickGrid& ticks_;
   Outbox& outbox_;
@@ -180,7 +182,8 @@ class ContactDecisions {
   OnDecided on_decided_;
   DecisionLog log_;
   std::vector<Deferred> deferred_;
-  // Pairs of which the other owner decides contacts, and that rest against each other: the lower and the higher object.
+  // Pairs of which the other owner alone looks for contacts (leaves_contacts_of), and that rest against each other by
+  // its last decision: the lower and the higher object.
   std::set<std::pair<ObjectId, ObjectId>> resting_;
   // The last contact that was found of each interest, of pairs with several; by the lower and the higher object.
   std::map<std::tuple<ObjectId, ObjectId, CollisionType>, SimTime> last_found_;

@@ -23,6 +23,7 @@ void Launches::launch(SimTime t, ObjectId object, const FileVelocity& file_veloc
   state.acceleration = truth.vector_in_carrier(object, t, launch.acceleration);
   state.angular_velocity_body = truth.at(object, t).orientation.conjugate() * launch.angular_velocity;
   replica_.truth().set_free_acceleration(object, launch.acceleration);
+  own_.at(object).driven_since = t;
   replica_.truth().set_base(object, t, law_after(model_->response_of(object), MotionModel{}, state));
 }
 
@@ -61,6 +62,7 @@ void Launches::let_go(SimTime t, ObjectId object, const KinematicState& world) {
   assert(state.position.allFinite() && state.velocity.allFinite());
   const Vec3 free = truth.free_acceleration(object).value_or(Vec3::Zero());
   state.acceleration = truth.vector_in_carrier(object, t, free);
+  own_.at(object).driven_since = t;
   truth.set_base(object, t, law_after(model_->response_of(object), MotionModel{}, state));
   scheduled_.erase(object);
   unpublished_[object] = t;

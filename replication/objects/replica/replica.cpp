@@ -59,20 +59,26 @@ std::vector<MovingObjects::Placed> Replica::change_scene(const WorldModel& next,
   return worlds_->truth.change_scene(next, {at, is_moved, role_in_truth});
 }
 
-MotionModel Replica::in_own_frame(const UpdateRecord& update) {
-  if (model_->carrier_of(update.object) == update.carrier || !ghosts().has(update.object)) return update.model;
+Base Replica::base_of(const UpdateRecord& update) {
+  Base base{update.at, update.model};
+  if (update.drive) {
+    const Vec3& free = update.drive->acceleration;
+    base.free = update.carrier ? Vec3(ghost(*update.carrier, update.at).orientation * free) : free;
+  }
+  if (model_->carrier_of(update.object) == update.carrier || !ghosts().has(update.object)) return base;
   compute_ghost(update.object);
   if (update.carrier) compute_ghost(*update.carrier);
   const KinematicState& state = update.model.state;
   const KinematicState world = update.carrier ? composed(ghost(*update.carrier, update.at), state) : state;
-  return ghosts().in_carrier(update.object, update.at, world);
+  base.model = ghosts().in_carrier(update.object, update.at, world);
+  return base;
 }
 
-void Replica::set_ghost(ObjectId object, SimTime t, const MotionModel& model, bool owned,
-                        const std::optional<Rest>& rest) {
+void Replica::set_ghost(ObjectId object, SimTime t, const std::optional<MotionModel>& model, bool owned,
+                        const std::optional<Rest>& rest, const std::optional<Vec3>& free) {
   note_change_ahead(object);
-  ghosts().set_base(object, t, model, rest);
-  if (!owned && truth().has(object)) truth().set_base(object, t, model, rest);
+  ghosts().set_base(object, t, model, rest, free);
+  if (!owned && truth().has(object)) truth().set_base(object, t, model, rest, free);
 }
 
 void Replica::note_changes() {

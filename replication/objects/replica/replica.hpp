@@ -156,14 +156,14 @@ class Replica {
 
   // The motion that an update says, in the frame of the object's carrier here. A sender that does not know of that
   // carrier yet names another frame: of its law, its state counts.
-  [[nodiscard]] MotionModel in_own_frame(const UpdateRecord& update);
+  [[nodiscard]] Base base_of(const UpdateRecord& update);
   // The places of flexible parts; null where nothing flexes.
   [[nodiscard]] FlexibleParts* flexible() const { return flexible_.get(); }
 
-  // Sets the motion that all peers predict for the object from t on, in the frame of its carrier. The truth follows
-  // unless the object is owned here.
-  void set_ghost(ObjectId object, SimTime t, const MotionModel& model, bool owned,
-                 const std::optional<Rest>& rest = {});
+  // Sets the motion that all peers predict for the object from t on, in the frame of its carrier, or what drives it
+  // (MotionWorld::set_base). The truth follows unless the object is owned here.
+  void set_ghost(ObjectId object, SimTime t, const std::optional<MotionModel>& model, bool owned,
+                 const std::optional<Rest>& rest = {}, const std::optional<Vec3>& free = {});
   // The role of an object that is not owned here. One that nothing can meet is in the ghosts alone, and has no place
   // there before this peer receives it for the first time.
   void declare_remote(ObjectId object, Role role);

@@ -303,6 +303,15 @@ void Publication::publish_at_once(SimTime t, std::span<const OwnSample* const> s
   }
 }
 
+// What drives an object that others bear. Receivers go back no further than kWorldHistory.
+std::optional<Drive> Publication::drive_of(ObjectId object, const OwnObject& own, SimTime at) const {
+  const MotionWorld& truth = replica_.truth();
+  if (own.driven || !truth.is_borne(object)) return std::nullopt;
+  const Vec3 free = truth.vector_in_carrier(object, at, truth.unborne_acceleration(object, at));
+  if (!acceptable(free)) return std::nullopt;
+  return Drive{free, std::clamp(own.driven_since.value_or(at), at - kWorldHistory, at)};
+}
+
 // The update goes out at t and is of `at`, not after it. What physics moves names its law as it is and goes on from
 // what was published: its truth and all its ghosts are one motion, to the last bit. Contact times are whole
 // nanoseconds, and the same motion, rounded at another instant, may meet a wall in another one.
@@ -338,15 +347,23 @@ std::size_t Publication::publish_update(ObjectId object, OwnObject& own, SimTime
   const Tolerance tolerance =
       own.driven ? rounding_tolerance(policy, threshold_m, own.bounding_radius_m, model.kind, expected_error_m)
                  : Tolerance{};
-  const EncodedUpdate& due = updates_due_.emplace_back(
-      quantised(
-          {object, ++own.sequence, at, model, decisions_.last_on(object), {}, replica_.model().carrier_of(object)},
-          tolerance),
-      t);
+  const EncodedUpdate& due = updates_due_.emplace_back(quantised({object,
+                                                                  ++own.sequence,
+                                                                  at,
+                                                                  model,
+                                                                  decisions_.last_on(object),
+                                                                  {},
+                                                                  replica_.model().carrier_of(object),
+                                                                  drive_of(object, own, at)},
+                                                                 tolerance),
+                                                       t);
   const UpdateRecord& record = due.record();
-  if (exact && at == t) replica_.truth().set_base(object, t, record.model);
-  replica_.ghosts().set_base(object, at, record.model);
+  // A law that begins at t is what is published; laid again, it would take back what others answered to it at t.
+  const bool is_new = replica_.truth().law_since(object, t) == t;
+  if (exact && at == t && !is_new) replica_.truth().set_base(object, t, record.model);
+  replica_.ghosts().set_base(object, at, record.model, {}, replica_.base_of(record).free);
   replica_.keep_update(record);
+  decisions_.on_drive(record);
   const std::size_t size_bytes = due.bytes().size();
   ++counters_.updates_out;
   counters_.update_bytes_out += size_bytes;

@@ -87,6 +87,7 @@ class Publication {
   [[nodiscard]] SimTime next_check(ObjectId object, const OwnObject& own, SimTime t, const KinematicState& truth,
                                    const GhostError& error) const;
   [[nodiscard]] bool published_since_tick(const OwnObject& own) const;
+  [[nodiscard]] std::optional<Drive> drive_of(ObjectId object, const OwnObject& own, SimTime at) const;
   std::size_t publish_update(ObjectId object, OwnObject& own, SimTime at, SimTime t, PublishReason reason,
                              double threshold_m);
   void flush_region(RegionId region, std::span<const Handover> handovers, std::span<EncodedUpdate> updates,

@@ -17,8 +17,8 @@ struct ContactEvent {
   Vec3 normal = Vec3::Zero();  // in the world frame: world.md says of what; facing the collider
   KinematicState collider_before, collidee_before, collider_after, collidee_after;
   CollisionType type = CollisionType::kWitness;  // of the interest
-  bool rests = false;                            // the two rest against each other from then on
-  // The accelerations of the two if nothing bore them [m/s^2, world frame]; given where they rest.
+  bool rests = false;                            // the two rest against each other from then on, or would if deferred
+  // Where the two rest: their accelerations if nothing bore them [m/s^2, world frame].
   Vec3 collider_free = Vec3::Zero(), collidee_free = Vec3::Zero();
   bool deferred = false;  // nobody responded: another peer decides; the states after are what the outcome would be here
   TouchedPolygons polygons{};  // only of what a peer puts out (contact_polygons.hpp)

@@ -251,14 +251,17 @@ void MotionWorld::reopen_flexible(SimTime t) {
   }
 }
 
-void MotionWorld::set_base(ObjectId object, SimTime t, const MotionModel& model, const std::optional<Rest>& rest) {
+void MotionWorld::set_base(ObjectId object, SimTime t, const std::optional<MotionModel>& model,
+                           const std::optional<Rest>& rest, const std::optional<Vec3>& free) {
+  assert((model || free) && (!free || free->allFinite()));
   const std::size_t index = objects_.index_of(object);
   MovingObject& o = objects_[index];
-  const Base base{t, model, rest};
+  if (!model && !may_meet(index)) return;
+  const Base base{t, model, rest, free};
   if (replays_bases_ && may_meet(index)) {
     forget_kept(o.bases, t, advanced_);
     o.bases.push_back(base);
-  } else {
+  } else if (model) {
     o.base_time = t;
   }
   lay_base(index, base);
@@ -273,9 +276,9 @@ bool MotionWorld::may_meet(std::size_t index) const {
 void MotionWorld::lay_base(std::size_t index, const Base& given) {
   MovingObject& o = objects_[index];
   const SimTime t = given.at;
-  const MotionModel& model = given.model;
   ++o.revision;
   if (!may_meet(index)) {
+    const MotionModel& model = *given.model;
     if (o.role == Role::kDriven && objects_.driven_history()) {
       o.timeline.restart(t, model);
       objects_.note_change(index);
@@ -286,6 +289,7 @@ void MotionWorld::lay_base(std::size_t index, const Base& given) {
     return;
   }
   retract_all(index, t);
+  const MotionModel model = given.model ? *given.model : o.timeline.model_at(t);
   const KinematicState before = o.timeline.at(t);
   const bool stays = before.position == model.state.position &&
                      before.orientation.coeffs() == model.state.orientation.coeffs() &&
@@ -295,20 +299,22 @@ void MotionWorld::lay_base(std::size_t index, const Base& given) {
   MotionModel base = model;
   if (!stays) o.borne = false;
   const bool weightless_slide = base.kind == MotionKind::kSliding && o.free.isZero(0.0);
-  if (o.free_is_given && !o.borne && !weightless_slide && !given.rest) {
+  if (o.free_is_given && !o.borne && !weightless_slide && !given.rest && !given.free) {
     base.kind = MotionKind::kSecond;
     base.state.acceleration = objects_.in_frame_of_carrier(index, t, o.free);
   }
   o.timeline.replace_from(t, base, std::nullopt);
   objects_.timeline_changed(index);
   reopen_pairs(index, t, !stays);
-  if (given.rest) {
-    begin_rest(index, t, *given.rest);
-  } else if (stays && std::ranges::any_of(far_.near(index), [&](std::uint32_t i) {
-               return pairs_.contains(i) && pairs_[i].bears_at(t);
-             })) {
+  const auto is_borne = [&] {
+    return std::ranges::any_of(far_.near(index),
+                               [&](std::uint32_t i) { return pairs_.contains(i) && pairs_[i].bears_at(t); });
+  };
+  if (given.rest || (given.free && (given.model || is_borne()))) {
+    begin_rest(index, given);
+  } else if (stays && is_borne()) {
     settling_.objects.push_back({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index)});
-    settle(t);
+    settle(t, true);
   }
 }
 
@@ -333,35 +339,73 @@ void MotionWorld::forget_bases(ObjectId object, SimTime t) {
   reopen_pairs(index, t, true);
 }
 
-// The partner's part of the outcome may be laid later, or have been replaced since.
-void MotionWorld::begin_rest(std::size_t index, SimTime t, const Rest& rest) {
-  if (!objects_.contains(rest.partner)) return;
-  const std::size_t partner = objects_.index_of(rest.partner);
-  const Timeline::Segment& law = objects_[partner].timeline.segment_at(t);
-  if (law.from != t || law.cause) return;
-  bool begins = false;
-  for (const std::uint32_t i : model_->part_pairs_of(index)) {
-    WatchedPair* const pair = pairs_.find(i);
-    if (pair == nullptr || !pair->watched || !pair->is_answered()) continue;
-    const bool is_collider = pair->collider == index;
-    if ((is_collider ? pair->collidee : pair->collider) != partner || !search().touch_at(*pair, t)) continue;
+// By a decision, the object rests against its partner, whose part of the outcome may be laid later, or have been
+// replaced since. By an update, it rests against what it touches and would run into with its free acceleration. The
+// published law is what that leaves of it by what the owner knew; it is solved anew here, except where something around
+// the object has had no base yet: of that nobody knows what drives it.
+void MotionWorld::begin_rest(std::size_t index, const Base& base) {
+  MovingObject& o = objects_[index];
+  const SimTime t = base.at;
+  std::vector<std::pair<std::uint32_t, Vec3>> begins;  // pairs, and the normals along which they bear
+  bool goes_on = false, all_known = true;
+  if (base.rest) {
+    const Rest& rest = *base.rest;
+    if (!objects_.contains(rest.partner)) return;
+    const std::size_t partner = objects_.index_of(rest.partner);
+    const Timeline::Segment& law = objects_[partner].timeline.segment_at(t);
+    if (law.from != t || law.cause) return;
+    for (const std::uint32_t i : model_->part_pairs_of(index)) {
+      const WatchedPair* const pair = pairs_.find(i);
+      if (pair == nullptr || !pair->watched || !pair->is_answered()) continue;
+      const bool is_collider = pair->collider == index;
+      if ((is_collider ? pair->collidee : pair->collider) != partner || !search().touch_at(*pair, t)) continue;
+      begins.emplace_back(i, is_collider ? rest.normal : Vec3(-rest.normal));
+    }
+    if (begins.empty()) return;
+  } else {
+    if (!o.is_answering()) return;
+    const MotionModel as_published = o.timeline.model_at(t);
+    MotionModel unborne = as_published;
+    unborne.kind = MotionKind::kSecond;
+    unborne.state.acceleration = objects_.in_frame_of_carrier(index, t, *base.free);
+    o.timeline.replace_from(t, unborne, std::nullopt);
+    for (const std::uint32_t i : model_->part_pairs_of(index)) {
+      const WatchedPair* const pair = pairs_.find(i);
+      if (pair == nullptr || !pair->watched || !pair->is_answered()) continue;
+      if (pair->bears_at(t) && !pair->lifts) {
+        goes_on = true;
+      } else if (const auto normal = search().normal_of_meeting(*pair, t, kShortestFlight)) {
+        begins.emplace_back(i, *normal);
+        const MovingObject& partner = objects_[pair->collider == index ? pair->collidee : pair->collider];
+        const bool has_base = partner.base_time != start_ || !partner.bases.empty();
+        all_known = all_known && (partner.role != Role::kPredicted || has_base);
+      }
+    }
+    o.timeline.replace_from(t, as_published, std::nullopt);
+  }
+  for (const auto& [i, normal] : begins) {
+    WatchedPair& pair = pairs_[i];
     remember_course(i, t);
-    pair->normal = is_collider ? rest.normal : Vec3(-rest.normal);
-    pair->note_touch(t, true);
-    pair->contact.reset();
-    pair->lifts = pair->inside = false;
-    set_bearing(*pair, t, true);
-    begins = true;
+    pair.normal = normal;
+    pair.note_touch(t, true);
+    pair.contact.reset();
+    pair.lifts = pair.inside = false;
+    set_bearing(pair, t, true);
     reschedule(i);
   }
-  if (!begins) return;
-  for (const auto& [object, free] : {std::pair{index, rest.free}, std::pair{partner, rest.partner_free}}) {
-    MovingObject& o = objects_[object];
-    if (!o.is_answering()) continue;
-    o.free = o.free_is_given ? o.free : free;
-    o.borne = true;
+  const auto drive = [](MovingObject& each, const Vec3& free) {
+    if (!each.is_answering()) return;
+    each.free = each.free_is_given ? each.free : free;
+    each.borne = true;
+  };
+  drive(o, base.rest ? base.rest->free : *base.free);
+  if (base.rest) drive(objects_[objects_.index_of(base.rest->partner)], base.rest->partner_free);
+  if (all_known && (goes_on || !begins.empty())) {
+    settling_.objects.push_back({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index)});
+    settle(t, true);
+  } else {
+    settling_ = {};
   }
-  settle(t);
 }
 
 void MotionWorld::retract_bases(const MovingObject& o, SimTime t) {
@@ -599,9 +643,9 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
   if (answer.authority == ContactAuthority::kDeferred || (!answer.a_responds && !answer.b_responds) ||
       pair.squeezed >= kGivenUp) {
     const bool goes_on = !pair.is_answered() && search().ends_touch_elsewhere(pair, t);
-    pair.contact.reset();
     pair.inside = true;
     if (!goes_on && !lasts) report(pair, t, answer);
+    pair.contact.reset();
     return;
   }
   if (is_squeezed(pair, t)) {
@@ -674,7 +718,7 @@ void MotionWorld::report(const WatchedPair& pair, SimTime t, const ContactAnswer
                      state_as_published(b, answer.after_b),
                      pair.type};
   event.deferred = answer.authority == ContactAuthority::kDeferred;
-  event.rests = pair.bears_at(t);
+  event.rests = pair.bears_at(t) || (event.deferred && comes_to_rest_at(*model_, objects_, pair, answer));
   if (event.rests) {
     event.collider_free = objects_.free_acceleration_of(pair.collider, t);
     event.collidee_free = objects_.free_acceleration_of(pair.collidee, t);
@@ -682,17 +726,20 @@ void MotionWorld::report(const WatchedPair& pair, SimTime t, const ContactAnswer
   events_.push_back(std::move(event));
 }
 
-void MotionWorld::change_motion(std::size_t index, SimTime t, const MotionModel& after_in_world, ObjectId cause) {
+void MotionWorld::change_motion(std::size_t index, SimTime t, const MotionModel& after_in_world, ObjectId cause,
+                                bool in_base) {
   MovingObject& o = objects_[index];
+  const Timeline::Segment& law = o.timeline.segment_at(t);
+  const bool is_base = in_base && law.from == t && !law.cause;
   MotionModel after = after_in_world;
   if (o.carrier != kNone) after = MotionModel(relative_to(objects_.carrier_at(index, t), after_in_world.state));
   if (o.timeline.last_segment().from > t) events_.push_back(ContactsRetracted{o.id, t});
   // Other contacts of the same instant were answered before, and stand.
   retract(index, t + Duration{1});
   if (replays_bases_) forget_bursts(index, t + Duration{1});
-  o.timeline.replace_from(t, after, cause);
+  o.timeline.replace_from(t, after, is_base ? std::nullopt : std::optional(cause));
   retract_bases(o, t + Duration{1});
-  note_answer(index, objects_.index_of(cause), t);
+  if (!is_base) note_answer(index, objects_.index_of(cause), t);
   // A later update is gone from here: it was of another way than the one that is decided here.
   o.base_time = std::min(o.base_time, t);
   objects_.timeline_changed(index);
@@ -907,7 +954,7 @@ void MotionWorld::unsettle_borne_by(std::size_t object, SimTime t) {
   }
 }
 
-void MotionWorld::settle(SimTime t) {
+void MotionWorld::settle(SimTime t, bool in_bases) {
   std::unordered_set<std::uint32_t> known, settled;
   for (std::size_t k = 0; k < settling_.objects.size(); ++k) {  // it grows
     const std::uint32_t object = settling_.objects[k].object;
@@ -921,7 +968,8 @@ void MotionWorld::settle(SimTime t) {
       if (island.objects[i] == kNone) continue;
       settled.insert(island.objects[i]);
       const std::uint32_t from = island.reached_from[i];
-      set_borne_acceleration(island.objects[i], t, island.bodies[i].value, from != kNone ? from : first.cause);
+      set_borne_acceleration(island.objects[i], t, island.bodies[i].value, from != kNone ? from : first.cause,
+                             in_bases);
     }
     note_solved(island, objects_, pairs_, t);
   }
@@ -964,7 +1012,8 @@ ContactIsland MotionWorld::settle_island(std::uint32_t object, SimTime t) {
   }
 }
 
-void MotionWorld::set_borne_acceleration(std::size_t index, SimTime t, Vec3 acceleration, std::size_t cause) {
+void MotionWorld::set_borne_acceleration(std::size_t index, SimTime t, Vec3 acceleration, std::size_t cause,
+                                         bool in_base) {
   MovingObject& o = objects_[index];
   const bool borne = std::ranges::any_of(
       model_->part_pairs_of(index), [&](std::uint32_t pair) { return pairs_.contains(pair) && pairs_[pair].bears; });
@@ -983,7 +1032,7 @@ void MotionWorld::set_borne_acceleration(std::size_t index, SimTime t, Vec3 acce
   const bool impulse = response->type == ResponseType::kImpulse;
   const bool lies = acceleration.isZero(0.0);
   change_motion(index, t, impulse ? law_after(response, lies ? law : MotionModel{}, after) : MotionModel(after),
-                objects_[cause].id);
+                objects_[cause].id, in_base);
 }
 
 void MotionWorld::lift(WatchedPair& pair, SimTime t) {
@@ -1090,11 +1139,6 @@ KinematicState MotionWorld::relative_at(ObjectId object, SimTime t) const {
 KinematicState MotionWorld::in_carrier(ObjectId object, SimTime t, const KinematicState& world) const {
   const std::size_t index = objects_.index_of(object);
   return objects_[index].carrier == kNone ? world : relative_to(objects_.carrier_at(index, t), world);
-}
-
-KinematicState MotionWorld::in_world(ObjectId object, SimTime t, const KinematicState& relative) const {
-  const std::size_t index = objects_.index_of(object);
-  return objects_[index].carrier == kNone ? relative : composed(objects_.carrier_at(index, t), relative);
 }
 
 Vec3 MotionWorld::vector_in_carrier(ObjectId object, SimTime t, const Vec3& world) const {

@@ -120,13 +120,19 @@ class MotionWorld {
 
   // Sets the object's motion from t on, in the frame of its carrier, after an update, a sample or a decision. t may lie
   // in the past: the predictions that followed from the replaced motion are retracted, and the next advance() finds
-  // them anew. What was set for this object from t on is void. With `rest`,
-  // and if the pair is watched, it rests against its partner from t on as soon as both have such a base of t.
-  void set_base(ObjectId object, SimTime t, const MotionModel& model, const std::optional<Rest>& rest = {});
+  // them anew. What was set for this object from t on is void. With `rest` it
+  // rests from t on against its partner, once that has such a base of t, too, if the pair is watched. With `free`
+  // others bear or push the object at t, which has that acceleration where nothing does [m/s^2, world frame]: it rests
+  // from then on against what it touches and would run into. Without `model` the object goes on as it moves at t, and
+  // only `free` is new, if something bears it then.
+  void set_base(ObjectId object, SimTime t, const std::optional<MotionModel>& model,
+                const std::optional<Rest>& rest = {}, const std::optional<Vec3>& free = {});
 
   // The acceleration [m/s^2, world frame] that the object has where nothing bears it: from then on, and in
   // whatever motion set_base() gives it. Without it that of the law under which it came to rest counts.
   void set_free_acceleration(ObjectId object, const Vec3& acceleration);
+  // Whether others bear or push the object now, so that its acceleration is what they leave of its free one.
+  [[nodiscard]] bool is_borne(ObjectId object) const { return objects_[objects_.index_of(object)].borne; }
   [[nodiscard]] std::optional<Vec3> free_acceleration(ObjectId object) const;
 
   // The acceleration in the world that the object has at t, or would have if nothing bore it.
@@ -161,9 +167,8 @@ class MotionWorld {
   [[nodiscard]] Vec3 vector_in_world(ObjectId object, SimTime t, const Vec3& relative) const;
   // The law in force, in the frame of the object's carrier.
   [[nodiscard]] MotionModel model_at(ObjectId object, SimTime t) const;
-  // A state in the world as one in the frame of the object's carrier, as that is at t; and back.
+  // A state in the world as one in the frame of the object's carrier, as that is at t.
   [[nodiscard]] KinematicState in_carrier(ObjectId object, SimTime t, const KinematicState& world) const;
-  [[nodiscard]] KinematicState in_world(ObjectId object, SimTime t, const KinematicState& relative) const;
   // Whether the position of the object at t is known: that of more than kHistory before the last advance() is not (see
   // keep_history_of_driven).
   [[nodiscard]] bool has_history_at(ObjectId object, SimTime t) const;
@@ -216,7 +221,8 @@ class MotionWorld {
 
   [[nodiscard]] bool may_meet(std::size_t object) const;
   void lay_base(std::size_t object, const Base& base);
-  void begin_rest(std::size_t object, SimTime t, const Rest& rest);
+  // The object rests from then on against its partner, or against what it touches and would run into.
+  void begin_rest(std::size_t object, const Base& base);
   // Makes void all that followed from the object's motion from t on.
   void retract_all(std::size_t object, SimTime t);
   // The object's timeline has lost its laws from t on: its bases from then on are to be laid again.
@@ -229,7 +235,9 @@ class MotionWorld {
   void report(const WatchedPair& pair, SimTime t, const ContactAnswer& answer);
   // The object moves otherwise from t on, because of a contact with `cause`. The law is in the world; what is carried
   // keeps its state, and goes on in the frame of its carrier.
-  void change_motion(std::size_t object, SimTime t, const MotionModel& after_in_world, ObjectId cause);
+  // With `in_base` a base of t becomes that law, and stays the base: it is no answer that others retract.
+  void change_motion(std::size_t object, SimTime t, const MotionModel& after_in_world, ObjectId cause,
+                     bool in_base = false);
   // The two come to rest against each other at t.
   void come_to_rest(WatchedPair& pair, SimTime t);
   // One of the two bears something else: the impulse reaches all that bear each other, in one solution.
@@ -246,13 +254,15 @@ class MotionWorld {
   // `restitution` times that change once more.
   void settle_velocities(WatchedPair& pair, SimTime t, Touching which, double restitution = 0.0);
   // Gives the accelerations that bearing leaves to all that is unsettled at t, and to what it rests on or bears.
-  void settle(SimTime t);
+  // Where a base is laid, `in_bases`: two that bear each other may have bases of one instant, and each would retract
+  // the answer of the other one without end.
+  void settle(SimTime t, bool in_bases = false);
   // Releases what parts around the object, and holds together what would meet again at once. Returns the island with
   // the accelerations that are left.
   [[nodiscard]] ContactIsland settle_island(std::uint32_t object, SimTime t);
   // Solves the island, which is of velocities, and gives them to its objects.
   void give_velocities(ContactIsland island, SimTime t, double restitution);
-  void set_borne_acceleration(std::size_t object, SimTime t, Vec3 acceleration, std::size_t cause);
+  void set_borne_acceleration(std::size_t object, SimTime t, Vec3 acceleration, std::size_t cause, bool in_base);
   // The two bear each other from t on, or no more.
   void set_bearing(WatchedPair& pair, SimTime t, bool bears);
   // Called once all that the contacts at t change is changed: the two, which met within the burst, go through each

@@ -80,7 +80,10 @@ std::optional<ObjectId> MovingObjects::carrier_of(std::size_t index) const {
 void MovingObjects::set_role(std::size_t index, Role role) {
   assert(index < size() && roles_.size() == size());
   roles_[index] = role;
-  if (MovingObject* const o = objects_.find(index)) o->role = role;
+  MovingObject* const o = objects_.find(index);
+  if (o == nullptr) return;
+  o->role = role;
+  if (role == Role::kScene || role == Role::kPredicted) o->free_is_given = false;  // its owner publishes it
 }
 
 void MovingObjects::change_model(const WorldModel& next, SimTime now) {
@@ -111,7 +114,9 @@ void MovingObjects::change_model(const WorldModel& next, SimTime now) {
       assert(to && "there are more carriers, so the nearest one is nearer");
       const Pose frame = pose_in(from, *to);
       o.timeline.change_frame(frame);
-      for (Base& base : o.bases) base.model = in_frame(frame, base.model);
+      for (Base& base : o.bases) {
+        if (base.model) base.model = in_frame(frame, *base.model);
+      }
     }
   }
   assert(size() >= next.nodes.size() && size() >= before.size());
@@ -219,7 +224,7 @@ MotionModel MovingObjects::world_law(std::size_t object, SimTime t) const {
 
 Vec3 MovingObjects::free_acceleration_of(std::size_t index, SimTime t) const {
   const MovingObject& o = (*this)[index];
-  if (o.borne) return o.free;
+  if (o.borne || (o.free_is_given && o.role == Role::kAuthoritative)) return o.free;
   const MotionModel law = world_law(index, t);
   return law.kind == MotionKind::kSliding ? Vec3(Vec3::Zero()) : law.state.acceleration;
 }

@@ -39,8 +39,10 @@ struct Rest {
 // A law that was set from outside, and is in force from `at` on; in the frame of the object's carrier.
 struct Base {
   SimTime at;
-  MotionModel model;
+  std::optional<MotionModel> model;  // none: the object goes on as it moves then, and only `free` is new
   std::optional<Rest> rest{};
+  // Others bear or push the object, which has this acceleration where nothing does [m/s^2, world frame].
+  std::optional<Vec3> free{};
 };
 
 // Timelines keep this much of the past, for updates and decisions that arrive late.

@@ -128,6 +128,24 @@ bool PairSearch::touch_at(const WatchedPair& pair, SimTime t) const {
   return with_query(pair, [&](const PartQuery& query) { return parts_touch(query, t); });
 }
 
+std::optional<Vec3> PairSearch::normal_of_meeting(const WatchedPair& pair, SimTime t, Duration within) const {
+  if (!touch_at(pair, t)) return std::nullopt;
+  const PartContact found = with_query(pair, [&](const PartQuery& query) {
+    return first_part_contact(query, t, t, t + within, counters_.contact_searches);
+  });
+  const collision::Contact& c = found.contact;
+  const Vec3& normal = answers_by_impulse(pair) ? c.direction_world : c.normal_world;
+  const bool meet = c.state == collision::ContactState::kContact || c.state == collision::ContactState::kOverlapped;
+  if (!meet) return std::nullopt;
+  if (c.state == collision::ContactState::kOverlapped) {  // they part, or are pressed together
+    const double speed = normal.dot(found.a.velocity - found.b.velocity);
+    const double acceleration = normal.dot(found.a.acceleration - found.b.acceleration);
+    if (speed > 0.0 || (speed == 0.0 && acceleration >= 0.0)) return std::nullopt;
+  }
+  if (pair.common == MovingObjects::kNone) return normal;
+  return Vec3(objects_.world_at(pair.common, t).orientation * normal);
+}
+
 // Whether another part of the one end touches another part of the other one: then the two ends did so before t.
 bool PairSearch::ends_touch_elsewhere(const WatchedPair& pair, SimTime t) {
   assert(!pair.is_answered() && pair.number + 1 < model_.first_part_pair.size());

@@ -42,6 +42,9 @@ class PairSearch {
   // other at t.
   [[nodiscard]] bool is_parted_by(const WatchedPair& pair, const Vec3& normal, SimTime t) const;
   [[nodiscard]] bool touch_at(const WatchedPair& pair, SimTime t) const;
+  // The normal in the world, facing the collider, along which the two would meet within that time, as they move at t
+  // and where they touch then. None: they do not touch, or would not meet.
+  [[nodiscard]] std::optional<Vec3> normal_of_meeting(const WatchedPair& pair, SimTime t, Duration within) const;
   // Whether the two, which are fixed to each other, touch.
   [[nodiscard]] bool fixed_parts_touch(WatchedPair& pair, SimTime t) const;
   // Whether another part of the one end touches another part of the other one: then the two ends did so before t.

@@ -201,7 +201,8 @@ TEST(ArrivingAfterDecisions, IsShownUntilTheFirstOneThatItDoesNotKnow) {
     ASSERT_TRUE(peer.take(3, d, host(2s)));
   };
   const auto say = [&](std::uint32_t sequence, SimTime at, double x, SimTime decision) {
-    ASSERT_TRUE(peer.take(3, {{a, sequence, at, moving({x, 0, 0}), decision}}, host(2s)));
+    const std::vector<UpdateRecord> updates(1, UpdateRecord{a, sequence, at, moving({x, 0, 0}), decision});
+    ASSERT_TRUE(peer.take(3, updates, host(2s)));
   };
   const auto x = [&](Duration t) {
     p.replica.advance_ghosts(sim(2s));

@@ -47,13 +47,10 @@ class MessageMaker {
 
   // The number is rounded to any tolerance, or exact.
   UpdateRecord update() {
-    return quantised({ObjectId{number<std::uint32_t>()},
-                      1 + number<std::uint32_t>() % 0xFFFF'FFFEU,
-                      SimTime{time()},
-                      model(),
-                      SimTime{coin() ? time() : 0ns},
-                      {}},
-                     {coin() ? 0.0 : std::ldexp(1.0, -static_cast<int>(rng_() % 24)), 0.05});
+    UpdateRecord u{ObjectId{number<std::uint32_t>()}, 1 + number<std::uint32_t>() % 0xFFFF'FFFEU, SimTime{time()},
+                   model(), SimTime{coin() ? time() : 0ns}};
+    if (coin()) u.drive = Drive{coin() ? vector() : Vec3(Vec3::Zero()), std::min(u.at, SimTime{time()})};
+    return quantised(u, {coin() ? 0.0 : std::ldexp(1.0, -static_cast<int>(rng_() % 24)), 0.05});
   }
   // A record of any kind, with the fields that this kind has.
   MotionModel model() {
@@ -79,6 +76,9 @@ class MessageMaker {
                      SimTime{coin() ? time() : 0ns}};
     if (coin()) d.collider_after = d.collider_before;
     if (coin()) d.collidee_after.position = d.collidee_before.position;
+    d.rests = coin();
+    if (d.rests && coin()) d.collider_free = d.collider_before.acceleration + Vec3::UnitY();
+    if (d.rests && coin()) d.collidee_free = Vec3(0, 1 - d.collidee_before.acceleration.y(), -9.81);
     return d;
   }
   Hello hello() {
@@ -189,18 +189,27 @@ inline Bytes with_records(const Message& m, const std::vector<int>& before, cons
 
 inline bool same_bits(const Message& a, const Message& b) {
   const auto same_vector = [](const Vec3& v, const Vec3& w) { return same_bits(moving(v), moving(w)); };
+  const auto same_free = [&](const std::optional<Vec3>& v, const std::optional<Vec3>& w) {
+    return v.has_value() == w.has_value() && (!v || same_vector(*v, *w));
+  };
+  const auto same_drive = [&](const std::optional<Drive>& d, const std::optional<Drive>& e) {
+    return d.has_value() == e.has_value() &&
+           (!d || (same_vector(d->acceleration, e->acceleration) && d->since == e->since));
+  };
   const auto same_update = [&](const UpdateRecord& u, const UpdateRecord& v) {
     return u.object == v.object && u.sequence == v.sequence && u.at == v.at && u.model.kind == v.model.kind &&
            u.decision == v.decision && u.carrier == v.carrier && u.position_step_log2 == v.position_step_log2 &&
            same_bits(u.model.state, v.model.state) && same_vector(u.model.jerk, v.model.jerk) &&
            same_vector(u.model.rate_rad_s, v.model.rate_rad_s) &&
-           same_vector(u.model.angular_acceleration_body, v.model.angular_acceleration_body);
+           same_vector(u.model.angular_acceleration_body, v.model.angular_acceleration_body) &&
+           same_drive(u.drive, v.drive);
   };
   const auto same_decision = [&](const DecisionRecord& d, const DecisionRecord& e) {
     return d.collider == e.collider && d.collidee == e.collidee && d.contact == e.contact && d.rule == e.rule &&
            d.known == e.known && same_vector(d.normal, e.normal) && same_bits(d.collider_before, e.collider_before) &&
            same_bits(d.collidee_before, e.collidee_before) && same_bits(d.collider_after, e.collider_after) &&
-           same_bits(d.collidee_after, e.collidee_after);
+           same_bits(d.collidee_after, e.collidee_after) && d.rests == e.rests &&
+           same_free(d.collider_free, e.collider_free) && same_free(d.collidee_free, e.collidee_free);
   };
   const auto same_echo = [](const Echo& e, const Echo& f) {
     return e.peer == f.peer && e.hello == f.hello && e.hold_time == f.hold_time && e.received == f.received &&

@@ -79,6 +79,23 @@ TEST(DecisionBits, UnchangedValuesAreNotEncoded) {
   EXPECT_LE(more, 69u / 8 + 1);
 }
 
+// Two that rest take a bit, and another one each, where their accelerations before are those that drive them.
+TEST(DecisionBits, WhatDrivesTwoThatRestTravels) {
+  DecisionRecord rests = touch();
+  rests.rests = true;
+  EXPECT_LE(bytes_of(rests).size(), bytes_of(touch()).size() + 1);
+  rests.collider_free = Vec3(0, -9.81, 0);
+  rests.collidee_free = Vec3(-0.0, 0, 0);
+  const auto again = back(bytes_of(rests), rests.contact);
+  ASSERT_TRUE(again);
+  EXPECT_TRUE(same(rests, *again));
+  EXPECT_TRUE(std::signbit(again->collidee_free->x()));
+  rests.collidee_free.reset();
+  const auto without = back(bytes_of(rests), rests.contact);
+  ASSERT_TRUE(without);
+  EXPECT_FALSE(without->collidee_free.has_value());
+}
+
 TEST(DecisionBits, AnythingCutShortOrChangedIsRefusedOrAnotherDecision) {
   const DecisionRecord d = touch();
   const auto bytes = bytes_of(d);
@@ -115,6 +132,15 @@ TEST(DecisionBits, OnlyWhatCanBeIsTaken) {
   EXPECT_TRUE(refused([](DecisionRecord& d) { d.rule = static_cast<DecisionRule>(0); }));
   EXPECT_TRUE(refused([](DecisionRecord& d) { d.rule = static_cast<DecisionRule>(6); }));
   EXPECT_TRUE(refused([](DecisionRecord& d) { d.known = SimTime::max(); }));
+  const auto driven_by = [&](double acceleration_m_s2) {
+    return refused([&](DecisionRecord& d) {
+      d.rests = true;
+      d.collidee_free = Vec3(acceleration_m_s2, 0, 0);
+    });
+  };
+  EXPECT_FALSE(driven_by(1e12));
+  EXPECT_TRUE(driven_by(1e13));
+  EXPECT_TRUE(driven_by(kNan));
 }
 
 }  // namespace peerd::replication::decision_bits_test

@@ -63,6 +63,7 @@ class RecordMaker {
     UpdateRecord u{ObjectId{static_cast<std::uint32_t>(rng_() % 3000)}, static_cast<std::uint32_t>(1 + rng_() % 3000),
                    sim(seconds(draw(0, 1e5))), m};
     if (rng_() % 3 == 0) u.carrier = ObjectId{static_cast<std::uint32_t>(rng_() % 3000)};
+    if (rng_() % 4 == 0) u.drive = Drive{vector(10), u.at - seconds(draw(0, 6))};
     return u;
   }
   static void set_level(MotionModel& m) {
@@ -208,8 +209,8 @@ TEST(Bytes, AreThoseOfTheSpecification) {
   const UpdateRecord q = quantised(u, {0.05, kAngle_rad});
   EXPECT_EQ(q.position_step_log2, -9);
   Bytes expected;
-  for (const int b : {0xe2, 0x74, 0x01, 0xab, 0x40, 0xb3, 0x00, 0x68, 0x80, 0x92, 0x00, 0x06, 0xe0, 0x00, 0x04, 0xf2,
-                      0xff, 0x09, 0x40}) {
+  for (const int b : {0xe2, 0xb4, 0x02, 0x56, 0x81, 0x66, 0x01, 0xd0, 0x00, 0x25, 0x01, 0x0c, 0xc0, 0x01, 0x08, 0xe4,
+                      0xff, 0x13, 0x80}) {
     expected.push_back(static_cast<std::byte>(b));
   }
   EXPECT_EQ(bytes_of(q, q.at), expected);
@@ -238,34 +239,34 @@ TEST(Bytes, ThatNobodyWritesAreRefused) {
     std::span<const std::byte> rest(bytes.data(), (bits + 7) / 8);
     return decode_record(rest, sim(1s)).has_value();
   };
-  // kind, step; later, decided, turned, spins up, level, upright; object; sequence; position, velocity; spin
-  EXPECT_TRUE(taken({{1, 4}, {14, 4}, {48, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}}));
-  EXPECT_FALSE(taken({{0, 4}, {14, 4}, {48, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "no kind";
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {48, 6}, {5, 8}, {0, 8}, {0, 6}, {0, 5}, {0, 5}})) << "no sequence";
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {48, 6}, {0x0085, 16}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "a group too many";
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {48, 6}, {5, 8}, {0x1FFFFFFFFF, 40}, {0, 6}, {0, 5}, {0, 5}})) << "33 bits";
-  EXPECT_TRUE(taken({{1, 4}, {14, 4}, {48, 6}, {5, 8}, {0x0FFFFFFFFF, 40}, {0, 6}, {0, 5}, {0, 5}}));
+  // kind, step; later, decided, turned, spins up, level, upright, borne; object; sequence; position, velocity; spin
+  EXPECT_TRUE(taken({{1, 4}, {14, 4}, {48, 7}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}}));
+  EXPECT_FALSE(taken({{0, 4}, {14, 4}, {48, 7}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "no kind";
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {48, 7}, {5, 8}, {0, 8}, {0, 6}, {0, 5}, {0, 5}})) << "no sequence";
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {48, 7}, {0x0085, 16}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "a group too many";
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {48, 7}, {5, 8}, {0x1FFFFFFFFF, 40}, {0, 6}, {0, 5}, {0, 5}})) << "33 bits";
+  EXPECT_TRUE(taken({{1, 4}, {14, 4}, {48, 7}, {5, 8}, {0x0FFFFFFFFF, 40}, {0, 6}, {0, 5}, {0, 5}}));
   constexpr std::uint64_t kOnes = ~std::uint64_t{0};
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {48, 6}, {kOnes, 64}, {0x2FF, 16}, {1, 8}, {0, 6}, {0, 5}, {0, 5}}))
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {48, 7}, {kOnes, 64}, {0x2FF, 16}, {1, 8}, {0, 6}, {0, 5}, {0, 5}}))
       << "65 bits";
-  EXPECT_TRUE(taken({{1, 4}, {14, 4}, {48, 6}, {kOnes, 64}, {0x1FF, 16}, {1, 8}, {0, 6}, {0, 5}, {0, 5}}));
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {49, 6}, {5, 8}, {1, 8}, {0, 8}, {0, 6}, {0, 5}, {0, 5}})) << "later by nothing";
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {56, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}, {0, 5}})) << "spins up by none";
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {0, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "level and upright";
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {20, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 2}, {1, 1}, {0, 3}, {0, 5}}))
+  EXPECT_TRUE(taken({{1, 4}, {14, 4}, {48, 7}, {kOnes, 64}, {0x1FF, 16}, {1, 8}, {0, 6}, {0, 5}, {0, 5}}));
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {49, 7}, {5, 8}, {1, 8}, {0, 8}, {0, 6}, {0, 5}, {0, 5}})) << "later by nothing";
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {56, 7}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}, {0, 5}})) << "spins up by none";
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {0, 7}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "level and upright";
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {20, 7}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 2}, {1, 1}, {0, 3}, {0, 5}}))
       << "an identity that is sent";
-  EXPECT_TRUE(taken({{1, 4}, {14, 4}, {20, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {1, 2}, {1, 1}, {0, 3}, {0, 5}}));
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {20, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {2, 2}, {1, 1}, {0, 3}, {0, 5}}))
+  EXPECT_TRUE(taken({{1, 4}, {14, 4}, {20, 7}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {1, 2}, {1, 1}, {0, 3}, {0, 5}}));
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {20, 7}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {2, 2}, {1, 1}, {0, 3}, {0, 5}}))
       << "half a turn about the vertical";
   const auto turned_upright = [&](std::uint64_t largest_is_y, std::uint64_t other) {
-    return taken({{1, 4}, {14, 4}, {52, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {largest_is_y, 1}, {other, 13}, {0, 5}});
+    return taken({{1, 4}, {14, 4}, {52, 7}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {largest_is_y, 1}, {other, 13}, {0, 5}});
   };
   EXPECT_TRUE(turned_upright(1, 0));
   EXPECT_TRUE(turned_upright(0, 0b11));
   EXPECT_FALSE(turned_upright(0, 0)) << "an identity that is sent";
   EXPECT_FALSE(turned_upright(1, 1)) << "minus zero";
   const auto velocity = [&](std::uint64_t x, std::uint64_t z) {
-    return taken({{1, 4}, {14, 4}, {48, 6}, {5, 8}, {1, 8}, {0, 6}, {3, 5}, {x, 4}, {z, 4}, {0, 5}});
+    return taken({{1, 4}, {14, 4}, {48, 7}, {5, 8}, {1, 8}, {0, 6}, {3, 5}, {x, 4}, {z, 4}, {0, 5}});
   };
   EXPECT_TRUE(velocity(0b1010, 0));
   EXPECT_FALSE(velocity(0b1010, 1)) << "minus zero";
@@ -273,7 +274,7 @@ TEST(Bytes, ThatNobodyWritesAreRefused) {
   const auto position = [&](std::uint64_t width, std::uint64_t sparse, std::uint64_t mask, std::uint64_t axis) {
     return taken({{1, 4},
                   {14, 4},
-                  {48, 6},
+                  {48, 7},
                   {5, 8},
                   {1, 8},
                   {width, 6},
@@ -290,8 +291,34 @@ TEST(Bytes, ThatNobodyWritesAreRefused) {
   EXPECT_FALSE(position(53, 1, 1, std::uint64_t{1} << 53)) << "no whole number of binary64";
   EXPECT_TRUE(position(48, 1, 1, std::uint64_t{1} << 48));
   EXPECT_FALSE(position(50, 1, 1, std::uint64_t{1} << 50)) << "2^40 m";
-  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {48, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}, {1, 1}})) << "padding";
-  EXPECT_FALSE(taken({{2, 4}, {14, 4}, {48, 6}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "no spin";
+  EXPECT_FALSE(taken({{1, 4}, {14, 4}, {48, 7}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}, {1, 1}})) << "padding";
+  EXPECT_FALSE(taken({{2, 4}, {14, 4}, {48, 7}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}})) << "no spin";
+  const auto borne_since = [&](std::uint64_t zigzag_ns) {
+    return taken({{1, 4}, {14, 4}, {112, 7}, {5, 8}, {1, 8}, {0, 6}, {0, 5}, {0, 5}, {0, 1}, {zigzag_ns, 8}});
+  };
+  EXPECT_TRUE(borne_since(0)) << "by an acceleration of zero";
+  EXPECT_TRUE(borne_since(1)) << "a nanosecond before";
+  EXPECT_FALSE(borne_since(2)) << "a nanosecond later";
+}
+
+// What drives an object that others bear travels exactly beside a rounded law.
+TEST(Borne, DriveTravelsBitForBit) {
+  UpdateRecord u{ObjectId{5}, 300, sim(10s), moving({10, 0, -2.5}, {1.5, 0, 0}, {0, 0, -0.5})};
+  const std::size_t alone = bytes_of(quantised(u, {0.05, kAngle_rad}), u.at).size();
+  u.drive = Drive{{0, -9.81, 0}, sim(8s)};
+  const UpdateRecord q = quantised(u, {0.05, kAngle_rad});
+  ASSERT_TRUE(q.position_step_log2);
+  const Bytes bytes = bytes_of(q, q.at);
+  EXPECT_LE(bytes.size(), alone + 15) << "one binary64, its axis, and five bytes of time";
+  const auto back = decoded(bytes, q.at);
+  ASSERT_TRUE(back && back->drive);
+  EXPECT_EQ(back->drive->acceleration, u.drive->acceleration);
+  EXPECT_EQ(back->drive->since, sim(8s));
+  for (const double wrong : {std::nan(""), 1e13}) {
+    UpdateRecord w = q;
+    w.drive->acceleration.y() = wrong;
+    EXPECT_FALSE(decoded(bytes_of(w, w.at), w.at)) << wrong;
+  }
 }
 
 // ---- sizes ----
@@ -325,6 +352,7 @@ TEST(Size, OfTheLongestRecordFits) {
   u.at = sim(Duration{std::int64_t{1} << 62});
   u.decision = sim(Duration{-(std::int64_t{1} << 62)});
   u.model.kind = MotionKind::kOscillating;
+  u.drive = Drive{{1.0 / 3.0, 2.0 / 3.0, -9.81}, sim(Duration{-(std::int64_t{1} << 62)})};
   u.model.state = moving({1, 2, 3}, {4, 5, 6}, {7, 8, 9});
   u.model.state.orientation = Quat(0.5, 0.5, 0.5, 0.5);
   u.model.state.angular_velocity_body = u.model.jerk = u.model.rate_rad_s =

@@ -99,6 +99,10 @@ void add(Expected& out, const UpdateRecord& u) {
   if (!u.model.angular_acceleration_body.isZero(0.0)) {
     out.add("record.spin_acceleration", u.model.angular_acceleration_body);
   }
+  if (u.drive) {
+    out.add("record.drive", u.drive->acceleration);
+    out.add("record.driven_since_ns", u.drive->since);
+  }
 }
 
 void add(Expected& out, const KinematicState& s) {
@@ -117,6 +121,9 @@ void add(Expected& out, const DecisionRecord& d) {
   for (const auto* s : {&d.collider_before, &d.collidee_before, &d.collider_after, &d.collidee_after}) add(out, *s);
   out.add("decision.rule", static_cast<int>(d.rule));
   if (d.known != SimTime{}) out.add("decision.known_ns", d.known);
+  if (d.rests) out.add("decision.rests", true);
+  if (d.collider_free) out.add("decision.collider_free", *d.collider_free);
+  if (d.collidee_free) out.add("decision.collidee_free", *d.collidee_free);
 }
 
 template <std::size_t Count>

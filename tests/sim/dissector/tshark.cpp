@@ -70,8 +70,9 @@ std::vector<std::string> fields_of_datagrams() {
   with("note.", {"collider", "collidee", "contact_ns", "held"});
   with("introduction.", {"name", "world_hash", "boot", "enslaved", "owned_as_founder", "start_ns", "world_zero_ns"});
   with("viewpoint.", {"object", "field_of_view", "aspect"});
-  with("record.", {"object", "carrier", "sequence", "kind", "time_ns", "decision_ns", "step_log2", "exact"});
-  with("decision.", {"collider", "collidee", "contact_ns", "rule", "known_ns"});
+  with("record.",
+       {"object", "carrier", "sequence", "kind", "time_ns", "decision_ns", "step_log2", "exact", "driven_since_ns"});
+  with("decision.", {"collider", "collidee", "contact_ns", "rule", "known_ns", "rests"});
   with("entered.", {"region", "since_ns"});
   with("gone.", {"object", "sequence", "region"});
   with("log.", {"author", "bytes"});
@@ -125,8 +126,9 @@ std::vector<std::string> fields_of_datagrams() {
   with("seal.", {"epoch", "sender", "counter"});
   for (const char* vector :
        {"operation.translation", "operation.rotation", "viewpoint.position", "record.position", "record.velocity",
-        "record.acceleration", "record.jerk", "record.rate", "record.spin", "record.spin_acceleration",
-        "decision.normal", "decision.position", "decision.velocity", "decision.acceleration", "decision.spin"}) {
+        "record.acceleration", "record.jerk", "record.rate", "record.spin", "record.spin_acceleration", "record.drive",
+        "decision.collider_free", "decision.collidee_free", "decision.normal", "decision.position", "decision.velocity",
+        "decision.acceleration", "decision.spin"}) {
     with(vector, {".x", ".y", ".z"});
   }
   for (const char* q : {"viewpoint.orientation", "record.orientation", "decision.orientation"}) {

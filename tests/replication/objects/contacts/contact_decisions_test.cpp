@@ -353,6 +353,66 @@ TEST_F(Deciding, ALifeThatEndedBeforeThisPeerBeganBindsNothingFromThenOn) {
   EXPECT_EQ(decisions.on_decision(other, 2, between_others(sim(0s)), sim(10s)), nullptr);
 }
 
+// By the policy `id` this peer does not look for contacts of the two. It solves one that lasts all the same.
+class Resting : public Deferring {
+ protected:
+  Resting() { EXPECT_EQ(decisions.on_decision(other, 1, resting(sim(10s)), sim(10s)), nullptr); }
+  DecisionRecord resting(SimTime at) const {
+    DecisionRecord d = record(at);
+    d.rests = true;
+    d.collider_after = d.collidee_after;
+    return d;
+  }
+  bool rests() const { return decisions.authority(a, b, sim(11s)) == ContactAuthority::kDeferred; }
+};
+
+TEST_F(Resting, LastsUntilTheNextBlow) {
+  EXPECT_TRUE(rests());
+  ASSERT_EQ(decisions.on_decision(other, 2, record(sim(11s)), sim(11s)), nullptr);
+  EXPECT_FALSE(rests());
+  ASSERT_EQ(decisions.on_decision(other, 3, resting(sim(12s)), sim(12s)), nullptr);
+  EXPECT_TRUE(rests());
+}
+
+TEST_F(Resting, LastsWithinTheSessionAlone) {
+  decisions.restart(true);
+  EXPECT_TRUE(rests());
+  decisions.restart(false);
+  EXPECT_FALSE(rests());
+}
+
+TEST_F(Resting, EndsWithALifeOfEither) {
+  decisions.end_life_of(b, sim(11s));
+  EXPECT_FALSE(rests());
+  ASSERT_EQ(decisions.on_decision(other, 2, resting(sim(11s)), sim(11s)), nullptr);
+  EXPECT_TRUE(rests());
+  decisions.forget(b, sim(12s));
+  EXPECT_FALSE(rests());
+  ASSERT_EQ(decisions.on_decision(other, 3, resting(sim(12s)), sim(12s)), nullptr);
+  EXPECT_TRUE(rests());
+  decisions.remove(a);
+  EXPECT_FALSE(rests());
+}
+
+// Another owner that decides in its turn goes on with it.
+TEST_F(Resting, LastsAsLongAsAnotherOwnerDecides) {
+  const auto give = [&](ObjectId object, PeerId owner) {
+    owners.set(object, owner);
+    decisions.watch(world.model->pairs_of(object));
+  };
+  give(b, PeerId{1});
+  EXPECT_TRUE(rests());
+  give(b, kNobody);
+  give(b, PeerId{1});
+  EXPECT_FALSE(rests()) << "it ended when nobody owned the other one";
+  ASSERT_EQ(decisions.on_decision(PeerId{1}, 2, resting(sim(11s)), sim(11s)), nullptr);
+  EXPECT_TRUE(rests());
+  give(b, PeerId{9});
+  EXPECT_EQ(decisions.authority(a, b, sim(11s)), ContactAuthority::kLocal) << "this peer has the lower id";
+  give(b, PeerId{1});
+  EXPECT_FALSE(rests());
+}
+
 TEST_F(Deferring, ADecisionCountsOnceAndOfItsDeciderAlone) {
   EXPECT_STREQ(decisions.on_decision(PeerId{9}, 1, record(), sim(10s)), "not_decider");
   for (const ObjectId stranger : {ObjectId{999}, world["A/0"], a}) {

@@ -614,6 +614,56 @@ TEST(LastingContact, FollowsWhatBearsItAsFarAsItFalls) {
   EXPECT_NEAR(world.at(w["BOX"], sim(2s)).position.y(), -2.0 * 0.5 - 0.5 * 9.81 * 0.25, 1e-5);
 }
 
+// A world that gets an update of what lies on a table knows by it what bears the object, and what drives it.
+TEST(LastingContact, BeginsWithAnUpdateOfWhatIsBorne) {
+  auto&& [w, world] =
+      Started(box("TABLE", "4 1 4", "0 -0.5 0") + box("BOX", "1 1 1", "0 0.5 0", kDead) + interest("BOX", "\"TABLE\""),
+              {{"TABLE", Role::kDriven, moving({0, -0.5, 0})}, {"BOX", Role::kPredicted, moving({0, 5, 0})}});
+  world.advance(sim(1s));
+  EXPECT_FALSE(world.is_borne(w["BOX"]));
+  world.set_base(w["BOX"], sim(1s), moving({0, 0.5, 0}), std::nullopt, Vec3(0, -9.81, 0));
+  world.advance(sim(2s));
+  EXPECT_TRUE(world.is_borne(w["BOX"]));
+  EXPECT_EQ(world.at(w["BOX"], sim(2s)).position.y(), 0.5);
+  world.set_base(w["TABLE"], sim(2s), moving({0, -0.5, 0}, Vec3::Zero(), {0, -20, 0}));
+  world.advance(sim(3s));
+  EXPECT_NEAR(world.at(w["BOX"], sim(3s)).position.y(), 0.5 - 0.5 * 9.81, 1e-5);
+}
+
+// What bears the object is not in this world: the published law counts.
+TEST(LastingContact, StandsAsPublishedWhereNothingIsKnownToBearIt) {
+  auto&& [w, world] =
+      Started(box("TABLE", "4 1 4", "0 -0.5 0") + box("BOX", "1 1 1", "0 0.5 0", kDead) + interest("BOX", "\"TABLE\""),
+              {{"BOX", Role::kPredicted, moving({0, 5, 0})}});
+  world.set_base(w["BOX"], sim(1s), moving({0, 5, 0}), std::nullopt, Vec3(0, -9.81, 0));
+  world.advance(sim(3s));
+  EXPECT_EQ(world.at(w["BOX"], sim(3s)).position.y(), 5.0);
+}
+
+// Two that press against each other, in a world that replays its bases and in one that does not: each update comes
+// late, and of both objects there are bases of one instant.
+TEST(LastingContact, FollowsWhatDrivesEither) {
+  for (const bool replays : {false, true}) {
+    SCOPED_TRACE(replays);
+    const World w(box("A", "1 1 1", "0 0 0", kDead) + box("B", "1 1 1", "1 0 0", kDead) + interest("A", "\"B\"") +
+                  interest("B", "\"A\""));
+    MotionWorld world(*w.model, sim(0s));
+    if (replays) world.replay_bases();
+    for (const char* name : {"A", "B"}) world.declare(w[name], Role::kPredicted);
+    world.advance(sim(2s));
+    world.set_base(w["A"], sim(1s), moving({0, 0, 0}), std::nullopt, Vec3(2, 0, 0));
+    world.advance(sim(2s));
+    world.set_base(w["B"], sim(1s), moving({1, 0, 0}), std::nullopt, Vec3(-2, 0, 0));
+    world.advance(sim(3s));
+    EXPECT_EQ(world.at(w["A"], sim(3s)).position.x(), 0.0);
+    EXPECT_EQ(world.at(w["B"], sim(3s)).position.x(), 1.0);
+    world.set_base(w["B"], sim(2s), std::nullopt, std::nullopt, Vec3(-4, 0, 0));
+    world.advance(sim(4s));
+    EXPECT_NEAR(world.at(w["A"], sim(4s)).position.x(), -2.0, 1e-9) << "with -1 m/s^2 from 2 s on";
+    EXPECT_NEAR(world.at(w["B"], sim(4s)).position.x(), -1.0, 1e-9);
+  }
+}
+
 // Three balls lie on a floor, and a fourth drops on them: no contact adds energy.
 TEST(LastingContact, ADropOnThreeBallsAddsNoEnergy) {
   const auto ball = [](const std::string& name, const std::string& at) {
@@ -1273,7 +1323,7 @@ TEST(Carriers, FramesAreEachOthersInverse) {
               {{"CAR", Role::kPredicted, turning(moving({4, 2, 0}, {1, 0, 3}, {0, 0, 1}), {0.1, 2, 0.3})}}, {"CAR"});
   const SimTime t = sim(1700ms);
   const KinematicState is = turning(moving({7, 1, 2}, {0, 3, 1}, {2, 0, 0}), {0, 1, 0});
-  const KinematicState back = world.in_world(w["WHEEL"], t, world.in_carrier(w["WHEEL"], t, is));
+  const KinematicState back = composed(world.at(w["CAR"], t), world.in_carrier(w["WHEEL"], t, is));
   EXPECT_LT((back.position - is.position).norm(), 1e-12);
   EXPECT_LT((back.velocity - is.velocity).norm(), 1e-12);
   EXPECT_LT((back.acceleration - is.acceleration).norm(), 1e-11);
