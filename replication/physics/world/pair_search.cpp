@@ -134,7 +134,7 @@ std::optional<Vec3> PairSearch::normal_of_meeting(const WatchedPair& pair, SimTi
     return first_part_contact(query, t, t, t + within, counters_.contact_searches);
   });
   const collision::Contact& c = found.contact;
-  const Vec3& normal = answers_by_impulse(pair) ? c.direction_world : c.normal_world;
+  const Vec3& normal = answers_by_impulse(pair) ? c.separating_normal_world : c.normal_world;
   const bool meet = c.state == collision::ContactState::kContact || c.state == collision::ContactState::kOverlapped;
   if (!meet) return std::nullopt;
   if (c.state == collision::ContactState::kOverlapped) {  // they part, or are pressed together

@@ -11,7 +11,9 @@ namespace peerd::replication {
 double ByteBudget::left(const PublishPolicy& policy, SimTime now) {
   assert(policy.bytes_per_s && *policy.bytes_per_s > 0.0);
   const double most = std::max(kBurst_s * *policy.bytes_per_s, static_cast<double>(kDatagramMax_bytes));
-  remaining_ = filled_ ? std::max(remaining_, -most) : most;
+  const double owed_most = kOwed_s * *policy.bytes_per_s;
+  remaining_ = filled_ ? std::max(remaining_, -owed_most) : most;
+  for_updates_ = std::max(for_updates_, -owed_most);
   if (filled_ && now > *filled_) {
     const double more = *policy.bytes_per_s * to_seconds(now - *filled_);
     remaining_ = std::min(most, remaining_ + more);
@@ -23,7 +25,7 @@ double ByteBudget::left(const PublishPolicy& policy, SimTime now) {
 
 void ByteBudget::spend(std::size_t bytes, bool on_updates) {
   remaining_ -= static_cast<double>(bytes);
-  if (on_updates) for_updates_ = std::max(0.0, for_updates_ - static_cast<double>(bytes));
+  if (on_updates) for_updates_ -= static_cast<double>(bytes);
 }
 
 void UpdateBudget::fill(const PublishPolicy& policy, SimTime now) {

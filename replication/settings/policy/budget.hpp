@@ -8,8 +8,9 @@
 namespace peerd::replication {
 
 // The bytes that a peer may still send: a token bucket that fills at PublishPolicy::bytes_per_s. Nothing is refused;
-// what goes beyond the budget is owed, at most as much as the bucket holds. A quarter of the rate is reserved for
-// updates, whatever the other traffic has taken or owes, or the hellos of many peers would end all updates.
+// what goes beyond the budget is owed, at most what the rate gives in kOwed_s. A quarter of the rate is reserved for
+// updates, whatever the other traffic has taken or owes, or the hellos of many peers would end all updates. Every
+// datagram with updates takes all of its bytes from that share, too.
 class ByteBudget {
  public:
   // The bytes left for updates, at most what the rate gives in kBurst_s, or one datagram. The policy has a rate.
@@ -17,7 +18,7 @@ class ByteBudget {
   void spend(std::size_t bytes, bool on_updates);
 
  private:
-  static constexpr double kBurst_s = 0.25, kForUpdates = 0.25;
+  static constexpr double kBurst_s = 0.25, kOwed_s = 2.0, kForUpdates = 0.25;
   std::optional<SimTime> filled_;
   double remaining_ = 0.0, for_updates_ = 0.0;
 };
