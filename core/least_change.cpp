@@ -25,6 +25,17 @@ constexpr std::array kIndependent = {0x1p-36, 0x1p-24, 0x1p-14};
 constexpr std::size_t kFew = 6;
 constexpr int kSweeps = 30;
 
+// The inner product, as four sums: one sum would wait for each of its additions.
+double product(const double* a, const double* b, std::size_t count) {
+  double sums[4] = {};
+  std::size_t k = 0;
+  for (; k + 4 <= count; k += 4) {
+    for (std::size_t i = 0; i < 4; ++i) sums[i] += a[k + i] * b[k + i];
+  }
+  for (; k < count; ++k) sums[0] += a[k] * b[k];
+  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+}
+
 // The multipliers l >= 0 for which all slacks, s + G l, are >= 0, and those with a multiplier 0. G is the matrix of the
 // constraints, scaled so that it has ones on its diagonal: masses of any ratio are as good as equal ones.
 class ActiveSet {
@@ -37,7 +48,8 @@ class ActiveSet {
         tolerance_(constraints.size()),
         multiplier_(constraints.size(), 0.0),
         place_(constraints.size(), kNowhere),
-        refused_(constraints.size(), false) {
+        refused_(constraints.size(), false),
+        is_held_(constraints.size(), false) {
     std::vector<std::vector<std::uint32_t>> of_body(bodies.size());
     for (std::uint32_t i = 0; i < constraints.size(); ++i) {
       const OneSided& c = constraints[i];
@@ -45,8 +57,9 @@ class ActiveSet {
       const double gives = bodies[c.a].inverse_mass + bodies[c.b].inverse_mass;
       scale_[i] = gives > 0.0 ? 1.0 / std::sqrt(gives) : 1.0;
       const Vec3 &a = bodies[c.a].value, &b = bodies[c.b].value;
-      slack_[i] = scale_[i] * c.normal.dot(a - b);
-      tolerance_[i] = scale_[i] * kSumRounding * (a.norm() + b.norm());
+      slack_[i] = scale_[i] * (c.normal.dot(a - b) - c.least);
+      is_held_[i] = c.is_held;
+      tolerance_[i] = scale_[i] * kSumRounding * (a.norm() + b.norm() - c.least);
       for (const std::uint32_t body : {c.a, c.b}) {
         if (bodies[body].inverse_mass > 0.0) of_body[body].push_back(i);
       }
@@ -65,7 +78,21 @@ class ActiveSet {
   }
 
   [[nodiscard]] bool is_met() const {
-    return std::ranges::equal(slack_, tolerance_, [](double slack, double tolerance) { return slack >= -tolerance; });
+    for (std::uint32_t i = 0; i < slack_.size(); ++i) {
+      if (slack_[i] < -tolerance_[i] || (is_held_[i] && slack_[i] > tolerance_[i])) return false;
+    }
+    return true;
+  }
+
+  // What is held together is met first, and stays so. One that depends on the others is met with them.
+  void begin_with_what_is_held() {
+    for (std::uint32_t i = 0; i < slack_.size(); ++i) {
+      if (is_held_[i] && row_of(i) > independent_) append(i);
+    }
+    held_ = active_.size();
+    if (held_ == 0) return;
+    set_multipliers();
+    set_slacks();
   }
 
   // Begins with the constraints that push after some sweeps of Gauss and Seidel's method, as far as each of them has
@@ -73,22 +100,22 @@ class ActiveSet {
   void begin_with_a_guess() {
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       for (std::uint32_t i = 0; i < slack_.size(); ++i) {
-        const double by = std::max(-slack_[i], -multiplier_[i]);
+        const double by = is_held_[i] ? -slack_[i] : std::max(-slack_[i], -multiplier_[i]);
         if (by != 0.0) change_multiplier(i, by);
       }
     }
     for (std::uint32_t i = 0; i < slack_.size(); ++i) {
       const bool pushes = std::exchange(multiplier_[i], 0.0) > 0.0;
-      if (pushes && row_of(i) > independent_) append(i);
+      if (pushes && !is_held_[i] && row_of(i) > independent_) append(i);
     }
     for (;;) {
       set_multipliers();
-      const auto pulls = [&](std::uint32_t i) { return multiplier_[i] <= 0.0; };
-      if (std::ranges::none_of(active_, pulls)) break;
-      const std::vector<std::uint32_t> before = std::exchange(active_, {});
-      rows_.clear();
-      for (const std::uint32_t i : before) place_[i] = kNowhere;
-      for (const std::uint32_t i : before) {
+      const auto pulls = [&](std::uint32_t i) { return !is_held_[i] && multiplier_[i] <= 0.0; };
+      const auto first = std::ranges::find_if(active_, pulls);
+      if (first == active_.end()) break;
+      const std::vector<std::uint32_t> after(first, active_.end());
+      cut(static_cast<std::size_t>(first - active_.begin()));
+      for (const std::uint32_t i : after) {
         const bool keeps = !pulls(i);
         multiplier_[i] = 0.0;
         if (keeps && row_of(i) > independent_) append(i);
@@ -110,7 +137,7 @@ class ActiveSet {
         double to_drop = kInfinity;
         std::uint32_t drops = kNowhere;
         for (std::uint32_t k = 0; k < active_.size(); ++k) {
-          if (step[k] <= kSumRounding) continue;
+          if (k < held_ || step[k] <= kSumRounding) continue;
           const double rise = multiplier_[active_[k]] / step[k];
           if (rise >= to_drop) continue;
           to_drop = rise;
@@ -133,10 +160,11 @@ class ActiveSet {
       }
     }
     set_multipliers();
-    for (const std::uint32_t i : active_) multiplier_[i] = std::max(multiplier_[i], 0.0);
+    for (const std::uint32_t i : active_) multiplier_[i] = is_held_[i] ? multiplier_[i] : std::max(multiplier_[i], 0.0);
     set_slacks();
     for (std::uint32_t i = 0; i < slack_.size(); ++i) {
-      if (slack_[i] < -kContradiction * rounding(i)) return LeastChangeError::kRounding;
+      const double most = kContradiction * rounding(i);
+      if (slack_[i] < -most || (is_held_[i] && slack_[i] > most)) return LeastChangeError::kRounding;
     }
     return std::nullopt;
   }
@@ -173,7 +201,7 @@ class ActiveSet {
   [[nodiscard]] std::uint32_t most_violated() const {
     std::uint32_t worst = kNowhere;
     for (std::uint32_t i = 0; i < slack_.size(); ++i) {
-      if (refused_[i] || place_[i] != kNowhere || slack_[i] >= -rounding(i)) continue;
+      if (refused_[i] || is_held_[i] || place_[i] != kNowhere || slack_[i] >= -rounding(i)) continue;
       if (worst == kNowhere || slack_[i] < slack_[worst]) worst = i;
     }
     return worst;
@@ -195,11 +223,11 @@ class ActiveSet {
     }
     for (std::uint32_t j = row_.first; j < size; ++j) {
       const Row& other = rows_[j];
-      double value = row_.values[j - row_.first];
-      for (std::uint32_t k = std::max(row_.first, other.first); k < j; ++k) {
-        value -= row_.values[k - row_.first] * other.values[k - other.first];
-      }
-      value /= other.diagonal;
+      const std::uint32_t from = std::max(row_.first, other.first);
+      const double value =
+          (row_.values[j - row_.first] -
+           product(row_.values.data() + (from - row_.first), other.values.data() + (from - other.first), j - from)) /
+          other.diagonal;
       row_.values[j - row_.first] = value;
       square -= value * value;
     }
@@ -213,12 +241,18 @@ class ActiveSet {
     rows_.push_back(row_);
   }
 
-  void drop(std::uint32_t place) {
-    const std::vector<std::uint32_t> later(active_.begin() + place + 1, active_.end());
-    change_multiplier(active_[place], -multiplier_[active_[place]]);
+  // All from that place on are active no more.
+  void cut(std::size_t place) {
+    assert(place >= held_);
     for (std::size_t k = place; k < active_.size(); ++k) place_[active_[k]] = kNowhere;
     active_.resize(place);
     rows_.resize(place);
+  }
+
+  void drop(std::uint32_t place) {
+    const std::vector<std::uint32_t> later(active_.begin() + place + 1, active_.end());
+    change_multiplier(active_[place], -multiplier_[active_[place]]);
+    cut(place);
     for (const std::uint32_t i : later) {
       if (row_of(i) > independent_) {
         append(i);
@@ -277,7 +311,7 @@ class ActiveSet {
     for (std::uint32_t i = 0; i < slack_.size(); ++i) {
       slack_[i] = first_slack_[i];
       for (const Entry& e : gram_[i]) slack_[i] += e.value * multiplier_[e.column];
-      pushed_ += multiplier_[i];
+      pushed_ += std::abs(multiplier_[i]);
     }
   }
 
@@ -290,6 +324,8 @@ class ActiveSet {
   std::vector<Row> rows_;
   Row row_;
   std::vector<bool> refused_;  // combinations of active constraints
+  std::vector<bool> is_held_;
+  std::size_t held_ = 0;  // the first ones of active_
 };
 
 // The part of the constraint in what `body` changes by: the inverse mass along the normal, with the sign of the side.
@@ -326,8 +362,8 @@ bool are_least(std::span<const ConstrainedBody> bodies, std::span<const OneSided
                std::span<const double> multipliers, double rounding) {
   for (std::size_t i = 0; i < constraints.size(); ++i) {
     const OneSided& c = constraints[i];
-    const double rate = c.normal.dot(bodies[c.a].value - bodies[c.b].value);
-    if (rate < -rounding || (multipliers[i] > 0.0 && rate > rounding)) return false;
+    const double rate = c.normal.dot(bodies[c.a].value - bodies[c.b].value) - c.least;
+    if (rate < -rounding || ((c.is_held || multipliers[i] > 0.0) && rate > rounding)) return false;
   }
   return true;
 }
@@ -342,6 +378,7 @@ std::expected<std::vector<double>, LeastChangeError> change_least(std::span<Cons
   for (const double independent : kIndependent) {
     ActiveSet set(bodies, constraints, independent);
     if (set.is_met()) return multipliers;
+    set.begin_with_what_is_held();
     if (constraints.size() > kFew) set.begin_with_a_guess();
     if (const auto error = set.solve()) {
       if (error == LeastChangeError::kNoRoom) return std::unexpected(*error);

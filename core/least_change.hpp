@@ -13,10 +13,13 @@ struct ConstrainedBody {
   Vec3 value;               // [m/s] or [m/s^2], world frame
   double inverse_mass = 0;  // [1/kg], >= 0; 0: it gives way to nothing
 };
-// normal . (value of `a` - value of `b`) >= 0. The indices are into the bodies and differ; the normal is a unit vector.
+// normal . (value of `a` - value of `b`) >= least, or == least where the two are held together. The indices are into
+// the bodies and differ; the normal is a unit vector.
 struct OneSided {
   std::uint32_t a, b;
   Vec3 normal;
+  double least = 0.0;  // <= 0, so that bodies that do not move satisfy it
+  bool is_held = false;
 };
 
 // A solution leaves approaches of at most this part of the largest value: rounding.
@@ -30,7 +33,8 @@ inline constexpr double kSolverRounding = 0x1p-38;
 // than that of the one before. A component below the rounding of the values that went in becomes zero, so that what
 // rests has no speed at all.
 //
-// Returns the multiplier of each constraint, >= 0: the impulse [Ns], or the force [N], by which it holds the two apart.
+// Returns the multiplier of each constraint: the impulse [Ns], or the force [N], by which it pushes the two apart; < 0
+// only where they are held together.
 //
 // The values are as they were where it fails.
 enum class LeastChangeError : std::uint8_t {

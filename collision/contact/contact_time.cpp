@@ -121,13 +121,16 @@ class Query {
                 horizon_s_);
   }
 
-  // The widest gap [m] between the first pieces, along all directions that can part them; negative where they overlap.
-  [[nodiscard]] double widest_gap_m() const {
+  // Calls visit(n, gap [m]) for all directions that can part the first pieces; negative where they overlap.
+  template <class Visit>
+  void for_each_gap_of_pieces(Visit&& visit) const {
     const ConvexPiece &piece_a = a_.body.pieces.front(), &piece_b = b_.body.pieces.front();
-    const Vec3 p = a_.motion.position - b_.motion.position;
-    double widest = -std::numeric_limits<double>::infinity();
     const Solid solid_a{piece_a.vertices, &piece_a, piece_a.shape}, solid_b{piece_b.vertices, &piece_b, piece_b.shape};
-    for_each_gap(solid_a, R_a_, solid_b, R_b_, p, [&](const Vec3&, double gap) { widest = std::max(widest, gap); });
+    for_each_gap(solid_a, R_a_, solid_b, R_b_, a_.motion.position - b_.motion.position, visit);
+  }
+  [[nodiscard]] double widest_gap_m() const {
+    double widest = -std::numeric_limits<double>::infinity();
+    for_each_gap_of_pieces([&](const Vec3&, double gap) { widest = std::max(widest, gap); });
     return widest;
   }
 
@@ -169,11 +172,46 @@ bool touching(const MovingBody& a, const MovingBody& b, CollisionType type, cons
   if (options.as == MeetAs::kPolygons) return has_exact_answer(a.body, b.body) && surfaces_within(a, b, near_m);
   const ContactState now = first_contact(a, b, type, 0.0, options).state;
   if (now == ContactState::kContact || now == ContactState::kOverlapped) return true;
-  // Deeper in each other they cross, or the one is inside the other. The gap may be less than the distance.
-  if (are_two_pieces(a.body, b.body) && std::abs(Query(a, b, 0.0).widest_gap_m()) <= 0.5 * near_m) return true;
+  if (are_two_pieces(a.body, b.body)) {
+    const double gap_m = Query(a, b, 0.0).widest_gap_m();
+    if (gap_m >= -0.5 * near_m) return gap_m <= near_m;  // deeper they cross, or the one is inside the other
+  }
   if (meet_as_spheres(a, b)) return spheres_within(a, b, near_m, options.as);
   if (meet_as_sphere_and_surface(a, b)) return sphere_within_surface(a, b, near_m, options.as);
   return has_exact_answer(a.body, b.body) && surfaces_within(a, b, near_m);
+}
+
+std::optional<PartingPlane> widest_parting(const MovingBody& a, const MovingBody& b) {
+  PartingPlane widest{Vec3::Zero(), -std::numeric_limits<double>::infinity()};
+  const auto offer = [&](const Vec3& n, double gap) {
+    if (gap > widest.gap_m) widest = {n, gap};
+  };
+  const auto centre = [](const MovingBody& each) {
+    return Vec3(each.motion.position + each.motion.orientation * each.body.sphere->center);
+  };
+  if (a.body.sphere && b.body.sphere) {
+    const Vec3 way = centre(a) - centre(b);
+    const double distance = way.norm();
+    if (distance > 0.0) offer(way / distance, distance - a.body.sphere->radius_m - b.body.sphere->radius_m);
+  } else if (a.body.sphere || b.body.sphere) {
+    const bool a_is_round = a.body.sphere.has_value();
+    const MovingBody &round = a_is_round ? a : b, &flat = a_is_round ? b : a;
+    if (flat.body.pieces.size() != 1) return std::nullopt;
+    const ConvexPiece& piece = flat.body.pieces.front();
+    const Vec3 from_flat = flat.motion.orientation.conjugate() * (centre(round) - flat.motion.position);
+    for (const Vec3& axis : piece.face_axes) {
+      const Extent extent = extent_along(axis, piece.vertices);
+      const double at = axis.dot(from_flat), radius = round.body.sphere->radius_m;
+      const Vec3 n = flat.motion.orientation * (a_is_round ? axis : Vec3(-axis));
+      offer(n, at - radius - extent.high);
+      offer(Vec3(-n), extent.low - at - radius);
+    }
+  } else {
+    if (!are_two_pieces(a.body, b.body)) return std::nullopt;
+    Query(a, b, 0.0).for_each_gap_of_pieces(offer);
+  }
+  if (!(widest.gap_m >= 0.0)) return std::nullopt;
+  return widest;
 }
 
 bool has_exact_answer(const Body& a, const Body& b) {

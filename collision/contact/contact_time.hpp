@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+
 #include "collision/contact/contact.hpp"
 
 namespace peerd::collision {
@@ -50,6 +52,15 @@ struct ContactOptions {
 // (has_exact_answer()), but for kBox.
 [[nodiscard]] bool touching(const MovingBody& a, const MovingBody& b, CollisionType type,
                             const ContactOptions& options = {});
+
+// A plane between two bodies: the one has all of its vertices, or its sphere, at least `gap_m` >= 0 before the other.
+struct PartingPlane {
+  Vec3 normal_world;  // unit, facing the first body
+  double gap_m;
+};
+// The plane that leaves the widest gap, among the directions that can part two convex pieces, two Spheres, or a Sphere
+// and the faces of a convex piece. None: they touch, or are none of these.
+[[nodiscard]] std::optional<PartingPlane> widest_parting(const MovingBody& a, const MovingBody& b);
 
 // Whether first_contact() has an answer other than kUnsupported for their polygons: neither is unsupported itself, and
 // where one isn't all convex pieces, both are within 2^58 m.

@@ -193,6 +193,10 @@ void SessionKeeper::begin_worlds(SimTime now) {
   truth.set_authority([&decisions = p_.decisions](ObjectId a, ObjectId b, SimTime contact) {
     return decisions.authority(a, b, contact);
   });
+  for (MotionWorld* const world : {&truth, &p_.replica.ghosts()}) {
+    world->set_answered_alone(
+        [&decisions = p_.decisions](ObjectId a, ObjectId b) { return decisions.is_answered_alone(a, b); });
+  }
 }
 
 void SessionKeeper::declare_all() {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -97,6 +98,73 @@ TEST(LeastChange, IsTheNearestOfAllThatSatisfyTheConstraints) {
   EXPECT_GT(changed, 1000);
   EXPECT_LE(hidden, 4);
   EXPECT_LE(hidden_of_many, 6);
+}
+
+TEST(LeastChange, WhatIsHeldTogetherDoesNotPart) {
+  std::vector<ConstrainedBody> bodies{{Vec3(1, 5, 0), 1.0}, {Vec3(-2, 0, 0), 0.5}};
+  const OneSided held{0, 1, Vec3::UnitX(), 0.0, true};
+  const auto multipliers = change_least(bodies, std::array{held});
+  ASSERT_TRUE(multipliers);
+  EXPECT_NEAR((*multipliers)[0], -2.0, 1e-15);  // they part at 3 m/s, and have 1 kg and 2 kg
+  EXPECT_TRUE(bodies[0].value.isApprox(Vec3(-1, 5, 0), 1e-15));
+  EXPECT_TRUE(bodies[1].value.isApprox(Vec3(-1, 0, 0), 1e-15));
+}
+
+TEST(LeastChange, LeavesAsMuchApproachAsAllowed) {
+  std::vector<ConstrainedBody> bodies{{Vec3(-3, 0, 0), 1.0}, {Vec3::Zero(), 0.0}};
+  const auto slow = change_least(bodies, std::array{OneSided{0, 1, Vec3::UnitX(), -1.0}});
+  ASSERT_TRUE(slow);
+  EXPECT_EQ((*slow)[0], 2.0);
+  EXPECT_EQ(bodies[0].value, Vec3(-1, 0, 0));
+  EXPECT_EQ((*change_least(bodies, std::array{OneSided{0, 1, Vec3::UnitX(), -1.0}}))[0], 0.0);
+}
+
+// By the conditions of Karush, Kuhn and Tucker, from the multipliers alone.
+TEST(LeastChange, OfBoundsAndHeldPairs) {
+  std::mt19937_64 rng(11);
+  const auto unit = [&] { return static_cast<double>(rng() >> 11) * 0x1p-53; };
+  const auto some = [&] { return Vec3(2 * unit() - 1, 2 * unit() - 1, 2 * unit() - 1); };
+  int hidden = 0, pulls = 0, at_bound = 0;
+  for (int run = 0; run < 500; ++run) {
+    std::vector<ConstrainedBody> bodies(2 + rng() % 20);
+    for (ConstrainedBody& b : bodies) b = {some(), 0.5 + unit()};
+    bodies[0] = {Vec3::Zero(), 0.0};
+    std::vector<OneSided> constraints;
+    for (std::size_t i = 0, count = 1 + rng() % 40; i < count; ++i) {
+      const auto a = static_cast<std::uint32_t>(rng() % bodies.size());
+      const auto b = static_cast<std::uint32_t>((a + 1 + rng() % (bodies.size() - 1)) % bodies.size());
+      const bool held = rng() % 5 == 0;
+      constraints.push_back({a, b, some().normalized(), held || rng() % 2 == 0 ? 0.0 : -unit(), held});
+    }
+    const std::vector<ConstrainedBody> before = bodies;
+    const auto multipliers = change_least(bodies, constraints);
+    if (!multipliers) {
+      ++hidden;
+      continue;
+    }
+    std::vector<Vec3> after;
+    for (const ConstrainedBody& b : before) after.push_back(b.value);
+    double most = 1.0;
+    for (std::size_t i = 0; i < constraints.size(); ++i) {
+      const OneSided& c = constraints[i];
+      const double by = (*multipliers)[i];
+      most = std::max(most, std::abs(by));
+      after[c.a] += by * before[c.a].inverse_mass * c.normal;
+      after[c.b] -= by * before[c.b].inverse_mass * c.normal;
+      EXPECT_TRUE(c.is_held || by >= 0.0) << run;
+      pulls += by < 0.0 ? 1 : 0;
+      const double over = c.normal.dot(bodies[c.a].value - bodies[c.b].value) - c.least;
+      EXPECT_GE(over, -1e-9) << run;
+      if (by != 0.0 || c.is_held) {
+        EXPECT_LE(over, 1e-9) << run;
+      }
+      at_bound += by > 0.0 && c.least < 0.0 ? 1 : 0;
+    }
+    for (std::size_t i = 0; i < bodies.size(); ++i) EXPECT_TRUE(bodies[i].value.isApprox(after[i], 1e-9 * most)) << run;
+  }
+  EXPECT_LE(hidden, 5);
+  EXPECT_GT(pulls, 200);
+  EXPECT_GT(at_bound, 200);
 }
 
 }  // namespace peerd::least_change_test

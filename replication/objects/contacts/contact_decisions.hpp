@@ -52,6 +52,11 @@ class ContactDecisions {
   void watch(std::span<const std::uint32_t> pairs);
   // The authority of a contact that the truth has found.
   [[nodiscard]] ContactAuthority authority(ObjectId a, ObjectId b, SimTime contact) const;
+  // Whether no peer has to agree with others on a contact of the two: they have one owner at most, and it moves nothing
+  // that is nobody's.
+  [[nodiscard]] bool is_answered_alone(ObjectId a, ObjectId b) const {
+    return !owners_.have_two(a, b) && !is_free_scene_object(a) && !is_free_scene_object(b);
+  }
 
   // ---- contacts that this peer has found
 

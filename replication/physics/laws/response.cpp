@@ -60,8 +60,8 @@ KinematicState respond(const ContactSide& m) {
   return after;
 }
 
-bool comes_to_rest(double parting_speed_m_s, double acceleration_m_s2) {
-  return acceleration_m_s2 < 0.0 && 2.0 * parting_speed_m_s < -acceleration_m_s2 * kShortestFlight_s;
+bool comes_to_rest(double parting_speed_m_s, double acceleration_m_s2, double shortest_flight_s) {
+  return acceleration_m_s2 < 0.0 && 2.0 * parting_speed_m_s < -acceleration_m_s2 * shortest_flight_s;
 }
 
 MotionModel law_after(const CollisionResponse* response, const MotionModel& law, const KinematicState& after) {

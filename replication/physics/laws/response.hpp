@@ -57,7 +57,8 @@ struct ContactSide {
 // them together meet again within kShortestFlight_s: they stay together, or they would bounce for ever. At 10 m/s^2
 // such a bounce is a micrometre high.
 inline constexpr double kShortestFlight_s = 0x1p-10;
-[[nodiscard]] bool comes_to_rest(double parting_speed_m_s, double acceleration_m_s2);
+[[nodiscard]] bool comes_to_rest(double parting_speed_m_s, double acceleration_m_s2,
+                                 double shortest_flight_s = kShortestFlight_s);
 
 // The law by which an object of that response goes on. With `friction` it slides to rest where nothing else
 // accelerates it, or stands if that would take less than kShortestFlight_s: an object that flies under gravity keeps

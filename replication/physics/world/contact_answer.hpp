@@ -9,6 +9,8 @@ inline constexpr double kRounding = 0x1p-46;
 
 // In a heap, what approaches more slowly than this stays, whatever its restitution [m/s].
 inline constexpr double kRestSpeed_m_s = 0.05;
+// So it is in a crowd (contact_island.hpp), for which each bounce costs a solution of all.
+inline constexpr double kCrowdRestSpeed_m_s = 0.5;
 
 // The authority in a contact: the outcome that counts.
 enum class ContactAuthority : std::uint8_t {

@@ -3,8 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <limits>
+#include <optional>
+#include <ranges>
 #include <unordered_map>
+#include <utility>
 
+#include "collision/contact/contact_time.hpp"
 #include "replication/physics/world/contact_answer.hpp"
 
 namespace peerd::replication {
@@ -13,11 +18,89 @@ namespace {
 // A body is trapped where the contacts of a burst are closer than this in the mean and nothing that it meets gives way:
 // in a gap of 0.1 um it would bounce a million times a second.
 constexpr Duration kTrappedMean = std::chrono::microseconds(100);
+
+// The restitution of a contact of the two; none: one of them answers otherwise than by IMPULSE, or none answers.
+std::optional<double> restitution_of(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair) {
+  std::optional<double> least;
+  for (const auto& [object, registered] :
+       {std::pair{pair.collider, pair.collider_responds}, std::pair{pair.collidee, pair.collidee_responds}}) {
+    if (!registered) continue;
+    const CollisionResponse& response = *model.response_of(objects[object].id);
+    if (response.type != ResponseType::kImpulse) return std::nullopt;
+    least = std::min(least.value_or(1.0), response.restitution);
+  }
+  return least;
+}
+
+// An object where it is at one instant.
+struct Placed {
+  KinematicState state;
+  Vec3 low, high;  // its box in the world
+};
+
+// The objects around an island, each placed once.
+class PlacedObjects {
+ public:
+  PlacedObjects(const MovingObjects& objects, SimTime t) : objects_(objects), t_(t) {}
+
+  const Placed& of(std::uint32_t object) {
+    const auto [known, is_new] = placed_.try_emplace(object);
+    if (!is_new) return known->second;
+    Placed& placed = known->second;
+    placed.state = objects_.world_at(object, t_);
+    const collision::Body& body = objects_.body(object);
+    const Mat3 rotation = placed.state.orientation.toRotationMatrix();
+    placed.low.setConstant(std::numeric_limits<double>::infinity());
+    placed.high = -placed.low;
+    const auto enclose = [&](const Vec3& at, double radius_m) {
+      placed.low = placed.low.cwiseMin(at - Vec3::Constant(radius_m));
+      placed.high = placed.high.cwiseMax(at + Vec3::Constant(radius_m));
+    };
+    if (body.sphere) {
+      enclose(rotation * body.sphere->center + placed.state.position, body.sphere->radius_m);
+    } else {
+      for (const Vec3& vertex : body.vertices()) enclose(rotation * vertex + placed.state.position, 0.0);
+    }
+    return placed;
+  }
+
+ private:
+  const MovingObjects& objects_;
+  SimTime t_;
+  std::unordered_map<std::uint32_t, Placed> placed_;
+};
+
+// The plane between two that would meet within kForeseen_s, and may be kept from it: what bounces is left to meet.
+std::optional<collision::PartingPlane> foreseen_plane(const WorldModel& model, const MovingObjects& objects,
+                                                      const WatchedPair& pair, PlacedObjects& placed) {
+  if (!pair.is_plain || pair.inside || pair.type == CollisionType::kBox) return std::nullopt;
+  const Placed &a = placed.of(pair.collider), &b = placed.of(pair.collidee);
+  const Vec3 velocity = a.state.velocity - b.state.velocity;
+  // The island's solution may turn any of them towards the other.
+  const double way_m = kForeseen_s * std::max(velocity.norm(), kRestSpeed_m_s);
+  if (((a.low - b.high).cwiseMax(b.low - a.high).array() > way_m).any()) return std::nullopt;
+  const std::optional<double> restitution = restitution_of(model, objects, pair);
+  if (!restitution) return std::nullopt;
+  const auto plane =
+      collision::widest_parting({objects.body(pair.collider), a.state}, {objects.body(pair.collidee), b.state});
+  if (!plane || plane->gap_m > way_m) return std::nullopt;
+  const bool bounces = *restitution > 0.0 && -plane->normal_world.dot(velocity) > kCrowdRestSpeed_m_s;
+  return bounces ? std::nullopt : plane;
+}
+
 }  // namespace
 
+bool is_crowd(const ContactIsland& island) {
+  const auto gives_way = [](std::uint32_t object) { return object != ContactIsland::kNone; };
+  return static_cast<std::size_t>(std::ranges::count_if(island.objects, gives_way)) >= kCrowd;
+}
+
 ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
-                        std::span<const std::uint32_t> around, SimTime t, Touching which, Quantity quantity) {
+                        std::span<const std::uint32_t> around, SimTime t, Touching which, Quantity quantity,
+                        const AnsweredAlone& foresees) {
+  assert(!foresees || quantity == Quantity::kVelocity);
   ContactIsland island;
+  PlacedObjects placed(objects, t);
   std::unordered_map<std::uint32_t, std::uint32_t> places;  // of the objects that give way, in the island
   const auto add = [&](std::uint32_t object, bool moves, std::uint32_t from) {
     if (moves) {
@@ -49,14 +132,27 @@ ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, c
       const WatchedPair& pair = *known;
       const bool touches =
           pair.bears_at(t) || (which == Touching::kAny && met_lately(pair.touched, t, kShortestFlight));
-      if (!touches || !pair.watched) continue;
+      if (!pair.watched || (!touches && !foresees)) continue;
       const auto other = places.find(pair.collider == object ? pair.collidee : pair.collider);
       if (other != places.end() && other->second < next) continue;  // it is there, from the other end
       const bool a_moves = objects[pair.collider].will_respond(pair.collider_responds, t);
       const bool b_moves = objects[pair.collidee].will_respond(pair.collidee_responds, t);
       if (!a_moves && !b_moves) continue;
+      std::optional<collision::PartingPlane> foreseen;
+      if (!touches) {
+        foreseen = foreseen_plane(model, objects, pair, placed);
+        const bool is_driven = (!a_moves && !is_motionless(placed.of(pair.collider).state)) ||
+                               (!b_moves && !is_motionless(placed.of(pair.collidee).state));
+        if (!foreseen || is_driven || !foresees(objects[pair.collider].id, objects[pair.collidee].id)) continue;
+      }
       const std::uint32_t body_a = add(pair.collider, a_moves, object);
       const std::uint32_t body_b = add(pair.collidee, b_moves, object);
+      if (foreseen) {
+        island.foreseen.push_back(static_cast<std::uint32_t>(island.constraints.size()));
+        island.constraints.push_back({body_a, body_b, foreseen->normal_world, -foreseen->gap_m / kForeseen_s});
+        island.pairs.push_back(i);
+        continue;
+      }
       for (const Vec3& n : pair.normals) {
         island.constraints.push_back({body_a, body_b, n});
         island.pairs.push_back(i);
@@ -70,6 +166,7 @@ IslandParting parting_of(const ContactIsland& island, const MovingObjects& objec
                          SimTime t, double rounding) {
   assert(island.holds.size() == island.constraints.size() && rounding >= 0.0);
   IslandParting parting;
+  const double shortest_flight_s = is_crowd(island) ? kForeseen_s : kShortestFlight_s;
   for (std::uint32_t c = 0; c < island.constraints.size(); ++c) {
     const OneSided& constraint = island.constraints[c];
     const WatchedPair& pair = pairs[island.pairs[c]];
@@ -81,7 +178,7 @@ IslandParting parting_of(const ContactIsland& island, const MovingObjects& objec
     // To keep up with what moves away and gives way to nothing would take energy.
     const bool is_led = (island.objects[constraint.a] == ContactIsland::kNone && !a.isZero(0.0)) ||
                         (island.objects[constraint.b] == ContactIsland::kNone && !b.isZero(0.0));
-    if (!is_led && comes_to_rest(std::max(speed, 0.0), -island.holds[c])) {
+    if (!is_led && comes_to_rest(std::max(speed, 0.0), -island.holds[c], shortest_flight_s)) {
       parting.pressed.push_back(c);
       parting.pressed_part = parting.pressed_part || parts;
     } else if (parts) {
@@ -97,12 +194,10 @@ void hold_together(ContactIsland& velocities, const ContactIsland& accelerations
   assert(count == velocities.pairs.size());
   for (const std::uint32_t c : given) {
     for (std::size_t i = 0; i < count; ++i) {
-      const OneSided constraint = velocities.constraints[i];
-      if (velocities.pairs[i] != accelerations.pairs[c] || constraint.normal != accelerations.constraints[c].normal) {
-        continue;
-      }
-      velocities.constraints.push_back({constraint.b, constraint.a, constraint.normal});
-      velocities.pairs.push_back(velocities.pairs[i]);
+      OneSided& constraint = velocities.constraints[i];
+      const bool is_same =
+          velocities.pairs[i] == accelerations.pairs[c] && constraint.normal == accelerations.constraints[c].normal;
+      constraint.is_held = constraint.is_held || is_same;
     }
   }
 }
@@ -172,10 +267,28 @@ std::vector<std::uint32_t> solve(ContactIsland& island) {
     const OneSided& c = island.constraints[constraint];
     island.holds[constraint] = multiplier * (island.bodies[c.a].inverse_mass + island.bodies[c.b].inverse_mass);
   };
+  double largest = 0.0;
+  for (const ConstrainedBody& body : island.bodies) largest = std::max(largest, body.value.norm());
   const auto all = change_least(island.bodies, island.constraints);
   if (all) {
+    // Of a crowd that stands a solution leaves its rounding.
+    const auto is_rounding = [&](const ConstrainedBody& body) {
+      return body.inverse_mass == 0.0 || body.value.norm() <= kSolverRounding * largest;
+    };
+    if (is_crowd(island) && std::ranges::all_of(island.bodies, is_rounding)) {
+      for (ConstrainedBody& body : island.bodies) {
+        if (body.inverse_mass > 0.0) body.value.setZero();
+      }
+    }
     for (std::uint32_t i = 0; i < all->size(); ++i) hold(i, (*all)[i]);
     return {};
+  }
+  if (!island.foreseen.empty()) {  // those have room left
+    for (const std::uint32_t i : std::views::reverse(std::exchange(island.foreseen, {}))) {
+      island.constraints.erase(island.constraints.begin() + i);
+      island.pairs.erase(island.pairs.begin() + i);
+    }
+    return solve(island);
   }
   // A body that comes and gives way to nothing leaves no room. It goes through, rather than push the others through one
   // that stands.

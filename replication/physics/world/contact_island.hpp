@@ -1,5 +1,7 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -17,7 +19,8 @@ struct ContactIsland {
   std::vector<std::uint32_t> reached_from;  // of `bodies`: the neighbour that led to it; kNone: asked for
   std::vector<ConstrainedBody> bodies;
   std::vector<OneSided> constraints;
-  std::vector<std::uint32_t> pairs;  // of each constraint
+  std::vector<std::uint32_t> pairs;     // of each constraint
+  std::vector<std::uint32_t> foreseen;  // the constraints, ascending, of pairs that do not touch yet
   // For each constraint, the speed or the acceleration along its normal that it adds between its two bodies; solve()
   // sets it.
   std::vector<double> holds;
@@ -26,10 +29,21 @@ struct ContactIsland {
 enum class Touching : std::uint8_t { kBearing, kAny };  // the pairs that bear, or all of the burst
 enum class Quantity : std::uint8_t { kVelocity, kAcceleration };
 
-// The island around those of these objects that give way at t.
+// Islands of so many objects that give way foresee contacts: what would meet within kForeseen_s comes no nearer in that
+// time than to touch. Else each of them would meet each neighbour in turn, and each contact changes the ways of all.
+inline constexpr std::size_t kCrowd = 8;
+inline constexpr double kForeseen_s = 0x1p-6;
+
+[[nodiscard]] bool is_crowd(const ContactIsland& island);
+
+// Whether no peer has to agree with others on a contact of the two.
+using AnsweredAlone = std::function<bool(ObjectId collider, ObjectId collidee)>;
+
+// The island around those of these objects that give way at t. With `foresees` also the pairs of which that is true and
+// that would meet within kForeseen_s, without a bounce; nothing that comes and gives way to nothing is foreseen.
 [[nodiscard]] ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
                                       std::span<const std::uint32_t> around, SimTime t, Touching which,
-                                      Quantity quantity);
+                                      Quantity quantity, const AnsweredAlone& foresees = {});
 
 // IslandParting sorts the constraints of an island whose accelerations are solved, by the velocities of its bodies. It
 // has indices of constraints.
@@ -63,8 +77,8 @@ void note_solved(const ContactIsland& island, const MovingObjects& objects, Watc
 // Whether a body that gives way to nothing has a value other than zero.
 [[nodiscard]] bool is_driven(const ContactIsland& island);
 
-// The values become those that the constraints allow. Returns the pairs that had to be left out: of them one comes
-// and gives way to nothing, and the other has no room.
+// The values become those that the constraints allow; foreseen ones that leave no solution are given up. Returns the
+// pairs that had to be left out: of them one comes and gives way to nothing, and the other has no room.
 [[nodiscard]] std::vector<std::uint32_t> solve(ContactIsland& island);
 
 }  // namespace peerd::replication

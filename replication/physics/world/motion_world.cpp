@@ -633,6 +633,9 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
   // No peer decides a resting contact: all solve it alike, by the laws that are published.
   const bool lasts = authority == ContactAuthority::kDeferred && lasts_at(*model_, objects_, pair);
   if (lasts) answer = answer_to(*model_, objects_, pair, ContactAuthority::kAsPublished);
+  const Vec3 approach = answer.before_a.state.velocity - answer.before_b.state.velocity;
+  const bool resumes = authority == ContactAuthority::kAsPublished && met_lately(pair.bore_until, t, kSameContact) &&
+                       -pair.normal.dot(approach) <= kRestSpeed_m_s;
   pair.both_changed = !moves_alike(answer.before_a.state, answer.after_a.state) &&
                       !moves_alike(answer.before_b.state, answer.after_b.state);
   const std::size_t a = pair.collider, b = pair.collidee;
@@ -673,7 +676,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
   }
   // A contact in which no response changes anything (an object that was stopped is run into) goes on.
   pair.inside = !changed;
-  if (!lasts) report(pair, t, answer);
+  if (!lasts && !resumes) report(pair, t, answer);
 }
 
 // Others that touch the two may have made them faster. Where both answer contacts neither is a racket, so they go as
@@ -782,6 +785,11 @@ void MotionWorld::answer_in_heap(WatchedPair& pair, SimTime t, const ContactAnsw
   const double came = -pair.normal.dot(answer.before_a.state.velocity - answer.before_b.state.velocity);
   const double parts = pair.normal.dot(answer.after_a.state.velocity - answer.after_b.state.velocity);
   if (came <= kRestSpeed_m_s) return come_to_rest(pair, t);
+  const std::array around{pair.collider, pair.collidee};
+  if (came <= kCrowdRestSpeed_m_s &&
+      is_crowd(island_of(*model_, objects_, pairs_, around, t, Touching::kBearing, Quantity::kVelocity))) {
+    return come_to_rest(pair, t);
+  }
   set_bearing(pair, t, true);
   settle_velocities(pair, t, Touching::kBearing, std::clamp(parts / came, 0.0, 1.0));
 }
@@ -808,6 +816,10 @@ void MotionWorld::change_velocity(std::size_t index, SimTime t, const Vec3& velo
 void MotionWorld::settle_velocities(WatchedPair& pair, SimTime t, Touching which, double restitution) {
   const std::array around{pair.collider, pair.collidee};
   ContactIsland island = island_of(*model_, objects_, pairs_, around, t, which, Quantity::kVelocity);
+  if (which == Touching::kBearing && is_crowd(island)) {
+    const AnsweredAlone alone = answered_alone_ ? answered_alone_ : [](ObjectId, ObjectId) { return true; };
+    island = island_of(*model_, objects_, pairs_, around, t, which, Quantity::kVelocity, alone);
+  }
   for (std::size_t i = 0; i < island.objects.size(); ++i) {
     if (island.reached_from[i] != kNone) continue;
     island.reached_from[i] = island.objects[i] == around[0] ? around[1] : around[0];
@@ -932,6 +944,8 @@ void MotionWorld::set_bearing(WatchedPair& pair, SimTime t, bool bears) {
     pair.begin_to_bear(t);
   } else if (!std::exchange(pair.bears, false)) {
     return;
+  } else {
+    pair.bore_until = t;
   }
   settling_.objects.push_back({pair.collider, pair.collidee});
   settling_.objects.push_back({pair.collidee, pair.collider});

@@ -114,6 +114,9 @@ class MotionWorld {
   using AuthorityOf = std::function<ContactAuthority(ObjectId collider, ObjectId collidee, SimTime contact)>;
   void set_authority(AuthorityOf authority_of) { authority_of_ = std::move(authority_of); }
 
+  // Tells of pairs whether no peer has to agree with others on a contact: these alone are foreseen in a crowd.
+  void set_answered_alone(AnsweredAlone answered_alone) { answered_alone_ = std::move(answered_alone); }
+
   // Makes void the laws that were set for the object from t on, and all that followed from them: the object goes on
   // from t as it was set before. For worlds that replay bases; set_base() does it before it sets one.
   void forget_bases(ObjectId object, SimTime t);
@@ -337,6 +340,7 @@ class MotionWorld {
   bool replays_bases_ = false;
   std::set<std::pair<SimTime, ObjectId>> retracted_bases_;  // bases that are to be laid again
   AuthorityOf authority_of_;                                // none: kAsPublished for all
+  AnsweredAlone answered_alone_;                            // none: true for all
   std::vector<MotionEvent> events_;
   std::size_t polled_ = 0;  // of events_
   Counters counters_;

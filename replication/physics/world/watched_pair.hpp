@@ -21,6 +21,7 @@ struct PairCourse {
   SimTime parted = SimTime::min();       // when `inside` was last over
   SimTime parted_from = SimTime::min();  // the contact that was over then
   SimTime bore_since = SimTime::max();   // when the two last came to rest against each other
+  SimTime bore_until = SimTime::min();   // when the two last bore each other no more
   SimTime touched = SimTime::min();      // of the last contact
   SimTime solved = SimTime::min();       // when laws were last chosen by which the two don't approach
   SimTime lifted = SimTime::min();       // when the two last came apart after they bore each other
@@ -90,6 +91,9 @@ struct WatchedPair : PairCourse {
 
 // Two that part for a shorter time stay together.
 inline constexpr Duration kShortestFlight{static_cast<std::int64_t>(kShortestFlight_s * 1e9)};
+
+// Two that bore each other, and slowly meet again within that time, have one contact that lasts.
+inline constexpr Duration kSameContact{std::int64_t{1} << 26};
 
 [[nodiscard]] inline bool met_lately(SimTime met, SimTime t, Duration within) { return met <= t && t <= met + within; }
 

@@ -182,6 +182,22 @@ TEST(ContactTime, BoxesTouchWhereNoAxisKeepsThemApart) {
   }
 }
 
+TEST(ContactTime, TheWidestPlaneBetweenTwo) {
+  const Body cube = box(1, 1, 1), room = body_of(make_mesh(box_vertices(9, 9, 9), kBoxFaces));
+  const auto plane = widest_parting({cube, moving({1, 3, 0})}, {cube, moving({0, 0, 0})});
+  ASSERT_TRUE(plane);
+  EXPECT_EQ(plane->normal_world, Vec3::UnitY());
+  EXPECT_EQ(plane->gap_m, 2.0);
+  KinematicState tilted = moving({0, 0, 2});
+  tilted.orientation = Quat(Eigen::AngleAxisd(std::numbers::pi / 4, Vec3::UnitX()));
+  const auto edge = widest_parting({cube, moving({0, 0, 0})}, {cube, tilted});
+  ASSERT_TRUE(edge);
+  EXPECT_TRUE(edge->normal_world.isApprox(-Vec3::UnitZ(), 1e-15));
+  EXPECT_NEAR(edge->gap_m, 1.5 - std::sqrt(0.5), 1e-15);
+  EXPECT_FALSE(widest_parting({cube, moving({0.9, 0, 0})}, {cube, moving({0, 0, 0})}));
+  EXPECT_FALSE(widest_parting({cube, moving({0, 0, 0})}, {room, moving({0, 0, 0})})) << "it is inside";
+}
+
 TEST(ContactTime, UnsupportedIsSaidAndBoxAnswersAllTheSame) {
   Faces open = kBoxFaces;
   open.pop_back();

@@ -39,6 +39,23 @@ TEST(SphereContact, IsOfTheSpheresAndNotOfTheirFacets) {
   EXPECT_FALSE(c.resting);
 }
 
+TEST(SphereContact, APlanePartsItFromASphereAndFromABox) {
+  const Balls balls, with_box("Shape { geometry Sphere { radius 0.5 } }", "Shape { geometry Box { size 2 2 2 } }");
+  const Vec3 n = Vec3(0.3, 0.7, 0.2).normalized();
+  const auto plane = widest_parting({balls.bodies[0], moving(2.0 * n)}, {balls.bodies[1], moving({0, 0, 0})});
+  ASSERT_TRUE(plane);
+  EXPECT_LT((plane->normal_world - n).norm(), 1e-15);
+  EXPECT_NEAR(plane->gap_m, 1.25, 1e-15);
+  EXPECT_FALSE(widest_parting({balls.bodies[0], moving({0.7, 0, 0})}, {balls.bodies[1], moving({0, 0, 0})}));
+  const auto face = widest_parting({with_box.bodies[0], moving({0, -4, 0})}, {with_box.bodies[1], moving({0, 0, 0})});
+  ASSERT_TRUE(face);
+  EXPECT_EQ(face->normal_world, -Vec3::UnitY());
+  EXPECT_EQ(face->gap_m, 2.5);
+  const auto back = widest_parting({with_box.bodies[1], moving({0, 0, 0})}, {with_box.bodies[0], moving({0, -4, 0})});
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->normal_world, Vec3::UnitY());
+}
+
 TEST(SphereContact, IsLeftToPolygonsWhereItIsNoSphere) {
   EXPECT_FALSE(Balls("Shape { geometry Box { } }").bodies[0].sphere.has_value());
   EXPECT_FALSE(Balls("[ Shape { geometry Sphere { } } Shape { geometry Sphere { } } ]").bodies[0].sphere.has_value());

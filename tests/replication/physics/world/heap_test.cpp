@@ -121,10 +121,37 @@ TEST(Heap, OfThreeTiltedBoxesComesToRest) {
   }
 }
 
+// In a crowd contacts are foreseen, and what bounces slowly stays.
+TEST(Heap, ACrowdComesToRest) {
+  struct Crowd {
+    Kind kind;
+    int count;
+    std::size_t contacts_of_each;
+  };
+  for (const Crowd& crowd : {Crowd{{kBox, 0.0}, 30, 30}, Crowd{{kBox, 0.5}, 30, 80}, Crowd{{kBall, 0.0}, 16, 40}}) {
+    SCOPED_TRACE(testing::Message() << crowd.kind.geometry << ", restitution " << crowd.kind.restitution);
+    Heap heap(crowd.kind, crowd.count, 1);
+    double before = heap.energy(sim(0s));
+    for (Duration t = 50ms; t <= 20s; t += 50ms) {
+      heap.world().advance(sim(t));
+      const double now = heap.energy(sim(t));
+      ASSERT_LE(now, before * (1.0 + 1e-9)) << to_seconds(t) << " s";
+      before = now;
+    }
+    for (const ObjectId body : heap.bodies()) EXPECT_LE(heap.world().at(body, sim(20s)).velocity.norm(), 1e-6);
+    const MotionCounters counters = heap.world().counters();
+    EXPECT_EQ(counters.overlapped, 0u);
+    EXPECT_EQ(counters.capped, 0u);
+    EXPECT_LE(counters.contacts, crowd.contacts_of_each * static_cast<std::size_t>(crowd.count));
+    heap.world().advance(sim(21s));
+    EXPECT_EQ(heap.world().counters().contacts, counters.contacts);
+  }
+}
+
 TEST(Heap, DoesNotDependOnTicks) {
   std::vector<KinematicState> seen;
   for (const int hz : {20, 60, 144}) {
-    Heap heap({kBox, 0.5}, 8, 3);
+    Heap heap({kBox, 0.5}, 12, 3);
     for (int k = 1; k <= 3 * hz; ++k) heap.world().advance(sim(from_seconds(static_cast<double>(k) / hz)));
     const std::vector<ObjectId> bodies = heap.bodies();
     for (std::size_t i = 0; i < bodies.size(); ++i) {
