@@ -267,6 +267,19 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const std::optional<Motio
   lay_base(index, base);
 }
 
+namespace {
+
+// Whether a motion goes on from one law to the next: accelerations between those of the two explain how they differ.
+bool goes_on(const KinematicState& before, const KinematicState& now, Duration since) {
+  if (before.orientation.coeffs() != now.orientation.coeffs()) return false;
+  const double s = to_seconds(since), most = before.acceleration.norm() + now.acceleration.norm();
+  const double rounding = kSolverRounding * (now.position.norm() + s * now.velocity.norm());
+  return (now.position - before.position).norm() <= 0.5 * s * s * most + rounding &&
+         (now.velocity - before.velocity).norm() <= s * most + rounding;
+}
+
+}  // namespace
+
 // Whether the object, or what it carries, may meet anything. The others are most.
 bool MotionWorld::may_meet(std::size_t index) const {
   return index < model_->nodes.size() &&
@@ -291,6 +304,8 @@ void MotionWorld::lay_base(std::size_t index, const Base& given) {
   retract_all(index, t);
   const MotionModel model = given.model ? *given.model : o.timeline.model_at(t);
   const KinematicState before = o.timeline.at(t);
+  const MotionModel world_before = objects_.world_law(index, t);
+  const Duration since = t - o.timeline.segment_at(t).from;
   const bool stays = before.position == model.state.position &&
                      before.orientation.coeffs() == model.state.orientation.coeffs() &&
                      std::ranges::none_of(pairs_touched_since(index, t), [&](std::uint32_t i) {
@@ -305,7 +320,13 @@ void MotionWorld::lay_base(std::size_t index, const Base& given) {
   }
   o.timeline.replace_from(t, base, std::nullopt);
   objects_.timeline_changed(index);
-  reopen_pairs(index, t, !stays);
+  const bool carries = goes_on(world_before.state, objects_.world_law(index, t).state, since) &&
+                       carry_along(index, t, world_before.state, since);
+  reopen_pairs(index, t, !stays && !carries);
+  if (carries) {
+    settle(t, true);
+    return;
+  }
   const auto is_borne = [&] {
     return std::ranges::any_of(far_.near(index),
                                [&](std::uint32_t i) { return pairs_.contains(i) && pairs_[i].bears_at(t); });
@@ -316,6 +337,51 @@ void MotionWorld::lay_base(std::size_t index, const Base& given) {
     settling_.objects.push_back({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index)});
     settle(t, true);
   }
+}
+
+// What rests on an object that is driven goes with it from one of its laws to the next.
+bool MotionWorld::carry_along(std::size_t index, SimTime t, const KinematicState& before, Duration since) {
+  std::vector<std::uint32_t> borne;
+  for (const std::uint32_t i : far_.near(index)) {
+    if (!pairs_.contains(i) || !pairs_[i].bears_at(t)) continue;
+    const WatchedPair& pair = pairs_[i];
+    const bool is_collider = pair.collider == index;
+    if (gives_way(index, is_collider ? pair.collider_responds : pair.collidee_responds, t)) return false;
+    const std::uint32_t other = is_collider ? pair.collidee : pair.collider;
+    if (gives_way(other, is_collider ? pair.collidee_responds : pair.collider_responds, t)) borne.push_back(other);
+  }
+  if (borne.empty()) return false;
+  std::ranges::sort(borne);  // near() has no order
+  const KinematicState now = objects_.world_law(index, t).state;
+  const auto solved = [&](const Vec3& change) {
+    ContactIsland island = island_of(*model_, objects_, pairs_, borne, t, Touching::kBearing, Quantity::kVelocity);
+    for (ConstrainedBody& body : island.bodies) body.value.setZero();
+    for (std::size_t c = 0; c < island.constraints.size(); ++c) {
+      OneSided& constraint = island.constraints[c];
+      const WatchedPair& pair = pairs_[island.pairs[c]];
+      constraint.is_held = true;
+      for (const auto& [body, object] :
+           {std::pair{constraint.a, pair.collider}, std::pair{constraint.b, pair.collidee}}) {
+        if (island.objects[body] == kNone && object == index) island.bodies[body].value = change;
+      }
+    }
+    static_cast<void>(solve(island));
+    return island;
+  };
+  const ContactIsland places = solved(now.position - before.position), speeds = solved(now.velocity - before.velocity);
+  if (!places.is_solved || !speeds.is_solved) return false;
+  // The speeds have grown by the accelerations since then, and have their rounding.
+  settling_.fastest = std::max(settling_.fastest, now.velocity.norm() + to_seconds(since) * now.acceleration.norm());
+  for (std::size_t i = 0; i < places.objects.size(); ++i) {
+    if (places.objects[i] == kNone) continue;
+    assert(places.objects[i] == speeds.objects[i]);
+    MotionModel law = objects_.world_law(places.objects[i], t);
+    law.state.position += places.bodies[i].value;
+    law.state.velocity += speeds.bodies[i].value;
+    const std::uint32_t from = places.reached_from[i];
+    change_motion(places.objects[i], t, law, objects_[from != kNone ? from : index].id);
+  }
+  return true;
 }
 
 void MotionWorld::retract_all(std::size_t index, SimTime t) {

@@ -224,6 +224,9 @@ class MotionWorld {
 
   [[nodiscard]] bool may_meet(std::size_t object) const;
   void lay_base(std::size_t object, const Base& base);
+  // What a driven object bears goes with it, where its last law led elsewhere at t than where it is now. Returns
+  // whether it did.
+  bool carry_along(std::size_t object, SimTime t, const KinematicState& before, Duration since);
   // The object rests from then on against its partner, or against what it touches and would run into.
   void begin_rest(std::size_t object, const Base& base);
   // Makes void all that followed from the object's motion from t on.

@@ -1503,4 +1503,39 @@ TEST(MotionWorldPutOff, APairGoesOnFromItsLastBaseOrFromNow) {
   EXPECT_EQ(late.counters().contacts, 0u) << "the one at 0.85 s is past";
 }
 
+// ---- driven supports ----
+
+// Samples of a lift are a jerk apart from where the one before led. Of a shove nothing leads there.
+TEST(MotionWorldLift, CarriesAStackAtAnyTickRate) {
+  const std::string by_impulse = " collisionResponse CollisionResponse { responseType 2 restitution 0.5 } ";
+  for (const double hz : {20.0, 60.0, 144.0}) {
+    SCOPED_TRACE(hz);
+    const KinematicState falls = moving({0, 1, 0}, {0, 0, 0}, {0, -9.81, 0});
+    KinematicState above = falls;
+    above.position.y() = 2.0;
+    auto&& [w, world] =
+        Started(box("LIFT", "4 1 4", "0 0 0") + box("A", "1 1 1", "0 1 0", by_impulse) +
+                    box("B", "1 1 1", "0 2 0", by_impulse) + interest("A", R"("LIFT" "B")") + interest("B", "\"A\""),
+                {{"LIFT", Role::kDriven}, {"A", Role::kAuthoritative, falls}, {"B", Role::kAuthoritative, above}});
+    std::size_t contacts = 0;
+    for (int k = 0; k <= 8 * static_cast<int>(hz); ++k) {
+      const double t = k / hz, turn = 3.0 * t;
+      const SimTime at = sim(from_seconds(t));
+      world.advance(at);
+      world.set_base(
+          w["LIFT"], at,
+          moving({0, 0.5 * (1.0 - std::cos(turn)), 0}, {0, 1.5 * std::sin(turn), 0}, {0, 4.5 * std::cos(turn), 0}));
+      contacts += contacts_of(world).size();
+      const double lift = world.at(w["LIFT"], at).position.y();
+      ASSERT_NEAR(world.at(w["A"], at).position.y(), lift + 1.0, 1e-12) << t;
+      ASSERT_NEAR(world.at(w["B"], at).position.y(), lift + 2.0, 1e-12) << t;
+    }
+    EXPECT_LE(contacts, 2u) << "they are there at the start, and go on";
+    const SimTime end = world.advanced();
+    world.set_base(w["LIFT"], end, moving({0, -50, 0}, {0, 0, 0}));
+    world.advance(end + 100ms);
+    EXPECT_GT(world.at(w["A"], end + 100ms).position.y(), 0.5) << "it falls, and is not carried away";
+  }
+}
+
 }  // namespace peerd::replication::motion_world_test
