@@ -305,7 +305,8 @@ std::vector<DecisionLog::Change> ContactDecisions::add_own(const DecisionRecord&
 
 // A contact that was decided here before and is found again is another decision where it was overruled (the objects go
 // the way that the other peer's decision gave) and where it has another outcome now (an update came late, and they meet
-// by another face): it is a nanosecond later, for decisions are distinguished by their times.
+// by another face): it is a nanosecond later, for decisions are distinguished by their times. So is the second one on an
+// object at one instant, as where something that rests on another is struck: all peers lay them in their order.
 void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
   assert(!contact.deferred);
   ContactEvent c = within_wire_limits(contact);
@@ -314,9 +315,10 @@ void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
     for (const ObjectId object : {c.collider, c.collidee}) rebase(object, c.at);
     return;
   }
-  while (const auto* known = log_.find(c.at, config_.id, c.collider, c.collidee)) {
-    if (known->in_force && has_outcome(known->record, c)) break;  // the same once more
-    c.at += Duration{1};
+  for (;; c.at += Duration{1}) {
+    const auto* known = log_.find(c.at, config_.id, c.collider, c.collidee);
+    if (known != nullptr && known->in_force && has_outcome(known->record, c)) break;  // the same once more
+    if (known == nullptr && !log_.has_another(c.at, config_.id, c.collider, c.collidee)) break;
   }
   const DecisionRecord record = record_of(c, config_.decisions.policy);
   const auto changes = add_own(record, c.type);

@@ -20,6 +20,8 @@ auto not_before(Entries& entries, SimTime contact, PeerId author) {
   return std::lower_bound(entries.begin(), entries.end(), std::pair(contact, author), before);
 }
 
+std::pair<ObjectId, ObjectId> two_of(const DecisionRecord& d) { return std::minmax({d.collider, d.collidee}); }
+
 bool involves(const DecisionRecord& d, ObjectId object) { return d.collider == object || d.collidee == object; }
 
 bool conflict(const DecisionLog::Entry& a, const DecisionLog::Entry& b) {
@@ -44,8 +46,12 @@ bool of_pair(const DecisionRecord& d, ObjectId a, ObjectId b) {
 std::optional<std::vector<DecisionLog::Change>> DecisionLog::add(const DecisionRecord& record, PeerId author) {
   assert(author != kNobody && record.collider != record.collidee);
   if (find(record.contact, author, record.collider, record.collidee) != nullptr) return std::nullopt;
-  Entry& added =
-      *entries_.insert(not_before(entries_, record.contact, author), Entry{record, author, false, {}, 0, {}, {}});
+  auto place = not_before(entries_, record.contact, author);
+  while (place != entries_.end() && place->record.contact == record.contact && place->author == author &&
+         two_of(place->record) < two_of(record)) {
+    ++place;
+  }
+  Entry& added = *entries_.insert(place, Entry{record, author, false, {}, 0, {}, {}});
 
   std::vector<Entry*> pair;
   bool conflicts = false;
@@ -92,6 +98,14 @@ bool DecisionLog::is_decided_by_another(SimTime contact, PeerId author, ObjectId
                                         DecisionRule rule) const {
   for (auto e = not_before(entries_, contact, kNobody); e != entries_.end() && e->record.contact == contact; ++e) {
     if (e->in_force && e->author != author && e->record.rule == rule && of_pair(e->record, a, b)) return true;
+  }
+  return false;
+}
+
+bool DecisionLog::has_another(SimTime contact, PeerId author, ObjectId a, ObjectId b) const {
+  for (auto e = not_before(entries_, contact, author); e != entries_.end(); ++e) {
+    if (e->record.contact != contact || e->author != author) return false;
+    if (!of_pair(e->record, a, b) && (involves(e->record, a) || involves(e->record, b))) return true;
   }
   return false;
 }

@@ -45,6 +45,8 @@ class DecisionLog {
   // Whether the decision of another peer on exactly that contact of the two, by that rule, is in force.
   [[nodiscard]] bool is_decided_by_another(SimTime contact, PeerId author, ObjectId a, ObjectId b,
                                            DecisionRule rule) const;
+  // Whether that peer has decided a contact of one of the two with something else at that instant.
+  [[nodiscard]] bool has_another(SimTime contact, PeerId author, ObjectId a, ObjectId b) const;
   // The number of decisions of that peer on the two.
   [[nodiscard]] std::size_t count(PeerId author, ObjectId a, ObjectId b) const;
   void forget_before(SimTime contact);
@@ -59,7 +61,7 @@ class DecisionLog {
   // Whether a decision on the object at that contact time is known and overruled.
   [[nodiscard]] bool overruled(ObjectId object, SimTime contact) const;
 
-  [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }  // in order of contact time, then author
+  [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }  // in order of contact time, author, pair
   [[nodiscard]] std::vector<Entry>& entries() { return entries_; }
 
  private:

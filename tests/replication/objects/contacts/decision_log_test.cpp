@@ -47,6 +47,22 @@ TEST(DecisionLog, ACopyChangesNothing) {
   EXPECT_EQ(log.find(sim(1s), PeerId{2}, kLorry, kCar), nullptr);
 }
 
+TEST(DecisionLog, DecisionsOfOneInstantStandInOneOrderHoweverTheyCame) {
+  DecisionRecord other = decision(1s);
+  other.collidee = kLorry;
+  for (const bool other_first : {false, true}) {
+    DecisionLog log;
+    ASSERT_TRUE(log.add(other_first ? other : decision(1s), PeerId{2}));
+    EXPECT_TRUE(log.has_another(sim(1s), PeerId{2}, kCar, other_first ? kCube : kLorry));
+    EXPECT_FALSE(log.has_another(sim(1s), PeerId{2}, kCar, other_first ? kLorry : kCube));
+    EXPECT_FALSE(log.has_another(sim(1s) + 1ns, PeerId{2}, kCar, ObjectId{9}));
+    EXPECT_FALSE(log.has_another(sim(1s), PeerId{1}, kCar, ObjectId{9}));
+    ASSERT_TRUE(log.add(other_first ? decision(1s) : other, PeerId{2}));
+    EXPECT_EQ(log.entries().front().record.collidee, kCube);
+    EXPECT_EQ(log.entries().back().record.collidee, kLorry);
+  }
+}
+
 TEST(DecisionLog, AnotherDecidesAContactAtItsOwnInstantAlone) {
   DecisionLog log;
   ASSERT_TRUE(log.add(decision(2s), PeerId{2}));
