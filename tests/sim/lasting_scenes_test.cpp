@@ -23,11 +23,12 @@ void expect_no_faults(std::uint64_t seed, bool known_too) {
   const LastingScene scene = lasting_scenes::draw_scene(seed);
   const ScratchFolder scratch;
   std::string folder = scratch.path().string();
-  if (const char* const kept = std::getenv("PEERD_SCENES_KEPT_IN")) {
+  const char* const kept = std::getenv("PEERD_SCENES_KEPT_IN");
+  if (kept != nullptr) {
     folder = std::string(kept) + "/" + std::to_string(seed);
     std::filesystem::create_directories(folder);
   }
-  EXPECT_THAT(lasting_scenes::faults_of(scene, folder), testing::IsEmpty())
+  EXPECT_THAT(lasting_scenes::faults_of(scene, folder, kept != nullptr), testing::IsEmpty())
       << "PEERD_SCENES_FROM=" << seed << " PEERD_SCENES=1 sim_test --gtest_filter=LastingScene.*\n"
       << scene.text();
 }

@@ -36,6 +36,7 @@ struct Run {
   std::map<std::string, std::uint64_t> counters;
   std::vector<Answered> answered;
   std::vector<double> decided_s;
+  std::string differing;  // what peers have shown elsewhere than its owner
 };
 
 Run run_of(const LastingScene& scene, const std::string& folder, bool one_owner) {
@@ -49,8 +50,12 @@ Run run_of(const LastingScene& scene, const std::string& folder, bool one_owner)
   const auto shared = must(share_world(scenario.world, scenario.reading, scenario.runs));
   Run run;
   std::vector<replication::ContactSeen> seen;
+  std::vector<replication::GhostDiffers> different;
   const auto logs = must(simulate(scenario.runs[0], *shared, [&](HostTime, const PeerNode&, const replication::Output& o) {
     const auto* contact = std::get_if<replication::ContactSeen>(&o);
+    if (const auto* differs = std::get_if<replication::GhostDiffers>(&o); differs != nullptr && !differs->explained) {
+      different.push_back(*differs);
+    }
     using replication::ContactKind;
     if (contact != nullptr && (contact->kind == ContactKind::kOwner || contact->kind == ContactKind::kDecided)) {
       seen.push_back(*contact);
@@ -72,6 +77,12 @@ Run run_of(const LastingScene& scene, const std::string& folder, bool one_owner)
       (s.owner == log.peer ? run.truths[t] : run.ghosts[{log.name, t}])[body->second] = s.state;
     }
   }
+  std::ostringstream text;
+  for (const replication::GhostDiffers& each : different) {
+    text << ", " << scene.bodies[bodies.at(each.object)].name << " of " << each.owner.value << " by " << each.by.value
+         << " at " << to_seconds(each.at - *start) << " s by " << each.distance_m << " m";
+  }
+  run.differing = text.str();
   for (const auto& contact : seen) {
     if (contact.kind == replication::ContactKind::kDecided) {
       run.decided_s.push_back(to_seconds(contact.contact.at - *start));
@@ -82,6 +93,24 @@ Run run_of(const LastingScene& scene, const std::string& folder, bool one_owner)
     run.answered.push_back({(c.at - *start).count(), a->second, b->second, c});
   }
   return run;
+}
+
+// For who looks for a cause: time, who shows it, body, position, velocity, acceleration.
+void write_states(const LastingScene& scene, const Run& run, const std::string& file) {
+  std::ofstream out(file);
+  out.precision(12);
+  const auto put = [&](const std::string& by, Nanos t, const States& states) {
+    for (const auto& [b, s] : states) {
+      out << 1e-9 * double(t) << ' ' << by << ' ' << scene.bodies[b].name << ' ' << s.position.transpose() << ' '
+          << s.velocity.transpose() << ' ' << s.acceleration.transpose() << '\n';
+    }
+  };
+  for (const auto& [t, states] : run.truths) put("truth", t, states);
+  for (const auto& [when, states] : run.ghosts) put(when.first, when.second, states);
+  for (const Answered& c : run.answered) {
+    out << 1e-9 * double(c.at) << " contact " << scene.bodies[c.collider].name << ' ' << scene.bodies[c.collidee].name
+        << " normal " << c.event.normal.transpose() << (c.event.rests ? " rests" : "") << '\n';
+  }
 }
 
 // The last state of a body at or before t, and when that was.
@@ -96,8 +125,12 @@ std::optional<std::pair<Nanos, KinematicState>> last_truth(const Run& run, std::
 
 class Checks {
  public:
-  Checks(const LastingScene& scene, const std::string& folder)
+  Checks(const LastingScene& scene, const std::string& folder, bool writes_states)
       : scene_(scene), one_(run_of(scene, folder, true)), run_(scene.owners > 1 ? run_of(scene, folder, false) : one_) {
+    if (writes_states) {
+      write_states(scene, one_, folder + "/one-owner.txt");
+      write_states(scene, run_, folder + "/scene.txt");
+    }
     way_s_ = 1e-3 * (scene.latency_ms + scene.jitter_ms);
     // What is lost is sent again once echoes or a hello say so, which may be lost, too.
     if (scene.loss > 0.0) way_s_ += 3.0 * (2.0 * way_s_ + 0.3);
@@ -142,7 +175,7 @@ class Checks {
   void check_digests(const std::string& of, const Run& run) {
     const auto differ = run.counters.find("ghosts_differ");
     if (differ == run.counters.end() || differ->second != 0) {
-      add(of + " digests", differ == run.counters.end() ? 0 : differ->second, " differ");
+      add(of + " digests", differ == run.counters.end() ? 0 : differ->second, " differ", run.differing);
     }
   }
 
@@ -414,8 +447,8 @@ class Checks {
 
 }  // namespace
 
-std::vector<std::string> faults_of(const LastingScene& scene, const std::string& folder) {
-  return Checks(scene, folder).lines();
+std::vector<std::string> faults_of(const LastingScene& scene, const std::string& folder, bool writes_states) {
+  return Checks(scene, folder, writes_states).lines();
 }
 
 }  // namespace peerd::sim::lasting_scenes

@@ -77,7 +77,8 @@ struct LastingScene {
 [[nodiscard]] LastingScene draw_scene(std::uint64_t seed);
 
 // What is wrong with the run of a scene and with that of the same scene with one owner; a line each. `folder`: for
-// world and scenario.
-[[nodiscard]] std::vector<std::string> faults_of(const LastingScene& scene, const std::string& folder);
+// world and scenario, and, if asked for, for all states of both runs.
+[[nodiscard]] std::vector<std::string> faults_of(const LastingScene& scene, const std::string& folder,
+                                                 bool writes_states);
 
 }  // namespace peerd::sim::lasting_scenes
