@@ -173,6 +173,30 @@ TEST_P(LastingContacts, EndAlikeAtAllPeers) {
   }
 }
 
+// FIRST is launched when SECOND lies on it or has just not landed yet, and the owner of SECOND, who decides, does not know
+// of that yet: the launch is not lost.
+class LaunchUnknownToTheDecider : public testing::TestWithParam<double> {};
+TEST_P(LaunchUnknownToTheDecider, Stands) {
+  const double gap_m = GetParam();
+  const ScratchFolder folder;
+  folder.write("world.wrl",
+               "#VRML V2.0 utf8\n" + mover("FIRST", "0 0 0", "Box { size 40 1 4 }") +
+                   mover("SECOND", "0 " + std::to_string(1.0 + gap_m) + " 0", kBox) + meet("FIRST", "SECOND"));
+  const std::string text =
+      "world = \"world.wrl\"\nduration_s = 4\n[replication]\nerror_threshold_m = 0.01\n[network]\nlatency_ms = 100\n"
+      "[peer.one]\nid = 3\nowns = [\"FIRST\"]\n[peer.two]\nid = 1\nowns = [\"SECOND\"]\n"
+      "[motion.FIRST]\nphysics = { velocity = [-1, 0, 0] }\n[motion.SECOND]\nphysics = { acceleration = [0, -1, 0] }\n";
+  const Ran ran = std::move(run_scenario(folder.write("s.toml", text)).front());
+  const auto first = std::ranges::find(ran.record.objects, "FIRST", &measure::ObjectInfo::path)->object;
+  double x_m = 0.0, at_s = 0.0;
+  for (const measure::GhostSample& sample : ran.record.ghost_samples) {
+    if (sample.object == first && sample.t_s >= at_s) x_m = sample.truth.position.x(), at_s = sample.t_s;
+  }
+  EXPECT_GE(at_s, 3.9);
+  EXPECT_NEAR(x_m, -at_s, 0.02);
+}
+INSTANTIATE_TEST_SUITE_P(Gaps, LaunchUnknownToTheDecider, testing::Values(0.0, 0.001, 0.004));
+
 const Scene kScenes[] = {kRests, kPushes, kPresses, kPressesLater, kDriveChanges, kSupportIsRemoved, kSupportDrivesOff};
 
 std::vector<Variation> variations() {

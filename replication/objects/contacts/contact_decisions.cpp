@@ -612,6 +612,47 @@ void ContactDecisions::rebase(ObjectId object, SimTime from) {
   replay(object, from, true);
 }
 
+// What a decision gives an own object. The owner may have changed the object's velocity (a launch, a key), and the decider
+// has not known that yet. Of an earlier change the blow is taken, and not the velocity; a later one comes after it.
+void ContactDecisions::lay_own_outcome(const DecisionLog::Entry& e, ObjectId object, const KinematicState& after,
+                                       const std::optional<Rest>& rest) {
+  const DecisionRecord& d = e.record;
+  MotionWorld& truth = replica_.truth();
+  MotionModel outcome = outcome_in(truth, object, d.contact, after);
+  const CollisionResponse* const response = model_->response_of(object);
+  const KinematicState before =
+      truth.in_carrier(object, d.contact, d.collider == object ? d.collider_before : d.collidee_before);
+  const std::vector<VelocityChange>& changes = own_.at(object).velocity_changes;
+  const auto is_unknown = [&](const VelocityChange& change, const Vec3& velocity) {
+    const Vec3 without = velocity - (change.after - change.before);
+    return (before.velocity - without).norm() < (before.velocity - velocity).norm();
+  };
+  const bool of_another = e.author != config_.id;
+  const auto last = std::ranges::find_if(std::views::reverse(changes),
+                                         [&](const VelocityChange& change) { return change.at < d.contact; });
+  if (of_another && last != changes.rend() && last->at >= log_.last_before(object, d.contact)) {
+    KinematicState own = advance(truth.relative_at(object, d.contact - Duration{1}), 1e-9);
+    if (is_unknown(*last, own.velocity)) {
+      const MotionModel decided = outcome;
+      own.velocity += decided.state.velocity - before.velocity;
+      own.acceleration = decided.state.acceleration;
+      own.angular_velocity_body = decided.state.angular_velocity_body;
+      outcome = law_of_outcome(response, own);
+      own_.republish(object);
+    }
+  }
+  truth.set_base(object, d.contact, outcome, rest);
+  for (const VelocityChange& change : changes) {
+    if (!of_another || change.at < d.contact || !is_unknown(change, change.after)) continue;
+    const SimTime t = std::max(change.at, d.contact + Duration{1});
+    const MotionModel law = truth.model_at(object, t);
+    KinematicState state = law.state;
+    state.velocity = change.replaces ? change.after : Vec3(state.velocity + change.after - change.before);
+    truth.set_base(object, t, law_after(response, law, state));
+    own_.republish(object);
+  }
+}
+
 // Without a decision on an earlier contact that came later there would be a gap in which the two meet once more. The
 // truth of an own object that physics moves takes the decisions, and no update. `in_truth`: the truth changes as well.
 void ContactDecisions::replay(ObjectId object, SimTime from, bool in_truth) {
@@ -647,11 +688,8 @@ void ContactDecisions::replay(ObjectId object, SimTime from, bool in_truth) {
     decided = d.contact;
     if (!model_->is_answered(d.collider, d.collidee)) continue;
     const KinematicState& after = d.collider == object ? d.collider_after : d.collidee_after;
-    MotionWorld& truth = replica_.truth();
     const std::optional<Rest> rest = drives_.rest_of(e, object);
-    if (in_truth && moved_by_physics) {
-      truth.set_base(object, d.contact, outcome_in(truth, object, d.contact, after), rest);
-    }
+    if (in_truth && moved_by_physics) lay_own_outcome(e, object, after, rest);
     lay(d.contact, outcome_in(replica_.ghosts(), object, d.contact, after), rest);
     last = laid = d.contact;
   }

@@ -169,6 +169,8 @@ class ContactDecisions {
   void apply(const std::vector<DecisionLog::Change>& changes, SimTime known_at);
   void apply(const DecisionRecord& decision, PeerId author, SimTime known_at);
   void rebase(ObjectId object, SimTime from);
+  void lay_own_outcome(const DecisionLog::Entry& decision, ObjectId object, const KinematicState& after,
+                       const std::optional<Rest>& rest);
   void replay(ObjectId object, SimTime from, bool in_truth);
   void repeat(DecisionLog::Entry& own);
 

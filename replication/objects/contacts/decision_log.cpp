@@ -130,6 +130,13 @@ SimTime DecisionLog::last(ObjectId object) const {
   return SimTime{};
 }
 
+SimTime DecisionLog::last_before(ObjectId object, SimTime contact) const {
+  for (auto e = entries_.rbegin(); e != entries_.rend(); ++e) {
+    if (e->in_force && e->record.contact < contact && involves(e->record, object)) return e->record.contact;
+  }
+  return SimTime{};
+}
+
 const DecisionLog::Entry* DecisionLog::last_entry(ObjectId object) const {
   for (auto e = entries_.rbegin(); e != entries_.rend(); ++e) {
     if (e->in_force && changes_motion_of(object, e->record)) return &*e;

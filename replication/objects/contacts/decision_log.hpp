@@ -47,6 +47,8 @@ class DecisionLog {
                                            DecisionRule rule) const;
   // Whether that peer has decided a contact of one of the two with something else at that instant.
   [[nodiscard]] bool has_another(SimTime contact, PeerId author, ObjectId a, ObjectId b) const;
+  // The contact time of the last decision in force on the object from before that time; SimTime{}: none.
+  [[nodiscard]] SimTime last_before(ObjectId object, SimTime contact) const;
   // The number of decisions of that peer on the two.
   [[nodiscard]] std::size_t count(PeerId author, ObjectId a, ObjectId b) const;
   void forget_before(SimTime contact);

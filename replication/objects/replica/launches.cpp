@@ -9,6 +9,14 @@
 #include "replication/physics/laws/response.hpp"
 
 namespace peerd::replication {
+namespace {
+
+void note(OwnObject& own, const VelocityChange& change) {
+  if (own.velocity_changes.size() == VelocityChange::kKept) own.velocity_changes.erase(own.velocity_changes.begin());
+  own.velocity_changes.push_back(change);
+}
+
+}  // namespace
 
 void Launches::shift(Duration by) {
   for (auto& [object, at] : scheduled_) at += by;
@@ -19,11 +27,13 @@ void Launches::launch(SimTime t, ObjectId object, const FileVelocity& file_veloc
   const Launch& launch = own_.at(object).launch;
   const MotionWorld& truth = replica_.truth();
   KinematicState state = truth.relative_at(object, t);
+  const Vec3 before = state.velocity;
   state.velocity = truth.vector_in_carrier(object, t, launch.velocity ? *launch.velocity : file_velocity(t, object));
   state.acceleration = truth.vector_in_carrier(object, t, launch.acceleration);
   state.angular_velocity_body = truth.at(object, t).orientation.conjugate() * launch.angular_velocity;
   replica_.truth().set_free_acceleration(object, launch.acceleration);
   own_.at(object).driven_since = t;
+  note(own_.at(object), {t, before, state.velocity});
   replica_.truth().set_base(object, t, law_after(model_->response_of(object), MotionModel{}, state));
 }
 
@@ -50,6 +60,7 @@ void Launches::change_velocity(SimTime t, ObjectId object, const Vec3& velocity,
   KinematicState state = law.state;
   const Vec3 relative = replica_.truth().vector_in_carrier(object, t, velocity);
   state.velocity = absolute ? relative : Vec3(state.velocity + relative);
+  note(own_.at(object), {t, law.state.velocity, state.velocity, absolute});
   replica_.truth().set_base(object, t, law_after(model_->response_of(object), law, state));
   scheduled_.erase(object);
   unpublished_[object] = t;
@@ -63,6 +74,7 @@ void Launches::let_go(SimTime t, ObjectId object, const KinematicState& world) {
   const Vec3 free = truth.free_acceleration(object).value_or(Vec3::Zero());
   state.acceleration = truth.vector_in_carrier(object, t, free);
   own_.at(object).driven_since = t;
+  note(own_.at(object), {t, truth.relative_at(object, t).velocity, state.velocity});
   truth.set_base(object, t, law_after(model_->response_of(object), MotionModel{}, state));
   scheduled_.erase(object);
   unpublished_[object] = t;

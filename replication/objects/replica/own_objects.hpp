@@ -42,11 +42,22 @@ struct Delivery {
   bool copy_until_received = false;  // a receiver may know nothing of the object but by this update
 };
 
+// What an owner has done to an object that physics moves: a launch, a key, a throw. Velocities are in the frame of the
+// object's carrier [m/s].
+struct VelocityChange {
+  static constexpr std::size_t kKept = 8;  // of an object
+
+  SimTime at;
+  Vec3 before, after;
+  bool replaces = true;  // the velocity becomes `after`; else the difference is added
+};
+
 // An object that this peer owns, and the state of its publication.
 struct OwnObject {
   bool driven = false;   // samples move it; else physics does
   bool adopted = false;  // a scene object that a decision has given to this peer until it rests
   Launch launch;
+  std::vector<VelocityChange> velocity_changes;  // the last ones, in order of time
   std::optional<SimTime> driven_since;  // when it got the acceleration that it has where nothing bears it
   // The error threshold [m] at the last check; none: there has been no check yet.
   std::optional<double> threshold_m;
