@@ -421,6 +421,8 @@ class Drawing {
     }
     double until_s = std::max(calm_s_, 3.0);
     for (const double at_s : scene_.inputs_s) until_s = std::max(until_s, at_s);
+    // What a driven body has struck is told as exactly as that one, up to the update by the time threshold of 5 s.
+    if (scene_.is_driven()) until_s = std::max(until_s, scene_.driven_until_s + 5.5);
     if (scene_.late_s > 0.0) until_s = std::max(until_s, scene_.late_s + 3.5);
     scene_.duration_s = std::ceil(until_s + 1.0 + 6e-3 * (scene_.latency_ms + scene_.jitter_ms) + (scene_.loss > 0.0 ? 2.0 : 0.0));
     for (const Body& body : scene_.bodies) {
