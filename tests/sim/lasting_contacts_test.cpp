@@ -173,15 +173,15 @@ TEST_P(LastingContacts, EndAlikeAtAllPeers) {
   }
 }
 
-// FIRST is launched when SECOND lies on it or has just not landed yet, and the owner of SECOND, who decides, does not know
-// of that yet: the launch is not lost.
+// FIRST is launched when SECOND lies on it or has just not landed yet, and the owner of SECOND, who decides, does not
+// know of that yet: the launch is not lost.
 class LaunchUnknownToTheDecider : public testing::TestWithParam<double> {};
 TEST_P(LaunchUnknownToTheDecider, Stands) {
   const double gap_m = GetParam();
   const ScratchFolder folder;
-  folder.write("world.wrl",
-               "#VRML V2.0 utf8\n" + mover("FIRST", "0 0 0", "Box { size 40 1 4 }") +
-                   mover("SECOND", "0 " + std::to_string(1.0 + gap_m) + " 0", kBox) + meet("FIRST", "SECOND"));
+  folder.write("world.wrl", "#VRML V2.0 utf8\n" + mover("FIRST", "0 0 0", "Box { size 40 1 4 }") +
+                                mover("SECOND", "0 " + std::to_string(1.0 + gap_m) + " 0", kBox) +
+                                meet("FIRST", "SECOND"));
   const std::string text =
       "world = \"world.wrl\"\nduration_s = 4\n[replication]\nerror_threshold_m = 0.01\n[network]\nlatency_ms = 100\n"
       "[peer.one]\nid = 3\nowns = [\"FIRST\"]\n[peer.two]\nid = 1\nowns = [\"SECOND\"]\n"

@@ -305,8 +305,8 @@ std::vector<DecisionLog::Change> ContactDecisions::add_own(const DecisionRecord&
 
 // A contact that was decided here before and is found again is another decision where it was overruled (the objects go
 // the way that the other peer's decision gave) and where it has another outcome now (an update came late, and they meet
-// by another face): it is a nanosecond later, for decisions are distinguished by their times. So is the second one on an
-// object at one instant, as where something that rests on another is struck: all peers lay them in their order.
+// by another face): it is a nanosecond later, for decisions are distinguished by their times. So is the second one on
+// an object at one instant, as where something that rests on another is struck: all peers lay them in their order.
 void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
   assert(!contact.deferred);
   ContactEvent c = within_wire_limits(contact);
@@ -612,8 +612,9 @@ void ContactDecisions::rebase(ObjectId object, SimTime from) {
   replay(object, from, true);
 }
 
-// What a decision gives an own object. The owner may have changed the object's velocity (a launch, a key), and the decider
-// has not known that yet. Of an earlier change the blow is taken, and not the velocity; a later one comes after it.
+// What a decision gives an own object. The owner may have changed the object's velocity (a launch, a key), and the
+// decider has not known that yet. Of an earlier change the blow is taken, and not the velocity; a later one comes after
+// it.
 void ContactDecisions::lay_own_outcome(const DecisionLog::Entry& e, ObjectId object, const KinematicState& after,
                                        const std::optional<Rest>& rest) {
   const DecisionRecord& d = e.record;

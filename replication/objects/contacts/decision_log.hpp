@@ -63,7 +63,9 @@ class DecisionLog {
   // Whether a decision on the object at that contact time is known and overruled.
   [[nodiscard]] bool overruled(ObjectId object, SimTime contact) const;
 
-  [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }  // in order of contact time, author, pair
+  [[nodiscard]] const std::vector<Entry>& entries() const {
+    return entries_;
+  }  // in order of contact time, author, pair
   [[nodiscard]] std::vector<Entry>& entries() { return entries_; }
 
  private:

@@ -58,7 +58,7 @@ struct OwnObject {
   bool adopted = false;  // a scene object that a decision has given to this peer until it rests
   Launch launch;
   std::vector<VelocityChange> velocity_changes;  // the last ones, in order of time
-  std::optional<SimTime> driven_since;  // when it got the acceleration that it has where nothing bears it
+  std::optional<SimTime> driven_since;           // when it got the acceleration that it has where nothing bears it
   // The error threshold [m] at the last check; none: there has been no check yet.
   std::optional<double> threshold_m;
   double bounding_radius_m = 0.0;  // of its farthest vertex from its origin, where errors count by its surface; else 0

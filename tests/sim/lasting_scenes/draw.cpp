@@ -39,8 +39,9 @@ class Drawing {
     scene_.bodies.reserve(16);  // references to them stay
     draw_session();
     static constexpr std::array<void (Drawing::*)(), 11> kKinds = {
-        &Drawing::stack, &Drawing::slope,  &Drawing::wedge, &Drawing::trough,  &Drawing::driven_tray, &Drawing::sliding_tray,
-        &Drawing::pusher, &Drawing::conveyor, &Drawing::lift, &Drawing::pressed, &Drawing::boxes_in_boxes};
+        &Drawing::stack,       &Drawing::slope,        &Drawing::wedge,         &Drawing::trough,
+        &Drawing::driven_tray, &Drawing::sliding_tray, &Drawing::pusher,        &Drawing::conveyor,
+        &Drawing::lift,        &Drawing::pressed,      &Drawing::boxes_in_boxes};
     (this->*kKinds[chance_.below(kKinds.size())])();
     finish();
   }
@@ -117,8 +118,8 @@ class Drawing {
     scene_.sensors += "KeySensor { recipient \"" + body.name + "\" keyValue 32 value " + number(velocity.x()) + ' ' +
                       number(velocity.y()) + ' ' + number(velocity.z()) + (replaces ? " absoluteValue TRUE" : "") +
                       " }\n";
-    scene_.events += "[event.key]\nkind = \"key\"\nat_s = " + number(at_s) + "\nkey = \" \"\npeer = \"OWNER:" +
-                     scene_.peers[std::size_t(body.owner)].name + "\"\n";
+    scene_.events += "[event.key]\nkind = \"key\"\nat_s = " + number(at_s) +
+                     "\nkey = \" \"\npeer = \"OWNER:" + scene_.peers[std::size_t(body.owner)].name + "\"\n";
     input(at_s);
   }
   void remove(const Body& body, double at_s) {
@@ -322,9 +323,15 @@ class Drawing {
             chance_.between(1.0, 3.0));
     } else if (to_wall) {
       scene_.is_unique = scene_.rests = true;
+      double pushed_kg = 0.0;
+      for (const Body& body : scene_.bodies) {
+        if (&body != pushes && body.motion == Motion::kPhysics) pushed_kg += body.mass_kg;
+      }
+      pushes->mass_kg = std::max(pushes->mass_kg, pushed_kg);  // it is at the wall within 6 s
     } else {
       scene_.is_isolated = true;
-      if (chance_.happens(0.3)) add_key(*pushes, Vec3::Zero(), true, chance_.between(2.0, 4.0)), scene_.is_isolated = false;
+      if (chance_.happens(0.3))
+        add_key(*pushes, Vec3::Zero(), true, chance_.between(2.0, 4.0)), scene_.is_isolated = false;
     }
     end_at(scene_.rests ? 6.0 + 3.0 * (1.0 + restitution_) / (1.0 - restitution_) : 7.0);
   }
@@ -368,8 +375,9 @@ class Drawing {
     for (const int side : {0, 1}) {
       const Part part = chance_.happens(0.3) ? ball() : box();
       x += half_width(part);
-      Body& body = add_free(side == 0 ? "B0" : "B1", Vec3(x, 0, 0), part,
-                            Vec3((side == 0 ? 1 : -1) * (chance_.happens(0.5) ? press : chance_.between(0.5, 4.0)), 0, 0));
+      Body& body =
+          add_free(side == 0 ? "B0" : "B1", Vec3(x, 0, 0), part,
+                   Vec3((side == 0 ? 1 : -1) * (chance_.happens(0.5) ? press : chance_.between(0.5, 4.0)), 0, 0));
       if (chance_.happens(0.25)) body.at_s = chance_.between(0.5, 2.5), input(body.at_s);
       x += half_width(part) + gap;
     }
@@ -424,7 +432,8 @@ class Drawing {
     // What a driven body has struck is told as exactly as that one, up to the update by the time threshold of 5 s.
     if (scene_.is_driven()) until_s = std::max(until_s, scene_.driven_until_s + 5.5);
     if (scene_.late_s > 0.0) until_s = std::max(until_s, scene_.late_s + 3.5);
-    scene_.duration_s = std::ceil(until_s + 1.0 + 6e-3 * (scene_.latency_ms + scene_.jitter_ms) + (scene_.loss > 0.0 ? 2.0 : 0.0));
+    scene_.duration_s =
+        std::ceil(until_s + 1.0 + 6e-3 * (scene_.latency_ms + scene_.jitter_ms) + (scene_.loss > 0.0 ? 2.0 : 0.0));
     for (const Body& body : scene_.bodies) {
       if (body.motion == Motion::kPhysics && body.at_s == 0.0) {
         input(0.0);

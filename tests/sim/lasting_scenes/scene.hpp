@@ -62,8 +62,8 @@ struct LastingScene {
   double driven_until_s = 0.0;
   std::string removed;  // a body that an edit takes away, at removed_s
   double removed_s = 0.0;
-  bool rests = true;    // at the end nothing moves
-  bool is_unique = true;  // there is one end, whoever owns what
+  bool rests = true;         // at the end nothing moves
+  bool is_unique = true;     // there is one end, whoever owns what
   bool is_isolated = false;  // nothing but what physics moves
 
   [[nodiscard]] bool is_driven() const { return driven_until_s > 0.0; }

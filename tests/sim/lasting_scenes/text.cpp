@@ -135,8 +135,8 @@ std::string LastingScene::text() const {
   for (const Peer& peer : peers) out << ' ' << peer.name << '=' << peer.id;
   out << ", " << policy;
   if (policy == "server") out << ' ' << peers[std::size_t(server)].name;
-  out << ", " << approach << ", " << latency_ms << " ms, loss " << loss << ", jitter " << jitter_ms << " ms, " << tick_hz
-      << " Hz, threshold " << threshold_m;
+  out << ", " << approach << ", " << latency_ms << " ms, loss " << loss << ", jitter " << jitter_ms << " ms, "
+      << tick_hz << " Hz, threshold " << threshold_m;
   if (late_s > 0.0) out << ", late at " << late_s << " s";
   for (const double at_s : inputs_s) out << ", input at " << at_s << " s";
   if (!removed.empty()) out << ", " << removed << " removed";
