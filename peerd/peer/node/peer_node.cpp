@@ -1,6 +1,7 @@
 #include "peerd/peer/node/peer_node.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numbers>
 
@@ -66,6 +67,14 @@ replication::SightSettings sight_of(const config::PeerSettings& settings, const 
   if (!sight.views.empty()) return sight;
   if (const auto view = view_of_file(scene)) sight.views.push_back(*view);
   return sight;
+}
+
+void count_rest(const replication::MotionWorld::Counters& m, std::map<std::string, std::uint64_t>& n) {
+  n["came_to_rest"] = m.came_to_rest;
+  n["jammed"] = m.jammed;
+  n["islands"] = m.islands;
+  n["island_objects_max"] = m.largest_island;
+  n["rest_energy_nj"] = static_cast<std::uint64_t>(std::llround(1e9 * m.rest_energy_j));
 }
 
 void count_ghost_checks(const replication::PeerCounters& c, std::map<std::string, std::uint64_t>& counters) {
@@ -669,12 +678,11 @@ const PeerLog& PeerNode::log() {
        {"contact_searches_unsupported", m.unsupported},
        {"contact_searches_failed", m.failed},
        {"contacts_capped", m.capped},
-       {"came_to_rest", m.came_to_rest},
-       {"jammed", m.jammed},
        {"clock_steps", c.clock_steps},
        {"clock_contradictions", c.clock_contradictions},
        {"os_clocks_doubted", c.os_clocks_doubted}};
   count_ghost_checks(c, n);
+  count_rest(m, n);
   for (std::size_t i = 0; i < c.update_sizes_out.size(); ++i) {
     const bool longer = i == replication::kRecordSizes.size();
     const std::size_t size_bytes = replication::kRecordSizes[longer ? i - 1 : i];

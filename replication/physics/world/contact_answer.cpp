@@ -138,4 +138,20 @@ bool comes_to_rest_at(const WorldModel& model, const MovingObjects& objects, con
   return speed <= kRounding * came && exchanges_momentum(model, objects, pair, answer);
 }
 
+double own_energy_of_parting_j(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair,
+                               const ContactAnswer& answer) {
+  const double speed = pair.normal.dot(answer.after_a.state.velocity - answer.after_b.state.velocity);
+  double inverse_mass = 0.0, give_way = 0.0, own = 0.0;
+  for (const auto& [object, responds] :
+       {std::pair{pair.collider, answer.a_responds}, std::pair{pair.collidee, answer.b_responds}}) {
+    const CollisionResponse* const response = model.response_of(objects[object].id);
+    if (!responds || response->type != ResponseType::kImpulse) continue;
+    inverse_mass += 1.0 / response->mass_kg;
+    give_way += 1.0;
+    own += objects[object].role == Role::kAuthoritative ? 1.0 : 0.0;
+  }
+  if (own == 0.0 || speed <= 0.0) return 0.0;
+  return own / give_way * 0.5 * speed * speed / inverse_mass;
+}
+
 }  // namespace peerd::replication

@@ -56,4 +56,9 @@ struct ContactAnswer {
 [[nodiscard]] bool exchanges_momentum(const WorldModel& model, const MovingObjects& objects, const WatchedPair& pair,
                                       const ContactAnswer& answer);
 
+// The energy along the normal with which the two would part by the answer [J]; of two that give way, half of it for
+// each one that this peer owns.
+[[nodiscard]] double own_energy_of_parting_j(const WorldModel& model, const MovingObjects& objects,
+                                             const WatchedPair& pair, const ContactAnswer& answer);
+
 }  // namespace peerd::replication

@@ -90,11 +90,6 @@ std::optional<collision::PartingPlane> foreseen_plane(const WorldModel& model, c
 
 }  // namespace
 
-bool is_crowd(const ContactIsland& island) {
-  const auto gives_way = [](std::uint32_t object) { return object != ContactIsland::kNone; };
-  return static_cast<std::size_t>(std::ranges::count_if(island.objects, gives_way)) >= kCrowd;
-}
-
 ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
                         std::span<const std::uint32_t> around, SimTime t, Touching which, Quantity quantity,
                         const AnsweredAlone& foresees) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -25,6 +26,12 @@ struct ContactIsland {
   // sets it.
   std::vector<double> holds;
   bool is_solved = false;  // once it is solved; else rounding has hidden the solution, and all that gives way stands
+
+  // The number of objects that give way; 0 where nothing touches.
+  [[nodiscard]] std::size_t giving_way() const {
+    if (constraints.empty()) return 0;
+    return objects.size() - static_cast<std::size_t>(std::ranges::count(objects, kNone));
+  }
 };
 enum class Touching : std::uint8_t { kBearing, kAny };  // the pairs that bear, or all of the burst
 enum class Quantity : std::uint8_t { kVelocity, kAcceleration };
@@ -34,7 +41,7 @@ enum class Quantity : std::uint8_t { kVelocity, kAcceleration };
 inline constexpr std::size_t kCrowd = 8;
 inline constexpr double kForeseen_s = 0x1p-6;
 
-[[nodiscard]] bool is_crowd(const ContactIsland& island);
+[[nodiscard]] inline bool is_crowd(const ContactIsland& island) { return island.giving_way() >= kCrowd; }
 
 // Whether no peer has to agree with others on a contact of the two.
 using AnsweredAlone = std::function<bool(ObjectId collider, ObjectId collidee)>;

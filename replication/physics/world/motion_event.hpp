@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <variant>
@@ -62,7 +64,17 @@ struct MotionCounters {
   std::uint64_t unsupported = 0;      // pairs that collision can't answer yet
   std::uint64_t failed = 0;           // searches that hit their iteration cap
   std::uint64_t capped = 0;           // advance() had found kContactsMax contacts and stopped all that met any more
+  std::uint64_t islands = 0;          // islands of which velocities or accelerations were solved
+  std::uint64_t largest_island = 0;   // objects of the largest of them; of two worlds the greater one
+  // What contacts that ended a flight took of the speed along the normal with which the two would have parted, as far
+  // as the two are what this world has the last word on [J].
+  double rest_energy_j = 0.0;
 
+  void note_island(std::size_t objects) {
+    if (objects == 0) return;
+    ++islands;
+    largest_island = std::max<std::uint64_t>(largest_island, objects);
+  }
   MotionCounters& operator+=(const MotionCounters& other);
 };
 

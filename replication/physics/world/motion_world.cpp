@@ -49,6 +49,9 @@ MotionCounters& MotionCounters::operator+=(const MotionCounters& other) {
   unsupported += other.unsupported;
   failed += other.failed;
   capped += other.capped;
+  islands += other.islands;
+  largest_island = std::max(largest_island, other.largest_island);
+  rest_energy_j += other.rest_energy_j;
   return *this;
 }
 
@@ -720,6 +723,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
   if (is_squeezed(pair, t)) {
     answer_squeezed(pair, t);
   } else if (comes_to_rest_at(*model_, objects_, pair, answer)) {
+    counters_.rest_energy_j += own_energy_of_parting_j(*model_, objects_, pair, answer);
     come_to_rest(pair, t);
   } else if (!pair.overlapped && exchanges_momentum(*model_, objects_, pair, answer) &&
              bears_another(*model_, objects_, pairs_, pair, t)) {
@@ -850,10 +854,11 @@ void MotionWorld::come_to_rest(WatchedPair& pair, SimTime t) {
 void MotionWorld::answer_in_heap(WatchedPair& pair, SimTime t, const ContactAnswer& answer) {
   const double came = -pair.normal.dot(answer.before_a.state.velocity - answer.before_b.state.velocity);
   const double parts = pair.normal.dot(answer.after_a.state.velocity - answer.after_b.state.velocity);
-  if (came <= kRestSpeed_m_s) return come_to_rest(pair, t);
   const std::array around{pair.collider, pair.collidee};
-  if (came <= kCrowdRestSpeed_m_s &&
-      is_crowd(island_of(*model_, objects_, pairs_, around, t, Touching::kBearing, Quantity::kVelocity))) {
+  const bool is_slow = came <= kRestSpeed_m_s;
+  if (is_slow || (came <= kCrowdRestSpeed_m_s &&
+                  is_crowd(island_of(*model_, objects_, pairs_, around, t, Touching::kBearing, Quantity::kVelocity)))) {
+    counters_.rest_energy_j += own_energy_of_parting_j(*model_, objects_, pair, answer);
     return come_to_rest(pair, t);
   }
   set_bearing(pair, t, true);
@@ -896,6 +901,7 @@ void MotionWorld::settle_velocities(WatchedPair& pair, SimTime t, Touching which
 void MotionWorld::give_velocities(ContactIsland island, SimTime t, double restitution) {
   for (const ConstrainedBody& body : island.bodies) settling_.fastest = std::max(settling_.fastest, body.value.norm());
   const std::vector<ConstrainedBody> before = island.bodies;
+  counters_.note_island(island.giving_way());
   const std::vector<std::uint32_t> through = solve(island);
   if (!island.is_solved) {
     ++counters_.jammed;
@@ -1060,6 +1066,7 @@ ContactIsland MotionWorld::settle_island(std::uint32_t object, SimTime t) {
   for (;;) {
     ContactIsland island =
         island_of(*model_, objects_, pairs_, {&object, 1}, t, Touching::kBearing, Quantity::kAcceleration);
+    counters_.note_island(island.giving_way());
     static_cast<void>(solve(island));  // what cannot be held is squeezed, and answered as that
     if (!island.is_solved) {           // what stands does not go on at the speed it had
       ++counters_.jammed;

@@ -21,18 +21,24 @@ using testing::IsEmpty;
 
 TEST(MotionCounters, OfTwoWorldsAddUp) {
   using C = MotionCounters;
-  constexpr std::uint64_t C::*kAll[] = {&C::contact_searches, &C::searches_far, &C::searches_skipped,
-                                        &C::searches_put_off, &C::contacts,     &C::contacts_undone,
-                                        &C::came_to_rest,     &C::jammed,       &C::overlapped,
-                                        &C::unsupported,      &C::failed,       &C::capped};
-  static_assert(sizeof(C) == std::size(kAll) * sizeof(std::uint64_t));
+  constexpr std::uint64_t C::*kAll[] = {
+      &C::contact_searches, &C::searches_far, &C::searches_skipped, &C::searches_put_off, &C::contacts,
+      &C::contacts_undone,  &C::came_to_rest, &C::jammed,           &C::overlapped,       &C::unsupported,
+      &C::failed,           &C::capped,       &C::islands};
+  static_assert(sizeof(C) == (std::size(kAll) + 1) * sizeof(std::uint64_t) + sizeof(double));
   MotionCounters sum, other;
   for (std::size_t i = 0; i < std::size(kAll); ++i) {
     sum.*kAll[i] = 100 + i;
     other.*kAll[i] = 10 * i + 1;
   }
+  sum.rest_energy_j = 0.25;
+  other.rest_energy_j = 0.5;
+  sum.largest_island = 3;
+  other.largest_island = 2;
   sum += other;
   for (std::size_t i = 0; i < std::size(kAll); ++i) EXPECT_EQ(sum.*kAll[i], 101 + 11 * i) << i;
+  EXPECT_EQ(sum.rest_energy_j, 0.75);
+  EXPECT_EQ(sum.largest_island, 3u) << "of two worlds the greater one";
 }
 
 TEST(MotionWorld, BouncesAtTheContactTimeWhereverTicksLie) {
@@ -521,6 +527,22 @@ TEST(MotionWorld, WhatIsPressedAgainstAFloorComesToRestAndSlides) {
   EXPECT_EQ(world.counters().came_to_rest, 1u);
   EXPECT_LE(world.counters().contacts, 16u);
   EXPECT_EQ(world.counters().capped, 0u);
+}
+
+// It parts from the floor with half of what it comes with, until that is too little for a flight.
+TEST(MotionWorld, CountsTheEnergyThatComingToRestTakes) {
+  const std::string impulse = "collisionResponse CollisionResponse { responseType 2 mass 2 restitution 0.5 }";
+  for (const Role role : {Role::kAuthoritative, Role::kPredicted}) {
+    auto&& [w, world] =
+        Started(floor_world(impulse.c_str()), {{"BALL", role, moving({0, 1.25, 0}, {0, 0, 0}, {0, -9.81, 0})}});
+    for (int i = 0; i <= 180; ++i) world.advance(sim(i * 16ms));
+    double parts = std::sqrt(2.0 * 9.81 * 1.0);
+    while (2.0 * parts >= 9.81 * 1e-3) parts *= 0.5;
+    EXPECT_EQ(world.counters().came_to_rest, 1u);
+    EXPECT_NEAR(world.counters().rest_energy_j, role == Role::kAuthoritative ? parts * parts : 0.0, 1e-7);
+    EXPECT_EQ(world.counters().largest_island, 1u);
+    EXPECT_GE(world.counters().islands, 1u);
+  }
 }
 
 // On a slope no number is round. The rounding error of the push must neither end the rest nor let the box sink.
