@@ -25,7 +25,8 @@ int print_report(const measure::ScenarioInfo& info, std::span<const measure::Run
   const std::string thinned = report::thinned_rows(info, runs);
   const std::string rows = thinned.empty() ? "" : "\n" + thinned + "\n";
   std::cout << (json ? json_text(summary) + "\n"
-                     : report::table(summary) + report::objects_table(summary) + report::wrong_outcomes_table(summary) +
+                     : report::table(summary) + report::objects_table(summary) + report::contacts_lines(summary) +
+                           report::wrong_outcomes_table(summary) +
                            measure::expectations_table(checked, summary["runs"]) + rows);
   return std::ranges::any_of(checked, &measure::CheckedExpectation::failed) ? 1 : 0;
 }

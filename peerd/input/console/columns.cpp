@@ -26,6 +26,12 @@ std::string fixed(double value, int decimals) {
   return {text.data(), end};
 }
 
+std::string length_text(double length_m) {
+  if (length_m >= 1.0) return fixed(length_m, 2) + " m";
+  if (length_m >= 1e-3) return fixed(length_m * 1e3, 1) + " mm";
+  return fixed(length_m * 1e6, 1) + " µm";
+}
+
 void append_line(std::string& out, std::string line) {
   line.erase(line.find_last_not_of(' ') + 1);
   out += line + '\n';

@@ -15,6 +15,9 @@ struct Column {
 // The value with that number of decimals.
 [[nodiscard]] std::string fixed(double value, int decimals);
 
+// A length in the unit that suits it, such as "1.23 m", "4.5 mm" or "6.7 µm".
+[[nodiscard]] std::string length_text(double length_m);
+
 // Appends the line without the blanks at its end.
 void append_line(std::string& out, std::string line);
 

@@ -64,9 +64,13 @@ PEERD_FIELDS(measure::LinkMeasured, from, to, probes_sent, probes_lost, probes_d
              packets_lost)
 PEERD_FIELDS(measure::NetworkMeasured, links, oversleep_before_ms, oversleep_during_ms)
 PEERD_FIELDS(measure::ShownDelay, least_ms, most_ms, latest_by_ms)
+PEERD_FIELDS(measure::WorstPair, depth_m, a, b, at_s, explained_m)
+PEERD_FIELDS(measure::EnergyMeasured, start_j, greatest_j, end_j)
+PEERD_FIELDS(measure::ContactsMeasured, samples, view_samples, energy_samples, pairs_not_measured, truth, truth_meshes,
+             views, view_meshes, observer, unexplained, at_rest, bodies, owners, kinetic, potential, sum, is_driven)
 PEERD_FIELDS(measure::RunRecord, params, network_settings, seed, duration_s, stopped, peers, objects, scene_paths,
-             outlines, outlines_left_out, ghost_samples, updates, datagrams, measured, contacts, events, wrong,
-             interest, network, shown_delay, clocks, groups_joined, worlds_equal, counters)
+             outlines, outlines_left_out, ghost_samples, updates, datagrams, measured, contacts, contacts_measured,
+             events, wrong, interest, network, shown_delay, clocks, groups_joined, worlds_equal, counters)
 PEERD_FIELDS(RunResult, record, warnings)
 PEERD_FIELDS(chaos::ChaosReport, seed, violations, trace_hash, peers, lives, faults, edits, operations, held, datagrams,
              damaged, one_world_after_s, branches)

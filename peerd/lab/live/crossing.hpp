@@ -5,9 +5,8 @@ namespace peerd {
 
 // How far two bodies are in each other, as they stand.
 struct Crossing {
-  double depth_m = 0.0;  // 0: they are apart, or one is wholly inside the other
-  bool is_lower_bound =
-      false;  // the depth is that of two of their polygons alone; they are in each other at least so far
+  double depth_m = 0.0;         // 0: they are apart, or one is wholly inside the other
+  bool is_lower_bound = false;  // the depth is that of two of their polygons alone
 };
 
 // The depth is the least way that one of the two has to go so that their surfaces do not cross any more: out of the

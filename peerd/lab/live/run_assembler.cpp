@@ -35,7 +35,8 @@ RunAssembler::RunAssembler(const config::RunSettings& run, const SharedWorld& sh
     : run_(run),
       shared_(shared),
       resolved_(std::move(objects)),
-      meter_(run.duration_s, run.sample_hz, measuring.limits, std::move(measuring.parts)) {
+      meter_(run.duration_s, run.sample_hz, measuring.limits, std::move(measuring.parts)),
+      contact_meter_(run, shared, resolved_) {
   std::map<ObjectId, Object> by_id;
   for (std::size_t i = 0; i < run.peers.size(); ++i) {
     for (const ObjectId id : resolved_[i].owned) by_id[id].owner = PeerId{run.peers[i].id};
@@ -57,7 +58,10 @@ void RunAssembler::enter(const PeerLog& log) {
   lives.emplace_back().from_the_start = first && config::starts_with(run_.events, settings->name);
 }
 
-void RunAssembler::end(PeerId peer, HostTime ended_at) { lives_[peer].back().ended_at = ended_at; }
+void RunAssembler::end(PeerId peer, HostTime ended_at) {
+  lives_[peer].back().ended_at = ended_at;
+  instants_.erase(peer);
+}
 
 // Whether the peer is in the session at a true time up to now. A peer that was there from the start was there before
 // its first row, and a peer that nothing has ended stays after its last row.
@@ -89,6 +93,7 @@ void RunAssembler::add(const PeerLog& log, const PeerLog::ObjectSample& sample) 
   if (!start || found == index_of_.end()) return;
   Object& object = objects_[found->second].second;
   if (sample.owner != log.peer) {
+    note_ghost(sample, log.peer, sample.at - *start);
     if (object.owner == kNobody) return;
     const auto owners = lives_.find(object.owner);
     const bool gone = owners == lives_.end() || owners->second.empty() ||
@@ -97,6 +102,7 @@ void RunAssembler::add(const PeerLog& log, const PeerLog::ObjectSample& sample) 
       object.waiting.push_back({sample.true_at, sample.at - *start, log.peer, sample.state.pose(), sample.shown});
     return;
   }
+  note_tick(log.peer, sample.at - *start);
   // What was asked for before this tick can be told now.
   add_tick(object, {sample.true_at, sample.at - *start, sample.state, sample.shown});
   std::erase_if(object.waiting, [&](const WaitingGhost& ghost) {
@@ -118,6 +124,76 @@ void RunAssembler::add_tick(Object& object, const Tick& tick) {
     object.forgot_ticks = true;
   }
   ticks.push_back(tick);
+}
+
+// A tick is the first of its peer in a part of a second that counts once.
+bool RunAssembler::counts(std::optional<Duration> before, Duration now) const {
+  constexpr Duration kPart = std::chrono::nanoseconds(1'000'000'000 / measure::kContactSamples_hz);
+  return within(to_seconds(now)) && (!before || *before / kPart < now / kPart || *before < Duration{0});
+}
+
+void RunAssembler::note_tick(PeerId peer, Duration since_start) {
+  Instants& of = instants_[peer];
+  if (of.tick == since_start) return;
+  of.before = std::exchange(of.tick, since_start);
+  see_truths(false);
+  see_views(peer, of, of.before);
+  const bool is_due = std::ranges::find(truths_due_, since_start) != truths_due_.end();
+  if (counts(of.before, since_start) && !is_due) truths_due_.push_back(since_start);
+}
+
+void RunAssembler::note_ghost(const PeerLog::ObjectSample& sample, PeerId observer, Duration since_start) {
+  Instants& of = instants_[observer];
+  if (of.view != since_start) {
+    see_views(observer, of, of.tick);
+    const std::optional<Duration> before = std::exchange(of.view, since_start);
+    of.counts = counts(before, since_start);
+    if (of.counts) of.views.push_back({since_start, {}});
+  }
+  if (of.counts) of.views.back().ghosts.push_back({sample.object, sample.state});
+}
+
+// An instant has come to its end where each peer that owns something has a later tick. One that has no more ticks is
+// not waited for.
+void RunAssembler::see_truths(bool all) {
+  constexpr std::size_t kMostDue = 8;
+  while (!truths_due_.empty()) {
+    const Duration t = truths_due_.front();
+    const bool is_over =
+        std::ranges::all_of(instants_, [&](const auto& of) { return !of.second.tick || *of.second.tick > t; });
+    if (!is_over && !all && truths_due_.size() <= kMostDue) return;
+    truths_due_.pop_front();
+    seen_.clear();
+    for (const auto& [id, object] : objects_) {
+      const auto tick = std::ranges::find(object.ticks, t, &Tick::since_start);
+      if (tick != object.ticks.end()) seen_.push_back({id, tick->state});
+    }
+    contact_meter_.see_truth(to_seconds(t), seen_);
+  }
+}
+
+// What the observer itself owns is taken at that instant where its ticks before and after it are of one law.
+void RunAssembler::see_views(PeerId peer, Instants& of, std::optional<Duration> known_until) {
+  while (!of.views.empty() && (!of.tick || (known_until && *known_until >= of.views.front().since_start))) {
+    SampledView view = std::move(of.views.front());
+    of.views.pop_front();
+    const Duration t = view.since_start;
+    for (const auto& [id, object] : objects_) {
+      if (object.owner != peer) continue;
+      const auto next = std::ranges::find_if(object.ticks, [&](const Tick& tick) { return tick.since_start >= t; });
+      if (next == object.ticks.end()) continue;
+      if (next->since_start == t) {
+        view.ghosts.push_back({id, next->state, true});
+      } else if (next != object.ticks.begin()) {
+        const Tick& before = *(next - 1);
+        constexpr double kSameLaw_m = 1e-9;
+        const KinematicState then = advance(before.state, to_seconds(next->since_start - before.since_start));
+        if ((then.position - next->state.position).norm() > kSameLaw_m) continue;
+        view.ghosts.push_back({id, advance(before.state, to_seconds(t - before.since_start)), true});
+      }
+    }
+    contact_meter_.see_view(to_seconds(t), peer, view.ghosts);
+  }
 }
 
 const Pose* RunAssembler::seen_at(const Object& object, Duration since_start) {
@@ -234,7 +310,10 @@ void RunAssembler::add_logs(measure::RunRecord& record, const std::vector<PeerLo
     }
     record.groups_joined += log.groups_joined;
     record.worlds_equal = record.worlds_equal && log.other_worlds == 0;
-    for (const auto& [name, count] : log.counters) record.counters[name] += count;
+    for (const auto& [name, count] : log.counters) {
+      std::uint64_t& all = record.counters[name];
+      all = name.ends_with("_max") ? std::max(all, count) : all + count;
+    }
   }
   std::ranges::stable_sort(record.contacts, {}, &measure::ContactRow::t_s);
 }
@@ -250,6 +329,8 @@ Result<measure::RunRecord> RunAssembler::finish(const std::vector<PeerLog>& logs
     for (const WaitingGhost& ghost : object.waiting) measure(id, object, ghost);
     object.waiting = {};
   }
+  see_truths(true);
+  for (auto& [peer, of] : instants_) see_views(peer, of, of.tick);
   measure::RunRecord record;
   record.params = run_.params;
   record.network_settings = config::network_settings(run_);
@@ -264,6 +345,7 @@ Result<measure::RunRecord> RunAssembler::finish(const std::vector<PeerLog>& logs
     if (object.owner != kNobody) record.objects.push_back({id, shared_.world.scene.path_of(id), object.owner});
   }
   add_logs(record, logs, *start);
+  record.contacts_measured = contact_meter_.result(record.contacts, record.duration_s);
   if (too_late_ > 0) record.counters["report.samples_too_late"] = too_late_;
   meter_.finish(record, record.duration_s);
   SceneOutlines scene = outlines_of(shared_.world.scene, record);

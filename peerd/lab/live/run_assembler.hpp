@@ -1,10 +1,12 @@
 #pragma once
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
 #include <unordered_map>
 #include <vector>
 
+#include "peerd/lab/live/contact_meter.hpp"
 #include "peerd/lab/measure/meter.hpp"
 #include "peerd/peer/node/peer_node.hpp"
 
@@ -55,6 +57,16 @@ class RunAssembler final : public LogRows {
     PeerId observer;
     Pose ghost, shown;
   };
+  // What a peer samples at one instant, for the contact meter.
+  struct SampledView {
+    Duration since_start;
+    std::vector<ContactMeter::Seen> ghosts;
+  };
+  struct Instants {
+    std::optional<Duration> tick, before, view;  // the latest tick, the one before it, and the latest sample of ghosts
+    std::deque<SampledView> views;               // that wait for the next own tick
+    bool counts = false;                         // the latest view is one of them
+  };
   struct Object {
     PeerId owner = kNobody;                        // the peer that runs it by the settings; nobody: it has no views
     const motion::MotionSource* motion = nullptr;  // of a driven object
@@ -69,6 +81,11 @@ class RunAssembler final : public LogRows {
   [[nodiscard]] bool within(double t_s) const { return t_s >= 0.0 && t_s <= run_.duration_s; }
   [[nodiscard]] bool alive(PeerId peer, HostTime t) const;
   void add_tick(Object& object, const Tick& tick);
+  [[nodiscard]] bool counts(std::optional<Duration> before, Duration now) const;
+  void note_tick(PeerId peer, Duration since_start);
+  void note_ghost(const PeerLog::ObjectSample& sample, PeerId observer, Duration since_start);
+  void see_truths(bool all);
+  void see_views(PeerId peer, Instants& of, std::optional<Duration> known_until);
   void measure(ObjectId id, const Object& object, const WaitingGhost& ghost);
   // The pose that the owner sees at the observer's session time, where it has a sample of just then.
   [[nodiscard]] static const Pose* seen_at(const Object& object, Duration since_start);
@@ -87,6 +104,10 @@ class RunAssembler final : public LogRows {
   PeerId start_from_ = kNobody;
   std::uint64_t too_late_ = 0;  // samples of instants whose ticks were forgotten; they are left out
   measure::RunMeter meter_;
+  ContactMeter contact_meter_;
+  std::map<PeerId, Instants> instants_;   // of the peers that are there
+  std::vector<ContactMeter::Seen> seen_;  // keeps its memory
+  std::deque<Duration> truths_due_;       // instants that count, until all peers have gone on
 };
 
 }  // namespace peerd

@@ -18,9 +18,6 @@ using Pair = std::pair<ObjectId, ObjectId>;
 
 Pair pair_of(const ContactRow& row) { return std::minmax(row.collider, row.collidee); }
 
-// Every peer finds what nobody owns at the same instant: their rows repeat each other.
-bool is_outcome(const ContactRow& row) { return row.kind == "owner" || row.kind == "decided" || row.kind == "scene"; }
-
 struct Outcome {
   double t_s = 0.0;
   std::size_t row = 0;          // index of the first row that states it

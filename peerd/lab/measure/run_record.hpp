@@ -12,6 +12,7 @@
 #include "core/math.hpp"
 #include "core/scene/scene.hpp"
 #include "core/shape_polygon.hpp"
+#include "peerd/lab/measure/contacts_measured.hpp"
 #include "peerd/lab/measure/measured.hpp"
 #include "peerd/lab/measure/network_measured.hpp"
 
@@ -70,6 +71,12 @@ struct ContactRow {
   CollisionType type = CollisionType::kWitness;  // of the interest
   TouchedPolygons polygons{};                    // Shapes are named in scene_paths
 };
+
+// Whether the row is an outcome: its peer made it happen, or it happens by the world alone. Every peer finds what
+// nobody owns at the same instant: their rows repeat each other.
+[[nodiscard]] inline bool is_outcome(const ContactRow& row) {
+  return row.kind == "owner" || row.kind == "decided" || row.kind == "scene";
+}
 
 struct WrongOutcomes {
   std::uint64_t truth = 0;     // number of outcomes without latency
@@ -151,12 +158,13 @@ struct RunRecord {
   std::vector<DatagramSent> datagrams;
   std::optional<RunMeasured> measured;  // none: the three lists above are complete, and measured when asked
   std::vector<ContactRow> contacts;
-  std::vector<EventMark> events;           // sorted by t_s
-  std::optional<WrongOutcomes> wrong;      // none: not compared
-  std::optional<InterestRecord> interest;  // none: no peer has an area of interest, or the network is real
-  std::optional<NetworkMeasured> network;  // runs by netem only
-  std::optional<ShownDelay> shown_delay;   // none: without a bounded latency
-  std::vector<PeerClock> clocks;           // peers that followed another; empty on a real network
+  std::optional<ContactsMeasured> contacts_measured;  // none: nothing was sampled
+  std::vector<EventMark> events;                      // sorted by t_s
+  std::optional<WrongOutcomes> wrong;                 // none: not compared
+  std::optional<InterestRecord> interest;             // none: no peer has an area of interest, or the network is real
+  std::optional<NetworkMeasured> network;             // runs by netem only
+  std::optional<ShownDelay> shown_delay;              // none: without a bounded latency
+  std::vector<PeerClock> clocks;                      // peers that followed another; empty on a real network
   std::uint32_t groups_joined = 0;
   bool worlds_equal = true;
   std::map<std::string, std::uint64_t> counters;  // summed over the peers

@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <map>
+#include <set>
+#include <string>
 #include <tuple>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
 #include "peerd/lab/measure/agreement.hpp"
+#include "peerd/lab/measure/amiss.hpp"
 #include "peerd/lab/measure/lookup.hpp"
 #include "peerd/lab/measure/meter.hpp"
 #include "peerd/lab/measure/points.hpp"
@@ -69,6 +73,65 @@ Json collisions_json(const RunRecord& run) {
     json["wrong"] = {{"truth", run.wrong->truth}, {"missing", run.wrong->missing}, {"spurious", run.wrong->spurious}};
   }
   return json;
+}
+
+Json pair_json(const WorstPair& worst) {
+  Json between = Json::array();
+  if (worst.depth_m > 0.0) between = {worst.a, worst.b};
+  return {{"depth_m", worst.depth_m}, {"between", std::move(between)}, {"at_s", worst.at_s}};
+}
+
+Json overlap_json(std::uint64_t samples, const WorstPair& deepest, const WorstPair& meshes) {
+  return {{"samples", samples}, {"deepest", pair_json(deepest)}, {"deepest_mesh_at_least", pair_json(meshes)}};
+}
+
+std::uint64_t counter(const RunRecord& run, const char* name) {
+  const auto found = run.counters.find(name);
+  return found == run.counters.end() ? 0 : found->second;
+}
+
+Json contacts_json(const RunRecord& run) {
+  std::set<std::tuple<double, ObjectId, ObjectId>> outcomes;  // each once, whichever peers state it
+  for (const ContactRow& row : run.contacts) {
+    if (is_outcome(row)) {
+      outcomes.emplace(row.t_s, std::min(row.collider, row.collidee), std::max(row.collider, row.collidee));
+    }
+  }
+  std::map<std::int64_t, std::uint64_t> by_second;
+  std::uint64_t last = 0;
+  for (const auto& [t_s, a, b] : outcomes) {
+    ++by_second[static_cast<std::int64_t>(std::floor(t_s))];
+    if (t_s > run.duration_s - 1.0) ++last;
+  }
+  std::uint64_t most = 0;
+  for (const auto& [second, count] : by_second) most = std::max(most, count);
+  const auto count = static_cast<double>(outcomes.size());
+  Json json = {{"count", outcomes.size()},
+               {"per_s", {{"max", most}, {"mean", run.duration_s > 0.0 ? count / run.duration_s : 0.0}}},
+               {"last_s", last},
+               {"at_rest_per_s", run.contacts_measured ? run.contacts_measured->at_rest : 0},
+               {"islands", counter(run, "islands")},
+               {"island_objects_max", counter(run, "island_objects_max")}};
+  if (!run.contacts_measured) return json;
+  const ContactsMeasured& c = *run.contacts_measured;
+  json["pairs_not_measured"] = c.pairs_not_measured;
+  json["overlap"] = overlap_json(c.samples, c.truth, c.truth_meshes);
+  Json& unexplained = json["overlap"]["unexplained"] = pair_json(c.unexplained);
+  unexplained["beyond_m"] = c.unexplained.depth_m - c.unexplained.explained_m;
+  json["ghost_overlap"] = overlap_json(c.view_samples, c.views, c.view_meshes);
+  json["ghost_overlap"]["deepest"]["observer"] = c.observer;
+  return json;
+}
+
+Json energy_json(const RunRecord& run) {
+  const ContactsMeasured& c = *run.contacts_measured;
+  const auto part = [](const EnergyMeasured& e) -> Json {
+    return {{"start", e.start_j}, {"greatest", e.greatest_j}, {"end", e.end_j}};
+  };
+  return {{"bodies", c.bodies},          {"owners", c.owners},
+          {"samples", c.energy_samples}, {"driven", c.is_driven},
+          {"kinetic", part(c.kinetic)},  {"potential", part(c.potential)},
+          {"sum", part(c.sum)},          {"taken_by_rest", 1e-9 * static_cast<double>(counter(run, "rest_energy_nj"))}};
 }
 
 Json traffic_json(const RunRecord& run, const Measured& measured) {
@@ -165,10 +228,14 @@ Json run_json(const RunRecord& run, const Measured& measured) {
                {"seed", run.seed},
                {"objects", std::move(objects)},
                {"collisions", collisions_json(run)},
+               {"contacts", contacts_json(run)},
                {"traffic", traffic_json(run, measured)},
                {"groups_joined", run.groups_joined},
                {"state_roots_equal", run.worlds_equal},
                {"counters", std::move(counters)}};
+  if (run.contacts_measured && run.contacts_measured->energy_samples > 0 && run.contacts_measured->bodies > 0) {
+    json["energy_j"] = energy_json(run);
+  }
   if (!run.network_settings.empty()) json["network_settings"] = run.network_settings;
   if (run.stopped) json["stopped_at_s"] = run.duration_s;
   if (!run.clocks.empty()) json["clocks"] = clocks_json(run);
@@ -191,9 +258,11 @@ Json summarise_part(const RunRecord& run, const Measured& part) { return run_jso
 Json summarise(const ScenarioInfo& info, std::span<const RunRecord> runs) {
   Json summary = {{"scenario", info.name}, {"mode", info.mode}, {"seed", info.seed}};
   if (info.stopped) summary["stopped"] = true;
-  if (!info.warnings.empty()) summary["warnings"] = info.warnings;
   Json rows = Json::array();
   for (const RunRecord& run : runs) rows.push_back(run_json(run, measured_of(run)));
+  std::vector<std::string> warnings = info.warnings;
+  for (std::string& sentence : amiss(rows)) warnings.push_back(std::move(sentence));
+  if (!warnings.empty()) summary["warnings"] = std::move(warnings);
   if (info.repeat > 1 && !info.stopped) {  // a point needs all of its runs
     summary["repeat"] = info.repeat;
     summary["points"] = points_json(rows, info.repeat);

@@ -141,10 +141,12 @@ std::string what_was_run(const measure::ScenarioInfo& info, std::span<const meas
 }
 
 // The list of warnings, which come before the numbers.
-std::string warnings_list(const measure::ScenarioInfo& info) {
-  if (info.warnings.empty()) return "";
+std::string warnings_list(const Json& summary) {
+  if (!summary.contains("warnings")) return "";
   std::string items;
-  for (const std::string& warning : info.warnings) items += element("li", markup_text(warning)) + '\n';
+  for (const Json& warning : summary.at("warnings")) {
+    items += element("li", markup_text(warning.get<std::string>())) + '\n';
+  }
   return "<h2>Warnings</h2>\n" + element("ul", items) + '\n';
 }
 
@@ -364,6 +366,9 @@ std::string run_details(const Json& run, std::size_t number, const std::string& 
                     run_summary_line(run, number, object) + "</summary>\n<div id=\"" + run_anchor(number) + "\">\n";
   out += figures.empty() ? element("p class=\"faint\"", "Its figures are left out of this page.") + '\n' : figures;
   out += views_table(run, object) + contacts_table(run.at("collisions"));
+  if (const std::string line = contacts_line(run); !line.empty()) {
+    out += element("p", "Contacts: " + markup_text(line) + '.') + '\n';
+  }
   if (run.contains("interest")) out += interest_table(run.at("interest"));
   const Json& traffic = run.at("traffic");
   out += element("p", "All peers together: " + json_line(traffic.at("packets")) + " datagrams, " +
@@ -429,7 +434,7 @@ std::string files_section() {
 std::string report_page(const measure::ScenarioInfo& info, std::span<const measure::RunRecord> runs,
                         const Json& summary, const Figures& figures) {
   std::string body = element("h1", markup_text(info.name)) + '\n' + files_section() + rows_sentence(info, runs);
-  body += warnings_list(info) + expectations_section(summary) + what_was_run(info, runs) + runs_table(summary);
+  body += warnings_list(summary) + expectations_section(summary) + what_was_run(info, runs) + runs_table(summary);
   body += overview_section(summary, figures) + all_objects_section(summary) + runs_section(summary, figures);
   return page_around(info.name + ": report of peerd", body);
 }

@@ -254,6 +254,65 @@ std::string rest_line(const Json& summary) {
          fixed(error_m(*worst), 6) + " m";
 }
 
+// The deepest pair of all runs: `of` is "overlap" or "ghost_overlap". Null where none is in another as far as can be
+// told from rounding.
+const Json* deepest_pair(std::span<const Json* const> runs, const char* of) {
+  constexpr double kTouch_m = 1e-6;
+  const Json* deepest = nullptr;
+  double depth_m = kTouch_m;
+  for (const Json* run : runs) {
+    const Json& contacts = run->at("contacts");
+    if (!contacts.contains(of)) continue;
+    for (const char* which : {"deepest", "deepest_mesh_at_least"}) {
+      const Json& pair = contacts.at(of).at(which);
+      if (pair.at("depth_m").get<double>() <= depth_m) continue;
+      depth_m = pair.at("depth_m").get<double>();
+      deepest = &pair;
+    }
+  }
+  return deepest;
+}
+
+std::string pair_text(const Json& pair) {
+  const auto name = [&](std::size_t i) { return ending(pair.at("between")[i].get<std::string>(), 20); };
+  std::string text = length_text(pair.at("depth_m").get<double>()) + " (" + name(0) + " and " + name(1) + " at " +
+                     fixed(pair.at("at_s").get<double>(), 2) + " s";
+  if (pair.contains("observer")) text += ", at " + ending(pair.at("observer").get<std::string>(), 8);
+  return text + ')';
+}
+
+// What a line says of the contacts of runs; empty where there are none, and nothing is in anything else.
+std::vector<std::string> contacts_parts(std::span<const Json* const> runs) {
+  std::uint64_t least = std::numeric_limits<std::uint64_t>::max(), most = 0, per_s = 0, last = 0, objects = 0;
+  for (const Json* run : runs) {
+    const Json& contacts = run->at("contacts");
+    const auto number = [&](const char* name) { return contacts.at(name).get<std::uint64_t>(); };
+    least = std::min(least, number("count"));
+    most = std::max(most, number("count"));
+    per_s = std::max(per_s, contacts.at("per_s").at("max").get<std::uint64_t>());
+    last = std::max(last, number("last_s"));
+    objects = std::max(objects, number("island_objects_max"));
+  }
+  const Json *const truth = deepest_pair(runs, "overlap"), *const ghosts = deepest_pair(runs, "ghost_overlap");
+  std::vector<std::string> parts;
+  if (most == 0 && truth == nullptr && ghosts == nullptr) return parts;
+  const std::string from = least < most ? std::to_string(least) + " to " : "";
+  parts.push_back(from + std::to_string(most) + (runs.size() > 1 ? " a run" : ""));
+  if (most > 0) parts.push_back("at most " + std::to_string(per_s) + " in a second");
+  if (most > 0) parts.push_back((last == 0 ? "none" : std::to_string(last)) + " in the last");
+  if (objects > 0) parts.push_back("islands of " + (objects > 1 ? "up to " + std::to_string(objects) : "one object"));
+  parts.push_back("deepest overlap " + (truth != nullptr ? pair_text(*truth) : "none"));
+  if (ghosts != nullptr) parts.push_back("of ghosts " + pair_text(*ghosts));
+  if (runs.size() == 1 && runs.front()->contains("energy_j")) {
+    const Json& kinetic = runs.front()->at("energy_j").at("kinetic");
+    const auto joules = [&](const char* name) { return fixed(kinetic.at(name).get<double>(), 3) + " J"; };
+    parts.push_back("kinetic energy " + joules("start") + " at first");
+    parts.push_back(joules("greatest") + " at most");
+    parts.push_back(joules("end") + " at last");
+  }
+  return parts;
+}
+
 std::string heading(const Json& summary, const std::string& path) {
   const std::size_t count = summary.at("runs").size();
   std::string text = summary.at("scenario").get<std::string>() + " (" + summary.at("mode").get<std::string>() +
@@ -337,6 +396,22 @@ std::string objects_table(const Json& summary) {
   if (count > kRows)
     append_line(out, "and " + std::to_string(count - kRows) + " more, in report.html and summary.json");
   if (const std::string rest = rest_line(summary); !rest.empty()) append_line(out, rest);
+  return out;
+}
+
+std::string contacts_line(const Json& run) {
+  const Json* const one = &run;
+  std::string line;
+  for (const std::string& part : contacts_parts({&one, 1})) line += (line.empty() ? "" : ", ") + part;
+  return line;
+}
+
+std::string contacts_lines(const Json& summary) {
+  std::vector<const Json*> runs;
+  for (const Json& run : summary.at("runs")) runs.push_back(&run);
+  const std::vector<std::string> parts = contacts_parts(runs);
+  std::string out;
+  if (!parts.empty()) append_list(out, "contacts:", parts);
   return out;
 }
 

@@ -38,6 +38,11 @@ inline constexpr std::string_view kPrincipalMark = "*";
 // The worst objects for a terminal, at most 80 columns wide. It is empty where there is but one, which table() shows.
 [[nodiscard]] std::string objects_table(const nlohmann::ordered_json& summary);
 
+// The contacts of all runs for a terminal, and those of one run for a page: how many, how many in a second, the deepest
+// overlap, the energy. Empty where nothing has met or is in anything else.
+[[nodiscard]] std::string contacts_lines(const nlohmann::ordered_json& summary);
+[[nodiscard]] std::string contacts_line(const nlohmann::ordered_json& run);
+
 // The summary for a terminal, at most 100 columns wide with two observers: a row for each run; from three observers on,
 // for each run and observer; of repeated runs, for each point and observer. Above them are the settings of the network
 // that no column shows. It ends with a line feed.

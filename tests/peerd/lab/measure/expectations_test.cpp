@@ -25,6 +25,7 @@ TEST(Measures, AreAllThatASummaryHas) {
   run.wrong = WrongOutcomes{};
   run.interest = InterestRecord{};
   run.shown_delay = ShownDelay{};
+  run.contacts_measured = ContactsMeasured{.energy_samples = 1, .bodies = 1};
   for (const char* late : {"updates_late", "updates_missing", "decisions_late"}) run.counters[late] = 0;
   const Json row = summarise({}, {&run, 1})["runs"][0];
   std::vector<std::string> names;

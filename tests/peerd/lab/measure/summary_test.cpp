@@ -26,8 +26,8 @@ TEST(Summary, HasTheShapeOfTheDesign) {
   EXPECT_THAT(keys_of(s), testing::ElementsAre("scenario", "mode", "seed", "runs"));
   ASSERT_EQ(s["runs"].size(), 6u);
   const Json& run = s["runs"][0];
-  EXPECT_THAT(keys_of(run), testing::ElementsAre("params", "seed", "objects", "collisions", "traffic", "groups_joined",
-                                                 "state_roots_equal", "counters"));
+  EXPECT_THAT(keys_of(run), testing::ElementsAre("params", "seed", "objects", "collisions", "contacts", "traffic",
+                                                 "groups_joined", "state_roots_equal", "counters"));
   EXPECT_THAT(keys_of(run["objects"][0]),
               testing::ElementsAre("path", "owner", "observer", "updates_sent", "bytes_sent", "samples",
                                    "ghost_error_m", "shown_error_m", "view_difference_m", "inconsistency_m_s", "rest"));
@@ -84,6 +84,23 @@ TEST(Summary, AreasOfInterestAreThereWhereSomebodyAsked) {
   EXPECT_DOUBLE_EQ(s["peers"][1]["received_over_interest"], 0.0) << "no number, and JSON has no NaN";
   EXPECT_EQ(s["peers"][0]["peer"], "a");
   EXPECT_EQ(s["peers"][0]["joins_in_a_second"], 2);
+}
+
+// One outcome that two peers state counts once; what a ghost meets does not.
+TEST(Summary, CountsContactsByTheSecond) {
+  RunRecord run = samples::quiet_run(4.0);
+  const auto add = [&](double t_s, PeerId peer, const char* kind) {
+    run.contacts.push_back({t_s, peer, kind, kCar, samples::kWall, Vec3::UnitX(), t_s});
+  };
+  for (const double t_s : {0.5, 1.0, 1.5, 1.75, 3.25}) add(t_s, kA, "scene");
+  add(3.25, kB, "scene");
+  add(3.5, kB, "predicted");
+  const Json contacts = summarise(kInfo, {&run, 1})["runs"][0]["contacts"];
+  EXPECT_EQ(contacts["count"], 5);
+  EXPECT_EQ(contacts["per_s"]["max"], 3);
+  EXPECT_DOUBLE_EQ(contacts["per_s"]["mean"], 1.25);
+  EXPECT_EQ(contacts["last_s"], 1);
+  EXPECT_FALSE(contacts.contains("overlap")) << "nothing was sampled";
 }
 
 TEST(Summary, TheNetworkIsThereWhereItWasMeasured) {

@@ -106,6 +106,28 @@ TEST(ObjectsTable, OfOneObjectIsLeftOut) {
   EXPECT_EQ(objects_table(measure::summarise(kInfo, {})), "");
 }
 
+TEST(ContactsLines, SayHowManyAndHowDeep) {
+  measure::RunRecord run = measure::samples::quiet_run();
+  EXPECT_EQ(contacts_lines(measure::summarise(kInfo, {&run, 1})), "") << "nothing has met";
+  run.contacts.push_back({2.0, measure::samples::kA, "owner", kCar, measure::samples::kWall, Vec3::UnitX(), 2.0});
+  measure::ContactsMeasured& c = run.contacts_measured.emplace();
+  run.counters["island_objects_max"] = 6;
+  EXPECT_EQ(contacts_lines(measure::summarise(kInfo, {&run, 1})),
+            "contacts: 1, at most 1 in a second, none in the last, islands of up to 6,\n  deepest overlap none\n");
+  c.truth = {.depth_m = 2e-4, .a = "BALL_3", .b = "CRATE_1", .at_s = 2.4};
+  c.views = {.depth_m = 0.04, .a = "BALL_3", .b = "CRATE_1", .at_s = 2.5};
+  c.observer = "ada";
+  c.energy_samples = c.bodies = 1;
+  c.kinetic = {.start_j = 1.0, .greatest_j = 2.5, .end_j = 0.0};
+  const auto summary = measure::summarise(kInfo, {&run, 1});
+  EXPECT_EQ(
+      contacts_line(summary["runs"][0]),
+      "1, at most 1 in a second, none in the last, islands of up to 6, deepest overlap 200.0 µm (BALL_3 and CRATE_1 "
+      "at 2.40 s), of ghosts 40.0 mm (BALL_3 and CRATE_1 at 2.50 s, at ada), kinetic energy 1.000 J at first, 2.500 "
+      "J at most, 0.000 J at last");
+  for (const std::string& line : lines_of(contacts_lines(summary))) EXPECT_LE(width_of(line), 100u) << line;
+}
+
 TEST(Table, SaysWhatTheNetworkIsThatNoColumnShows) {
   std::vector<measure::RunRecord> runs = measure::samples::zigzag_sweep();
   for (measure::RunRecord& run : runs) {
