@@ -626,9 +626,9 @@ SimTime MotionWorld::reopened_from(const WatchedPair& pair, bool lived, SimTime 
   return std::max({t, known, advanced_ - (lived ? Duration{0} : kHistory)});
 }
 
-// The pairs of the object know nothing of contacts since then any more. Pairs with an authoritative or driven object
-// are not searched again in the past because another object moved otherwise; its own change (a decision) makes them
-// searched there.
+// The pairs of the object know nothing of contacts since then any more. Pairs of which the other object is this peer's
+// and would answer are not searched again in the past because this one moved otherwise; its own change (a decision)
+// makes them searched there.
 void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
   end_waits_of(object);
   far_.moved(object, t, advanced_, objects_, pairs_, opened_);
@@ -638,7 +638,9 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
     WatchedPair& pair = pairs_[i];
     const bool of_collider =
         pair.is_plain ? pair.collider == object : objects_.is_in_side(object, pair.collider, pair.part_a);
-    const bool lived = objects_.is_lived(of_collider ? pair.collidee : pair.collider);
+    const std::uint32_t other = of_collider ? pair.collidee : pair.collider;
+    const bool other_responds = of_collider ? pair.collidee_responds : pair.collider_responds;
+    const bool lived = objects_.is_lived(other) && gives_way(other, other_responds, t);
     const SimTime from = reopened_from(pair, lived, t);
     if (pair.contact && *pair.contact >= from) {
       pair.contact.reset();
