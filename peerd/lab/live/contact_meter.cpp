@@ -61,7 +61,6 @@ ContactMeter::ContactMeter(const config::RunSettings& run, const SharedWorld& sh
     for (const auto& [name, id] : of.outside) outside.insert(id);
     const std::uint64_t bodies_before = measured_.bodies;
     for (const ObjectId id : owned) {
-      index_of_[id] = static_cast<std::uint32_t>(objects_.size());
       Object& object = objects_.emplace_back();
       object.id = id;
       object.owner = peer;
@@ -83,6 +82,8 @@ ContactMeter::ContactMeter(const config::RunSettings& run, const SharedWorld& sh
     }
     if (measured_.bodies > bodies_before) ++measured_.owners;
   }
+  std::ranges::sort(objects_, {}, &Object::id);
+  for (std::uint32_t i = 0; i < objects_.size(); ++i) index_of_[objects_[i].id] = i;
   find_pairs(*shared.model);
 }
 
@@ -141,11 +142,13 @@ void ContactMeter::find_pairs(const replication::WorldModel& model) {
 void ContactMeter::place(View& view, std::span<const Seen> seen) {
   view.places.resize(objects_.size());
   ++view.instant;
+  std::size_t index = 0;  // most of what is seen comes in the order of the objects
   for (const Seen& s : seen) {
-    const auto found = index_of_.find(s.object);
-    if (found == index_of_.end()) continue;
-    const Object& object = objects_[found->second];
-    Place& place = view.places[found->second];
+    if (index == objects_.size() || s.object < objects_[index].id) index = 0;
+    while (index < objects_.size() && objects_[index].id < s.object) ++index;
+    if (index == objects_.size() || objects_[index].id != s.object) continue;
+    const Object& object = objects_[index];
+    Place& place = view.places[index];
     const bool was_there = place.seen != 0;
     const bool stands = was_there && place.state.position == s.state.position &&
                         place.state.orientation.coeffs() == s.state.orientation.coeffs();

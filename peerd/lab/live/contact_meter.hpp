@@ -91,7 +91,7 @@ class ContactMeter {
   void add_energy();
 
   const Scene& scene_;
-  std::vector<Object> objects_;
+  std::vector<Object> objects_;                           // by id
   std::unordered_map<ObjectId, std::uint32_t> index_of_;  // for look-ups alone, in objects_
   std::vector<Standing> standing_;
   View truth_;

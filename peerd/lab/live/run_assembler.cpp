@@ -148,7 +148,7 @@ void RunAssembler::note_ghost(const PeerLog::ObjectSample& sample, PeerId observ
     see_views(observer, of, of.tick);
     const std::optional<Duration> before = std::exchange(of.view, since_start);
     of.counts = counts(before, since_start);
-    if (of.counts) of.views.push_back({since_start, {}});
+    if (of.counts) of.views.emplace_back(since_start).ghosts.reserve(objects_.size());
   }
   if (of.counts) of.views.back().ghosts.push_back({sample.object, sample.state});
 }
