@@ -40,9 +40,8 @@ std::vector<Vec3> points_of(const ConvexPiece& piece, const Pose& from, const Po
   return points;
 }
 
-double depth_of_pieces_m(const ConvexPiece& piece_a, const KinematicState& a, const ConvexPiece& piece_b,
-                         const KinematicState& b) {
-  const Mat3 R_a = a.orientation.toRotationMatrix(), R_b = b.orientation.toRotationMatrix();
+double depth_of_pieces_m(const ConvexPiece& piece_a, const KinematicState& a, const Mat3& R_a,
+                         const ConvexPiece& piece_b, const KinematicState& b, const Mat3& R_b) {
   const Vec3 p = a.position - b.position;
   const Solid solid_a{piece_a.vertices, &piece_a, piece_a.shape}, solid_b{piece_b.vertices, &piece_b, piece_b.shape};
   double widest = -kUnbounded_m;
@@ -121,10 +120,11 @@ Crossing crossing(const MovingBody& a, const MovingBody& b, CollisionType type) 
   if (a.body.sphere) return {depth_in_surface_m(a, b)};
   if (b.body.sphere) return {depth_in_surface_m(b, a)};
   if (!are_few(a.body, b.body)) return {touch_depth_m(a, b), true};
+  const Mat3 R_a = a.motion.orientation.toRotationMatrix(), R_b = b.motion.orientation.toRotationMatrix();
   Crossing deepest;
   for (const ConvexPiece& piece_a : a.body.pieces) {
     for (const ConvexPiece& piece_b : b.body.pieces) {
-      deepest.depth_m = std::max(deepest.depth_m, depth_of_pieces_m(piece_a, a.motion, piece_b, b.motion));
+      deepest.depth_m = std::max(deepest.depth_m, depth_of_pieces_m(piece_a, a.motion, R_a, piece_b, b.motion, R_b));
     }
   }
   return deepest;

@@ -127,9 +127,9 @@ void RunAssembler::add_tick(Object& object, const Tick& tick) {
 }
 
 // A tick is the first of its peer in a part of a second that counts once.
-bool RunAssembler::counts(std::optional<Duration> before, Duration now) const {
-  constexpr Duration kPart = std::chrono::nanoseconds(1'000'000'000 / measure::kContactSamples_hz);
-  return within(to_seconds(now)) && (!before || *before / kPart < now / kPart || *before < Duration{0});
+bool RunAssembler::counts(std::optional<Duration> before, Duration now, int hz) const {
+  const Duration part = std::chrono::nanoseconds(1'000'000'000 / hz);
+  return within(to_seconds(now)) && (!before || *before / part < now / part || *before < Duration{0});
 }
 
 void RunAssembler::note_tick(PeerId peer, Duration since_start) {
@@ -139,7 +139,7 @@ void RunAssembler::note_tick(PeerId peer, Duration since_start) {
   see_truths(false);
   see_views(peer, of, of.before);
   const bool is_due = std::ranges::find(truths_due_, since_start) != truths_due_.end();
-  if (counts(of.before, since_start) && !is_due) truths_due_.push_back(since_start);
+  if (counts(of.before, since_start, measure::kContactSamples_hz) && !is_due) truths_due_.push_back(since_start);
 }
 
 void RunAssembler::note_ghost(const PeerLog::ObjectSample& sample, PeerId observer, Duration since_start) {
@@ -147,7 +147,7 @@ void RunAssembler::note_ghost(const PeerLog::ObjectSample& sample, PeerId observ
   if (of.view != since_start) {
     see_views(observer, of, of.tick);
     const std::optional<Duration> before = std::exchange(of.view, since_start);
-    of.counts = counts(before, since_start);
+    of.counts = counts(before, since_start, measure::kContactViews_hz);
     if (of.counts) of.views.emplace_back(since_start).ghosts.reserve(objects_.size());
   }
   if (of.counts) of.views.back().ghosts.push_back({sample.object, sample.state});

@@ -81,7 +81,7 @@ class RunAssembler final : public LogRows {
   [[nodiscard]] bool within(double t_s) const { return t_s >= 0.0 && t_s <= run_.duration_s; }
   [[nodiscard]] bool alive(PeerId peer, HostTime t) const;
   void add_tick(Object& object, const Tick& tick);
-  [[nodiscard]] bool counts(std::optional<Duration> before, Duration now) const;
+  [[nodiscard]] bool counts(std::optional<Duration> before, Duration now, int hz) const;
   void note_tick(PeerId peer, Duration since_start);
   void note_ghost(const PeerLog::ObjectSample& sample, PeerId observer, Duration since_start);
   void see_truths(bool all);

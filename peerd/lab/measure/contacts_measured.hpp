@@ -25,7 +25,7 @@ struct EnergyMeasured {
 };
 
 // Of the instants at which objects have been sampled, at most this many in a second count here.
-inline constexpr int kContactSamples_hz = 20;
+inline constexpr int kContactSamples_hz = 20, kContactViews_hz = 10;
 
 // The findings about what objects do to each other, by their states. The depth of a
 // mesh that is neither of convex pieces nor a Sphere is a lower bound.
