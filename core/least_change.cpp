@@ -84,7 +84,7 @@ class ActiveSet {
     return true;
   }
 
-  // What is held together is met first, and stays so. One that depends on the others is met with them.
+  // Meets what is held together first, and for good. One that depends on the others is met with them.
   void begin_with_what_is_held() {
     for (std::uint32_t i = 0; i < slack_.size(); ++i) {
       if (is_held_[i] && row_of(i) > independent_) append(i);

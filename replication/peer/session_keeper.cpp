@@ -190,13 +190,16 @@ void SessionKeeper::begin_worlds(SimTime now) {
   p_.own.check_all();
   MotionWorld& truth = p_.replica.truth();
   if (!p_.config.display_delay.own && !p_.config.bounded_latency.is_on()) truth.keep_history_of_driven(kDrivenKept);
-  truth.set_authority([&decisions = p_.decisions](ObjectId a, ObjectId b, SimTime contact) {
+  // A contact that moves what is nobody's makes somebody its owner.
+  const auto alone = [&p = p_](ObjectId a, ObjectId b) {
+    const auto is_nobodys = [&](ObjectId object) { return p.scene.contains(object) && p.owners.of(object) == kNobody; };
+    return !p.owners.have_two(a, b) && !is_nobodys(a) && !is_nobodys(b);
+  };
+  const auto of = [&decisions = p_.decisions](ObjectId a, ObjectId b, SimTime contact) {
     return decisions.authority(a, b, contact);
-  });
-  for (MotionWorld* const world : {&truth, &p_.replica.ghosts()}) {
-    world->set_answered_alone(
-        [&decisions = p_.decisions](ObjectId a, ObjectId b) { return decisions.is_answered_alone(a, b); });
-  }
+  };
+  truth.set_authority({of, alone});
+  p_.replica.ghosts().set_authority({{}, alone});
 }
 
 void SessionKeeper::declare_all() {

@@ -172,7 +172,7 @@ void RunAssembler::see_truths(bool all) {
   }
 }
 
-// What the observer itself owns is taken at that instant where its ticks before and after it are of one law.
+// An object of the observer's own is taken at that instant where its ticks before and after it are of one law.
 void RunAssembler::see_views(PeerId peer, Instants& of, std::optional<Duration> known_until) {
   while (!of.views.empty() && (!of.tick || (known_until && *known_until >= of.views.front().since_start))) {
     SampledView view = std::move(of.views.front());

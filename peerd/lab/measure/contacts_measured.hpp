@@ -24,7 +24,7 @@ struct EnergyMeasured {
   }
 };
 
-// Of the instants at which objects have been sampled, at most this many in a second count here.
+// The meter looks at this many instants in a second at most, of those at which objects have been sampled.
 inline constexpr int kContactSamples_hz = 20, kContactViews_hz = 10;
 
 // The findings about what objects do to each other, by their states. The depth of a

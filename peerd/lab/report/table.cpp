@@ -281,7 +281,7 @@ std::string pair_text(const Json& pair) {
   return text + ')';
 }
 
-// What a line says of the contacts of runs; empty where there are none, and nothing is in anything else.
+// The sentence on the contacts of runs; empty where there are none, and nothing is in anything else.
 std::vector<std::string> contacts_parts(std::span<const Json* const> runs) {
   std::uint64_t least = std::numeric_limits<std::uint64_t>::max(), most = 0, per_s = 0, last = 0, objects = 0;
   for (const Json* run : runs) {

@@ -191,20 +191,15 @@ Contender ContactDecisions::contender(ObjectId object, SimTime at, std::span<con
 }
 
 // All parts of the end, those that carriers below it move and those that flex included.
-WorldBox ContactDecisions::box_of_end(ObjectId object, SimTime at) const {
-  WorldBox box;
-  for (const std::uint32_t part : model_->parts_of_node[model_->index_of(object)]) {
-    box.merge(part_at(*model_, replica_.ghosts(), replica_.flexible(), part, at).box());
-  }
-  return box;
-}
-
 PeerId ContactDecisions::choose_decider(ObjectId a, ObjectId b, SimTime contact) const {
   const SimTime at = decided_as_of(contact, lookback());
   for (const ObjectId object : {a, b}) replica_.compute_ghost(object);
   std::vector<WorldBox> meeting;  // around the two, where they are then
   for (const ObjectId object : {a, b}) {
-    meeting.push_back(box_of_end(object, at));
+    WorldBox& box = meeting.emplace_back();
+    for (const std::uint32_t part : model_->parts_of_node[model_->index_of(object)]) {
+      box.merge(part_at(*model_, replica_.ghosts(), replica_.flexible(), part, at).box());
+    }
   }
   const PeerId server = config_.decisions.server;
   const bool here = server == config_.id || members_.contains(server);
@@ -513,7 +508,7 @@ void ContactDecisions::apply(const std::vector<DecisionLog::Change>& changes, Si
       const std::pair<ObjectId, ObjectId> two = std::minmax(d.collider, d.collidee);
       if (rests != resting_.contains(two)) {
         rests ? void(resting_.insert(two)) : void(resting_.erase(two));
-        // What bears or pushes the other one counts here, too.
+        // Its other contacts count here, too.
         for (const ObjectId object : {d.collider, d.collidee}) watch(model_->pairs_of(object));
       }
     }
@@ -612,9 +607,9 @@ void ContactDecisions::rebase(ObjectId object, SimTime from) {
   replay(object, from, true);
 }
 
-// What a decision gives an own object. The owner may have changed the object's velocity (a launch, a key), and the
-// decider has not known that yet. Of an earlier change the blow is taken, and not the velocity; a later one comes after
-// it.
+// Lays the outcome of a decision for an own object. The owner may have changed the object's velocity (a launch, a key),
+// and the decider has not known that yet. Of an earlier change the blow is taken, and not the velocity; a later one
+// comes after it.
 void ContactDecisions::lay_own_outcome(const DecisionLog::Entry& e, ObjectId object, const KinematicState& after,
                                        const std::optional<Rest>& rest) {
   const DecisionRecord& d = e.record;

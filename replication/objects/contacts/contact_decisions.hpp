@@ -52,11 +52,6 @@ class ContactDecisions {
   void watch(std::span<const std::uint32_t> pairs);
   // The authority of a contact that the truth has found.
   [[nodiscard]] ContactAuthority authority(ObjectId a, ObjectId b, SimTime contact) const;
-  // Whether no peer has to agree with others on a contact of the two: they have one owner at most, and it moves nothing
-  // that is nobody's.
-  [[nodiscard]] bool is_answered_alone(ObjectId a, ObjectId b) const {
-    return !owners_.have_two(a, b) && !is_free_scene_object(a) && !is_free_scene_object(b);
-  }
 
   // ---- contacts that this peer has found
 
@@ -154,7 +149,6 @@ class ContactDecisions {
     return scene_.contains(object) && owners_.of(object) == kNobody;
   }
   [[nodiscard]] Duration lookback() const;
-  [[nodiscard]] WorldBox box_of_end(ObjectId object, SimTime at) const;
   [[nodiscard]] PeerId choose_decider(ObjectId a, ObjectId b, SimTime contact) const;
   [[nodiscard]] Contender contender(ObjectId object, SimTime at, std::span<const WorldBox> meeting) const;
   [[nodiscard]] bool may_have_missed_our_update(PeerId peer, const ContactEvent& contact) const;

@@ -303,7 +303,7 @@ void Publication::publish_at_once(SimTime t, std::span<const OwnSample* const> s
   }
 }
 
-// What drives an object that others bear. Receivers go back no further than kWorldHistory.
+// The drive of an object that others bear. Receivers go back no further than kWorldHistory.
 std::optional<Drive> Publication::drive_of(ObjectId object, const OwnObject& own, SimTime at) const {
   const MotionWorld& truth = replica_.truth();
   if (own.driven || !truth.is_borne(object)) return std::nullopt;

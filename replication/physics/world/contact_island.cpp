@@ -266,7 +266,7 @@ std::vector<std::uint32_t> solve(ContactIsland& island) {
   for (const ConstrainedBody& body : island.bodies) largest = std::max(largest, body.value.norm());
   const auto all = change_least(island.bodies, island.constraints);
   if (all) {
-    // Of a crowd that stands a solution leaves its rounding.
+    // A crowd that stands is left with the rounding of its solution.
     const auto is_rounding = [&](const ConstrainedBody& body) {
       return body.inverse_mass == 0.0 || body.value.norm() <= kSolverRounding * largest;
     };

@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <set>
 #include <tuple>
 #include <unordered_set>
 #include <utility>
@@ -32,6 +33,17 @@ std::optional<Vec3> rolling_off(const collision::Body& body, const KinematicStat
   Vec3 spin = n.dot(all) * n;
   if ((spin - all).norm() <= kRounding * spin.norm()) return std::nullopt;
   return spin;
+}
+
+// Whether the part pairs of an interest are there; from need_pairs_of() on they are.
+bool has_pairs_of(std::uint32_t number, const WorldModel& model, const WatchedPairs& pairs) {
+  const std::uint32_t first = model.first_part_pair[number];
+  return first == model.first_part_pair[number + 1] || pairs.contains(first);
+}
+
+// The pair has not stopped any more.
+void unstop(WatchedPair& pair, std::uint32_t number, std::set<std::uint32_t>& stopped) {
+  if (std::exchange(pair.stopped, false)) stopped.erase(number);
 }
 
 }  // namespace
@@ -170,7 +182,7 @@ void MotionWorld::watch(ObjectId a, ObjectId b, bool on) {
 void MotionWorld::watch(std::uint32_t number, bool on) {
   assert(number < model_->pairs.size());
   if (on && waiting_.contains(number)) return;
-  const bool is_new = !has_pairs_of(number);
+  const bool is_new = !has_pairs_of(number, *model_, pairs_);
   waiting_.set(number, on && is_new && waiting_.may_wait(number, objects_));
   if (is_new && (!on || waiting_.contains(number))) return;
   need_pairs_of(number);
@@ -178,7 +190,7 @@ void MotionWorld::watch(std::uint32_t number, bool on) {
     WatchedPair& pair = pairs_[i];
     if (pair.watched == on) continue;
     pair.watched = on;
-    unstop(i);
+    unstop(pairs_[i], i, stopped_);
     pair.contact.reset();
     if (pair.bears) lift(pair, advanced_);
     pair.clear_until = std::max(pair.clear_until, advanced_);
@@ -194,18 +206,9 @@ void MotionWorld::end_waits_of(std::size_t object) {
   }
 }
 
-bool MotionWorld::has_pairs_of(std::uint32_t number) const {
-  const std::uint32_t first = model_->first_part_pair[number];
-  return first == model_->first_part_pair[number + 1] || pairs_.contains(first);
-}
-
 void MotionWorld::need_pairs_of(std::uint32_t number) {
   assert(!waiting_.contains(number));
-  if (!has_pairs_of(number)) add_pairs(pairs_, *model_, number, start_, false);
-}
-
-void MotionWorld::unstop(std::uint32_t i) {
-  if (std::exchange(pairs_[i].stopped, false)) stopped_.erase(i);
+  if (!has_pairs_of(number, *model_, pairs_)) add_pairs(pairs_, *model_, number, start_, false);
 }
 
 void MotionWorld::put_off(std::uint32_t i, bool on, bool from_now) {
@@ -221,7 +224,7 @@ void MotionWorld::put_off(std::uint32_t i, bool on, bool from_now) {
   }
   const SimTime known = std::max(objects_.known_since(pair.collider), objects_.known_since(pair.collidee));
   pair.clear_until = std::max({pair.clear_until, from, known, advanced_ - kHistory});
-  unstop(i);
+  unstop(pairs_[i], i, stopped_);
   reschedule(i);
 }
 
@@ -342,7 +345,7 @@ void MotionWorld::lay_base(std::size_t index, const Base& given) {
   }
 }
 
-// What rests on an object that is driven goes with it from one of its laws to the next.
+// Takes along all that rests on a driven object, from one of its laws to the next.
 bool MotionWorld::carry_along(std::size_t index, SimTime t, const KinematicState& before, Duration since) {
   std::vector<std::uint32_t> borne;
   for (const std::uint32_t i : far_.near(index)) {
@@ -648,7 +651,7 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
     }
     if (pair.solved >= t) pair.solved = SimTime::min();
     pair.forget_free_since(from);
-    if (from < pair.clear_until) unstop(i);
+    if (from < pair.clear_until) unstop(pairs_[i], i, stopped_);
     pair.clear_until = std::min(pair.clear_until, from);
     const bool given_up = pair.squeezed >= kGivenUp && met_lately(pair.touched, from, kShortestFlight);
     if (!given_up && (gives_way(pair.collider, pair.collider_responds, from) ||
@@ -699,7 +702,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
   pair.note_touch(t, has_met_before && search().is_parted_by(pair, pair.normal, t));
   const ObjectId collider = objects_[pair.collider].id, collidee = objects_[pair.collidee].id;
   const ContactAuthority authority =
-      authority_of_ ? authority_of_(collider, collidee, t) : ContactAuthority::kAsPublished;
+      authority_.of ? authority_.of(collider, collidee, t) : ContactAuthority::kAsPublished;
   ContactAnswer answer = answer_to(*model_, objects_, pair, authority);
   // No peer decides a resting contact: all solve it alike, by the laws that are published.
   const bool lasts = authority == ContactAuthority::kDeferred && lasts_at(*model_, objects_, pair);
@@ -890,7 +893,7 @@ void MotionWorld::settle_velocities(WatchedPair& pair, SimTime t, Touching which
   const std::array around{pair.collider, pair.collidee};
   ContactIsland island = island_of(*model_, objects_, pairs_, around, t, which, Quantity::kVelocity);
   if (which == Touching::kBearing && is_crowd(island)) {
-    const AnsweredAlone alone = answered_alone_ ? answered_alone_ : [](ObjectId, ObjectId) { return true; };
+    const AnsweredAlone alone = authority_.alone ? authority_.alone : [](ObjectId, ObjectId) { return true; };
     island = island_of(*model_, objects_, pairs_, around, t, which, Quantity::kVelocity, alone);
   }
   for (std::size_t i = 0; i < island.objects.size(); ++i) {

@@ -110,12 +110,14 @@ class MotionWorld {
     objects_.set_driven_history(history);
   }
 
-  // The function is asked at each contact.
+  // `of` is asked at each contact: none, kAsPublished for all. `alone`, of what a crowd foresees, says whether no peer
+  // has to agree with others on a contact of the two: none, true for all.
   using AuthorityOf = std::function<ContactAuthority(ObjectId collider, ObjectId collidee, SimTime contact)>;
-  void set_authority(AuthorityOf authority_of) { authority_of_ = std::move(authority_of); }
-
-  // Tells of pairs whether no peer has to agree with others on a contact: these alone are foreseen in a crowd.
-  void set_answered_alone(AnsweredAlone answered_alone) { answered_alone_ = std::move(answered_alone); }
+  struct Authority {
+    AuthorityOf of;
+    AnsweredAlone alone;
+  };
+  void set_authority(Authority authority) { authority_ = std::move(authority); }
 
   // Makes void the laws that were set for the object from t on, and all that followed from them: the object goes on
   // from t as it was set before. For worlds that replay bases; set_base() does it before it sets one.
@@ -205,8 +207,6 @@ class MotionWorld {
 
  private:
   [[nodiscard]] PairSearch search() { return {*model_, objects_, pairs_, start_, counters_, events_, detection_}; }
-  // Whether the part pairs of an interest are there; from need_pairs_of() on they are.
-  [[nodiscard]] bool has_pairs_of(std::uint32_t number) const;
   void need_pairs_of(std::uint32_t number);
   // Ends the waits of the object's pairs: it moves, so that they are searched from now on.
   void end_waits_of(std::size_t object);
@@ -219,12 +219,10 @@ class MotionWorld {
   [[nodiscard]] std::optional<std::size_t> first_contact_until(SimTime to);
   // Called after any change of whether the pair is watched, or of what is known of it.
   void reschedule(std::size_t pair);
-  // The pair has not stopped any more.
-  void unstop(std::uint32_t pair);
 
   [[nodiscard]] bool may_meet(std::size_t object) const;
   void lay_base(std::size_t object, const Base& base);
-  // What a driven object bears goes with it, where its last law led elsewhere at t than where it is now. Returns
+  // Takes along all that a driven object bears, where its last law led elsewhere at t than where it is now. Returns
   // whether it did.
   bool carry_along(std::size_t object, SimTime t, const KinematicState& before, Duration since);
   // The object rests from then on against its partner, or against what it touches and would run into.
@@ -342,8 +340,7 @@ class MotionWorld {
   Settling settling_;
   bool replays_bases_ = false;
   std::set<std::pair<SimTime, ObjectId>> retracted_bases_;  // bases that are to be laid again
-  AuthorityOf authority_of_;                                // none: kAsPublished for all
-  AnsweredAlone answered_alone_;                            // none: true for all
+  Authority authority_;
   std::vector<MotionEvent> events_;
   std::size_t polled_ = 0;  // of events_
   Counters counters_;

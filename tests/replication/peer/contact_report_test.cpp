@@ -25,7 +25,7 @@ class Reporting : public testing::Test {
     for (const std::uint32_t id : {1u, 3u}) add_member(p->members, id);
     p->replica.begin(sim(0s));
     p->replica.truth().set_authority(
-        [this](ObjectId a, ObjectId b, SimTime at) { return p->decisions.authority(a, b, at); });
+        {[this](ObjectId a, ObjectId b, SimTime at) { return p->decisions.authority(a, b, at); }, {}});
     for (const auto& [object, owner] : p->owners) {
       if (p->own.contains(object)) {
         p->replica.truth().declare(object, Role::kAuthoritative);

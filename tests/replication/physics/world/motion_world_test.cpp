@@ -652,7 +652,7 @@ TEST(LastingContact, BeginsWithAnUpdateOfWhatIsBorne) {
   EXPECT_NEAR(world.at(w["BOX"], sim(3s)).position.y(), 0.5 - 0.5 * 9.81, 1e-5);
 }
 
-// What bears the object is not in this world: the published law counts.
+// The support of the object is not in this world: the published law counts.
 TEST(LastingContact, StandsAsPublishedWhereNothingIsKnownToBearIt) {
   auto&& [w, world] =
       Started(box("TABLE", "4 1 4", "0 -0.5 0") + box("BOX", "1 1 1", "0 0.5 0", kDead) + interest("BOX", "\"TABLE\""),
@@ -940,9 +940,10 @@ TEST(MotionWorld, APairFarApartIsSparedItsSearch) {
 TEST(MotionWorld, APairThatWasSparedWasApart) {
   auto&& [w, world] = Started(two_movers(), {{"BALL", Role::kAuthoritative}, {"CUBE", Role::kAuthoritative}});
   bool answers = false;
-  world.set_authority([&](ObjectId, ObjectId, SimTime) {
-    return answers ? ContactAuthority::kAsPublished : ContactAuthority::kDeferred;
-  });
+  world.set_authority({[&](ObjectId, ObjectId, SimTime) {
+                         return answers ? ContactAuthority::kAsPublished : ContactAuthority::kDeferred;
+                       },
+                       {}});
   world.set_base(w["BALL"], sim(0s), moving({-0.75, 0, 0}, {1, 0, 0}));
   world.advance(sim(300ms));
   EXPECT_EQ(contact_times(world).size(), 1u);  // held: another peer decides
