@@ -275,13 +275,18 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const std::optional<Motio
 
 namespace {
 
-// Whether a motion goes on from one law to the next: accelerations between those of the two explain how they differ.
-bool goes_on(const KinematicState& before, const KinematicState& now, Duration since) {
-  if (before.orientation.coeffs() != now.orientation.coeffs()) return false;
+// How a motion goes on from one law to the next: accelerations between those of the two explain how they differ, or a
+// kick in between does, or nothing.
+enum class GoesOn : std::uint8_t { kSmoothly, kKicked, kElsewhere };
+
+GoesOn goes_on(const KinematicState& before, const KinematicState& now, Duration since) {
+  if (before.orientation.coeffs() != now.orientation.coeffs()) return GoesOn::kElsewhere;
   const double s = to_seconds(since), most = before.acceleration.norm() + now.acceleration.norm();
   const double rounding = kSolverRounding * (now.position.norm() + s * now.velocity.norm());
-  return (now.position - before.position).norm() <= 0.5 * s * s * most + rounding &&
-         (now.velocity - before.velocity).norm() <= s * most + rounding;
+  const double way = (now.position - before.position).norm(), faster = (now.velocity - before.velocity).norm();
+  const double smooth = 0.5 * s * s * most + rounding;
+  if (way <= smooth && faster <= s * most + rounding) return GoesOn::kSmoothly;
+  return way <= smooth + s * faster ? GoesOn::kKicked : GoesOn::kElsewhere;
 }
 
 }  // namespace
@@ -326,8 +331,7 @@ void MotionWorld::lay_base(std::size_t index, const Base& given) {
   }
   o.timeline.replace_from(t, base, std::nullopt);
   objects_.timeline_changed(index);
-  const bool carries = goes_on(world_before.state, objects_.world_law(index, t).state, since) &&
-                       carry_along(index, t, world_before.state, since);
+  const bool carries = carry_along(index, t, world_before.state, since);
   reopen_pairs(index, t, !stays && !carries);
   if (carries) {
     settle(t, true);
@@ -345,8 +349,12 @@ void MotionWorld::lay_base(std::size_t index, const Base& given) {
   }
 }
 
-// Takes along all that rests on a driven object, from one of its laws to the next.
+// Takes along all that rests on a driven object, from one of its laws to the next. After a kick it pushes out what it
+// has run into, and leaves what it has gone away from.
 bool MotionWorld::carry_along(std::size_t index, SimTime t, const KinematicState& before, Duration since) {
+  const KinematicState now = objects_.world_law(index, t).state;
+  const GoesOn how = goes_on(before, now, since);
+  if (how == GoesOn::kElsewhere) return false;
   std::vector<std::uint32_t> borne;
   for (const std::uint32_t i : far_.near(index)) {
     if (!pairs_.contains(i) || !pairs_[i].bears_at(t)) continue;
@@ -358,14 +366,13 @@ bool MotionWorld::carry_along(std::size_t index, SimTime t, const KinematicState
   }
   if (borne.empty()) return false;
   std::ranges::sort(borne);  // near() has no order
-  const KinematicState now = objects_.world_law(index, t).state;
   const auto solved = [&](const Vec3& change) {
     ContactIsland island = island_of(*model_, objects_, pairs_, borne, t, Touching::kBearing, Quantity::kVelocity);
     for (ConstrainedBody& body : island.bodies) body.value.setZero();
     for (std::size_t c = 0; c < island.constraints.size(); ++c) {
       OneSided& constraint = island.constraints[c];
       const WatchedPair& pair = pairs_[island.pairs[c]];
-      constraint.is_held = true;
+      constraint.is_held = how == GoesOn::kSmoothly;
       for (const auto& [body, object] :
            {std::pair{constraint.a, pair.collider}, std::pair{constraint.b, pair.collidee}}) {
         if (island.objects[body] == kNone && object == index) island.bodies[body].value = change;
@@ -629,9 +636,9 @@ SimTime MotionWorld::reopened_from(const WatchedPair& pair, bool lived, SimTime 
   return std::max({t, known, advanced_ - (lived ? Duration{0} : kHistory)});
 }
 
-// The pairs of the object know nothing of contacts since then any more. Pairs of which the other object is this peer's
-// and would answer are not searched again in the past because this one moved otherwise; its own change (a decision)
-// makes them searched there.
+// The pairs of the object know nothing of contacts since then any more. Pairs of which the other object is driven here,
+// or would answer here, are not searched again in the past because this one moved otherwise; its own change (a
+// decision) makes them searched there.
 void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
   end_waits_of(object);
   far_.moved(object, t, advanced_, objects_, pairs_, opened_);
@@ -643,7 +650,8 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
         pair.is_plain ? pair.collider == object : objects_.is_in_side(object, pair.collider, pair.part_a);
     const std::uint32_t other = of_collider ? pair.collidee : pair.collider;
     const bool other_responds = of_collider ? pair.collidee_responds : pair.collider_responds;
-    const bool lived = objects_.is_lived(other) && gives_way(other, other_responds, t);
+    const bool stands = objects_[other].role == Role::kAuthoritative && !gives_way(other, other_responds, t);
+    const bool lived = objects_.is_lived(other) && !stands;
     const SimTime from = reopened_from(pair, lived, t);
     if (pair.contact && *pair.contact >= from) {
       pair.contact.reset();
