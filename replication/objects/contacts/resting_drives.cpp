@@ -29,10 +29,11 @@ Vec3 RestingDrives::after(const DecisionRecord& d, PeerId author, ObjectId objec
                           std::optional<std::uint32_t> before_sequence) const {
   assert(d.rests);
   assert(object == d.collider || object == d.collidee);
-  const Vec3 decided = object == d.collider ? d.collider_free.value_or(d.collider_before.acceleration)
-                                            : d.collidee_free.value_or(d.collidee_before.acceleration);
-  if (owners_.of(object) == author) return decided;
-  return published(object, d.contact, before_sequence).value_or(decided);
+  if (owners_.of(object) != author) {
+    if (const auto by_owner = published(object, d.contact, before_sequence)) return *by_owner;
+  }
+  return object == d.collider ? d.collider_free.value_or(d.collider_before.acceleration)
+                              : d.collidee_free.value_or(d.collidee_before.acceleration);
 }
 
 std::optional<Rest> RestingDrives::rest_of(const DecisionLog::Entry& e, ObjectId object) const {
