@@ -305,6 +305,7 @@ std::vector<std::string> contacts_parts(std::span<const Json* const> runs) {
   if (ghosts != nullptr) parts.push_back("of ghosts " + pair_text(*ghosts));
   if (runs.size() == 1 && runs.front()->contains("energy_j")) {
     const Json& kinetic = runs.front()->at("energy_j").at("kinetic");
+    if (kinetic.at("greatest").get<double>() == 0.0) return parts;
     const auto joules = [&](const char* name) { return fixed(kinetic.at(name).get<double>(), 3) + " J"; };
     parts.push_back("kinetic energy " + joules("start") + " at first");
     parts.push_back(joules("greatest") + " at most");
