@@ -121,7 +121,7 @@ class Query {
                 horizon_s_);
   }
 
-  // Calls visit(n, gap [m]) for all directions that can part the first pieces; negative where they overlap.
+  // As for_each_gap(), of the first pieces.
   template <class Visit>
   void for_each_gap_of_pieces(Visit&& visit) const {
     const ConvexPiece &piece_a = a_.body.pieces.front(), &piece_b = b_.body.pieces.front();
@@ -130,7 +130,10 @@ class Query {
   }
   [[nodiscard]] double widest_gap_m() const {
     double widest = -std::numeric_limits<double>::infinity();
-    for_each_gap_of_pieces([&](const Vec3&, double gap) { widest = std::max(widest, gap); });
+    for_each_gap_of_pieces([&](const Vec3&, double gap) {
+      widest = std::max(widest, gap);
+      return true;
+    });
     return widest;
   }
 
@@ -185,6 +188,7 @@ std::optional<PartingPlane> widest_parting(const MovingBody& a, const MovingBody
   PartingPlane widest{Vec3::Zero(), -std::numeric_limits<double>::infinity()};
   const auto offer = [&](const Vec3& n, double gap) {
     if (gap > widest.gap_m) widest = {n, gap};
+    return true;
   };
   const auto centre = [](const MovingBody& each) {
     return Vec3(each.motion.position + each.motion.orientation * each.body.sphere->center);

@@ -48,8 +48,9 @@ struct ContactOptions {
                                     double horizon_s, const ContactOptions& options = {});
 
 // Whether two bodies touch as they stand, or are nearer than contact times leave them: to within twice
-// advancement_tolerance_m(); as solids also where one is inside the other. The two must have an exact answer
-// (has_exact_answer()), but for kBox.
+// advancement_tolerance_m(), by their distance; of two convex pieces by the widest gap between them, which is less than
+// their distance where a corner is nearest. As solids they also touch where one is inside the other. The two must have
+// an exact answer (has_exact_answer()), but for kBox.
 [[nodiscard]] bool touching(const MovingBody& a, const MovingBody& b, CollisionType type,
                             const ContactOptions& options = {});
 

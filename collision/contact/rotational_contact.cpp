@@ -125,6 +125,7 @@ Axis widest(const PairQuery& query, const Instant& now) {
   Axis best;
   for_each_gap(query.collider, now.R_a, query.collidee, now.R_b, now.p, [&](const Vec3& n, double gap) {
     if (gap > best.gap) best = {n, gap};
+    return true;
   });
   return best;
 }
@@ -146,7 +147,7 @@ Touch examine_touch(const PairQuery& query, const Instant& now, const RotationBo
   bool closing_is_face = false;
   const double still = e.speed_m_s + kRounding * turning.speed;
   for_each_gap(query.collider, now.R_a, query.collidee, now.R_b, now.p, [&](const Vec3& n, double gap) {
-    if (gap < -window) return;
+    if (gap < -window) return true;
     const LowerBound bound(query, now, turning, n);
     const double rate = bound.rate(e.gap_m), k = bound.curvature();
     if (rate > still) {
@@ -154,7 +155,7 @@ Touch examine_touch(const PairQuery& query, const Instant& now, const RotationBo
       if (rate * rate > -4.0 * k * e.gap_m && rate > -k * kClockTick_s) {
         touch.parting_step = std::max(touch.parting_step, bound.step(limit, std::max(0.0, -gap)));
       }
-      return;
+      return true;
     }
     const bool is_face = face_along(query.collidee, now.R_b, n) >= 0;
     if (touch.closing_rate == kNever || (is_face && !closing_is_face) ||
@@ -163,6 +164,7 @@ Touch examine_touch(const PairQuery& query, const Instant& now, const RotationBo
       touch.closing_rate = rate;
       closing_is_face = is_face;
     }
+    return true;
   });
   return touch;
 }

@@ -73,8 +73,9 @@ void for_each_axis(const Solid& collider, const Mat3& R_a, const Solid& collidee
   }
 }
 
-// Calls visit(n, gap) for all these directions, both ways. The gap [m] is that along n from the collidee to the
-// collider, and negative where they overlap; `p` leads from the collidee's origin to the collider's [m, world frame].
+// Calls visit(n, gap) for all these directions, both ways, until it returns false. The gap [m] is that along n from the
+// collidee to the collider, and negative where they overlap; `p` leads from the collidee's origin to the collider's [m,
+// world frame].
 template <class Visit>
 void for_each_gap(const Solid& collider, const Mat3& R_a, const Solid& collidee, const Mat3& R_b, const Vec3& p,
                   Visit&& visit) {
@@ -82,9 +83,7 @@ void for_each_gap(const Solid& collider, const Mat3& R_a, const Solid& collidee,
     const Extent a = extent_along(rotate_back(R_a, n), collider.vertices);
     const Extent b = extent_along(rotate_back(R_b, n), collidee.vertices);
     const double along = dot(n, p);
-    visit(n, along - (b.high - a.low));
-    visit(Vec3(-n), (b.low - a.high) - along);
-    return true;
+    return visit(n, along - (b.high - a.low)) && visit(Vec3(-n), (b.low - a.high) - along);
   });
 }
 

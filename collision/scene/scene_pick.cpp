@@ -73,9 +73,9 @@ std::expected<void, std::string> ScenePick::test_shape(std::uint32_t shape, cons
   return {};
 }
 
-std::expected<std::optional<Pick>, std::string> ScenePick::pick(const Vec3& origin_world,
-                                                                const Vec3& separating_normal_world, double longest_m) {
-  Ray world{origin_world, separating_normal_world, longest_m};
+std::expected<std::optional<Pick>, std::string> ScenePick::pick(const Vec3& origin_world, const Vec3& direction_world,
+                                                                double longest_m) {
+  Ray world{origin_world, direction_world, longest_m};
   if (!is_usable(world)) {
     return std::unexpected("a ray needs a finite origin, a direction that is neither zero nor infinite, and a length");
   }
@@ -105,9 +105,9 @@ std::expected<std::optional<Pick>, std::string> ScenePick::pick(const Vec3& orig
   const Triangle triangle = placed.scaled_geometry->soup.triangle(nearest_->hit.face);
   return Pick{{scene_.id_of(nearest_->shape), nearest_->hit.polygon},
               nearest_->t * length,
-              origin_world + nearest_->t * separating_normal_world,
+              origin_world + nearest_->t * direction_world,
               facing_normal(multiply(rotation, Vec3(triangle[1] - triangle[0])),
-                            multiply(rotation, Vec3(triangle[2] - triangle[0])), separating_normal_world / length)};
+                            multiply(rotation, Vec3(triangle[2] - triangle[0])), direction_world / length)};
 }
 
 }  // namespace peerd::collision

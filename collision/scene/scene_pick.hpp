@@ -32,8 +32,7 @@ class ScenePick {
 
   // The answer of SceneQuery::pick().
   [[nodiscard]] std::expected<std::optional<Pick>, std::string> pick(const Vec3& origin_world,
-                                                                     const Vec3& separating_normal_world,
-                                                                     double longest_m);
+                                                                     const Vec3& direction_world, double longest_m);
 
   [[nodiscard]] const RayCounters& counters() const { return rays_.counters(); }
 

@@ -72,11 +72,10 @@ bool SceneQuery::separated_by(ObjectId a, ObjectId b, double gap_m) {
   return parts_->collide.separated_by(a, b, gap_m);
 }
 
-std::expected<std::optional<Pick>, std::string> SceneQuery::pick(const Vec3& origin_world,
-                                                                 const Vec3& separating_normal_world,
+std::expected<std::optional<Pick>, std::string> SceneQuery::pick(const Vec3& origin_world, const Vec3& direction_world,
                                                                  double longest_m) {
   parts_->apply_moves();
-  return parts_->pick.pick(origin_world, separating_normal_world, longest_m);
+  return parts_->pick.pick(origin_world, direction_world, longest_m);
 }
 
 std::expected<std::span<const ShapeInView>, std::string> SceneQuery::in_view(const Frustum& frustum, int levels) {

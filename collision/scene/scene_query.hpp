@@ -88,7 +88,7 @@ class SceneQuery {
   // Shape that isn't tested isn't triangulated, and its hierarchy isn't built. The error names a Shape that was tested
   // and can't be used, or says what is wrong with the ray.
   [[nodiscard]] std::expected<std::optional<Pick>, std::string> pick(
-      const Vec3& origin_world, const Vec3& separating_normal_world,
+      const Vec3& origin_world, const Vec3& direction_world,
       double longest_m = std::numeric_limits<double>::infinity());
 
   // Finds the Shapes that are drawn and may be in view, in the scene's order, by the boxes of subtrees; valid until the

@@ -155,7 +155,8 @@ void PeerParts::follow_resting_ghosts(SimTime t) {
     if (!truth.has(object) || !ghosts.has(object) || !ghosts.is_at_rest_from(object, t)) continue;
     if (ghosts.law_since(object, t) > settled || truth.law_since(object, t) > settled) continue;
     const KinematicState stands = ghosts.relative_at(object, t);
-    // It is pushed, and its owner solves that alike: its ghost is only not wrong enough for an update.
+    // A pushed object moves on in its owner's truth as in this one. Its ghost stands, as it is not wrong enough yet for
+    // an update.
     if (truth.is_borne(object) && !is_motionless(truth.relative_at(object, t))) continue;
     if (!moves_alike(truth.relative_at(object, t), stands)) truth.set_base(object, t, stands);
   }

@@ -190,10 +190,9 @@ void SessionKeeper::begin_worlds(SimTime now) {
   p_.own.check_all();
   MotionWorld& truth = p_.replica.truth();
   if (!p_.config.display_delay.own && !p_.config.bounded_latency.is_on()) truth.keep_history_of_driven(kDrivenKept);
-  // A contact that moves what is nobody's makes somebody its owner.
+  // A contact of two owners is decided, and so is one that gives a scene object an owner.
   const auto alone = [&p = p_](ObjectId a, ObjectId b) {
-    const auto is_nobodys = [&](ObjectId object) { return p.scene.contains(object) && p.owners.of(object) == kNobody; };
-    return !p.owners.have_two(a, b) && !is_nobodys(a) && !is_nobodys(b);
+    return !p.owners.have_two(a, b) && !p.decisions.is_free_scene_object(a) && !p.decisions.is_free_scene_object(b);
   };
   const auto of = [&decisions = p_.decisions](ObjectId a, ObjectId b, SimTime contact) {
     return decisions.authority(a, b, contact);

@@ -21,8 +21,8 @@ using Bytes = std::vector<std::byte>;
 
 // The messages that travel, as the rest of this folder sees them. proto/README.md specifies the bytes and limits.
 
-// What drives an object that others bear or push: the acceleration that it would have without them, and the instant
-// since which its owner has given it that one.
+// The drive of an object that others bear or push: the acceleration that it would have without them, and the instant
+// from which on its owner has given it that acceleration.
 struct Drive {
   Vec3 acceleration = Vec3::Zero();  // [m/s^2], in the frame of the update that states it
   SimTime since{};                   // not later than the update

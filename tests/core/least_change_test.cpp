@@ -119,7 +119,7 @@ TEST(LeastChange, LeavesAsMuchApproachAsAllowed) {
   EXPECT_EQ((*change_least(bodies, std::array{OneSided{0, 1, Vec3::UnitX(), -1.0}}))[0], 0.0);
 }
 
-// By the conditions of Karush, Kuhn and Tucker, from the multipliers alone.
+// The multipliers alone say whether a solution is the least change: the conditions of Karush, Kuhn and Tucker.
 TEST(LeastChange, OfBoundsAndHeldPairs) {
   std::mt19937_64 rng(11);
   const auto unit = [&] { return static_cast<double>(rng() >> 11) * 0x1p-53; };

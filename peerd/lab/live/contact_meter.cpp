@@ -14,20 +14,6 @@ namespace {
 // An object that goes no farther than this in the last second does not move.
 constexpr double kStill_m = 0.002;
 
-double longest_delay_s(const config::RunSettings& run) {
-  std::vector<config::LinkSettings> links = config::links_of(run);
-  double most_ms = 0.0;
-  const auto look = [&] {
-    for (const config::LinkSettings& link : links) most_ms = std::max(most_ms, link.longest_delay_ms());
-  };
-  look();
-  for (const config::ScenarioEvent& e : run.events) {
-    for (config::LinkSettings& link : links) config::change_link(link, e.change);
-    look();
-  }
-  return most_ms * 1e-3;
-}
-
 double longest_tick_s(const config::RunSettings& run) {
   std::uint32_t least_hz = run.replication.tick_hz;
   for (const config::PeerSettings& peer : run.peers) least_hz = std::min(least_hz, peer.tick_hz.value_or(least_hz));
@@ -47,7 +33,7 @@ bool is_near(const Vec3& center, double radius, const WorldBox& box) {
 
 ContactMeter::ContactMeter(const config::RunSettings& run, const SharedWorld& shared,
                            std::span<const config::PeerObjects> resolved)
-    : scene_(shared.world.scene), delay_s_(longest_delay_s(run) + longest_tick_s(run)) {
+    : scene_(shared.world.scene), delay_s_(config::longest_delay_s(run) + longest_tick_s(run)) {
   measured_.is_driven = !shared.model->moving.empty() || std::ranges::any_of(run.events, [](const auto& e) {
     return e.kind == config::EventKind::kKey || e.kind == config::EventKind::kEdit;
   });
@@ -69,7 +55,7 @@ ContactMeter::ContactMeter(const config::RunSettings& run, const SharedWorld& sh
       const CollisionResponse* const response = shared.model->response_of(id);
       const auto launch = of.launches.find(id);
       if (object.is_driven || response == nullptr || response->type != ResponseType::kImpulse) {
-        // An object without a mass that moves can put energy into those that have one.
+        // It puts energy into what it meets, if it moves, and its own is not known.
         measured_.is_driven |=
             object.is_driven || launch != of.launches.end() || !scene_.object(id).velocity.isZero(0.0);
         continue;

@@ -42,14 +42,10 @@ std::vector<Vec3> points_of(const ConvexPiece& piece, const Pose& from, const Po
 
 double depth_of_pieces_m(const ConvexPiece& piece_a, const KinematicState& a, const Mat3& R_a,
                          const ConvexPiece& piece_b, const KinematicState& b, const Mat3& R_b) {
-  const Vec3 p = a.position - b.position;
   const Solid solid_a{piece_a.vertices, &piece_a, piece_a.shape}, solid_b{piece_b.vertices, &piece_b, piece_b.shape};
   double widest = -kUnbounded_m;
-  for_each_axis(solid_a, R_a, solid_b, R_b, [&](const Vec3& n, collision::AxisKind) {
-    const collision::Extent of_a = collision::extent_along(collision::rotate_back(R_a, n), piece_a.vertices);
-    const collision::Extent of_b = collision::extent_along(collision::rotate_back(R_b, n), piece_b.vertices);
-    const double along = collision::dot(n, p);
-    widest = std::max({widest, along - (of_b.high - of_a.low), (of_b.low - of_a.high) - along});
+  for_each_gap(solid_a, R_a, solid_b, R_b, a.position - b.position, [&](const Vec3&, double gap_m) {
+    widest = std::max(widest, gap_m);
     return widest < 0.0;  // else they are apart
   });
   if (widest >= 0.0) return 0.0;

@@ -126,7 +126,8 @@ void RunAssembler::add_tick(Object& object, const Tick& tick) {
   ticks.push_back(tick);
 }
 
-// A tick is the first of its peer in a part of a second that counts once.
+// Whether a peer's tick at `now`, after one at `before`, is its first one in its part of a second, 1 / hz long: only
+// that one is looked at.
 bool RunAssembler::counts(std::optional<Duration> before, Duration now, int hz) const {
   const Duration part = std::chrono::nanoseconds(1'000'000'000 / hz);
   return within(to_seconds(now)) && (!before || *before / part < now / part || *before < Duration{0});
@@ -311,7 +312,7 @@ void RunAssembler::add_logs(measure::RunRecord& record, const std::vector<PeerLo
     record.groups_joined += log.groups_joined;
     record.worlds_equal = record.worlds_equal && log.other_worlds == 0;
     for (const auto& [name, count] : log.counters) {
-      std::uint64_t& all = record.counters[name];
+      std::uint64_t& all = record.counters[name];  // of `_max` the greatest of all peers, else the sum
       all = name.ends_with("_max") ? std::max(all, count) : all + count;
     }
   }

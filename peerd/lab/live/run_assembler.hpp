@@ -57,7 +57,7 @@ class RunAssembler final : public LogRows {
     PeerId observer;
     Pose ghost, shown;
   };
-  // What a peer samples at one instant, for the contact meter.
+  // The states that a peer samples at one instant, for the contact meter.
   struct SampledView {
     Duration since_start;
     std::vector<ContactMeter::Seen> ghosts;

@@ -40,21 +40,6 @@ struct SimulatedPeer {
 
 constexpr double kFallback_s = 1.0;
 
-// The longest delay of any link at any time of the run.
-double longest_delay_s(const config::RunSettings& run) {
-  std::vector<config::LinkSettings> links = config::links_of(run);
-  double most_ms = 0.0;
-  const auto look = [&] {
-    for (const config::LinkSettings& link : links) most_ms = std::max(most_ms, link.longest_delay_ms());
-  };
-  look();
-  for (const config::ScenarioEvent& e : run.events) {
-    for (config::LinkSettings& link : links) config::change_link(link, e.change);
-    look();
-  }
-  return most_ms * 1e-3;
-}
-
 std::optional<InputError> why_not_simulated(const config::RunSettings& run,
                                             const std::vector<config::PeerObjects>& objects) {
   if (run.baseline.system != config::BaselineSystem::kNone) {
@@ -95,7 +80,7 @@ class Simulation {
         watch_(watch),
         network_(run),
         events_(run.events),
-        longest_delay_s_(longest_delay_s(run)) {}
+        longest_delay_s_(config::longest_delay_s(run)) {}
 
   Result<std::vector<PeerLog>> all(std::optional<measure::InterestRecord>* interest) {
     auto objects = config::resolve(run_, shared_.world.scene);

@@ -46,5 +46,7 @@ struct RunSettings {
 [[nodiscard]] const LinkSettings& link(const RunSettings& run, const std::string& from, const std::string& to);
 // All settings of links that a run has: the network's, those within islands, and those between two peers.
 [[nodiscard]] std::vector<LinkSettings> links_of(const RunSettings& run);
+// The longest delay [s] of any link at any time of the run: its latency, jitter and what events make of them.
+[[nodiscard]] double longest_delay_s(const RunSettings& run);
 
 }  // namespace peerd::config

@@ -474,4 +474,18 @@ std::vector<LinkSettings> links_of(const RunSettings& run) {
   return links;
 }
 
+double longest_delay_s(const RunSettings& run) {
+  std::vector<LinkSettings> links = links_of(run);
+  double most_ms = 0.0;
+  const auto look = [&] {
+    for (const LinkSettings& link : links) most_ms = std::max(most_ms, link.longest_delay_ms());
+  };
+  look();
+  for (const ScenarioEvent& e : run.events) {
+    for (LinkSettings& link : links) change_link(link, e.change);
+    look();
+  }
+  return most_ms * 1e-3;
+}
+
 }  // namespace peerd::config

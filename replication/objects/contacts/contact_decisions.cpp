@@ -139,6 +139,7 @@ void ContactDecisions::watch(std::span<const std::uint32_t> pairs) {
     return at->second;
   };
   for (const std::uint32_t number : pairs) {
+    if (resting_.empty()) break;
     const CollisionPair& pair = model_->pairs[number];
     if (!leaves_contacts_of(pair.collider, pair.collidee)) resting_.erase(std::minmax(pair.collider, pair.collidee));
   }
@@ -190,11 +191,12 @@ Contender ContactDecisions::contender(ObjectId object, SimTime at, std::span<con
   return s;
 }
 
-// All parts of the end, those that carriers below it move and those that flex included.
 PeerId ContactDecisions::choose_decider(ObjectId a, ObjectId b, SimTime contact) const {
   const SimTime at = decided_as_of(contact, lookback());
   for (const ObjectId object : {a, b}) replica_.compute_ghost(object);
-  std::vector<WorldBox> meeting;  // around the two, where they are then
+  // The boxes of the two where they are then: around all parts, those that carriers below them move or that flex
+  // included.
+  std::vector<WorldBox> meeting;
   for (const ObjectId object : {a, b}) {
     WorldBox& box = meeting.emplace_back();
     for (const std::uint32_t part : model_->parts_of_node[model_->index_of(object)]) {
@@ -607,9 +609,10 @@ void ContactDecisions::rebase(ObjectId object, SimTime from) {
   replay(object, from, true);
 }
 
-// Lays the outcome of a decision for an own object. The owner may have changed the object's velocity (a launch, a key),
-// and the decider has not known that yet. Of an earlier change the blow is taken, and not the velocity; a later one
-// comes after it.
+// Lays the outcome of a decision for an own object. The owner may have changed the object's velocity (a launch, a key)
+// without the decider knowing it yet: the decided velocity before the contact is then nearer to the one without that
+// change. After a change before the contact the object takes the difference that the decision makes, and keeps its own
+// velocity. A change after the contact is made again after the decision.
 void ContactDecisions::lay_own_outcome(const DecisionLog::Entry& e, ObjectId object, const KinematicState& after,
                                        const std::optional<Rest>& rest) {
   const DecisionRecord& d = e.record;

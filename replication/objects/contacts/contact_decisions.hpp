@@ -52,6 +52,10 @@ class ContactDecisions {
   void watch(std::span<const std::uint32_t> pairs);
   // The authority of a contact that the truth has found.
   [[nodiscard]] ContactAuthority authority(ObjectId a, ObjectId b, SimTime contact) const;
+  // Whether the object is one of the scene that contacts move, and that nobody owns now.
+  [[nodiscard]] bool is_free_scene_object(ObjectId object) const {
+    return scene_.contains(object) && owners_.of(object) == kNobody;
+  }
 
   // ---- contacts that this peer has found
 
@@ -145,9 +149,6 @@ class ContactDecisions {
   [[nodiscard]] bool may_have_decided(PeerId peer, const DecisionRecord& decision) const;
   [[nodiscard]] bool searches_contacts_of(ObjectId a, ObjectId b) const;
   [[nodiscard]] bool leaves_contacts_of(ObjectId a, ObjectId b) const;
-  [[nodiscard]] bool is_free_scene_object(ObjectId object) const {
-    return scene_.contains(object) && owners_.of(object) == kNobody;
-  }
   [[nodiscard]] Duration lookback() const;
   [[nodiscard]] PeerId choose_decider(ObjectId a, ObjectId b, SimTime contact) const;
   [[nodiscard]] Contender contender(ObjectId object, SimTime at, std::span<const WorldBox> meeting) const;

@@ -12,7 +12,7 @@
 
 namespace peerd::replication {
 
-// What drives two objects that rest against each other, from the contact on.
+// RestingDrives knows the accelerations that drive two objects that rest against each other, from the contact on.
 //
 // A decision says it by what its author knew, and the author may not have had the other owner's last update. What
 // drives an object its owner alone says, in its updates, and no decision changes it. So of an object that is not the
@@ -23,14 +23,14 @@ class RestingDrives {
   // Both outlive this object.
   RestingDrives(const Owners& owners, Replica& replica) : owners_(owners), replica_(replica) {}
 
-  // What an update says of it; none: nothing. What physics moves is published exactly, by its law where nothing bears
-  // it.
+  // Returns the drive that an update states; none: it states none. An exact update of an object that nothing bears
+  // states it by its law.
   [[nodiscard]] std::optional<Drive> in(const UpdateRecord& update) const;
-  // What drives the object at t, by the last update that says so, or the last one before that number. None: no update
-  // does.
+  // Returns the drive of the object at t by the last update that states one; with `before_sequence`, by the last one of
+  // a lower number. None: no update does.
   [[nodiscard]] std::optional<Vec3> published(ObjectId object, SimTime t,
                                               std::optional<std::uint32_t> before_sequence) const;
-  // What drives the object at the contact, by the decision and those updates. The decision says that the two rest.
+  // Returns the drive of the object at the contact, by the decision, in which the two rest, and those updates.
   [[nodiscard]] Vec3 after(const DecisionRecord& decision, PeerId author, ObjectId object,
                            std::optional<std::uint32_t> before_sequence = {}) const;
   // How the object rests against the other one after the decision; none: the two part, or go on as they are.

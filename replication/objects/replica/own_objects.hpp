@@ -42,8 +42,8 @@ struct Delivery {
   bool copy_until_received = false;  // a receiver may know nothing of the object but by this update
 };
 
-// What an owner has done to an object that physics moves: a launch, a key, a throw. Velocities are in the frame of the
-// object's carrier [m/s].
+// A change that an owner has made to an object that physics moves: a launch, a key or a throw. Velocities are in the
+// frame of the object's carrier [m/s].
 struct VelocityChange {
   static constexpr std::size_t kKept = 8;  // of an object
 

@@ -358,7 +358,7 @@ std::size_t Publication::publish_update(ObjectId object, OwnObject& own, SimTime
                                                                  tolerance),
                                                        t);
   const UpdateRecord& record = due.record();
-  // A law that begins at t is what is published; laid again, it would take back what others answered to it at t.
+  // A law that began at t is published as it is. To lay it again would retract the answers of others to it at t.
   const bool is_new = replica_.truth().law_since(object, t) == t;
   if (exact && at == t && !is_new) replica_.truth().set_base(object, t, record.model);
   replica_.ghosts().set_base(object, at, record.model, {}, replica_.base_of(record).free);

@@ -136,9 +136,10 @@ ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, c
       std::optional<collision::PartingPlane> foreseen;
       if (!touches) {
         foreseen = foreseen_plane(model, objects, pair, placed);
+        if (!foreseen || !foresees(objects[pair.collider].id, objects[pair.collidee].id)) continue;
         const bool is_driven = (!a_moves && !is_motionless(placed.of(pair.collider).state)) ||
                                (!b_moves && !is_motionless(placed.of(pair.collidee).state));
-        if (!foreseen || is_driven || !foresees(objects[pair.collider].id, objects[pair.collidee].id)) continue;
+        if (is_driven) continue;
       }
       const std::uint32_t body_a = add(pair.collider, a_moves, object);
       const std::uint32_t body_b = add(pair.collidee, b_moves, object);

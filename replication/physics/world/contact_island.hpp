@@ -36,8 +36,9 @@ struct ContactIsland {
 enum class Touching : std::uint8_t { kBearing, kAny };  // the pairs that bear, or all of the burst
 enum class Quantity : std::uint8_t { kVelocity, kAcceleration };
 
-// Islands of so many objects that give way foresee contacts: what would meet within kForeseen_s comes no nearer in that
-// time than to touch. Else each of them would meet each neighbour in turn, and each contact changes the ways of all.
+// An island with so many objects that give way is a crowd. In a crowd each contact changes the ways of all, so that
+// each object would meet its neighbours again and again. A crowd foresees contacts: two that would meet within
+// kForeseen_s are slowed so far that they at most touch in that time.
 inline constexpr std::size_t kCrowd = 8;
 inline constexpr double kForeseen_s = 0x1p-6;
 
@@ -84,8 +85,9 @@ void note_solved(const ContactIsland& island, const MovingObjects& objects, Watc
 // Whether a body that gives way to nothing has a value other than zero.
 [[nodiscard]] bool is_driven(const ContactIsland& island);
 
-// The values become those that the constraints allow; foreseen ones that leave no solution are given up. Returns the
-// pairs that had to be left out: of them one comes and gives way to nothing, and the other has no room.
+// Changes the values to those that the constraints allow. Where there are none, it gives up all foreseen constraints
+// first, and then those of bodies that come and give way to nothing, where the other one has no room. Returns the pairs
+// of the latter.
 [[nodiscard]] std::vector<std::uint32_t> solve(ContactIsland& island);
 
 }  // namespace peerd::replication

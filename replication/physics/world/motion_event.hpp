@@ -66,8 +66,7 @@ struct MotionCounters {
   std::uint64_t capped = 0;           // advance() had found kContactsMax contacts and stopped all that met any more
   std::uint64_t islands = 0;          // islands of which velocities or accelerations were solved
   std::uint64_t largest_island = 0;   // objects of the largest of them; of two worlds the greater one
-  // What contacts that ended a flight took of the speed along the normal with which the two would have parted, as far
-  // as the two are what this world has the last word on [J].
+  // The energy [J] with which objects that this peer owns would have parted, of the contacts that ended their flight.
   double rest_energy_j = 0.0;
 
   void note_island(std::size_t objects) {

@@ -418,10 +418,11 @@ void MotionWorld::forget_bases(ObjectId object, SimTime t) {
   reopen_pairs(index, t, true);
 }
 
-// By a decision, the object rests against its partner, whose part of the outcome may be laid later, or have been
-// replaced since. By an update, it rests against what it touches and would run into with its free acceleration. The
-// published law is what that leaves of it by what the owner knew; it is solved anew here, except where something around
-// the object has had no base yet: of that nobody knows what drives it.
+// A base of a decision lets the object rest against its partner, whose own base may be laid later, or have been
+// replaced since. A base of an update lets it rest against all that it touches and would run into with its free
+// acceleration. The owner has published the acceleration that those supports leave of the free one, by what it knew of
+// them. Here that is solved anew, unless one of them has had no base yet, so that its own free acceleration is not
+// known.
 void MotionWorld::begin_rest(std::size_t index, const Base& base) {
   MovingObject& o = objects_[index];
   const SimTime t = base.at;

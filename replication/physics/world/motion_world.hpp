@@ -258,8 +258,8 @@ class MotionWorld {
   // `restitution` times that change once more.
   void settle_velocities(WatchedPair& pair, SimTime t, Touching which, double restitution = 0.0);
   // Gives the accelerations that bearing leaves to all that is unsettled at t, and to what it rests on or bears.
-  // Where a base is laid, `in_bases`: two that bear each other may have bases of one instant, and each would retract
-  // the answer of the other one without end.
+  // With `in_bases`, as a base is laid, bases of t get these accelerations and stay bases. Two that bear each other may
+  // have bases of one instant, and as answers each would retract the other one's without end.
   void settle(SimTime t, bool in_bases = false);
   // Releases what parts around the object, and holds together what would meet again at once. Returns the island with
   // the accelerations that are left.
@@ -329,7 +329,7 @@ class MotionWorld {
   std::vector<bool> in_pair_checks_;
   WaitingPairs waiting_;             // of them none of the part pairs is there
   std::set<std::uint32_t> stopped_;  // into pairs_
-  // Settling lists what has changed at the instant that is being answered, until settle() has dealt with it.
+  // Settling lists the objects that changed at the instant that is being answered. settle() empties it.
   struct Settling {
     struct Object {
       std::uint32_t object, cause;

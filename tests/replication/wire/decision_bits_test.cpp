@@ -79,7 +79,7 @@ TEST(DecisionBits, UnchangedValuesAreNotEncoded) {
   EXPECT_LE(more, 69u / 8 + 1);
 }
 
-// Two that rest take a bit, and another one each, where their accelerations before are those that drive them.
+// A decision that two rest takes a bit, and one more for each of the two whose acceleration before is its free one.
 TEST(DecisionBits, WhatDrivesTwoThatRestTravels) {
   DecisionRecord rests = touch();
   rests.rests = true;

@@ -197,8 +197,8 @@ class Checks {
     return threshold + fastest_m_s * (way_s_ + 1.0 / scene_.tick_hz);
   }
 
-  // The states at one instant, with those that stand and are nobody's. Calls with each pair that meets, and its depth
-  // and relative speed.
+  // Calls `take` with each pair of bodies that overlap at one instant, their depth [m] and relative speed [m/s]. Bodies
+  // that nobody owns stand where they began.
   template <class Take>
   void each_pair(const States& states, double t_s, const Take& take) const {
     for (std::size_t a = 0; a < scene_.bodies.size(); ++a) {

@@ -1,5 +1,5 @@
-// Draws scenes. Sizes and heights are whole 64ths of a metre, so that what is stacked touches to the last bit. All that
-// stands in the world's file is rounded to a float, as VRML's numbers are.
+// Draws scenes. Sizes and heights are whole 64ths of a metre, so that stacked bodies touch to the last bit. Numbers of
+// the world's file are rounded to float, as VRML reads them.
 #include <algorithm>
 #include <array>
 #include <cmath>

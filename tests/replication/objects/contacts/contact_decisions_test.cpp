@@ -353,7 +353,7 @@ TEST_F(Deciding, ALifeThatEndedBeforeThisPeerBeganBindsNothingFromThenOn) {
   EXPECT_EQ(decisions.on_decision(other, 2, between_others(sim(0s)), sim(10s)), nullptr);
 }
 
-// By the policy `id` this peer does not look for contacts of the two. It solves one that lasts all the same.
+// This peer does not look for contacts of the two, by the policy `id`. It solves one that lasts all the same.
 class Resting : public Deferring {
  protected:
   Resting() { EXPECT_EQ(decisions.on_decision(other, 1, resting(sim(10s)), sim(10s)), nullptr); }

@@ -77,4 +77,20 @@ TEST(ContactIsland, OnlyWhatComesAndGivesWayToNothingGoesThrough) {
   EXPECT_EQ(island.bodies[press].value, Vec3(-1, 0, 0));
 }
 
+// A is pushed to the right, towards a wall that it has been foreseen to meet.
+TEST(ContactIsland, GivesUpWhatItForeseesBeforeItLetsThrough) {
+  ContactIsland island;
+  island.objects = {ContactIsland::kNone, 7, ContactIsland::kNone};
+  island.reached_from = {7, ContactIsland::kNone, 7};
+  island.bodies = {{Vec3(1, 0, 0), 0.0}, {Vec3::Zero(), 1.0}, {Vec3::Zero(), 0.0}};
+  island.constraints = {{1, 0, Vec3::UnitX()}, {2, 1, Vec3::UnitX(), -0.1}};
+  island.pairs = {3, 4};
+  island.foreseen = {1};
+  EXPECT_TRUE(solve(island).empty());
+  EXPECT_TRUE(island.is_solved);
+  EXPECT_EQ(island.bodies[1].value, Vec3(1, 0, 0));
+  EXPECT_EQ(island.pairs, std::vector<std::uint32_t>{3});
+  EXPECT_EQ(island.constraints.size(), 1u);
+}
+
 }  // namespace peerd::replication::contact_island_test

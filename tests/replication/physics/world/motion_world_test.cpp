@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <random>
@@ -1559,6 +1561,24 @@ TEST(MotionWorldLift, CarriesAStackAtAnyTickRate) {
     world.advance(end + 100ms);
     EXPECT_GT(world.at(w["A"], end + 100ms).position.y(), 0.5) << "it falls, and is not carried away";
   }
+}
+
+// A lift that goes down and stops between two samples is further up than its last law led: it pushes the box out.
+TEST(MotionWorldLift, PushesOutWhatItsStopHasRunInto) {
+  const std::string by_impulse = " collisionResponse CollisionResponse { responseType 2 restitution 0.3 } ";
+  auto&& [w, world] =
+      Started(box("LIFT", "4 1 4", "0 0 0") + box("A", "1 1 1", "0 1 0", by_impulse) + interest("A", R"("LIFT")"),
+              {{"LIFT", Role::kDriven}, {"A", Role::kAuthoritative, moving({0, 1, 0}, {0, 0, 0}, {0, -9.81, 0})}});
+  for (int k = 0; k <= 300; ++k) {
+    const double t = k / 60.0, stop = 3.01;
+    const SimTime at = sim(from_seconds(t));
+    world.advance(at);
+    world.set_base(w["LIFT"], at, moving({0, -std::min(t, stop), 0}, {0, t < stop ? -1.0 : 0.0, 0}));
+    ASSERT_GE(world.at(w["A"], at).position.y() - world.at(w["LIFT"], at).position.y(), 1.0 - 1e-8) << t;
+  }
+  // They met at a whole nanosecond, at 1 m/s.
+  EXPECT_NEAR(world.at(w["A"], sim(5s)).position.y(), 1.0 - 3.01, 1e-9);
+  EXPECT_TRUE(world.is_at_rest_from(w["A"], sim(5s)));
 }
 
 }  // namespace peerd::replication::motion_world_test
