@@ -15,6 +15,8 @@ namespace {
 
 // The smoothed interval between two updates stays within these [s].
 constexpr double kIntervalMin_s = 0.1, kIntervalMax_s = 0.5;
+// An update tells a driven object's place as exactly as this.
+constexpr double kCoarsestStep_m = 1.0 / (1 << -kStepMost_log2);
 // A peer that is short of bytes waits for so many before the next datagram: a datagram with one record at each tick
 // would be half header.
 constexpr double kSmallestWorthwhileDatagram_bytes = 256.0;
@@ -112,14 +114,26 @@ bool Publication::is_worth_an_update(OwnObject& own, SimTime t, const GhostError
 bool Publication::tracks_acknowledgements() const { return !regions_.cuts() && config_.relay.through == kNobody; }
 
 // Whether another update would say what all receivers know. That is so where the object rests at a place that all peers
-// have acknowledged, or where a decision, which is still to come or from within the time threshold, says where physics
-// takes it.
+// have acknowledged, as exactly as an update tells it, or where a decision, which is still to come or from within the
+// time threshold, says where physics takes it.
 bool Publication::update_is_redundant(ObjectId object, const OwnObject& own, SimTime t, const KinematicState& truth,
-                                      const KinematicState& ghost) const {
+                                      const KinematicState& ghost, const GhostError& error) const {
   if (!tracks_acknowledgements()) return false;
-  if (is_motionless(truth) && is_motionless(ghost) && repeater_.is_acknowledged_by_all(own)) return true;
+  const bool is_there = !own.driven || error.distance_m <= kCoarsestStep_m;
+  if (is_there && is_motionless(truth) && is_motionless(ghost) && repeater_.is_acknowledged_by_all(own)) return true;
   return !own.driven &&
          (decisions_.awaits_decision_on(object) || t - decisions_.log().last(object) < config_.policy.time_threshold);
+}
+
+// What another peer owns rests on it in the ghosts alone.
+bool Publication::bears_another(ObjectId object, SimTime t) const {
+  return replica_.truth().presses_another(object, t) || replica_.ghosts().presses_another(object, t);
+}
+
+// Whether a driven object stands, and others rest on it: they are where it is at all peers.
+bool Publication::is_support_elsewhere(ObjectId object, const OwnObject& own, SimTime t, const KinematicState& truth,
+                                       const GhostError& error) const {
+  return own.driven && error.distance_m > kSamePlace_m && is_motionless(truth) && bears_another(object, t);
 }
 
 // `error`: of the ghost against the truth, which is that of `own` at t.
@@ -127,12 +141,13 @@ std::optional<PublishReason> Publication::why_due(ObjectId object, OwnObject& ow
                                                   const KinematicState& truth, const KinematicState& ghost,
                                                   const GhostError& error) const {
   const bool old = own.last_sent && t - *own.last_sent >= config_.policy.time_threshold;
-  const bool redundant = old && update_is_redundant(object, own, t, truth, ghost);
+  const bool redundant = old && update_is_redundant(object, own, t, truth, ghost, error);
   if (const auto reason = due(config_.policy, threshold_m, error, own.last_sent, t, redundant)) return reason;
   if (own.republish) return PublishReason::kDecision;
   if (own.resend) return PublishReason::kJoiner;
   if (regions_.has_left_region(own, replica_.truth().at(object, t).position)) return PublishReason::kRegion;
   if (is_worth_an_update(own, t, error)) return PublishReason::kGain;
+  if (is_support_elsewhere(object, own, t, truth, error)) return PublishReason::kError;
   if (rests_elsewhere(own, truth, error) && t - *own.last_sent >= kRestMendedAfter &&
       t - replica_.truth().law_since(object, t) >= kRestKnownAfter) {
     return PublishReason::kError;
@@ -347,16 +362,21 @@ std::size_t Publication::publish_update(ObjectId object, OwnObject& own, SimTime
   const Tolerance tolerance =
       own.driven ? rounding_tolerance(policy, threshold_m, own.bounding_radius_m, model.kind, expected_error_m)
                  : Tolerance{};
-  const EncodedUpdate& due = updates_due_.emplace_back(quantised({object,
-                                                                  ++own.sequence,
-                                                                  at,
-                                                                  model,
-                                                                  decisions_.last_on(object),
-                                                                  {},
-                                                                  replica_.model().carrier_of(object),
-                                                                  drive_of(object, own, at)},
-                                                                 tolerance),
-                                                       t);
+  const UpdateRecord as_it_is{object,
+                              ++own.sequence,
+                              at,
+                              model,
+                              decisions_.last_on(object),
+                              {},
+                              replica_.model().carrier_of(object),
+                              drive_of(object, own, at)};
+  UpdateRecord rounded = quantised(as_it_is, tolerance);
+  // So is a driven one that stands and bears others: they are at their places to the last bit.
+  if (own.driven && is_motionless(rounded.model.state) && bears_another(object, at)) {
+    rounded.model = at_rest(law.state.pose());
+    rounded = quantised(rounded, Tolerance{});
+  }
+  const EncodedUpdate& due = updates_due_.emplace_back(rounded, t);
   const UpdateRecord& record = due.record();
   // A law that began at t is published as it is. To lay it again would retract the answers of others to it at t.
   const bool is_new = replica_.truth().law_since(object, t) == t;

@@ -80,7 +80,10 @@ class Publication {
   void publish_piggybacked(SimTime t);
   [[nodiscard]] bool tracks_acknowledgements() const;
   [[nodiscard]] bool update_is_redundant(ObjectId object, const OwnObject& own, SimTime t, const KinematicState& truth,
-                                         const KinematicState& ghost) const;
+                                         const KinematicState& ghost, const GhostError& error) const;
+  [[nodiscard]] bool bears_another(ObjectId object, SimTime t) const;
+  [[nodiscard]] bool is_support_elsewhere(ObjectId object, const OwnObject& own, SimTime t, const KinematicState& truth,
+                                          const GhostError& error) const;
   [[nodiscard]] std::optional<PublishReason> why_due(ObjectId object, OwnObject& own, SimTime t, double threshold_m,
                                                      const KinematicState& truth, const KinematicState& ghost,
                                                      const GhostError& error) const;

@@ -171,10 +171,11 @@ IslandParting parting_of(const ContactIsland& island, const MovingObjects& objec
     const Vec3 b = objects.world_law(pair.collidee, t).state.velocity;
     const double speed = constraint.normal.dot(a - b);
     const bool parts = speed > std::max(kRounding * (a.norm() + b.norm()), rounding);
-    // To keep up with what moves away and gives way to nothing would take energy.
+    // To keep up with what moves away and gives way to nothing would take energy, but not where the two meet again
+    // before any later instant: their speeds have been rounded.
     const bool is_led = (island.objects[constraint.a] == ContactIsland::kNone && !a.isZero(0.0)) ||
                         (island.objects[constraint.b] == ContactIsland::kNone && !b.isZero(0.0));
-    if (!is_led && comes_to_rest(std::max(speed, 0.0), -island.holds[c], shortest_flight_s)) {
+    if (comes_to_rest(std::max(speed, 0.0), -island.holds[c], is_led ? to_seconds(Duration{1}) : shortest_flight_s)) {
       parting.pressed.push_back(c);
       parting.pressed_part = parting.pressed_part || parts;
     } else if (parts) {

@@ -337,16 +337,17 @@ void MotionWorld::lay_base(std::size_t index, const Base& given) {
     settle(t, true);
     return;
   }
-  const auto is_borne = [&] {
-    return std::ranges::any_of(far_.near(index),
-                               [&](std::uint32_t i) { return pairs_.contains(i) && pairs_[i].bears_at(t); });
-  };
-  if (given.rest || (given.free && (given.model || is_borne()))) {
+  if (given.rest || (given.free && (given.model || presses_another(o.id, t)))) {
     begin_rest(index, given);
-  } else if (stays && is_borne()) {
+  } else if (stays && presses_another(o.id, t)) {
     settling_.objects.push_back({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index)});
     settle(t, true);
   }
+}
+
+bool MotionWorld::presses_another(ObjectId object, SimTime t) const {
+  return std::ranges::any_of(far_.near(objects_.index_of(object)),
+                             [&](std::uint32_t i) { return pairs_.contains(i) && pairs_[i].bears_at(t); });
 }
 
 // Takes along all that rests on a driven object, from one of its laws to the next. After a kick it pushes out what it

@@ -138,6 +138,8 @@ class MotionWorld {
   void set_free_acceleration(ObjectId object, const Vec3& acceleration);
   // Whether others bear or push the object now, so that its acceleration is what they leave of its free one.
   [[nodiscard]] bool is_borne(ObjectId object) const { return objects_[objects_.index_of(object)].borne; }
+  // Whether the object bears another one at t, or is borne by it.
+  [[nodiscard]] bool presses_another(ObjectId object, SimTime t) const;
   [[nodiscard]] std::optional<Vec3> free_acceleration(ObjectId object) const;
 
   // The acceleration in the world that the object has at t, or would have if nothing bore it.

@@ -140,7 +140,7 @@ std::optional<Vec3> PairSearch::normal_of_meeting(const WatchedPair& pair, SimTi
   if (c.state == collision::ContactState::kOverlapped) {  // they part, or are pressed together
     const double speed = normal.dot(found.a.velocity - found.b.velocity);
     const double acceleration = normal.dot(found.a.acceleration - found.b.acceleration);
-    if (speed > 0.0 || (speed == 0.0 && acceleration >= 0.0)) return std::nullopt;
+    if (speed >= 0.0 && !comes_to_rest(speed, acceleration, to_seconds(within))) return std::nullopt;
   }
   if (pair.common == MovingObjects::kNone) return normal;
   return Vec3(objects_.world_at(pair.common, t).orientation * normal);
