@@ -106,6 +106,8 @@ bool lasts_at(const WorldModel& model, const MovingObjects& objects, const Watch
   const double approach = -n.dot(answer.before_a.state.velocity - answer.before_b.state.velocity);
   const double acceleration = n.dot(objects.free_acceleration_of(pair.collider, *pair.contact) -
                                     objects.free_acceleration_of(pair.collidee, *pair.contact));
+  const bool is_borne = objects[pair.collider].borne_unseen || objects[pair.collidee].borne_unseen;
+  if (is_borne && approach <= kRestSpeed_m_s) return true;
   return comes_to_rest(std::max(approach, 0.0), acceleration) && comes_to_rest_at(model, objects, pair, answer);
 }
 

@@ -324,6 +324,7 @@ void MotionWorld::lay_base(std::size_t index, const Base& given) {
                      });
   MotionModel base = model;
   if (!stays) o.borne = false;
+  o.borne_unseen = false;
   const bool weightless_slide = base.kind == MotionKind::kSliding && o.free.isZero(0.0);
   if (o.free_is_given && !o.borne && !weightless_slide && !given.rest && !given.free) {
     base.kind = MotionKind::kSecond;
@@ -480,6 +481,7 @@ void MotionWorld::begin_rest(std::size_t index, const Base& base) {
     each.borne = true;
   };
   drive(o, base.rest ? base.rest->free : *base.free);
+  o.borne_unseen = o.borne && !goes_on && begins.empty();
   if (base.rest) drive(objects_[objects_.index_of(base.rest->partner)], base.rest->partner_free);
   if (all_known && (goes_on || !begins.empty())) {
     settling_.objects.push_back({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index)});
@@ -1119,9 +1121,10 @@ void MotionWorld::set_borne_acceleration(std::size_t index, SimTime t, Vec3 acce
   MovingObject& o = objects_[index];
   const bool borne = std::ranges::any_of(
       model_->part_pairs_of(index), [&](std::uint32_t pair) { return pairs_.contains(pair) && pairs_[pair].bears; });
-  if (!borne && !o.borne) return;
+  if (!borne && (!o.borne || o.borne_unseen)) return;
   if (!o.borne) o.free = objects_.free_acceleration_of(index, t);
   o.borne = borne;
+  o.borne_unseen = false;
   const MotionModel law = objects_.world_law(index, t);
   const bool slides = law.kind == MotionKind::kSliding;
   if (acceleration.norm() <= kRounding * o.free.norm()) acceleration.setZero();  // all of it is borne
