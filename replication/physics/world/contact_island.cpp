@@ -159,7 +159,7 @@ ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, c
 }
 
 IslandParting parting_of(const ContactIsland& island, const MovingObjects& objects, const WatchedPairs& pairs,
-                         SimTime t, double rounding) {
+                         SimTime t, double rounding, bool keeps_up) {
   assert(island.holds.size() == island.constraints.size() && rounding >= 0.0);
   IslandParting parting;
   const double shortest_flight_s = is_crowd(island) ? kForeseen_s : kShortestFlight_s;
@@ -173,8 +173,8 @@ IslandParting parting_of(const ContactIsland& island, const MovingObjects& objec
     const bool parts = speed > std::max(kRounding * (a.norm() + b.norm()), rounding);
     // To keep up with what moves away and gives way to nothing would take energy, but not where the two meet again
     // before any later instant: their speeds have been rounded.
-    const bool is_led = (island.objects[constraint.a] == ContactIsland::kNone && !a.isZero(0.0)) ||
-                        (island.objects[constraint.b] == ContactIsland::kNone && !b.isZero(0.0));
+    const bool is_led = !keeps_up && ((island.objects[constraint.a] == ContactIsland::kNone && !a.isZero(0.0)) ||
+                                      (island.objects[constraint.b] == ContactIsland::kNone && !b.isZero(0.0)));
     if (comes_to_rest(std::max(speed, 0.0), -island.holds[c], is_led ? to_seconds(Duration{1}) : shortest_flight_s)) {
       parting.pressed.push_back(c);
       parting.pressed_part = parting.pressed_part || parts;

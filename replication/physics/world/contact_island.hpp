@@ -60,9 +60,10 @@ struct IslandParting {
   std::vector<std::uint32_t> pressed;   // that part no more than the forces bring back within kShortestFlight_s
   bool pressed_part = false;            // some of the pressed ones part
 };
-// `rounding`: a speed that is nothing but rounding [m/s].
+// `rounding`: a speed that is nothing but rounding [m/s]. `keeps_up`: what bears others may lead them on, by as much as
+// it could bring back in that time; a driven body and what it bears are published, and rounded, each by itself.
 [[nodiscard]] IslandParting parting_of(const ContactIsland& island, const MovingObjects& objects,
-                                       const WatchedPairs& pairs, SimTime t, double rounding);
+                                       const WatchedPairs& pairs, SimTime t, double rounding, bool keeps_up);
 
 // Adds to an island of velocities the reverse of each given constraint of one of accelerations, so that its two bodies
 // neither approach nor part.

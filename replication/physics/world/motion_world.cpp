@@ -640,9 +640,9 @@ SimTime MotionWorld::reopened_from(const WatchedPair& pair, bool lived, SimTime 
   return std::max({t, known, advanced_ - (lived ? Duration{0} : kHistory)});
 }
 
-// The pairs of the object know nothing of contacts since then any more. Pairs of which the other object is driven here,
-// or would answer here, are not searched again in the past because this one moved otherwise; its own change (a
-// decision) makes them searched there.
+// The pairs of the object know nothing of contacts since then any more. Pairs of which the other object would answer
+// here, or is driven here and gets no answer, are not searched again in the past because this one moved otherwise; its
+// own change (a decision) makes them searched there.
 void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
   end_waits_of(object);
   far_.moved(object, t, advanced_, objects_, pairs_, opened_);
@@ -654,7 +654,9 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
         pair.is_plain ? pair.collider == object : objects_.is_in_side(object, pair.collider, pair.part_a);
     const std::uint32_t other = of_collider ? pair.collidee : pair.collider;
     const bool other_responds = of_collider ? pair.collidee_responds : pair.collider_responds;
-    const bool stands = objects_[other].role == Role::kAuthoritative && !gives_way(other, other_responds, t);
+    const bool responds = of_collider ? pair.collider_responds : pair.collidee_responds;
+    const bool stands =
+        (objects_[other].role == Role::kAuthoritative || responds) && !gives_way(other, other_responds, t);
     const bool lived = objects_.is_lived(other) && !stands;
     const SimTime from = reopened_from(pair, lived, t);
     if (pair.contact && *pair.contact >= from) {
@@ -1066,7 +1068,7 @@ void MotionWorld::settle(SimTime t, bool in_bases) {
   for (std::size_t k = 0; k < settling_.objects.size(); ++k) {  // it grows
     const Settling::Object first = settling_.objects[k];
     if (settled.contains(first.object)) continue;
-    const ContactIsland island = settle_island(first.object, t);
+    const ContactIsland island = settle_island(first.object, t, in_bases);
     for (std::size_t i = 0; i < island.objects.size(); ++i) {
       if (island.objects[i] == kNone) continue;
       settled.insert(island.objects[i]);
@@ -1079,7 +1081,7 @@ void MotionWorld::settle(SimTime t, bool in_bases) {
   settling_ = {};
 }
 
-ContactIsland MotionWorld::settle_island(std::uint32_t object, SimTime t) {
+ContactIsland MotionWorld::settle_island(std::uint32_t object, SimTime t, bool in_bases) {
   for (;;) {
     ContactIsland island =
         island_of(*model_, objects_, pairs_, {&object, 1}, t, Touching::kBearing, Quantity::kAcceleration);
@@ -1097,7 +1099,8 @@ ContactIsland MotionWorld::settle_island(std::uint32_t object, SimTime t) {
     }
     bool released = false;  // others bear what it bore
     for (std::size_t held = 0; !released;) {
-      const IslandParting parting = parting_of(island, objects_, pairs_, t, kSolverRounding * settling_.fastest);
+      const IslandParting parting =
+          parting_of(island, objects_, pairs_, t, kSolverRounding * settling_.fastest, in_bases);
       released = !parting.released.empty();
       for (const std::uint32_t c : parting.released) {
         WatchedPair& pair = pairs_[island.pairs[c]];

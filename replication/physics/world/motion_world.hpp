@@ -265,7 +265,7 @@ class MotionWorld {
   void settle(SimTime t, bool in_bases = false);
   // Releases what parts around the object, and holds together what would meet again at once. Returns the island with
   // the accelerations that are left.
-  [[nodiscard]] ContactIsland settle_island(std::uint32_t object, SimTime t);
+  [[nodiscard]] ContactIsland settle_island(std::uint32_t object, SimTime t, bool in_bases);
   // Solves the island, which is of velocities, and gives them to its objects.
   void give_velocities(ContactIsland island, SimTime t, double restitution);
   void set_borne_acceleration(std::size_t object, SimTime t, Vec3 acceleration, std::size_t cause, bool in_base);
