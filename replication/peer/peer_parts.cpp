@@ -154,11 +154,15 @@ void PeerParts::follow_resting_ghosts(SimTime t) {
     if (own.contains(object) || scene.contains(object) || !replica.receives(object)) continue;
     if (!truth.has(object) || !ghosts.has(object) || !ghosts.is_at_rest_from(object, t)) continue;
     if (ghosts.law_since(object, t) > settled || truth.law_since(object, t) > settled) continue;
-    const KinematicState stands = ghosts.relative_at(object, t);
+    const KinematicState stands = ghosts.relative_at(object, t), here = truth.relative_at(object, t);
     // A pushed object moves on in its owner's truth as in this one. Its ghost stands, as it is not wrong enough yet for
     // an update.
-    if (truth.is_borne(object) && !is_motionless(truth.relative_at(object, t))) continue;
-    if (!moves_alike(truth.relative_at(object, t), stands)) truth.set_base(object, t, stands);
+    if (truth.is_borne(object) && !is_motionless(here)) continue;
+    const bool is_there = (here.position - stands.position).norm() <= kSamePlace_m &&
+                          here.orientation.angularDistance(stands.orientation) <= kSameAngle_rad;
+    if (is_there && is_motionless(here)) continue;
+    const auto free = ghosts.is_borne(object) ? std::optional(ghosts.unborne_acceleration(object, t)) : std::nullopt;
+    truth.set_base(object, t, stands, {}, free);
   }
 }
 

@@ -230,6 +230,22 @@ bool bears_another(const WorldModel& model, const MovingObjects& objects, const 
   return bears(pair.collider, pair.collider_responds) || bears(pair.collidee, pair.collidee_responds);
 }
 
+std::vector<StruckPair> struck_with(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
+                                    const WatchedPair& pair, SimTime t) {
+  const std::array around{pair.collider, pair.collidee};
+  const ContactIsland island = island_of(model, objects, pairs, around, t, Touching::kBearing, Quantity::kVelocity);
+  std::vector<StruckPair> struck;
+  for (std::size_t c = 0; c < island.constraints.size(); ++c) {
+    const WatchedPair& other = pairs[island.pairs[c]];
+    const bool both_give_way = island.objects[island.constraints[c].a] != ContactIsland::kNone &&
+                               island.objects[island.constraints[c].b] != ContactIsland::kNone;
+    if (&other == &pair || !both_give_way || (!struck.empty() && struck.back().pair == island.pairs[c])) continue;
+    const MotionModel a = objects.world_law(other.collider, t), b = objects.world_law(other.collidee, t);
+    struck.push_back({island.pairs[c], {ContactAuthority::kLocal, a, b, a, b, true, true}});
+  }
+  return struck;
+}
+
 bool stands_firm(const MovingObjects& objects, const WatchedPair& pair, SimTime t) {
   const bool a_gives_way = objects[pair.collider].will_respond(pair.collider_responds, t);
   if (a_gives_way == objects[pair.collidee].will_respond(pair.collidee_responds, t)) return false;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/least_change.hpp"
+#include "replication/physics/world/contact_answer.hpp"
 #include "replication/physics/world/moving_objects.hpp"
 #include "replication/physics/world/watched_pair.hpp"
 
@@ -75,6 +76,14 @@ void note_solved(const ContactIsland& island, const MovingObjects& objects, Watc
 // Whether an end of the pair that gives way at t bears, or is borne by, anything else.
 [[nodiscard]] bool bears_another(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
                                  const WatchedPair& pair, SimTime t);
+
+// Two that bear each other, and give way, beside a pair that is struck, and how they move then.
+struct StruckPair {
+  std::uint32_t pair;
+  ContactAnswer answer;
+};
+[[nodiscard]] std::vector<StruckPair> struck_with(const WorldModel& model, const MovingObjects& objects,
+                                                  const WatchedPairs& pairs, const WatchedPair& pair, SimTime t);
 
 // Whether one of the two gives way and the other stands: a wall, for all that this contact knows.
 [[nodiscard]] bool stands_firm(const MovingObjects& objects, const WatchedPair& pair, SimTime t);

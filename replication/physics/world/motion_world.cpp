@@ -739,6 +739,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
     pair.contact.reset();
     return;
   }
+  std::vector<StruckPair> struck;
   if (is_squeezed(pair, t)) {
     answer_squeezed(pair, t);
   } else if (comes_to_rest_at(*model_, objects_, pair, answer)) {
@@ -746,6 +747,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
     come_to_rest(pair, t);
   } else if (!pair.overlapped && exchanges_momentum(*model_, objects_, pair, answer) &&
              bears_another(*model_, objects_, pairs_, pair, t)) {
+    if (authority == ContactAuthority::kLocal) struck = struck_with(*model_, objects_, pairs_, pair, t);
     answer_in_heap(pair, t, answer);
   } else {
     if (!pair.overlapped && !answer.changes_motion()) answer = answer_to_closing(*model_, objects_, pair, answer);
@@ -766,6 +768,14 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
   // A contact in which no response changes anything (an object that was stopped is run into) goes on.
   pair.inside = !changed;
   if (!lasts && !resumes) report(pair, t, answer);
+  // What this peer decides holds for all that it has struck: others would solve that for two at a time.
+  for (StruckPair& each : struck) {
+    const WatchedPair& other = pairs_[each.pair];
+    each.answer.after_a = objects_.world_law(other.collider, t);
+    each.answer.after_b = objects_.world_law(other.collidee, t);
+    const bool is_ours = authority_.of(objects_[other.collider].id, objects_[other.collidee].id, t) == authority;
+    if (is_ours && each.answer.changes_motion()) report(other, t, each.answer);
+  }
 }
 
 // Others that touch the two may have made them faster. Where both answer contacts neither is a racket, so they go as
