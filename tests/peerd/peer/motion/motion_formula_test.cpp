@@ -293,6 +293,15 @@ TEST(RightDerivatives, StepShortOfACornerThatFollows) {
   }
 }
 
+TEST(RightDerivatives, OfWhatDoesNotChangeAreZero) {
+  for (const double value : {0.1, -1.8363384198991106, 1e6 / 3.0}) {
+    const RightDerivatives d = right_derivatives([&](double) { return value; }, 7.0);
+    EXPECT_EQ(d.value, value);
+    EXPECT_EQ(d.first, 0.0);
+    EXPECT_EQ(d.second, 0.0);
+  }
+}
+
 TEST(RightDerivatives, NeverLookLeft) {
   const auto right_only = [](double t) {
     EXPECT_GE(t, 3.0);

@@ -140,6 +140,20 @@ TEST(Publication, WhatRestsIsPublishedExactly) {
   EXPECT_EQ(s.p.replica.ghost(object, sim(6s)).position, s.p.replica.truth(object, sim(6s)).position);
 }
 
+// All have acknowledged its last update, but it has moved on since, by less than the threshold.
+TEST(Publication, WhatIsDrivenAndStandsElsewhereIsToldWhenItsTimeIsUp) {
+  Publishing s;
+  (void)s.tick(1s);
+  for (const auto& [object, own] : std::as_const(s.p.own)) {
+    s.p.own.at(object).delivery.acknowledged_by.insert(PeerId{2});
+  }
+  for (Duration t = 1100ms; t < 6s; t += 100ms) EXPECT_TRUE(s.tick(t, moving({0.3, 0, 0})).empty());
+  const auto due = s.tick(6s, moving({0.3, 0, 0}));
+  ASSERT_EQ(due.size(), 1u);
+  EXPECT_EQ(due[0].object, s.world["O0"]);
+  EXPECT_EQ(due[0].reason, PublishReason::kTime);
+}
+
 TEST(Publication, ObjectsThatPhysicsMovesAndThatRestAreNotCheckedAtEachTick) {
   Publishing s;
   (void)s.tick(1s);
