@@ -370,6 +370,7 @@ std::size_t Publication::publish_update(ObjectId object, OwnObject& own, SimTime
                               {},
                               replica_.model().carrier_of(object),
                               drive_of(object, own, at)};
+  assert(at <= t && own.sequence > 0);
   UpdateRecord rounded = quantised(as_it_is, tolerance);
   // So is a driven one that stands and bears others: they are at their places to the last bit.
   if (own.driven && is_motionless(rounded.model.state) && bears_another(object, at)) {

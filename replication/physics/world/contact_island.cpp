@@ -232,6 +232,7 @@ bool bears_another(const WorldModel& model, const MovingObjects& objects, const 
 
 std::vector<StruckPair> struck_with(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
                                     const WatchedPair& pair, SimTime t) {
+  assert(pair.contact && *pair.contact == t && pair.is_answered());
   const std::array around{pair.collider, pair.collidee};
   const ContactIsland island = island_of(model, objects, pairs, around, t, Touching::kBearing, Quantity::kVelocity);
   std::vector<StruckPair> struck;

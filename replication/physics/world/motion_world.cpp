@@ -41,6 +41,12 @@ bool has_pairs_of(std::uint32_t number, const WorldModel& model, const WatchedPa
   return first == model.first_part_pair[number + 1] || pairs.contains(first);
 }
 
+// Whether the object, or what it carries, may meet anything. The others are most.
+bool may_meet(std::size_t index, const WorldModel& model, const MovingObjects& objects) {
+  return index < model.nodes.size() &&
+         (!model.part_pairs_moved_by(index).empty() || !objects.carried_by(index).empty());
+}
+
 // The pair has not stopped any more.
 void unstop(WatchedPair& pair, std::uint32_t number, std::set<std::uint32_t>& stopped) {
   if (std::exchange(pair.stopped, false)) stopped.erase(number);
@@ -262,9 +268,9 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const std::optional<Motio
   assert((model || free) && (!free || free->allFinite()));
   const std::size_t index = objects_.index_of(object);
   MovingObject& o = objects_[index];
-  if (!model && !may_meet(index)) return;
+  if (!model && !may_meet(index, *model_, objects_)) return;
   const Base base{t, model, rest, free};
-  if (replays_bases_ && may_meet(index)) {
+  if (replays_bases_ && may_meet(index, *model_, objects_)) {
     forget_kept(o.bases, t, advanced_);
     o.bases.push_back(base);
   } else if (model) {
@@ -291,17 +297,11 @@ GoesOn goes_on(const KinematicState& before, const KinematicState& now, Duration
 
 }  // namespace
 
-// Whether the object, or what it carries, may meet anything. The others are most.
-bool MotionWorld::may_meet(std::size_t index) const {
-  return index < model_->nodes.size() &&
-         (!model_->part_pairs_moved_by(index).empty() || !objects_.carried_by(index).empty());
-}
-
 void MotionWorld::lay_base(std::size_t index, const Base& given) {
   MovingObject& o = objects_[index];
   const SimTime t = given.at;
   ++o.revision;
-  if (!may_meet(index)) {
+  if (!may_meet(index, *model_, objects_)) {
     const MotionModel& model = *given.model;
     if (o.role == Role::kDriven && objects_.driven_history()) {
       o.timeline.restart(t, model);
@@ -411,7 +411,8 @@ void MotionWorld::forget_bases(ObjectId object, SimTime t) {
   assert(replays_bases_);
   const std::size_t index = objects_.index_of(object);
   MovingObject& o = objects_[index];
-  if (!may_meet(index) || o.timeline.begin() >= t) return;  // its bases are not kept, or there is none before
+  if (!may_meet(index, *model_, objects_) || o.timeline.begin() >= t)
+    return;  // its bases are not kept, or there is none before
   std::erase_if(o.bases, [&](const Base& base) { return base.at >= t; });
   if (o.timeline.last_segment().from < t) return;
   ++o.revision;

@@ -222,7 +222,6 @@ class MotionWorld {
   // Called after any change of whether the pair is watched, or of what is known of it.
   void reschedule(std::size_t pair);
 
-  [[nodiscard]] bool may_meet(std::size_t object) const;
   void lay_base(std::size_t object, const Base& base);
   // Takes along all that a driven object bears, where its last law led elsewhere at t than where it is now. Returns
   // whether it did.
