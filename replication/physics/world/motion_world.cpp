@@ -644,7 +644,7 @@ SimTime MotionWorld::reopened_from(const WatchedPair& pair, bool lived, SimTime 
 
 // The pairs of the object know nothing of contacts since then any more. Pairs of which the other object would answer
 // here, or is driven here and gets no answer, are not searched again in the past because this one moved otherwise; its
-// own change (a decision) makes them searched there. Those of two that touched at that instant are.
+// own change (a decision) makes them searched there.
 void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
   end_waits_of(object);
   far_.moved(object, t, advanced_, objects_, pairs_, opened_);
@@ -659,11 +659,7 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
     const bool responds = of_collider ? pair.collider_responds : pair.collidee_responds;
     const bool stands =
         (objects_[other].role == Role::kAuthoritative || responds) && !gives_way(other, other_responds, t);
-    bool lived = objects_.is_lived(other) && !stands;
-    // From then on the other one is pressed as well: found now, they would be in each other.
-    if (lived && responds && t < advanced_ && t >= std::max(start_, advanced_ - kHistory)) {
-      lived = !pair.bears_at(t) && !search().touch_at(pair, t);
-    }
+    const bool lived = objects_.is_lived(other) && !stands;
     const SimTime from = reopened_from(pair, lived, t);
     if (pair.contact && *pair.contact >= from) {
       pair.contact.reset();

@@ -1634,19 +1634,6 @@ TEST(MotionWorldBorne, RestsWhereItIsPublishedButForRounding) {
   }
 }
 
-// An update comes late that lets a body press another one, which it touched then.
-TEST(MotionWorldBorne, IsFoundWhereThePairTouchedThoughTheUpdateIsLate) {
-  auto&& [w, world] =
-      Started(two_movers() + interest("CUBE", R"("BALL")"),
-              {{"BALL", Role::kAuthoritative, moving({-0.5, 0, 0})}, {"CUBE", Role::kPredicted, moving({0, 0, 0})}});
-  world.advance(sim(2s));
-  world.set_base(w["CUBE"], sim(1s), moving({0, 0, 0}, {0, 0, 0}, {-1, 0, 0}));
-  world.advance(sim(2s));
-  const double gap = world.at(w["CUBE"], sim(2s)).position.x() - world.at(w["BALL"], sim(2s)).position.x();
-  EXPECT_NEAR(gap, 0.5, 1e-9);
-  EXPECT_LT(world.at(w["BALL"], sim(2s)).position.x(), -0.6) << "it is pushed from then on";
-}
-
 // One solution for all that is struck: others, who know of two at a time, would find another one.
 TEST(MotionWorldBorne, AContactThatIsDecidedHereTellsOfAllThatItStrikes) {
   const std::string by_impulse = " collisionResponse CollisionResponse { responseType 2 restitution 0.5 } ";
