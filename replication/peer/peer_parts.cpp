@@ -158,9 +158,7 @@ void PeerParts::follow_resting_ghosts(SimTime t) {
     // A pushed object moves on in its owner's truth as in this one. Its ghost stands, as it is not wrong enough yet for
     // an update.
     if (truth.is_borne(object) && !is_motionless(here)) continue;
-    const bool is_there = (here.position - stands.position).norm() <= kSamePlace_m &&
-                          here.orientation.angularDistance(stands.orientation) <= kSameAngle_rad;
-    if (is_there && is_motionless(here)) continue;
+    if (is_motionless(here) && is_at_same_place(here, stands)) continue;
     const auto free = ghosts.is_borne(object) ? std::optional(ghosts.unborne_acceleration(object, t)) : std::nullopt;
     truth.set_base(object, t, stands, {}, free);
   }

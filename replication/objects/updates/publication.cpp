@@ -125,12 +125,14 @@ bool Publication::update_is_redundant(ObjectId object, const OwnObject& own, Sim
          (decisions_.awaits_decision_on(object) || t - decisions_.log().last(object) < config_.policy.time_threshold);
 }
 
-// What another peer owns rests on it in the ghosts alone.
+// The truth has this peer's own objects, and the ghosts have all: another peer's object rests on this one in the
+// ghosts.
 bool Publication::bears_another(ObjectId object, SimTime t) const {
   return replica_.truth().presses_another(object, t) || replica_.ghosts().presses_another(object, t);
 }
 
-// Whether a driven object stands, and others rest on it: they are where it is at all peers.
+// Whether the ghost of a driven object that stands is elsewhere, and others rest on it: all peers let those rest on the
+// ghost.
 bool Publication::is_support_elsewhere(ObjectId object, const OwnObject& own, SimTime t, const KinematicState& truth,
                                        const GhostError& error) const {
   return own.driven && error.distance_m > kSamePlace_m && is_motionless(truth) && bears_another(object, t);
@@ -372,9 +374,10 @@ std::size_t Publication::publish_update(ObjectId object, OwnObject& own, SimTime
                               drive_of(object, own, at)};
   assert(at <= t && own.sequence > 0);
   UpdateRecord rounded = quantised(as_it_is, tolerance);
-  // So is a driven one that stands and bears others: they are at their places to the last bit.
+  // A driven object that stands and bears others is published exactly, too: physics has brought them to the height at
+  // which it stands, and publishes that exactly.
   if (own.driven && is_motionless(rounded.model.state) && bears_another(object, at)) {
-    rounded.model = at_rest(law.state.pose());
+    rounded.model = at_rest(model.state.pose());
     rounded = quantised(rounded, Tolerance{});
   }
   const EncodedUpdate& due = updates_due_.emplace_back(rounded, t);

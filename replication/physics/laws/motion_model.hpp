@@ -52,6 +52,12 @@ struct MotionModel {
   return s.velocity.isZero(0.0) && s.acceleration.isZero(0.0) && s.angular_velocity_body.isZero(0.0);
 }
 
+// Whether two states of one object are at one place, as peers show it.
+[[nodiscard]] inline bool is_at_same_place(const KinematicState& a, const KinematicState& b) {
+  return (a.position - b.position).norm() <= kSamePlace_m &&
+         a.orientation.angularDistance(b.orientation) <= kSameAngle_rad;
+}
+
 // Whether two states of one body at one instant are of one motion.
 [[nodiscard]] inline bool moves_alike(const KinematicState& a, const KinematicState& b) {
   return a.position == b.position && a.velocity == b.velocity && a.acceleration == b.acceleration &&

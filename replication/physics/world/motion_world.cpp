@@ -318,8 +318,7 @@ void MotionWorld::lay_base(std::size_t index, const Base& given) {
   const MotionModel world_before = objects_.world_law(index, t);
   const Duration since = t - o.timeline.segment_at(t).from;
   // A peer that found a contact in another nanosecond has its objects a little elsewhere: what rests goes on.
-  const bool stays = (before.position - model.state.position).norm() <= kSamePlace_m &&
-                     before.orientation.angularDistance(model.state.orientation) <= kSameAngle_rad &&
+  const bool stays = is_at_same_place(before, model.state) &&
                      std::ranges::none_of(pairs_touched_since(index, t), [&](std::uint32_t i) {
                        return pairs_.contains(i) && pairs_[i].bears && pairs_[i].touched > t;
                      });
@@ -770,7 +769,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
   // A contact in which no response changes anything (an object that was stopped is run into) goes on.
   pair.inside = !changed;
   if (!lasts && !resumes) report(pair, t, answer);
-  // What this peer decides holds for all that it has struck: others would solve that for two at a time.
+  // Peers that hear of this pair alone would solve the others' part of the blow anew, for two at a time.
   for (StruckPair& each : struck) {
     const WatchedPair& other = pairs_[each.pair];
     each.answer.after_a = objects_.world_law(other.collider, t);

@@ -73,7 +73,7 @@ struct MovingObject {
   bool pruning_scheduled = false;            // the object waits to be pruned
   bool changed = false;                      // since the last take_changed()
   bool borne = false;                        // its law's acceleration is what those that bear it leave of `free`
-  bool borne_unseen = false;                 // its owner says so, and here nothing touches it
+  bool borne_unseen = false;                 // its owner says that others bear it, and here nothing touches it
   bool free_is_given = false;                // by set_free_acceleration()
   Vec3 free = Vec3::Zero();                  // its acceleration where nothing bears it [m/s^2]; void if it is neither
   std::uint32_t carrier = ModelNode::kNone;  // index; its timeline is relative to that object's

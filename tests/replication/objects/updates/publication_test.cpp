@@ -13,11 +13,11 @@ namespace peerd::replication::publication_test {
 
 using namespace test;
 
-// The cubes stand in a row and meet nothing. Peer 1 owns O0, which is driven, and O1, which physics moves; peer 2 owns
-// the others.
+// By itself, cubes that stand in a row and meet nothing. Peer 1 owns O0, which is driven, and O1, which physics moves;
+// peer 2 owns the others.
 struct Publishing {
-  explicit Publishing(const PublishPolicy& policy = {}, int objects = 3)
-      : world(field(objects)), p(make(policy), *world.model) {
+  explicit Publishing(const PublishPolicy& policy = {}, int objects = 3) : Publishing(policy, field(objects)) {}
+  Publishing(const PublishPolicy& policy, const std::string& text) : world(text), p(make(policy), *world.model) {
     echo_us(add_member(p.members, 2), 0.001);
     for (const auto& [object, owner] : p.owners) p.own.at(object).delivery.acknowledged_by.clear();
     p.replica.begin(sim(0s));
@@ -152,6 +152,33 @@ TEST(Publication, WhatIsDrivenAndStandsElsewhereIsToldWhenItsTimeIsUp) {
   ASSERT_EQ(due.size(), 1u);
   EXPECT_EQ(due[0].object, s.world["O0"]);
   EXPECT_EQ(due[0].reason, PublishReason::kTime);
+}
+
+// What rests on it is published exactly. Rounded, it would be in it, or below it.
+TEST(Publication, WhatIsDrivenAndStopsUnderAnotherIsPublishedExactlyAndAtOnce) {
+  Publishing s({}, box("O0", "4 1 4", "0 0 0") +
+                       box("O1", "1 1 1", "0 1 0", " collisionResponse CollisionResponse { responseType 2 } ") +
+                       box("O2", "1 1 1", "50 0 0") + interest("O1", R"("O0")"));
+  const ObjectId lift = s.world["O0"];
+  for (MotionWorld* const each : {&s.p.replica.truth(), &s.p.replica.ghosts()}) {
+    each->watch(lift, s.world["O1"], true);
+    each->set_base(s.world["O1"], sim(0s), moving({0, 1, 0}, {0, 0, 0}, {0, -9.81, 0}));
+  }
+  (void)s.tick(1s);
+  (void)s.flushed(1s);
+  const double stops_at = -0.123456789;  // less than the threshold
+  for (Duration t = 1100ms; t < 1900ms; t += 100ms) {
+    const double y = stops_at * to_seconds(t - 1s);
+    for (const Published& each : s.tick(t, moving({0, y, 0}, {0, stops_at, 0}))) EXPECT_NE(each.object, lift);
+  }
+  (void)s.flushed(1900ms);
+  const auto due = s.tick(2s, moving({0, stops_at, 0}));
+  EXPECT_EQ(std::ranges::count(due, lift, &Published::object), 1);
+  const auto updates = s.flushed(2s);
+  const auto update = std::ranges::find(updates, lift, &UpdateRecord::object);
+  ASSERT_NE(update, updates.end());
+  EXPECT_EQ(update->model.state.position, Vec3(0, stops_at, 0));
+  EXPECT_TRUE(is_motionless(update->model.state));
 }
 
 TEST(Publication, ObjectsThatPhysicsMovesAndThatRestAreNotCheckedAtEachTick) {

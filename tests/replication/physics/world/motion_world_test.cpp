@@ -1564,12 +1564,17 @@ TEST(MotionWorldLift, CarriesAStackAtAnyTickRate) {
   }
 }
 
+// A box stands on a lift.
+std::string box_on_lift(const char* restitution) {
+  const std::string response = " collisionResponse CollisionResponse { responseType 2 restitution ";
+  return box("LIFT", "4 1 4", "0 0 0") + box("A", "1 1 1", "0 1 0", response + restitution + " } ") +
+         interest("A", R"("LIFT")");
+}
+const KinematicState kFalls = moving({0, 1, 0}, {0, 0, 0}, {0, -9.81, 0});
+
 // A lift that goes down and stops between two samples is further up than its last law led: it pushes the box out.
 TEST(MotionWorldLift, PushesOutWhatItsStopHasRunInto) {
-  const std::string by_impulse = " collisionResponse CollisionResponse { responseType 2 restitution 0.3 } ";
-  auto&& [w, world] =
-      Started(box("LIFT", "4 1 4", "0 0 0") + box("A", "1 1 1", "0 1 0", by_impulse) + interest("A", R"("LIFT")"),
-              {{"LIFT", Role::kDriven}, {"A", Role::kAuthoritative, moving({0, 1, 0}, {0, 0, 0}, {0, -9.81, 0})}});
+  auto&& [w, world] = Started(box_on_lift("0.3"), {{"LIFT", Role::kDriven}, {"A", Role::kAuthoritative, kFalls}});
   for (int k = 0; k <= 300; ++k) {
     const double t = k / 60.0, stop = 3.01;
     const SimTime at = sim(from_seconds(t));
@@ -1584,10 +1589,7 @@ TEST(MotionWorldLift, PushesOutWhatItsStopHasRunInto) {
 
 // Differences that give a stop its velocity leave their rounding, and the body's acceleration has that of its own.
 TEST(MotionWorldLift, BearsWhatItBoreWhereItsLawIsNothingButRounding) {
-  const std::string by_impulse = " collisionResponse CollisionResponse { responseType 2 restitution 0.5 } ";
-  auto&& [w, world] =
-      Started(box("LIFT", "4 1 4", "0 0 0") + box("A", "1 1 1", "0 1 0", by_impulse) + interest("A", R"("LIFT")"),
-              {{"LIFT", Role::kDriven}, {"A", Role::kAuthoritative, moving({0, 1, 0}, {0, 0, 0}, {0, -9.81, 0})}});
+  auto&& [w, world] = Started(box_on_lift("0.5"), {{"LIFT", Role::kDriven}, {"A", Role::kAuthoritative, kFalls}});
   for (int k = 0; k <= 1000; ++k) {
     const SimTime at = sim(k * 10ms);
     const double turn = 0.02 * std::numbers::pi * std::min(k, 50), rate = 2.0 * std::numbers::pi;
@@ -1604,15 +1606,36 @@ TEST(MotionWorldLift, BearsWhatItBoreWhereItsLawIsNothingButRounding) {
 
 // Here its support is a little lower: another peer's ghost of it is off by its own rounding.
 TEST(MotionWorldBorne, GoesOnAsPublishedWhereNothingTouchesIt) {
-  const std::string by_impulse = " collisionResponse CollisionResponse { responseType 2 } ";
   auto&& [w, world] =
-      Started(box("LIFT", "4 1 4", "0 0 0") + box("A", "1 1 1", "0 1 0", by_impulse) + interest("A", R"("LIFT")"),
+      Started(box_on_lift("0"),
               {{"LIFT", Role::kPredicted, moving({0, -1e-4, 0}, {0, 0.1, 0}, {0, 0.5, 0})}, {"A", Role::kPredicted}});
   const KinematicState published = moving({0, 1, 0}, {0, 0.1, 0}, {0, 0.5, 0});
   world.set_base(w["A"], sim(0s), published, {}, Vec3(0, -9.81, 0));
   world.advance(sim(1s));
   EXPECT_EQ(world.at(w["A"], sim(1s)).position, advance(published, 1.0).position);
   EXPECT_TRUE(contacts_of(world).empty());
+}
+
+// Its support was rounded when it was published, and is a little higher here, and a little faster downwards.
+TEST(MotionWorldBorne, KeepsUpWithADrivenSupportThatIsOffByItsRounding) {
+  auto&& [w, world] = Started(box_on_lift("0"), {{"LIFT", Role::kPredicted}, {"A", Role::kPredicted, kFalls}});
+  world.advance(sim(1s));
+  world.set_base(w["LIFT"], sim(1s), moving({0, 0, 0}, {0, -0.492188, 0}, {0, 1.14844, 0}));
+  world.set_base(w["A"], sim(1s), moving({0, 1.0 - 2.1e-4, 0}, {0, -0.490269, 0}, {0, 1.14603, 0}), {},
+                 Vec3(0, -9.81, 0));
+  for (Duration t = 1s; t <= 1400ms; t += 10ms) {
+    world.advance(sim(t));
+    EXPECT_NEAR(world.at(w["A"], sim(t)).position.y() - world.at(w["LIFT"], sim(t)).position.y(), 1.0 - 2.1e-4, 1e-9);
+  }
+}
+
+// An update comes late that lets it fall on a lift of this peer, on which it stood.
+TEST(MotionWorldBorne, RestsOnWhatIsDrivenHereFromItsLateUpdateOn) {
+  auto&& [w, world] = Started(box_on_lift("0.2"), {{"LIFT", Role::kDriven}, {"A", Role::kPredicted}});
+  world.advance(sim(2s));
+  world.set_base(w["A"], sim(1s), kFalls);
+  world.advance(sim(2s));
+  EXPECT_EQ(world.at(w["A"], sim(2s)).position.y(), 1.0);
 }
 
 // Its owner found a contact in another nanosecond.
