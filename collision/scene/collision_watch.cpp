@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "collision/exact/infinity.hpp"
+#include "core/scene/interest_pairs.hpp"
 
 namespace peerd::collision {
 namespace {
@@ -26,10 +27,9 @@ CollisionWatch::CollisionWatch(const Scene& scene, HierarchyLoader load_hierarch
       has_narrow_phase_(engine.narrow_phase != nullptr) {
   query_.set_narrow_phase(engine.narrow_phase);
   for (const CollisionInterest& interest : scene.interests) {
-    for (const ObjectId collidee : interest.collidees) {
-      assert(collidee != interest.collider);
-      interests_.push_back({interest.collider, collidee, interest.type});
-    }
+    InterestPairs(scene, interest).for_each([&](ObjectId collider, ObjectId collidee) {
+      interests_.push_back({collider, collidee, interest.type});
+    });
   }
   collisions_.resize(interests_.size());
   add_objects(scene, engine);

@@ -396,9 +396,16 @@ std::expected<void, std::string> SceneEditor::remove_route(NodeId from, std::str
 
 void SceneEditor::drop_interests_without_ends() {
   std::vector<std::uint32_t> dropped;
+  const auto is_gone = [&](ObjectId end) { return !draft_of(end); };
   for (auto& [node, interest] : interests_) {
-    std::erase_if(interest.collidees, [&](ObjectId end) { return !draft_of(end); });
-    if (!draft_of(interest.collider) || interest.collidees.empty()) dropped.push_back(node);
+    for (InterestSide* const side : {&interest.colliders, &interest.collidees, &interest.except}) {
+      side->ends.resize(side->named);
+      std::erase_if(side->ends, is_gone);
+      side->named = side->ends.size();
+      std::erase_if(side->patterns, [&](const NamePattern& p) { return p.below && is_gone(*p.below); });
+    }
+    const auto has_none = [](const InterestSide& side) { return side.ends.empty() && side.patterns.empty(); };
+    if (has_none(interest.colliders) || has_none(interest.collidees)) dropped.push_back(node);
   }
   if (!dropped.empty()) {
     document_.drop(dropped);
@@ -421,10 +428,8 @@ vrml::Bindings SceneEditor::bindings(const std::vector<std::uint32_t>& place) co
     open.insert(open.end(), draft.children.rbegin(), draft.children.rend());
   }
   bound.ids = LastingIds<ObjectId>(std::move(ids));
-  for (auto [node, interest] : interests_) {
-    if (place[node] == NodeRef::kNull) continue;
-    interest.node = place[node];
-    bound.interests.emplace(place[node], std::move(interest));
+  for (const auto& [node, interest] : interests_) {
+    if (place[node] != NodeRef::kNull) bound.interests.emplace(place[node], interest);
   }
   for (const auto& [node, recipient] : recipients_) {
     if (place[node] != NodeRef::kNull) bound.recipients.emplace(place[node], recipient);
@@ -446,11 +451,17 @@ void SceneEditor::rewrite_paths(const Scene& scene, vrml::Document& document) co
     return !def.empty() && paths.find(def) == id ? std::string(def) : scene.path_of(id);
   };
   for (const CollisionInterest& interest : scene.interests) {
-    const std::string objects[] = {path_to(interest.collider)};
-    std::vector<std::string> collidees;
-    for (const ObjectId id : interest.collidees) collidees.push_back(path_to(id));
-    vrml::set_strings(document, interest.node, "objectPath", objects);
-    vrml::set_strings(document, interest.node, "interests", collidees);
+    const auto names_of = [&](const InterestSide& side) {
+      std::vector<std::string> names;
+      for (std::size_t i = 0; i < side.named; ++i) names.push_back(path_to(side.ends[i]));
+      for (const NamePattern& p : side.patterns) names.push_back(p.below ? path_to(*p.below) + '/' + p.path : p.path);
+      return names;
+    };
+    vrml::set_strings(document, interest.node, "objectPath", names_of(interest.colliders));
+    vrml::set_strings(document, interest.node, "interests", names_of(interest.collidees));
+    if (document.nodes[interest.node].find("except") != nullptr) {
+      vrml::set_strings(document, interest.node, "except", names_of(interest.except));
+    }
     if (document.nodes[interest.node].find("collisionInterests") != nullptr) {
       vrml::set_strings(document, interest.node, "collisionInterests", {});
     }

@@ -181,10 +181,12 @@ class NodeCheck {
     for (const vrml::Node& node : nodes_) {
       if (node.type->role != NodeRole::kCollisionInterest) continue;
       assert(interest != scene_.interests.end() && "a good world has an interest for each of these nodes");
-      colliders_.insert(interest->collider);
-      check_end(interest->collider, node.find("objectPath")->at);
       const vrml::Field* const list = node.find(node.find("interests") != nullptr ? "interests" : "collisionInterests");
-      for (const ObjectId collidee : interest->collidees) check_end(collidee, list->at);
+      for (const ObjectId collider : interest->colliders.ends) {
+        colliders_.insert(collider);
+        check_end(collider, node.find("objectPath")->at);
+      }
+      for (const ObjectId collidee : interest->collidees.ends) check_end(collidee, list->at);
       ++interest;
     }
   }

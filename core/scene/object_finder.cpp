@@ -34,8 +34,7 @@ void ObjectFinder::gather_inner_names() {
   }
 }
 
-std::optional<ObjectId> ObjectFinder::find(std::string_view path, std::uint32_t scope, Position at) {
-  if (problems_.full()) return std::nullopt;
+std::optional<ObjectId> ObjectFinder::find(std::string_view path, std::uint32_t scope) {
   if (scope != 0) {
     if (!std::exchange(gathered_, true)) gather_inner_names();
     if (const auto it = inner_names_.find({scope, path}); it != inner_names_.end()) return scene_.id_of(it->second);
@@ -45,9 +44,12 @@ std::optional<ObjectId> ObjectFinder::find(std::string_view path, std::uint32_t 
     return scene_.id_of(first_of_name_[*number]);
   }
   if (const auto id = paths_.find(path)) return id;
-  if (around_.find) {
-    if (const auto id = around_.find(path)) return id;
-  }
+  return around_.find ? around_.find(path) : std::nullopt;
+}
+
+std::optional<ObjectId> ObjectFinder::find(std::string_view path, std::uint32_t scope, Position at) {
+  if (problems_.full()) return std::nullopt;
+  if (const auto id = find(path, scope)) return id;
   const std::string_view first = path.substr(0, path.find('/'));
   if (unreadable_names_.contains(first)) return std::nullopt;
   const auto named = std::ranges::find(document_.nodes, path, &Node::def);

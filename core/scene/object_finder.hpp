@@ -28,6 +28,8 @@ class ObjectFinder {
   // Finds the instance of a path that stands at `at` in a node of that scope. A name inside of a PROTO or an Inline
   // means a node in there first. Reports a path that names nothing, unless the name was lost in an error.
   [[nodiscard]] std::optional<ObjectId> find(std::string_view path, std::uint32_t scope, Position at);
+  // The same without a report.
+  [[nodiscard]] std::optional<ObjectId> find(std::string_view path, std::uint32_t scope);
 
  private:
   void gather_inner_names();

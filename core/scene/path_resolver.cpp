@@ -2,8 +2,41 @@
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
 
 namespace peerd::vrml {
+namespace {
+
+// Whether the name is what the pattern stands for, by the last '*' to which it can go back.
+bool matches(std::string_view name, std::string_view pattern) {
+  std::size_t n = 0, p = 0, star = pattern.size(), from = 0;
+  while (n < name.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      from = n;
+    } else if (p < pattern.size() && pattern[p] == name[n]) {
+      ++n;
+      ++p;
+    } else if (star < pattern.size()) {
+      p = star + 1;
+      n = ++from;
+    } else {
+      return false;
+    }
+  }
+  return pattern.find_first_not_of('*', p) == std::string_view::npos;
+}
+
+}  // namespace
+
+std::optional<PatternParts> parts_of_pattern(std::string_view path) {
+  if (path == "all") return PatternParts{{}, "*"};
+  const std::size_t star = path.find('*');
+  if (star == std::string_view::npos) return std::nullopt;
+  const std::size_t slash = path.rfind('/', star);
+  if (slash == std::string_view::npos) return PatternParts{{}, path};
+  return PatternParts{path.substr(0, slash), path.substr(slash + 1)};
+}
 
 const PathResolver::Siblings& PathResolver::children_of(std::int32_t parent) {
   const auto [it, is_new] = children_.try_emplace(parent);
@@ -62,6 +95,48 @@ std::optional<ObjectId> PathResolver::find(std::string_view path) {
     rest.remove_prefix(slash + 1);
     parent = static_cast<std::int32_t>(*found);
   }
+}
+
+std::vector<ObjectId> PathResolver::find_all(const NamePattern& pattern) {
+  std::vector<std::uint32_t> found;
+  const auto add_below = [&](std::int32_t parent, std::string_view component) {
+    if (component.find('*') == std::string_view::npos) {
+      if (const auto one = child(parent, component)) found.push_back(*one);
+      return;
+    }
+    for (const std::uint32_t i : children_of(parent).in_order) {
+      const std::string_view def = scene_.instances[i].def;
+      if (component == "*" || (!def.empty() && matches(def, component))) found.push_back(i);
+    }
+  };
+  bool is_first = true;
+  for (std::string_view rest = pattern.path;; is_first = false) {
+    const std::size_t slash = std::min(rest.find('/'), rest.size());
+    const std::string_view component = rest.substr(0, slash);
+    if (!is_first) {
+      for (const std::uint32_t parent : std::exchange(found, {})) {
+        add_below(static_cast<std::int32_t>(parent), component);
+      }
+    } else if (pattern.below) {
+      if (scene_.contains(*pattern.below)) {
+        add_below(static_cast<std::int32_t>(scene_.index_of(*pattern.below)), component);
+      }
+    } else if (component == "*") {
+      add_below(-1, component);
+    } else {
+      for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
+        const Instance& instance = scene_.instances[i];
+        if (!instance.def.empty() && matches(instance.def, component)) found.push_back(i);
+      }
+    }
+    if (slash == rest.size()) break;
+    rest.remove_prefix(slash + 1);
+  }
+  std::ranges::sort(found);  // one may be below another that was found, too
+  found.erase(std::ranges::unique(found).begin(), found.end());
+  std::vector<ObjectId> ids;
+  for (const std::uint32_t i : found) ids.push_back(scene_.id_of(i));
+  return ids;
 }
 
 }  // namespace peerd::vrml

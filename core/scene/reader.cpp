@@ -31,8 +31,12 @@ std::set<std::pair<std::string, std::size_t>> needed_inlines(const Scene& scene,
     --from(scene.at(object).subtree_end);
   };
   for (const CollisionInterest& interest : scene.interests) {
-    need(interest.collider);
-    for (const ObjectId collidee : interest.collidees) need(collidee);
+    for (const InterestSide* const side : {&interest.colliders, &interest.collidees}) {
+      for (const ObjectId end : side->ends) need(end);
+      for (const NamePattern& pattern : side->patterns) {
+        if (pattern.below) need(*pattern.below);  // more may be found in it
+      }
+    }
   }
   std::set<std::pair<std::string, std::size_t>> needed;
   std::int64_t ranges = 0;

@@ -50,6 +50,7 @@ struct ObjectFields {
   double distance_threshold_m = 0.5;  // distanceThreshold
   bool enslaved = false;              // the founder of the session owns it, unless a configuration names an owner
   bool remote = false;                // its display converges where another peer owns it
+  std::uint32_t layers = ~0u;         // collisionLayers: patterns pair two that share a bit
   std::optional<CollisionResponse> response;
 };
 
@@ -91,9 +92,23 @@ enum class CollisionType : std::uint8_t { kBox = 0, kWitness = 1, kAllPairs = 2 
   return type == CollisionType::kBox ? "box" : type == CollisionType::kWitness ? "witness" : "allpairs";
 }
 
+// A NamePattern is a path with a '*' in it, which stands for any characters of one name.
+struct NamePattern {
+  std::optional<ObjectId> below;  // what the names before the first '*' lead to; none: the path begins with the '*'
+  std::string path;               // from the name with the first '*' on
+};
+
+// One side of a CollisionInterest: the instances that it names, and then those that its patterns find in the scene.
+struct InterestSide {
+  std::vector<ObjectId> ends;  // each once
+  std::size_t named = 0;       // so many of them are named; the others stand in the order of the scene
+  std::vector<NamePattern> patterns;
+};
+
+// A CollisionInterest registers each of its colliders for each of its collidees.
 struct CollisionInterest {
-  ObjectId collider;
-  std::vector<ObjectId> collidees;
+  InterestSide colliders, collidees;
+  InterestSide except;  // what patterns leave out
   CollisionType type = CollisionType::kBox;
   std::uint32_t node = Instance::kNone;  // into Document::nodes
 };

@@ -237,6 +237,9 @@ void Builder::share_transform(const Node& node, Shared& shared) {
     } else if (name == "remote") {
       object.remote = field.as<bool>()[0];
       extended = true;
+    } else if (name == "collisionLayers") {
+      object.layers = static_cast<std::uint32_t>(field.as<std::int32_t>()[0]);
+      extended = true;
     } else if (name == "collisionResponse" && field.count == 1 && field.as<NodeRef>()[0].is_node()) {
       object.response = make_response(nodes_[field.as<NodeRef>()[0].index]);
       extended = true;
@@ -494,7 +497,7 @@ Scene Builder::build() {
       is_interest ? interests.add_interest(i) : interests.add_key_sensor(i);
     } else if (is_interest) {
       if (const auto bound = bindings_->interests.find(i); bound != bindings_->interests.end()) {
-        scene_.interests.push_back(bound->second);
+        interests.add_bound_interest(i, bound->second);
       }
     } else if (const auto bound = bindings_->recipients.find(i); bound != bindings_->recipients.end()) {
       interests.add_bound_key_sensor(i, bound->second);

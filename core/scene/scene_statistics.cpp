@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/geometry/tessellate.hpp"
+#include "core/scene/interest_pairs.hpp"
 #include "core/vrml/document.hpp"
 
 namespace peerd {
@@ -43,7 +44,7 @@ SceneStatistics statistics_of(const Scene& scene) {
     s.triangles_instanced += sizes[instance.geometry].triangles;
   }
   s.collision_interests = scene.interests.size();
-  for (const CollisionInterest& interest : scene.interests) s.interests += interest.collidees.size();
+  for (const CollisionInterest& interest : scene.interests) s.interests += InterestPairs(scene, interest).count();
   s.key_sensors = scene.key_sensors.size();
   s.pending_inlines = scene.pending_inlines.size();
   return s;

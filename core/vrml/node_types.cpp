@@ -94,6 +94,7 @@ constexpr FieldSpec kCollisionInterestFields[] = {
     field("interests", kMFString, "[ ]"),
     field("collisionInterests", kMFString, "[ ]"),
     field("collisionType", kSFInt32, "0", kNonNegative),
+    field("except", kMFString, "[ ]"),
 };
 constexpr FieldSpec kCollisionResponseFields[] = {
     field("responseType", kSFInt32, "0", kNonNegative),
@@ -412,6 +413,7 @@ constexpr FieldSpec kTransformFields[] = {
     event_in("removeChildren", kMFNode),
     exposed("center", kSFVec3f, "0 0 0"),
     kChildren,
+    field("collisionLayers", kSFInt32, "-1"),
     node("collisionResponse", kCollisionResponse),
     exposed("distanceThreshold", kSFFloat, "0.5", kNonNegative),
     exposed("enslaved", kSFBool, "FALSE"),  // C.5 prints SFFloat, and FALSE

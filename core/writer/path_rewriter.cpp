@@ -54,8 +54,12 @@ std::optional<std::uint32_t> PathRewriter::instance_of(std::string_view path, st
 
 bool PathRewriter::has_no_target(const Node& node) const {
   if (node.type->role != NodeRole::kCollisionInterest) return false;
-  const Field* path = node.find("objectPath");
-  return path == nullptr || !instance_of(path->as<std::string_view>()[0], node.scope);
+  const Field* const path = node.find("objectPath");
+  if (path == nullptr) return true;
+  const std::string_view text = path->as<std::string_view>()[0];
+  if (instance_of(text, node.scope)) return false;
+  const auto parts = parts_of_pattern(text);
+  return !parts || (!parts->below.empty() && !instance_of(parts->below, node.scope));
 }
 
 void PathRewriter::rename(const std::vector<std::string_view>& names, const std::vector<bool>& written) {
@@ -89,7 +93,13 @@ std::optional<std::uint32_t> PathRewriter::renamed_instance_of(std::string_view 
 
 std::optional<std::string> PathRewriter::rewritten(std::string_view path, std::uint32_t scope) const {
   const auto id = instance_of(path, scope);
-  if (!id) return std::nullopt;
+  if (!id) {
+    const auto pattern = parts_of_pattern(path);
+    if (!pattern) return std::nullopt;
+    if (pattern->below.empty()) return std::string(path);
+    const auto below = rewritten(pattern->below, scope);
+    return below ? std::optional(*below + '/' + std::string(pattern->path)) : std::nullopt;
+  }
   if (renamed_instance_of(path) == id) return std::string(path);
   std::string by_names = renamed_.path_of(renamed_.id_of(*id));
   if (renamed_instance_of(by_names) == id) return by_names;

@@ -263,8 +263,8 @@ bool Comparison::compare_instance(std::uint32_t i) {
     return std::tuple(f.response.has_value(), r.type, r.set_back, r.mass_kg, r.restitution, r.friction_m_s2);
   };
   if (!same_bytes(o.velocity, p.velocity) || !same_bytes(o.distance_threshold_m, p.distance_threshold_m) ||
-      o.enslaved != p.enslaved || o.remote != p.remote || response(o) != response(p)) {
-    return differs("its velocity, threshold, owner, display or response");
+      o.enslaved != p.enslaved || o.remote != p.remote || o.layers != p.layers || response(o) != response(p)) {
+    return differs("its velocity, threshold, owner, display, layers or response");
   }
   const ShapeFields &s = scene_a_.shape(id_a), &q = scene_b_.shape(id_b);
   const auto same_point = [](const Eigen::Vector3f& x, const Eigen::Vector3f& y) { return same_bytes(x, y); };
@@ -297,13 +297,16 @@ bool Comparison::compare_instances() {
 }
 
 bool Comparison::compare_interests() {
-  using Row = std::tuple<std::uint32_t, CollisionType, std::vector<std::uint32_t>>;
+  using Row = std::tuple<std::vector<std::uint32_t>, CollisionType, std::vector<std::uint32_t>>;
   const auto rows = [](const Scene& scene) {
+    const auto places_of = [&](const InterestSide& side) {
+      std::vector<std::uint32_t> places;
+      for (const ObjectId end : side.ends) places.push_back(scene.index_of(end));
+      return places;
+    };
     std::vector<Row> out;
     for (const CollisionInterest& i : scene.interests) {
-      std::vector<std::uint32_t> collidees;
-      for (const ObjectId collidee : i.collidees) collidees.push_back(scene.index_of(collidee));
-      out.emplace_back(scene.index_of(i.collider), i.type, std::move(collidees));
+      out.emplace_back(places_of(i.colliders), i.type, places_of(i.collidees));
     }
     std::ranges::sort(out);
     return out;

@@ -100,12 +100,10 @@ class TownWriter {
       for (const double dz : {-kBlock_m / 2, kBlock_m / 2}) wall(dx, dz, "HOUSE");
     }
     world_ += "  ]\n}\n";
-    walls_ += " \"WALLS_" + name + "\"";
   }
 
   void add_movable(const std::string& object, const std::string& place, const std::string& more) {
     world_ += "DEF " + object + " Transform { " + place + " distanceThreshold 0.25 " + more + " children USE CRATE }\n";
-    movables_.push_back(object);
   }
 
   void add_district(int d) {
@@ -120,9 +118,8 @@ class TownWriter {
       const double lane = chance_.one_of({-1.75, 1.75});
       world_ += "DEF " + car + " Transform { " + in_a_street(x, 0.7, z, lane, chance_.between(-12.0, 12.0)) +
                 " children USE HULL }\n";
-      cars_ += " \"" + car + "\"";
-      interests_ += interest(car, " \"WALLS_" + name + "\"");
     }
+    interests_ += interest("CAR_" + name + "_*", " \"WALLS_" + name + "\"");
     (d / 2 % 2 == 0 ? west_ : east_) += ", \"CAR_" + name + "_T*\"";
     for (int i = 0; i < size_.boxes; ++i) {
       const bool of_viewer = has_viewer && i == 0;
@@ -154,23 +151,20 @@ class TownWriter {
 
   // What can move answers walls, cars, and what else can move, which answers it.
   void add_interests() {
-    world_ += interests_ +
-              "PROTO MindsTown [ field SFString objectPath \"\" ] {\n  CollisionInterest { objectPath IS " +
-              "objectPath collisionType 1 interests [" + walls_ + cars_ + " ] }\n}\n";
-    for (std::size_t i = 0; i < movables_.size(); ++i) {
-      world_ += "MindsTown { objectPath \"" + movables_[i] + "\" }\n";
-      std::string others;
-      for (std::size_t j = 0; j < movables_.size(); ++j) {
-        if (j != i) others += " \"" + movables_[j] + "\"";
-      }
-      if (!others.empty()) world_ += interest(movables_[i], others);
-    }
+    std::vector<std::string> movables;
+    if (size_.boxes > 0) movables.emplace_back("BOX_*");
+    if (size_.bodies > 0) movables.emplace_back("BODY_*");
+    if (size_.loose > 0) movables.emplace_back("LOOSE_*");
+    std::string all = " \"WALLS_*\" \"CAR_*\"";
+    for (const std::string& each : movables) all += " \"" + each + "\"";
+    world_ += interests_;
+    for (const std::string& each : movables) world_ += interest(each, all);
   }
 
   TownSize size_;
   Chance chance_;
-  std::string world_, tables_, walls_, cars_, interests_, west_, east_;
-  std::vector<std::string> movables_, viewers_;
+  std::string world_, tables_, interests_, west_, east_;
+  std::vector<std::string> viewers_;
 };
 
 inline Town walled_town(const TownSize& size) { return TownWriter(size).write(); }

@@ -53,8 +53,8 @@ std::uint64_t polygons_of_bodies(const Scene& scene) {
   }
   std::set<ObjectId> named;
   for (const CollisionInterest& interest : scene.interests) {
-    named.insert(interest.collider);
-    named.insert(interest.collidees.begin(), interest.collidees.end());
+    named.insert(interest.colliders.ends.begin(), interest.colliders.ends.end());
+    named.insert(interest.collidees.ends.begin(), interest.collidees.ends.end());
   }
   std::uint64_t polygons = 0;
   for (const ObjectId id : named) polygons += before[scene.at(id).subtree_end] - before[scene.index_of(id)];

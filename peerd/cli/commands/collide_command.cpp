@@ -18,6 +18,7 @@
 #include "collision/scene/collision_watch.hpp"
 #include "collision/scene/scene_query.hpp"
 #include "core/motion/scene_motion.hpp"
+#include "core/scene/interest_pairs.hpp"
 #include "peerd/cli/shell/problems.hpp"
 #include "peerd/cli/shell/world_time_progress.hpp"
 #include "peerd/input/hierarchy_files.hpp"
@@ -321,11 +322,17 @@ Result<std::vector<Answer>> answers_of(const std::string& path, const Scene& sce
   go_to(query, motion, options.at_s);
   std::vector<Answer> answers;
   for (const CollisionInterest& interest : scene.interests) {
-    for (const ObjectId collidee : interest.collidees) {
-      auto collision = query.collide(interest.collider, collidee, interest.type);
-      if (!collision) return std::unexpected(InputError{path + ": error: " + collision.error(), kFinding});
-      answers.push_back({{interest.collider, collidee, interest.type}, std::move(*collision)});
-    }
+    std::optional<std::string> error;
+    InterestPairs(scene, interest).for_each([&](ObjectId collider, ObjectId collidee) {
+      if (error) return;
+      auto collision = query.collide(collider, collidee, interest.type);
+      if (collision) {
+        answers.push_back({{collider, collidee, interest.type}, std::move(*collision)});
+      } else {
+        error = collision.error();
+      }
+    });
+    if (error) return std::unexpected(InputError{path + ": error: " + *error, kFinding});
   }
   return answers;
 }

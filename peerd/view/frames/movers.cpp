@@ -37,8 +37,8 @@ Movers movers_of(const Scene& scene) {
     if (scene.at(id).kind == NodeKind::kTransform) known.push_back(id);
   };
   for (const CollisionInterest& interest : scene.interests) {
-    add(interest.collider);
-    for (const ObjectId id : interest.collidees) add(id);
+    for (const ObjectId id : interest.colliders.ends) add(id);
+    for (const ObjectId id : interest.collidees.ends) add(id);
   }
   for (const KeySensor& sensor : scene.key_sensors) {
     if (sensor.recipient) add(*sensor.recipient);

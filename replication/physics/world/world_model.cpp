@@ -11,6 +11,7 @@
 #include "core/motion/carriers.hpp"
 #include "core/motion/founder_objects.hpp"
 #include "core/motion/predefined_motion.hpp"
+#include "core/scene/interest_pairs.hpp"
 
 namespace peerd::replication {
 namespace {
@@ -55,14 +56,11 @@ class ModelBuilder {
   void add_pairs() {
     KnownPairs known;
     for (const CollisionInterest& interest : scene_.interests) {
-      for (const ObjectId collidee : interest.collidees) {
-        if (collidee == interest.collider) {
-          model_.unsupported.push_back(scene_.path_of(collidee) + ": an interest in itself asks for nothing");
-          continue;
-        }
-        add_pair(known, {interest.collider, collidee, interest.type, false});
-        named_.push_back(interest.collider);
-        named_.push_back(collidee);
+      InterestPairs(scene_, interest).for_each([&](ObjectId collider, ObjectId collidee) {
+        add_pair(known, {collider, collidee, interest.type, false});
+      });
+      for (const InterestSide* const side : {&interest.colliders, &interest.collidees}) {
+        named_.insert(named_.end(), side->ends.begin(), side->ends.end());
       }
     }
     keep_each_once(named_);

@@ -97,8 +97,8 @@ TEST(SceneEditor, WhatAnInterestNamesStaysWhatItWas) {
   ASSERT_TRUE(editor.add(kHead + "DEF WHEEL Group { }", {{}, car}, {kFirstObject, kFirstNode}, {}));
   const Scene edited = finished(editor);
   ASSERT_EQ(edited.interests.size(), 1u);
-  EXPECT_EQ(edited.interests[0].collider, car);
-  EXPECT_EQ(edited.interests[0].collidees, (std::vector{wall, wheel}));
+  EXPECT_EQ(edited.interests[0].colliders.ends.front(), car);
+  EXPECT_EQ(edited.interests[0].collidees.ends, (std::vector{wall, wheel}));
   EXPECT_EQ(edited.key_sensors[0].recipient, wall);
   expect_like(edited,
               kHead + "DEF WHEEL Group { }" + kCar + kWall +
@@ -109,12 +109,52 @@ TEST(SceneEditor, WhatAnInterestNamesStaysWhatItWas) {
   ASSERT_TRUE(without.remove(wall));
   const Scene rest = finished(without);
   ASSERT_EQ(rest.interests.size(), 1u);
-  EXPECT_EQ(rest.interests[0].collidees, std::vector{wheel});
+  EXPECT_EQ(rest.interests[0].collidees.ends, std::vector{wheel});
   EXPECT_EQ(rest.key_sensors[0].recipient, std::nullopt);
 
   SceneEditor last(rest);
   ASSERT_TRUE(last.remove(wheel));
   EXPECT_TRUE(finished(last).interests.empty());
+}
+
+TEST(SceneEditor, WhatAPatternFindsFollowsTheScene) {
+  const std::string crates = "DEF CRATES Group { children [ DEF A Transform { } DEF B Transform { } ] }\n";
+  const std::string interest =
+      "CollisionInterest { objectPath \"CRATES/*\" interests [ \"WALL\", \"CRATES/*\" ] except [ \"CRATES/B\" ] }\n";
+  const Scene world = read(kHead + crates + kWall + interest);
+  const ObjectId group = *world.find("CRATES"), a = *world.find("CRATES/A"), wall = *world.find("WALL");
+  EXPECT_EQ(world.interests[0].colliders.ends, std::vector{a});
+  SceneEditor editor(world);
+  ASSERT_TRUE(editor.add(kHead + "DEF C Transform { }", {group, {}}, {kFirstObject, kFirstNode}, {}));
+  const Scene edited = finished(editor);
+  const ObjectId c = *edited.find("CRATES/C");
+  ASSERT_EQ(edited.interests.size(), 1u);
+  EXPECT_EQ(edited.interests[0].colliders.ends, (std::vector{a, c}));
+  EXPECT_EQ(edited.interests[0].collidees.ends, (std::vector{wall, a, c}));
+
+  SceneEditor without(edited);  // what it names exactly is gone, and what it finds is not there yet again
+  for (const ObjectId gone : {wall, a, c}) ASSERT_TRUE(without.remove(gone));
+  const Scene rest = finished(without);
+  expect_like(rest, kHead + "DEF CRATES Group { children DEF B Transform { } }" +
+                        "CollisionInterest { objectPath \"CRATES/*\" interests \"CRATES/*\" except \"CRATES/B\" }");
+  ASSERT_EQ(rest.interests.size(), 1u);
+
+  SceneEditor last(rest);
+  ASSERT_TRUE(last.remove(group));
+  EXPECT_TRUE(finished(last).interests.empty());
+}
+
+TEST(SceneEditor, AnInterestIsOfTheTypeThatIsSet) {
+  const Scene world = read(kHead + kCar + kWall + "DEF I CollisionInterest { objectPath \"CAR\" interests \"WALL\" }");
+  const std::uint32_t node = world.interests[0].node;
+  EXPECT_EQ(world.interests[0].type, CollisionType::kBox);
+  SceneEditor editor(world);
+  ASSERT_TRUE(editor.set(world.document->ids.id_of(node), "collisionType", "2", {}));
+  EXPECT_EQ(finished(editor).interests[0].type, CollisionType::kAllPairs);
+  SceneEditor wrong(world);
+  ASSERT_TRUE(wrong.set(world.document->ids.id_of(node), "collisionType", "3", {}));
+  EXPECT_TRUE(wrong.may_fail());
+  EXPECT_FALSE(wrong.finish());
 }
 
 TEST(SceneEditor, ATextNamesWhatIsAroundIt) {
@@ -126,8 +166,8 @@ TEST(SceneEditor, ATextNamesWhatIsAroundIt) {
   ASSERT_TRUE(editor.add(text, {}, {kFirstObject, kFirstNode}, {}, around));
   const Scene edited = finished(editor);
   ASSERT_EQ(edited.interests.size(), 1u);
-  EXPECT_EQ(edited.interests[0].collider, ObjectId(1, 7));
-  EXPECT_EQ(edited.interests[0].collidees, std::vector{*world.find("WALL")});
+  EXPECT_EQ(edited.interests[0].colliders.ends.front(), ObjectId(1, 7));
+  EXPECT_EQ(edited.interests[0].collidees.ends, std::vector{*world.find("WALL")});
   expect_like(edited, kHead + kWall + kCar + "CollisionInterest { objectPath \"CAR\" interests \"WALL\" }");
 }
 

@@ -88,8 +88,8 @@ TEST(Inline, BringsItsRoutesScriptsAndInterests) {
                                  "interests [ \"HIT\" \"WALL\" ] }"}});
   EXPECT_THAT(routes_of(*scene.document), ElementsAre("T.touchTime > C.startTime"));
   ASSERT_EQ(scene.interests.size(), 1u);
-  EXPECT_EQ(scene.path_of(scene.interests[0].collider), "0/ME");
-  EXPECT_THAT(scene.interests[0].collidees, ElementsAre(scene.find("0/HIT"), scene.find("WALL")));
+  EXPECT_EQ(scene.path_of(scene.interests[0].colliders.ends.front()), "0/ME");
+  EXPECT_THAT(scene.interests[0].collidees.ends, ElementsAre(scene.find("0/HIT"), scene.find("WALL")));
 }
 
 TEST(InlineInAProto, TakesItsUrlFromTheInstance) {

@@ -347,10 +347,10 @@ TEST(ProtoInterests, MeanTheirOwnInstancesNodes) {
     DEF B Car { }
     DEF WALL Shape { })");
   ASSERT_EQ(scene.interests.size(), 2u);
-  EXPECT_EQ(scene.interests[0].collider, ObjectId{1});
-  EXPECT_THAT(scene.interests[0].collidees, ElementsAre(ObjectId{2}, ObjectId{5}));
-  EXPECT_EQ(scene.interests[1].collider, ObjectId{3});
-  EXPECT_THAT(scene.interests[1].collidees, ElementsAre(ObjectId{4}, ObjectId{5}));
+  EXPECT_EQ(scene.interests[0].colliders.ends.front(), ObjectId{1});
+  EXPECT_THAT(scene.interests[0].collidees.ends, ElementsAre(ObjectId{2}, ObjectId{5}));
+  EXPECT_EQ(scene.interests[1].colliders.ends.front(), ObjectId{3});
+  EXPECT_THAT(scene.interests[1].collidees.ends, ElementsAre(ObjectId{4}, ObjectId{5}));
 }
 
 TEST(ProtoInterests, TakeNamesFromTheInterface) {
@@ -359,8 +359,8 @@ TEST(ProtoInterests, TakeNamesFromTheInterface) {
     DEF A Group { } DEF B Group { } DEF C Group { }
     Watch { who "A" whom [ "B" "C" ] })");
   ASSERT_EQ(scene.interests.size(), 1u);
-  EXPECT_EQ(scene.interests[0].collider, ObjectId{0});
-  EXPECT_THAT(scene.interests[0].collidees, ElementsAre(ObjectId{1}, ObjectId{2}));
+  EXPECT_EQ(scene.interests[0].colliders.ends.front(), ObjectId{0});
+  EXPECT_THAT(scene.interests[0].collidees.ends, ElementsAre(ObjectId{1}, ObjectId{2}));
 }
 
 // Errors inside a PROTO come once, not once for each instance.

@@ -17,10 +17,10 @@ TEST(ObjectFinder, ResolveNamesAndPaths) {
     DEF B Group { children [ Shape { } DEF C Shape { } ] }
     CollisionInterest { objectPath "C" interests "A" })");
   ASSERT_EQ(scene.interests.size(), 1u + 1u);
-  EXPECT_EQ(scene.interests[0].collider, ObjectId{0});
-  EXPECT_THAT(scene.interests[0].collidees, ElementsAre(ObjectId{1}, ObjectId{2}, ObjectId{3}));
+  EXPECT_EQ(scene.interests[0].colliders.ends.front(), ObjectId{0});
+  EXPECT_THAT(scene.interests[0].collidees.ends, ElementsAre(ObjectId{1}, ObjectId{2}, ObjectId{3}));
   EXPECT_EQ(scene.interests[0].type, CollisionType::kAllPairs);
-  EXPECT_EQ(scene.interests[1].collider, ObjectId{3});
+  EXPECT_EQ(scene.interests[1].colliders.ends.front(), ObjectId{3});
   EXPECT_EQ(scene.interests[1].type, CollisionType::kBox);
 }
 

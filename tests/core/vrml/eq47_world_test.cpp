@@ -106,10 +106,10 @@ TEST_F(Eq47World, HasCubesAtTheTurningPoints) {
 TEST_F(Eq47World, RegistersTheCarWithEverything) {
   ASSERT_EQ(scene.interests.size(), 1u);
   const CollisionInterest& interest = scene.interests[0];
-  EXPECT_EQ(scene.path_of(interest.collider), "CAR");
+  EXPECT_EQ(scene.path_of(interest.colliders.ends.front()), "CAR");
   EXPECT_EQ(interest.type, CollisionType::kWitness);
   std::vector<std::string> paths;
-  for (const ObjectId id : interest.collidees) paths.push_back(scene.path_of(id));
+  for (const ObjectId id : interest.collidees.ends) paths.push_back(scene.path_of(id));
   EXPECT_EQ(paths, (std::vector<std::string>{"WALL_RIGHT", "WALL_LEFT", "CUBE_1", "CUBE_2", "CUBE_3"}));
 }
 

@@ -201,7 +201,7 @@ TEST(Writer, WritesWhatStandsBesideAPrototypesFirstNode) {
     }
     Lift { } DEF Second Lift { } DEF Touch TouchSensor { } ROUTE Touch.touchTime TO Second.up)");
   EXPECT_EQ(trip.copy.interests.size(), 2u);
-  EXPECT_EQ(trip.copy.interests[1].collider, trip.copy.find("Second"));
+  EXPECT_EQ(trip.copy.interests[1].colliders.ends.front(), trip.copy.find("Second"));
   EXPECT_EQ(trip.copy.document->routes.size(), 5u);
   EXPECT_THAT(trip.text, HasSubstr("objectPath \"Second\"\n  interests [ \"Second/Door\" ]"));
   EXPECT_THAT(trip.text, HasSubstr("Script {\n  field MFNode outsideTheScene [\n    DEF V Viewpoint { }\n"));
@@ -216,13 +216,25 @@ TEST(Writer, ANameOfTheWorldIsStillFoundBeforeOneOfAPrototype) {
   EXPECT_THAT(trip.notes, ElementsAre(HasSubstr("Wheel is written as Wheel_2")));
 }
 
+TEST(Writer, APatternFindsTheSame) {
+  const Trip trip = trip_of(R"(
+    PROTO Heap [ ] { DEF CRATES Group { children [ DEF A Transform { } DEF B Transform { } ] }
+                     CollisionInterest { objectPath "CRATES/*" interests "CRATES/*" } }
+    Heap { } DEF Second Heap { } DEF WALL Transform { }
+    CollisionInterest { objectPath "WALL" interests [ "Second/*" "A*" ] except "B*" })");
+  ASSERT_EQ(trip.copy.interests.size(), 3u);
+  EXPECT_EQ(trip.copy.interests[1].colliders.ends.size(), 2u);
+  EXPECT_THAT(trip.text, HasSubstr("objectPath \"Second/*\""));
+  EXPECT_THAT(trip.text, HasSubstr("except [ \"B*\" ]"));
+}
+
 TEST(Writer, AnInnerNameThatTheInstanceReplacesIsStillMeant) {
   const Trip trip = trip_of(R"(
     DEF Body Transform { }
     PROTO Car [ ] { DEF Body Transform { children DEF Wheel Shape { } } CollisionInterest { objectPath "Body" interests "Wheel" } }
     DEF MyCar Car { })");
   ASSERT_EQ(trip.copy.interests.size(), 1u);
-  EXPECT_EQ(trip.copy.interests[0].collider, trip.copy.find("MyCar"));
+  EXPECT_EQ(trip.copy.interests[0].colliders.ends.front(), trip.copy.find("MyCar"));
 }
 
 TEST(Writer, ChildNumbersSurviveAPrototypeWithoutANode) {

@@ -21,7 +21,7 @@ AddNodes wall_at(int x) {
 }
 class Edits : public Peers {
  protected:
-  Edits() : Peers(kBall + box("CAR", "1 1 1", "0 20 0"), {"BALL", "CAR"}) {}
+  explicit Edits(const std::string& more = "") : Peers(kBall + box("CAR", "1 1 1", "0 20 0") + more, {"BALL", "CAR"}) {}
 
   // Peer 1 owns the ball, which physics moves; peer 2 the car.
   void begin() {
@@ -79,6 +79,25 @@ TEST_F(Edits, WhoHearsLatePredictsAgain) {
   expect_one_scene();
   EXPECT_EQ(contacts_at(2), contacts_at(0));
   expect_one_ghost("BALL");
+}
+
+class EditsOfAGroup : public Edits {
+ protected:
+  EditsOfAGroup() : Edits("DEF WALLS Group { }\n" + interest("BALL", "\"WALLS/*\"")) {}
+};
+
+TEST_F(EditsOfAGroup, WhatComesIntoItMeetsWhatTheGroupMeets) {
+  begin();
+  AddNodes wall = adding(box("WALL", "1 9 9", "5.5 0 0"));
+  wall.parent = world["WALLS"];
+  (void)edit(1, wall);
+  lan->run_until(11s);
+  expect_one_scene();
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(lan->peer(i).ghost(world["BALL"], lan->session_now(i)).velocity.x(), -1.0);
+  }
+  EXPECT_THAT(contacts_at(0), SizeIs(1));
+  EXPECT_EQ(contacts_at(2), contacts_at(0));
 }
 
 TEST_F(Edits, AnOwnObjectGoesWhereItsFieldSays) {

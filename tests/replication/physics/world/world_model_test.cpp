@@ -42,6 +42,18 @@ TEST(WorldModel, ManyPairsAreFoundInLinearTime) {
   EXPECT_TRUE(std::ranges::all_of(w.model->pairs, &CollisionPair::mutual));
 }
 
+TEST(WorldModel, APatternPairsAsListsDo) {
+  const std::string boxes = box("G0", "1 1 1", "0 0 0") + box("G1", "1 1 1", "3 0 0") + box("G2", "1 1 1", "6 0 0");
+  const World listed(boxes + interest("G0", "\"G1\" \"G2\"") + interest("G1", "\"G0\" \"G2\"") +
+                     interest("G2", "\"G0\" \"G1\""));
+  const World found(boxes + interest("G*", "\"G*\""));
+  ASSERT_EQ(found.model->pairs.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(key_of(found.model->pairs[i]), key_of(listed.model->pairs[i]));
+    EXPECT_TRUE(found.model->pairs[i].mutual);
+  }
+}
+
 TEST(WorldModel, NamesWhatItCannotAnswer) {
   const World w("DEF GROUP Transform { children " + box("INNER", "1 1 1", "0 0 0") + "}" +
                 "DEF EGG Transform { children Shape { geometry Sphere { radius 1e18 } } }" +
