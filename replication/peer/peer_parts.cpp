@@ -279,28 +279,17 @@ Vec3 PeerParts::velocity_in_world(SimTime at, ObjectId object, const Vec3& in_pa
 
 // These objects have an owner from now on: that matters to their pairs, and to those of what they are paired with.
 void PeerParts::watch_pairs_around(std::span<const ObjectId> objects) {
-  const auto pairs_of = [&](std::span<const ObjectId> some) {
-    std::vector<std::uint32_t> pairs;
-    for (const ObjectId object : some) std::ranges::copy(model->pairs_of(object), std::back_inserter(pairs));
-    return without_doubles(std::move(pairs));
-  };
-  const std::vector<std::uint32_t> theirs = pairs_of(objects);
-  std::vector<ObjectId> paired;
-  for (const std::uint32_t number : theirs) {
-    paired.push_back(model->pairs[number].collider);
-    paired.push_back(model->pairs[number].collidee);
-  }
-  const std::vector<std::uint32_t> around = pairs_of(without_doubles(std::move(paired)));
   // Interests in what they carry, or in what carries them, matter, too.
-  std::vector<std::uint32_t> moved = theirs;
+  std::vector<std::uint32_t> moved;
   for (const ObjectId object : objects) {
+    std::ranges::copy(model->pairs_of(object), std::back_inserter(moved));
     if (model->node(object) == nullptr) continue;
     for (const std::uint32_t k : model->moved_part_pairs[model->index_of(object)]) {
       moved.push_back(model->part_pairs[k].pair);
     }
   }
   regions.measure_contact_ranges(without_doubles(std::move(moved)), false);
-  decisions.watch(around);
+  decisions.watch().follow_owners_of(objects);
 }
 
 void PeerParts::give_scene_object(ObjectId object, PeerId owner, SimTime decided) {

@@ -130,7 +130,7 @@ struct PeerParts {
   // A velocity relative to the object's carrier, from the frame of its parent, as the file has it, turned to the world.
   [[nodiscard]] Vec3 velocity_in_world(SimTime at, ObjectId object, const Vec3& in_parent);
   // The decisions and the truth watch these pairs of the model by who owns and receives their objects now.
-  void watch_pairs_of(ObjectId object) { decisions.watch(model->pairs_of(object)); }
+  void watch_pairs_of(ObjectId object) { decisions.watch().follow(object); }
   // These objects have an owner from now on, or none any more: that matters to their pairs, and to those of what they
   // are paired with.
   void watch_pairs_around(std::span<const ObjectId> objects);

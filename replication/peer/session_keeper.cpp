@@ -220,7 +220,7 @@ void SessionKeeper::watch_all_pairs() {
   std::vector<std::uint32_t> all(p_.model->pairs.size());
   std::iota(all.begin(), all.end(), 0U);
   p_.regions.measure_contact_ranges(all, true);
-  p_.decisions.watch(all);
+  p_.decisions.watch().follow_all();
 }
 
 void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects, std::uint64_t as_founder) {

@@ -63,10 +63,6 @@ bool is_acknowledged_by_all(const Membership& members, const DecisionLog::Entry&
   });
 }
 
-void forget_rests_of(ObjectId object, std::set<std::pair<ObjectId, ObjectId>>& resting) {
-  std::erase_if(resting, [&](const auto& two) { return two.first == object || two.second == object; });
-}
-
 }  // namespace
 
 ContactDecisions::ContactDecisions(const PeerConfig& config, const ModelInForce& model, Membership& members,
@@ -80,6 +76,7 @@ ContactDecisions::ContactDecisions(const PeerConfig& config, const ModelInForce&
       scene_(scene),
       own_(own),
       replica_(replica),
+      watch_(config, model, owners, scene, own, replica),
       drives_(owners, replica),
       display_(display),
       ticks_(ticks),
@@ -107,58 +104,6 @@ bool ContactDecisions::may_have_decided(PeerId peer, const DecisionRecord& d) co
 
 // Whether this peer looks for contacts of the two. By the policy `id` a peer that doesn't decide has no need to; else
 // both owners look: which of them is to decide depends on when, and it may fall back to the other.
-bool ContactDecisions::searches_contacts_of(ObjectId a, ObjectId b) const {
-  const bool mine = own_.contains(a) || own_.contains(b);
-  if (!owners_.have_two(a, b)) return mine;
-  if (config_.decisions.policy == DecisionPolicy::kId) return decider_by_id(owners_.of(a), owners_.of(b)) == config_.id;
-  return mine || config_.is_decision_server();
-}
-
-// Whether one of the two is this peer's, and the other one's owner alone looks for their contacts.
-bool ContactDecisions::leaves_contacts_of(ObjectId a, ObjectId b) const {
-  return (own_.contains(a) || own_.contains(b)) && owners_.have_two(a, b) && !searches_contacts_of(a, b);
-}
-
-// The truth watches what this peer finds. Ghosts are watched wherever they may meet something, own ones included: the
-// sender must know what every receiver predicts, or a predicted collision would cost an update. Objects that this peer
-// does not receive meet nothing.
-void ContactDecisions::watch(std::span<const std::uint32_t> pairs) {
-  if (!replica_.begun()) return;
-  std::map<ObjectId, bool> partners;
-  // A remote object whose collisions with own ones this peer finds, or with any as the server, or that rests against an
-  // own one.
-  const auto is_partner = [&](ObjectId object) {
-    const auto [at, is_new] = partners.try_emplace(object, false);
-    if (is_new && !own_.contains(object) && owners_.of(object) != kNobody) {
-      at->second = std::ranges::any_of(model_->pairs_of(object), [&](std::uint32_t number) {
-        const CollisionPair& pair = model_->pairs[number];
-        return searches_contacts_of(pair.collider, pair.collidee) ||
-               resting_.contains(std::minmax(pair.collider, pair.collidee));
-      });
-    }
-    return at->second;
-  };
-  for (const std::uint32_t number : pairs) {
-    if (resting_.empty()) break;
-    const CollisionPair& pair = model_->pairs[number];
-    if (!leaves_contacts_of(pair.collider, pair.collidee)) resting_.erase(std::minmax(pair.collider, pair.collidee));
-  }
-  for (const std::uint32_t number : pairs) {
-    assert(number < model_->pairs.size());
-    const CollisionPair& pair = model_->pairs[number];
-    const ObjectId a = pair.collider, b = pair.collidee;
-    const bool here = replica_.receives(a) && replica_.receives(b), mine = own_.contains(a) || own_.contains(b);
-    const bool of_nobody = owners_.of(a) == kNobody && owners_.of(b) == kNobody;  // that is no prediction
-    // In the truth only what is certain moves a scene object: not a remote one, before its owner has decided.
-    const bool moves_scene =
-        (scene_.answers(pair, a) && owners_.of(a) == kNobody) || (scene_.answers(pair, b) && owners_.of(b) == kNobody);
-    const bool as_partner = moves_scene ? of_nobody : is_partner(a) || is_partner(b);
-    const bool by_us = searches_contacts_of(a, b) || resting_.contains(std::minmax(a, b));
-    replica_.truth().watch(number, here && (mine ? by_us : as_partner));
-    replica_.ghosts().watch(number, here && (config_.policy.predict_collisions || of_nobody));
-  }
-}
-
 // The states of both owners from so long before a contact have reached all peers.
 Duration ContactDecisions::lookback() const {
   return config_.decisions.lookback ? *config_.decisions.lookback : members_.longest_latency();
@@ -216,8 +161,8 @@ ContactAuthority ContactDecisions::authority(ObjectId a, ObjectId b, SimTime con
     return reaches_all_in_time(ticks_, contact) ? ContactAuthority::kAsPublished : ContactAuthority::kDeferred;
   }
   if (!owners_.have_two(a, b)) return ContactAuthority::kAsPublished;
-  if (!searches_contacts_of(a, b)) {
-    return resting_.contains(std::minmax(a, b)) ? ContactAuthority::kDeferred : ContactAuthority::kAsPublished;
+  if (!watch_.searches(a, b)) {
+    return watch_.rests(a, b) ? ContactAuthority::kDeferred : ContactAuthority::kAsPublished;
   }
   if (!reaches_all_in_time(ticks_, contact)) return ContactAuthority::kDeferred;
   if (config_.decisions.policy == DecisionPolicy::kId) return ContactAuthority::kLocal;
@@ -348,7 +293,7 @@ void ContactDecisions::defer(const ContactEvent& c) {
     ++counters_.contacts_too_late;
     return;
   }
-  if (resting_.contains(std::minmax(c.collider, c.collidee))) return;  // the other owner finds it, and decides
+  if (watch_.rests(c.collider, c.collidee)) return;  // the other owner finds it, and decides
   const SimTime decided = log_.last(c.collider, c.collidee);
   if (decided >= c.at && decided <= c.at + DecisionLog::kSameCollision) return;
   if (!reaches_all_in_time(ticks_, c.at)) {
@@ -501,18 +446,12 @@ void ContactDecisions::apply(const std::vector<DecisionLog::Change>& changes, Si
   for (const DecisionLog::Change& change : changes) {
     const DecisionRecord& d = change.record;
     // By the policy `id` one owner does not look for contacts of the two. It has to solve a resting one all the same.
-    if (leaves_contacts_of(d.collider, d.collidee)) {
+    if (watch_.leaves(d.collider, d.collidee)) {
       const auto known = std::views::reverse(log_.entries());
       const auto last = std::ranges::find_if(
           known, [&](const DecisionLog::Entry& e) { return e.in_force && of_pair(e.record, d.collider, d.collidee); });
       const bool here = replica_.receives(d.collider) && replica_.receives(d.collidee);
-      const bool rests = here && last != known.end() && last->record.rests;
-      const std::pair<ObjectId, ObjectId> two = std::minmax(d.collider, d.collidee);
-      if (rests != resting_.contains(two)) {
-        rests ? void(resting_.insert(two)) : void(resting_.erase(two));
-        // Its other contacts count here, too.
-        for (const ObjectId object : {d.collider, d.collidee}) watch(model_->pairs_of(object));
-      }
+      watch_.set_rests(d.collider, d.collidee, here && last != known.end() && last->record.rests);
     }
     if (change.in_force) {
       apply(d, change.author, known_at);
@@ -777,12 +716,12 @@ void ContactDecisions::remove(ObjectId object) {
                 [&](const Deferred& d) { return d.contact.collider == object || d.contact.collidee == object; });
   log_.forget(object);
   life_since_.erase(object);
-  forget_rests_of(object, resting_);
+  watch_.forget_rests_of(object);
 }
 
 void ContactDecisions::end_life_of(ObjectId object, SimTime t) {
   life_since_[object] = t;
-  forget_rests_of(object, resting_);
+  watch_.forget_rests_of(object);
 }
 
 void ContactDecisions::forget(ObjectId object, SimTime t) {
@@ -793,7 +732,7 @@ void ContactDecisions::forget(ObjectId object, SimTime t) {
 void ContactDecisions::restart(bool same_session) {
   deferred_.clear();
   if (same_session) return;
-  resting_.clear();
+  watch_.forget_rests();
   log_.clear();
   life_since_.clear();
   last_found_.clear();

@@ -12,6 +12,7 @@
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
+#include "replication/objects/contacts/contact_watch.hpp"
 #include "replication/objects/contacts/decision.hpp"
 #include "replication/objects/contacts/decision_log.hpp"
 #include "replication/objects/contacts/resting_drives.hpp"
@@ -47,9 +48,8 @@ class ContactDecisions {
 
   // Whether `peer` may be the one that decides a contact of two owners.
   [[nodiscard]] bool may_decide(PeerId peer, PeerId owner_a, PeerId owner_b) const;
-  // Makes the truth and the ghosts watch these pairs of the model from now on, or not, by who owns and receives their
-  // objects. Does nothing before the replica has begun.
-  void watch(std::span<const std::uint32_t> pairs);
+  // What the truth and the ghosts watch.
+  [[nodiscard]] ContactWatch& watch() { return watch_; }
   // The authority of a contact that the truth has found.
   [[nodiscard]] ContactAuthority authority(ObjectId a, ObjectId b, SimTime contact) const;
   // Whether the object is one of the scene that contacts move, and that nobody owns now.
@@ -147,8 +147,6 @@ class ContactDecisions {
   [[nodiscard]] const char* why_void(const DecisionRecord& decision) const;
   [[nodiscard]] bool binds(const DecisionRecord& decision, ObjectId object) const;
   [[nodiscard]] bool may_have_decided(PeerId peer, const DecisionRecord& decision) const;
-  [[nodiscard]] bool searches_contacts_of(ObjectId a, ObjectId b) const;
-  [[nodiscard]] bool leaves_contacts_of(ObjectId a, ObjectId b) const;
   [[nodiscard]] Duration lookback() const;
   [[nodiscard]] PeerId choose_decider(ObjectId a, ObjectId b, SimTime contact) const;
   [[nodiscard]] Contender contender(ObjectId object, SimTime at, std::span<const WorldBox> meeting) const;
@@ -176,6 +174,7 @@ class ContactDecisions {
   const SceneObjects& scene_;
   OwnObjects& own_;
   Replica& replica_;
+  ContactWatch watch_;
   RestingDrives drives_;
   Display& display_;
   const TickGrid& ticks_;
@@ -184,9 +183,6 @@ class ContactDecisions {
   OnDecided on_decided_;
   DecisionLog log_;
   std::vector<Deferred> deferred_;
-  // Pairs of which the other owner alone looks for contacts (leaves_contacts_of), and that rest against each other by
-  // its last decision: the lower and the higher object.
-  std::set<std::pair<ObjectId, ObjectId>> resting_;
   // The last contact that was found of each interest, of pairs with several; by the lower and the higher object.
   std::map<std::tuple<ObjectId, ObjectId, CollisionType>, SimTime> last_found_;
   std::map<ObjectId, SimTime> life_since_;  // of objects whose owner has left once

@@ -99,8 +99,7 @@ TEST(InterestPairs, APatternInAnInlineBeginsWithAGroupInIt) {
 
 TEST(InterestPairs, OfMistakesAreReported) {
   EXPECT_THAT(problems_of(kWalls + interest("WEST", "\"NOWHERE/*\" \"X*\"")),
-              ElementsAre(HasSubstr("no node of the scene is named 'NOWHERE'"),
-                          "warning 3:60: 'X*' finds nothing yet"));
+              ElementsAre("3:51: no node of the scene is named 'NOWHERE'", "warning 3:63: 'X*' finds nothing yet"));
   EXPECT_THAT(problems_of(kWalls + interest("WEST", "\"*\"", "except \"WEST\"")),
               ElementsAre(HasSubstr("'WEST' is the collider")));
   EXPECT_THAT(problems_of(kWalls + interest("*", "\"*\"")), IsEmpty());

@@ -80,7 +80,7 @@ TEST(NodeTypes, HaveTheFieldsOfTheStandard) {
                                   {"TextureTransform", 4, 0, 0, 0},
                                   {"TimeSensor", 5, 0, 0, 4},
                                   {"TouchSensor", 1, 0, 0, 6},
-                                  {"Transform", 6 + 5, 2, 2, 1},
+                                  {"Transform", 6 + 5, 2 + 1, 2, 1},
                                   {"Viewpoint", 4, 1, 1, 2},
                                   {"VisibilitySensor", 3, 0, 0, 3},
                                   {"WorldInfo", 0, 2, 0, 0}};

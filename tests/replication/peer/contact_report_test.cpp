@@ -34,9 +34,7 @@ class Reporting : public testing::Test {
         p->replica.declare_remote(object, Role::kPredicted);
       }
     }
-    std::vector<std::uint32_t> all;
-    for (std::uint32_t i = 0; i < world.model->pairs.size(); ++i) all.push_back(i);
-    p->decisions.watch(all);
+    p->decisions.watch().follow_all();
     for (MotionWorld* each : {&p->replica.truth(), &p->replica.ghosts()}) {
       each->set_base(ball, sim(0s), moving({0, 0, 0}, {2, 0, 0}));
     }
@@ -133,7 +131,7 @@ TEST(ReportingTypes, OfTwoInterestsInAPairBothAreReported) {
     p.replica.truth().declare(world["A"], Role::kAuthoritative);
     p.replica.ghosts().declare(world["A"], Role::kPredicted);
     p.replica.declare_remote(world["B"], Role::kPredicted);
-    p.decisions.watch(std::vector{0u, 1u});
+    p.decisions.watch().follow_all();
     for (MotionWorld* each : {&p.replica.truth(), &p.replica.ghosts()}) {
       each->set_base(world["A"], sim(0s), moving({-2.5, 0, 0}, {1, 0, 0}));
     }
