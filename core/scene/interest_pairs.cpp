@@ -43,8 +43,8 @@ std::vector<InterestPairs::End> InterestPairs::ends_of(const Scene& scene, const
   ends.reserve(side.ends.size());
   for (std::size_t i = 0; i < side.ends.size(); ++i) {
     const std::uint32_t begin = scene.index_of(side.ends[i]);
-    ends.push_back({side.ends[i], begin, scene.instances[begin].subtree_end, scene.object(side.ends[i]).layers,
-                    i >= side.named});
+    ends.push_back(
+        {side.ends[i], begin, scene.instances[begin].subtree_end, scene.object(side.ends[i]).layers, i >= side.named});
   }
   return ends;
 }
@@ -52,7 +52,8 @@ std::vector<InterestPairs::End> InterestPairs::ends_of(const Scene& scene, const
 std::size_t InterestPairs::count() const {
   std::size_t count = 0;
   for (const End& a : colliders_) {
-    count += static_cast<std::size_t>(std::ranges::count_if(collidees_, [&](const End& b) { return are_paired(a, b); }));
+    count +=
+        static_cast<std::size_t>(std::ranges::count_if(collidees_, [&](const End& b) { return are_paired(a, b); }));
   }
   return count;
 }

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <numeric>
-#include <unordered_map>
-#include <vector>
+#include <utility>
 
 #include "replication/objects/contacts/decision.hpp"
 
@@ -29,14 +28,13 @@ void ContactWatch::set_rests(ObjectId a, ObjectId b, bool on) {
 
 void ContactWatch::forget_rests_of(ObjectId object) {
   std::erase_if(resting_, [&](const auto& two) { return two.first == object || two.second == object; });
+  if (is_up_to_date()) note_sought(model_->pairs_of(object));
 }
 
 bool ContactWatch::is_partner(ObjectId object) const {
   if (own_.contains(object) || owners_.of(object) == kNobody) return false;
-  return std::ranges::any_of(model_->pairs_of(object), [&](std::uint32_t number) {
-    const CollisionPair& pair = model_->pairs[number];
-    return searches(pair.collider, pair.collidee) || rests(pair.collider, pair.collidee);
-  });
+  const auto sought = sought_of_.find(object);
+  return sought != sought_of_.end() && sought->second > 0;
 }
 
 bool ContactWatch::note_partner(ObjectId object) {
@@ -44,61 +42,63 @@ bool ContactWatch::note_partner(ObjectId object) {
   return partners_.erase(object) > 0;
 }
 
+void ContactWatch::note_sought(std::span<const std::uint32_t> pairs) {
+  for (const std::uint32_t number : pairs) {
+    const auto [a, b] = std::pair{model_->pairs[number].collider, model_->pairs[number].collidee};
+    if (!resting_.empty() && !leaves(a, b)) resting_.erase(std::minmax(a, b));
+    const bool is_sought = searches(a, b) || rests(a, b);
+    if (is_sought == is_sought_[number]) continue;
+    is_sought_[number] = is_sought;
+    for (const ObjectId end : {a, b}) is_sought ? ++sought_of_[end] : --sought_of_[end];
+  }
+}
+
 void ContactWatch::follow_all() {
   if (!replica_.begun()) return;
+  followed_ = model_.revision();
   std::vector<std::uint32_t> all(model_->pairs.size());
   std::iota(all.begin(), all.end(), 0U);
-  drop_rests(all);
+  is_sought_.assign(all.size(), false);
+  sought_of_.clear();
+  note_sought(all);
   partners_.clear();
   for (const auto& [object, owner] : owners_) static_cast<void>(note_partner(object));
   follow(all);
 }
 
 void ContactWatch::follow(ObjectId object) {
-  if (!replica_.begun()) return;
+  if (!is_up_to_date()) return follow_all();
   const auto pairs = model_->pairs_of(object);
-  drop_rests(pairs);
+  note_sought(pairs);
   static_cast<void>(note_partner(object));
   follow(pairs);
 }
 
 void ContactWatch::follow_owners_of(std::span<const ObjectId> objects) {
-  if (!replica_.begun()) return;
-  std::vector<std::uint32_t> theirs;
-  std::set<ObjectId> ends(objects.begin(), objects.end());
+  if (!is_up_to_date()) return follow_all();
+  std::vector<std::uint32_t> pairs;
+  std::vector<ObjectId> ends(objects.begin(), objects.end());
   for (const ObjectId object : objects) {
     for (const std::uint32_t number : model_->pairs_of(object)) {
-      theirs.push_back(number);
-      ends.insert(model_->pairs[number].collider);
-      ends.insert(model_->pairs[number].collidee);
+      pairs.push_back(number);
+      ends.push_back(model_->pairs[number].collider);
+      ends.push_back(model_->pairs[number].collidee);
     }
   }
-  drop_rests(theirs);
+  note_sought(pairs);
+  std::ranges::sort(ends);
+  ends.erase(std::ranges::unique(ends).begin(), ends.end());
   for (const ObjectId end : ends) {
     if (!note_partner(end)) continue;
-    const auto of_end = model_->pairs_of(end);
-    theirs.insert(theirs.end(), of_end.begin(), of_end.end());
+    const auto theirs = model_->pairs_of(end);
+    pairs.insert(pairs.end(), theirs.begin(), theirs.end());
   }
-  std::ranges::sort(theirs);
-  theirs.erase(std::ranges::unique(theirs).begin(), theirs.end());
-  follow(theirs);
-}
-
-void ContactWatch::drop_rests(std::span<const std::uint32_t> pairs) {
-  for (const std::uint32_t number : pairs) {
-    if (resting_.empty()) return;
-    const CollisionPair& pair = model_->pairs[number];
-    if (!leaves(pair.collider, pair.collidee)) resting_.erase(std::minmax(pair.collider, pair.collidee));
-  }
+  std::ranges::sort(pairs);
+  pairs.erase(std::ranges::unique(pairs).begin(), pairs.end());
+  follow(pairs);
 }
 
 void ContactWatch::follow(std::span<const std::uint32_t> pairs) {
-  std::unordered_map<ObjectId, bool> partners;
-  const auto is_known_partner = [&](ObjectId object) {
-    const auto [at, is_new] = partners.try_emplace(object, false);
-    if (is_new) at->second = is_partner(object);
-    return at->second;
-  };
   for (const std::uint32_t number : pairs) {
     assert(number < model_->pairs.size());
     const CollisionPair& pair = model_->pairs[number];
@@ -108,9 +108,8 @@ void ContactWatch::follow(std::span<const std::uint32_t> pairs) {
     // In the truth only what is certain moves a scene object: not a remote one, before its owner has decided.
     const bool moves_scene =
         (scene_.answers(pair, a) && owners_.of(a) == kNobody) || (scene_.answers(pair, b) && owners_.of(b) == kNobody);
-    const bool as_partner = moves_scene ? of_nobody : is_known_partner(a) || is_known_partner(b);
-    const bool by_us = searches(a, b) || rests(a, b);
-    replica_.truth().watch(number, here && (mine ? by_us : as_partner));
+    const bool as_partner = moves_scene ? of_nobody : is_partner(a) || is_partner(b);
+    replica_.truth().watch(number, here && (mine ? is_sought_[number] : as_partner));
     replica_.ghosts().watch(number, here && (config_.policy.predict_collisions || of_nobody));
   }
 }

@@ -1,8 +1,11 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <span>
+#include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include "core/ids.hpp"
 #include "replication/objects/replica/own_objects.hpp"
@@ -23,8 +26,8 @@ class ContactWatch {
                const OwnObjects& own, Replica& replica)
       : config_(config), model_(model), owners_(owners), scene_(scene), own_(own), replica_(replica) {}
 
-  // These do nothing before the replica has begun. Each says which pairs may be watched otherwise now: all of them, those
-  // of an object, or what follows from other owners of these objects.
+  // These do nothing before the replica has begun. Each says which pairs may be watched otherwise now: all of them,
+  // those of an object, or what follows from other owners of these objects.
   void follow_all();
   void follow(ObjectId object);
   void follow_owners_of(std::span<const ObjectId> objects);
@@ -41,13 +44,15 @@ class ContactWatch {
   void forget_rests() { resting_.clear(); }
 
  private:
-  // A remote object whose collisions with own ones this peer finds, or with any as the server, or that rests against an
-  // own one.
+  // Whether what it knows of pairs is of the model in force.
+  [[nodiscard]] bool is_up_to_date() const { return replica_.begun() && followed_ == model_.revision(); }
+  // A remote object of which this peer looks for contacts with others, own ones or as the server, or that rests against
+  // an own one.
   [[nodiscard]] bool is_partner(ObjectId object) const;
   // Whether it has become a partner, or is none any more, since all its pairs were followed.
   bool note_partner(ObjectId object);
-  // Forgets of these pairs those that rest, where their contacts are not left to another owner any more.
-  void drop_rests(std::span<const std::uint32_t> pairs);
+  // Notes which of these pairs this peer looks for contacts of now.
+  void note_sought(std::span<const std::uint32_t> pairs);
   void follow(std::span<const std::uint32_t> pairs);
 
   const PeerConfig& config_;
@@ -57,7 +62,10 @@ class ContactWatch {
   const OwnObjects& own_;
   Replica& replica_;
   std::set<std::pair<ObjectId, ObjectId>> resting_;  // the lower and the higher object of each two
-  std::set<ObjectId> partners_;                      // when all their pairs were followed last
+  std::optional<std::uint64_t> followed_;            // the model of which all pairs were followed
+  std::vector<bool> is_sought_;                      // by pair: this peer looks for contacts of the two, or they rest
+  std::unordered_map<ObjectId, std::uint32_t> sought_of_;  // how many of an object's pairs are sought
+  std::set<ObjectId> partners_;                            // when all their pairs were followed last
 };
 
 }  // namespace peerd::replication

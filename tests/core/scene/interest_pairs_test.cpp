@@ -24,7 +24,8 @@ std::vector<std::string> pairs_of(const Scene& scene) {
 }
 std::vector<std::string> pairs_of(const std::string& body) { return pairs_of(scene_of(body)); }
 
-const std::string kCrates = "DEF CRATES Group { children [ DEF C1 Transform { } Transform { } DEF C3 Transform { } ] }\n";
+const std::string kCrates =
+    "DEF CRATES Group { children [ DEF C1 Transform { } Transform { } DEF C3 Transform { } ] }\n";
 const std::string kWalls = "DEF WEST Transform { } DEF EAST Transform { }\n";
 
 std::string interest(const std::string& object, const std::string& others, const std::string& more = "") {
@@ -32,10 +33,10 @@ std::string interest(const std::string& object, const std::string& others, const
 }
 
 TEST(InterestPairs, AGroupMeetsItselfAndTheWorld) {
-  EXPECT_THAT(pairs_of(kCrates + kWalls + interest("CRATES/*", R"("WEST" "CRATES/*")")),
-              ElementsAre("CRATES/C1-WEST", "CRATES/C1-CRATES/1", "CRATES/C1-CRATES/C3", "CRATES/1-WEST",
-                          "CRATES/1-CRATES/C1", "CRATES/1-CRATES/C3", "CRATES/C3-WEST", "CRATES/C3-CRATES/C1",
-                          "CRATES/C3-CRATES/1"));
+  EXPECT_THAT(
+      pairs_of(kCrates + kWalls + interest("CRATES/*", R"("WEST" "CRATES/*")")),
+      ElementsAre("CRATES/C1-WEST", "CRATES/C1-CRATES/1", "CRATES/C1-CRATES/C3", "CRATES/1-WEST", "CRATES/1-CRATES/C1",
+                  "CRATES/1-CRATES/C3", "CRATES/C3-WEST", "CRATES/C3-CRATES/C1", "CRATES/C3-CRATES/1"));
 }
 
 TEST(InterestPairs, AGroupByItsNameIsOneThing) {
@@ -65,13 +66,15 @@ TEST(InterestPairs, AllIsTheTopLevel) {
 }
 
 TEST(InterestPairs, ANameWithAStarInItIsThatName) {
-  EXPECT_THAT(pairs_of("DEF W* Transform { } DEF WEST Transform { } DEF EAST Transform { }" + interest("EAST", "\"W*\"")),
-              ElementsAre("EAST-W*"));
+  EXPECT_THAT(
+      pairs_of("DEF W* Transform { } DEF WEST Transform { } DEF EAST Transform { }" + interest("EAST", "\"W*\"")),
+      ElementsAre("EAST-W*"));
 }
 
 TEST(InterestPairs, ExceptLeavesOutOnBothSides) {
-  EXPECT_THAT(pairs_of(kCrates + kWalls + interest("CRATES/*", "\"*\" \"CRATES/*\"", "except [ \"CRATES/1\" \"*ST\" ]")),
-              ElementsAre("CRATES/C1-CRATES/C3", "CRATES/C3-CRATES/C1"));
+  EXPECT_THAT(
+      pairs_of(kCrates + kWalls + interest("CRATES/*", "\"*\" \"CRATES/*\"", "except [ \"CRATES/1\" \"*ST\" ]")),
+      ElementsAre("CRATES/C1-CRATES/C3", "CRATES/C3-CRATES/C1"));
 }
 
 TEST(InterestPairs, WhatIsInsideOfSomethingIsPairedWithItByNameAlone) {
@@ -81,7 +84,8 @@ TEST(InterestPairs, WhatIsInsideOfSomethingIsPairedWithItByNameAlone) {
 
 TEST(InterestPairs, APatternPairsWhatSharesALayer) {
   const std::string layers =
-      "DEF A Transform { collisionLayers 1 } DEF B Transform { collisionLayers 3 } DEF C Transform { collisionLayers 2 }"
+      "DEF A Transform { collisionLayers 1 } DEF B Transform { collisionLayers 3 } DEF C Transform { collisionLayers 2 "
+      "}"
       "DEF D Transform { collisionLayers 0 } DEF E Transform { }\n";
   EXPECT_THAT(pairs_of(layers + interest("A", "\"*\"")), ElementsAre("A-B", "A-E"));
   EXPECT_THAT(pairs_of(layers + interest("A", "\"C\" \"D\"")), ElementsAre("A-C", "A-D")) << "by name";

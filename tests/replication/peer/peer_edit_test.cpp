@@ -83,7 +83,9 @@ TEST_F(Edits, WhoHearsLatePredictsAgain) {
 
 class EditsOfAGroup : public Edits {
  protected:
-  EditsOfAGroup() : Edits("DEF WALLS Group { }\n" + interest("BALL", "\"WALLS/*\"")) {}
+  EditsOfAGroup()
+      : Edits("DEF WALLS Group { children " + box("FAR", "1 9 9", "99 0 0") + " }\n" +
+              interest("BALL", "\"WALLS/*\"")) {}
 };
 
 TEST_F(EditsOfAGroup, WhatComesIntoItMeetsWhatTheGroupMeets) {
