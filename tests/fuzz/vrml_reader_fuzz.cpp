@@ -112,8 +112,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (std::uint32_t i = 0; i < count; ++i) check(scene, i);
   for (std::uint32_t i = 0; i < std::min(count, 64u); ++i) check_paths(scene, i);
   for (const peerd::CollisionInterest& interest : scene.interests) {
-    require(interest.collider.number < count);
-    for (const peerd::ObjectId id : interest.collidees) require(id.number < count && id != interest.collider);
+    for (const auto* const side : {&interest.colliders, &interest.collidees}) {
+      for (const peerd::ObjectId id : side->ends) require(id.number < count);
+      require(side->named <= side->ends.size());
+      if (side->patterns.empty()) require(side->named == side->ends.size());
+    }
   }
   for (const peerd::KeySensor& sensor : scene.key_sensors)
     require(!sensor.recipient || sensor.recipient->number < count);

@@ -22,6 +22,7 @@ bool ContactWatch::leaves(ObjectId a, ObjectId b) const {
 
 void ContactWatch::set_rests(ObjectId a, ObjectId b, bool on) {
   if (on == rests(a, b)) return;
+  assert(!on || leaves(a, b));
   on ? void(resting_.insert(std::minmax(a, b))) : void(resting_.erase(std::minmax(a, b)));
   for (const ObjectId object : {a, b}) follow(object);  // its other contacts count here, too
 }
@@ -43,13 +44,18 @@ bool ContactWatch::note_partner(ObjectId object) {
 }
 
 void ContactWatch::note_sought(std::span<const std::uint32_t> pairs) {
+  assert(is_sought_.size() == model_->pairs.size());
   for (const std::uint32_t number : pairs) {
+    assert(number < is_sought_.size());
     const auto [a, b] = std::pair{model_->pairs[number].collider, model_->pairs[number].collidee};
     if (!resting_.empty() && !leaves(a, b)) resting_.erase(std::minmax(a, b));
     const bool is_sought = searches(a, b) || rests(a, b);
     if (is_sought == is_sought_[number]) continue;
     is_sought_[number] = is_sought;
-    for (const ObjectId end : {a, b}) is_sought ? ++sought_of_[end] : --sought_of_[end];
+    for (const ObjectId end : {a, b}) {
+      assert(is_sought || sought_of_[end] > 0);
+      is_sought ? ++sought_of_[end] : --sought_of_[end];
+    }
   }
 }
 
@@ -99,6 +105,7 @@ void ContactWatch::follow_owners_of(std::span<const ObjectId> objects) {
 }
 
 void ContactWatch::follow(std::span<const std::uint32_t> pairs) {
+  assert(is_up_to_date());
   for (const std::uint32_t number : pairs) {
     assert(number < model_->pairs.size());
     const CollisionPair& pair = model_->pairs[number];

@@ -181,8 +181,8 @@ TEST_P(LivingWorlds, AreReadAsTheyAreMeant) {
   std::size_t interests = 0;
   for (const Interest& interest : world.interests) {
     const CollisionInterest& there = scene.interests.at(interests++);
-    EXPECT_EQ(there.collider, scene.find(path_of(world, interest.collider)));
-    EXPECT_EQ(there.collidees.size(), interest.collidees.size());
+    EXPECT_EQ(there.colliders.ends.front(), scene.find(path_of(world, interest.collider)));
+    EXPECT_EQ(there.collidees.ends.size(), interest.collidees.size());
   }
   EXPECT_EQ(interests, scene.interests.size());
   // A node of the world and the instance that its path names are one: same kind, same parent, same place.

@@ -106,36 +106,6 @@ class ShowingThePast : public Deferring {
 
 // ---- which contacts this peer looks for ----
 
-// B and C are others' objects. What they do to each other counts as long as one of them may meet an own object.
-TEST_F(Deciding, PartnersOfOwnObjectsMeetInTheTruth) {
-  SimTime t = sim(10s);
-  const auto meet = [&] {
-    MotionWorld& truth = replica.truth();
-    while (truth.poll_event()) {
-    }
-    truth.set_base(b, t, moving({-3, 50, 0}, {4, 0, 0}));
-    truth.set_base(c, t, moving({0, 50, 0}, {0, 0, 0}));
-    truth.advance(t + 900ms);
-    t += 1s;
-    std::size_t contacts = 0;
-    while (const auto event = truth.poll_event()) contacts += std::holds_alternative<ContactEvent>(*event);
-    return contacts == 1;
-  };
-  const auto have = [&](PeerId owner) {
-    owner == conf.id ? own.adopt(a) : own.remove({{a}});
-    owners.set(a, owner);
-    decisions.watch().follow_owners_of({{a}});
-  };
-  decisions.watch().follow_all();
-  EXPECT_TRUE(meet());
-  have(other);
-  EXPECT_FALSE(meet());
-  have(conf.id);
-  EXPECT_TRUE(meet());
-  have(kNobody);
-  EXPECT_FALSE(meet());
-}
-
 TEST_F(Deciding, WhoMayDecideIsOneOfTwoOwnersByThePolicy) {
   const PeerId one{1}, two{2}, three{3};
   for (const DecisionPolicy policy : {DecisionPolicy::kId, DecisionPolicy::kVelocity, DecisionPolicy::kServer}) {
