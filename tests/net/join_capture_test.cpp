@@ -95,7 +95,7 @@ class CapturedJoin : public testing_support::ControlledPeers {
   }
   [[nodiscard]] bool leaves(Process& peer, const std::string& name) const {
     (void)ask(name, {{"do", "leave"}});
-    return peer.exit_code(10) == 0;
+    return peer.exit_code(30) == 0;
   }
   [[nodiscard]] json replay(const std::string& name) const {
     Process p(folder, "replay-" + name, PEERD_PROGRAM, {"replay", file(name, "pcapng"), "--json"});
@@ -188,20 +188,20 @@ TEST_F(CapturedJoin, WiresharkReadsAllOfIt) {
   }
   std::map<std::string, std::size_t> seen;
   in_a_namespace([&] {
-    Process dumpcap(folder, "dumpcap", kDumpcap, {"-q", "-i", "lo", "-w", file("wire", "pcapng")});
+    Process dumpcap(folder, "dumpcap", kDumpcap, {"-q", "-B", "64", "-i", "lo", "-w", file("wire", "pcapng")});
     ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(file("wire", "pcapng")); })) << dumpcap.err();
     Process a = record("a", {});
     ASSERT_TRUE(is_in_session("a")) << a.out() << a.err();
     edit_alone();
     Process ls(folder, "ls", PEERD_PROGRAM, {"ls", "--interface", "lo"});
-    EXPECT_EQ(ls.exit_code(10), 0) << ls.err();
+    EXPECT_EQ(ls.exit_code(30), 0) << ls.err();
     Process b = join("b");
     ASSERT_TRUE(is_in_session("b")) << b.out() << b.err();
     ASSERT_TRUE(have_the_same("a", "b"));
     edit_together();
     EXPECT_TRUE(leaves(b, "b") && leaves(a, "a"));
     dumpcap.signal(SIGINT);
-    EXPECT_EQ(dumpcap.exit_code(10), 0) << dumpcap.err();
+    EXPECT_EQ(dumpcap.exit_code(30), 0) << dumpcap.err();
     compare_wire(folder, file("wire", "pcapng"), seen);
     EXPECT_EQ(replay("a")["same"], true);
   });
