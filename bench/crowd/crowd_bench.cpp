@@ -1,7 +1,7 @@
 // Question: what do many bodies cost that may all meet, beside physics engines?
 //
 // crowd_bench [--quick] [--out DIR] [--commit NAME] [gas|pile|standing|ENGINE|BODIES]..: each run is a process of its
-// own, and the engines take turns. All times are user time of the CPU.
+// own, and the engines take turns. All times are of its thread.
 //   gas       boxes of 1 m fly in a closed room, 3 m apart, at about 2 m/s, and lose nothing.
 //   pile      boxes fall on a floor and stay where they fall: step_ms over the first 1.5 s, rest_ms from 20 s on.
 //   standing  a room with 100 boxes that move and all others nailed down.
@@ -22,6 +22,7 @@
 
 #include "bench/crowd/engine.hpp"
 #include "bench/figures.hpp"
+#include "bench/wire_objects.hpp"
 
 namespace peerd::bench {
 namespace {
@@ -59,21 +60,15 @@ struct Cost {
   std::uint64_t contacts = 0;
 };
 
-double user_s() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec) + 1e-6 * static_cast<double>(usage.ru_utime.tv_usec);
-}
-
 // A second to warm up, unless it falls; then so many seconds.
 Cost measure_here(const CrowdEngineKind& kind, const CrowdScene& scene, double seconds) {
   const auto steps_in = [](double s) { return static_cast<int>(std::lround(s / kStep_s)); };
   const bool falls = scene.kind == CrowdKind::kPile;
   Cost cost;
   std::vector<CrowdPose> bodies;
-  double before = user_s();
+  double before = thread_s();
   const std::unique_ptr<CrowdEngine> engine = kind.begin(scene);
-  cost.begin_s = user_s() - before;
+  cost.begin_s = thread_s() - before;
   const auto look = [&] {
     engine->poses(bodies);
     const CrowdState state = state_of(scene, bodies);
@@ -86,16 +81,16 @@ Cost measure_here(const CrowdEngineKind& kind, const CrowdScene& scene, double s
   const double energy_j = look();
   const std::uint64_t contacts = engine->contacts();
   const int steps = steps_in(falls ? 1.5 : seconds);
-  before = user_s();
+  before = thread_s();
   for (int i = 0; i < steps; ++i) engine->step();
-  cost.step_ms = 1e3 * (user_s() - before) / steps;
+  cost.step_ms = 1e3 * (thread_s() - before) / steps;
   cost.contacts = engine->contacts() - contacts;
   cost.energy_ratio = falls ? 1.0 : look() / energy_j;
   if (falls) {
     for (int i = steps; i < steps_in(20.0); ++i) engine->step();
-    before = user_s();
+    before = thread_s();
     for (int i = 0; i < steps_in(seconds); ++i) engine->step();
-    cost.rest_ms = 1e3 * (user_s() - before) / steps_in(seconds);
+    cost.rest_ms = 1e3 * (thread_s() - before) / steps_in(seconds);
   } else {  // more of what it looks like, which is not timed
     for (int i = 0; i < 60; ++i) {
       engine->step();

@@ -16,6 +16,8 @@ namespace {
 using namespace replication;
 
 // Motions begin when all peers have joined; the scene begins there.
+constexpr Duration kJoined = std::chrono::seconds(3);
+
 class Peers : public CrowdEngine {
  public:
   Peers(const CrowdScene& scene, std::size_t count) : gravity_(scene.kind == CrowdKind::kPile ? -kGravity_m_s2 : 0.0) {
@@ -34,6 +36,7 @@ class Peers : public CrowdEngine {
       for (std::size_t i = 0; i < objects_.size(); ++i) {
         if (!scene.bodies[i].moves || i % count != k) continue;
         Launch launch;
+        launch.after = kJoined;
         launch.acceleration = Vec3(0, gravity_, 0);
         config.owned.push_back({objects_[i], false, launch});
       }
