@@ -5,7 +5,7 @@
 //   gas       boxes of 1 m fly in a closed room, 3 m apart, at about 2 m/s, and lose nothing.
 //   pile      boxes fall on a floor and stay where they fall: step_ms over the first 1.5 s, rest_ms from 20 s on.
 //   standing  a room with 100 boxes that move and all others nailed down.
-// ENGINE: peerd, two_peers (both together), bullet, jolt, box3d: only these; those that CMake has not found are named
+// ENGINE: peerd, bullet, jolt, box3d: only these; those that CMake has not found are named
 // as not measured. BODIES: only these numbers. In all engines bodies keep their orientation. Exit code 1: peerd lets
 // one body into another, or one out of the room, or the energy of a gas change by more than a millionth; or an engine
 // counts other contacts of a gas than peerd, by more than a fifth.
@@ -27,9 +27,8 @@
 namespace peerd::bench {
 namespace {
 
-constexpr std::array<CrowdEngineKind, 5> kEngines{{
+constexpr std::array<CrowdEngineKind, 4> kEngines{{
     {"peerd", peerd_engine, true},
-    {"two_peers", two_peers, true},
 #ifdef BENCH_CROWD_HAS_BULLET
     {"bullet", bullet_engine, false},
 #else
@@ -46,9 +45,8 @@ constexpr std::array<CrowdEngineKind, 5> kEngines{{
     {"box3d", nullptr, false},
 #endif
 }};
-// A peer keeps something of each pair of bodies: more of them do not fit into a computer's memory, or need minutes to
-// begin.
-constexpr std::size_t kMostOfOnePeer = 3000, kMostOfTwo = 300;
+// A peer keeps something of each pair of bodies: more of them do not fit into a computer's memory.
+constexpr std::size_t kMostOfPeerd = 3000;
 constexpr double kEnergyBound = 1e-6, kContactsBound = 0.2;
 constexpr double kWithinRounding_m = 1e-6;
 
@@ -155,11 +153,8 @@ class Bench : public Report {
     return all.empty() || std::ranges::find(all, one) != all.end();
   }
   [[nodiscard]] bool measures(const CrowdEngineKind& kind, const CrowdScene& scene) const {
-    const std::size_t most = kind.name == "peerd"       ? kMostOfOnePeer
-                             : kind.name == "two_peers" ? kMostOfTwo
-                                                        : scene.bodies.size();
-    return kind.begin != nullptr && wants(engines_, kind.name) && scene.bodies.size() <= most &&
-           (kind.name != "two_peers" || scene.kind == CrowdKind::kGas);
+    const std::size_t most = kind.name == "peerd" ? kMostOfPeerd : scene.bodies.size();
+    return kind.begin != nullptr && wants(engines_, kind.name) && scene.bodies.size() <= most;
   }
 
   void scene(const std::string& name, CrowdScene (*make)(std::size_t), const std::vector<std::size_t>& usual,

@@ -29,7 +29,6 @@ struct CrowdEngineKind {
 };
 
 [[nodiscard]] std::unique_ptr<CrowdEngine> peerd_engine(const CrowdScene& scene);
-[[nodiscard]] std::unique_ptr<CrowdEngine> two_peers(const CrowdScene& scene);  // each has half of the bodies
 [[nodiscard]] std::unique_ptr<CrowdEngine> bullet_engine(const CrowdScene& scene);
 [[nodiscard]] std::unique_ptr<CrowdEngine> jolt_engine(const CrowdScene& scene);
 [[nodiscard]] std::unique_ptr<CrowdEngine> box3d_engine(const CrowdScene& scene);

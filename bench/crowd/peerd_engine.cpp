@@ -119,6 +119,5 @@ class Peers : public CrowdEngine {
 }  // namespace
 
 std::unique_ptr<CrowdEngine> peerd_engine(const CrowdScene& scene) { return std::make_unique<Peers>(scene, 1); }
-std::unique_ptr<CrowdEngine> two_peers(const CrowdScene& scene) { return std::make_unique<Peers>(scene, 2); }
 
 }  // namespace peerd::bench
