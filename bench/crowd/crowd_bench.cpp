@@ -5,23 +5,21 @@
 //   gas       boxes of 1 m fly in a closed room, 3 m apart, at about 2 m/s, and lose nothing.
 //   pile      boxes fall on a floor and stay where they fall: step_ms over the first 1.5 s, rest_ms from 20 s on.
 //   standing  a room with 100 boxes that move and all others nailed down.
-// ENGINE: peerd, bullet, jolt, box3d: only these; those that CMake has not found are named
-// as not measured. BODIES: only these numbers. In all engines bodies keep their orientation. Exit code 1: peerd lets
-// one body into another, or one out of the room, or the energy of a gas change by more than a millionth; or an engine
-// counts other contacts of a gas than peerd, by more than a fifth.
+// ENGINE: peerd, bullet, jolt or box3d, and no other engine; one that CMake has not found is named as not measured.
+// BODIES: a number of bodies, and no other number. In all engines bodies keep their orientation. Exit code 1: peerd
+// lets one body into another, or one out of the room, or the energy of a gas change by more than a millionth; or an
+// engine counts other contacts of a gas than peerd, by more than a fifth.
 #include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <stdexcept>
 
 #include "bench/crowd/engine.hpp"
 #include "bench/figures.hpp"
+#include "bench/own_process.hpp"
 #include "bench/wire_objects.hpp"
 
 namespace peerd::bench {
@@ -58,7 +56,7 @@ struct Cost {
   std::uint64_t contacts = 0;
 };
 
-// A second to warm up, unless it falls; then so many seconds.
+// Runs a scene for so many seconds, after a second that is not measured. A pile is measured from its start on.
 Cost measure_here(const CrowdEngineKind& kind, const CrowdScene& scene, double seconds) {
   const auto steps_in = [](double s) { return static_cast<int>(std::lround(s / kStep_s)); };
   const bool falls = scene.kind == CrowdKind::kPile;
@@ -103,26 +101,7 @@ Cost measure_here(const CrowdEngineKind& kind, const CrowdScene& scene, double s
 }
 
 Cost measure(const CrowdEngineKind& kind, const CrowdScene& scene, double seconds) {
-  int ends[2];
-  if (pipe(ends) != 0) throw std::runtime_error("no pipe");
-  const pid_t child = fork();
-  if (child < 0) throw std::runtime_error("no process");
-  if (child == 0) {
-    try {
-      const Cost cost = measure_here(kind, scene, seconds);
-      _exit(write(ends[1], &cost, sizeof cost) == sizeof cost ? 0 : 1);
-    } catch (const std::exception& e) {
-      std::fprintf(stderr, "%s: %s\n", kind.name.data(), e.what());
-      _exit(1);
-    }
-  }
-  close(ends[1]);
-  Cost cost;
-  const bool whole = read(ends[0], &cost, sizeof cost) == sizeof cost;
-  close(ends[0]);
-  int status = 0;
-  if (waitpid(child, &status, 0) != child || status != 0 || !whole) throw std::runtime_error("a measurement failed");
-  return cost;
+  return in_own_process(kind.name.data(), [&] { return measure_here(kind, scene, seconds); });
 }
 
 class Bench : public Report {

@@ -43,7 +43,7 @@ struct CrowdWall {
 // The bodies are B0, B1, ..
 [[nodiscard]] std::string world_text(const CrowdScene& scene);
 
-// What is wrong with places and velocities that a scene has come to.
+// A CrowdState is what a check of a crowd finds at an instant.
 struct CrowdState {
   double energy_j = 0.0;                         // of motion
   double deepest_m = 0.0, deepest_wall_m = 0.0;  // of two bodies, of a body and a wall; 0: none is in anything

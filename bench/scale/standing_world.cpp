@@ -1,8 +1,6 @@
 #include "bench/scale/standing_world.hpp"
 
 #include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cassert>
@@ -12,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "bench/own_process.hpp"
 #include "bench/wire_objects.hpp"
 #include "core/scene/reader.hpp"
 #include "replication/peer/peer.hpp"
@@ -143,25 +142,7 @@ StandingCost measure_here(std::size_t nodes, Named named, bool moves, std::size_
 }  // namespace
 
 StandingCost measure_standing(std::size_t nodes, Named named, bool moves, std::size_t ticks) {
-  int ends[2];
-  if (pipe(ends) != 0) throw std::runtime_error("no pipe");
-  const pid_t child = fork();
-  if (child < 0) throw std::runtime_error("no process");
-  if (child == 0) {
-    try {
-      const StandingCost cost = measure_here(nodes, named, moves, ticks);
-      _exit(write(ends[1], &cost, sizeof cost) == sizeof cost ? 0 : 1);
-    } catch (const std::exception&) {
-      _exit(1);
-    }
-  }
-  close(ends[1]);
-  StandingCost cost;
-  const bool whole = read(ends[0], &cost, sizeof cost) == sizeof cost;
-  close(ends[0]);
-  int status = 0;
-  if (waitpid(child, &status, 0) != child || status != 0 || !whole) throw std::runtime_error("a measurement failed");
-  return cost;
+  return in_own_process("standing", [&] { return measure_here(nodes, named, moves, ticks); });
 }
 
 }  // namespace peerd::bench
