@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <map>
+#include <optional>
 #include <set>
 #include <utility>
 #include <variant>
@@ -23,20 +25,38 @@ bool is_same_touch(const WorldModel& model, const ContactEvent& a, const Contact
   return pair && a.at <= b.at + kSameTouch && b.at <= a.at + kSameTouch;
 }
 
-// The world's events since the last tick, without contacts that a later one of them retracts: a decision that came in
-// between has put an object on another way.
-std::vector<MotionWorld::Event> poll_standing_events(MotionWorld& world) {
+// What has happened in a world since the last tick.
+struct NewEvents {
+  std::vector<ContactsRetracted> retracted;  // of contacts before, by object and partner once
+  std::vector<MotionWorld::Event> others;    // contacts and overlaps that stand, as they were found
+};
+
+// A decision of the past lets a world go through all that followed again. Of its contacts only the last are told: one
+// that a later event retracts never was.
+NewEvents poll_standing_events(MotionWorld& world) {
   std::vector<MotionWorld::Event> events;
-  while (auto event = world.poll_event()) {
+  while (auto event = world.poll_event()) events.push_back(*std::move(event));
+  std::map<std::pair<ObjectId, std::optional<ObjectId>>, SimTime> since;  // the earliest retraction by later events
+  const auto is_retracted = [&](const ContactEvent& c) {
+    const auto by = [&](ObjectId object, std::optional<ObjectId> partner) {
+      const auto at = since.find({object, partner});
+      return at != since.end() && ContactsRetracted{object, at->second, partner}.retracts(c.at, c.collider, c.collidee);
+    };
+    return by(c.collider, {}) || by(c.collidee, {}) || by(c.collider, c.collidee) || by(c.collidee, c.collider);
+  };
+  NewEvents standing;
+  for (auto event = events.rbegin(); event != events.rend(); ++event) {
     if (const auto* retracted = std::get_if<ContactsRetracted>(&*event)) {
-      std::erase_if(events, [&](const MotionWorld::Event& earlier) {
-        const auto* c = std::get_if<ContactEvent>(&earlier);
-        return c != nullptr && retracted->retracts(c->at, c->collider, c->collidee);
-      });
+      const auto [known, added] = since.try_emplace({retracted->object, retracted->partner}, retracted->since);
+      known->second = std::min(known->second, retracted->since);
+      continue;
     }
-    events.push_back(*std::move(event));
+    const auto* contact = std::get_if<ContactEvent>(&*event);
+    if (contact == nullptr || !is_retracted(*contact)) standing.others.push_back(std::move(*event));
   }
-  return events;
+  std::ranges::reverse(standing.others);
+  for (const auto& [of, t] : since) standing.retracted.push_back({of.first, t, of.second});
+  return standing;
 }
 
 // Scene objects have met: every peer finds that, and the file does not move them any more.
@@ -62,12 +82,13 @@ void report_truth(PeerParts& p, SimTime t) {
   std::vector<ContactEvent> decided;  // in order of time, the last contact of each touch
   std::set<ObjectId> adopted;         // by these decisions
   const auto is_ours = [&](ObjectId id) { return p.own.contains(id) || adopted.contains(id); };
-  for (const MotionWorld::Event& event : poll_standing_events(p.replica.truth())) {
+  const NewEvents events = poll_standing_events(p.replica.truth());
+  for (const ContactsRetracted& each : events.retracted) note_retraction(p, each.object, t);
+  for (const MotionWorld::Event& event : events.others) {
     if (const auto* overlap = std::get_if<BodiesOverlap>(&event)) {
       if (p.own.contains(overlap->collider) || p.own.contains(overlap->collidee)) p.outbox.push(*overlap);
       continue;
     }
-    if (const auto* retracted = std::get_if<ContactsRetracted>(&event)) note_retraction(p, retracted->object, t);
     const auto* contact = std::get_if<ContactEvent>(&event);
     if (contact == nullptr) continue;
     const bool mine = is_ours(contact->collider) || is_ours(contact->collidee);
@@ -103,24 +124,20 @@ void report_truth(PeerParts& p, SimTime t) {
 // truth, or by a decision.
 void report_ghosts(PeerParts& p, SimTime t) {
   const auto is_remote = [&](ObjectId id) { return !p.own.contains(id) && p.owners.of(id) != kNobody; };
-  while (auto event = p.replica.ghosts().poll_event()) {
-    if (const auto* retracted = std::get_if<ContactsRetracted>(&*event)) {
-      const bool of_nobody = p.owners.of(retracted->object) == kNobody;
-      if (is_remote(retracted->object) || of_nobody) {
-        ContactsRetracted known = *retracted;
-        known.of_ghosts_alone = of_nobody;
-        p.outbox.push(known);
-      }
-      continue;
-    }
-    if (std::holds_alternative<BodiesOverlap>(*event)) continue;  // their owners name it
-    auto& contact = std::get<ContactEvent>(*event);
+  NewEvents events = poll_standing_events(p.replica.ghosts());
+  for (ContactsRetracted& each : events.retracted) {
+    each.of_ghosts_alone = p.owners.of(each.object) == kNobody;
+    if (each.of_ghosts_alone || is_remote(each.object)) p.outbox.push(each);
+  }
+  for (MotionWorld::Event& event : events.others) {
+    if (std::holds_alternative<BodiesOverlap>(event)) continue;  // their owners name it
+    auto& contact = std::get<ContactEvent>(event);
     if (is_gone(*p.model, contact)) {
       const bool was_remote = is_remote(contact.collider) || is_remote(contact.collidee);
       if (was_remote) p.outbox.push(ContactSeen{ContactKind::kPredicted, std::move(contact), t});
       continue;
     }
-    p.publication.on_predicted_contact(contact);
+    p.publication.on_predicted_contact(contact, t);
     p.decisions.note_found(contact);
     for (const ObjectId object : {contact.collider, contact.collidee}) {
       if (p.scene.contains(object) && p.owners.of(object) == kNobody) p.scene.differing().try_emplace(object, t);

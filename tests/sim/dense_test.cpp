@@ -1,6 +1,8 @@
 // tests/sim/worlds/dense.toml: chains of collisions between objects of two peers, shorter than a round trip.
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include "tests/sim/run_scenario.hpp"
 
 namespace peerd::sim::dense_test {
@@ -11,15 +13,19 @@ using testing_support::run_scenario;
 const std::string kDense = PEERD_SOURCE_DIR "/tests/sim/worlds/dense.toml";
 const std::vector<std::filesystem::path> kBest{PEERD_SOURCE_DIR "/configs/best.toml"};
 
-class Dense : public testing::TestWithParam<int> {};  // seeds
+class Dense : public testing::TestWithParam<std::tuple<int, const char*>> {};  // seed, policy
 TEST_P(Dense, OneOutcomeEverywhere) {
-  const auto runs = run_scenario(kDense, {"seed=" + std::to_string(GetParam())}, kBest);
-  ASSERT_EQ(runs.size(), 30u);
+  const auto& [seed, policy] = GetParam();
+  const auto runs =
+      run_scenario(kDense, {"seed=" + std::to_string(seed), std::string("decisions.policy=\"") + policy + '"'}, kBest);
+  ASSERT_EQ(runs.size(), 6u);
   for (const Ran& ran : runs) {
     SCOPED_TRACE(ran.settings.params.dump());
     testing_support::expect_one_outcome(ran, 5);
   }
 }
-INSTANTIATE_TEST_SUITE_P(Seeds, Dense, testing::Values(1, 2));
+INSTANTIATE_TEST_SUITE_P(Seeds, Dense,
+                         testing::Combine(testing::Values(1, 2), testing::Values("id", "velocity", "field-of-view",
+                                                                                 "expected-error", "server")));
 
 }  // namespace peerd::sim::dense_test

@@ -623,9 +623,9 @@ std::optional<replication::Output> PeerNode::poll_output() {
     });
   } else if (const auto* b = std::get_if<ContactsRetracted>(&*out)) {
     std::erase_if(log_.contacts, [&](const PeerLog::Contact& row) {
+      if (!b->retracts(row.at, row.collider, row.collidee)) return false;
       const bool is_own = row.kind == "owner" && !b->of_ghosts_alone;
-      return (row.kind == "predicted" || row.kind == "scene" || is_own) &&
-             b->retracts(row.at, row.collider, row.collidee);
+      return row.kind == "predicted" || row.kind == "scene" || is_own;
     });
   }
   return out;
