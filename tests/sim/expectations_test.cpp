@@ -31,7 +31,7 @@ TEST_P(Expectations, Hold) {
   }
 }
 INSTANTIATE_TEST_SUITE_P(OfScenarios, Expectations,
-                         testing::Values("eq47", "snooker", "head-on", "comings", "bounded-latency"),
+                         testing::Values("eq47", "snooker", "head-on", "comings", "bounded-latency", "town"),
                          [](const auto& name) {
                            std::string text = name.param;
                            std::erase(text, '-');
