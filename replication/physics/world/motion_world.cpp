@@ -769,7 +769,8 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
   // A contact in which no response changes anything (an object that was stopped is run into) goes on.
   pair.inside = !changed;
   if (!lasts && !resumes) report(pair, t, answer);
-  // Peers that hear of this pair alone would solve the others' part of the blow anew, for two at a time.
+  // The blow has been solved for all whom it reached, so all of it is reported: a peer that hears of the first pair
+  // alone would pass the blow on from pair to pair, with another result.
   for (StruckPair& each : struck) {
     const WatchedPair& other = pairs_[each.pair];
     each.answer.after_a = objects_.world_law(other.collider, t);

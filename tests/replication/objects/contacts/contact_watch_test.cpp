@@ -67,7 +67,7 @@ TEST_F(Watching, SearchesWhatItDecides) {
   EXPECT_FALSE(meet_in_truth(a, b));
 }
 
-// What B and C do to each other counts as long as one of them may meet an own object.
+// B and C are other peers'. Their contacts count here as long as one of the two may meet an own object.
 TEST_F(Watching, PartnersOfOwnObjectsMeetInTheTruth) {
   EXPECT_TRUE(meet_in_truth(b, c));
   give(a, PeerId{3});

@@ -13,8 +13,8 @@ namespace peerd::replication::publication_test {
 
 using namespace test;
 
-// By itself, cubes that stand in a row and meet nothing. Peer 1 owns O0, which is driven, and O1, which physics moves;
-// peer 2 owns the others.
+// A publication, by default of cubes that stand in a row and meet nothing. Peer 1 owns O0, which is driven, and O1,
+// which physics moves; peer 2 owns the others.
 struct Publishing {
   explicit Publishing(const PublishPolicy& policy = {}, int objects = 3) : Publishing(policy, field(objects)) {}
   Publishing(const PublishPolicy& policy, const std::string& text) : world(text), p(make(policy), *world.model) {
@@ -154,7 +154,7 @@ TEST(Publication, WhatIsDrivenAndStandsElsewhereIsToldWhenItsTimeIsUp) {
   EXPECT_EQ(due[0].reason, PublishReason::kTime);
 }
 
-// What rests on it is published exactly. Rounded, it would be in it, or below it.
+// A support is published exactly: were it rounded, the box on it would be inside it, or above it.
 TEST(Publication, WhatIsDrivenAndStopsUnderAnotherIsPublishedExactlyAndAtOnce) {
   Publishing s({}, box("O0", "4 1 4", "0 0 0") +
                        box("O1", "1 1 1", "0 1 0", " collisionResponse CollisionResponse { responseType 2 } ") +
