@@ -1,6 +1,7 @@
 // tests/sim/worlds/dense.toml: chains of collisions between objects of two peers, shorter than a round trip.
 #include <gtest/gtest.h>
 
+#include <string>
 #include <tuple>
 
 #include "tests/sim/run_scenario.hpp"
@@ -13,11 +14,10 @@ using testing_support::run_scenario;
 const std::string kDense = PEERD_SOURCE_DIR "/tests/sim/worlds/dense.toml";
 const std::vector<std::filesystem::path> kBest{PEERD_SOURCE_DIR "/configs/best.toml"};
 
-class Dense : public testing::TestWithParam<std::tuple<int, const char*>> {};  // seed, policy
+class Dense : public testing::TestWithParam<std::tuple<int, std::string>> {};  // seed, policy
 TEST_P(Dense, OneOutcomeEverywhere) {
   const auto& [seed, policy] = GetParam();
-  const auto runs =
-      run_scenario(kDense, {"seed=" + std::to_string(seed), std::string("decisions.policy=\"") + policy + '"'}, kBest);
+  const auto runs = run_scenario(kDense, {"seed=" + std::to_string(seed), "decisions.policy=\"" + policy + '"'}, kBest);
   ASSERT_EQ(runs.size(), 6u);
   for (const Ran& ran : runs) {
     SCOPED_TRACE(ran.settings.params.dump());
