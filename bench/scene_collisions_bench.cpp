@@ -103,15 +103,19 @@ class World {
     spread(setting.close_pairs * static_cast<double>(setting.objects));
     scene.transforms = transforms;
     for (std::uint32_t a = 0; a < setting.objects; ++a) {
-      CollisionInterest interest{ObjectId{2 * a}, {}, setting.type};
+      CollisionInterest interest;
+      interest.colliders.ends = {ObjectId{2 * a}};
+      interest.type = setting.type;
+      std::vector<ObjectId>& collidees = interest.collidees.ends;
       for (std::uint32_t b = a + 1; b < setting.objects; ++b) {
         const Vec3 between = side_m_ * (paths_[b].home - paths_[a].home);
         // No two points of the two ever are nearer than that.
-        if (between.norm() <= paths_[a].radius_m + paths_[b].radius_m + 2.0)
-          interest.collidees.push_back(ObjectId{2 * b});
+        if (between.norm() <= paths_[a].radius_m + paths_[b].radius_m + 2.0) collidees.push_back(ObjectId{2 * b});
       }
-      pairs += interest.collidees.size();
-      if (!interest.collidees.empty()) scene.interests.push_back(std::move(interest));
+      interest.colliders.named = 1;
+      interest.collidees.named = collidees.size();
+      pairs += collidees.size();
+      if (!collidees.empty()) scene.interests.push_back(std::move(interest));
     }
   }
   void go_to(int tick) {
@@ -243,8 +247,8 @@ class Bench : public Report {
       const double start = thread_us();
       query.set_transforms(world.transforms);
       for (const CollisionInterest& interest : world.scene.interests) {
-        for (const ObjectId collidee : interest.collidees) {
-          colliding += query.collide(interest.collider, collidee, interest.type)->colliding;
+        for (const ObjectId collidee : interest.collidees.ends) {
+          colliding += query.collide(interest.colliders.ends.front(), collidee, interest.type)->colliding;
         }
       }
       if (tick >= 2) us.push_back(thread_us() - start);
@@ -326,8 +330,8 @@ class Bench : public Report {
     const auto box = [&](std::uint32_t i) { return query.box(ObjectId{2 * i}); };
     for (std::uint32_t i = 0; i < world.transforms.size(); ++i) broad->add(i, box(i));
     for (const CollisionInterest& interest : world.scene.interests) {
-      for (const ObjectId collidee : interest.collidees) {
-        broad->register_interest(interest.collider.number / 2, collidee.number / 2);
+      for (const ObjectId collidee : interest.collidees.ends) {
+        broad->register_interest(interest.colliders.ends.front().number / 2, collidee.number / 2);
       }
     }
     std::vector<double> placing_us, broad_us;

@@ -147,7 +147,12 @@ MovingBodies::MovingBodies(std::size_t count, std::span<const NamedSoup> meshes,
   first = scene.find("O0").value();
   stride = scene.at(first).subtree_end - first.number;
   const auto pairs = interests == Interests::kPairs ? drawn_pairs(rng, count, companions) : group_pairs(count);
-  for (const auto& [a, b] : pairs) scene.interests.push_back({object(a), {object(b)}, CollisionType::kWitness});
+  for (const auto& [a, b] : pairs) {
+    CollisionInterest& interest = scene.interests.emplace_back();
+    interest.colliders = {.ends = {object(a)}, .named = 1, .patterns = {}};
+    interest.collidees = {.ends = {object(b)}, .named = 1, .patterns = {}};
+    interest.type = CollisionType::kWitness;
+  }
   model = replication::make_world_model(scene);
   if (!model->unsupported.empty()) throw std::runtime_error(model->unsupported.front());
 }
