@@ -9,8 +9,9 @@
 
 namespace peerd::bench {
 
-// Returns what `measure` returns, a struct of plain numbers, from a process of its own: its memory at most is that of
-// this one measurement. Throws std::runtime_error where the process fails; `name` says which it was.
+// Calls `measure` in a process of its own, so that the most memory that it had at once is not that of an earlier
+// measurement, and returns its result, a struct of plain numbers. Throws std::runtime_error where the process fails;
+// `name` says on stderr which it was.
 template <class Measure>
 auto in_own_process(const char* name, Measure measure) {
   using Cost = std::invoke_result_t<Measure>;

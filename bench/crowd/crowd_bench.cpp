@@ -56,7 +56,7 @@ struct Cost {
   std::uint64_t contacts = 0;
 };
 
-// Runs a scene for so many seconds, after a second that is not measured. A pile is measured from its start on.
+// Measures a scene for `seconds`, from the end of its first second on; a pile from its start.
 Cost measure_here(const CrowdEngineKind& kind, const CrowdScene& scene, double seconds) {
   const auto steps_in = [](double s) { return static_cast<int>(std::lround(s / kStep_s)); };
   const bool falls = scene.kind == CrowdKind::kPile;

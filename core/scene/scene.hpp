@@ -98,10 +98,11 @@ struct NamePattern {
   std::string path;               // from the name with the first '*' on
 };
 
-// One side of a CollisionInterest: the instances that it names, and then those that its patterns find in the scene.
+// An InterestSide is the colliders or the collidees of a CollisionInterest: first those that it names, in their order
+// there, then those that its patterns find, in the order of the scene.
 struct InterestSide {
   std::vector<ObjectId> ends;  // each once
-  std::size_t named = 0;       // so many of them are named; the others stand in the order of the scene
+  std::size_t named = 0;       // the number of the first ones that are named
   std::vector<NamePattern> patterns;
 };
 

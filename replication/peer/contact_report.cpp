@@ -25,14 +25,14 @@ bool is_same_touch(const WorldModel& model, const ContactEvent& a, const Contact
   return pair && a.at <= b.at + kSameTouch && b.at <= a.at + kSameTouch;
 }
 
-// What has happened in a world since the last tick.
+// NewEvents is what has happened in a world since the last tick.
 struct NewEvents {
-  std::vector<ContactsRetracted> retracted;  // of contacts before, by object and partner once
-  std::vector<MotionWorld::Event> others;    // contacts and overlaps that stand, as they were found
+  std::vector<ContactsRetracted> retracted;  // of earlier ticks' contacts; each object and partner once
+  std::vector<MotionWorld::Event> others;    // contacts and overlaps, as they were found
 };
 
-// A decision of the past lets a world go through all that followed again. Of its contacts only the last are told: one
-// that a later event retracts never was.
+// After a decision of the past a world goes through all that followed again, and again after the next one. A contact
+// that a later event retracts is left out.
 NewEvents poll_standing_events(MotionWorld& world) {
   std::vector<MotionWorld::Event> events;
   while (auto event = world.poll_event()) events.push_back(*std::move(event));

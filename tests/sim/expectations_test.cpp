@@ -42,7 +42,7 @@ INSTANTIATE_TEST_SUITE_P(OfScenarios, Expectations,
 // that has neither: its van met it 67 m from there, 14 s later. And the ghost of a ball that has come to rest crept on
 // at the ball's last speed, where updates have no acceleration.
 TEST(Expectations, HoldInTheTownWithoutAccelerations) {
-  for (const auto& e : checked("town", {"replication.order=1", "network.latency_ms=0.05"})) {
+  for (const auto& e : checked("town", {"replication.model=order", "replication.order=1", "network.latency_ms=0.05"})) {
     EXPECT_FALSE(e.failed()) << e.expected.name << ": " << e.failures.front().object << ' ' << e.failures.front().found;
   }
 }

@@ -48,7 +48,7 @@ class ContactDecisions {
 
   // Whether `peer` may be the one that decides a contact of two owners.
   [[nodiscard]] bool may_decide(PeerId peer, PeerId owner_a, PeerId owner_b) const;
-  // What the truth and the ghosts watch.
+  // The choice of the pairs that the truth and the ghosts watch.
   [[nodiscard]] ContactWatch& watch() { return watch_; }
   // The authority of a contact that the truth has found.
   [[nodiscard]] ContactAuthority authority(ObjectId a, ObjectId b, SimTime contact) const;

@@ -36,8 +36,8 @@ class ContactWatch {
   [[nodiscard]] bool searches(ObjectId a, ObjectId b) const;
   // Whether one of the two is this peer's, and the other one's owner alone looks for their contacts.
   [[nodiscard]] bool leaves(ObjectId a, ObjectId b) const;
-  // Of two of which it leaves the contacts to the other owner, whether they rest against each other by that one's last
-  // decision: a resting contact has to be solved all the same.
+  // Whether two whose contacts this peer leaves to the other owner rest against each other, by that owner's last
+  // decision. A resting contact is solved here all the same.
   [[nodiscard]] bool rests(ObjectId a, ObjectId b) const { return resting_.contains(std::minmax(a, b)); }
   void set_rests(ObjectId a, ObjectId b, bool on);
   void forget_rests_of(ObjectId object);

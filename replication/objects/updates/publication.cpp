@@ -354,7 +354,7 @@ std::size_t Publication::publish_update(ObjectId object, OwnObject& own, SimTime
     ++counters_.states_out_of_range;
   }
   const bool exact = !own.driven && (policy.models || policy.order == ModelOrder::kSecond);
-  const bool has_choice = own.models && (own.driven ? at == t : true);
+  const bool has_choice = own.models && at == t;  // what it has seen goes until t
   MotionModel model = exact ? law : has_choice ? own.models->choose() : as_model(policy.order, law.state);
   if (!sendable(model)) {
     model = at_rest_within_limits(law.state);
@@ -404,8 +404,8 @@ void Publication::repeat_updates(HostTime now, SimTime session_now) {
   if (!over_byte_budget_) repeater_.repeat(now, session_now, updates_due_);
 }
 
-// Whether this peer looks for contacts of the two and has found none since then, although they have met in its ghosts.
-bool Publication::has_not_found(ObjectId a, ObjectId b, SimTime since) const {
+// Whether this peer looks for contacts of the two, and has found none since then.
+bool Publication::has_found_none(ObjectId a, ObjectId b, SimTime since) const {
   const bool is_left = decisions_.awaits_decision_on(a) && decisions_.awaits_decision_on(b);
   return owners_.have_two(a, b) && decisions_.watch().searches(a, b) && replica_.model().is_answered(a, b) &&
          decisions_.log().last(a, b) < since && !is_left;
@@ -417,8 +417,8 @@ void Publication::on_predicted_contact(const ContactEvent& contact, SimTime t) {
     for (const ObjectId object : {contact.collider, contact.collidee}) own_.republish(object);
   }
   const SimTime tick_before = ticks_.time_of(ticks_.last() - 1);
-  if (contact.at <= tick_before || over_byte_budget_ || !has_not_found(contact.collider, contact.collidee, tick_before))
-    return;
+  if (contact.at <= tick_before || over_byte_budget_) return;
+  if (!has_found_none(contact.collider, contact.collidee, tick_before)) return;
   for (const ObjectId object : {contact.collider, contact.collidee}) {
     OwnObject* const own = own_.find(object);
     if (own == nullptr || !own->driven || !own->last_sent) continue;

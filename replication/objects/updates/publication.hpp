@@ -52,9 +52,9 @@ class Publication {
   void relay(const UpdateRecord& update) { updates_due_.emplace_back(update, update.at); }
   // Sends what is due in as few datagrams as hold it. `with_decisions`: copies of decisions and handovers, too.
   void flush(bool with_decisions);
-  // Two objects have met in the ghosts, by time t. Of two that are published in different regions, a peer that receives
-  // one must receive the outcome. One that is driven past the other in truth is published as it was just before: all
-  // peers take back what they have let it hit.
+  // Two objects have met in the ghosts, at the tick of time t or before. Where they are published in different regions,
+  // both are published anew: a peer that receives one of them must receive the outcome. An own object that is driven
+  // past the other in truth is published as it was just before the contact, so that all peers take the contact back.
   void on_predicted_contact(const ContactEvent& contact, SimTime t);
   // Session time has stepped: the updates that wait are void.
   void restart();
@@ -83,7 +83,7 @@ class Publication {
   [[nodiscard]] bool update_is_redundant(ObjectId object, const OwnObject& own, SimTime t, const KinematicState& truth,
                                          const KinematicState& ghost, const GhostError& error) const;
   [[nodiscard]] bool bears_another(ObjectId object, SimTime t) const;
-  [[nodiscard]] bool has_not_found(ObjectId a, ObjectId b, SimTime since) const;
+  [[nodiscard]] bool has_found_none(ObjectId a, ObjectId b, SimTime since) const;
   [[nodiscard]] bool is_support_elsewhere(ObjectId object, const OwnObject& own, SimTime t, const KinematicState& truth,
                                           const GhostError& error) const;
   [[nodiscard]] std::optional<PublishReason> why_due(ObjectId object, OwnObject& own, SimTime t, double threshold_m,

@@ -177,6 +177,36 @@ TEST_F(Reporting, AContactThatIsRetractedBeforeItsReportIsNone) {
   EXPECT_TRUE(only<ContactSeen>(report(1520ms)).empty());
 }
 
+// The ghosts have found it, gone through that time again for an update that came late, and found another one.
+TEST_F(Reporting, APredictedContactThatIsRetractedBeforeItsReportIsNone) {
+  begin(PeerId{1}, PeerId{3});
+  p->replica.ghosts().advance(sim(1510ms));
+  p->replica.ghosts().set_base(ball, sim(1400ms), moving({2.8, 0, 0}, {1, 0, 0}));
+  EXPECT_TRUE(only<ContactSeen>(report(1520ms)).empty());
+  const auto seen = only<ContactSeen>(report(1700ms));
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_EQ(seen[0].contact.at, sim(1600ms));
+}
+
+// Two updates that come late take back what has been reported, and the second one what followed from the first.
+TEST_F(Reporting, ContactsOfEarlierTicksAreRetractedOnce) {
+  begin(PeerId{1}, PeerId{3});
+  const auto before = only<ContactSeen>(report(1510ms));
+  ASSERT_EQ(before.size(), 1u);
+  MotionWorld& ghosts = p->replica.ghosts();
+  ghosts.set_base(ball, sim(1400ms), moving({2.8, 0, 0}, {1.9, 0, 0}));
+  ghosts.advance(sim(1520ms));
+  ghosts.set_base(ball, sim(1410ms), moving({2.82, 0, 0}, {2, 0, 0}));
+  const auto outputs = report(1520ms);
+  const auto retracted = only<ContactsRetracted>(outputs);
+  ASSERT_EQ(retracted.size(), 1u);
+  EXPECT_TRUE(retracted[0].retracts(before[0].contact.at, ball, right));
+  const auto seen = only<ContactSeen>(outputs);
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_EQ(seen[0].contact.at, sim(1500ms));
+  EXPECT_TRUE(std::holds_alternative<ContactsRetracted>(outputs.front())) << "it would take back the new one, too";
+}
+
 // It has bounced off and away again by the tick that finds the contact.
 TEST_F(Reporting, WhatTouchesCollidesUntilItIsFoundApart) {
   begin(PeerId{2}, kNobody);
