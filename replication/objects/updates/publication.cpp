@@ -385,7 +385,7 @@ std::size_t Publication::publish_update(ObjectId object, OwnObject& own, SimTime
   const UpdateRecord& record = due.record();
   // A law that began at t is published as it is. To lay it again would retract the answers of others to it at t.
   const bool is_new = replica_.truth().law_since(object, t) == t;
-  if (exact && at == t && !is_new) replica_.truth().set_base(object, t, record.model);
+  if (exact && at == t && !is_new) replica_.truth().restate(object, t, record.model);
   replica_.ghosts().set_base(object, at, record.model, {}, replica_.base_of(record).free);
   replica_.keep_update(record);
   decisions_.on_drive(record);

@@ -52,6 +52,21 @@ void unstop(WatchedPair& pair, std::uint32_t number, std::set<std::uint32_t>& st
   if (std::exchange(pair.stopped, false)) stopped.erase(number);
 }
 
+// Both are moved by physics in the truth of this peer, which answers for both.
+bool are_both_own(const MovingObjects& objects, std::size_t a, std::size_t b) {
+  return objects[a].role == Role::kAuthoritative && objects[b].role == Role::kAuthoritative;
+}
+
+// Whether answers for two do not end the contacts around the pair.
+bool is_squeezed(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
+                 const WatchedPair& pair, SimTime t) {
+  if (pair.at_once > kAnswersMax) return true;
+  if (pair.in_burst <= kAnswersMax) return false;
+  const std::array around = {pair.collider, pair.collidee};
+  return is_driven(island_of(model, objects, pairs, around, t, Touching::kAny, Quantity::kVelocity)) ||
+         is_trapped(model, objects, pairs, pair, t);
+}
+
 }  // namespace
 
 MotionCounters& MotionCounters::operator+=(const MotionCounters& other) {
@@ -274,9 +289,16 @@ void MotionWorld::set_base(ObjectId object, SimTime t, const std::optional<Motio
     forget_kept(o.bases, t, advanced_);
     o.bases.push_back(base);
   } else if (model) {
-    o.base_time = t;
+    o.base_time = o.given_time = t;
   }
   lay_base(index, base);
+}
+
+void MotionWorld::restate(ObjectId object, SimTime t, const MotionModel& model) {
+  assert(!replays_bases_);
+  const std::size_t index = objects_.index_of(object);
+  objects_[index].base_time = t;
+  lay_base(index, {t, model, {}, {}});
 }
 
 namespace {
@@ -551,7 +573,8 @@ void MotionWorld::retract_contacts_of_carried(std::size_t object, SimTime t) {
   }
 }
 
-// Retracts what followed from a contact with `cause` at t or later. Responses of authoritative objects stand.
+// Retracts what followed from a contact with `cause` at t or later. What an authoritative object has answered to what
+// others own stands.
 void MotionWorld::retract(std::size_t cause, SimTime t) {
   if (cause >= answers_to_.size()) return;  // it meets nothing
   for (const Answer& answer : answers_to_[cause]) {
@@ -597,7 +620,8 @@ void MotionWorld::reschedule_opened(const std::optional<NewLaw>& law) {
 void MotionWorld::retract_answers(std::size_t index, std::optional<ObjectId> cause, SimTime t) {
   assert(objects_[index].id != cause);
   MovingObject& o = objects_[index];
-  if (o.role != Role::kPredicted) return;
+  const bool is_own = cause && are_both_own(objects_, index, objects_.index_of(*cause));
+  if (o.role != Role::kPredicted && !is_own) return;
   std::size_t wrong = o.timeline.first_not_before(t);
   const auto is_answer = [&](const Timeline::Segment& law) {
     return cause ? law.cause == cause : law.cause.has_value();
@@ -605,7 +629,7 @@ void MotionWorld::retract_answers(std::size_t index, std::optional<ObjectId> cau
   while (wrong < o.timeline.segment_count() && !is_answer(o.timeline.segment(wrong))) ++wrong;
   if (wrong == 0 || wrong == o.timeline.segment_count()) return;
   const SimTime from = o.timeline.segment(wrong).from;
-  if (o.base_time >= from) return;  // its owner has published since
+  if ((is_own ? o.given_time : o.base_time) >= from) return;  // its owner has published since
   o.timeline.truncate_from(from);
   retract_bases(o, from);
   objects_.timeline_changed(index);
@@ -643,7 +667,7 @@ SimTime MotionWorld::reopened_from(const WatchedPair& pair, bool lived, SimTime 
 
 // The pairs of the object know nothing of contacts since then any more. Pairs of which the other object would answer
 // here, or is driven here and gets no answer, are not searched again in the past because this one moved otherwise; its
-// own change (a decision) makes them searched there.
+// own change (a decision) makes them searched there. Two that physics moves, and this peer alone answers for, are.
 void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
   end_waits_of(object);
   far_.moved(object, t, advanced_, objects_, pairs_, opened_);
@@ -656,9 +680,14 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
     const std::uint32_t other = of_collider ? pair.collidee : pair.collider;
     const bool other_responds = of_collider ? pair.collidee_responds : pair.collider_responds;
     const bool responds = of_collider ? pair.collider_responds : pair.collidee_responds;
+    const bool both_own = are_both_own(objects_, object, other);
+    if (both_own) {  // its updates of after t did not know how this one moves
+      MovingObject& o = objects_[other];
+      o.base_time = std::min(o.base_time, std::max(o.given_time, t));
+    }
     const bool stands =
         (objects_[other].role == Role::kAuthoritative || responds) && !gives_way(other, other_responds, t);
-    const bool lived = objects_.is_lived(other) && !stands;
+    const bool lived = objects_.is_lived(other) && !stands && !both_own;
     const SimTime from = reopened_from(pair, lived, t);
     if (pair.contact && *pair.contact >= from) {
       pair.contact.reset();
@@ -741,7 +770,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
     return;
   }
   std::vector<StruckPair> struck;
-  if (is_squeezed(pair, t)) {
+  if (is_squeezed(*model_, objects_, pairs_, pair, t)) {
     answer_squeezed(pair, t);
   } else if (comes_to_rest_at(*model_, objects_, pair, answer)) {
     counters_.rest_energy_j += own_energy_of_parting_j(*model_, objects_, pair, answer);
@@ -846,6 +875,7 @@ void MotionWorld::change_motion(std::size_t index, SimTime t, const MotionModel&
   if (!is_base) note_answer(index, objects_.index_of(cause), t);
   // A later update is gone from here: it was of another way than the one that is decided here.
   o.base_time = std::min(o.base_time, t);
+  o.given_time = std::min(o.given_time, t);
   objects_.timeline_changed(index);
   reopen_pairs(index, t, false);
   settling_.objects.push_back(
@@ -980,14 +1010,6 @@ void MotionWorld::let_through(std::uint32_t i, SimTime t) {
   if (is_ahead) return;
   remember_course(i, t);
   pair.inside = true;
-}
-
-bool MotionWorld::is_squeezed(const WatchedPair& pair, SimTime t) const {
-  if (pair.at_once > kAnswersMax) return true;
-  if (pair.in_burst <= kAnswersMax) return false;
-  const std::array around = {pair.collider, pair.collidee};
-  return is_driven(island_of(*model_, objects_, pairs_, around, t, Touching::kAny, Quantity::kVelocity)) ||
-         is_trapped(*model_, objects_, pairs_, pair, t);
 }
 
 void MotionWorld::answer_squeezed(WatchedPair& pair, SimTime t) {

@@ -133,6 +133,10 @@ class MotionWorld {
   void set_base(ObjectId object, SimTime t, const std::optional<MotionModel>& model,
                 const std::optional<Rest>& rest = {}, const std::optional<Vec3>& free = {});
 
+  // The object goes on from t as this peer publishes it: the same motion, rounded. Unlike after set_base(), a contact
+  // of before t with another object of this peer may still be found, after a decision that comes late.
+  void restate(ObjectId object, SimTime t, const MotionModel& model);
+
   // The acceleration [m/s^2, world frame] that the object has where nothing bears it: from then on, and in
   // whatever motion set_base() gives it. Without it that of the law under which it came to rest counts.
   void set_free_acceleration(ObjectId object, const Vec3& acceleration);
@@ -247,8 +251,6 @@ class MotionWorld {
   void come_to_rest(WatchedPair& pair, SimTime t);
   // One of the two bears something else: the impulse reaches all that bear each other, in one solution.
   void answer_in_heap(WatchedPair& pair, SimTime t, const ContactAnswer& answer);
-  // Whether answers for two do not end the contacts around the pair.
-  [[nodiscard]] bool is_squeezed(const WatchedPair& pair, SimTime t) const;
   // All that met within the burst are answered at once.
   void answer_squeezed(WatchedPair& pair, SimTime t);
   // The two stand from t on, as far as they respond: there is no room left for any other answer.

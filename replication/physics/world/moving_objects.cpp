@@ -33,6 +33,7 @@ MovingObject MovingObjects::made(const ModelNode& node, Role role) const {
           .role = role,
           .timeline = Timeline(start_, state_in_file(node)),
           .base_time = start_,
+          .given_time = start_,
           .answers = model_->answers(node.object),
           .carrier = node.carrier,
           .bound = {}};

@@ -68,6 +68,7 @@ struct MovingObject {
   Role role;
   Timeline timeline;
   SimTime base_time;
+  SimTime given_time;  // of the last base that is not this peer's own update (MotionWorld::restate())
   std::uint64_t revision = 0;
   bool answers = false;                      // contacts of some pair
   bool pruning_scheduled = false;            // the object waits to be pruned
