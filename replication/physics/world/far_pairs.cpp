@@ -81,17 +81,26 @@ void FarPairs::erase_near(std::uint32_t pair, std::size_t side, std::uint32_t ob
   near.pop_back();
 }
 
-void FarPairs::make_place(std::size_t object, SimTime s, MovingObjects& objects) {
-  Place& place = places_[object];
-  assert(place.far == 0);
+FarPairs::Place FarPairs::place_at(std::size_t object, SimTime s, MovingObjects& objects) {
+  Place place;
   place.bound = objects.bound_of(object, s);
   place.since = place.bound.still ? place.bound.last_change.value_or(SimTime::min()) : s;
   place.known_until = end_of(place.bound, s);
-  if (place.bound.still) return;
+  if (place.bound.still) return place;
   const double way_m = (place.bound.high - place.bound.low).maxCoeff();
   const double wider_m = std::max(kPlaceWays * way_m, place.bound.radius_m);
   place.bound.low -= Vec3::Constant(wider_m);
   place.bound.high += Vec3::Constant(wider_m);
+  return place;
+}
+
+void FarPairs::make_place(std::size_t object, SimTime s, MovingObjects& objects) {
+  Place& place = places_[object];
+  assert(place.far == 0);
+  const Place made = place_at(object, s, objects);
+  place.bound = made.bound;
+  place.since = made.since;
+  place.known_until = made.known_until;
 }
 
 bool FarPairs::add(std::size_t pair, SimTime s, MovingObjects& objects, WatchedPairs& pairs) {
@@ -129,23 +138,59 @@ bool FarPairs::stays_until(std::size_t object, SimTime until, MovingObjects& obj
   return true;
 }
 
-void FarPairs::open_all(std::size_t object, WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
+void FarPairs::open_pair(std::uint32_t number, WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
+  WatchedPair& p = pairs[number];
+  p.clear_until = std::max(p.clear_until, std::min(places_[p.collider].known_until, places_[p.collidee].known_until));
+  is_far_[number] = false;
+  push_near(number, 0, p.collider);
+  push_near(number, 1, p.collidee);
+  for (const std::uint32_t end : {p.collider, p.collidee}) {
+    if (--places_[end].far == 0) checks_.set(end, SimTime::max());
+  }
+  opened.push_back(number);
+}
+
+template <class Stays>
+void FarPairs::open_unless(std::size_t object, Stays stays, WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
   for (const std::uint32_t i : model_->part_pairs_moved_by(object)) {
     if (!is_far_[i]) continue;
-    WatchedPair& p = pairs[i];
-    p.clear_until = std::max(p.clear_until, std::min(places_[p.collider].known_until, places_[p.collidee].known_until));
-    is_far_[i] = false;
-    push_near(i, 0, p.collider);
-    push_near(i, 1, p.collidee);
-    for (const std::uint32_t end : {p.collider, p.collidee}) {
-      if (--places_[end].far == 0) checks_.set(end, SimTime::max());
-    }
-    opened.push_back(i);
+    const PartPair& ends = model_->part_pairs[i];
+    if (!stays(ends.a == object ? ends.b : ends.a, model_->pairs[ends.pair].type)) open_pair(i, pairs, opened);
   }
+}
+
+void FarPairs::open_all(std::size_t object, WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
+  open_unless(
+      object, [](std::uint32_t, CollisionType) { return false; }, pairs, opened);
   Place& place = places_[object];
   assert(place.far == 0);
   place.since = SimTime::max();
   place.last_added = SimTime::min();
+}
+
+void FarPairs::leave_place(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
+                           std::vector<std::uint32_t>& opened) {
+  Place& place = places_[object];
+  do {
+    const SimTime s = place.known_until;
+    const Place next = place_at(object, s, objects);
+    const auto stays_far = [&](std::uint32_t other, CollisionType type) {
+      Place& b = places_[other];
+      const bool is_known = b.since <= std::min(s, t) && (b.known_until > s || stays_until(other, s, objects));
+      if (!is_known || !apart(next.bound, b.bound, type)) return false;
+      b.last_added = std::max(b.last_added, s);
+      return true;
+    };
+    open_unless(object, stays_far, pairs, opened);
+    place.bound = next.bound;
+    place.since = std::max(next.since, s);
+    place.known_until = next.known_until;
+    place.last_added = s;
+    if (place.far == 0) {
+      place.since = SimTime::max();
+      return;
+    }
+  } while (!stays_until(object, until, objects));
 }
 
 void FarPairs::moved(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
@@ -157,13 +202,19 @@ void FarPairs::moved(std::size_t object, SimTime t, SimTime until, MovingObjects
     place.since = SimTime::max();
     return;
   }
-  if (t >= place.since && t >= place.last_added) {
-    const SimTime known = place.known_until;
-    place.known_until = std::min(known, t);
-    if (stays_until(object, std::max(t, until), objects)) return;
-    place.known_until = known;
+  if (t < place.since) return open_all(object, pairs, opened);
+  if (t < place.last_added) {
+    open_unless(
+        object, [&](std::uint32_t other, CollisionType) { return places_[other].since <= t; }, pairs, opened);
+    if (place.far == 0) {
+      place.since = SimTime::max();
+      return;
+    }
   }
-  open_all(object, pairs, opened);
+  place.known_until = std::min(place.known_until, t);
+  if (!stays_until(object, std::max(t, until), objects)) {
+    leave_place(object, t, std::max(t, until), objects, pairs, opened);
+  }
 }
 
 void FarPairs::open(WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
@@ -174,7 +225,7 @@ void FarPairs::open(WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
 
 void FarPairs::follow(SimTime until, MovingObjects& objects, WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
   for (std::size_t i = checks_.next_due(0, until); i != checks_.size(); i = checks_.next_due(i + 1, until)) {
-    if (!stays_until(i, until, objects)) open_all(i, pairs, opened);
+    if (!stays_until(i, until, objects)) leave_place(i, SimTime::max(), until, objects, pairs, opened);
   }
 }
 

@@ -31,8 +31,7 @@ class FarPairs {
 
   // The two are apart at s, by their bounds. Keeps the pair as far if their places are apart, too.
   bool add(std::size_t pair, SimTime s, MovingObjects& objects, WatchedPairs& pairs);
-  // The object moves otherwise from t on. Appends to `opened` what is far no more: all of its pairs, unless it is known
-  // to stay in its place until `until`.
+  // The object moves otherwise from t on; it is followed until `until`. Appends to `opened` what is far no more.
   void moved(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
              std::vector<std::uint32_t>& opened);
   // Appends all that is far to `opened`: nothing is far any more.
@@ -55,7 +54,16 @@ class FarPairs {
   [[nodiscard]] bool may_be_far(const WatchedPair& pair) const;
   [[nodiscard]] Place& place_of(std::uint32_t object);
   [[nodiscard]] bool is_collider(std::uint32_t object, std::uint32_t pair) const;
+  [[nodiscard]] static Place place_at(std::size_t object, SimTime s, MovingObjects& objects);
   void make_place(std::size_t object, SimTime s, MovingObjects& objects);
+  // The object has left its place at the end of the time that is known of it, and has moved otherwise since t. What is
+  // apart from its next places, until `until`, stays far.
+  void leave_place(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
+                   std::vector<std::uint32_t>& opened);
+  void open_pair(std::uint32_t number, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
+  // Opens those pairs of the object for which `stays` (the other object's index, type) says no.
+  template <class Stays>
+  void open_unless(std::size_t object, Stays stays, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
   [[nodiscard]] bool stays_until(std::size_t object, SimTime until, MovingObjects& objects);
   void open_all(std::size_t object, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
   void push_near(std::uint32_t pair, std::size_t side, std::uint32_t object);
