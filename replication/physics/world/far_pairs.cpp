@@ -155,42 +155,48 @@ void FarPairs::open_unless(std::size_t object, Stays stays, WatchedPairs& pairs,
   for (const std::uint32_t i : model_->part_pairs_moved_by(object)) {
     if (!is_far_[i]) continue;
     const PartPair& ends = model_->part_pairs[i];
-    if (!stays(ends.a == object ? ends.b : ends.a, model_->pairs[ends.pair].type)) open_pair(i, pairs, opened);
+    if (!stays(i, ends.a == object ? ends.b : ends.a)) open_pair(i, pairs, opened);
   }
 }
 
 void FarPairs::open_all(std::size_t object, WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
-  open_unless(
-      object, [](std::uint32_t, CollisionType) { return false; }, pairs, opened);
+  const auto none = [](std::uint32_t, std::uint32_t) { return false; };
+  open_unless(object, none, pairs, opened);
   Place& place = places_[object];
   assert(place.far == 0);
   place.since = SimTime::max();
   place.last_added = SimTime::min();
 }
 
+// What is opened was apart for as long as the place was known to hold before the object moved otherwise: from then on
+// only its new law counts, and the world says from when on it searches for that.
 void FarPairs::leave_place(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
                            std::vector<std::uint32_t>& opened) {
   Place& place = places_[object];
-  do {
+  SimTime left = place.known_until;
+  place.known_until = std::min(left, t);
+  while (!stays_until(object, until, objects)) {
     const SimTime s = place.known_until;
     const Place next = place_at(object, s, objects);
-    const auto stays_far = [&](std::uint32_t other, CollisionType type) {
+    const auto stays_far = [&](std::uint32_t i, std::uint32_t other) {
       Place& b = places_[other];
       const bool is_known = b.since <= std::min(s, t) && (b.known_until > s || stays_until(other, s, objects));
-      if (!is_known || !apart(next.bound, b.bound, type)) return false;
+      if (!is_known || !apart(next.bound, b.bound, pairs[i].type)) return false;
       b.last_added = std::max(b.last_added, s);
       return true;
     };
+    left = std::max(left, s);
+    place.known_until = left;
     open_unless(object, stays_far, pairs, opened);
     place.bound = next.bound;
-    place.since = std::max(next.since, s);
+    place.since = s;
     place.known_until = next.known_until;
-    place.last_added = s;
+    place.last_added = std::max(place.last_added, s);
     if (place.far == 0) {
       place.since = SimTime::max();
       return;
     }
-  } while (!stays_until(object, until, objects));
+  }
 }
 
 void FarPairs::moved(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
@@ -198,23 +204,18 @@ void FarPairs::moved(std::size_t object, SimTime t, SimTime until, MovingObjects
   Place* const at = object < places_.size() ? places_.find(object) : nullptr;
   if (at == nullptr) return;
   Place& place = *at;
+  if (place.far > 0 && t < place.since) return open_all(object, pairs, opened);
+  if (place.far > 0 && t < place.last_added) {  // what was found to be apart after t is searched again
+    const auto since_before = [&](std::uint32_t i, std::uint32_t other) {
+      return places_[other].since <= t && pairs[i].clear_until <= t;
+    };
+    open_unless(object, since_before, pairs, opened);
+  }
   if (place.far == 0) {
     place.since = SimTime::max();
     return;
   }
-  if (t < place.since) return open_all(object, pairs, opened);
-  if (t < place.last_added) {
-    open_unless(
-        object, [&](std::uint32_t other, CollisionType) { return places_[other].since <= t; }, pairs, opened);
-    if (place.far == 0) {
-      place.since = SimTime::max();
-      return;
-    }
-  }
-  place.known_until = std::min(place.known_until, t);
-  if (!stays_until(object, std::max(t, until), objects)) {
-    leave_place(object, t, std::max(t, until), objects, pairs, opened);
-  }
+  leave_place(object, t, std::max(t, until), objects, pairs, opened);
 }
 
 void FarPairs::open(WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
@@ -225,7 +226,7 @@ void FarPairs::open(WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
 
 void FarPairs::follow(SimTime until, MovingObjects& objects, WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
   for (std::size_t i = checks_.next_due(0, until); i != checks_.size(); i = checks_.next_due(i + 1, until)) {
-    if (!stays_until(i, until, objects)) leave_place(i, SimTime::max(), until, objects, pairs, opened);
+    leave_place(i, SimTime::max(), until, objects, pairs, opened);
   }
 }
 

@@ -15,8 +15,8 @@ namespace peerd::replication {
 
 // The broad phase of a MotionWorld: pairs that nobody checks as long as neither of the two leaves its place, a region
 // around the way of its body that is wide enough for some time. An object that moves otherwise, or on, costs a
-// comparison with its place, however many interests name it; its pairs are opened where it has left that. Pairs with a
-// carrier, or with flexible parts, are always near.
+// comparison with its place, however many interests name it. Where it has left that it gets another place, and its
+// pairs with what is not apart from that are opened. Pairs with a carrier or with flexible parts are always near.
 class FarPairs {
  public:
   explicit FarPairs(const WorldModel& model);
@@ -31,7 +31,7 @@ class FarPairs {
 
   // The two are apart at s, by their bounds. Keeps the pair as far if their places are apart, too.
   bool add(std::size_t pair, SimTime s, MovingObjects& objects, WatchedPairs& pairs);
-  // The object moves otherwise from t on; it is followed until `until`. Appends to `opened` what is far no more.
+  // The object moves otherwise from t on. Follows it until `until`; pairs that are far no more go to `opened`.
   void moved(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
              std::vector<std::uint32_t>& opened);
   // Appends all that is far to `opened`: nothing is far any more.
@@ -46,7 +46,7 @@ class FarPairs {
     SweptBound bound;                      // no bound of the body leaves it
     SimTime since = SimTime::max();        // the body is in it from then on; max(): there is no place
     SimTime known_until = SimTime::min();  // until then, at least
-    SimTime last_added = SimTime::min();   // the latest instant since which one of its pairs is far
+    SimTime last_added = SimTime::min();   // no far pair was added, and no far partner's place begins, after it
     std::uint32_t far = 0;                 // the number of its pairs that are far
     std::vector<std::uint32_t> near;
   };
@@ -56,12 +56,12 @@ class FarPairs {
   [[nodiscard]] bool is_collider(std::uint32_t object, std::uint32_t pair) const;
   [[nodiscard]] static Place place_at(std::size_t object, SimTime s, MovingObjects& objects);
   void make_place(std::size_t object, SimTime s, MovingObjects& objects);
-  // The object has left its place at the end of the time that is known of it, and has moved otherwise since t. What is
-  // apart from its next places, until `until`, stays far.
+  // Follows the object until `until`. It moves otherwise from t on, or goes on as it does (max()). Where it leaves its
+  // place it gets another, and what is apart from that one stays far.
   void leave_place(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
                    std::vector<std::uint32_t>& opened);
   void open_pair(std::uint32_t number, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
-  // Opens those pairs of the object for which `stays` (the other object's index, type) says no.
+  // Opens those far pairs of the object for which `stays` (the pair, the other object) says no.
   template <class Stays>
   void open_unless(std::size_t object, Stays stays, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
   [[nodiscard]] bool stays_until(std::size_t object, SimTime until, MovingObjects& objects);

@@ -57,7 +57,7 @@ bool are_both_own(const MovingObjects& objects, std::size_t a, std::size_t b) {
   return objects[a].role == Role::kAuthoritative && objects[b].role == Role::kAuthoritative;
 }
 
-// Whether answers for two do not end the contacts around the pair.
+// Whether answering the two alone would not end the contacts around them.
 bool is_squeezed(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
                  const WatchedPair& pair, SimTime t) {
   if (pair.at_once > kAnswersMax) return true;
@@ -573,8 +573,8 @@ void MotionWorld::retract_contacts_of_carried(std::size_t object, SimTime t) {
   }
 }
 
-// Retracts what followed from a contact with `cause` at t or later. What an authoritative object has answered to what
-// others own stands.
+// Retracts what followed from a contact with `cause` at t or later. An authoritative object keeps its
+// answers to what others own.
 void MotionWorld::retract(std::size_t cause, SimTime t) {
   if (cause >= answers_to_.size()) return;  // it meets nothing
   for (const Answer& answer : answers_to_[cause]) {
@@ -631,6 +631,7 @@ void MotionWorld::retract_answers(std::size_t index, std::optional<ObjectId> cau
   const SimTime from = o.timeline.segment(wrong).from;
   if ((is_own ? o.given_time : o.base_time) >= from) return;  // its owner has published since
   o.timeline.truncate_from(from);
+  o.base_time = std::min(o.base_time, std::max(o.given_time, from));  // its updates since then said that answer
   retract_bases(o, from);
   objects_.timeline_changed(index);
   ++o.revision;
@@ -667,7 +668,7 @@ SimTime MotionWorld::reopened_from(const WatchedPair& pair, bool lived, SimTime 
 
 // The pairs of the object know nothing of contacts since then any more. Pairs of which the other object would answer
 // here, or is driven here and gets no answer, are not searched again in the past because this one moved otherwise; its
-// own change (a decision) makes them searched there. Two that physics moves, and this peer alone answers for, are.
+// own change (a decision) makes them searched there. A pair of two own objects is.
 void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
   end_waits_of(object);
   far_.moved(object, t, advanced_, objects_, pairs_, opened_);
@@ -681,7 +682,7 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
     const bool other_responds = of_collider ? pair.collidee_responds : pair.collider_responds;
     const bool responds = of_collider ? pair.collider_responds : pair.collidee_responds;
     const bool both_own = are_both_own(objects_, object, other);
-    if (both_own) {  // its updates of after t did not know how this one moves
+    if (both_own) {  // its updates after t were made without this law
       MovingObject& o = objects_[other];
       o.base_time = std::min(o.base_time, std::max(o.given_time, t));
     }

@@ -133,8 +133,8 @@ class MotionWorld {
   void set_base(ObjectId object, SimTime t, const std::optional<MotionModel>& model,
                 const std::optional<Rest>& rest = {}, const std::optional<Vec3>& free = {});
 
-  // The object goes on from t as this peer publishes it: the same motion, rounded. Unlike after set_base(), a contact
-  // of before t with another object of this peer may still be found, after a decision that comes late.
+  // Lays the law that this peer publishes of its own object: the same motion, rounded. After a decision that comes late
+  // a contact of before t with another own object may still be found; after set_base() it may not.
   void restate(ObjectId object, SimTime t, const MotionModel& model);
 
   // The acceleration [m/s^2, world frame] that the object has where nothing bears it: from then on, and in
@@ -185,7 +185,7 @@ class MotionWorld {
   [[nodiscard]] bool has_history_at(ObjectId object, SimTime t) const;
   // The instant at which the law that is in force at t began.
   [[nodiscard]] SimTime law_since(ObjectId object, SimTime t) const;
-  // The instant of the last update, sample or decision of the object; later predicted pieces do not move it.
+  // The instant of the last update, sample or decision of the object that stands; predicted pieces do not move it.
   [[nodiscard]] SimTime base_time(ObjectId object) const;
   // Whether the object stands still from t on, by all that this world knows now.
   [[nodiscard]] bool is_at_rest_from(ObjectId object, SimTime t) const;

@@ -24,7 +24,7 @@ namespace peerd::replication {
 enum class Role : std::uint8_t {
   kScene,          // owned by nobody; a script may move it, and it does not respond
   kDriven,         // moved by samples from outside; its contacts are reported, and it does not respond
-  kAuthoritative,  // responds to contacts, and its responses are final (an object that this peer owns)
+  kAuthoritative,  // responds to contacts; responses to what others own are final (an object of this peer)
   kPredicted,      // responds to contacts; a response is retracted when its cause turns out to have moved otherwise
 };
 
@@ -68,7 +68,7 @@ struct MovingObject {
   Role role;
   Timeline timeline;
   SimTime base_time;
-  SimTime given_time;  // of the last base that is not this peer's own update (MotionWorld::restate())
+  SimTime given_time;  // of the last base by set_base(); restate() leaves it
   std::uint64_t revision = 0;
   bool answers = false;                      // contacts of some pair
   bool pruning_scheduled = false;            // the object waits to be pruned

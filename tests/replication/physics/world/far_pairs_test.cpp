@@ -189,6 +189,49 @@ TEST(FarPairs, GiveTheSameContactsHoweverOftenTheWorldAdvances) {
   EXPECT_GT(met, 100U);
 }
 
+// The twelve in a room, flying among each other for 12 s, in calls of advance() that are so far apart.
+std::vector<Found> fly(const World& w, std::uint64_t seed, Duration step) {
+  std::mt19937_64 rng(seed);
+  const auto draw = [&] { return static_cast<double>(rng() % 2001) / 1000.0 * 8.0 - 8.0; };
+  MotionWorld world(*w.model, sim(0s));
+  std::vector<ObjectId> objects;
+  for (int i = 0; i < 12; ++i) objects.push_back(w["O" + std::to_string(i)]);
+  for (const ObjectId o : objects) world.declare(o, Role::kAuthoritative);
+  for (const ObjectId o : objects)
+    world.set_base(o, sim(0s), moving(world.at(o, sim(0s)).position, {draw(), 0, draw()}));
+  for (Duration t = step; t <= 12s; t += step) world.advance(sim(t));
+  std::vector<Found> found;
+  for (const ContactEvent& c : contacts_of(world)) {
+    found.emplace_back(c.at, c.collider, c.collidee, c.collider_after.position.x(), c.collider_after.velocity.x());
+  }
+  return found;
+}
+
+TEST(FarPairs, MeetWhatTheyFlyToAfterABounceHoweverLongACallOfAdvanceIs) {
+  std::string walls;
+  walls += box("W0", "2 50 50", "-7 0 8") + box("W1", "2 50 50", "31 0 8");
+  walls += box("W2", "60 50 2", "12 0 -7") + box("W3", "60 50 2", "12 0 23");
+  for (int i = 0; i < 12; ++i) walls += interest("O" + std::to_string(i), R"("W0" "W1" "W2" "W3")");
+  const World w(twelve() + walls);
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const std::vector<Found> often = fly(w, seed, 5ms);
+    EXPECT_GT(often.size(), 50U);
+    EXPECT_EQ(often, fly(w, seed, 3s)) << "seed " << seed;
+  }
+}
+
+// A's update comes late: by what it says A flew through B, which has gone on since then.
+TEST(FarPairs, OfAnOwnObjectMeetNothingInItsPast) {
+  auto&& [w, world] =
+      Started(box("A", "1 1 1", "0 9 0") + box("B", "1 1 1", "0 0 0", kBounces) + interest("B", "\"A\""),
+              {{"A", Role::kPredicted}, {"B", Role::kAuthoritative, moving({0, 0, 0}, {0.1, 0, 0})}});
+  for (int tick = 0; tick <= 120; ++tick) world.advance(sim(Duration{1s} * tick / 60));
+  world.set_base(w["A"], sim(1s), moving({0.1, 5, 0}, {0, -10, 0}));
+  world.advance(sim(3s));
+  EXPECT_TRUE(contact_times(world).empty());
+  EXPECT_NEAR(world.at(w["B"], sim(3s)).position.x(), 0.3, 1e-12);
+}
+
 TEST(WaitingPairs, GiveTheSameContactsAsThoseThatWereWatchedAllTheTime) {
   const World w(twelve());
   std::size_t met = 0;
