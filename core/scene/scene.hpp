@@ -98,11 +98,11 @@ struct NamePattern {
   std::string path;               // from the name with the first '*' on
 };
 
-// An InterestSide is the colliders or the collidees of a CollisionInterest: first those that it names, in their order
-// there, then those that its patterns find, in the order of the scene.
+// An InterestSide is the colliders or the collidees of a CollisionInterest. `ends` begins with those that the interest
+// names, as it lists them; those that its patterns find follow in scene order.
 struct InterestSide {
   std::vector<ObjectId> ends;  // each once
-  std::size_t named = 0;       // the number of the first ones that are named
+  std::size_t named = 0;       // how many of `ends`, from the front, are named
   std::vector<NamePattern> patterns;
 };
 

@@ -25,7 +25,7 @@ bool is_same_touch(const WorldModel& model, const ContactEvent& a, const Contact
   return pair && a.at <= b.at + kSameTouch && b.at <= a.at + kSameTouch;
 }
 
-// NewEvents is what has happened in a world since the last tick.
+// NewEvents holds the events of one world since the last tick.
 struct NewEvents {
   std::vector<ContactsRetracted> retracted;  // of earlier ticks' contacts; each object and partner once
   std::vector<MotionWorld::Event> others;    // contacts and overlaps, as they were found

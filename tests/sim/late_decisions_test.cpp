@@ -1,4 +1,4 @@
-// Decisions that come after what has followed from them.
+// Decisions that arrive after their consequences.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -53,8 +53,8 @@ class Publication {
   // Sends what is due in as few datagrams as hold it. `with_decisions`: copies of decisions and handovers, too.
   void flush(bool with_decisions);
   // Two objects have met in the ghosts, at the tick of time t or before. Where they are published in different regions,
-  // both are published anew: a peer that receives one of them must receive the outcome. An own object that is driven
-  // past the other in truth is published as it was just before the contact, so that all peers take the contact back.
+  // both are published anew: a peer that receives one of them must receive the outcome. Where an own driven object
+  // passed the other in truth, it is published as it was just before the contact: all peers take that contact back.
   void on_predicted_contact(const ContactEvent& contact, SimTime t);
   // Session time has stepped: the updates that wait are void.
   void restart();

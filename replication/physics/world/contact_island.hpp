@@ -61,9 +61,9 @@ struct IslandParting {
   std::vector<std::uint32_t> pressed;   // that part no more than the forces bring back within kShortestFlight_s
   bool pressed_part = false;            // some of the pressed ones part
 };
-// `rounding`: two that part more slowly are at rest against each other [m/s]. `keeps_up`: what is pressed also follows
-// a support that moves away and gives way to nothing. Following takes energy; it is needed where the law of a support
-// and of what it bears come from two updates, whose speeds differ by their rounding.
+// Two bodies that part more slowly than `rounding` [m/s] are at rest against each other. With `keeps_up` a pressed body
+// also follows a support that moves away and gives way to nothing. Following takes energy; it is needed where the laws
+// of a support and of what it bears come from two updates, whose speeds differ by their rounding.
 [[nodiscard]] IslandParting parting_of(const ContactIsland& island, const MovingObjects& objects,
                                        const WatchedPairs& pairs, SimTime t, double rounding, bool keeps_up);
 

@@ -168,8 +168,8 @@ void FarPairs::open_all(std::size_t object, WatchedPairs& pairs, std::vector<std
   place.last_added = SimTime::min();
 }
 
-// What is opened was apart for as long as the place was known to hold before the object moved otherwise: from then on
-// only its new law counts, and the world says from when on it searches for that.
+// An opened pair counts as apart until the old law would have left the place. Where the new law comes from before that,
+// MotionWorld::reopen_pairs() says how far back its own search goes.
 void FarPairs::leave_place(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
                            std::vector<std::uint32_t>& opened) {
   Place& place = places_[object];

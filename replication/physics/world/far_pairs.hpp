@@ -31,7 +31,7 @@ class FarPairs {
 
   // The two are apart at s, by their bounds. Keeps the pair as far if their places are apart, too.
   bool add(std::size_t pair, SimTime s, MovingObjects& objects, WatchedPairs& pairs);
-  // The object moves otherwise from t on. Follows it until `until`; pairs that are far no more go to `opened`.
+  // The object has a new law from t on. Follows it until `until`, and appends pairs that are no longer far to `opened`.
   void moved(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
              std::vector<std::uint32_t>& opened);
   // Appends all that is far to `opened`: nothing is far any more.
@@ -56,8 +56,8 @@ class FarPairs {
   [[nodiscard]] bool is_collider(std::uint32_t object, std::uint32_t pair) const;
   [[nodiscard]] static Place place_at(std::size_t object, SimTime s, MovingObjects& objects);
   void make_place(std::size_t object, SimTime s, MovingObjects& objects);
-  // Follows the object until `until`. It moves otherwise from t on, or goes on as it does (max()). Where it leaves its
-  // place it gets another, and what is apart from that one stays far.
+  // Follows the object until `until`. Its law is new from t on; max(): it has not changed. Where the object leaves its
+  // place it gets another one, and pairs whose places are still apart stay far.
   void leave_place(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
                    std::vector<std::uint32_t>& opened);
   void open_pair(std::uint32_t number, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);

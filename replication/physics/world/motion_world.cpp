@@ -573,8 +573,8 @@ void MotionWorld::retract_contacts_of_carried(std::size_t object, SimTime t) {
   }
 }
 
-// Retracts what followed from a contact with `cause` at t or later. An authoritative object keeps its
-// answers to what others own.
+// Retracts what followed from a contact with `cause` at t or later. An authoritative object keeps its answers to what
+// others own.
 void MotionWorld::retract(std::size_t cause, SimTime t) {
   if (cause >= answers_to_.size()) return;  // it meets nothing
   for (const Answer& answer : answers_to_[cause]) {
@@ -631,7 +631,7 @@ void MotionWorld::retract_answers(std::size_t index, std::optional<ObjectId> cau
   const SimTime from = o.timeline.segment(wrong).from;
   if ((is_own ? o.given_time : o.base_time) >= from) return;  // its owner has published since
   o.timeline.truncate_from(from);
-  o.base_time = std::min(o.base_time, std::max(o.given_time, from));  // its updates since then said that answer
+  o.base_time = std::min(o.base_time, std::max(o.given_time, from));  // its updates since then were of that answer
   retract_bases(o, from);
   objects_.timeline_changed(index);
   ++o.revision;
