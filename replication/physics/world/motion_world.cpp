@@ -339,10 +339,12 @@ void MotionWorld::lay_base(std::size_t index, const Base& given) {
   const KinematicState before = o.timeline.at(t);
   const MotionModel world_before = objects_.world_law(index, t);
   const Duration since = t - o.timeline.segment_at(t).from;
+  // Nothing bore it at t when its owner said so, and what it has begun to rest against at t comes after that.
+  const SimTime after = given.rest || given.free ? t + Duration{1} : t;
   // A peer that found a contact in another nanosecond has its objects a little elsewhere: what rests goes on.
   const bool stays = is_at_same_place(before, model.state) &&
                      std::ranges::none_of(pairs_touched_since(index, t), [&](std::uint32_t i) {
-                       return pairs_.contains(i) && pairs_[i].bears && pairs_[i].touched > t;
+                       return pairs_.contains(i) && pairs_[i].bears && pairs_[i].touched >= after;
                      });
   MotionModel base = model;
   if (!stays) o.borne = false;

@@ -1687,4 +1687,26 @@ TEST(MotionWorldBorne, AContactThatIsDecidedHereTellsOfAllThatItStrikes) {
   EXPECT_EQ(after.velocity, world.at(w["A"], decided[1].at).velocity);
 }
 
+// Both are let go at 0 s towards each other. This world has found that A presses a B at rest when B's law comes.
+TEST(MotionWorldBorne, ALawOfTheInstantAtWhichItIsPressedCounts) {
+  const std::string dead = " collisionResponse CollisionResponse { responseType 2 restitution 0 } ";
+  auto&& [w, world] = Started(box("A", "1 1 1", "0 0 0", dead) + box("B", "1 1 1", "1 0 0", dead) +
+                                  interest("A", R"("B")") + interest("B", R"("A")"),
+                              {{"A", Role::kAuthoritative}, {"B", Role::kPredicted, moving({1, 0, 0})}});
+  world.set_authority({[](ObjectId, ObjectId, SimTime) { return ContactAuthority::kLocal; }, {}});
+  world.set_free_acceleration(w["A"], Vec3(2, 0, 0));
+  world.set_base(w["A"], sim(0s), moving({0, 0, 0}, {0, 0, 0}, {2, 0, 0}));
+  world.advance(sim(0s));
+  ASSERT_EQ(only(contacts_of(world)).at, sim(0s));
+  world.set_base(w["B"], sim(0s), moving({1, 0, 0}, {0, 0, 0}, {-2, 0, 0}));
+  world.advance(sim(1s));
+  const auto pressed = only(contacts_of(world));
+  EXPECT_EQ(pressed.at, sim(0s));
+  EXPECT_TRUE(pressed.rests);
+  for (const char* each : {"A", "B"}) {
+    EXPECT_EQ(world.at(w[each], sim(1s)).acceleration.x(), 0.0) << each;
+    EXPECT_EQ(world.at(w[each], sim(1s)).velocity.x(), 0.0) << each;
+  }
+}
+
 }  // namespace peerd::replication::motion_world_test
