@@ -30,6 +30,24 @@ TEST(SparseTable, NamesItemsInTheOrderInWhichTheyCame) {
   EXPECT_FALSE(table.contains(1));
 }
 
+TEST(SparseTable, AnItemsMemoryIsTheNextOnes) {
+  SparseTable<std::string> table(5);
+  table.add(3, "three");
+  const std::string* const one = &table.add(1, "one");
+  const std::string* const four = &table.add(4, "four");
+  table.erase(1);
+  EXPECT_THAT(table.numbers(), ElementsAre(3, 4));
+  EXPECT_EQ(table.find(1), nullptr);
+  EXPECT_EQ(&table.add(0, "zero"), one);
+  table.erase(0);
+  table.erase(3);
+  EXPECT_THAT(table.numbers(), ElementsAre(4));
+  EXPECT_EQ(table.find(4), four);
+  EXPECT_EQ(table[4], "four");
+  EXPECT_EQ(table.add(1, "one again"), "one again");
+  EXPECT_THAT(table.numbers(), ElementsAre(4, 1));
+}
+
 TEST(SparseTable, ItemsStayWhereTheyAre) {
   SparseTable<int> table(1000);
   const int* const first = &table.add(500, 7);

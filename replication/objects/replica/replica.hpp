@@ -30,7 +30,7 @@ class Replica {
 
   // The model outlives the replica, and so does `detection`, by which both worlds find contacts, if there is one.
   explicit Replica(const ModelInForce& model, TickDetection* detection = nullptr)
-      : model_(model), detection_(detection), colliding_(*model) {
+      : model_(model), detection_(detection), colliding_(model) {
     if (!model->flexible.empty()) flexible_ = std::make_unique<FlexibleParts>(*model);
   }
 

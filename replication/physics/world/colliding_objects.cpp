@@ -6,13 +6,10 @@
 
 namespace peerd::replication {
 
-CollidingObjects::CollidingObjects(const WorldModel& model) {
-  for (const CollisionPair& p : model.pairs) known_.insert(std::minmax(p.collider, p.collidee));
-}
-
 void CollidingObjects::on_contact(const ContactEvent& contact) {
   const Pair pair(std::minmax(contact.collider, contact.collidee));
-  if (!known_.contains(pair) || !touching_.insert(pair).second) return;
+  if (touching_.contains(pair) || !model_->are_paired(pair.first, pair.second)) return;
+  touching_.insert(pair);
   checked_.insert(pair);
   for (const ObjectId object : {pair.first, pair.second}) {
     if (partners_[object]++ == 0) events_.push_back({object, contact.at, false});
@@ -66,11 +63,9 @@ void CollidingObjects::update(const Touch& touch, const Lies& lies, SimTime t) {
 }
 
 void CollidingObjects::change_scene(const WorldModel& next, SimTime t) {
-  known_.clear();
-  for (const CollisionPair& p : next.pairs) known_.insert(std::minmax(p.collider, p.collidee));
   const std::vector<Pair> before(touching_.begin(), touching_.end());
   for (const Pair& pair : before) {
-    if (!known_.contains(pair)) part(pair, t);
+    if (!next.are_paired(pair.first, pair.second)) part(pair, t);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "replication/physics/world/model_in_force.hpp"
 #include "replication/physics/world/motion_world.hpp"
 
 namespace peerd::replication {
@@ -24,7 +25,7 @@ struct NotColliding {
 // still are not checked until one of them is woken.
 class CollidingObjects {
  public:
-  explicit CollidingObjects(const WorldModel& model);
+  explicit CollidingObjects(const ModelInForce& model) : model_(model) {}
 
   // Ignores pairs that no interest names.
   void on_contact(const ContactEvent& contact);
@@ -37,7 +38,7 @@ class CollidingObjects {
   void wake(ObjectId object);
   // Session time has stepped, and both worlds begin anew: nothing touches that has no contact there.
   void forget(SimTime t);
-  // The scene has been edited: what is not paired any more touches nothing.
+  // The scene has been edited, and its model comes in force next: what is not paired any more touches nothing.
   void change_scene(const WorldModel& next, SimTime t);
   // The object is not received any more, so it touches nothing.
   void forget(ObjectId object, SimTime t);
@@ -52,7 +53,7 @@ class CollidingObjects {
   // Takes the pair from those that lie.
   void raise(const Pair& pair);
 
-  std::set<Pair> known_;                       // the model's pairs
+  const ModelInForce& model_;
   std::set<Pair> touching_;                    // those that lie included
   std::set<Pair> checked_;                     // of `touching_`: those that do not lie
   std::set<std::pair<ObjectId, Pair>> lying_;  // the others, by each of the two

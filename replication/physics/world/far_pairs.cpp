@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cassert>
+#include <functional>
+#include <queue>
+#include <utility>
 
 #include "collision/contact/contact_time.hpp"
 #include "replication/physics/laws/swept_bound.hpp"
@@ -11,7 +14,7 @@ namespace {
 
 // A place reaches so many times as far as the body goes until its bound ends, to all sides. With less it is left more
 // often, with more fewer pairs are far.
-constexpr double kPlaceWays = 4.0;
+constexpr double kPlaceWays = 2.0;
 
 // The end of the time that a bound is for. A body that stands does so until its law changes.
 SimTime end_of(const SweptBound& bound, SimTime s) {
@@ -31,16 +34,21 @@ FarPairs::FarPairs(const WorldModel& model)
       places_(model.nodes.size()),
       checks_(model.nodes.size()),
       is_far_(model.part_pairs.size(), false),
+      was_searched_(model.part_pairs.size(), false),
       near_index_(model.part_pairs.size()) {}
 
 bool FarPairs::is_collider(std::uint32_t object, std::uint32_t pair) const {
-  return model_->pairs[model_->part_pairs[pair].pair].collider == model_->nodes[object].object;
+  const PartPair& parts = model_->part_pairs[pair];
+  if (parts.a == object || parts.b == object) return parts.a == object;
+  return model_->pairs[parts.pair].collider == model_->nodes[object].object;
+}
+
+bool FarPairs::is_single(std::uint32_t object) const {
+  return model_->carried_by[object].empty() && model_->nodes[object].carrier == ModelNode::kNone &&
+         model_->all_pairs_move[object];
 }
 
 bool FarPairs::may_be_far(const WatchedPair& pair) const {
-  const auto is_single = [&](std::uint32_t i) {
-    return model_->carried_by[i].empty() && model_->nodes[i].carrier == ModelNode::kNone && model_->all_pairs_move[i];
-  };
   return pair.is_plain && !pair.is_flexible && !pair.fixed && pair.has_exact_search && is_single(pair.collider) &&
          is_single(pair.collidee);
 }
@@ -94,6 +102,13 @@ FarPairs::Place FarPairs::place_at(std::size_t object, SimTime s, MovingObjects&
   return place;
 }
 
+void FarPairs::enter(Place& place, const Place& next, SimTime s) {
+  place.bound = next.bound;
+  place.since = s;
+  place.known_until = next.known_until;
+  place.last_added = std::max(place.last_added, s);
+}
+
 void FarPairs::make_place(std::size_t object, SimTime s, MovingObjects& objects) {
   Place& place = places_[object];
   assert(place.far == 0);
@@ -103,28 +118,66 @@ void FarPairs::make_place(std::size_t object, SimTime s, MovingObjects& objects)
   place.known_until = made.known_until;
 }
 
-bool FarPairs::add(std::size_t pair, SimTime s, MovingObjects& objects, WatchedPairs& pairs) {
+bool FarPairs::add_by_places(std::uint32_t pair, const std::array<std::uint32_t, 2>& ends, SimTime s, SimTime until,
+                             MovingObjects& objects) {
+  bool are_held = true;
+  for (const std::uint32_t object : ends) {
+    Place& place = place_of(object);
+    if (place.far == 0 && (place.since > s || place.known_until <= s)) make_place(object, s, objects);
+    are_held = are_held && place.since <= s && (place.known_until > until || stays_until(object, until, objects));
+    if (place.far == 0) checks_.set(object, SimTime::max());  // it is followed only once a pair of it is far
+  }
+  if (!are_held || !apart(places_[ends[0]].bound, places_[ends[1]].bound, type_of(pair))) return false;
+  is_far_[pair] = true;
+  for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+    erase_near(pair, side, ends[side]);
+    Place& place = places_[ends[side]];
+    place.last_added = std::max(place.last_added, s);
+    if (++place.far == 1) checks_.set(ends[side], place.known_until);
+  }
+  return true;
+}
+
+bool FarPairs::add(std::size_t pair, SimTime s, SimTime oldest, MovingObjects& objects, WatchedPairs& pairs) {
   WatchedPair& p = pairs[pair];
   if (is_far_[pair] || !may_be_far(p)) return false;
   assert(!p.contact && !p.bears && !p.inside);
-  for (const std::uint32_t object : {p.collider, p.collidee}) {
-    Place& place = place_of(object);
-    if (place.far == 0 && (place.since > s || place.known_until <= s)) make_place(object, s, objects);
-    if (place.since > s || place.known_until <= s) return false;
-  }
-  Place &a = places_[p.collider], &b = places_[p.collidee];
-  if (!apart(a.bound, b.bound, p.type)) return false;
-  is_far_[pair] = true;
+  if (!add_by_places(static_cast<std::uint32_t>(pair), {p.collider, p.collidee}, s, s, objects)) return false;
   p.clear_until = s;
-  const auto number = static_cast<std::uint32_t>(pair);
-  erase_near(number, 0, p.collider);
-  erase_near(number, 1, p.collidee);
-  for (const std::uint32_t object : {p.collider, p.collidee}) {
-    Place& place = places_[object];
-    place.last_added = std::max(place.last_added, s);
-    if (++place.far == 1) checks_.set(object, place.known_until);
+  const bool is_whole = model_->first_part_pair[p.number] + 1 == model_->first_part_pair[p.number + 1];
+  // A contact of `oldest` looks back so far.
+  if (is_whole && !p.remembers_since(std::min(s, oldest) - kSameContact)) {
+    was_searched_[pair] = p.searched;
+    pairs.erase(pair);
   }
   return true;
+}
+
+bool FarPairs::add_waiting(std::uint32_t pair, SimTime s, SimTime until, MovingObjects& objects) {
+  const PartPair& parts = model_->part_pairs[pair];
+  if (is_far_[pair] || !is_single(parts.a) || !is_single(parts.b)) return false;
+  was_searched_[pair] = false;
+  return add_by_places(pair, {parts.a, parts.b}, s, until, objects);
+}
+
+WatchedPair& FarPairs::known(std::uint32_t pair, SimTime apart_until, WatchedPairs& pairs) const {
+  if (WatchedPair* const there = pairs.find(pair)) return *there;
+  assert(is_far_[pair]);
+  add_pairs(pairs, *model_, model_->part_pairs[pair].pair, apart_until, true);
+  WatchedPair& made = pairs[pair];
+  made.searched = was_searched_[pair];
+  return made;
+}
+
+bool FarPairs::make_all_of(std::span<const std::uint32_t> objects, SimTime apart_until, WatchedPairs& pairs) const {
+  const std::size_t before = pairs.numbers().size();
+  for (const std::uint32_t object : objects) {
+    if (object == ModelNode::kNone) continue;
+    for (const std::uint32_t i : model_->part_pairs_of(object)) {
+      if (is_far_[i]) known(i, apart_until, pairs);
+    }
+  }
+  return pairs.numbers().size() > before;
 }
 
 bool FarPairs::stays_until(std::size_t object, SimTime until, MovingObjects& objects) {
@@ -138,9 +191,10 @@ bool FarPairs::stays_until(std::size_t object, SimTime until, MovingObjects& obj
   return true;
 }
 
-void FarPairs::open_pair(std::uint32_t number, WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
-  WatchedPair& p = pairs[number];
-  p.clear_until = std::max(p.clear_until, std::min(places_[p.collider].known_until, places_[p.collidee].known_until));
+void FarPairs::open_pair(std::uint32_t number, SimTime apart_until, WatchedPairs& pairs,
+                         std::vector<std::uint32_t>& opened) {
+  WatchedPair& p = known(number, apart_until, pairs);
+  p.clear_until = std::max(p.clear_until, apart_until);
   is_far_[number] = false;
   push_near(number, 0, p.collider);
   push_near(number, 1, p.collidee);
@@ -151,18 +205,20 @@ void FarPairs::open_pair(std::uint32_t number, WatchedPairs& pairs, std::vector<
 }
 
 template <class Stays>
-void FarPairs::open_unless(std::size_t object, Stays stays, WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
+void FarPairs::open_unless(std::size_t object, SimTime apart_until, Stays stays, WatchedPairs& pairs,
+                           std::vector<std::uint32_t>& opened) {
   for (const std::uint32_t i : model_->part_pairs_moved_by(object)) {
     if (!is_far_[i]) continue;
     const PartPair& ends = model_->part_pairs[i];
-    if (!stays(i, ends.a == object ? ends.b : ends.a)) open_pair(i, pairs, opened);
+    const std::uint32_t other = ends.a == object ? ends.b : ends.a;
+    if (!stays(i, other)) open_pair(i, std::min(apart_until, places_[other].known_until), pairs, opened);
   }
 }
 
 void FarPairs::open_all(std::size_t object, WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
   const auto none = [](std::uint32_t, std::uint32_t) { return false; };
-  open_unless(object, none, pairs, opened);
   Place& place = places_[object];
+  open_unless(object, place.known_until, none, pairs, opened);
   assert(place.far == 0);
   place.since = SimTime::max();
   place.last_added = SimTime::min();
@@ -181,17 +237,13 @@ void FarPairs::leave_place(std::size_t object, SimTime t, SimTime until, MovingO
     const auto stays_far = [&](std::uint32_t i, std::uint32_t other) {
       Place& b = places_[other];
       const bool is_known = b.since <= std::min(s, t) && (b.known_until > s || stays_until(other, s, objects));
-      if (!is_known || !apart(next.bound, b.bound, pairs[i].type)) return false;
+      if (!is_known || !apart(next.bound, b.bound, type_of(i))) return false;
       b.last_added = std::max(b.last_added, s);
       return true;
     };
     left = std::max(left, s);
-    place.known_until = left;
-    open_unless(object, stays_far, pairs, opened);
-    place.bound = next.bound;
-    place.since = s;
-    place.known_until = next.known_until;
-    place.last_added = std::max(place.last_added, s);
+    open_unless(object, left, stays_far, pairs, opened);
+    enter(place, next, s);
     if (place.far == 0) {
       place.since = SimTime::max();
       return;
@@ -207,9 +259,10 @@ void FarPairs::moved(std::size_t object, SimTime t, SimTime until, MovingObjects
   if (place.far > 0 && t < place.since) return open_all(object, pairs, opened);
   if (place.far > 0 && t < place.last_added) {  // what was found to be apart after t is searched again
     const auto since_before = [&](std::uint32_t i, std::uint32_t other) {
-      return places_[other].since <= t && pairs[i].clear_until <= t;
+      const WatchedPair* const pair = pairs.find(i);
+      return places_[other].since <= t && (pair == nullptr || pair->clear_until <= t);
     };
-    open_unless(object, since_before, pairs, opened);
+    open_unless(object, place.known_until, since_before, pairs, opened);
   }
   if (place.far == 0) {
     place.since = SimTime::max();
@@ -225,8 +278,36 @@ void FarPairs::open(WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
 }
 
 void FarPairs::follow(SimTime until, MovingObjects& objects, WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
+  using Leaving = std::pair<SimTime, std::uint32_t>;
+  std::priority_queue<Leaving, std::vector<Leaving>, std::greater<>> leaving;
+  const auto follow_one = [&](std::uint32_t object) {
+    if (!stays_until(object, until, objects)) leaving.emplace(places_[object].known_until, object);
+  };
   for (std::size_t i = checks_.next_due(0, until); i != checks_.size(); i = checks_.next_due(i + 1, until)) {
-    leave_place(i, SimTime::max(), until, objects, pairs, opened);
+    follow_one(static_cast<std::uint32_t>(i));
+  }
+  std::vector<std::uint32_t> left;
+  while (!leaving.empty()) {
+    const SimTime s = leaving.top().first;
+    for (left.clear(); !leaving.empty() && leaving.top().first == s; leaving.pop()) {
+      left.push_back(leaving.top().second);
+    }
+    for (const std::uint32_t object : left) enter(places_[object], place_at(object, s, objects), s);
+    for (const std::uint32_t object : left) {
+      Place& place = places_[object];
+      const auto stays_far = [&](std::uint32_t i, std::uint32_t other) {
+        Place& b = places_[other];
+        if (b.since > s || b.known_until <= s || !apart(place.bound, b.bound, type_of(i))) return false;
+        b.last_added = std::max(b.last_added, s);
+        return true;
+      };
+      open_unless(object, s, stays_far, pairs, opened);
+      if (place.far > 0) {
+        follow_one(object);
+      } else {
+        place.since = SimTime::max();
+      }
+    }
   }
 }
 

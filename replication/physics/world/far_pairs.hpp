@@ -16,7 +16,8 @@ namespace peerd::replication {
 // The broad phase of a MotionWorld: pairs that nobody checks as long as neither of the two leaves its place, a region
 // around the way of its body that is wide enough for some time. An object that moves otherwise, or on, costs a
 // comparison with its place, however many interests name it. Where it has left that it gets another place, and its
-// pairs with what is not apart from that are opened. Pairs with a carrier or with flexible parts are always near.
+// pairs with what is not apart from that are opened. Pairs with a carrier or with flexible parts are always near. Most
+// far pairs have nothing to remember: they have no WatchedPair, and get a new one where they are opened.
 class FarPairs {
  public:
   explicit FarPairs(const WorldModel& model);
@@ -29,8 +30,18 @@ class FarPairs {
   // then near() has all that met anything from t on.
   [[nodiscard]] bool near_since(std::size_t object, SimTime t) const;
 
-  // The two are apart at s, by their bounds. Keeps the pair as far if their places are apart, too.
-  bool add(std::size_t pair, SimTime s, MovingObjects& objects, WatchedPairs& pairs);
+  // The two are apart at s, by their bounds. Notes the pair as far if their places are apart, too, and returns whether
+  // it has. Erases a pair that has nothing to remember; no search begins before `oldest` any more.
+  bool add(std::size_t pair, SimTime s, SimTime oldest, MovingObjects& objects, WatchedPairs& pairs);
+  // The same for a watched pair that has waited until s (WaitingPairs::may_wait()) and has no WatchedPair. Its places
+  // have to hold the two until `until`, too.
+  bool add_waiting(std::uint32_t pair, SimTime s, SimTime until, MovingObjects& objects);
+  // The WatchedPair of a watched pair. That of a far one that has none is made: the two were apart before
+  // `apart_until`.
+  WatchedPair& known(std::uint32_t pair, SimTime apart_until, WatchedPairs& pairs) const;
+  // Makes those of all far pairs of these objects, of which some may be ModelNode::kNone. Returns whether there was any
+  // to make.
+  bool make_all_of(std::span<const std::uint32_t> objects, SimTime apart_until, WatchedPairs& pairs) const;
   // The object has a new law from t on. Follows it until `until`, and appends pairs that are no longer far to `opened`.
   void moved(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
              std::vector<std::uint32_t>& opened);
@@ -51,19 +62,31 @@ class FarPairs {
     std::vector<std::uint32_t> near;
   };
 
+  [[nodiscard]] bool is_single(std::uint32_t object) const;
   [[nodiscard]] bool may_be_far(const WatchedPair& pair) const;
+  // Whether the places of the two hold them from s to `until`, and are apart. Notes the pair as far if so.
+  bool add_by_places(std::uint32_t pair, const std::array<std::uint32_t, 2>& ends, SimTime s, SimTime until,
+                     MovingObjects& objects);
+  [[nodiscard]] CollisionType type_of(std::uint32_t pair) const {
+    return model_->pairs[model_->part_pairs[pair].pair].type;
+  }
   [[nodiscard]] Place& place_of(std::uint32_t object);
   [[nodiscard]] bool is_collider(std::uint32_t object, std::uint32_t pair) const;
   [[nodiscard]] static Place place_at(std::size_t object, SimTime s, MovingObjects& objects);
   void make_place(std::size_t object, SimTime s, MovingObjects& objects);
-  // Follows the object until `until`. Its law is new from t on; max(): it has not changed. Where the object leaves its
-  // place it gets another one, and pairs whose places are still apart stay far.
+  // The object is in `next` from s on; which of its pairs stay far is known from then on.
+  static void enter(Place& place, const Place& next, SimTime s);
+  // Follows the object, whose law is new from t on, until `until`. Where it leaves its place it gets another one, and
+  // pairs whose places are still apart stay far.
   void leave_place(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
                    std::vector<std::uint32_t>& opened);
-  void open_pair(std::uint32_t number, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
-  // Opens those far pairs of the object for which `stays` (the pair, the other object) says no.
+  // The two were apart until then.
+  void open_pair(std::uint32_t number, SimTime apart_until, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
+  // Opens those far pairs of the object for which `stays` (the pair, the other object) says no. The object was in the
+  // place where they are far until `apart_until`.
   template <class Stays>
-  void open_unless(std::size_t object, Stays stays, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
+  void open_unless(std::size_t object, SimTime apart_until, Stays stays, WatchedPairs& pairs,
+                   std::vector<std::uint32_t>& opened);
   [[nodiscard]] bool stays_until(std::size_t object, SimTime until, MovingObjects& objects);
   void open_all(std::size_t object, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
   void push_near(std::uint32_t pair, std::size_t side, std::uint32_t object);
@@ -73,6 +96,7 @@ class FarPairs {
   SparseTable<Place> places_;                             // by the model's nodes: of those that have had a far pair
   Schedule checks_;                                       // by object: known_until, where any of its pairs is far
   std::vector<bool> is_far_;                              // by pair
+  std::vector<bool> was_searched_;                        // WatchedPair::searched, of a far pair that has none
   std::vector<std::array<std::uint32_t, 2>> near_index_;  // of a pair in `near` of its collider and of its collidee
 };
 

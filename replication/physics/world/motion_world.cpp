@@ -35,10 +35,10 @@ std::optional<Vec3> rolling_off(const collision::Body& body, const KinematicStat
   return spin;
 }
 
-// Whether the part pairs of an interest are there; from need_pairs_of() on they are.
-bool has_pairs_of(std::uint32_t number, const WorldModel& model, const WatchedPairs& pairs) {
+// Whether the part pairs of an interest are known; from need_pairs_of() on they are.
+bool has_pairs_of(std::uint32_t number, const WorldModel& model, const WatchedPairs& pairs, const FarPairs& far) {
   const std::uint32_t first = model.first_part_pair[number];
-  return first == model.first_part_pair[number + 1] || pairs.contains(first);
+  return first == model.first_part_pair[number + 1] || pairs.contains(first) || far.contains(first);
 }
 
 // Whether the object, or what it carries, may meet anything. The others are most.
@@ -55,6 +55,22 @@ void unstop(WatchedPair& pair, std::uint32_t number, std::set<std::uint32_t>& st
 // Both are moved by physics in the truth of this peer, which answers for both.
 bool are_both_own(const MovingObjects& objects, std::size_t a, std::size_t b) {
   return objects[a].role == Role::kAuthoritative && objects[b].role == Role::kAuthoritative;
+}
+
+// Whether the object, which moves one side of the pair, moves that of the collider.
+bool is_of_collider(const MovingObjects& objects, const WatchedPair& pair, std::size_t object) {
+  return pair.is_plain ? pair.collider == object : objects.is_in_side(object, pair.collider, pair.part_a);
+}
+
+// Whether the other object of the pair is moved here at t and gives way to this one: it has met what it has met.
+bool is_partner_lived(const MovingObjects& objects, const WatchedPair& pair, std::size_t object, SimTime t) {
+  const bool of_collider = is_of_collider(objects, pair, object);
+  const std::uint32_t other = of_collider ? pair.collidee : pair.collider;
+  const bool other_responds = of_collider ? pair.collidee_responds : pair.collider_responds;
+  const bool responds = of_collider ? pair.collider_responds : pair.collidee_responds;
+  const bool stands =
+      (objects[other].role == Role::kAuthoritative || responds) && !objects[other].will_respond(other_responds, t);
+  return objects.is_lived(other) && !stands && !are_both_own(objects, object, other);
 }
 
 // Whether answering the two alone would not end the contacts around them.
@@ -99,7 +115,8 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start, Watched first)
       pair_checks_(pairs_.size()),
       in_pair_checks_(pairs_.size()),
       waiting_(model) {
-  for (const std::uint32_t i : pairs_.numbers()) reschedule(i);
+  known_.assign(pairs_.numbers().begin(), pairs_.numbers().end());
+  for (const std::uint32_t i : known_) reschedule(i);
 }
 
 template <class ChangeObjects>
@@ -119,9 +136,9 @@ void MotionWorld::replace_model(const WorldModel& next, SimTime t, ChangeObjects
   change_objects();
   model_ = &next;
   pairs_ = std::move(pairs);
-  with_past_.clear();
+  courses_.pairs.clear();
   for (const std::uint32_t i : pairs_.numbers()) {
-    if (!pairs_[i].past.empty()) with_past_.insert(i);
+    if (!pairs_[i].past.empty()) courses_.pairs.insert(i);
   }
   far_ = FarPairs(next);
   note_answers();
@@ -136,7 +153,8 @@ void MotionWorld::replace_model(const WorldModel& next, SimTime t, ChangeObjects
   in_pair_checks_.assign(pairs_.size(), false);
   watched_ = 0;
   waiting_ = WaitingPairs(next);
-  for (const std::uint32_t i : pairs_.numbers()) reschedule(i);
+  known_.assign(pairs_.numbers().begin(), pairs_.numbers().end());
+  for (const std::uint32_t i : known_) reschedule(i);
   for (std::uint32_t number = 0; number < next.pairs.size() && !waiting.empty(); ++number) {
     if (waiting.contains(key_of(next.pairs[number]))) watch(number, true);
   }
@@ -203,12 +221,13 @@ void MotionWorld::watch(ObjectId a, ObjectId b, bool on) {
 void MotionWorld::watch(std::uint32_t number, bool on) {
   assert(number < model_->pairs.size());
   if (on && waiting_.contains(number)) return;
-  const bool is_new = !has_pairs_of(number, *model_, pairs_);
+  const bool is_new = !has_pairs_of(number, *model_, pairs_, far_);
   waiting_.set(number, on && is_new && waiting_.may_wait(number, objects_));
   if (is_new && (!on || waiting_.contains(number))) return;
   need_pairs_of(number);
   for (std::uint32_t i = model_->first_part_pair[number]; i < model_->first_part_pair[number + 1]; ++i) {
-    WatchedPair& pair = pairs_[i];
+    if (on && !pairs_.contains(i)) continue;  // it is far, and watched
+    WatchedPair& pair = far_.known(i, start_, pairs_);
     if (pair.watched == on) continue;
     pair.watched = on;
     unstop(pairs_[i], i, stopped_);
@@ -219,22 +238,34 @@ void MotionWorld::watch(std::uint32_t number, bool on) {
   }
 }
 
-// They are as pairs that were far: apart until now, and reopen_pairs() says from when on that is not known any more.
-void MotionWorld::end_waits_of(std::size_t object) {
+// Those that are not far are as pairs that were: apart until now, and reopen_pairs() says from when on that is not
+// known any more.
+void MotionWorld::end_waits_of(std::size_t object, SimTime t) {
   for (const std::uint32_t number : waiting_.take_of(object)) {
-    add_pairs(pairs_, *model_, number, SimTime::max(), true);
-    opened_.push_back(model_->first_part_pair[number]);
+    const std::uint32_t i = model_->first_part_pair[number];
+    known_.push_back(i);
+    if (far_.add_waiting(i, t, std::max(t, advanced_), objects_)) {
+      in_pair_checks_[i] = true;
+      ++watched_;
+    } else {
+      add_pairs(pairs_, *model_, number, SimTime::max(), true);
+      opened_.push_back(i);
+    }
   }
 }
 
 void MotionWorld::need_pairs_of(std::uint32_t number) {
   assert(!waiting_.contains(number));
-  if (!has_pairs_of(number, *model_, pairs_)) add_pairs(pairs_, *model_, number, start_, false);
+  if (has_pairs_of(number, *model_, pairs_, far_)) return;
+  add_pairs(pairs_, *model_, number, start_, false);
+  for (std::uint32_t i = model_->first_part_pair[number]; i < model_->first_part_pair[number + 1]; ++i) {
+    known_.push_back(i);
+  }
 }
 
 void MotionWorld::put_off(std::uint32_t i, bool on, bool from_now) {
   assert(i < pairs_.size());
-  WatchedPair& pair = pairs_[i];
+  WatchedPair& pair = far_.known(i, start_, pairs_);
   pair.put_off = on;
   if (on || !pair.stopped) return;
   SimTime from = advanced_;
@@ -613,7 +644,10 @@ void MotionWorld::note_answers() {
 
 void MotionWorld::reschedule_opened(const std::optional<NewLaw>& law) {
   for (const std::uint32_t i : opened_) {
-    search().note_was_far(pairs_[i], law);
+    const WatchedPair& pair = pairs_[i];
+    const SimTime reopened =
+        law ? reopened_from(pair, is_partner_lived(objects_, pair, law->object, law->from), law->from) : SimTime::max();
+    search().note_was_far(pairs_[i], law, reopened);
     reschedule(i);
   }
   opened_.clear();
@@ -660,7 +694,7 @@ void MotionWorld::remember_course(std::uint32_t i, SimTime t) {
   assert(pairs_.contains(i));
   if (!replays_bases_) return;
   pairs_[i].remember_course(t);
-  with_past_.insert(i);
+  courses_.pairs.insert(i);
 }
 
 SimTime MotionWorld::reopened_from(const WatchedPair& pair, bool lived, SimTime t) const {
@@ -672,26 +706,18 @@ SimTime MotionWorld::reopened_from(const WatchedPair& pair, bool lived, SimTime 
 // here, or is driven here and gets no answer, are not searched again in the past because this one moved otherwise; its
 // own change (a decision) makes them searched there. A pair of two own objects is.
 void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
-  end_waits_of(object);
   far_.moved(object, t, advanced_, objects_, pairs_, opened_);
+  end_waits_of(object, t);
   reschedule_opened(NewLaw{object, t});
   for (const std::uint32_t i : far_.near(object)) {
     if (!pairs_.contains(i)) continue;
     WatchedPair& pair = pairs_[i];
-    const bool of_collider =
-        pair.is_plain ? pair.collider == object : objects_.is_in_side(object, pair.collider, pair.part_a);
-    const std::uint32_t other = of_collider ? pair.collidee : pair.collider;
-    const bool other_responds = of_collider ? pair.collidee_responds : pair.collider_responds;
-    const bool responds = of_collider ? pair.collider_responds : pair.collidee_responds;
-    const bool both_own = are_both_own(objects_, object, other);
-    if (both_own) {  // its updates after t were made without this law
+    const std::uint32_t other = is_of_collider(objects_, pair, object) ? pair.collidee : pair.collider;
+    if (are_both_own(objects_, object, other)) {  // its updates after t were made without this law
       MovingObject& o = objects_[other];
       o.base_time = std::min(o.base_time, std::max(o.given_time, t));
     }
-    const bool stands =
-        (objects_[other].role == Role::kAuthoritative || responds) && !gives_way(other, other_responds, t);
-    const bool lived = objects_.is_lived(other) && !stands && !both_own;
-    const SimTime from = reopened_from(pair, lived, t);
+    const SimTime from = reopened_from(pair, is_partner_lived(objects_, pair, object, t), t);
     if (pair.contact && *pair.contact >= from) {
       pair.contact.reset();
       pair.lifts = false;
@@ -723,7 +749,7 @@ bool MotionWorld::ends_touch(ObjectId a, ObjectId b, SimTime t) {
     if (waiting_.contains(number)) return false;
     need_pairs_of(number);
     for (std::uint32_t i = model_->first_part_pair[number]; i < model_->first_part_pair[number + 1]; ++i) {
-      WatchedPair& pair = pairs_[i];
+      WatchedPair& pair = far_.known(i, start_, pairs_);
       if (pair.unsupported) continue;
       // A contact that nobody answers is followed while it lasts.
       const bool followed = !pair.is_answered() && in_pair_checks_[i] && pair.searched;
@@ -953,7 +979,9 @@ void MotionWorld::settle_velocities(WatchedPair& pair, SimTime t, Touching which
   ContactIsland island = island_of(*model_, objects_, pairs_, around, t, which, Quantity::kVelocity);
   if (which == Touching::kBearing && is_crowd(island)) {
     const AnsweredAlone alone = authority_.alone ? authority_.alone : [](ObjectId, ObjectId) { return true; };
-    island = island_of(*model_, objects_, pairs_, around, t, which, Quantity::kVelocity, alone);
+    do {  // what is foreseen may be one more of the island, and foresee more
+      island = island_of(*model_, objects_, pairs_, around, t, which, Quantity::kVelocity, alone);
+    } while (far_.make_all_of(island.objects, start_, pairs_));
   }
   for (std::size_t i = 0; i < island.objects.size(); ++i) {
     if (island.reached_from[i] != kNone) continue;
@@ -1204,7 +1232,10 @@ std::optional<std::size_t> MotionWorld::first_contact_until(SimTime to) {
     WatchedPair& pair = pairs_[i];
     ++checked;
     const auto apart_at = search().search(pair, until);
-    if (apart_at) far_.add(i, *apart_at, objects_, pairs_);
+    if (apart_at && far_.add(i, *apart_at, advanced_ - kHistory, objects_, pairs_)) {
+      pair_checks_.set(i, SimTime::max());
+      continue;
+    }
     if (pair.stopped) stopped_.insert(static_cast<std::uint32_t>(i));
     reschedule(i);
     if (!pair.contact || *pair.contact > until || (first && *pair.contact == until)) continue;
@@ -1251,9 +1282,9 @@ void MotionWorld::advance(SimTime to) {
   while (!retracted_bases_.empty()) lay_next_base();  // of the time that is still to come
   advanced_ = std::max(advanced_, to);
   objects_.prune_timelines(advanced_);
-  if (advanced_ >= courses_forgotten_ + kHistory) {
-    courses_forgotten_ = advanced_;
-    std::erase_if(with_past_, [&](std::uint32_t i) {
+  if (advanced_ >= courses_.forgotten + kHistory) {
+    courses_.forgotten = advanced_;
+    std::erase_if(courses_.pairs, [&](std::uint32_t i) {
       if (!pairs_.contains(i)) return true;
       pairs_[i].forget_course_before(advanced_ - kHistory);
       return pairs_[i].past.empty();

@@ -81,7 +81,7 @@ class MotionWorld {
 
   // The part pairs that are watched and do not wait, that were so, or that somebody has asked for, in the order in
   // which they came.
-  [[nodiscard]] std::span<const std::uint32_t> known_pairs() const { return pairs_.numbers(); }
+  [[nodiscard]] std::span<const std::uint32_t> known_pairs() const { return known_; }
 
   // Makes the world a function of the bases, whatever order they come in; called before the first of them. An object
   // then answers contacts of before its later bases, too, and what it has answered without cause is retracted;
@@ -214,8 +214,8 @@ class MotionWorld {
  private:
   [[nodiscard]] PairSearch search() { return {*model_, objects_, pairs_, start_, counters_, events_, detection_}; }
   void need_pairs_of(std::uint32_t number);
-  // Ends the waits of the object's pairs: it moves, so that they are searched from now on.
-  void end_waits_of(std::size_t object);
+  // Ends the waits of the object's pairs: it moves from t on, so that they are searched, or far.
+  void end_waits_of(std::size_t object, SimTime t);
   // Goes on with the pairs of another model. `change_objects` does so with the objects. Pairs that are new are searched
   // from t on.
   template <class ChangeObjects>
@@ -316,9 +316,9 @@ class MotionWorld {
   TickDetection* detection_ = nullptr;
   SimTime start_, advanced_;
   MovingObjects objects_;
-  WatchedPairs pairs_;
-  std::set<std::uint32_t> with_past_;           // the pairs of which a course is remembered
-  SimTime courses_forgotten_ = SimTime::min();  // when courses were last forgotten
+  WatchedPairs pairs_;                // without the far ones that have nothing to remember
+  std::vector<std::uint32_t> known_;  // known_pairs()
+  RememberedCourses courses_;
   FarPairs far_;
   std::vector<std::uint32_t> opened_;  // pairs that are far no more, and not in the schedule yet
   // For each node those of its partners whose timelines have, or had lately, a law with it as the cause; ascending.

@@ -250,12 +250,13 @@ bool PairSearch::was_apart(const WatchedPair& pair, SimTime s) const {
 }
 
 // The last instant of a search would have been a multiple of kLookahead or a change of the laws as they were.
-void PairSearch::note_was_far(WatchedPair& pair, const std::optional<NewLaw>& law) {
+void PairSearch::note_was_far(WatchedPair& pair, const std::optional<NewLaw>& law, SimTime reopened) {
   assert(!pair.inside && !pair.contact);
-  SimTime last = floor_to(pair.clear_until - Duration{1}, MovingObjects::kLookahead);
+  const SimTime until = std::min(pair.clear_until, reopened);
+  SimTime last = floor_to(until - Duration{1}, MovingObjects::kLookahead);
   for (const std::uint32_t object : {pair.collider, pair.collidee}) {
     const bool is_new = law && law->object == object;
-    const SimTime known = is_new ? std::min(law->from, pair.clear_until) : pair.clear_until;
+    const SimTime known = is_new ? std::min(law->from, until) : until;
     if (const auto change = objects_[object].timeline.last_change_until(known - Duration{1})) {
       last = std::max(last, *change);
     }

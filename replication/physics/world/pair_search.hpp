@@ -36,8 +36,8 @@ class PairSearch {
   // the instant for which the bounds of the two are apart, if the last window was one in which they are.
   std::optional<SimTime> search(WatchedPair& pair, SimTime to);
   // The two, which were far, were apart at all instants before pair.clear_until; the law may be the reason that they
-  // are far no more.
-  void note_was_far(WatchedPair& pair, const std::optional<NewLaw>& law);
+  // are far no more. They are searched again from `reopened` on.
+  void note_was_far(WatchedPair& pair, const std::optional<NewLaw>& law, SimTime reopened);
   // Whether the plane of that normal, facing the collider, has the collider on its one side and the collidee on the
   // other at t.
   [[nodiscard]] bool is_parted_by(const WatchedPair& pair, const Vec3& normal, SimTime t) const;

@@ -1,7 +1,9 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "core/math.hpp"
@@ -75,6 +77,11 @@ struct WatchedPair : PairCourse {
   void note_free(SimTime t);
   // Forgets that they were known to be apart at `from` or later.
   void forget_free_since(SimTime from);
+  // Whether a pair that is made anew, and apart, would not be as this one: it has touched since then, or some search of
+  // it is put off.
+  [[nodiscard]] bool remembers_since(SimTime t) const {
+    return put_off || stopped || unsupported || !past.empty() || std::max({touched, parted, bore_until, lifted}) >= t;
+  }
   // Called before something of t changes the course.
   void remember_course(SimTime t);
   // A world does not go back to before `oldest`.
@@ -97,8 +104,13 @@ inline constexpr Duration kSameContact{std::int64_t{1} << 26};
 
 [[nodiscard]] inline bool met_lately(SimTime met, SimTime t, Duration within) { return met <= t && t <= met + within; }
 
-// The model's part pairs that are watched, or have been: all of an interest, or none.
+// The model's part pairs that are watched, or have been, but for far ones (FarPairs): all of an interest, or none.
 using WatchedPairs = SparseTable<WatchedPair>;
+
+struct RememberedCourses {
+  std::set<std::uint32_t> pairs;       // those of which a course is remembered
+  SimTime forgotten = SimTime::min();  // when courses were last forgotten
+};
 
 // Begins with the part pairs of an interest, of which none is there: nothing is known of them from `start` on.
 void add_pairs(WatchedPairs& pairs, const WorldModel& model, std::uint32_t interest, SimTime start, bool watched);

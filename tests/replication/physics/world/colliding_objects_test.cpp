@@ -18,7 +18,7 @@ using testing::IsEmpty;
 using Seen = std::tuple<ObjectId, Duration, bool>;
 
 struct Watched {
-  explicit Watched(const std::string& text) : world(text), motion(*world.model, sim(0s)), colliding(*world.model) {
+  explicit Watched(const std::string& text) : world(text), motion(*world.model, sim(0s)), colliding(*world.in_force) {
     motion.declare(world["BALL"], Role::kAuthoritative);
   }
   // Advances in ticks of 100 ms until `to`.

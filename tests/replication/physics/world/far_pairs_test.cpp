@@ -62,6 +62,45 @@ TEST(FarPairs, AreSearchedOnceWhereTheyStayFarFromAllPlaces) {
   EXPECT_LE(many, few + 350);
 }
 
+// Ten that fly side by side, 1 km apart, and leave their places at the same instants.
+TEST(FarPairs, StayFarWhereBothLeaveTheirPlacesAtOnce) {
+  static constexpr const char* kNames[] = {"A", "B", "C", "D", "E", "F", "G", "H", "I", "J"};
+  std::string text, before;
+  std::vector<Started::Mover> movers;
+  for (int i = 0; i < 10; ++i) {
+    text += box(kNames[i], "1 1 1", "0 0 " + std::to_string(1000 * i));
+    if (i > 0) text += interest(kNames[i], before);
+    before += std::string(" \"") + kNames[i] + '"';
+    movers.push_back({kNames[i], Role::kPredicted, moving({0, 0, 1000.0 * i}, {10, 0, 0})});
+  }
+  auto&& [w, world] = Started(text, movers);
+  for (Duration t{0}; t <= 40s; t += 10ms) world.advance(sim(t));
+  ASSERT_EQ(world.known_pairs().size(), 45U);
+  EXPECT_LE(world.counters().searches_far, 2 * 45U);
+}
+
+TEST(FarPairs, AreNotKeptUnlessTheyHaveTouchedLately) {
+  const World w(street(2));
+  MovingObjects objects(*w.model, sim(0s));
+  WatchedPairs pairs = all_watched(*w.model, sim(0s));
+  FarPairs far(*w.model);
+  pairs[0].searched = true;
+  pairs[1].touched = sim(1s);
+  ASSERT_TRUE(far.add(0, sim(5s), sim(2s), objects, pairs));
+  ASSERT_TRUE(far.add(1, sim(5s), sim(1s), objects, pairs));
+  EXPECT_FALSE(pairs.contains(0));
+  EXPECT_TRUE(pairs.contains(1));
+  const WatchedPair& made = far.known(0, sim(4s), pairs);
+  EXPECT_TRUE(made.watched);
+  EXPECT_TRUE(made.searched);
+  EXPECT_EQ(made.clear_until, sim(4s));
+  std::vector<std::uint32_t> opened;
+  far.open(pairs, opened);
+  EXPECT_EQ(opened, (std::vector{0U, 1U}));
+  ASSERT_TRUE(far.add(1, sim(5s), sim(2s), objects, pairs));
+  EXPECT_FALSE(pairs.contains(1)) << "nothing looks back to 1 s any more";
+}
+
 TEST(FarPairs, CostNothingWhereNothingMoves) {
   auto&& [w, world] = Started(street(50), {{"CAR", Role::kPredicted}});
   world.advance(sim(1s));
@@ -348,6 +387,99 @@ TEST(WaitingPairs, AreNoneThatMayTouchInTheFileOrHaveMoved) {
   EXPECT_EQ(moved.known_pairs().size(), 1u);
 }
 
+void advance_in_ticks(MotionWorld& world, SimTime from, SimTime to) {
+  for (SimTime t = from; t < to; t += 10ms) world.advance(t);
+  world.advance(to);
+}
+
+// A bounces off B at 1 s. C runs into it from behind while the two are far from each other, or not yet.
+std::vector<Found> struck_from_behind(const World& w, std::uint64_t seed, Duration step) {
+  std::mt19937_64 rng(seed);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  MotionWorld world(*w.model, sim(0s));
+  world.declare(w["A"], Role::kPredicted);
+  world.declare(w["C"], Role::kDriven);
+  const double v = 1.0 + 5.0 * unit(rng), hit_s = 3.2 + 0.55 * unit(rng), v_c = v * (2.0 + 5.0 * unit(rng));
+  world.set_base(w["A"], sim(0s), moving({1.0 + v, 0, 0}, {-v, 0, 0}));
+  world.set_base(w["C"], sim(0s), moving({2.0 + v * (hit_s - 1.0) + v_c * hit_s, 0, 0}, {-v_c, 0, 0}));
+  for (Duration t = step; t <= 3990ms; t += step) world.advance(sim(t));
+  std::vector<Found> found;
+  for (const ContactEvent& c : contacts_of(world)) {
+    found.emplace_back(c.at, c.collider, c.collidee, c.collider_after.position.x(), c.collider_after.velocity.x());
+  }
+  return found;
+}
+
+TEST(FarPairs, AreSearchedFromWhereTheyLeaveTheirPlacesHoweverFarOneCallAdvances) {
+  const World w(box("A", "1 1 1", "0 0 0", kBounces) + box("B", "1 1 1", "0 0 0") + box("C", "1 1 1", "50 0 0") +
+                box("P", "1 1 1", "0 1000 0") + interest("A", R"("B" "C" "P")"));
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    ASSERT_EQ(struck_from_behind(w, seed, 3990ms), struck_from_behind(w, seed, 5ms)) << "seed " << seed;
+  }
+}
+
+// A flies away from B and is far from it, when an update says that it was in it half a second ago.
+struct BackInto {
+  BackInto()
+      : w(box("A", "1 1 1", "0 0 0", kBounces) + box("B", "1 1 1", "1.5 0 0") + interest("A", "\"B\"")),
+        world(*w.model, sim(0s)) {
+    world.declare(w["A"], Role::kPredicted);
+    world.set_base(w["A"], sim(0s), moving({0, 0, 0}, {-3, 0, 0}));
+    advance_in_ticks(world, sim(0s), sim(10s));
+    world.set_base(w["A"], sim(9100ms), moving({1.2, 0, 0}, {1, 0, 0}));
+    world.advance(sim(11s));
+  }
+  World w;
+  MotionWorld world;
+};
+
+TEST(FarPairs, AreSetBackToWhereTheyWereApartLast) {
+  BackInto back;
+  const auto met = only(contacts_of(back.world));
+  EXPECT_EQ(met.at, sim(9100ms));
+  EXPECT_EQ(met.collider_after.position.x(), -3.0 * 9.0) << "9.0 s is the last instant before that that is checked";
+}
+
+TEST(FarPairs, AreNamedOnceThatBeginInEachOther) {
+  BackInto back;
+  std::size_t named = 0;
+  while (const auto event = back.world.poll_event()) named += std::holds_alternative<BodiesOverlap>(*event) ? 1 : 0;
+  EXPECT_EQ(named, 0U) << "the two have been apart";
+}
+
+// Its first law comes late, and would have led it into B, which this peer moves, before now.
+TEST(WaitingPairs, MeetNothingInThePastOfWhatThisPeerMoves) {
+  for (const auto first : {MotionWorld::Watched::kAll, MotionWorld::Watched::kNone}) {
+    const World w(box("A", "1 1 1", "0 0 90") + box("B", "1 1 1", "0 0 0", kBounces) + interest("B", "\"A\""));
+    MotionWorld world(*w.model, sim(0s), first);
+    world.watch(0, true);
+    world.declare(w["A"], Role::kPredicted);
+    world.declare(w["B"], Role::kAuthoritative);
+    for (Duration t{0}; t <= 2s; t += 10ms) world.advance(sim(t));
+    world.set_base(w["A"], sim(1s), moving({0, 0, 20}, {0, 0, -20}));
+    world.advance(sim(3s));
+    const auto met = contacts_of(world);
+    ASSERT_FALSE(met.empty());
+    EXPECT_GE(met.front().at, sim(2s));
+  }
+}
+
+// A is a box, and a part that grows.
+TEST(FarPairs, OfAnEndWithAFlexiblePartAreFoundInEach) {
+  const World w("DEF A Transform { children [ Shape { geometry Box { size 1 1 1 } } " + box("GROWS", "1 1 1", "0 3 0") +
+                    " ] }\n" + box("WALL", "1 1 1", "20 0 0") + interest("A", "\"WALL\"") + kGrows,
+                {"A", "WALL"});
+  ASSERT_GT(w.model->part_pairs.size(), 1U);
+  FlexibleParts flexible(*w.model);
+  flexible.set_world_zero(sim(0s));
+  MotionWorld world(*w.model, sim(0s));
+  world.set_flexible(flexible);
+  world.declare(w["A"], Role::kPredicted);
+  world.set_base(w["A"], sim(0s), moving({0, 0, 0}, {1, 0, 0}));
+  for (Duration t{0}; t <= 25s; t += 100ms) world.advance(sim(t));
+  EXPECT_EQ(only(contacts_of(world)).at, sim(19s));
+}
+
 constexpr const char* kElastic = " collisionResponse CollisionResponse { responseType 2 restitution 1 } ";
 
 // A wall and a press that comes at 1 m/s from -52 m on: what an update puts between them, at -50 m and 1.0003 s, has
@@ -355,10 +487,6 @@ constexpr const char* kElastic = " collisionResponse CollisionResponse { respons
 std::string vice(const std::string& object) {
   return box("WALL", "1 1 1", "-48.9999 500 0") + box("PRESS", "1 1 1", "-52.0004 500 0") +
          interest(object, "\"WALL\" \"PRESS\"");
-}
-void advance_in_ticks(MotionWorld& world, SimTime from, SimTime to) {
-  for (SimTime t = from; t < to; t += 10ms) world.advance(t);
-  world.advance(to);
 }
 
 // A lift kicks B upwards at 1 s, and C runs into B 0.2 ms later, so that B flies away from both. An update, which comes
