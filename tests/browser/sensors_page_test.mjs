@@ -45,10 +45,13 @@ async function doorIsAlike(pages) {
       return found;
     }, end));
   }
-  const worst = Math.max(...heights[0].map((height, i) => Math.abs(height - heights[1][i])));
-  const moving = heights[0].filter((height) => height > 1.2 && height < 3.8).length;
-  console.log(`the door at ${moving} instants of its way: ${worst.toFixed(3)} m apart at most on the two pages`);
-  check(moving > 3, `the door was hardly seen moving: ${heights[0]}`);
+  // A page draws straight ways between the poses of ticks. A late tick cuts the corners where the door begins to move
+  // and stops, so that only what lies between two instants on its way is compared.
+  const moves = (i) => heights.every((of) => of[i] > 1.2 && of[i] < 3.8);
+  const within = [...heights[0].keys()].filter((i) => moves(i - 1) && moves(i) && moves(i + 1));
+  const worst = Math.max(...within.map((i) => Math.abs(heights[0][i] - heights[1][i])));
+  console.log(`the door at ${within.length} instants of its way: ${worst.toFixed(3)} m apart at most on the two pages`);
+  check(within.length > 2, `the door was hardly seen moving: ${heights[0]}`);
   check(worst < 0.15, 'the two pages have the door at different places');
 }
 
