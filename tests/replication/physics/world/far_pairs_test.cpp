@@ -418,7 +418,7 @@ TEST(FarPairs, AreSearchedFromWhereTheyLeaveTheirPlacesHoweverFarOneCallAdvances
   }
 }
 
-// A flies away from B and is far from it, when an update says that it was in it half a second ago.
+// A flies away from B and is far from it, when an update says that it was in it at 9.1 s.
 struct BackInto {
   BackInto()
       : w(box("A", "1 1 1", "0 0 0", kBounces) + box("B", "1 1 1", "1.5 0 0") + interest("A", "\"B\"")),
@@ -437,10 +437,11 @@ TEST(FarPairs, AreSetBackToWhereTheyWereApartLast) {
   BackInto back;
   const auto met = only(contacts_of(back.world));
   EXPECT_EQ(met.at, sim(9100ms));
-  EXPECT_EQ(met.collider_after.position.x(), -3.0 * 9.0) << "9.0 s is the last instant before that that is checked";
+  EXPECT_EQ(met.collider_after.position.x(), -3.0 * 9.0)
+      << "checks are at multiples of 250 ms: the last one before is at 9.0 s";
 }
 
-TEST(FarPairs, AreNamedOnceThatBeginInEachOther) {
+TEST(FarPairs, AreNotNamedAsBegunInEachOtherOnceTheyHaveBeenApart) {
   BackInto back;
   std::size_t named = 0;
   while (const auto event = back.world.poll_event()) named += std::holds_alternative<BodiesOverlap>(*event) ? 1 : 0;
