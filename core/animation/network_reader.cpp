@@ -60,15 +60,7 @@ animation::Node read_node(const std::shared_ptr<const Document>& document, const
   const auto floats = [&](std::string_view field) {
     return SharedArray<float>(document, value_of(node, field).as<float>());
   };
-  if (node.type->name == "TimeSensor") {
-    const auto time = [&](std::string_view field) { return value_of(node, field).as<double>()[0]; };
-    const auto flag = [&](std::string_view field) { return value_of(node, field).as<bool>()[0]; };
-    return animation::TimeSensorFields{.cycle_interval = time("cycleInterval"),
-                                       .enabled = flag("enabled"),
-                                       .loop = flag("loop"),
-                                       .start_time = time("startTime"),
-                                       .stop_time = time("stopTime")};
-  }
+  if (node.type->name == "TimeSensor") return sensor_fields_of(node);
   if (const auto type = interpolator_type(node.type->name)) {
     return animation::Interpolator{*type, floats("key"), floats("keyValue")};
   }
@@ -76,6 +68,16 @@ animation::Node read_node(const std::shared_ptr<const Document>& document, const
 }
 
 }  // namespace
+
+animation::TimeSensorFields sensor_fields_of(const Node& node) {
+  const auto time = [&](std::string_view field) { return value_of(node, field).as<double>()[0]; };
+  const auto flag = [&](std::string_view field) { return value_of(node, field).as<bool>()[0]; };
+  return {.cycle_interval = time("cycleInterval"),
+          .enabled = flag("enabled"),
+          .loop = flag("loop"),
+          .start_time = time("startTime"),
+          .stop_time = time("stopTime")};
+}
 
 NetworkReadResult read_network(const std::shared_ptr<const Document>& document) {
   NetworkReadResult reading;

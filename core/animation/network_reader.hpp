@@ -7,6 +7,9 @@
 
 namespace peerd::vrml {
 
+// Returns the fields of a TimeSensor, as the text has them.
+[[nodiscard]] animation::TimeSensorFields sensor_fields_of(const Node& node);
+
 // The ROUTEs of a document and the nodes that they join, from which predefined movement is computed.
 struct NetworkReadResult {
   animation::Network network;

@@ -154,6 +154,7 @@ std::expected<SceneEditor::Added, std::string> SceneEditor::add(
   if (!spot) return std::unexpected(spot.error());
   ReadOptions reading = options;
   reading.around = {find, first.object};
+  reading.world_times = true;
   const ReadResult result = read_world(text, reading);
   if (!result.scene) return std::unexpected(first_error(result));
   const Scene& content = *result.scene;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/animation/file_times.hpp"
 #include "core/animation/network_reader.hpp"
 #include "core/parser/parser.hpp"
 #include "core/scene/scene_builder.hpp"
@@ -58,8 +59,8 @@ ReadResult read_world(std::string_view text, const ReadOptions& options) {
   // The Inlines that collide are known when all are numbered. They are read in a second pass, and their content may
   // need others. A pass reads at least one more Inline than the pass before it.
   while (true) {
-    const std::shared_ptr<const vrml::Document> document =
-        vrml::parse({options.name, text, nullptr}, problems, parsing);
+    const std::shared_ptr<vrml::Document> document = vrml::parse({options.name, text, nullptr}, problems, parsing);
+    if (!options.world_times) vrml::count_from_1970(*document, problems);
     scene = vrml::build_scene(document, options.tessellation, options.limits, problems, options.around);
     const std::size_t before = parsing.undeferred_inlines.size();
     parsing.undeferred_inlines.merge(needed_inlines(scene, problems));

@@ -21,6 +21,9 @@ struct ReadOptions {
   Tessellation tessellation{};  // fineness of curved geometry
   ReadLimits limits{};
   vrml::Around around{};  // of a text that is added to a world
+  // The times of TimeSensors count from the world's beginning, as in a text that is added to a world which runs. The
+  // times in a file count from 1970 (core/animation/file_times.hpp).
+  bool world_times = false;
 };
 
 struct ReadResult {

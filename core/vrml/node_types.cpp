@@ -445,6 +445,7 @@ constexpr FieldSpec kVisibilitySensorFields[] = {
 constexpr FieldSpec kWorldInfoFields[] = {
     field("info", kMFString, "[ ]"),
     field("title", kSFString, "\"\""),
+    field("worldTimes", kSFBool, "FALSE"),
 };
 
 constexpr NodeType kNodeTypes[] = {

@@ -2,6 +2,7 @@
 
 #include <cassert>
 
+#include "core/animation/file_times.hpp"
 #include "core/writer/text_writer.hpp"
 #include "core/writer/write_plan.hpp"
 
@@ -40,6 +41,12 @@ class Writer {
 
 std::string Writer::write() {
   out_.line("#VRML V2.0 utf8");
+  if (needs_world_times(document_) && !has_world_times(document_)) {
+    out_.begin_line("WorldInfo ");
+    out_.open("{");
+    out_.line("worldTimes TRUE");
+    out_.close("}");
+  }
   for (const NodeType* type : plan_.external_types()) {
     Node instance;
     instance.type = type;

@@ -12,6 +12,7 @@
 namespace peerd::collision::engines::engine_watch_test {
 
 const std::string kClocks = R"(
+WorldInfo { worldTimes TRUE }
 DEF T TimeSensor { cycleInterval 3 loop TRUE startTime 0 }
 DEF S TimeSensor { cycleInterval 0.7 startTime 2 }
 DEF P PositionInterpolator { key [ 0 0.3 0.6 1 ] keyValue [ -6 0 0, 5 1 0, 0 6 2, -6 0 1 ] }

@@ -11,7 +11,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 constexpr const char* kMover =
-    "DEF T TimeSensor { cycleInterval 4 loop TRUE startTime 1 }\n"
+    "DEF T TimeSensor { cycleInterval 4 loop TRUE startTime 1e9 }\n"
     "DEF I PositionInterpolator { key [ 0 1 ] keyValue [ 0 0 0 1 2 3 ] }\n"
     "DEF X Transform { }\n"
     "ROUTE T.fraction_changed TO I.set_fraction ROUTE I.value_changed TO X.set_translation\n";
@@ -29,7 +29,7 @@ TEST(ReadNetwork, TakesSensorsInterpolatorsAndRoutes) {
   for (std::size_t i = 0; i < types.size(); ++i) {
     if (types[i] != "TimeSensor") continue;
     const auto& sensor = std::get<animation::TimeSensorFields>(read.network.nodes[i]);
-    EXPECT_EQ(sensor, (animation::TimeSensorFields{4, true, true, 1, 0}));
+    EXPECT_EQ(sensor, (animation::TimeSensorFields{4, true, true, 1e9, 0}));
   }
 }
 

@@ -28,8 +28,8 @@ TEST(ShippedNodes, AreTheBuiltInNodes) {
   const std::string text = shipped();
   for (const auto& [name, type] :
        {std::pair("CollisionInterest", "CollisionInterest"), std::pair("CollisionResponse", "CollisionResponse"),
-        std::pair("KeySensor", "KeySensor"), std::pair("PeerTransform", "Transform"),
-        std::pair("PeerShape", "Shape")}) {
+        std::pair("KeySensor", "KeySensor"), std::pair("PeerTransform", "Transform"), std::pair("PeerShape", "Shape"),
+        std::pair("PeerWorldInfo", "WorldInfo")}) {
     EXPECT_NE(text.find(std::string("PROTO ") + name + " ["), std::string::npos);
     const vrml::NodeType* node = vrml::find_node_type(type);
     ASSERT_NE(node, nullptr);

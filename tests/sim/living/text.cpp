@@ -55,6 +55,7 @@ class Writer {
     for (int i = 0; i < int(world_.nodes.size()); ++i) add_paths(i);
     for (std::size_t i = 0; i < world_.forms.size(); ++i) add_bend(i);
     for (const Interest& interest : world_.interests) add_interest(interest);
+    out_ << "WorldInfo { worldTimes TRUE }\n";
     return out_.str();
   }
 
