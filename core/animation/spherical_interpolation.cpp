@@ -9,6 +9,10 @@
 namespace peerd::animation {
 namespace {
 
+// The largest w of a half turn whose ends have angles in binary32: 2^-23 is half the distance of two such angles near
+// pi.
+constexpr double kHalfTurn = 0x1p-23;
+
 double dot(const Vec3& a, const Vec3& b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
 double length(const Vec3& v) { return std::sqrt(dot(v, v)); }
 
@@ -26,8 +30,9 @@ Vec3 rotation_between(const Quat& a, const Quat& b) {
   const Vec3 v(d.x(), d.y(), d.z());
   const double sine = length(v);
   if (sine == 0.0) return Vec3::Zero();
-  const double angle = 2.0 * peerd::atan2(sine, std::abs(d.w()));
-  return (d.w() < 0.0 ? -angle / sine : angle / sine) * v;
+  const bool backwards = d.w() < -kHalfTurn;
+  const double angle = 2.0 * peerd::atan2(sine, backwards ? -d.w() : d.w());
+  return (backwards ? -angle / sine : angle / sine) * v;
 }
 
 Quat rotated_in_body_frame(const Quat& a, const Vec3& r) {

@@ -18,8 +18,9 @@ constexpr double kLargest = std::numeric_limits<float>::max();
 
 class GeometryReader {
  public:
-  GeometryReader(const std::shared_ptr<const Document>& document, const Node& node, Problems& problems)
-      : document_(document), node_(node), problems_(problems) {}
+  GeometryReader(const std::shared_ptr<const Document>& document, const Node& node, bool takes_heights,
+                 Problems& problems)
+      : document_(document), node_(node), takes_heights_(takes_heights), problems_(problems) {}
 
   std::optional<Geometry> read();
 
@@ -45,6 +46,7 @@ class GeometryReader {
 
   const std::shared_ptr<const Document>& document_;
   const Node& node_;
+  bool takes_heights_;
   Problems& problems_;
 };
 
@@ -136,6 +138,11 @@ std::optional<Geometry> GeometryReader::read_elevation_grid() {
                              .ccw = one<bool>("ccw")};
   const std::int64_t wanted = std::int64_t{grid.x_dimension} * grid.z_dimension;
   const auto found = static_cast<std::int64_t>(grid.height.size());
+  if (found == 0 && wanted > 0 && takes_heights_) {
+    problems_.warning(node_.at, "this ElevationGrid has no heights until set_height brings them: it has no polygons");
+    grid.x_dimension = grid.z_dimension = 0;
+    return grid;
+  }
   if (found < wanted) {
     const Field* heights = node_.find("height");
     problems_.error(heights != nullptr ? heights->at : node_.at,
@@ -195,8 +202,8 @@ std::optional<Geometry> GeometryReader::read_extrusion() {
 }  // namespace
 
 std::optional<Geometry> read_geometry(const std::shared_ptr<const Document>& document, const Node& node,
-                                      Problems& problems) {
-  return GeometryReader(document, node, problems).read();
+                                      bool takes_heights, Problems& problems) {
+  return GeometryReader(document, node, takes_heights, problems).read();
 }
 
 }  // namespace peerd::vrml

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cassert>
 #include <map>
+#include <optional>
+#include <set>
 #include <utility>
 
 #include "core/geometry/tessellate.hpp"
@@ -92,6 +94,7 @@ class Builder {
   };
 
   std::uint32_t add_geometry(std::uint32_t node);
+  [[nodiscard]] bool takes_heights(std::uint32_t node);
   [[nodiscard]] bool has_room(const Node& node, const Geometry& geometry);
   void share(std::uint32_t node);
   void share_children(const Node& node, Shared& shared);
@@ -119,7 +122,8 @@ class Builder {
   std::uint64_t swept_polygons_ = 0;        // polygons of the Extrusions and ElevationGrids so far
   std::vector<std::uint32_t> geometry_of_;  // indexed by node
   std::map<std::vector<const void*>, std::uint32_t> copied_geometry_;
-  std::vector<std::uint32_t> shared_of_;  // indexed by node, into shared_; kNone: it has no instances
+  std::optional<std::set<std::uint32_t>> taking_heights_;  // the nodes with a ROUTE to set_height
+  std::vector<std::uint32_t> shared_of_;                   // indexed by node, into shared_; kNone: it has no instances
   std::vector<Shared> shared_;
   std::vector<Child> children_;            // children of each Shared, side by side
   NameTable<std::uint32_t> name_numbers_;  // numbers of all names of instances
@@ -145,13 +149,25 @@ std::uint32_t Builder::add_geometry(std::uint32_t index) {
     const auto it = copied_geometry_.find(key);
     if (it != copied_geometry_.end()) return it->second;
   }
-  std::optional<Geometry> geometry = read_geometry(document_, node, problems_);
+  std::optional<Geometry> geometry = read_geometry(document_, node, takes_heights(index), problems_);
   if (!geometry) return kNone;
   if (!has_room(node, *geometry)) return kNone;
   const auto place = static_cast<std::uint32_t>(scene_.geometries.size());
   scene_.geometries.push_back(std::move(*geometry));
   if (!key.empty()) copied_geometry_.emplace(std::move(key), place);
   return place;
+}
+
+// Returns whether a ROUTE leads to set_height of the node. The ROUTEs are read once, however many grids there are.
+bool Builder::takes_heights(std::uint32_t node) {
+  if (nodes_[node].type->name != "ElevationGrid") return false;
+  if (!taking_heights_) {
+    taking_heights_.emplace();
+    for (const Route& route : document_->routes) {
+      if (route.to->name == "set_height") taking_heights_->insert(route.to_node);
+    }
+  }
+  return taking_heights_->contains(node);
 }
 
 // A short text can ask for a grid or an Extrusion of billions.

@@ -65,13 +65,18 @@ std::optional<Field> ValueReader::read(const FieldSpec& spec, bool check) {
   return value;
 }
 
+// A word before a brace is the type of a node, which may have the name of a field: no value of a field begins with one.
+bool ValueReader::at_next_field() {
+  return tokens_.at(kWord) && is_field_ && is_field_(tokens_.peek().text) && tokens_.kind_after() != kOpenBrace;
+}
+
 bool ValueReader::list_ends(const Token& open, bool& good) {
   if (tokens_.at(kCloseBracket)) {
     tokens_.take();
   } else if (tokens_.at(kEnd)) {
     good = false;
     tokens_.report_unclosed(tokens_.position_of(open), "list", ']');
-  } else if (tokens_.at(kCloseBrace) || (tokens_.at(kWord) && is_field_ && is_field_(tokens_.peek().text))) {
+  } else if (tokens_.at(kCloseBrace) || at_next_field()) {
     good = false;
     tokens_.error(tokens_.position(), "expected ']', found " + described(tokens_.peek()));
   } else {

@@ -61,6 +61,7 @@ class ValueReader {
   bool expected_value(const FieldSpec& spec, std::string_view what);
   // Returns whether the list that began at `open` ends here, well or not; `good` says which.
   bool list_ends(const Token& open, bool& good);
+  [[nodiscard]] bool at_next_field();
 
   template <class T>
   void keep(Field& field, std::span<const T> elements) {

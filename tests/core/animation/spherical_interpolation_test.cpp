@@ -29,6 +29,20 @@ TEST(RotationBetween, IsTheShorterWayAndLeadsThere) {
   }
 }
 
+// Half turns are written with the digits of pi that binary32 has; whichever side of pi they are rounded to, they go on.
+TEST(RotationBetween, OfHalfATurnInBinary32GoesOn) {
+  const auto key = [](double angle_rad) { return quat_from_axis_angle({0, 1, 0}, double(float(angle_rad))); };
+  for (const double first : {0.0, 1.5707963, 3.14159265, 0.78539816, -3.14159265}) {
+    for (const double half : {3.14159265, 3.14159265358979}) {
+      EXPECT_NEAR(rotation_between(key(first), key(first + half)).y(), kPi, 3e-7) << first;
+      EXPECT_NEAR(rotation_between(key(first), key(first - half)).y(), -kPi, 3e-7) << first;
+    }
+  }
+  EXPECT_NEAR(rotation_between(key(0), key(3.14159)).y(), kPi, 1e-5);
+  EXPECT_NEAR(rotation_between(key(0), key(3.1416)).y(), -kPi, 1e-5) << "more than half a turn";
+  EXPECT_NEAR(rotation_between(key(0), key(3.5)).y(), 3.5 - 2 * kPi, 1e-6);
+}
+
 TEST(RotationBetween, OfOppositeSignsOfOneOrientationIsNone) {
   const Quat q = quat_from_axis_angle({1, 2, 3}, 1.0);
   EXPECT_LT(rotation_between(q, Quat(-q.coeffs())).norm(), 1e-15);

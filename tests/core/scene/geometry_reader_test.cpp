@@ -140,6 +140,30 @@ TEST(FaceSets, SayNothingTwiceOfABrokenCoordinate) {
       1u);
 }
 
+// Worlds made for browsers leave the heights to a Script, which does not run here: there is no surface then.
+TEST(ElevationGrids, MayGetTheirHeightsByARoute) {  // 6.17
+  const std::string script = "DEF S Script { eventOut MFFloat h }\n";
+  const std::string grid = "Shape { geometry DEF G ElevationGrid { xDimension 3 zDimension 3 } }\n";
+  const std::string scripts = "warning 2:1: Scripts are kept and not run; this is the first one";
+  const std::string routed = script + grid + "ROUTE S.h TO G.set_height\n";
+  EXPECT_THAT(
+      problems_of(routed),
+      ElementsAre(scripts,
+                  "warning 3:18: this ElevationGrid has no heights until set_height brings them: it has no polygons"));
+  const Scene scene = scene_of(routed + "Shape { geometry Box { } }");
+  ASSERT_EQ(scene.geometries.size(), 2u);
+  EXPECT_EQ(mesh_size(scene.geometries[0], {}).polygons, 0u);
+  EXPECT_EQ(build_mesh(scene.geometries[0], {}).polygon_count(), 0u);
+  const std::string error = "3:18: this ElevationGrid of 3 by 3 needs 9 heights, it has 0";
+  EXPECT_THAT(problems_of(script + grid + "DEF H ElevationGrid { } ROUTE S.h TO H.set_height"),
+              testing::Contains(error))
+      << "another one gets them";
+  EXPECT_THAT(
+      problems_of(script + "Shape { geometry DEF G ElevationGrid { xDimension 3 zDimension 3\nheight [ 1 2 ] } }\n"
+                           "ROUTE S.h TO G.set_height"),
+      testing::Contains("4:8: this ElevationGrid of 3 by 3 needs 9 heights, it has 2"));
+}
+
 TEST(ElevationGrids, NeedTheirHeights) {  // 6.17
   EXPECT_THAT(problems_of("Shape { geometry ElevationGrid { xDimension 2 zDimension 2\n height [ 1 2 3 ] } }"),
               ElementsAre("3:9: this ElevationGrid of 2 by 2 needs 4 heights, it has 3"));

@@ -94,4 +94,21 @@ TEST(ValueReader, SeesThatAListIsOverAtTheNextField) {
   EXPECT_THAT(r.messages(), ElementsAre("expected ']', found 'radius'"));
 }
 
+// The names of node types and of fields are separate: a PROTO may be called as a field of the node around it.
+TEST(ValueReader, AWordBeforeABraceIsANodeAndNoField) {
+  Reader r("[ radius { } radius { } ] radius 3");
+  r.reader.set_parser(
+      [&](const FieldSpec&) {
+        r.tokens.take();
+        r.tokens.skip_balanced();
+        return NodeRef{5, 0};
+      },
+      [](std::string_view word) { return word == "radius"; });
+  const auto field = r.read(FieldType::kMFNode);
+  ASSERT_TRUE(field);
+  EXPECT_EQ(field->as<NodeRef>().size(), 2u);
+  EXPECT_THAT(r.messages(), IsEmpty());
+  EXPECT_TRUE(r.tokens.at_word("radius"));
+}
+
 }  // namespace peerd::vrml::value_reader_test
