@@ -7,6 +7,7 @@
 #include <cstddef>
 
 #include "core/geometry/planarity.hpp"
+#include "core/geometry/triangulation.hpp"
 
 namespace peerd {
 namespace {
@@ -121,16 +122,9 @@ std::uint32_t MeshDefectFinder::position_index(const Point& point) {
   return slots_[slot] - 1;
 }
 
-bool MeshDefectFinder::has_area(const Mesh& mesh, std::uint32_t polygon) {
-  const std::span<const std::int32_t> corners = mesh.polygon(polygon);
-  const auto at = [&](std::uint32_t i) -> const Point& { return mesh.vertices[static_cast<std::size_t>(corners[i])]; };
-  return std::ranges::any_of(triangulator_.triangulate(mesh, polygon),
-                             [&](const CornerTriangle& t) { return !collinear(at(t[0]), at(t[1]), at(t[2])); });
-}
-
 void MeshDefectFinder::find_shapes(const Mesh& mesh, MeshDefects& found) {
   for (std::uint32_t i = 0; i < polygons(); ++i) {
-    if (!has_area(mesh, i)) count(found, Defect::kDegenerate, i);
+    if (!has_front(mesh.vertices.span(), mesh.polygon(i))) count(found, Defect::kDegenerate, i);
     if (polygon(i).size() <= 3) continue;
     points_.clear();
     for (const std::uint32_t place : polygon(i)) points_.push_back(positions_[place]);

@@ -5,15 +5,14 @@
 #include <vector>
 
 #include "core/geometry/mesh.hpp"
-#include "core/geometry/triangulation.hpp"
 
 namespace peerd {
 
 // The defects that a polygon can have. No defect stops a collision from being computed, as the triangulation takes all
 // polygons. The place of a corner decides, not its index; -0 is 0. A polygon can have several defects.
 enum class Defect : std::uint8_t {
-  // All triangles that the polygon is cut into have zero area, exactly. Polygons of one or two corners have this
-  // defect.
+  // The polygon has no front (has_front), exactly: it has no area, or crosses itself so that its parts make up for each
+  // other. Polygons of one or two corners have this defect.
   kDegenerate,
   // An earlier polygon has the same corners in the same cyclic order, or in the reverse. A corner that is written twice
   // is two corners. A first one and its two copies are two duplicates.
@@ -49,8 +48,7 @@ struct MeshDefects {
 };
 
 // A MeshDefectFinder examines one mesh after the other. The time is n log n in the corners (the hashing of places:
-// expected), however many vertices the mesh shares with others; ear clipping is quadratic at worst. Coordinates must be
-// finite.
+// expected), however many vertices the mesh shares with others. Coordinates must be finite.
 class MeshDefectFinder {
  public:
   [[nodiscard]] MeshDefects find(const Mesh& mesh);
@@ -64,7 +62,6 @@ class MeshDefectFinder {
     return std::span(corners_).subspan(begin_[i], begin_[i + 1] - begin_[i]);
   }
   [[nodiscard]] std::uint32_t polygons() const { return static_cast<std::uint32_t>(begin_.size() - 1); }
-  [[nodiscard]] bool has_area(const Mesh& mesh, std::uint32_t polygon);
   void find_shapes(const Mesh& mesh, MeshDefects& found);
   void find_edges(MeshDefects& found);
   void classify_edge(std::span<const std::uint64_t> uses, MeshDefects& found);
@@ -86,7 +83,6 @@ class MeshDefectFinder {
   std::vector<std::uint32_t> list_end_;
   std::vector<bool> non_manifold_;
   std::vector<Point> points_;
-  Triangulator triangulator_;
 };
 
 }  // namespace peerd

@@ -120,6 +120,12 @@ bool is_convex(std::span<const PlanePoint> points) {
 
 }  // namespace
 
+bool has_front(std::span<const Eigen::Vector3f> vertices, std::span<const std::int32_t> polygon) {
+  if (polygon.size() < 3) return false;
+  const AreaVector area(vertices, polygon);
+  return area.sign(0) != 0 || area.sign(1) != 0 || area.sign(2) != 0;
+}
+
 std::span<const CornerTriangle> Triangulator::triangulate(std::span<const Eigen::Vector3f> vertices,
                                                           std::span<const std::int32_t> polygon) {
   assert(!polygon.empty() && polygon.size() < (1U << 28));  // AreaVector's sums are within ExactSum's limit

@@ -33,6 +33,10 @@ class Triangulator {
   EarClipping ear_clipping_;
 };
 
+// Returns whether the area vector (Newell) is not zero, exactly. It is zero where a polygon crosses itself so that its
+// parts make up for each other, as in a bow tie: such a polygon has no front.
+[[nodiscard]] bool has_front(std::span<const Eigen::Vector3f> vertices, std::span<const std::int32_t> polygon);
+
 // Returns the number of triangles that a polygon of that many corners gives.
 [[nodiscard]] constexpr std::uint64_t triangle_count(std::uint64_t corners) { return corners < 4 ? 1 : corners - 2; }
 

@@ -145,7 +145,7 @@ StatisticsRows rows_of(const SceneStatistics& s) {
 
 // The rows are in the order of Defect.
 DefectRows polygon_rows_of(const SceneDefects& d) {
-  return {{{"degenerate", d[Defect::kDegenerate].polygons, "polygons without an area"},
+  return {{{"degenerate", d[Defect::kDegenerate].polygons, "without an area, or whose parts make up for each other"},
            {"duplicate", d[Defect::kDuplicate].polygons, "with the corners of an earlier one"},
            {"non_planar", d[Defect::kNonPlanar].polygons, "by however little, most by rounding alone"},
            {"warped", d[Defect::kWarped].polygons, "non-planar by more than 1/10,000 of the longest edge"},

@@ -36,9 +36,6 @@ void name_what_others_miss(view::ScenePicture& drawn, const Scene& scene) {
     drawn.undrawn.push_back({scene.path_of(id), what, why, 1});
   };
   for (const view::DrawnGroup& group : drawn.groups) {
-    if (group.kind == Kind::kLevel && group.number == 0 && group.count > 1) {
-      name(group.id, "LOD", "other programs show all of its levels at once");
-    }
     if (group.kind == Kind::kBillboard) name(group.id, "Billboard", "other programs do not turn it");
     if (group.kind == Kind::kAnchor) name(group.id, "Anchor", "other programs do not follow it");
   }
@@ -74,8 +71,10 @@ int run_export(const std::string& path, const ExportOptions& options, std::ostre
   const auto file = open_world(path, options.reading, err, json);
   if (!file) return file.error();
   const Scene& scene = *(*file)->result.scene;
-  auto drawn = view::picture_of(view::input_at(scene, options.at_s, std::filesystem::path(path).filename().string(),
-                                               view::images_of(local_files(view::kImage_bytes), path)));
+  auto input = view::input_at(scene, options.at_s, std::filesystem::path(path).filename().string(),
+                              view::images_of(local_files(view::kImage_bytes), path));
+  input.all_levels = false;  // glTF has no words for levels: other programs would show them all at once
+  auto drawn = view::picture_of(input);
   name_what_others_miss(drawn, scene);
   const auto written = view::write_glb(drawn);
   if (!written) return print_error({path + ": error: " + written.error(), 1}, err, json);

@@ -36,6 +36,7 @@ struct PictureInput {
   Scene scene;                 // as it is at that instant, but for the movers
   std::vector<Mover> movers;   // movers_of() it
   ImageLoader load_image{};    // none: no image is found
+  bool all_levels = true;      // of an LOD, among which the viewer chooses; false: the first, which collides
 };
 
 // The scene as its own motion has it at world time t: driven Transforms and Coordinates are where they are then. t < 0:

@@ -87,14 +87,22 @@ class SurfaceDrawer {
   [[nodiscard]] Vector3f normal_at(const Corner& corner);
   [[nodiscard]] Vector2f default_texture_coordinate(const Corner& corner) const;
   [[nodiscard]] Vector2f around_axis(const Corner& corner, float t) const;
-  [[nodiscard]] std::uint32_t vertex(const Corner& corner);
+  [[nodiscard]] std::uint32_t vertex(const Corner& corner, const Vector3f& normal);
+  void draw_polygon(std::size_t polygon);
+  bool draw_without_front(std::size_t polygon);
+  [[nodiscard]] Vec3 area_of(std::size_t polygon, const CornerTriangle& triangle) const;
+  void add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    out_.geometry.corners.insert(out_.geometry.corners.end(), {a, b, c});
+  }
   void note(const std::string& left_out) { out_.left_out.push_back(left_out); }
 
   const GeometryToDraw& what_;
   const vrml::Node& node_;
   Mesh mesh_;
   LocalBox box_;
-  std::vector<Vec3> face_normals_;  // zero: the polygon has no area
+  std::vector<Vec3> face_normals_;  // zero: the polygon has no front
+  Triangulator triangulator_;
+  std::vector<std::uint32_t> vertices_;  // of the polygon that is drawn
   std::vector<std::uint32_t> first_of_point_, polygons_of_point_;
   double cos_crease_ = 1.0;
   bool smooth_ = false;
@@ -114,25 +122,26 @@ void SurfaceDrawer::for_each_corner(std::size_t polygon, Function function) cons
   }
 }
 
-// Newell's sum, in the direction of the front.
+// Newell's sum, in the direction of the front. The parts of a polygon that crosses itself count against each other:
+// what remains of them by rounding alone is no front.
 void SurfaceDrawer::measure_polygons() {
-  std::size_t flat = 0;
   face_normals_.reserve(mesh_.polygon_count());
   for (std::size_t i = 0; i < mesh_.polygon_count(); ++i) {
     const auto corners = mesh_.polygon(i);
     Vec3 sum = Vec3::Zero();
+    double parts = 0.0;
     const Vec3 first = mesh_.vertices[static_cast<std::size_t>(corners[0])].cast<double>();
     for (std::size_t k = 1; k + 1 < corners.size(); ++k) {
       const Vec3 a = mesh_.vertices[static_cast<std::size_t>(corners[k])].cast<double>() - first;
       const Vec3 b = mesh_.vertices[static_cast<std::size_t>(corners[k + 1])].cast<double>() - first;
-      sum += a.cross(b);
+      const Vec3 part = a.cross(b);
+      sum += part;
+      parts += part.norm();
     }
     const double length = sum.norm();
-    const bool has_area = length > 0.0 && std::isfinite(length);
-    flat += has_area ? 0 : 1;
-    face_normals_.push_back(has_area ? Vec3((mesh_.ccw ? sum : -sum) / length) : Vec3(Vec3::Zero()));
+    const bool has_front = length > 1e-9 * parts && std::isfinite(length);
+    face_normals_.push_back(has_front ? Vec3((mesh_.ccw ? sum : -sum) / length) : Vec3(Vec3::Zero()));
   }
-  if (flat > 0) note(std::to_string(flat) + (flat == 1 ? " polygon" : " polygons") + " without area");
 }
 
 void SurfaceDrawer::find_neighbours() {
@@ -194,12 +203,17 @@ void SurfaceDrawer::read_normals() {
                   : is_face_set()                        ? Indexed::By::kCorner
                                                          : Indexed::By::kPoint;
   if (is_face_set()) normal_by_.index = values<std::int32_t>(node_, "normalIndex");
-  const bool usable = std::ranges::all_of(normals_, [](const Vector3f& n) {
+  const auto unusable = std::ranges::find_if(normals_, [](const Vector3f& n) {
     const double length = n.cast<double>().norm();
-    return std::isfinite(length) && length > 1e-6;
+    return !std::isfinite(length) || length <= 1e-6;
   });
-  if (usable && all_within(normal_by_, normals_.size())) return;
-  note("its normals: they do not match its polygons");
+  if (!all_within(normal_by_, normals_.size())) {
+    note("its normals: they do not match its polygons");
+  } else if (unusable != normals_.end()) {
+    note("its normals: vector " + std::to_string(unusable - normals_.begin()) + " has no length");
+  } else {
+    return;
+  }
   normal_by_ = {};
 }
 
@@ -307,9 +321,8 @@ Vector2f SurfaceDrawer::default_texture_coordinate(const Corner& c) const {
   return {(p[axes[0]] - box_.lo[axes[0]]) / longest, (p[axes[1]] - box_.lo[axes[1]]) / longest};
 }
 
-std::uint32_t SurfaceDrawer::vertex(const Corner& c) {
+std::uint32_t SurfaceDrawer::vertex(const Corner& c, const Vector3f& normal) {
   DrawnGeometry& g = out_.geometry;
-  const Vector3f normal = normal_at(c);
   Color color{};
   if (color_by_.by != Indexed::By::kNothing) {
     const Vector3f& at = colors_[color_by_.at(c.at, c.point, c.polygon)];
@@ -342,6 +355,48 @@ std::uint32_t SurfaceDrawer::vertex(const Corner& c) {
   return number;
 }
 
+// Where a polygon crosses itself, triangles of it run the other way round. They show their fronts with the others.
+void SurfaceDrawer::draw_polygon(std::size_t polygon) {
+  vertices_.clear();
+  for_each_corner(polygon, [&](const Corner& c) { vertices_.push_back(vertex(c, normal_at(c))); });
+  for (const CornerTriangle& t : triangulator_.triangulate(mesh_, polygon)) {
+    const bool runs_back = (mesh_.ccw ? area_of(polygon, t) : -area_of(polygon, t)).dot(face_normals_[polygon]) < 0.0;
+    const bool as_written = runs_back != mesh_.ccw;
+    add_triangle(vertices_[t[0]], vertices_[t[as_written ? 1 : 2]], vertices_[t[as_written ? 2 : 1]]);
+  }
+}
+
+// A polygon whose parts make up for each other, as those of a bow tie do, collides and so is drawn: from both sides,
+// with the normals of its triangles. Returns whether there is anything to draw.
+bool SurfaceDrawer::draw_without_front(std::size_t polygon) {
+  bool any = false;
+  for (const CornerTriangle& t : triangulator_.triangulate(mesh_, polygon)) {
+    const Vec3 area = area_of(polygon, t);
+    const double length = area.norm();
+    if (!(length > 0.0) || !std::isfinite(length)) continue;
+    any = true;
+    for (const double side : {1.0, -1.0}) {
+      const Vector3f normal = (side / length * area).cast<float>();
+      const auto corner = [&](std::size_t k) {
+        const std::size_t at = mesh_.polygon_begin[polygon] + t[k];
+        return vertex({polygon, t[k], at, mesh_.polygon(polygon)[t[k]]}, normal);
+      };
+      const std::uint32_t a = corner(0), b = corner(1), c = corner(2);
+      add_triangle(a, side > 0.0 ? b : c, side > 0.0 ? c : b);
+    }
+  }
+  return any;
+}
+
+// Returns the normal of the triangle as its corners run, as long as twice its area.
+Vec3 SurfaceDrawer::area_of(std::size_t polygon, const CornerTriangle& triangle) const {
+  const auto at = [&](std::size_t k) -> Vec3 {
+    const std::int32_t point = mesh_.polygon(polygon)[triangle[k]];
+    return mesh_.vertices[static_cast<std::size_t>(point)].cast<double>();
+  };
+  return (at(1) - at(0)).cross(at(2) - at(0));
+}
+
 GeometryAsDrawn SurfaceDrawer::draw() {
   out_.geometry.form = what_.moving;
   box_ = box_of(mesh_);
@@ -350,21 +405,15 @@ GeometryAsDrawn SurfaceDrawer::draw() {
   read_normals();
   read_texture_coordinates();
   if (smooth_ && normal_by_.by == Indexed::By::kNothing) find_neighbours();
-  Triangulator triangulator;
-  std::vector<std::uint32_t> vertices;  // of one polygon
+  std::size_t flat = 0;
   for (std::size_t i = 0; i < mesh_.polygon_count(); ++i) {
-    if (face_normals_[i].isZero(0.0)) continue;
-    vertices.clear();
-    for_each_corner(i, [&](const Corner& c) { vertices.push_back(vertex(c)); });
-    for (const CornerTriangle& triangle : triangulator.triangulate(mesh_, i)) {
-      const std::uint32_t a = vertices[triangle[0]], b = vertices[triangle[1]], c = vertices[triangle[2]];
-      if (mesh_.ccw) {
-        out_.geometry.corners.insert(out_.geometry.corners.end(), {a, b, c});
-      } else {
-        out_.geometry.corners.insert(out_.geometry.corners.end(), {a, c, b});
-      }
+    if (!face_normals_[i].isZero(0.0)) {
+      draw_polygon(i);
+    } else if (!draw_without_front(i)) {
+      ++flat;
     }
   }
+  if (flat > 0) note(std::to_string(flat) + (flat == 1 ? " polygon" : " polygons") + " without area");
   if (crowded_) note("its smooth normals at points of more than " + std::to_string(kPolygonsOfPoint) + " polygons");
   return std::move(out_);
 }

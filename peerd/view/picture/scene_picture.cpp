@@ -159,7 +159,9 @@ PictureMaker::Choices PictureMaker::choices_of(std::uint32_t parent) const {
   const Instance& instance = scene_.instances[parent];
   const vrml::Node& node = document_.nodes[instance.node];
   if (instance.kind == NodeKind::kLod) {
-    choices = {0, true, DrawnGroup{.kind = DrawnGroup::Kind::kLevel}};
+    choices = {0, true, std::nullopt};
+    if (!input_.all_levels) return choices;
+    choices.each = DrawnGroup{.kind = DrawnGroup::Kind::kLevel};
     choices.each->center = vector_of(node, "center");
     choices.each->ranges_m = list_of<float, float>(node, "range");
   } else if (instance.kind == NodeKind::kSwitch) {
@@ -186,6 +188,9 @@ void PictureMaker::visit(std::span<const vrml::NodeRef> children, std::uint32_t 
   std::uint32_t instance = first;
   const Choices choices = choices_of(parent);
   const bool grouped = choices.each && children.size() > 1;
+  if (!input_.all_levels && children.size() > 1 && parent != kTop && scene_.instances[parent].kind == NodeKind::kLod) {
+    leave_out(parent, "LOD", "its first level, which collides, stands for all");
+  }
   for (std::uint32_t i = 0; i < children.size(); ++i) {
     if (!children[i].is_node()) continue;
     const bool is_instance = instance != end && scene_.instances[instance].child_index == i;

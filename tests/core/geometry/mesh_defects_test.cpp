@@ -78,7 +78,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"OutAndBackTwice", kSquare, {0, 1, 0, 3, -1}, {1}, {0, 0, 0, 0}},
         Case{"BackAndForthOnALine", tilted({{0, 0}, {3, 3}, {1, 1}, {2, 2}}), {0, 1, 2, 3, -1}, {1}, {4}},
         // The parts of the polygon cancel out, and still have an area.
-        Case{"BowTie", tilted({{0, 0}, {2, 2}, {2, 0}, {0, 2}}), {0, 1, 2, 3, -1}, {}, {4}},
+        Case{"BowTie", tilted({{0, 0}, {2, 2}, {2, 0}, {0, 2}}), {0, 1, 2, 3, -1}, {1}, {4}},
+        Case{"UnevenBowTie", tilted({{0, 0}, {2, 2}, {2, 0}, {0, 3}}), {0, 1, 2, 3, -1}, {}, {4}},
         Case{"TinyArea", {{0, 0, 0}, {1e-45F, 0, 0}, {0, 1e-45F, 0}}, {0, 1, 2, -1}, {}, {3}},
         Case{"HugeArea", {{3e38F, 0, 0}, {-3e38F, 1e-45F, 0}, {0, 0, 0}}, {0, 1, 2, -1}, {}, {3}},
         // Duplicate
@@ -86,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"Rotated", kSquare, {0, 1, 2, 3, -1, 2, 3, 0, 1, -1}, {0, 1}, {0, 0, 4}},
         Case{"Reversed", kSquare, {0, 1, 2, 3, -1, 1, 0, 3, 2, -1}, {0, 1}, {}},
         Case{"ThreeOfAKind", kSquare, {0, 1, 2, -1, 2, 1, 0, -1, 1, 2, 0, -1}, {0, 2, 0, 0, 3}, {0, 3}},
-        Case{"OtherOrder", kSquare, {0, 1, 2, 3, -1, 0, 2, 1, 3, -1}, {0, 0}, {4, 0, 1}},
+        Case{"OtherOrder", kSquare, {0, 1, 2, 3, -1, 0, 2, 1, 3, -1}, {1, 0}, {4, 0, 1}},
         Case{"OtherVertices",
              {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0F, 0, -0.0F}, {1, -0.0F, 0}, {0, 1, 0}},
              {0, 1, 2, -1, 5, 4, 3, -1},
@@ -118,7 +119,7 @@ INSTANTIATE_TEST_SUITE_P(
              {0, 0, 1, 1},
              {6}},
         // The area vector is zero, but there is no plane, and the triangles have areas.
-        Case{"SpikesOfThreeAxes", kTetrahedron, {0, 1, 0, 2, 0, 3, -1}, {0, 0, 1, 1}, {}},
+        Case{"SpikesOfThreeAxes", kTetrahedron, {0, 1, 0, 2, 0, 3, -1}, {1, 0, 1, 1}, {}},
         // Non-manifold
         Case{"Book", kBook, {0, 1, 2, -1, 1, 0, 3, -1, 0, 1, 4, -1}, {0, 0, 0, 0, 3}, {6, 1}},
         Case{"BookOfFour", kBook, {0, 1, 2, -1, 1, 0, 3, -1, 0, 1, 4, -1, 1, 0, 5, -1}, {0, 0, 0, 0, 4}, {8, 1}},
@@ -152,7 +153,7 @@ class Oracle {
   explicit Oracle(const Mesh& mesh) : mesh_(mesh) {
     for (std::size_t i = 0; i < mesh.polygon_count(); ++i) polygons_.push_back(corners_of(i));
     for (std::size_t i = 0; i < polygons_.size(); ++i) {
-      set(0, i, !has_area(i));
+      set(0, i, area_of(polygons_[i]) == Place{});
       bool earlier = false;
       for (std::size_t j = 0; j < i; ++j) earlier |= alike(polygons_[i], polygons_[j]);
       set(1, i, earlier);
@@ -189,14 +190,13 @@ class Oracle {
     }
     return out;
   }
-  // The triangles are the definition, and have an oracle of their own.
-  [[nodiscard]] bool has_area(std::size_t i) const {
-    Triangulator triangulator;
-    const Polygon& p = polygons_[i];
-    for (const CornerTriangle& t : triangulator.triangulate(mesh_, i)) {
-      if (cross(minus(p[t[1]], p[t[0]]), minus(p[t[2]], p[t[0]])) != Place{}) return true;
+  static Place area_of(const Polygon& p) {
+    Place area{};
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      const Place c = cross(p[i], p[(i + 1) % p.size()]);
+      for (std::size_t k = 0; k < 3; ++k) area[k] += c[k];
     }
-    return false;
+    return area;
   }
   static bool alike(const Polygon& a, const Polygon& b) {
     const std::size_t n = a.size();
@@ -223,11 +223,10 @@ class Oracle {
     return true;
   }
   bool is_warped(const Polygon& p) {
-    Place area{};
+    const Place area = area_of(p);
     Rational longest = 0;
     for (std::size_t i = 0; i < p.size(); ++i) {
-      const Place &a = p[i], &b = p[(i + 1) % p.size()], c = cross(a, b), edge = minus(b, a);
-      for (std::size_t k = 0; k < 3; ++k) area[k] += c[k];
+      const Place edge = minus(p[(i + 1) % p.size()], p[i]);
       longest = std::max<Rational>(longest, dot(edge, edge));
     }
     if (area == Place{}) return true;

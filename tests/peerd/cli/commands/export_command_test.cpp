@@ -102,9 +102,25 @@ DEF B Billboard { children Shape { geometry Box { } } }
 DEF A Anchor { url "#V" children Shape { geometry Box { } } })");
   const Outcome outcome = export_world(world, folder / "w.glb", 0.0, /*as_json=*/false);
   EXPECT_EQ(outcome.exit_code, 0);
-  EXPECT_THAT(outcome.out, HasSubstr("  L (LOD): other programs show all of its levels at once\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("  L (LOD): its first level, which collides, stands for all\n"));
   EXPECT_THAT(outcome.out, HasSubstr("  B (Billboard): other programs do not turn it\n"));
   EXPECT_THAT(outcome.out, HasSubstr("  A (Anchor): other programs do not follow it\n"));
+}
+
+// glTF has no words for levels, and what is in the file is what collides.
+TEST(Export, HasTheFirstLevelOfAnLod) {
+  const ScratchFolder folder;
+  const auto world = folder.write("w.wrl", R"(#VRML V2.0 utf8
+LOD { range [ 20 ] level [
+  Group { children [ Shape { geometry Box { } } LOD { level [ Shape { geometry Cone { } } Shape { geometry Sphere { } } ] } ] }
+  Shape { geometry Sphere { } } ] })");
+  const Outcome outcome = export_world(world, folder / "w.glb");
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.json()["shapes"], 2);
+  EXPECT_EQ(outcome.json()["meshes"], 2);
+  EXPECT_EQ(outcome.json()["triangles"], 12 + 46) << "a Box and a Cone";
+  EXPECT_EQ(outcome.json()["undrawn"][0]["what"], "LOD");
+  EXPECT_EQ(outcome.json()["undrawn"].size(), 2u);
 }
 
 TEST(Export, EndsWithACode) {

@@ -33,6 +33,41 @@ TEST(DrawnGeometry, NormalsAreFlatUpToTheCreaseAngle) {
   EXPECT_TRUE(smooth.normals[static_cast<std::size_t>(edge - smooth.positions.begin())].isApprox(between, 1e-5F));
 }
 
+// The share of the triangles' area that is seen from a direction, where the back of a triangle is not.
+double area_seen_from(const DrawnGeometry& g, const Eigen::Vector3f& from) {
+  double area = 0.0;
+  for (std::size_t i = 0; i + 2 < g.corners.size(); i += 3) {
+    const auto at = [&](std::size_t k) -> Eigen::Vector3f { return g.positions[g.corners[i + k]]; };
+    const Eigen::Vector3f normal = (at(1) - at(0)).cross(at(2) - at(0));
+    EXPECT_GT(normal.dot(g.normals[g.corners[i]]), 0.0F) << "it is lit from the side that it shows";
+    area += std::max(0.0F, 0.5F * normal.dot(from));
+  }
+  return area;
+}
+
+// What crosses itself collides, by the triangles that it is cut into, and so they are drawn. Where its parts make up
+// for each other it has no front, and is drawn from both sides.
+TEST(DrawnGeometry, WhatCrossesItselfIsDrawn) {
+  const auto drawn = [](const char* points, const char* more) {
+    return picture_of_text(std::string("Shape { geometry IndexedFaceSet { coord Coordinate { point [") + points +
+                           "] } coordIndex [0 1 2 3 -1] " + more + " } }");
+  };
+  for (const char* const more :
+       {"", "ccw FALSE", "creaseAngle 1", "normal Normal { vector [0 0 1, 0 0 1, 0 0 1, 0 0 1] }"}) {
+    const ScenePicture even = drawn("0 0 0, 2 2 0, 2 0 0, 0 2 0", more);
+    ASSERT_EQ(even.geometries.size(), 1u) << more;
+    EXPECT_EQ(area_seen_from(even.geometries[0], Eigen::Vector3f::UnitZ()), 4.0) << more;
+    EXPECT_EQ(area_seen_from(even.geometries[0], -Eigen::Vector3f::UnitZ()), 4.0) << more;
+    EXPECT_TRUE(even.undrawn.empty()) << more;
+  }
+  for (const char* const more : {"", "ccw FALSE"}) {
+    const DrawnGeometry uneven = drawn("0 0 0, 2 2 0, 2 0 0, 0 3 0", more).geometries.at(0);
+    const Eigen::Vector3f front = uneven.normals.at(0);
+    EXPECT_EQ(area_seen_from(uneven, front), 5.0) << more;
+    EXPECT_EQ(area_seen_from(uneven, -front), 0.0) << more;
+  }
+}
+
 TEST(DrawnGeometry, RoundSolidsAreDrawnRound) {
   for (const char* form : {"Sphere { radius 2 }", "Cylinder { radius 2 top FALSE bottom FALSE }"}) {
     const ScenePicture drawn = picture_of_text("Shape { geometry " + std::string(form) + " }");

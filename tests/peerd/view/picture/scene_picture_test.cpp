@@ -53,6 +53,10 @@ TEST(ScenePicture, NamesWhatItLeavesOut) {
            Case{"Normals",
                 "DEF S Shape { geometry IndexedFaceSet { coord Coordinate { point [0 0 0, 1 0 0, 0 1 0] } "
                 "coordIndex [0 1 2] normal Normal { vector [0 0 0, 0 0 1, 0 0 1] } } }",
+                "S IndexedFaceSet: its normals: vector 0 has no length"},
+           Case{"FewNormals",
+                "DEF S Shape { geometry IndexedFaceSet { coord Coordinate { point [0 0 0, 1 0 0, 0 1 0] } "
+                "coordIndex [0 1 2] normal Normal { vector [0 0 1, 0 0 1] } } }",
                 "S IndexedFaceSet: its normals: they do not match its polygons"},
            Case{"Area",
                 "DEF S Shape { geometry IndexedFaceSet { coord Coordinate { point [0 0 0, 1 0 0, 2 0 0] } "
