@@ -134,7 +134,17 @@ PYBIND11_MODULE(_peerd, module) {
   py::class_<Options>(module, "Options")
       .def(py::init<>())
       .def("set", [](Options& options, const std::string& name, const std::string& value) { options.set(name, value); })
-      .def("log_to", [](Options& options, const Options::Log& log) { options.log_to(log); });
+      .def("log_to", [](Options& options, const Options::Log& log) {
+        // An exception has nobody to go to: the interpreter says it as it does those of other callbacks.
+        options.log_to([log](int level, const std::string& text) {
+          const py::gil_scoped_acquire held;
+          try {
+            log(level, text);
+          } catch (py::error_already_set& raised) {
+            raised.discard_as_unraisable("the log of a peer");
+          }
+        });
+      });
 
   py::class_<Peer, std::unique_ptr<Peer, Close>>(module, "Peer")
       .def(py::init<const Options&>(), Call())
@@ -142,7 +152,14 @@ PYBIND11_MODULE(_peerd, module) {
       .def(
           "hold", [](const Peer& peer) { peerd_hold(peer.handle()); }, Call())
       .def(
-          "end_hold", [](const Peer& peer) { peerd_unhold(peer.handle()); }, Call())
+          "end_hold",
+          [](const Peer& peer) {
+            try {
+              peerd_unhold(peer.handle());
+            } catch (const Error&) {  // a child of fork() ends its parent's hold
+            }
+          },
+          Call())
       .def("event_descriptor", &Peer::event_descriptor)
       .def("has_left", &Peer::has_left, Call())
       .def("poll", &Peer::poll, py::arg("at_most_s"), Call())

@@ -20,7 +20,8 @@ Metres, seconds and radians; places and velocities are in the world's frame, rig
 numbers: x, y, z, and the unit quaternion x, y, z, w that turns the object's axes into the world's. An object is a number
 that is the same at all peers. What can't be done raises peerd.Error.
 
-Without a thread (start()) all of a peer's functions are called in one thread at a time; with one, in any.
+Without a thread (start()) all of a peer's functions are called in one thread at a time; with one, in any. A peer belongs to the
+process that opened it: in a child of os.fork() its functions raise Error, and close() does nothing to it.
 """
 from __future__ import annotations
 
@@ -78,7 +79,7 @@ class Peer:
 
     `own` and `set` take lists; `open`, `fresh`, `take_over` and `verbose` take True or False. `from_` stands for from,
     which Python keeps for itself. `log` gets lines of the peer's log: a level from 0 (debug) to 3 (error), and the text.
-    It must not call the peer.
+    It must not call the peer; what it raises goes to sys.unraisablehook, and the peer goes on.
 
     Opening a peer reads the world, or gets it from others, which takes a second or more: in asyncio,
     `await asyncio.to_thread(peerd.Peer, join="town")`. Raises Error where an option, the world or the network is wrong.

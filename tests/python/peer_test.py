@@ -1,8 +1,11 @@
 """Peers in this program, by the Python package, over multicast on lo."""
 import asyncio
 import ctypes
+import fcntl
 import os
 import random
+import signal
+import sys
 import tempfile
 import time
 import unittest
@@ -196,6 +199,116 @@ class PeerTest(unittest.TestCase):
             event = asyncio.run(asyncio.wait_for(heard(b), GIVES_UP_S))
             self.assertEqual((event.name, event.text, event.peer), ("chat", "hello", a.id))
         self.assertTrue(any("peer a" in line for line in lines))
+
+    def in_a_child(self, work):
+        """What `work` returns or raises in a forked child, as text; the test fails where the child does not end."""
+        out, into = os.pipe()
+        child = os.fork()
+        if child == 0:
+            try:
+                said = repr(work())
+            except BaseException as raised:
+                said = f"{type(raised).__name__}: {raised}"
+            os.write(into, said.encode())
+            os._exit(0)
+        os.close(into)
+        give_up = time.monotonic() + GIVES_UP_S
+        while os.waitpid(child, os.WNOHANG) == (0, 0):
+            if time.monotonic() > give_up:
+                os.kill(child, signal.SIGKILL)
+                os.waitpid(child, 0)
+                self.fail("the child hangs")
+            time.sleep(0.01)
+        with os.fdopen(out) as reader:
+            return reader.read()
+
+    def test_a_forked_child_has_no_part_in_the_peer(self):
+        calls = [
+            lambda peer: peer.poll(), lambda peer: peer.start(), lambda peer: peer.leave(), lambda peer: peer.id,
+            lambda peer: peer.has_left, lambda peer: peer.session_time, lambda peer: peer.find("CAR"),
+            lambda peer: peer.world(), lambda peer: peer.poses([0]), lambda peer: peer.move(0, [0] * 7),
+            lambda peer: peer.send("chat", "child"), lambda peer: peer.add("Group { }"),
+            lambda peer: peer.set_data("CAR", "a", "child"), lambda peer: peer.data("CAR", "a"),
+            lambda peer: peer.ask(do="status"), lambda peer: list(peer.events()), lambda peer: peer.handle,
+            lambda peer: peer.hold().__enter__(),
+        ]
+        for has_thread in (False, True):
+            with self.open("a", "CAR") as a, self.open("b", "CUBE") as b:
+                self.run_until([a, b], lambda: a.in_session and b.in_session and a.member_count == b.member_count == 1)
+                polled = [a, b]
+                if has_thread:
+                    a.start()
+                    polled = [b]
+
+                def closes():
+                    for call in calls:
+                        with self.assertRaisesRegex(peerd.Error, "another process"):
+                            call(a)
+                    with a:
+                        pass
+                    return "closed"
+
+                self.assertEqual(self.in_a_child(closes), "'closed'")
+                self.run_until(polled, lambda: True)
+                a.send("chat", "parent")
+                heard = []
+
+                def hear():
+                    heard.extend(event for event in b.events() if event.kind in (peerd.EventKind.MESSAGE, peerd.EventKind.PEER_LEFT))
+                    return heard
+
+                self.run_until(polled, hear)
+                self.assertEqual([(event.kind, event.text) for event in heard], [(peerd.EventKind.MESSAGE, "parent")])
+                self.assertFalse(a.has_left)
+                self.assertEqual(b.member_count, 1)
+
+    def test_a_child_may_have_a_peer_of_its_own(self):
+        with self.open("a", "CAR") as a:
+            def child():
+                with self.open("b", "CUBE") as b:
+                    b.wait_until(lambda: b.in_session and b.member_count == 1)
+                    return "met"
+
+            a.start()
+            self.assertEqual(self.in_a_child(child), "'met'")
+
+    def test_other_programs_do_not_get_its_descriptors(self):
+        before = set(os.listdir("/proc/self/fd"))
+        with self.open("a", "CAR", store=Path(self.folder.name, "store"), control=Path(self.folder.name, "s"), view="127.0.0.1:0") as a:
+            self.run_until([a], lambda: a.in_session)
+            inherited = {}
+            for name in set(os.listdir("/proc/self/fd")) - before:
+                try:
+                    if not fcntl.fcntl(int(name), fcntl.F_GETFD) & fcntl.FD_CLOEXEC:
+                        inherited[name] = os.readlink(f"/proc/self/fd/{name}")
+                except OSError:  # that of the listing
+                    pass
+            self.assertEqual(inherited, {})
+
+    def test_a_log_that_raises_is_no_end(self):
+        raised = []
+        old_hook, sys.unraisablehook = sys.unraisablehook, lambda what: raised.append(str(what.exc_value))
+        try:
+            def log(level, text):
+                raise ValueError("no log")
+
+            with self.open("a", "CAR", log=log) as a:
+                self.run_until([a], lambda: a.in_session)
+            with self.open("a", "CAR", log=log).start() as a:
+                a.wait_until(lambda: a.in_session)
+        finally:
+            sys.unraisablehook = old_hook
+        self.assertEqual(set(raised), {"no log"})
+
+    def test_data_may_have_any_character(self):
+        with self.open("a", "CAR") as a:
+            self.run_until([a], lambda: a.in_session)
+            for value in ("a\0b", "\0", "", "\n\u00e4\U0001f600"):
+                a.set_data("CAR", "text", value)
+                self.run_until([a], lambda: a.data("CAR", "text") == value)
+            for call in (lambda: a.send("chat", "a\0b"), lambda: a.find("CAR\0X"), lambda: a.set_data("CAR", "a\0b", "c")):
+                with self.assertRaisesRegex(peerd.Error, "zero byte"):
+                    call()
 
     def test_says_why_not(self):
         with self.assertRaisesRegex(peerd.Error, "no option colour"):

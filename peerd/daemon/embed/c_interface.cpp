@@ -1,15 +1,18 @@
 // The C interface (peerd.h) over EmbeddedPeer. No exception leaves it.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <functional>
 #include <limits>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -34,9 +37,23 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 // A peerd_peer is an EmbeddedPeer under a name that C knows.
 EmbeddedPeer& peer_of(peerd_peer* peer) { return *reinterpret_cast<EmbeddedPeer*>(peer); }
 
-// Does something with a peer that is held. What it throws is the error of that call, and `otherwise` its value.
+constexpr const char* kOfAnotherProcess =
+    "the peer belongs to another process, from which this one was forked; open one here";
+
+bool is_of_another_process(peerd_peer* peer) { return !peer_of(peer).is_of_this_process(); }
+
+// Lets go of a peer of another process. Its destructors would unregister sockets, end the store's log and wait for a
+// thread, all of which are that process's; so its memory stays, and nothing is called.
+void leave_to_its_process(EmbeddedPeer* peer) {
+  static auto& left = *new std::vector<EmbeddedPeer*>;  // so that no tool takes it for lost
+  left.push_back(peer);
+}
+
+// Does something with a peer that is held. What it throws is the error of that call, and `otherwise` its value, which
+// it also has in another process.
 template <class Value, class Work>
 Value with(peerd_peer* handle, Value otherwise, Work work) noexcept {
+  if (is_of_another_process(handle)) return otherwise;
   EmbeddedPeer& peer = peer_of(handle);
   const embed::Hold held(peer);
   try {
@@ -101,6 +118,22 @@ json below(EmbeddedPeer& peer, json request, peerd_object under) {
   return request;
 }
 
+// A program's function that throws has lost the line, and nothing else: what is under way, in the peer's own thread
+// too, goes on. The first one of a program is said on standard error.
+void give_line(peerd_log log, void* user, const LogLine& line) noexcept {
+  static std::once_flag said;
+  const auto say = [&](const char* what) {
+    std::call_once(said, [&] { std::fprintf(stderr, "peerd: the function for lines of the log threw: %s\n", what); });
+  };
+  try {
+    log(user, static_cast<int>(line.level), line.text.c_str());
+  } catch (const std::exception& thrown) {
+    say(thrown.what());
+  } catch (...) {
+    say("something that is no std::exception");
+  }
+}
+
 peerd_pose no_pose() {
   peerd_pose out{};
   std::ranges::fill(out.position, kNan);
@@ -127,9 +160,7 @@ void peerd_options_log(peerd_options* options, peerd_log log, void* user) {
     options->values.log_to = {};
     return;
   }
-  options->values.log_to = [log, user](const LogLine& line) {
-    log(user, static_cast<int>(line.level), line.text.c_str());
-  };
+  options->values.log_to = [log, user](const LogLine& line) { give_line(log, user, line); };
 }
 
 peerd_peer* peerd_open(const peerd_options* options, char* error, size_t size) {
@@ -152,9 +183,14 @@ peerd_peer* peerd_open(const peerd_options* options, char* error, size_t size) {
   }
 }
 
-void peerd_close(peerd_peer* peer) { delete reinterpret_cast<EmbeddedPeer*>(peer); }
+void peerd_close(peerd_peer* peer) {
+  if (peer == nullptr) return;
+  if (is_of_another_process(peer)) return leave_to_its_process(&peer_of(peer));
+  delete &peer_of(peer);
+}
 
 const char* peerd_error(peerd_peer* peer) {
+  if (is_of_another_process(peer)) return kOfAnotherProcess;
   return with(peer, "", [](EmbeddedPeer& held) { return held.error.c_str(); });
 }
 
@@ -169,13 +205,19 @@ int peerd_poll(peerd_peer* handle, double at_most_s) {
 }
 
 int peerd_start(peerd_peer* peer) {
+  if (is_of_another_process(peer)) return 0;
   if (peer_of(peer).start()) return 1;
   peer_of(peer).error = "the peer has a thread already";
   return 0;
 }
 
-void peerd_hold(peerd_peer* peer) { peer_of(peer).hold(); }
-void peerd_unhold(peerd_peer* peer) { peer_of(peer).release(); }
+void peerd_hold(peerd_peer* peer) {
+  if (!is_of_another_process(peer)) peer_of(peer).hold();
+}
+
+void peerd_unhold(peerd_peer* peer) {
+  if (!is_of_another_process(peer)) peer_of(peer).release();
+}
 
 void peerd_leave(peerd_peer* peer) {
   with(peer, 0, [](EmbeddedPeer& held) {
@@ -185,7 +227,7 @@ void peerd_leave(peerd_peer* peer) {
 }
 
 int peerd_has_left(peerd_peer* peer) {
-  return with(peer, 0, [](EmbeddedPeer& held) { return held.has_left() ? 1 : 0; });
+  return with(peer, 1, [](EmbeddedPeer& held) { return held.has_left() ? 1 : 0; });
 }
 
 uint32_t peerd_id(peerd_peer* peer) {
@@ -303,21 +345,32 @@ int peerd_set(peerd_peer* peer, const char* path, const char* field, const char*
 }
 
 int peerd_set_data(peerd_peer* peer, const char* path, const char* key, const char* value, peerd_operation* operation) {
+  return peerd_set_sized_data(peer, path, key, value, value == nullptr ? 0 : std::strlen(value), operation);
+}
+
+int peerd_set_sized_data(peerd_peer* peer, const char* path, const char* key, const char* value, size_t size,
+                         peerd_operation* operation) {
   json request{{"do", "data"}, {"path", text_of(path)}, {"key", text_of(key)}};
   if (value == nullptr) {
     request["remove"] = true;
   } else {
-    request["value"] = value;
+    request["value"] = std::string(value, size);
   }
   return edited(
       peer, [&](EmbeddedPeer&) { return request; }, operation);
 }
 
 const char* peerd_data(peerd_peer* peer, const char* path, const char* key) {
+  return peerd_sized_data(peer, path, key, nullptr);
+}
+
+const char* peerd_sized_data(peerd_peer* peer, const char* path, const char* key, size_t* size) {
+  if (size != nullptr) *size = 0;
   return with(peer, static_cast<const char*>(nullptr), [&](EmbeddedPeer& held) -> const char* {
     const json reply = asked(held, {{"do", "data"}, {"path", text_of(path)}, {"key", text_of(key)}});
     if (reply.is_discarded() || !reply.contains("value") || !reply["value"].is_string()) return nullptr;
     held.text = reply["value"].get<std::string>();
+    if (size != nullptr) *size = held.text.size();
     return held.text.c_str();
   });
 }
@@ -367,6 +420,8 @@ int peerd_next_event(peerd_peer* peer, peerd_event* event, size_t size) {
   });
 }
 
-int peerd_event_descriptor(peerd_peer* peer) { return peer_of(peer).signal().descriptor(); }
+int peerd_event_descriptor(peerd_peer* peer) {
+  return is_of_another_process(peer) ? -1 : peer_of(peer).signal().descriptor();
+}
 
 }  // extern "C"

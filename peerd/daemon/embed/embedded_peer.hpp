@@ -1,4 +1,6 @@
 #pragma once
+#include <unistd.h>
+
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
@@ -42,6 +44,11 @@ class EmbeddedPeer {
   EmbeddedPeer(const EmbeddedPeer&) = delete;
   EmbeddedPeer& operator=(const EmbeddedPeer&) = delete;
 
+  // False in a process that was forked off after open(): the peer's thread is not in it, its locks may be held for
+  // ever, and its sockets, its store and its part in the session are the first process's. Nothing else may be called
+  // there, nor may the peer be destroyed.
+  [[nodiscard]] bool is_of_this_process() const { return getpid() == opened_in_; }
+
   // Keeps the peer's thread, where it has one, between two of its steps, and other threads from holding it. Holds of
   // one thread nest.
   void hold();
@@ -78,6 +85,7 @@ class EmbeddedPeer {
   void note(const replication::Output& output);
   [[nodiscard]] const std::string& path_of(ObjectId object);
 
+  pid_t opened_in_ = getpid();
   std::unique_ptr<OpenedPeer> peer_;
   std::optional<SimTime> looked_at_;
   std::deque<StoredEvent> events_;

@@ -9,6 +9,8 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/address.hpp>
 
+#include "peerd/net/os/close_on_exec.hpp"
+
 namespace peerd::net {
 namespace {
 
@@ -57,6 +59,7 @@ Result<std::unique_ptr<UdpPort>> UdpPort::open(asio::io_context& io, const std::
   error_code error;
   udp::socket& socket = port->socket_;
   socket.open(endpoint->protocol(), error);
+  close_on_exec(socket);
   if (!error) socket.non_blocking(true, error);
   if (error) return fail(error.message(), 3);
   error_code ignored;  // a smaller buffer is acceptable, for losses are counted

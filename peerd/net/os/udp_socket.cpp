@@ -8,6 +8,8 @@
 #include <system_error>
 #include <utility>
 
+#include "peerd/net/os/close_on_exec.hpp"
+
 namespace peerd::net {
 namespace {
 
@@ -36,6 +38,7 @@ std::expected<void, NetError> set_options(int fd, std::span<const SocketOption> 
 std::expected<void, NetError> open_udp(udp::socket& socket, const UdpOptions& options) {
   error_code ec;
   socket.open(options.v4 ? udp::v4() : udp::v6(), ec);
+  close_on_exec(socket);
   if (ec.value() == EAFNOSUPPORT) {
     return failure(NetError::Kind::kNoMulticast,
                    "this computer has IPv6 switched off; use an IPv4 group such as 239.192.0.0");

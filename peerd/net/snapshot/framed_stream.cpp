@@ -10,6 +10,8 @@
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 
+#include "peerd/net/os/close_on_exec.hpp"
+
 namespace peerd::snapshot {
 namespace {
 
@@ -42,6 +44,7 @@ auto FramedStream::guarded(Next next) {
 void FramedStream::connect(const asio::ip::tcp::endpoint& to, OnDone done) {
   error_code failed;
   socket_.open(to.protocol(), failed);
+  net::close_on_exec(socket_);
   if (failed) return fail(failed.message());
   socket_.async_connect(to, guarded([this, done = std::move(done)] { begin(done); }));
 }

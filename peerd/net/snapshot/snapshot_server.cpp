@@ -7,6 +7,7 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "peerd/net/os/close_on_exec.hpp"
 #include "peerd/net/snapshot/framed_stream.hpp"
 #include "replication/wire/codec.hpp"
 
@@ -84,6 +85,7 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
     error_code failed;
     const asio::ip::tcp::endpoint at(address, port);
     acceptor_.open(at.protocol(), failed);
+    net::close_on_exec(acceptor_);
     if (!failed) acceptor_.set_option(asio::socket_base::reuse_address(true), failed);
     if (!failed) acceptor_.bind(at, failed);
     if (!failed) acceptor_.listen(kConnectionsMax, failed);
@@ -122,6 +124,7 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
     });
   }
   void take(asio::ip::tcp::socket socket) {
+    net::close_on_exec(socket);
     if (streams_.size() >= kConnectionsMax && !make_room()) return;  // which closes it: it asks elsewhere, or again
     error_code ignored;
     socket.set_option(asio::ip::tcp::no_delay(true), ignored);

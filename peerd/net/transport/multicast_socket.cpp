@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "peerd/net/greeting/unicast_frame.hpp"
+#include "peerd/net/os/close_on_exec.hpp"
 #include "peerd/net/os/udp_socket.hpp"
 
 // linux/in6.h defines it since Linux 4.20, but cannot be included beside netinet/in.h.
@@ -171,6 +172,7 @@ std::expected<void, NetError> MulticastSocket::probe_route() {
   error_code ec;
   udp::socket probe(io_);
   probe.open(options_.groups.base.is_v4() ? udp::v4() : udp::v6(), ec);
+  close_on_exec(probe);
   if (ec) return failure(NetError::Kind::kOther, "cannot open a UDP socket: " + ec.message());
   const int error = send_over_our_interface(probe.native_handle());
   if (!error) probe.connect(on_our_interface(udp::endpoint(options_.groups.base, options_.groups.port)), ec);

@@ -8,6 +8,8 @@
 #include <boost/asio/read_until.hpp>
 #include <boost/asio/write.hpp>
 
+#include "peerd/net/os/close_on_exec.hpp"
+
 namespace peerd::control {
 
 namespace asio = boost::asio;
@@ -20,6 +22,7 @@ namespace {
 error_code connect(Protocol::socket& socket, const std::filesystem::path& path) {
   error_code error;
   socket.open(Protocol(), error);
+  net::close_on_exec(socket);
   socket.non_blocking(true, error);
   socket.connect(Protocol::endpoint(path.string()), error);
   return error;

@@ -20,6 +20,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
 
+#include "peerd/net/os/close_on_exec.hpp"
 #include "peerd/peer/control/answer.hpp"
 #include "peerd/peer/control/control_client.hpp"
 #include "peerd/peer/control/pending_lines.hpp"
@@ -120,6 +121,7 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
     if (auto cleared = clear(path_); !cleared) return cleared;
     error_code error;
     acceptor_.open(Protocol(), error);
+    net::close_on_exec(acceptor_);
     // The file of a socket gets the mode of its descriptor, so that other users cannot connect at any time.
     if (!error && fchmod(acceptor_.native_handle(), 0600) != 0) error = {errno, boost::system::system_category()};
     if (!error) acceptor_.bind(Protocol::endpoint(path_.string()), error);
@@ -192,6 +194,7 @@ class ControlServer::Impl : public std::enable_shared_from_this<Impl> {
   }
 
   void take(Protocol::socket socket) {
+    net::close_on_exec(socket);
     error_code error;
     socket.non_blocking(true, error);
     const auto client = std::make_shared<Client>(std::move(socket));

@@ -8,6 +8,7 @@
 
 #include <boost/asio/steady_timer.hpp>
 
+#include "peerd/net/os/close_on_exec.hpp"
 #include "peerd/view/gateway/gateway_state.hpp"
 #include "peerd/view/gateway/http_connection.hpp"
 #include "peerd/view/gateway/limits.hpp"
@@ -66,6 +67,7 @@ class Gateway::Impl : public std::enable_shared_from_this<Impl> {
     connections_max_ = connections_max();
     error_code failed;
     acceptor_.open(at.protocol(), failed);
+    net::close_on_exec(acceptor_);
     if (!failed) acceptor_.set_option(asio::socket_base::reuse_address(true), failed);
     if (!failed) acceptor_.bind(at, failed);
     if (!failed) acceptor_.listen(asio::socket_base::max_listen_connections, failed);
@@ -115,6 +117,7 @@ class Gateway::Impl : public std::enable_shared_from_this<Impl> {
     });
   }
   void take(tcp::socket socket) {
+    net::close_on_exec(socket);
     ++state_->counters.connections;
     if (state_->connections.size() >= connections_max_) return refuse_connection(*state_, std::move(socket));
     serve_http(state_, std::move(socket));

@@ -2,9 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <functional>
+#include <stdexcept>
 #include <thread>
 
 #include <peerd/peerd.hpp>
@@ -108,6 +111,108 @@ TEST_F(Embedded, SeesWhatTheOtherMovesAndBothSeeTheContact) {
   }
   EXPECT_EQ(at_a->time, at_b->time) << "one outcome";
   EXPECT_EQ(at_a->peer, at_b->peer);
+}
+
+// Returns the exit code of a forked child that does this; -1 where it does not end.
+int exit_code_of_child(const std::function<int()>& work) {
+  const pid_t child = fork();
+  if (child == 0) _exit(work());
+  int status = 0;
+  for (int i = 0; i < 2000; ++i) {
+    if (waitpid(child, &status, WNOHANG) == child) return WIFEXITED(status) ? WEXITSTATUS(status) : -2;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  kill(child, SIGKILL);
+  waitpid(child, &status, 0);
+  return -1;
+}
+
+// The C interface in a child of fork(): each call is refused and says why, and nothing of the parent's peer changes.
+int refuse_all_of(peerd_peer* peer) {
+  int wrong = 0;
+  const auto expect = [&](bool holds) { wrong += holds ? 0 : 1; };
+  peerd_hold(peer);
+  expect(peerd_poll(peer, 0.0) == 0);
+  expect(peerd_start(peer) == 0);
+  expect(peerd_id(peer) == 0);
+  expect(peerd_has_left(peer) == 1);
+  expect(peerd_in_session(peer) == 0);
+  expect(std::isnan(peerd_session_time(peer)));
+  expect(peerd_find(peer, "CAR") == PEERD_NO_OBJECT);
+  expect(peerd_world(peer) == nullptr);
+  expect(peerd_data(peer, "CAR", "a") == nullptr);
+  peerd_operation operation{1, 1};
+  expect(peerd_send(peer, "chat", "child", &operation) == 0 && operation.number == 0);
+  expect(peerd_add(peer, PEERD_NO_OBJECT, "Group { }", nullptr) == 0);
+  expect(peerd_set_data(peer, "CAR", "a", "child", nullptr) == 0);
+  expect(peerd_ask(peer, "{}") == nullptr);
+  peerd_event event{};
+  expect(peerd_next_event(peer, &event, sizeof(event)) == 0);
+  expect(peerd_event_descriptor(peer) == -1);
+  expect(std::string(peerd_error(peer)).find("another process") != std::string::npos);
+  peerd_unhold(peer);
+  peerd_leave(peer);
+  peerd_close(peer);
+  return wrong;
+}
+
+TEST_F(Embedded, AChildOfForkHasNoPartInIt) {
+  for (const bool has_thread : {false, true}) {
+    Peer a(options("a", "CAR")), b(options("b", "CUBE"));
+    ASSERT_TRUE(meet(a, b));
+    const auto polled = [&](const std::function<bool()>& holds) {
+      return wait_until(holds, [&] { return (has_thread || a.poll(0.002)) && b.poll(0.002); });
+    };
+    if (has_thread) a.start();
+    peerd_peer* const handle = a.handle();
+    EXPECT_EQ(exit_code_of_child([&] { return refuse_all_of(handle); }), 0);
+    EXPECT_EQ(exit_code_of_child([&] {
+                const Peer own = std::move(a);
+                try {
+                  (void)own.id();
+                } catch (const Error&) {
+                  return 0;
+                }
+                return 1;
+              }),
+              0);
+    a.send("chat", "parent");
+    std::optional<Event> heard;
+    ASSERT_TRUE(polled([&] {
+      while (const auto event = b.next_event()) {
+        EXPECT_NE(event->kind, PEERD_PEER_LEFT);
+        if (event->kind == PEERD_MESSAGE) heard = event;
+      }
+      return heard.has_value();
+    }));
+    EXPECT_EQ(heard->text, "parent");
+    EXPECT_EQ(b.member_count(), 1u);
+    EXPECT_FALSE(a.has_left());
+  }
+}
+
+TEST_F(Embedded, AFunctionForTheLogMayThrow) {
+  Options throwing = options("a", "CAR");
+  int lines = 0;
+  throwing.log_to([&](int, const std::string&) {
+    ++lines;
+    throw std::runtime_error("no log");
+  });
+  Peer a(throwing);
+  a.start();
+  EXPECT_TRUE(wait_until([&] { return a.in_session(); }, [] { return true; }));
+  EXPECT_GT(lines, 0);
+}
+
+TEST_F(Embedded, DataMayHaveZeroBytesAndOtherTextsMayNot) {
+  Peer a(options("a", "CAR"));
+  const std::string value("a\0b", 3);
+  ASSERT_TRUE(wait_until([&] { return a.in_session(); }, [&] { return a.poll(0.002); }));
+  a.set_data("CAR", "text", value);
+  EXPECT_TRUE(wait_until([&] { return a.data("CAR", "text") == value; }, [&] { return a.poll(0.002); }));
+  EXPECT_STREQ(peerd_data(a.handle(), "CAR", "text"), "a");
+  EXPECT_THROW(a.send("chat", value), Error);
+  EXPECT_THROW((void)a.find(value), Error);
 }
 
 TEST_F(Embedded, EditsDataAndMessagesReachTheOther) {

@@ -10,7 +10,12 @@
    Functions that return an int return 1 where it was done, 0 where it was not; peerd_error() then says why. All of one
    peer's functions are called from one thread at a time; after peerd_start() any threads may call them at once. Texts
    that a function returns, and those of an event, are valid until the next call for that peer: where other threads call
-   it, too, hold the peer (peerd_hold()) for as long as you read them, and from a call to its peerd_error(). */
+   it, too, hold the peer (peerd_hold()) for as long as you read them, and from a call to its peerd_error().
+
+   A peer belongs to the process that opened it. In a child of fork() all its functions are refused at once, and send
+   nothing: they return 0, null, NaN, PEERD_NO_OBJECT or -1, and peerd_error() says why; peerd_has_left() returns 1.
+   There peerd_close() does nothing but let go of the peer, whose memory and descriptors the child has until it ends or
+   runs another program. A child may open peers of its own. */
 #ifndef PEERD_H
 #define PEERD_H
 
@@ -50,7 +55,8 @@ PEERD_API void peerd_options_free(peerd_options* options);
 PEERD_API int peerd_options_set(peerd_options* options, const char* name, const char* value);
 
 /* Lines of the peer's log go there, from debug (0) over info (1) and warning (2) to error (3); without it they are lost.
-   The function is called from within other calls, or in the peer's thread, and must not call any of these functions. */
+   The function is called from within other calls, or in the peer's thread, and must not call any of these functions. In
+   C++ it may throw: that line is lost, and the first time is said on standard error. */
 typedef void (*peerd_log)(void* user, int level, const char* text);
 PEERD_API void peerd_options_log(peerd_options* options, peerd_log log, void* user);
 
@@ -174,6 +180,11 @@ PEERD_API int peerd_set_data(peerd_peer* peer, const char* path, const char* key
                              peerd_operation* operation);
 /* Null: there is none. */
 PEERD_API const char* peerd_data(peerd_peer* peer, const char* path, const char* key);
+/* The same for values in which there may be zero bytes: `size` is without a terminating one, which the value that
+   is returned has besides. */
+PEERD_API int peerd_set_sized_data(peerd_peer* peer, const char* path, const char* key, const char* value, size_t size,
+                                   peerd_operation* operation);
+PEERD_API const char* peerd_sized_data(peerd_peer* peer, const char* path, const char* key, size_t* size);
 /* Sends a message to all peers, this one too. */
 PEERD_API int peerd_send(peerd_peer* peer, const char* topic, const char* text, peerd_operation* operation);
 PEERD_API int peerd_undo(peerd_peer* peer, peerd_operation* operation);

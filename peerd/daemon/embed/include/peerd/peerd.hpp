@@ -10,9 +10,13 @@
 //     while (const auto event = peer.next_event()) ..
 //   }
 //
-// Errors throw peerd::embed::Error; questions that are often asked in vain return an optional. All texts are copies.
+// Errors throw peerd::embed::Error; questions that are often asked in vain return an optional. All texts are copies. In
+// a child of fork() all functions of a Peer throw, and its destructor does nothing.
 #ifndef PEERD_HPP
 #define PEERD_HPP
+
+#include <sys/types.h>
+#include <unistd.h>
 
 #include <array>
 #include <cmath>
@@ -34,6 +38,16 @@ namespace peerd::embed {
 class Error : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+
+namespace detail {
+
+// A text of C ends at its first zero byte.
+inline const char* c_text(const std::string& text) {
+  if (text.find('\0') != std::string::npos) throw Error("a text has a zero byte; data's values alone may have some");
+  return text.c_str();
+}
+
+}  // namespace detail
 
 using Vector = std::array<double, 3>;      // x, y, z
 using Quaternion = std::array<double, 4>;  // x, y, z, w; turns the object's axes into the world's
@@ -65,7 +79,7 @@ struct Event {
 class Options {
  public:
   Options& set(const std::string& name, const std::string& value) {
-    if (!peerd_options_set(options_.get(), name.c_str(), value.c_str())) {
+    if (!peerd_options_set(options_.get(), detail::c_text(name), detail::c_text(value))) {
       throw Error("there is no option " + name + ", or it does not take \"" + value + "\"");
     }
     return *this;
@@ -95,20 +109,23 @@ class Peer {
   }
 
   // For functions of the C interface; the peer stays this object's.
-  peerd_peer* handle() const { return peer_.get(); }
+  peerd_peer* handle() const {
+    if (getpid() == opened_in_) return peer_.get();
+    throw Error("the peer belongs to another process, from which this one was forked; open one here");
+  }
 
   // -- driving
-  bool poll(double at_most_s) { return peerd_poll(peer_.get(), at_most_s) != 0; }
+  bool poll(double at_most_s) { return peerd_poll(handle(), at_most_s) != 0; }
   void start() {
-    if (!peerd_start(peer_.get())) fail();
+    if (!peerd_start(handle())) fail();
   }
-  void leave() { peerd_leave(peer_.get()); }
-  bool has_left() const { return peerd_has_left(peer_.get()) != 0; }
+  void leave() { peerd_leave(handle()); }
+  bool has_left() const { return peerd_has_left(handle()) != 0; }
 
   // Keeps the peer's thread, and other threads' calls, waiting for as long as it lives.
   class Hold {
    public:
-    explicit Hold(const Peer& peer) : peer_(peer.peer_.get()) { peerd_hold(peer_); }
+    explicit Hold(const Peer& peer) : peer_(peer.handle()) { peerd_hold(peer_); }
     ~Hold() { peerd_unhold(peer_); }
     Hold(const Hold&) = delete;
     Hold& operator=(const Hold&) = delete;
@@ -118,57 +135,57 @@ class Peer {
   };
 
   // -- the session
-  std::uint32_t id() const { return peerd_id(peer_.get()); }
-  bool in_session() const { return peerd_in_session(peer_.get()) != 0; }
+  std::uint32_t id() const { return peerd_id(handle()); }
+  bool in_session() const { return peerd_in_session(handle()) != 0; }
   std::optional<double> session_time() const {
-    const double now = peerd_session_time(peer_.get());
+    const double now = peerd_session_time(handle());
     return std::isnan(now) ? std::nullopt : std::optional(now);
   }
-  std::size_t member_count() const { return peerd_member_count(peer_.get()); }
+  std::size_t member_count() const { return peerd_member_count(handle()); }
 
   // -- what there is
   std::optional<Object> find(const std::string& path) const {
-    const Object found = peerd_find(peer_.get(), path.c_str());
+    const Object found = peerd_find(handle(), detail::c_text(path));
     return found == PEERD_NO_OBJECT ? std::nullopt : std::optional(found);
   }
   std::optional<std::string> path(Object object) const {
     const Hold held(*this);
-    return optional(peerd_path(peer_.get(), object));
+    return optional(peerd_path(handle(), object));
   }
-  std::uint32_t owner(Object object) const { return peerd_owner(peer_.get(), object); }
+  std::uint32_t owner(Object object) const { return peerd_owner(handle(), object); }
   std::vector<Object> owned_objects() const {
     std::vector<Object> all;
-    for (std::size_t count = peerd_owned_objects(peer_.get(), nullptr, 0); count > all.size();) {
+    for (std::size_t count = peerd_owned_objects(handle(), nullptr, 0); count > all.size();) {
       all.resize(count);
-      count = peerd_owned_objects(peer_.get(), all.data(), all.size());
+      count = peerd_owned_objects(handle(), all.data(), all.size());
       if (count < all.size()) all.resize(count);
     }
     return all;
   }
   std::string world() const {
     const Hold held(*this);
-    return text(peerd_world(peer_.get()));
+    return text(peerd_world(handle()));
   }
 
   // -- where it is
   std::optional<Pose> pose(Object object) const {
     peerd_pose out{};
-    if (peerd_poses(peer_.get(), &object, 1, &out) == 0) return std::nullopt;
+    if (peerd_poses(handle(), &object, 1, &out) == 0) return std::nullopt;
     return from(out);
   }
   // NaN where there is no such object. Returns how many there are.
   std::size_t poses(const Object* objects, std::size_t count, peerd_pose* out) const {
-    return peerd_poses(peer_.get(), objects, count, out);
+    return peerd_poses(handle(), objects, count, out);
   }
 
   // -- moving what this peer owns
   void take(Object object) {
     const Hold held(*this);
-    check(peerd_take(peer_.get(), object));
+    check(peerd_take(handle(), object));
   }
   void release(Object object) {
     const Hold held(*this);
-    check(peerd_release(peer_.get(), object));
+    check(peerd_release(handle(), object));
   }
   // False: this program may not move it, now.
   bool move(Object object, const Pose& pose, const std::optional<Vector>& velocity = {}, bool jumps = false) {
@@ -182,51 +199,56 @@ class Peer {
     for (std::size_t i = 0; i < 4; ++i) motion.pose.orientation[i] = pose.orientation[i];
     return move(&motion, 1) == 1;
   }
-  std::size_t move(const peerd_motion* motions, std::size_t count) { return peerd_move(peer_.get(), motions, count); }
+  std::size_t move(const peerd_motion* motions, std::size_t count) { return peerd_move(handle(), motions, count); }
 
   // -- changing the world
   Operation add(const std::string& vrml, Object under = PEERD_NO_OBJECT) {
-    return edit([&](peerd_operation* o) { return peerd_add(peer_.get(), under, vrml.c_str(), o); });
+    return edit([&](peerd_operation* o) { return peerd_add(handle(), under, detail::c_text(vrml), o); });
   }
   Operation remove(Object object) {
-    return edit([&](peerd_operation* o) { return peerd_remove(peer_.get(), object, o); });
+    return edit([&](peerd_operation* o) { return peerd_remove(handle(), object, o); });
   }
   Operation reparent(Object object, Object under) {
-    return edit([&](peerd_operation* o) { return peerd_reparent(peer_.get(), object, under, o); });
+    return edit([&](peerd_operation* o) { return peerd_reparent(handle(), object, under, o); });
   }
   Operation set(const std::string& path, const std::string& field, const std::string& value) {
-    return edit(
-        [&](peerd_operation* o) { return peerd_set(peer_.get(), path.c_str(), field.c_str(), value.c_str(), o); });
+    return edit([&](peerd_operation* o) {
+      return peerd_set(handle(), detail::c_text(path), detail::c_text(field), detail::c_text(value), o);
+    });
   }
   // No value: the key is removed.
   Operation set_data(const std::string& path, const std::string& key, const std::optional<std::string>& value) {
     return edit([&](peerd_operation* o) {
-      return peerd_set_data(peer_.get(), path.c_str(), key.c_str(), value ? value->c_str() : nullptr, o);
+      return peerd_set_sized_data(handle(), detail::c_text(path), detail::c_text(key), value ? value->data() : nullptr,
+                                  value ? value->size() : 0, o);
     });
   }
   std::optional<std::string> data(const std::string& path, const std::string& key) const {
     const Hold held(*this);
-    return optional(peerd_data(peer_.get(), path.c_str(), key.c_str()));
+    std::size_t size = 0;
+    const char* const value = peerd_sized_data(handle(), detail::c_text(path), detail::c_text(key), &size);
+    return value == nullptr ? std::nullopt : std::optional<std::string>(std::in_place, value, size);
   }
   Operation send(const std::string& topic, const std::string& message) {
-    return edit([&](peerd_operation* o) { return peerd_send(peer_.get(), topic.c_str(), message.c_str(), o); });
+    return edit(
+        [&](peerd_operation* o) { return peerd_send(handle(), detail::c_text(topic), detail::c_text(message), o); });
   }
   Operation undo() {
-    return edit([&](peerd_operation* o) { return peerd_undo(peer_.get(), o); });
+    return edit([&](peerd_operation* o) { return peerd_undo(handle(), o); });
   }
   Operation redo() {
-    return edit([&](peerd_operation* o) { return peerd_redo(peer_.get(), o); });
+    return edit([&](peerd_operation* o) { return peerd_redo(handle(), o); });
   }
   std::string ask(const std::string& request) {
     const Hold held(*this);
-    return text(peerd_ask(peer_.get(), request.c_str()));
+    return text(peerd_ask(handle(), detail::c_text(request)));
   }
 
   // -- events
   std::optional<Event> next_event() {
     const Hold held(*this);
     peerd_event next{};
-    if (!peerd_next_event(peer_.get(), &next, sizeof(next))) return std::nullopt;
+    if (!peerd_next_event(handle(), &next, sizeof(next))) return std::nullopt;
     Event event;
     event.kind = static_cast<peerd_event_kind>(next.kind);
     event.time = next.time;
@@ -249,7 +271,7 @@ class Peer {
     event.count = next.count;
     return event;
   }
-  int event_descriptor() const { return peerd_event_descriptor(peer_.get()); }
+  int event_descriptor() const { return peerd_event_descriptor(handle()); }
 
  private:
   struct Close {
@@ -266,7 +288,7 @@ class Peer {
   }
   [[noreturn]] void fail() const {
     const Hold held(*this);
-    throw Error(peerd_error(peer_.get()));
+    throw Error(peerd_error(handle()));
   }
   std::string text(const char* text) const {
     if (text == nullptr) fail();
@@ -283,6 +305,7 @@ class Peer {
     return operation;
   }
 
+  pid_t opened_in_ = getpid();
   std::shared_ptr<Options::Log> log_;  // outlives the peer
   std::unique_ptr<peerd_peer, Close> peer_;
 };
