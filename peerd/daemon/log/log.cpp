@@ -1,7 +1,7 @@
 #include "peerd/daemon/log/log.hpp"
 
 #include <spdlog/fmt/fmt.h>
-#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/sinks/base_sink.h>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -52,23 +52,42 @@ const char* pattern_of(LogFormat format) {
   return "%v";
 }
 
+// Gives the lines of a logger to StandardOutput.
+class OutputSink : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
+ public:
+  explicit OutputSink(StandardOutput& output) : output_(output) {}
+
+ protected:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    spdlog::memory_buf_t line;
+    formatter_->format(message, line);
+    output_.write({line.data(), line.size()});
+  }
+  void flush_() override {}
+
+ private:
+  StandardOutput& output_;
+};
+
 spdlog::level::level_enum least_level(bool verbose) { return verbose ? spdlog::level::debug : spdlog::level::info; }
 
 }  // namespace
 
 Log::Log(std::string peer, const Options& options, std::function<HostTime()> now)
     : logger_(options.format == LogFormat::kJson ? json_line(peer) : std::move(peer),
-              std::make_shared<spdlog::sinks::stdout_sink_st>()),
+              std::make_shared<OutputSink>(output_)),
       format_(options.format),
       sink_(options.sink),
       now_(std::move(now)),
       limiter_(options.limits) {
   logger_.set_level(least_level(options.verbose));
-  logger_.flush_on(spdlog::level::trace);  // a reader may follow it
   logger_.set_pattern(pattern_of(options.format));
 }
 
-Log::~Log() { write_left_out(limiter_.take_all_left_out()); }
+Log::~Log() {
+  write_left_out(limiter_.take_all_left_out());
+  write_dropped();
+}
 
 void Log::operator()(const LogLine& line) {
   if (!logger_.should_log(level_of(line.level))) return;
@@ -81,7 +100,18 @@ void Log::change(bool verbose, LineLimiter::Limits limits) {
   limiter_.limit(limits);
 }
 
-void Log::report_left_out() { write_left_out(limiter_.take_left_out(now_())); }
+void Log::report_left_out() {
+  output_.flush();
+  write_left_out(limiter_.take_left_out(now_()));
+  write_dropped();
+}
+
+void Log::write_dropped() {
+  if (const std::uint64_t lines = output_.take_dropped(); lines > 0) {
+    write({LogLevel::kWarning,
+           fmt::format("{} {} dropped: nobody read the log", lines, lines == 1 ? "line was" : "lines were")});
+  }
+}
 
 void Log::write_left_out(const std::vector<LineLimiter::LeftOut>& left_out) {
   for (const LineLimiter::LeftOut& kind : left_out) {

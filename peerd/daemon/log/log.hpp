@@ -8,6 +8,7 @@
 
 #include "core/time.hpp"
 #include "peerd/daemon/log/line_limiter.hpp"
+#include "peerd/daemon/log/standard_output.hpp"
 #include "peerd/peer/node/log_line.hpp"
 
 namespace peerd {
@@ -19,7 +20,7 @@ enum class LogFormat : std::uint8_t {
 };
 
 // Writes one line for each fact to standard output, or gives it to a program, but not too many of a kind. Debug lines,
-// which somebody must ask for, have no limit.
+// which somebody must ask for, have no limit. Lines that nobody reads are dropped and counted: the log never waits.
 class Log {
  public:
   struct Options {
@@ -40,13 +41,15 @@ class Log {
   void operator()(LogLevel level, std::string text) { (*this)({level, std::move(text)}); }
   // From now on; the format stays.
   void change(bool verbose, LineLimiter::Limits limits);
-  // Says which lines were left out a while ago; to be called about once a second.
+  // Says which lines were left out a while ago, and how many nobody read; to be called about once a second.
   void report_left_out();
 
  private:
   void write(const LogLine& line);
   void write_left_out(const std::vector<LineLimiter::LeftOut>& left_out);
+  void write_dropped();
 
+  StandardOutput output_;
   spdlog::logger logger_;
   LogFormat format_;
   std::function<void(const LogLine&)> sink_;
