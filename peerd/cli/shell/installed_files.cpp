@@ -1,18 +1,35 @@
 #include "peerd/cli/shell/installed_files.hpp"
 
 #include <algorithm>
+#include <fstream>
 #include <system_error>
 
 namespace peerd {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// The folder of a build's sources that is installed as PREFIX/share/peerd; empty where the program is in no build.
+fs::path configs_of_build(const fs::path& build) {
+  constexpr std::string_view kSources = "CMAKE_HOME_DIRECTORY:INTERNAL=";
+  std::ifstream cache(build / "CMakeCache.txt");
+  for (std::string line; std::getline(cache, line);) {
+    if (line.starts_with(kSources)) return fs::path(line.substr(kSources.size())) / "configs";
+  }
+  return {};
+}
+
+}  // namespace
+
 InstalledFiles InstalledFiles::of_this_program(const fs::path& from_program) {
   std::error_code failed;
   const fs::path program = fs::read_symlink("/proc/self/exe", failed);
   if (failed) return InstalledFiles({});
   const fs::path folder = fs::weakly_canonical(program.parent_path() / from_program, failed);
-  return InstalledFiles(!failed && fs::is_directory(folder, failed) ? folder : fs::path());
+  if (!failed && fs::is_directory(folder, failed)) return InstalledFiles(folder);
+  const fs::path configs = configs_of_build(program.parent_path().parent_path());
+  return InstalledFiles(fs::is_directory(configs, failed) ? configs : fs::path());
 }
 
 std::optional<fs::path> InstalledFiles::find(const std::string& word, const std::vector<std::string_view>& folders,

@@ -10,7 +10,7 @@
 namespace peerd {
 
 // The files that are installed beside the program: PREFIX/share/peerd, wherever the program has been put. Its scenarios
-// and worlds are found by their names.
+// and worlds are found by their names. A program that has been built and not installed has those of its sources.
 class InstalledFiles {
  public:
   // `from_program` leads from the program's folder to that of the files, such as ../share/peerd.

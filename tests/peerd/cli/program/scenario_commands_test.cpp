@@ -53,10 +53,16 @@ TEST_F(Program, ComparesSystemsInARowForEach) {
   EXPECT_EQ(nlohmann::json::parse(testing_support::text_of(folder / "compared/compare.json")), json);
 }
 
-TEST_F(Program, ComparesNothingWhereNoSystemIsNamedOrInstalled) {
-  const Said said = run("compare " PEERD_SOURCE_DIR "/configs/scenarios/eq47.toml");
-  EXPECT_EQ(said.exit_code, 2);
-  EXPECT_THAT(said.err, HasSubstr("--with FILE"));
+// The program is in its build, and finds what its sources have.
+TEST_F(Program, ComparesByNameFromABuild) {
+  const Said said = run("compare eq47 --set duration_s=2 --with server --out named --json");
+  ASSERT_EQ(said.exit_code, 0) << said.err;
+  const auto json = nlohmann::json::parse(said.out);
+  ASSERT_EQ(json["systems"].size(), 2u);
+  EXPECT_EQ(json["systems"][1]["system"], "server");
+  const Said all = run("compare eq47 --set duration_s=1 --out all --json");
+  ASSERT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_GT(nlohmann::json::parse(all.out)["systems"].size(), 5u) << "all that there are";
 }
 
 TEST_F(Program, OtherSystemsAreSimulatedAlone) {

@@ -55,6 +55,12 @@ TEST_F(Installed, AreNotMeantWhereSomethingElseIs) {
   EXPECT_EQ(as_scenario(""), "");
 }
 
+TEST_F(Installed, AreThoseOfTheSourcesWhereTheProgramIsInABuild) {
+  const InstalledFiles built = InstalledFiles::of_this_program("no/such/folder");
+  EXPECT_EQ(built.find("server", {"baselines"}, ".toml"), fs::path(PEERD_SOURCE_DIR) / "configs/baselines/server.toml");
+  EXPECT_FALSE(built.all("baselines", ".toml").empty());
+}
+
 TEST_F(Installed, AreNoneWhereNothingIsInstalled) {
   EXPECT_EQ(InstalledFiles({}).find("only", {"scenarios"}, ".toml"), std::nullopt);
   EXPECT_EQ(InstalledFiles::of_this_program("no/such/folder").find("only", {"scenarios"}, ".toml"), std::nullopt);

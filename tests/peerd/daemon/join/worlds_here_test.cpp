@@ -15,6 +15,8 @@ World world(const std::string& name, std::uint64_t session) {
   found.beacon.name = "ada";
   found.beacon.session = session;
   found.beacon.protocol = replication::kProtocolVersion;
+  found.beacon.snapshot_port = 40'123;
+  found.address = boost::asio::ip::make_address("192.0.2.7");
   return {name, session, {found}};
 }
 
@@ -41,6 +43,17 @@ TEST(ChooseWorld, AsksWhichOfSeveral) {
   EXPECT_THAT(nameless.text, HasSubstr("which of these worlds?"));
   EXPECT_THAT(nameless.text, HasSubstr("town"));
   EXPECT_FALSE(choose_world({world("town", 1), world("town", 2)}, "town")) << "two sessions have that name";
+}
+
+// So that --from can say which of several worlds of one name is meant.
+TEST(LineOf, HasTheAddressAndThePortThatGiveTheWorld) {
+  World town = world("town", 1);
+  EXPECT_THAT(line_of(town), HasSubstr("ada (id 1) at 192.0.2.7:40123\n"));
+  EXPECT_THAT(error_of(choose_world({town, town}, "town")).text, HasSubstr("at 192.0.2.7:40123\n"));
+  town.peers.front().address = boost::asio::ip::make_address("2001:db8::7");
+  EXPECT_THAT(line_of(town), HasSubstr("at [2001:db8::7]:40123\n"));
+  town.peers.front().beacon.snapshot_port = 0;
+  EXPECT_THAT(line_of(town), HasSubstr("at 2001:db8::7, which gives its world to nobody\n"));
 }
 
 TEST(LineOf, NamesAnotherProtocolAndAnOpenSession) {
