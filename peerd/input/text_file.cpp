@@ -14,8 +14,9 @@ namespace {
 
 constexpr std::size_t kChunk_bytes = std::size_t{1} << 20;
 
-std::unexpected<InputError> unreadable(const std::string& name) {
-  return std::unexpected(InputError{name + ": error: can't be read; is it a file that you may read?", kSystemFailed});
+std::unexpected<InputError> unreadable(const std::string& name, int error) {
+  const std::string why = error != 0 ? std::strerror(error) : "the reason is unknown";
+  return std::unexpected(InputError{name + ": error: can't be read: " + why, kSystemFailed});
 }
 
 std::unexpected<InputError> too_large(const std::string& name, const SizeLimit& limit) {
@@ -30,6 +31,7 @@ Result<std::string> read_text(std::istream& in, const std::string& name, const S
   // The chunks are joined at the end: a text that grew would be copied, and twice as large, on its way to the limit.
   std::vector<std::string> chunks;
   std::uint64_t size_bytes = 0;
+  errno = 0;
   while (in) {
     std::string chunk(kChunk_bytes, '\0');
     in.read(chunk.data(), static_cast<std::streamsize>(chunk.size()));
@@ -38,7 +40,7 @@ Result<std::string> read_text(std::istream& in, const std::string& name, const S
     if (size_bytes > limit.bytes) return too_large(name, limit);
     chunks.push_back(std::move(chunk));
   }
-  if (in.bad()) return unreadable(name);
+  if (in.bad()) return unreadable(name, errno);
   std::string text;
   text.reserve(size_bytes);
   for (std::string& chunk : chunks) text += std::exchange(chunk, {});
@@ -48,14 +50,17 @@ Result<std::string> read_text(std::istream& in, const std::string& name, const S
 Result<std::string> read_text_file(const std::filesystem::path& path, const SizeLimit& limit) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) {
+    // What may not be seen may be there.
+    if (error) return unreadable(path.string(), error.value());
     return std::unexpected(InputError{path.string() + ": error: there is no such file"});
   }
-  if (std::filesystem::is_directory(path, error)) return unreadable(path.string());
+  if (std::filesystem::is_directory(path, error)) return unreadable(path.string(), EISDIR);
   if (std::filesystem::is_regular_file(path, error) && std::filesystem::file_size(path, error) > limit.bytes) {
     return too_large(path.string(), limit);
   }
+  errno = 0;
   std::ifstream in(path, std::ios::binary);
-  if (!in) return unreadable(path.string());
+  if (!in) return unreadable(path.string(), errno);
   return read_text(in, path.string(), limit);
 }
 
@@ -65,8 +70,15 @@ Result<void> write_text_file(const std::filesystem::path& path, std::string_view
   file.write(text.data(), static_cast<std::streamsize>(text.size()));
   file.close();
   if (file) return {};
-  const std::string why = errno != 0 ? std::strerror(errno) : "the reason is unknown";
-  return std::unexpected(InputError{path.string() + ": error: can't be written: " + why, kSystemFailed});
+  return std::unexpected(half_written(path, errno));
+}
+
+// A device or a pipe is nobody's to remove, and a folder is no half of a file.
+InputError half_written(const std::filesystem::path& path, int error) {
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(path, ignored)) std::filesystem::remove(path, ignored);
+  const std::string why = error != 0 ? std::strerror(error) : "the reason is unknown";
+  return {path.string() + ": error: can't be written: " + why, kSystemFailed};
 }
 
 }  // namespace peerd

@@ -27,7 +27,10 @@ inline constexpr SizeLimit kPeerLogFile{4096 * kMiB, "a shorter run leaves a sho
 // Reads all that a stream still gives; errors begin with `name`.
 [[nodiscard]] Result<std::string> read_text(std::istream& in, const std::string& name, const SizeLimit& limit);
 
-// Writes a file, over the one that is there. The error says why that fails.
+// Writes a file, over the one that is there. The error says why that fails; no half of the file is left.
 [[nodiscard]] Result<void> write_text_file(const std::filesystem::path& path, std::string_view text);
+// For a file that could not be written to its end: removes it, and returns the error with the system's reason, an
+// errno.
+[[nodiscard]] InputError half_written(const std::filesystem::path& path, int error);
 
 }  // namespace peerd

@@ -47,11 +47,17 @@ FileLoader local_files(std::uint64_t text_bytes) {
     if (!named) return std::unexpected("it is no file of this machine");
     const std::filesystem::path path = (std::filesystem::path(base).parent_path() / *named).lexically_normal();
     std::error_code error;
-    if (!std::filesystem::exists(path, error)) return std::unexpected("there is no such file");
+    if (!std::filesystem::exists(path, error)) {
+      return std::unexpected(error ? "it can't be read: " + error.message() : "there is no such file");
+    }
     if (!std::filesystem::is_regular_file(path, error)) return std::unexpected("it is no regular file");
     if (std::filesystem::file_size(path, error) > text_bytes) return std::unexpected("it is too large");
     auto bytes = read_text_file(path, {text_bytes, kWorldAdvice});
-    if (!bytes) return std::unexpected("it can't be read");
+    if (!bytes) {
+      const std::string& why = bytes.error().text;  // NAME: error: can't be read: REASON
+      const std::size_t said = why.find("can't be read");
+      return std::unexpected("it " + (said == std::string::npos ? "can't be read" : why.substr(said)));
+    }
     // Links and detours lead to one canonical name, so that a file that includes itself is recognised.
     const std::filesystem::path one = std::filesystem::canonical(path, error);
     return LoadedFile{error ? path.string() : one.string(), std::move(*bytes)};

@@ -1,5 +1,6 @@
 #include "peerd/cli/lab/mcap_command.hpp"
 
+#include <cerrno>
 #include <fstream>
 #include <ostream>
 
@@ -19,8 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int kCannotWrite = 3;
-
 }  // namespace
 
 int run_mcap_export(const McapOptions& options, std::ostream& out, std::ostream& err) {
@@ -34,11 +33,13 @@ int run_mcap_export(const McapOptions& options, std::ostream& out, std::ostream&
       {.path = options.what, .world = options.world, .size_max_mib = options.size_max_mib}, options.run,
       {.hz = options.hz, .most_bytes = options.memory_mib * kMiB, .on_scene = keep_scene});
   if (!recording) return print_error(recording.error(), err, json);
+  errno = 0;
   std::ofstream file(options.file, std::ios::binary | std::ios::trunc);
+  if (!file) return print_error(half_written(options.file, errno), err, json);
   RecordingExport written(file);
   written.add(*recording, scenes);
   file.close();
-  if (!file) return print_error({"error: can't write " + options.file.string(), kCannotWrite}, err, json);
+  if (!file) return print_error(half_written(options.file, errno), err, json);
   for (const std::string& note : recording->notes) err << "warning: " << note << '\n';
   if (!options.json) {
     out << options.file.string() << ": " << counted(written.size_bytes(), "byte") << ", "

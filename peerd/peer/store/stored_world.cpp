@@ -31,7 +31,7 @@ InputError damaged(const fs::path& file, const std::string& why) {
 // Reads the world without its archive.
 Result<std::optional<StoredWorld>> read_description(const fs::path& folder) {
   std::error_code failed;
-  if (!fs::exists(folder / kDescription, failed)) return std::nullopt;
+  if (!fs::exists(folder / kDescription, failed) && !failed) return std::nullopt;
   const auto text = read_text_file(folder / kDescription, kDescriptionMax);
   if (!text) return std::unexpected(text.error());
   StoredWorld world;
@@ -104,7 +104,7 @@ std::vector<fs::path> stores_of_world(const std::string& name) {
 Result<PeerId> identity_in(const fs::path& folder, PeerId fresh, replication::AuthorId author) {
   const fs::path file = folder / kPeer;
   std::error_code failed;
-  if (fs::exists(file, failed)) {
+  if (fs::exists(file, failed) || failed) {
     const auto text = read_text_file(file, kPeerMax);
     if (!text) return std::unexpected(text.error());
     std::uint32_t peer = 0, of_author = 0;

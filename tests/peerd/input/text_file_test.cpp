@@ -2,11 +2,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
 
+#include "peerd/input/world_file.hpp"
 #include "tests/must.hpp"
 #include "tests/peerd/scratch_folder.hpp"
 
@@ -22,6 +25,41 @@ TEST(ReadTextFile, SaysWhyNot) {
   EXPECT_EQ(read_text_file(folder.write("empty", ""), kSettingsFile), "");
   const std::string bytes("a\0\r\nb", 5);
   EXPECT_EQ(read_text_file(folder.write("bytes", bytes), kSettingsFile), bytes);
+}
+
+// The superuser may read everything: it reads as nobody while this lives.
+class AsNobody {
+ public:
+  AsNobody() { become(65534); }
+  ~AsNobody() { become(0); }
+
+ private:
+  void become(uid_t user) const {
+    if (!is_superuser_) return;
+    EXPECT_EQ(seteuid(user), 0);
+  }
+  bool is_superuser_ = geteuid() == 0;
+};
+
+TEST(ReadTextFile, SaysThatItMayNotBeRead) {
+  const testing_support::ScratchFolder folder;
+  std::filesystem::create_directory(folder / "closed");
+  const auto hidden = folder.write("closed/w.wrl", "text"), closed = folder.write("w.wrl", "text");
+  const auto none = std::filesystem::perms::none;
+  std::filesystem::permissions(closed, none);
+  std::filesystem::permissions(folder / "closed", none);
+  {
+    const AsNobody nobody;
+    for (const auto& file : {hidden, closed}) {
+      EXPECT_THAT(error_of(read_text_file(file, kSettingsFile)),
+                  IsError(3, file.string() + ": error: can't be read: Permission denied"));
+      EXPECT_EQ(local_files()(file.string(), "").error(), "it can't be read: Permission denied");
+    }
+  }
+  std::filesystem::permissions(folder / "closed", std::filesystem::perms::owner_all);
+  const std::string long_name(300, 'x');
+  EXPECT_THAT(error_of(read_text_file(folder / long_name, kSettingsFile)), IsError(3, HasSubstr("File name too long")));
+  EXPECT_THAT(error_of(read_text_file(folder.path(), kSettingsFile)), IsError(3, HasSubstr("Is a directory")));
 }
 
 TEST(ReadTextFile, EndsAtALimit) {

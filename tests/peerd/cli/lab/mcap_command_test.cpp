@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <filesystem>
 #include <sstream>
 
@@ -16,6 +18,21 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing_support::ScratchFolder;
 using testing_support::SimulatedFolder;
+
+// No file becomes longer than that while this lives, as on a disk that is full.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
+
+ private:
+  rlimit before_{};
+};
 
 // Another implementation reads what the file says: tests/browser/mcap_test.mjs.
 TEST(McapExport, SaysWhatItHasWritten) {
@@ -39,6 +56,17 @@ TEST(McapExport, WritesNothingWhereThereIsNothing) {
   EXPECT_FALSE(std::filesystem::exists(folder / "a.mcap"));
   const SimulatedFolder run(PEERD_SOURCE_DIR "/configs/scenarios/edits.toml");
   EXPECT_EQ(run_mcap_export({.what = run.run(), .file = "/nowhere/a.mcap"}, out, err), 3);
+  EXPECT_THAT(err.str(), HasSubstr("/nowhere/a.mcap: error: can't be written: No such file or directory"));
+}
+
+TEST(McapExport, LeavesNoHalfOfAFile) {
+  const SimulatedFolder folder(PEERD_SOURCE_DIR "/configs/scenarios/edits.toml");
+  const auto file = folder.run() / "run.mcap";
+  std::ostringstream out, err;
+  const FileSizeLimit limit(10'000);
+  EXPECT_EQ(run_mcap_export({.what = folder.run(), .file = file}, out, err), 3);
+  EXPECT_THAT(err.str(), HasSubstr("run.mcap: error: can't be written: File too large"));
+  EXPECT_FALSE(std::filesystem::exists(file));
 }
 
 }  // namespace peerd::mcap_command_test
