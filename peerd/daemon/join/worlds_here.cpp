@@ -31,7 +31,7 @@ Result<std::vector<World>> worlds_here(const net::TransportSettings& settings, D
 namespace {
 
 // As --from takes it.
-std::string place_of(const Found& peer) {
+std::string join_address_of(const Found& peer) {
   const std::string address = peer.address.to_string();
   if (peer.beacon.snapshot_port == 0) return address + ", which gives its world to nobody";
   return fmt::format("{}:{}", peer.address.is_v6() ? "[" + address + "]" : address, peer.beacon.snapshot_port);
@@ -43,7 +43,7 @@ std::string line_of(const World& world) {
   std::string peers;
   for (const Found& peer : world.peers) {
     peers += (peers.empty() ? "" : ", ") +
-             fmt::format("{} (id {}) at {}", peer.beacon.name, peer.beacon.peer.value, place_of(peer));
+             fmt::format("{} (id {}) at {}", peer.beacon.name, peer.beacon.peer.value, join_address_of(peer));
   }
   const std::uint32_t protocol = world.peers.front().beacon.protocol;
   const std::string other = protocol == replication::kProtocolVersion
