@@ -14,9 +14,10 @@ namespace {
 
 constexpr std::size_t kChunk_bytes = std::size_t{1} << 20;
 
+std::string reason_of(int error) { return error != 0 ? std::strerror(error) : "the reason is unknown"; }
+
 std::unexpected<InputError> unreadable(const std::string& name, int error) {
-  const std::string why = error != 0 ? std::strerror(error) : "the reason is unknown";
-  return std::unexpected(InputError{name + ": error: can't be read: " + why, kSystemFailed});
+  return std::unexpected(InputError{name + ": error: can't be read: " + reason_of(error), kSystemFailed});
 }
 
 std::unexpected<InputError> too_large(const std::string& name, const SizeLimit& limit) {
@@ -50,7 +51,7 @@ Result<std::string> read_text(std::istream& in, const std::string& name, const S
 Result<std::string> read_text_file(const std::filesystem::path& path, const SizeLimit& limit) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) {
-    // What may not be seen may be there.
+    // The file may be there, in a folder that may not be searched.
     if (error) return unreadable(path.string(), error.value());
     return std::unexpected(InputError{path.string() + ": error: there is no such file"});
   }
@@ -67,18 +68,22 @@ Result<std::string> read_text_file(const std::filesystem::path& path, const Size
 Result<void> write_text_file(const std::filesystem::path& path, std::string_view text) {
   errno = 0;
   std::ofstream file(path, std::ios::binary);
+  if (!file) return std::unexpected(unwritable(path, errno));
   file.write(text.data(), static_cast<std::streamsize>(text.size()));
   file.close();
   if (file) return {};
   return std::unexpected(half_written(path, errno));
 }
 
-// A device or a pipe is nobody's to remove, and a folder is no half of a file.
+InputError unwritable(const std::filesystem::path& path, int error) {
+  return {path.string() + ": error: can't be written: " + reason_of(error), kSystemFailed};
+}
+
+// Only a regular file is removed: a device or a pipe stays.
 InputError half_written(const std::filesystem::path& path, int error) {
   std::error_code ignored;
   if (std::filesystem::is_regular_file(path, ignored)) std::filesystem::remove(path, ignored);
-  const std::string why = error != 0 ? std::strerror(error) : "the reason is unknown";
-  return {path.string() + ": error: can't be written: " + why, kSystemFailed};
+  return unwritable(path, error);
 }
 
 }  // namespace peerd

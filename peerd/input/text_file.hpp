@@ -27,10 +27,12 @@ inline constexpr SizeLimit kPeerLogFile{4096 * kMiB, "a shorter run leaves a sho
 // Reads all that a stream still gives; errors begin with `name`.
 [[nodiscard]] Result<std::string> read_text(std::istream& in, const std::string& name, const SizeLimit& limit);
 
-// Writes a file, over the one that is there. The error says why that fails; no half of the file is left.
+// Writes a file, over the one that is there. The error says why that fails. A file that can't be opened for it stays as
+// it is; no half of a new one is left.
 [[nodiscard]] Result<void> write_text_file(const std::filesystem::path& path, std::string_view text);
-// For a file that could not be written to its end: removes it, and returns the error with the system's reason, an
-// errno.
+// The error of a file that can't be opened to be written, with the system's reason, an errno.
+[[nodiscard]] InputError unwritable(const std::filesystem::path& path, int error);
+// The same for a file that was opened, and so has lost what it had, but could not be written to its end. It is removed.
 [[nodiscard]] InputError half_written(const std::filesystem::path& path, int error);
 
 }  // namespace peerd

@@ -35,7 +35,7 @@ int run_mcap_export(const McapOptions& options, std::ostream& out, std::ostream&
   if (!recording) return print_error(recording.error(), err, json);
   errno = 0;
   std::ofstream file(options.file, std::ios::binary | std::ios::trunc);
-  if (!file) return print_error(half_written(options.file, errno), err, json);
+  if (!file) return print_error(unwritable(options.file, errno), err, json);
   RecordingExport written(file);
   written.add(*recording, scenes);
   file.close();

@@ -12,7 +12,6 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -41,13 +40,6 @@ constexpr const char* kOfAnotherProcess =
     "the peer belongs to another process, from which this one was forked; open one here";
 
 bool is_of_another_process(peerd_peer* peer) { return !peer_of(peer).is_of_this_process(); }
-
-// Lets go of a peer of another process. Its destructors would unregister sockets, end the store's log and wait for a
-// thread, all of which are that process's; so its memory stays, and nothing is called.
-void leave_to_its_process(EmbeddedPeer* peer) {
-  static auto& left = *new std::vector<EmbeddedPeer*>;  // so that no tool takes it for lost
-  left.push_back(peer);
-}
 
 // Does something with a peer that is held. What it throws is the error of that call, and `otherwise` its value, which
 // it also has in another process.
@@ -184,8 +176,9 @@ peerd_peer* peerd_open(const peerd_options* options, char* error, size_t size) {
 }
 
 void peerd_close(peerd_peer* peer) {
-  if (peer == nullptr) return;
-  if (is_of_another_process(peer)) return leave_to_its_process(&peer_of(peer));
+  // The destructors of a peer of another process would unregister sockets, end the store's log and wait for a thread,
+  // all of which are that process's: its memory stays.
+  if (peer == nullptr || is_of_another_process(peer)) return;
   delete &peer_of(peer);
 }
 

@@ -29,7 +29,7 @@ class StandardOutput {
   void write(std::string_view line);
   // Gives the reader what waits, as far as it takes it.
   void flush() { (void)give(); }
-  // Returns how many lines were dropped, once all that waited before them has been taken; then the count begins anew.
+  // Returns how many lines were dropped since the last call that returned some; 0 while earlier lines still wait.
   [[nodiscard]] std::uint64_t take_dropped();
 
  private:

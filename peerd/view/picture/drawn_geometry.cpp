@@ -122,8 +122,11 @@ void SurfaceDrawer::for_each_corner(std::size_t polygon, Function function) cons
   }
 }
 
-// Newell's sum, in the direction of the front. The parts of a polygon that crosses itself count against each other:
-// what remains of them by rounding alone is no front.
+// A polygon that crosses itself has parts that count against each other in Newell's sum. Where less than this part of
+// them is left, that may be rounding, whose direction says nothing: the polygon is drawn from both sides.
+constexpr double kLeastOfParts = 1e-9;
+
+// The normals are Newell's sums, in the direction of the front.
 void SurfaceDrawer::measure_polygons() {
   face_normals_.reserve(mesh_.polygon_count());
   for (std::size_t i = 0; i < mesh_.polygon_count(); ++i) {
@@ -139,7 +142,7 @@ void SurfaceDrawer::measure_polygons() {
       parts += part.norm();
     }
     const double length = sum.norm();
-    const bool has_front = length > 1e-9 * parts && std::isfinite(length);
+    const bool has_front = length > kLeastOfParts * parts && std::isfinite(length);
     face_normals_.push_back(has_front ? Vec3((mesh_.ccw ? sum : -sum) / length) : Vec3(Vec3::Zero()));
   }
 }
@@ -355,7 +358,8 @@ std::uint32_t SurfaceDrawer::vertex(const Corner& c, const Vector3f& normal) {
   return number;
 }
 
-// Where a polygon crosses itself, triangles of it run the other way round. They show their fronts with the others.
+// A polygon that crosses itself has triangles that run the other way round. They are turned, so that all its triangles
+// show their fronts to one side.
 void SurfaceDrawer::draw_polygon(std::size_t polygon) {
   vertices_.clear();
   for_each_corner(polygon, [&](const Corner& c) { vertices_.push_back(vertex(c, normal_at(c))); });

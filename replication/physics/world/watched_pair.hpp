@@ -77,8 +77,8 @@ struct WatchedPair : PairCourse {
   void note_free(SimTime t);
   // Forgets that they were known to be apart at `from` or later.
   void forget_free_since(SimTime from);
-  // Whether something would be lost if this pair were erased and made anew: it has touched at t or later, has a course
-  // to go back to, or is not searched for now.
+  // Whether this pair must be kept, and can't be erased and made anew when it is needed: it has touched at t or later,
+  // has a course to go back to, or its searches are off.
   [[nodiscard]] bool remembers_since(SimTime t) const {
     return put_off || stopped || unsupported || !past.empty() || std::max({touched, parted, bore_until, lifted}) >= t;
   }

@@ -27,7 +27,7 @@ double lift_at(const Scene& scene, double t) {
   return motion.rigid_pose(scene.find("LIFT").value(), t).position.x();
 }
 
-// Where LIFT is at 1 s, 3 s and 101 s, and which words the warning has.
+// A case has where LIFT is at 1 s, 3 s and 101 s, and words of the warning.
 struct Case {
   const char* name;
   const char* times;
@@ -99,8 +99,8 @@ TEST(FileTimes, ARunThatATouchBeginsIsNotEndedByTheFile) {
   EXPECT_EQ(touched.end_s, 6.0);
 }
 
-// What edits set counts from the beginning, and so does what is added to a world that runs. A file of such a world says
-// so, and is read as what it was.
+// Times that edits set, or that are in a text added to a running world, count from the world's beginning. A file that
+// is written of such a world has worldTimes TRUE, and reads back the same.
 TEST(FileTimes, ThoseSetAtRunTimeAreSessionTime) {
   const Scene file = scene_of(lift_with("loop TRUE stopTime 1"));
   SceneEditor editor(file);

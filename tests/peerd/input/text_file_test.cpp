@@ -43,6 +43,7 @@ class AsNobody {
 
 TEST(ReadTextFile, SaysThatItMayNotBeRead) {
   const testing_support::ScratchFolder folder;
+  std::filesystem::permissions(folder.path(), std::filesystem::perms::all);
   std::filesystem::create_directory(folder / "closed");
   const auto hidden = folder.write("closed/w.wrl", "text"), closed = folder.write("w.wrl", "text");
   const auto none = std::filesystem::perms::none;
@@ -60,6 +61,21 @@ TEST(ReadTextFile, SaysThatItMayNotBeRead) {
   const std::string long_name(300, 'x');
   EXPECT_THAT(error_of(read_text_file(folder / long_name, kSettingsFile)), IsError(3, HasSubstr("File name too long")));
   EXPECT_THAT(error_of(read_text_file(folder.path(), kSettingsFile)), IsError(3, HasSubstr("Is a directory")));
+}
+
+// Who may not write a file may still remove it, where the folder is theirs: a failure must not.
+TEST(WriteTextFile, LeavesAFileThatItMayNotWrite) {
+  const testing_support::ScratchFolder folder;
+  std::filesystem::permissions(folder.path(), std::filesystem::perms::all);
+  const auto kept = folder.write("kept.wrl", "text");
+  std::filesystem::permissions(kept, std::filesystem::perms::owner_read);
+  {
+    const AsNobody nobody;
+    const auto written = write_text_file(kept, "other text");
+    ASSERT_FALSE(written.has_value());
+    EXPECT_THAT(written.error(), IsError(3, kept.string() + ": error: can't be written: Permission denied"));
+  }
+  EXPECT_EQ(read_text_file(kept, kSettingsFile), "text");
 }
 
 TEST(ReadTextFile, EndsAtALimit) {

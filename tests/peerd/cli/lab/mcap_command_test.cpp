@@ -67,6 +67,8 @@ TEST(McapExport, LeavesNoHalfOfAFile) {
   EXPECT_EQ(run_mcap_export({.what = folder.run(), .file = file}, out, err), 3);
   EXPECT_THAT(err.str(), HasSubstr("run.mcap: error: can't be written: File too large"));
   EXPECT_FALSE(std::filesystem::exists(file));
+  EXPECT_EQ(run_mcap_export({.what = folder.run(), .file = folder.run() / "no/run.mcap"}, out, err), 3);
+  EXPECT_THAT(err.str(), HasSubstr("no/run.mcap: error: can't be written: No such file or directory"));
 }
 
 }  // namespace peerd::mcap_command_test

@@ -45,8 +45,8 @@ double area_seen_from(const DrawnGeometry& g, const Eigen::Vector3f& from) {
   return area;
 }
 
-// What crosses itself collides, by the triangles that it is cut into, and so they are drawn. Where its parts make up
-// for each other it has no front, and is drawn from both sides.
+// A polygon that crosses itself collides by the triangles that it is cut into, and these are drawn. It has no front
+// where the areas of its parts cancel, and is then drawn from both sides.
 TEST(DrawnGeometry, WhatCrossesItselfIsDrawn) {
   const auto drawn = [](const char* points, const char* more) {
     return picture_of_text(std::string("Shape { geometry IndexedFaceSet { coord Coordinate { point [") + points +
