@@ -2,13 +2,14 @@
 #include <algorithm>
 #include <cassert>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "core/time.hpp"
 
 namespace peerd {
 
-// The time at which each of a fixed number of things is to be checked. It finds those that are due by some time in the
+// The time at which each of a number of things is to be checked. It finds those that are due by some time in the
 // order of their numbers, with a tree of least times. Setting a time and finding the next one due take the logarithm
 // of their number at most.
 class Schedule {
@@ -21,6 +22,19 @@ class Schedule {
   }
 
   [[nodiscard]] std::size_t size() const { return count_; }
+  // There are that many things, no fewer than before; the new ones are never due.
+  void grow(std::size_t count) {
+    assert(count >= count_);
+    count_ = count;
+    if (count <= leaves_) return;
+    const std::size_t before = leaves_;
+    while (leaves_ < count) leaves_ *= 2;
+    std::vector<SimTime> least(2 * leaves_, SimTime::max());
+    std::copy_n(least_.begin() + static_cast<std::ptrdiff_t>(before), before,
+                least.begin() + static_cast<std::ptrdiff_t>(leaves_));
+    for (std::size_t node = leaves_ - 1; node > 0; --node) least[node] = std::min(least[2 * node], least[2 * node + 1]);
+    least_ = std::move(least);
+  }
   [[nodiscard]] SimTime at(std::size_t number) const {
     assert(number < count_);
     return least_[leaves_ + number];

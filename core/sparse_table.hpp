@@ -4,83 +4,117 @@
 #include <cstdint>
 #include <deque>
 #include <span>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
 namespace peerd {
 
-// A table of items by their number, of which few are there: one that is not costs a pointer. Items keep their
-// addresses; what erase() takes away leaves its memory to the next one.
+// A table of items by their number, of which few are there. Items keep their addresses; what erase() takes away leaves
+// its memory, and its slot, to the next one. One that is not there costs a pointer, or nothing where numbers are
+// hashed: that is where there are more than kLargestList of them, unless somebody says otherwise.
 template <class T>
 class SparseTable {
  public:
+  static constexpr std::size_t kLargestList = std::size_t{1} << 16;
+
   SparseTable() = default;
-  explicit SparseTable(std::size_t size) : by_number_(size) {}
+  explicit SparseTable(std::size_t size) : SparseTable(size, size > kLargestList) {}
+  SparseTable(std::size_t size, bool hashes) : size_(size), hashes_(hashes), by_list_(hashes ? 0 : size) {}
   SparseTable(SparseTable&&) = default;
   SparseTable& operator=(SparseTable&&) = default;
 
-  [[nodiscard]] std::size_t size() const { return by_number_.size(); }
-  [[nodiscard]] bool contains(std::size_t number) const { return find(number) != nullptr; }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] bool contains(std::size_t number) const { return entry_of(number) != nullptr; }
   // Null where the item is not there.
   [[nodiscard]] T* find(std::size_t number) {
-    assert(number < size());
-    return by_number_[number] == nullptr ? nullptr : &by_number_[number]->item;
+    Entry* const entry = entry_of(number);
+    return entry == nullptr ? nullptr : &entry->item;
   }
   [[nodiscard]] const T* find(std::size_t number) const {
-    assert(number < size());
-    return by_number_[number] == nullptr ? nullptr : &by_number_[number]->item;
+    const Entry* const entry = entry_of(number);
+    return entry == nullptr ? nullptr : &entry->item;
   }
   [[nodiscard]] T& operator[](std::size_t number) {
     assert(contains(number));
-    return by_number_[number]->item;
+    return entry_of(number)->item;
   }
   [[nodiscard]] const T& operator[](std::size_t number) const {
     assert(contains(number));
-    return by_number_[number]->item;
+    return entry_of(number)->item;
   }
   // The numbers of the items that are there, in the order in which they came; after erase() in any order.
   [[nodiscard]] std::span<const std::uint32_t> numbers() const { return numbers_; }
+
+  // Each item that is there has a slot of its own, below slots().
+  [[nodiscard]] std::size_t slots() const { return entries_.size(); }
+  [[nodiscard]] std::size_t slot_of(std::size_t number) const {
+    assert(contains(number));
+    return entry_of(number)->slot;
+  }
+  // Of a slot in which an item is.
+  [[nodiscard]] std::uint32_t number_in(std::size_t slot) const { return numbers_[entries_[slot].place]; }
 
   // Puts an item where none is.
   T& add(std::size_t number, T item) {
     assert(!contains(number));
     Entry* entry = nullptr;
     if (free_.empty()) {
-      entry = &entries_.emplace_back(Entry{std::move(item), {}});
+      entry = &entries_.emplace_back(Entry{std::move(item), {}, static_cast<std::uint32_t>(entries_.size())});
     } else {
       entry = free_.back();
       free_.pop_back();
       entry->item = std::move(item);
     }
     entry->place = static_cast<std::uint32_t>(numbers_.size());
-    by_number_[number] = entry;
+    if (hashes_) {
+      by_hash_.emplace(static_cast<std::uint32_t>(number), entry);
+    } else {
+      by_list_[number] = entry;
+    }
     numbers_.push_back(static_cast<std::uint32_t>(number));
     return entry->item;
   }
   // Takes away the item that is there.
   void erase(std::size_t number) {
-    assert(contains(number));
-    Entry* const entry = std::exchange(by_number_[number], nullptr);
+    Entry* const entry = entry_of(number);
+    assert(entry != nullptr);
+    if (hashes_) {
+      by_hash_.erase(static_cast<std::uint32_t>(number));
+    } else {
+      by_list_[number] = nullptr;
+    }
     entry->item = T{};
     const std::uint32_t last = numbers_.back();
     numbers_[entry->place] = last;
     numbers_.pop_back();
-    if (last != number) by_number_[last]->place = entry->place;
+    if (last != number) entry_of(last)->place = entry->place;
     free_.push_back(entry);
   }
   // Puts an item behind all numbers.
   T& push_back(T item) {
-    by_number_.push_back(nullptr);
-    return add(size() - 1, std::move(item));
+    if (!hashes_) by_list_.push_back(nullptr);
+    return add(size_++, std::move(item));
   }
 
  private:
   struct Entry {
     T item;
     std::uint32_t place;  // of its number in numbers_
+    std::uint32_t slot;   // its place in entries_
   };
 
-  std::vector<Entry*> by_number_;  // into entries_
+  [[nodiscard]] Entry* entry_of(std::size_t number) const {
+    assert(number < size_);
+    if (!hashes_) return by_list_[number];
+    const auto at = by_hash_.find(static_cast<std::uint32_t>(number));
+    return at == by_hash_.end() ? nullptr : at->second;
+  }
+
+  std::size_t size_ = 0;
+  bool hashes_ = false;
+  std::vector<Entry*> by_list_;                        // into entries_, unless it hashes
+  std::unordered_map<std::uint32_t, Entry*> by_hash_;  // into entries_, if it hashes
   std::deque<Entry> entries_;
   std::vector<Entry*> free_;  // those of no number
   std::vector<std::uint32_t> numbers_;

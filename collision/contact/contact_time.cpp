@@ -218,8 +218,15 @@ std::optional<PartingPlane> widest_parting(const MovingBody& a, const MovingBody
   return widest;
 }
 
+namespace {
+
+constexpr double kLargest_m = 0x1p58;  // MeshImpactQuery's, with room
+
+}  // namespace
+
+bool has_exact_answers(const Body& body) { return body.unsupported.empty() && body.radius_m <= kLargest_m; }
+
 bool has_exact_answer(const Body& a, const Body& b) {
-  constexpr double kLargest_m = 0x1p58;  // MeshImpactQuery's, with room
   if (!a.unsupported.empty() || !b.unsupported.empty()) return false;
   return both_convex(a, b) || (a.radius_m <= kLargest_m && b.radius_m <= kLargest_m);
 }

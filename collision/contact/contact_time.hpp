@@ -66,5 +66,7 @@ struct PartingPlane {
 // Whether first_contact() has an answer other than kUnsupported for their polygons: neither is unsupported itself, and
 // where one isn't all convex pieces, both are within 2^58 m.
 [[nodiscard]] bool has_exact_answer(const Body& a, const Body& b);
+// Whether it has with every other body of which this holds, too.
+[[nodiscard]] bool has_exact_answers(const Body& body);
 
 }  // namespace peerd::collision

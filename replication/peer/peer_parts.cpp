@@ -284,11 +284,11 @@ void PeerParts::watch_pairs_around(std::span<const ObjectId> objects) {
   for (const ObjectId object : objects) {
     std::ranges::copy(model->pairs_of(object), std::back_inserter(moved));
     if (model->node(object) == nullptr) continue;
-    for (const std::uint32_t k : model->moved_part_pairs[model->index_of(object)]) {
+    for (const std::uint32_t k : model->part_pairs_moved_by(model->index_of(object))) {
       moved.push_back(model->part_pairs[k].pair);
     }
   }
-  regions.measure_contact_ranges(without_doubles(std::move(moved)), false);
+  regions.measure_contact_ranges(PairNumbers(without_doubles(std::move(moved))), false);
   decisions.watch().follow_owners_of(objects);
 }
 

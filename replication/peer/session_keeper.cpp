@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <iterator>
-#include <numeric>
 #include <set>
 #include <utility>
 #include <vector>
@@ -217,9 +216,7 @@ void SessionKeeper::declare_all() {
 }
 
 void SessionKeeper::watch_all_pairs() {
-  std::vector<std::uint32_t> all(p_.model->pairs.size());
-  std::iota(all.begin(), all.end(), 0U);
-  p_.regions.measure_contact_ranges(all, true);
+  p_.regions.measure_contact_ranges(PairNumbers::all_below(p_.model->pairs.size()), true);
   p_.decisions.watch().follow_all();
 }
 

@@ -38,4 +38,20 @@ TEST(Schedule, NothingIsDueAtFirst) {
   EXPECT_EQ(schedule.next_due(0, SimTime::max() - Duration{1}), 5u);
 }
 
+TEST(Schedule, GrowsAndKeepsWhatIsSet) {
+  Schedule schedule;
+  for (std::size_t count = 1; count <= 40; count += 3) {
+    schedule.grow(count);
+    ASSERT_EQ(schedule.size(), count);
+    schedule.set(count - 1, SimTime{Duration{static_cast<std::int64_t>(count)}});
+    std::vector<std::size_t> due;
+    const SimTime until{Duration{100}};
+    for (std::size_t i = schedule.next_due(0, until); i < count; i = schedule.next_due(i + 1, until)) due.push_back(i);
+    std::vector<std::size_t> expected;
+    for (std::size_t set = 1; set <= count; set += 3) expected.push_back(set - 1);
+    EXPECT_EQ(due, expected);
+    EXPECT_EQ(schedule.next_due(0, SimTime{Duration{static_cast<std::int64_t>(count)}}), 0u);
+  }
+}
+
 }  // namespace peerd::schedule_test

@@ -60,4 +60,36 @@ TEST(SparseTable, ItemsStayWhereTheyAre) {
 }
 
 }  // namespace
+TEST(SparseTable, HashesTheNumbersOfALargeTable) {
+  SparseTable<int> table(std::size_t{1} << 32);
+  std::vector<std::uint32_t> numbers;
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    const std::uint32_t number = i * 4294967;
+    table.add(number, static_cast<int>(i));
+    numbers.push_back(number);
+  }
+  EXPECT_EQ(table.find(1), nullptr);
+  for (std::uint32_t i = 0; i < 1000; i += 2) table.erase(numbers[i]);
+  EXPECT_EQ(table.numbers().size(), 500u);
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    ASSERT_EQ(table.contains(numbers[i]), i % 2 == 1);
+    if (i % 2 == 0) continue;
+    EXPECT_EQ(table[numbers[i]], static_cast<int>(i));
+    EXPECT_EQ(table.number_in(table.slot_of(numbers[i])), numbers[i]);
+  }
+}
+
+TEST(SparseTable, ASlotIsTheNextOnesToo) {
+  SparseTable<int> table(10);
+  table.add(7, 70);
+  table.add(3, 30);
+  const std::size_t slot = table.slot_of(7);
+  table.erase(7);
+  table.add(5, 50);
+  EXPECT_EQ(table.slot_of(5), slot);
+  EXPECT_EQ(table.slots(), 2u);
+  EXPECT_EQ(table.number_in(slot), 5u);
+  EXPECT_EQ(table.number_in(table.slot_of(3)), 3u);
+}
+
 }  // namespace peerd

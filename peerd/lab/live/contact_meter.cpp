@@ -1,6 +1,7 @@
 #include "peerd/lab/live/contact_meter.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 #include <tuple>
@@ -33,7 +34,7 @@ bool is_near(const Vec3& center, double radius, const WorldBox& box) {
 
 ContactMeter::ContactMeter(const config::RunSettings& run, const SharedWorld& shared,
                            std::span<const config::PeerObjects> resolved)
-    : scene_(shared.world.scene), delay_s_(config::longest_delay_s(run) + longest_tick_s(run)) {
+    : scene_(shared.world.scene), model_(*shared.model), delay_s_(config::longest_delay_s(run) + longest_tick_s(run)) {
   measured_.is_driven = !shared.model->moving.empty() || std::ranges::any_of(run.events, [](const auto& e) {
     return e.kind == config::EventKind::kKey || e.kind == config::EventKind::kEdit;
   });
@@ -70,58 +71,78 @@ ContactMeter::ContactMeter(const config::RunSettings& run, const SharedWorld& sh
   }
   std::ranges::sort(objects_, {}, &Object::id);
   for (std::uint32_t i = 0; i < objects_.size(); ++i) index_of_[objects_[i].id] = i;
-  find_pairs(*shared.model);
+  find_pairs();
 }
 
-void ContactMeter::find_pairs(const replication::WorldModel& model) {
-  const auto object_of = [&](ObjectId id) -> Object* {
-    const auto found = index_of_.find(id);
-    return found == index_of_.end() ? nullptr : &objects_[found->second];
-  };
-  const auto is_moved = [&](const replication::ModelNode& node) {
-    return index_of_.contains(node.object) || std::ranges::find(model.moving, node.object) != model.moving.end();
-  };
-  const auto goes_with_others = [&](const replication::ModelNode& node) {
-    for (std::uint32_t i = node.carrier; i != replication::ModelNode::kNone; i = model.nodes[i].carrier) {
-      if (is_moved(model.nodes[i])) return true;
-    }
-    return false;
-  };
-  std::map<ObjectId, std::uint32_t> standing;
-  for (const replication::CollisionPair& pair : model.pairs) {
-    Object *const a = object_of(pair.collider), *const b = object_of(pair.collidee);
-    const auto answers = [&](const Object* object) {
-      return object != nullptr && !object->is_driven && model.answers(pair, object->id);
-    };
-    if (!answers(a) && !answers(b)) continue;
-    const auto is_measured = [&](ObjectId id, const Object* object) {
-      const std::uint32_t node = model.index_of(id);
-      const std::vector<std::uint32_t>& parts = model.parts_of_node[node];
-      if (parts.size() != 1 || parts.front() != node) return false;
-      return object != nullptr || (!is_moved(model.nodes[node]) && !goes_with_others(model.nodes[node]));
-    };
-    const collision::Body &body_a = *model.body(pair.collider), &body_b = *model.body(pair.collidee);
-    if (!is_measured(pair.collider, a) || !is_measured(pair.collidee, b) ||
-        (pair.type != CollisionType::kBox && !collision::has_exact_answer(body_a, body_b))) {
+const ContactMeter::Object* ContactMeter::object_of(ObjectId id) const {
+  const auto found = index_of_.find(id);
+  return found == index_of_.end() ? nullptr : &objects_[found->second];
+}
+
+bool ContactMeter::is_answered(const replication::CollisionPair& pair) const {
+  return std::ranges::any_of(std::array{pair.collider, pair.collidee}, [&](ObjectId end) {
+    const Object* const object = object_of(end);
+    return object != nullptr && !object->is_driven && model_.answers(pair, end);
+  });
+}
+
+bool ContactMeter::is_measured(const replication::ModelNode& node) const {
+  const std::uint32_t index = model_.index_of(node.object);
+  const std::vector<std::uint32_t>& parts = model_.parts_of_node[index];
+  if (parts.size() != 1 || parts.front() != index) return false;
+  if (index_of_.contains(node.object)) return true;
+  for (std::uint32_t i = index; i != replication::ModelNode::kNone; i = model_.nodes[i].carrier) {
+    const ObjectId mover = model_.nodes[i].object;
+    if (index_of_.contains(mover) || std::ranges::find(model_.moving, mover) != model_.moving.end()) return false;
+  }
+  return true;
+}
+
+std::uint32_t ContactMeter::standing_of(ObjectId id) {
+  const auto [known, is_new] = index_of_standing_.try_emplace(id, static_cast<std::uint32_t>(standing_.size()));
+  if (is_new) {
+    const collision::Body& body = *model_.body(id);
+    const KinematicState state = at_rest(scene_.rigid_pose(id));
+    standing_.push_back({id, &body, state, collision::tight_box({body, state}), scene_.path_of(id)});
+  }
+  return known->second;
+}
+
+void ContactMeter::find_pairs() {
+  for (const replication::PairGroup& group : model_.groups) add_crowd(group);
+  model_.pairs.for_each_listed([&](std::uint32_t, const replication::CollisionPair& pair) {
+    if (!is_answered(pair)) return;
+    const bool both = is_measured(*model_.node(pair.collider)) && is_measured(*model_.node(pair.collidee));
+    const collision::Body &a = *model_.body(pair.collider), &b = *model_.body(pair.collidee);
+    if (!both || (pair.type != CollisionType::kBox && !collision::has_exact_answer(a, b))) {
       ++measured_.pairs_not_measured;
-      continue;
+      return;
     }
-    if (a != nullptr) a->body = &body_a;
-    if (b != nullptr) b->body = &body_b;
-    const auto add = [&](Object& from, const Object* to, ObjectId other, const collision::Body& body) {
-      if (to != nullptr) {
-        from.candidates.push_back({static_cast<std::uint32_t>(to - objects_.data()), false, pair.type});
-        return;
+    for (const auto& [end, other] : {std::pair{pair.collider, pair.collidee}, {pair.collidee, pair.collider}}) {
+      const auto from = index_of_.find(end), to = index_of_.find(other);
+      if (from == index_of_.end()) continue;
+      Object& object = objects_[from->second];
+      object.body = model_.body(end);
+      const bool stands = to == index_of_.end();
+      object.candidates.push_back({stands ? standing_of(other) : to->second, stands, pair.type});
+    }
+  });
+}
+
+void ContactMeter::add_crowd(const replication::PairGroup& group) {
+  Crowd& crowd = crowds_.emplace_back(Crowd{&group, {}, {}});
+  for (const replication::PairGroup::Member& member : group.members()) {
+    const replication::ModelNode& node = model_.nodes[member.node];
+    if (const auto index = index_of_.find(node.object); index != index_of_.end()) {
+      objects_[index->second].body = model_.body(node.object);
+      crowd.objects.push_back(index->second);
+    } else if (is_measured(node)) {
+      crowd.standing.push_back(standing_of(node.object));
+    } else {
+      for (std::uint32_t k = 0; k < group.count_of(member); ++k) {
+        if (is_answered(group.pair(group.offset_of(member, k)))) ++measured_.pairs_not_measured;
       }
-      const auto [known, is_new] = standing.try_emplace(other, static_cast<std::uint32_t>(standing_.size()));
-      if (is_new) {
-        const KinematicState state = at_rest(scene_.rigid_pose(other));
-        standing_.push_back({&body, state, collision::tight_box({body, state}), scene_.path_of(other)});
-      }
-      from.candidates.push_back({known->second, true, pair.type});
-    };
-    if (a != nullptr) add(*a, b, pair.collidee, body_b);
-    if (b != nullptr) add(*b, a, pair.collider, body_a);
+    }
   }
 }
 
@@ -174,30 +195,90 @@ void ContactMeter::see_view(double t_s, PeerId observer, std::span<const Seen> s
 }
 
 void ContactMeter::find_overlaps(double t_s, const View& view, std::optional<PeerId> observer) {
+  find_overlaps_of_crowds(t_s, view, observer);
   for (std::uint32_t i = 0; i < objects_.size(); ++i) {
     const Object& object = objects_[i];
     const Place& place = view.places[i];
     if (object.candidates.empty() || place.seen != view.instant || place.moved != view.instant) continue;
-    const double radius = object.body->radius_m;
     for (const Candidate& other : object.candidates) {
       if (other.stands) {
-        if (observer && place.is_own) continue;
-        const Standing& wall = standing_[other.index];
-        if (!is_near(place.center, radius, wall.box)) continue;
-        note(t_s, {object, *object.body, place.state, place.velocity_before},
-             {object, *wall.body, wall.state, wall.state.velocity, &wall.path}, other.type, observer);
+        note_standing(t_s, object, place, standing_[other.index], other.type, observer);
         continue;
       }
       const Place& at = view.places[other.index];
       if (at.seen != view.instant || (at.moved == view.instant && other.index < i)) continue;
-      if (observer && place.is_own && at.is_own) continue;
-      const Object& met = objects_[other.index];
-      const double reach = radius + met.body->radius_m;
-      if ((place.center - at.center).squaredNorm() > reach * reach) continue;
-      note(t_s, {object, *object.body, place.state, place.velocity_before},
-           {met, *met.body, at.state, at.velocity_before}, other.type, observer);
+      note_met(t_s, view, i, other.index, other.type, observer);
     }
   }
+}
+
+template <class Function>
+void ContactMeter::for_each_near(const Crowd& crowd, const View& view, Function function) const {
+  struct Extent {
+    double low, high;
+    std::uint32_t index;
+  };
+  std::vector<Extent> extents;
+  for (const std::uint32_t i : crowd.objects) {
+    const Place& place = view.places[i];
+    const double radius = objects_[i].body->radius_m;
+    if (place.seen == view.instant) extents.push_back({place.center.x() - radius, place.center.x() + radius, i});
+  }
+  std::ranges::sort(extents, {}, [](const Extent& e) { return std::pair{e.low, e.index}; });
+  for (std::size_t i = 0; i < extents.size(); ++i) {
+    for (std::size_t k = i + 1; k < extents.size() && extents[k].low <= extents[i].high; ++k) {
+      const auto [a, b] = std::minmax(extents[i].index, extents[k].index);
+      const bool a_moved = view.places[a].moved == view.instant, b_moved = view.places[b].moved == view.instant;
+      if (a_moved) {
+        function(a, b);
+      } else if (b_moved) {
+        function(b, a);
+      }
+    }
+  }
+}
+
+void ContactMeter::find_overlaps_of_crowds(double t_s, const View& view, std::optional<PeerId> observer) {
+  for (const Crowd& crowd : crowds_) {
+    const replication::PairGroup& group = *crowd.group;
+    const auto is_pair = [&](ObjectId a, ObjectId b) {
+      const auto *const of_a = group.member(model_.index_of(a)), *const of_b = group.member(model_.index_of(b));
+      const auto number = group.number_of(*of_a, *of_b);
+      return number && is_answered(group.pair(*number - group.first()));
+    };
+    for_each_near(crowd, view, [&](std::uint32_t a, std::uint32_t b) {
+      const double reach = objects_[a].body->radius_m + objects_[b].body->radius_m;
+      if ((view.places[a].center - view.places[b].center).squaredNorm() > reach * reach) return;
+      if (is_pair(objects_[a].id, objects_[b].id)) note_met(t_s, view, a, b, group.type(), observer);
+    });
+    for (const std::uint32_t i : crowd.objects) {
+      const Place& place = view.places[i];
+      if (place.seen != view.instant || place.moved != view.instant) continue;
+      for (const std::uint32_t wall : crowd.standing) {
+        if (!is_near(place.center, objects_[i].body->radius_m, standing_[wall].box)) continue;
+        if (!is_pair(objects_[i].id, standing_[wall].object)) continue;
+        note_standing(t_s, objects_[i], place, standing_[wall], group.type(), observer);
+      }
+    }
+  }
+}
+
+void ContactMeter::note_standing(double t_s, const Object& object, const Place& place, const Standing& wall,
+                                 CollisionType type, std::optional<PeerId> observer) {
+  if ((observer && place.is_own) || !is_near(place.center, object.body->radius_m, wall.box)) return;
+  note(t_s, {object, *object.body, place.state, place.velocity_before},
+       {object, *wall.body, wall.state, wall.state.velocity, &wall.path}, type, observer);
+}
+
+void ContactMeter::note_met(double t_s, const View& view, std::uint32_t a, std::uint32_t b, CollisionType type,
+                            std::optional<PeerId> observer) {
+  const Place &place = view.places[a], &at = view.places[b];
+  if (observer && place.is_own && at.is_own) return;
+  const Object &object = objects_[a], &met = objects_[b];
+  const double reach = object.body->radius_m + met.body->radius_m;
+  if ((place.center - at.center).squaredNorm() > reach * reach) return;
+  note(t_s, {object, *object.body, place.state, place.velocity_before}, {met, *met.body, at.state, at.velocity_before},
+       type, observer);
 }
 
 void ContactMeter::note(double t_s, const End& a, const End& b, CollisionType type, std::optional<PeerId> observer) {

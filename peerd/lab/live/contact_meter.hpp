@@ -51,7 +51,7 @@ class ContactMeter {
     PeerId owner;
     bool is_driven = false;
     const collision::Body* body = nullptr;  // null: no pair of it is measured
-    std::vector<Candidate> candidates;
+    std::vector<Candidate> candidates;      // but for what it may meet as one of a crowd
     double threshold_m = 0.0;
     double mass_kg = 0.0;       // 0: its energy does not count
     Vec3 drive = Vec3::Zero();  // [m/s^2]
@@ -60,10 +60,16 @@ class ContactMeter {
     double stands_since_s = 0.0;                                // near `stands_at`
   };
   struct Standing {
+    ObjectId object;
     const collision::Body* body;
     KinematicState state;
     WorldBox box;
     std::string path;
+  };
+  // The members of a group whose pairs are not listed.
+  struct Crowd {
+    const replication::PairGroup* group;
+    std::vector<std::uint32_t> objects, standing;  // indices
   };
   struct Place {
     KinematicState state;
@@ -84,16 +90,34 @@ class ContactMeter {
     const std::string* path = nullptr;  // of what stands
   };
 
-  void find_pairs(const replication::WorldModel& model);
+  void find_pairs();
+  // Whether the states of the end are known: it is an object, or stands.
+  [[nodiscard]] bool is_measured(const replication::ModelNode& node) const;
+  // Whether an end of the pair answers it, and its answers are none that somebody gives from outside.
+  [[nodiscard]] bool is_answered(const replication::CollisionPair& pair) const;
+  [[nodiscard]] const Object* object_of(ObjectId id) const;  // null where nobody owns it
+  [[nodiscard]] std::uint32_t standing_of(ObjectId id);
+  void add_crowd(const replication::PairGroup& group);
   void place(View& view, std::span<const Seen> seen);
   void find_overlaps(double t_s, const View& view, std::optional<PeerId> observer);
+  void find_overlaps_of_crowds(double t_s, const View& view, std::optional<PeerId> observer);
+  // Each two of the crowd of which one has moved and whose spheres along x overlap: `function` gets their indices.
+  template <class Function>
+  void for_each_near(const Crowd& crowd, const View& view, Function function) const;
+  void note_standing(double t_s, const Object& object, const Place& place, const Standing& wall, CollisionType type,
+                     std::optional<PeerId> observer);
+  void note_met(double t_s, const View& view, std::uint32_t a, std::uint32_t b, CollisionType type,
+                std::optional<PeerId> observer);
   void note(double t_s, const End& a, const End& b, CollisionType type, std::optional<PeerId> observer);
   void add_energy();
 
   const Scene& scene_;
+  const replication::WorldModel& model_;
   std::vector<Object> objects_;                           // by id
   std::unordered_map<ObjectId, std::uint32_t> index_of_;  // for look-ups alone, in objects_
   std::vector<Standing> standing_;
+  std::map<ObjectId, std::uint32_t> index_of_standing_;
+  std::vector<Crowd> crowds_;
   View truth_;
   std::map<PeerId, View> views_;
   std::map<PeerId, std::string> names_;

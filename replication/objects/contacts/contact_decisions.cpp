@@ -504,11 +504,7 @@ void ContactDecisions::apply(const DecisionRecord& d, PeerId author, SimTime kno
 }
 
 void ContactDecisions::note_found(const ContactEvent& c) {
-  const auto of_the_two = [&](std::uint32_t number) {
-    const CollisionPair& pair = model_->pairs[number];
-    return pair.collider == c.collidee || pair.collidee == c.collidee;
-  };
-  if (std::ranges::count_if(model_->pairs_of(c.collider), of_the_two) < 2) return;
+  if (model_->pairs_between(c.collider, c.collidee).size() < 2) return;
   const auto [lower, higher] = std::minmax(c.collider, c.collidee);
   last_found_.insert_or_assign({lower, higher, c.type}, c.at);
 }
@@ -527,11 +523,8 @@ CollisionType ContactDecisions::type_of(const DecisionRecord& d, PeerId author) 
     if (!nearest || apart < nearest->first) nearest = {apart, type};
   }
   if (nearest) return nearest->second;
-  for (const std::uint32_t number : model_->pairs_of(d.collider)) {
-    const CollisionPair& pair = model_->pairs[number];
-    if (pair.collider == d.collidee || pair.collidee == d.collidee) return pair.type;
-  }
-  return CollisionType::kWitness;
+  const std::vector<std::uint32_t> between = model_->pairs_between(d.collider, d.collidee);
+  return between.empty() ? CollisionType::kWitness : model_->pairs[between.front()].type;
 }
 
 // The law after a decision, in the frame of the object's carrier in that world.

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
-#include <numeric>
+#include <iterator>
 #include <utility>
 
 #include "replication/objects/contacts/decision.hpp"
@@ -43,11 +43,12 @@ bool ContactWatch::note_partner(ObjectId object) {
   return partners_.erase(object) > 0;
 }
 
-void ContactWatch::note_sought(std::span<const std::uint32_t> pairs) {
+void ContactWatch::note_sought(const PairNumbers& pairs) {
   assert(is_sought_.size() == model_->pairs.size());
   for (const std::uint32_t number : pairs) {
     assert(number < is_sought_.size());
-    const auto [a, b] = std::pair{model_->pairs[number].collider, model_->pairs[number].collidee};
+    const CollisionPair pair = model_->pairs[number];
+    const ObjectId a = pair.collider, b = pair.collidee;
     if (!resting_.empty() && !leaves(a, b)) resting_.erase(std::minmax(a, b));
     const bool is_sought = searches(a, b) || rests(a, b);
     if (is_sought == is_sought_[number]) continue;
@@ -62,8 +63,7 @@ void ContactWatch::note_sought(std::span<const std::uint32_t> pairs) {
 void ContactWatch::follow_all() {
   if (!replica_.begun()) return;
   followed_ = model_.revision();
-  std::vector<std::uint32_t> all(model_->pairs.size());
-  std::iota(all.begin(), all.end(), 0U);
+  const PairNumbers all = PairNumbers::all_below(model_->pairs.size());
   is_sought_.assign(all.size(), false);
   sought_of_.clear();
   note_sought(all);
@@ -74,7 +74,7 @@ void ContactWatch::follow_all() {
 
 void ContactWatch::follow(ObjectId object) {
   if (!is_up_to_date()) return follow_all();
-  const auto pairs = model_->pairs_of(object);
+  const PairNumbers pairs = model_->pairs_of(object);
   note_sought(pairs);
   static_cast<void>(note_partner(object));
   follow(pairs);
@@ -86,25 +86,25 @@ void ContactWatch::follow_owners_of(std::span<const ObjectId> objects) {
   std::vector<ObjectId> ends(objects.begin(), objects.end());
   for (const ObjectId object : objects) {
     for (const std::uint32_t number : model_->pairs_of(object)) {
+      const CollisionPair pair = model_->pairs[number];
       pairs.push_back(number);
-      ends.push_back(model_->pairs[number].collider);
-      ends.push_back(model_->pairs[number].collidee);
+      ends.push_back(pair.collider);
+      ends.push_back(pair.collidee);
     }
   }
-  note_sought(pairs);
+  note_sought(PairNumbers(pairs));
   std::ranges::sort(ends);
   ends.erase(std::ranges::unique(ends).begin(), ends.end());
   for (const ObjectId end : ends) {
     if (!note_partner(end)) continue;
-    const auto theirs = model_->pairs_of(end);
-    pairs.insert(pairs.end(), theirs.begin(), theirs.end());
+    std::ranges::copy(model_->pairs_of(end), std::back_inserter(pairs));
   }
   std::ranges::sort(pairs);
   pairs.erase(std::ranges::unique(pairs).begin(), pairs.end());
-  follow(pairs);
+  follow(PairNumbers(pairs));
 }
 
-void ContactWatch::follow(std::span<const std::uint32_t> pairs) {
+void ContactWatch::follow(const PairNumbers& pairs) {
   assert(is_up_to_date());
   for (const std::uint32_t number : pairs) {
     assert(number < model_->pairs.size());

@@ -52,8 +52,8 @@ class ContactWatch {
   // Whether it has become a partner, or is none any more, since all its pairs were followed.
   bool note_partner(ObjectId object);
   // Notes which of these pairs this peer looks for contacts of now.
-  void note_sought(std::span<const std::uint32_t> pairs);
-  void follow(std::span<const std::uint32_t> pairs);
+  void note_sought(const PairNumbers& pairs);
+  void follow(const PairNumbers& pairs);
 
   const PeerConfig& config_;
   const ModelInForce& model_;

@@ -71,16 +71,18 @@ Duration RegionSubscriptions::state_request_takes() const {
   return 2 * members_.longest_latency() + kTicksToStates * Duration{std::chrono::seconds(1)} / config_.tick_hz;
 }
 
-void RegionSubscriptions::measure_contact_ranges(std::span<const std::uint32_t> pairs, bool anew) {
+void RegionSubscriptions::measure_contact_ranges(const PairNumbers& pairs, bool anew) {
   if (anew) contact_ranges_.clear();
   if (!grid_.cuts()) return;
   forget_ranges_of_others();
   for (const std::uint32_t number : pairs) {
     assert(number < model_->pairs.size());
-    for (std::uint32_t k = model_->first_part_pair[number]; k < model_->first_part_pair[number + 1]; ++k) {
-      if (model_->part_pairs[k].fixed) continue;
-      note_contact_range(model_->part_pairs[k], true);
-      note_contact_range(model_->part_pairs[k], false);
+    const auto [first, end] = model_->part_pairs_of_pair(number);
+    for (std::uint32_t k = first; k < end; ++k) {
+      const PartPair parts = model_->part_pairs[k];
+      if (parts.fixed) continue;
+      note_contact_range(parts, true);
+      note_contact_range(parts, false);
     }
   }
 }

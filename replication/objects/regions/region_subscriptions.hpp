@@ -97,7 +97,7 @@ class RegionSubscriptions {
   [[nodiscard]] RegionId region_of(ObjectId object) const;
   // Notes which parts that own objects move may meet what remote objects move, by these pairs; `anew`: by these alone,
   // else also by those of earlier calls.
-  void measure_contact_ranges(std::span<const std::uint32_t> pairs, bool anew);
+  void measure_contact_ranges(const PairNumbers& pairs, bool anew);
   // The areas around those parts at t, in which the remote objects are that may touch them then, or within that time
   // [s]: objects are published where their origins are, however far away from there they have parts.
   [[nodiscard]] std::vector<Area> contact_areas(SimTime t, double within_s) const;

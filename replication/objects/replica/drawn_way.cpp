@@ -188,7 +188,7 @@ class WayCheck {
 bool is_free(const DrawnWay& way, const WorldModel& model, const OwnObjects& own, const Replica& replica) {
   if (model.node(way.object) == nullptr) return true;
   const WayCheck check(way, model, own, replica);
-  return std::ranges::none_of(model.moved_part_pairs[model.index_of(way.object)],
+  return std::ranges::none_of(model.part_pairs_moved_by(model.index_of(way.object)),
                               [&](std::uint32_t k) { return check.meets(model.part_pairs[k]); });
 }
 

@@ -52,7 +52,7 @@ std::uint32_t UnseenPairs::unit_with(std::uint32_t node) {
   return number;
 }
 
-void UnseenPairs::take_in(const MotionWorld& world) {
+void UnseenPairs::take_in(MotionWorld& world) {
   const auto known = world.known_pairs();
   assert(known.size() >= pairs_.numbers().size());
   for (std::size_t k = pairs_.numbers().size(); k < known.size(); ++k) take_in_pair(known[k]);

@@ -126,7 +126,7 @@ class UnseenPairs {
   [[nodiscard]] std::uint32_t unit_of(ObjectId object) const;  // kNone: none of its pairs is known
   [[nodiscard]] Standing standing_of(std::uint32_t node) const;
   // Takes in the pairs that the world has, and did not have before, and what moves them.
-  void take_in(const MotionWorld& world);
+  void take_in(MotionWorld& world);
   void take_in_pair(std::uint32_t pair);
   [[nodiscard]] std::uint32_t unit_with(std::uint32_t node);
   [[nodiscard]] static bool touch(const Ball& a, const Ball& b, double margin_m);

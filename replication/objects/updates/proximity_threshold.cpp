@@ -96,7 +96,7 @@ const std::vector<ProximityThreshold::RemotePair>& ProximityThreshold::remote_pa
   if (!is_new && known.revisions == revisions) return known.pairs;
   known.revisions = revisions;
   known.pairs.clear();
-  for (const std::uint32_t k : model_->moved_part_pairs[node]) {
+  for (const std::uint32_t k : model_->part_pairs_moved_by(node)) {
     const PartPair& parts = model_->part_pairs[k];
     const bool collider_is_mine = model_->any_mover(parts, true, [&](std::uint32_t i) { return i == node; });
     if (is_anothers(parts, !collider_is_mine)) known.pairs.push_back({k, collider_is_mine});

@@ -121,10 +121,8 @@ ContactIsland island_of(const WorldModel& model, const MovingObjects& objects, c
   for (std::size_t next = 0; next < island.objects.size(); ++next) {
     const std::uint32_t object = island.objects[next];
     if (object == ContactIsland::kNone) continue;
-    for (const std::uint32_t i : model.part_pairs_of(object)) {
-      const WatchedPair* const known = pairs.find(i);
-      if (known == nullptr) continue;
-      const WatchedPair& pair = *known;
+    for (const std::uint32_t i : pairs.of_end(object)) {
+      const WatchedPair& pair = pairs[i];
       const bool touches =
           pair.bears_at(t) || (which == Touching::kAny && met_lately(pair.touched, t, kShortestFlight));
       if (!pair.watched || (!touches && !foresees)) continue;
@@ -217,15 +215,12 @@ void note_solved(const ContactIsland& island, const MovingObjects& objects, Watc
   }
 }
 
-bool bears_another(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
-                   const WatchedPair& pair, SimTime t) {
+bool bears_another(const MovingObjects& objects, const WatchedPairs& pairs, const WatchedPair& pair, SimTime t) {
   assert(pair.is_answered());
   const auto bears = [&](std::uint32_t object, bool registered) {
     return objects[object].will_respond(registered, t) &&
-           std::ranges::any_of(model.part_pairs_of(object), [&](std::uint32_t i) {
-             const WatchedPair* const other = pairs.find(i);
-             return other != nullptr && other != &pair && other->bears_at(t);
-           });
+           std::ranges::any_of(pairs.of_end(object),
+                               [&](std::uint32_t i) { return &pairs[i] != &pair && pairs[i].bears_at(t); });
   };
   return bears(pair.collider, pair.collider_responds) || bears(pair.collidee, pair.collidee_responds);
 }
@@ -253,16 +248,14 @@ bool stands_firm(const MovingObjects& objects, const WatchedPair& pair, SimTime 
   return is_motionless(objects.world_at(a_gives_way ? pair.collidee : pair.collider, t));
 }
 
-bool is_trapped(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
-                const WatchedPair& pair, SimTime t) {
+bool is_trapped(const MovingObjects& objects, const WatchedPairs& pairs, const WatchedPair& pair, SimTime t) {
   assert(pair.burst_from <= t);
   if (t - pair.burst_from >= pair.in_burst * kTrappedMean) return false;
   const auto gives = [&](std::uint32_t i) {
-    const WatchedPair* const other = pairs.find(i);
-    return other != nullptr && other->both_changed && met_lately(other->touched, t, kShortestFlight);
+    return pairs[i].both_changed && met_lately(pairs[i].touched, t, kShortestFlight);
   };
   return std::ranges::none_of(std::array{pair.collider, pair.collidee}, [&](std::uint32_t object) {
-    return objects[object].is_answering() && std::ranges::any_of(model.part_pairs_of(object), gives);
+    return objects[object].is_answering() && std::ranges::any_of(pairs.of_end(object), gives);
   });
 }
 

@@ -75,8 +75,8 @@ void hold_together(ContactIsland& velocities, const ContactIsland& accelerations
 void note_solved(const ContactIsland& island, const MovingObjects& objects, WatchedPairs& pairs, SimTime t);
 
 // Whether an end of the pair that gives way at t bears, or is borne by, anything else.
-[[nodiscard]] bool bears_another(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
-                                 const WatchedPair& pair, SimTime t);
+[[nodiscard]] bool bears_another(const MovingObjects& objects, const WatchedPairs& pairs, const WatchedPair& pair,
+                                 SimTime t);
 
 // Two that bear each other, and give way, beside a pair that is struck, and how they move then.
 struct StruckPair {
@@ -90,8 +90,8 @@ struct StruckPair {
 [[nodiscard]] bool stands_firm(const MovingObjects& objects, const WatchedPair& pair, SimTime t);
 
 // Whether the two meet far too often, and nothing that they met within the burst gives way.
-[[nodiscard]] bool is_trapped(const WorldModel& model, const MovingObjects& objects, const WatchedPairs& pairs,
-                              const WatchedPair& pair, SimTime t);
+[[nodiscard]] bool is_trapped(const MovingObjects& objects, const WatchedPairs& pairs, const WatchedPair& pair,
+                              SimTime t);
 
 // Whether a body that gives way to nothing has a value other than zero.
 [[nodiscard]] bool is_driven(const ContactIsland& island);

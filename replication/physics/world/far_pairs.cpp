@@ -31,17 +31,10 @@ bool holds(const SweptBound& place, const SweptBound& bound) {
 
 FarPairs::FarPairs(const WorldModel& model)
     : model_(&model),
-      places_(model.nodes.size()),
+      places_(model.nodes.size(), false),
       checks_(model.nodes.size()),
       is_far_(model.part_pairs.size(), false),
-      was_searched_(model.part_pairs.size(), false),
-      near_index_(model.part_pairs.size()) {}
-
-bool FarPairs::is_collider(std::uint32_t object, std::uint32_t pair) const {
-  const PartPair& parts = model_->part_pairs[pair];
-  if (parts.a == object || parts.b == object) return parts.a == object;
-  return model_->pairs[parts.pair].collider == model_->nodes[object].object;
-}
+      was_searched_(model.part_pairs.size(), false) {}
 
 bool FarPairs::is_single(std::uint32_t object) const {
   return model_->carried_by[object].empty() && model_->nodes[object].carrier == ModelNode::kNone &&
@@ -54,39 +47,8 @@ bool FarPairs::may_be_far(const WatchedPair& pair) const {
 }
 
 FarPairs::Place& FarPairs::place_of(std::uint32_t object) {
-  assert(model_->all_pairs_move[object]);
-  if (Place* const known = places_.find(object)) return *known;
-  const auto moved = model_->part_pairs_moved_by(object);
-  for (std::uint32_t k = 0; k < moved.size(); ++k) {
-    near_index_[moved[k]][is_collider(object, moved[k]) ? 0 : 1] = k;
-  }
-  return places_.add(object, {.bound = {}, .near{moved.begin(), moved.end()}});
-}
-
-std::span<const std::uint32_t> FarPairs::near(std::size_t object) const {
-  if (object >= places_.size()) return {};
-  const Place* const place = places_.find(object);
-  return place == nullptr ? model_->part_pairs_moved_by(object) : place->near;
-}
-
-bool FarPairs::near_since(std::size_t object, SimTime t) const {
-  if (object >= places_.size() || !model_->all_pairs_move[object]) return false;
-  const Place* const place = places_.find(object);
-  return place == nullptr || t >= place->last_added;
-}
-
-void FarPairs::push_near(std::uint32_t pair, std::size_t side, std::uint32_t object) {
-  near_index_[pair][side] = static_cast<std::uint32_t>(places_[object].near.size());
-  places_[object].near.push_back(pair);
-}
-
-void FarPairs::erase_near(std::uint32_t pair, std::size_t side, std::uint32_t object) {
-  std::vector<std::uint32_t>& near = places_[object].near;
-  const std::uint32_t at = near_index_[pair][side], last = near.back();
-  assert(near[at] == pair);
-  near[at] = last;
-  near_index_[last][is_collider(object, last) ? 0 : 1] = at;
-  near.pop_back();
+  Place* const known = places_.find(object);
+  return known != nullptr ? *known : places_.add(object, {});
 }
 
 FarPairs::Place FarPairs::place_at(std::size_t object, SimTime s, MovingObjects& objects) {
@@ -129,22 +91,21 @@ bool FarPairs::add_by_places(std::uint32_t pair, const std::array<std::uint32_t,
   }
   if (!are_held || !apart(places_[ends[0]].bound, places_[ends[1]].bound, type_of(pair))) return false;
   is_far_[pair] = true;
-  for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
-    erase_near(pair, side, ends[side]);
-    Place& place = places_[ends[side]];
+  for (const std::uint32_t object : ends) {
+    Place& place = places_[object];
     place.last_added = std::max(place.last_added, s);
-    if (++place.far == 1) checks_.set(ends[side], place.known_until);
+    if (++place.far == 1) checks_.set(object, place.known_until);
   }
   return true;
 }
 
-bool FarPairs::add(std::size_t pair, SimTime s, SimTime oldest, MovingObjects& objects, WatchedPairs& pairs) {
+bool FarPairs::add(std::uint32_t pair, SimTime s, SimTime oldest, MovingObjects& objects, WatchedPairs& pairs) {
   WatchedPair& p = pairs[pair];
   if (is_far_[pair] || !may_be_far(p)) return false;
   assert(!p.contact && !p.bears && !p.inside);
-  if (!add_by_places(static_cast<std::uint32_t>(pair), {p.collider, p.collidee}, s, s, objects)) return false;
+  if (!add_by_places(pair, {p.collider, p.collidee}, s, s, objects)) return false;
   p.clear_until = s;
-  const bool is_whole = model_->first_part_pair[p.number] + 1 == model_->first_part_pair[p.number + 1];
+  const bool is_whole = model_->part_pairs_of_pair(p.number).count() == 1;
   // A contact of `oldest` looks back so far.
   if (is_whole && !p.remembers_since(std::min(s, oldest) - kSameContact)) {
     was_searched_[pair] = p.searched;
@@ -166,6 +127,7 @@ WatchedPair& FarPairs::known(std::uint32_t pair, SimTime apart_until, WatchedPai
   add_pairs(pairs, *model_, model_->part_pairs[pair].pair, apart_until, true);
   WatchedPair& made = pairs[pair];
   made.searched = was_searched_[pair];
+  made.is_scheduled = true;
   return made;
 }
 
@@ -196,8 +158,6 @@ void FarPairs::open_pair(std::uint32_t number, SimTime apart_until, WatchedPairs
   WatchedPair& p = known(number, apart_until, pairs);
   p.clear_until = std::max(p.clear_until, apart_until);
   is_far_[number] = false;
-  push_near(number, 0, p.collider);
-  push_near(number, 1, p.collidee);
   for (const std::uint32_t end : {p.collider, p.collidee}) {
     if (--places_[end].far == 0) checks_.set(end, SimTime::max());
   }
@@ -207,10 +167,15 @@ void FarPairs::open_pair(std::uint32_t number, SimTime apart_until, WatchedPairs
 template <class Stays>
 void FarPairs::open_unless(std::size_t object, SimTime apart_until, Stays stays, WatchedPairs& pairs,
                            std::vector<std::uint32_t>& opened) {
-  for (const std::uint32_t i : model_->part_pairs_moved_by(object)) {
+  const PairNumbers moved = model_->part_pairs_moved_by(object);
+  for (auto at = moved.begin(); at != moved.end(); ++at) {
+    const std::uint32_t i = *at;
     if (!is_far_[i]) continue;
-    const PartPair& ends = model_->part_pairs[i];
-    const std::uint32_t other = ends.a == object ? ends.b : ends.a;
+    std::uint32_t other = at.partner();
+    if (other == kNoNode) {
+      const PartPair ends = model_->part_pairs[i];
+      other = ends.a == object ? ends.b : ends.a;
+    }
     if (!stays(i, other)) open_pair(i, std::min(apart_until, places_[other].known_until), pairs, opened);
   }
 }
@@ -315,12 +280,12 @@ void FarPairs::follow(SimTime until, MovingObjects& objects, WatchedPairs& pairs
 
 bool WaitingPairs::may_wait(std::uint32_t number, const MovingObjects& objects) const {
   assert(number < waits_.size());
-  const std::uint32_t first = model_->first_part_pair[number];
-  if (model_->first_part_pair[number + 1] != first + 1) return false;
+  const auto [first, end] = model_->part_pairs_of_pair(number);
+  if (end != first + 1) return false;
   const CollisionPair& pair = model_->pairs[number];
   const PartPair& parts = model_->part_pairs[first];
-  const auto stands_alone = [&](std::uint32_t part, ObjectId end) {
-    return part != ModelNode::kNone && !model_->is_flexible(part) && model_->nodes[part].object == end &&
+  const auto stands_alone = [&](std::uint32_t part, ObjectId of) {
+    return part != ModelNode::kNone && !model_->is_flexible(part) && model_->nodes[part].object == of &&
            model_->nodes[part].carrier == ModelNode::kNone && model_->carried_by[part].empty() &&
            model_->bodies[part].unsupported.empty() && objects.has_never_moved(part);
   };
@@ -333,7 +298,7 @@ bool WaitingPairs::may_wait(std::uint32_t number, const MovingObjects& objects) 
 void WaitingPairs::set(std::uint32_t number, bool waits) {
   if (waits_[number] == waits) return;
   waits_[number] = waits;
-  const PartPair& parts = model_->part_pairs[model_->first_part_pair[number]];
+  const PartPair& parts = model_->part_pairs[model_->part_pairs_of_pair(number).first];
   assert(parts.a != parts.b && parts.a < of_node_.size() && parts.b < of_node_.size() && "one rigid body each");
   assert(waits || (count_ > 0 && of_node_[parts.a] > 0 && of_node_[parts.b] > 0));
   waits ? ++count_ : --count_;
@@ -343,21 +308,13 @@ void WaitingPairs::set(std::uint32_t number, bool waits) {
 std::vector<std::uint32_t> WaitingPairs::take_of(std::size_t node) {
   std::vector<std::uint32_t> taken;
   if (node >= of_node_.size() || of_node_[node] == 0) return taken;
-  for (const std::uint32_t number : model_->pairs_of_node[node]) {
+  for (const std::uint32_t number : model_->pairs_of_node(node)) {
     if (!waits_[number]) continue;
     set(number, false);
     taken.push_back(number);
   }
   assert(of_node_[node] == 0);
   return taken;
-}
-
-std::set<InterestKey> WaitingPairs::interests() const {
-  std::set<InterestKey> interests;
-  for (std::uint32_t number = 0; number < waits_.size(); ++number) {
-    if (waits_[number]) interests.insert(key_of(model_->pairs[number]));
-  }
-  return interests;
 }
 
 }  // namespace peerd::replication

@@ -2,7 +2,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <set>
 #include <span>
 #include <vector>
 
@@ -23,16 +22,16 @@ class FarPairs {
   explicit FarPairs(const WorldModel& model);
 
   [[nodiscard]] bool contains(std::size_t pair) const { return is_far_[pair]; }
-  // The pairs that the object's own motion may change and that are not far, in any order; some of them are not watched
-  // yet.
-  [[nodiscard]] std::span<const std::uint32_t> near(std::size_t object) const;
-  // Whether what is far of the object has been so since t, and all its pairs are those that its own motion may change:
-  // then near() has all that met anything from t on.
-  [[nodiscard]] bool near_since(std::size_t object, SimTime t) const;
+  // The pairs that the object's own motion may change, but for far ones that have nothing to remember, ascending. Some
+  // have no WatchedPair yet.
+  [[nodiscard]] PairNumbers near(std::size_t object, const WatchedPairs& pairs) const {
+    const bool are_its_own = object < model_->all_pairs_move.size() && model_->all_pairs_move[object];
+    return are_its_own ? PairNumbers(pairs.of_end(object)) : model_->part_pairs_moved_by(object);
+  }
 
   // The two are apart at s, by their bounds. Notes the pair as far if their places are apart, too, and returns whether
   // it has. Erases a pair that has nothing to remember; no search begins before `oldest` any more.
-  bool add(std::size_t pair, SimTime s, SimTime oldest, MovingObjects& objects, WatchedPairs& pairs);
+  bool add(std::uint32_t pair, SimTime s, SimTime oldest, MovingObjects& objects, WatchedPairs& pairs);
   // The same for a watched pair that has waited until s (WaitingPairs::may_wait()) and has no WatchedPair. Its places
   // have to hold the two until `until`, too.
   bool add_waiting(std::uint32_t pair, SimTime s, SimTime until, MovingObjects& objects);
@@ -59,7 +58,6 @@ class FarPairs {
     SimTime known_until = SimTime::min();  // until then, at least
     SimTime last_added = SimTime::min();   // no far pair was added, and no far partner's place begins, after it
     std::uint32_t far = 0;                 // the number of its pairs that are far
-    std::vector<std::uint32_t> near;
   };
 
   [[nodiscard]] bool is_single(std::uint32_t object) const;
@@ -68,10 +66,10 @@ class FarPairs {
   bool add_by_places(std::uint32_t pair, const std::array<std::uint32_t, 2>& ends, SimTime s, SimTime until,
                      MovingObjects& objects);
   [[nodiscard]] CollisionType type_of(std::uint32_t pair) const {
-    return model_->pairs[model_->part_pairs[pair].pair].type;
+    const auto at = model_->part_pairs.locate(pair);
+    return at.group != nullptr ? at.group->type() : model_->pairs[model_->part_pairs[pair].pair].type;
   }
   [[nodiscard]] Place& place_of(std::uint32_t object);
-  [[nodiscard]] bool is_collider(std::uint32_t object, std::uint32_t pair) const;
   [[nodiscard]] static Place place_at(std::size_t object, SimTime s, MovingObjects& objects);
   void make_place(std::size_t object, SimTime s, MovingObjects& objects);
   // The object is in `next` from s on; which of its pairs stay far is known from then on.
@@ -89,15 +87,12 @@ class FarPairs {
                    std::vector<std::uint32_t>& opened);
   [[nodiscard]] bool stays_until(std::size_t object, SimTime until, MovingObjects& objects);
   void open_all(std::size_t object, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
-  void push_near(std::uint32_t pair, std::size_t side, std::uint32_t object);
-  void erase_near(std::uint32_t pair, std::size_t side, std::uint32_t object);
 
   const WorldModel* model_ = nullptr;
-  SparseTable<Place> places_;                             // by the model's nodes: of those that have had a far pair
-  Schedule checks_;                                       // by object: known_until, where any of its pairs is far
-  std::vector<bool> is_far_;                              // by pair
-  std::vector<bool> was_searched_;                        // WatchedPair::searched, of a far pair that has none
-  std::vector<std::array<std::uint32_t, 2>> near_index_;  // of a pair in `near` of its collider and of its collidee
+  SparseTable<Place> places_;       // by the model's nodes: of those that have had a far pair
+  Schedule checks_;                 // by object: known_until, where any of its pairs is far
+  std::vector<bool> is_far_;        // by pair
+  std::vector<bool> was_searched_;  // WatchedPair::searched, of a far pair that has none
 };
 
 // The watched pairs of a MotionWorld that wait for one of their two to move: both are one rigid body that nothing
@@ -115,8 +110,6 @@ class WaitingPairs {
   void set(std::uint32_t number, bool waits);
   // The pairs of a node, which wait no more.
   [[nodiscard]] std::vector<std::uint32_t> take_of(std::size_t node);
-  // The interests of all that wait.
-  [[nodiscard]] std::set<InterestKey> interests() const;
 
  private:
   const WorldModel* model_;

@@ -37,8 +37,8 @@ std::optional<Vec3> rolling_off(const collision::Body& body, const KinematicStat
 
 // Whether the part pairs of an interest are known; from need_pairs_of() on they are.
 bool has_pairs_of(std::uint32_t number, const WorldModel& model, const WatchedPairs& pairs, const FarPairs& far) {
-  const std::uint32_t first = model.first_part_pair[number];
-  return first == model.first_part_pair[number + 1] || pairs.contains(first) || far.contains(first);
+  const auto [first, end] = model.part_pairs_of_pair(number);
+  return first == end || pairs.contains(first) || far.contains(first);
 }
 
 // Whether the object, or what it carries, may meet anything. The others are most.
@@ -80,7 +80,7 @@ bool is_squeezed(const WorldModel& model, const MovingObjects& objects, const Wa
   if (pair.in_burst <= kAnswersMax) return false;
   const std::array around = {pair.collider, pair.collidee};
   return is_driven(island_of(model, objects, pairs, around, t, Touching::kAny, Quantity::kVelocity)) ||
-         is_trapped(model, objects, pairs, pair, t);
+         is_trapped(objects, pairs, pair, t);
 }
 
 }  // namespace
@@ -109,14 +109,11 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start, Watched first)
       start_(start),
       advanced_(start),
       objects_(model, start),
-      pairs_(first == Watched::kAll ? all_watched(model, start) : WatchedPairs(model.part_pairs.size())),
+      pairs_(first == Watched::kAll ? all_watched(model, start) : WatchedPairs(model)),
       far_(model),
       answers_to_(model.nodes.size()),
-      pair_checks_(pairs_.size()),
-      in_pair_checks_(pairs_.size()),
       waiting_(model) {
-  known_.assign(pairs_.numbers().begin(), pairs_.numbers().end());
-  for (const std::uint32_t i : known_) reschedule(i);
+  for (const std::uint32_t i : pairs_.numbers()) reschedule(i);
 }
 
 template <class ChangeObjects>
@@ -130,8 +127,9 @@ void MotionWorld::replace_model(const WorldModel& next, SimTime t, ChangeObjects
     if (pair.fixed && !pair.is_answered() && !pair.unsupported)  // it is not searched, but may be from now on
       pair.inside = search().fixed_parts_touch(pair, advanced_);
   }
-  const std::set<InterestKey> waiting = waiting_.interests();
-  WatchedPairs pairs(next.part_pairs.size());
+  const WorldModel& before = *model_;
+  const WaitingPairs waited = std::move(waiting_);
+  WatchedPairs pairs(next);
   const std::vector<std::uint32_t> added = carry_over(*model_, std::move(pairs_), next, start_, pairs);
   change_objects();
   model_ = &next;
@@ -149,14 +147,14 @@ void MotionWorld::replace_model(const WorldModel& next, SimTime t, ChangeObjects
     pair.searched = true;
     pair.inside = search().touch_at(pair, t);
   }
-  pair_checks_ = Schedule(pairs_.size());
-  in_pair_checks_.assign(pairs_.size(), false);
+  pair_checks_ = {};
   watched_ = 0;
   waiting_ = WaitingPairs(next);
-  known_.assign(pairs_.numbers().begin(), pairs_.numbers().end());
-  for (const std::uint32_t i : known_) reschedule(i);
-  for (std::uint32_t number = 0; number < next.pairs.size() && !waiting.empty(); ++number) {
-    if (waiting.contains(key_of(next.pairs[number]))) watch(number, true);
+  known_.reset();
+  for (const std::uint32_t i : pairs_.numbers()) reschedule(i);
+  for (std::uint32_t number = 0; number < next.pairs.size() && waited.count() > 0; ++number) {
+    const auto number_before = before.number_of(key_of(next.pairs[number]));
+    if (number_before && waited.contains(*number_before)) watch(number, true);
   }
 }
 
@@ -202,7 +200,7 @@ void MotionWorld::declare(ObjectId object, Role role) {
   if (!objects_.contains(object)) objects_.add(object);  // the model does not need it: it meets nothing
   const std::size_t index = objects_.index_of(object);
   objects_.set_role(index, role);
-  for (const std::uint32_t i : model_->part_pairs_moved_by(index)) {
+  for (const std::uint32_t i : far_.near(index, pairs_)) {
     WatchedPair* const pair = pairs_.find(i);
     if (pair == nullptr) continue;
     pair->clear_until = std::max(pair->clear_until, advanced_);
@@ -211,11 +209,7 @@ void MotionWorld::declare(ObjectId object, Role role) {
 }
 
 void MotionWorld::watch(ObjectId a, ObjectId b, bool on) {
-  if (model_->pairs_of(b).size() < model_->pairs_of(a).size()) std::swap(a, b);
-  for (const std::uint32_t number : model_->pairs_of(a)) {
-    const CollisionPair& pair = model_->pairs[number];
-    if (pair.collider == b || pair.collidee == b) watch(number, on);
-  }
+  for (const std::uint32_t number : model_->pairs_between(a, b)) watch(number, on);
 }
 
 void MotionWorld::watch(std::uint32_t number, bool on) {
@@ -225,7 +219,8 @@ void MotionWorld::watch(std::uint32_t number, bool on) {
   waiting_.set(number, on && is_new && waiting_.may_wait(number, objects_));
   if (is_new && (!on || waiting_.contains(number))) return;
   need_pairs_of(number);
-  for (std::uint32_t i = model_->first_part_pair[number]; i < model_->first_part_pair[number + 1]; ++i) {
+  const auto [first, end] = model_->part_pairs_of_pair(number);
+  for (std::uint32_t i = first; i < end; ++i) {
     if (on && !pairs_.contains(i)) continue;  // it is far, and watched
     WatchedPair& pair = far_.known(i, start_, pairs_);
     if (pair.watched == on) continue;
@@ -242,10 +237,9 @@ void MotionWorld::watch(std::uint32_t number, bool on) {
 // known any more.
 void MotionWorld::end_waits_of(std::size_t object, SimTime t) {
   for (const std::uint32_t number : waiting_.take_of(object)) {
-    const std::uint32_t i = model_->first_part_pair[number];
-    known_.push_back(i);
+    const std::uint32_t i = model_->part_pairs_of_pair(number).first;
+    if (known_) known_->push_back(i);
     if (far_.add_waiting(i, t, std::max(t, advanced_), objects_)) {
-      in_pair_checks_[i] = true;
       ++watched_;
     } else {
       add_pairs(pairs_, *model_, number, SimTime::max(), true);
@@ -258,9 +252,19 @@ void MotionWorld::need_pairs_of(std::uint32_t number) {
   assert(!waiting_.contains(number));
   if (has_pairs_of(number, *model_, pairs_, far_)) return;
   add_pairs(pairs_, *model_, number, start_, false);
-  for (std::uint32_t i = model_->first_part_pair[number]; i < model_->first_part_pair[number + 1]; ++i) {
-    known_.push_back(i);
+  if (!known_) return;
+  const auto [first, end] = model_->part_pairs_of_pair(number);
+  for (std::uint32_t i = first; i < end; ++i) known_->push_back(i);
+}
+
+std::span<const std::uint32_t> MotionWorld::known_pairs() {
+  if (!known_) {
+    known_.emplace();
+    for (std::uint32_t i = 0; i < pairs_.size(); ++i) {
+      if (pairs_.contains(i) || far_.contains(i)) known_->push_back(i);
+    }
   }
+  return *known_;
 }
 
 void MotionWorld::put_off(std::uint32_t i, bool on, bool from_now) {
@@ -282,15 +286,14 @@ void MotionWorld::put_off(std::uint32_t i, bool on, bool from_now) {
 
 // Called after any change of whether the pair is watched, or of what is known of it.
 void MotionWorld::reschedule(std::size_t i) {
-  const WatchedPair& pair = pairs_[i];
+  WatchedPair& pair = pairs_[i];
   const bool is_known = !pair.is_flexible || objects_.flexible() != nullptr;
   const bool scheduled = pair.watched && !pair.stopped && !pair.unsupported && !pair.fixed && is_known;
-  if (scheduled != in_pair_checks_[i]) {
-    in_pair_checks_[i] = scheduled;
-    scheduled ? ++watched_ : --watched_;
-  }
+  if (std::exchange(pair.is_scheduled, scheduled) != scheduled) scheduled ? ++watched_ : --watched_;
   assert(watched_ <= pairs_.size());
-  pair_checks_.set(i, scheduled && !far_.contains(i) ? pair.contact.value_or(pair.clear_until) : SimTime::max());
+  if (pair_checks_.size() < pairs_.slots()) pair_checks_.grow(pairs_.slots());
+  pair_checks_.set(pairs_.slot_of(i),
+                   scheduled && !far_.contains(i) ? pair.contact.value_or(pair.clear_until) : SimTime::max());
 }
 
 void MotionWorld::set_flexible(FlexibleParts& flexible) {
@@ -373,10 +376,10 @@ void MotionWorld::lay_base(std::size_t index, const Base& given) {
   // Nothing bore it at t when its owner said so, and what it has begun to rest against at t comes after that.
   const SimTime after = given.rest || given.free ? t + Duration{1} : t;
   // A peer that found a contact in another nanosecond has its objects a little elsewhere: what rests goes on.
-  const bool stays = is_at_same_place(before, model.state) &&
-                     std::ranges::none_of(pairs_touched_since(index, t), [&](std::uint32_t i) {
-                       return pairs_.contains(i) && pairs_[i].bears && pairs_[i].touched >= after;
-                     });
+  const bool stays =
+      is_at_same_place(before, model.state) && std::ranges::none_of(pairs_.of_end(index), [&](std::uint32_t i) {
+        return pairs_[i].bears && pairs_[i].touched >= after;
+      });
   MotionModel base = model;
   if (!stays) o.borne = false;
   o.borne_unseen = false;
@@ -402,7 +405,7 @@ void MotionWorld::lay_base(std::size_t index, const Base& given) {
 }
 
 bool MotionWorld::presses_another(ObjectId object, SimTime t) const {
-  return std::ranges::any_of(far_.near(objects_.index_of(object)),
+  return std::ranges::any_of(far_.near(objects_.index_of(object), pairs_),
                              [&](std::uint32_t i) { return pairs_.contains(i) && pairs_[i].bears_at(t); });
 }
 
@@ -413,7 +416,7 @@ bool MotionWorld::carry_along(std::size_t index, SimTime t, const KinematicState
   const GoesOn how = goes_on(before, now, since);
   if (how == GoesOn::kElsewhere) return false;
   std::vector<std::uint32_t> borne;
-  for (const std::uint32_t i : far_.near(index)) {
+  for (const std::uint32_t i : far_.near(index, pairs_)) {
     if (!pairs_.contains(i) || !pairs_[i].bears_at(t)) continue;
     const WatchedPair& pair = pairs_[i];
     const bool is_collider = pair.collider == index;
@@ -422,7 +425,7 @@ bool MotionWorld::carry_along(std::size_t index, SimTime t, const KinematicState
     if (gives_way(other, is_collider ? pair.collidee_responds : pair.collider_responds, t)) borne.push_back(other);
   }
   if (borne.empty()) return false;
-  std::ranges::sort(borne);  // near() has no order
+  std::ranges::sort(borne);
   const auto solved = [&](const Vec3& change) {
     ContactIsland island = island_of(*model_, objects_, pairs_, borne, t, Touching::kBearing, Quantity::kVelocity);
     for (ConstrainedBody& body : island.bodies) body.value.setZero();
@@ -492,9 +495,9 @@ void MotionWorld::begin_rest(std::size_t index, const Base& base) {
     const std::size_t partner = objects_.index_of(rest.partner);
     const Timeline::Segment& law = objects_[partner].timeline.segment_at(t);
     if (law.from != t || law.cause) return;
-    for (const std::uint32_t i : model_->part_pairs_of(index)) {
-      const WatchedPair* const pair = pairs_.find(i);
-      if (pair == nullptr || !pair->watched || !pair->is_answered()) continue;
+    for (const std::uint32_t i : pairs_.of_end(index)) {
+      const WatchedPair* const pair = &pairs_[i];
+      if (!pair->watched || !pair->is_answered()) continue;
       const bool is_collider = pair->collider == index;
       if ((is_collider ? pair->collidee : pair->collider) != partner || !search().touch_at(*pair, t)) continue;
       begins.emplace_back(i, is_collider ? rest.normal : Vec3(-rest.normal));
@@ -507,9 +510,9 @@ void MotionWorld::begin_rest(std::size_t index, const Base& base) {
     unborne.kind = MotionKind::kSecond;
     unborne.state.acceleration = objects_.in_frame_of_carrier(index, t, *base.free);
     o.timeline.replace_from(t, unborne, std::nullopt);
-    for (const std::uint32_t i : model_->part_pairs_of(index)) {
-      const WatchedPair* const pair = pairs_.find(i);
-      if (pair == nullptr || !pair->watched || !pair->is_answered()) continue;
+    for (const std::uint32_t i : pairs_.of_end(index)) {
+      const WatchedPair* const pair = &pairs_[i];
+      if (!pair->watched || !pair->is_answered()) continue;
       if (pair->bears_at(t) && !pair->lifts) {
         goes_on = true;
       } else if (const auto normal = search().normal_of_meeting(*pair, t, kShortestFlight)) {
@@ -617,7 +620,8 @@ void MotionWorld::retract(std::size_t cause, SimTime t) {
 
 void MotionWorld::note_answer(std::size_t object, std::size_t cause, SimTime t) {
   const auto index = static_cast<std::uint32_t>(object);
-  if (cause >= answers_to_.size() || !std::ranges::binary_search(model_->partners_of_node[cause], index)) return;
+  if (cause >= answers_to_.size() || index >= model_->nodes.size()) return;
+  if (!model_->are_paired(model_->nodes[cause].object, model_->nodes[index].object)) return;
   std::vector<Answer>& answers = answers_to_[cause];
   const auto at = std::ranges::lower_bound(answers, index, {}, &Answer::object);
   if (at != answers.end() && at->object == index) {
@@ -679,8 +683,7 @@ void MotionWorld::retract_answers(std::size_t index, std::optional<ObjectId> cau
 }
 
 void MotionWorld::forget_bursts(std::size_t object, SimTime t) {
-  for (const std::uint32_t i : pairs_touched_since(object, t)) {
-    if (!pairs_.contains(i)) continue;
+  for (const std::uint32_t i : pairs_.of_end(object)) {
     WatchedPair& pair = pairs_[i];
     if (replays_bases_) {
       pair.rewind_course(t);
@@ -709,8 +712,8 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
   far_.moved(object, t, advanced_, objects_, pairs_, opened_);
   end_waits_of(object, t);
   reschedule_opened(NewLaw{object, t});
-  for (const std::uint32_t i : far_.near(object)) {
-    if (!pairs_.contains(i)) continue;
+  for (const std::uint32_t i : far_.near(object, pairs_)) {
+    if (!pairs_.contains(i) || far_.contains(i)) continue;
     WatchedPair& pair = pairs_[i];
     const std::uint32_t other = is_of_collider(objects_, pair, object) ? pair.collidee : pair.collider;
     if (are_both_own(objects_, object, other)) {  // its updates after t were made without this law
@@ -745,14 +748,15 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
 }
 
 bool MotionWorld::ends_touch(ObjectId a, ObjectId b, SimTime t) {
-  return model_->any_pair(a, b, [&](std::uint32_t number) {
+  return std::ranges::any_of(model_->pairs_between(a, b), [&](std::uint32_t number) {
     if (waiting_.contains(number)) return false;
     need_pairs_of(number);
-    for (std::uint32_t i = model_->first_part_pair[number]; i < model_->first_part_pair[number + 1]; ++i) {
+    const auto [first, end] = model_->part_pairs_of_pair(number);
+    for (std::uint32_t i = first; i < end; ++i) {
       WatchedPair& pair = far_.known(i, start_, pairs_);
       if (pair.unsupported) continue;
       // A contact that nobody answers is followed while it lasts.
-      const bool followed = !pair.is_answered() && in_pair_checks_[i] && pair.searched;
+      const bool followed = !pair.is_answered() && pair.is_scheduled && pair.searched;
       if (pair.fixed ? search().fixed_parts_touch(pair, t) : followed ? pair.inside : search().touch_at(pair, t)) {
         return true;
       }
@@ -805,7 +809,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
     counters_.rest_energy_j += own_energy_of_parting_j(*model_, objects_, pair, answer);
     come_to_rest(pair, t);
   } else if (!pair.overlapped && exchanges_momentum(*model_, objects_, pair, answer) &&
-             bears_another(*model_, objects_, pairs_, pair, t)) {
+             bears_another(objects_, pairs_, pair, t)) {
     if (authority == ContactAuthority::kLocal) struck = struck_with(*model_, objects_, pairs_, pair, t);
     answer_in_heap(pair, t, answer);
   } else {
@@ -1073,8 +1077,7 @@ void MotionWorld::hold_against_wall(WatchedPair& wall, SimTime t) {
   const std::size_t held = gives_way(wall.collider, wall.collider_responds, t) ? wall.collider : wall.collidee;
   const bool stood = is_motionless(objects_.world_law(held, t).state);
   std::vector<std::uint32_t> through;
-  for (const std::uint32_t i : model_->part_pairs_of(held)) {
-    if (!pairs_.contains(i)) continue;
+  for (const std::uint32_t i : pairs_.of_end(held)) {
     WatchedPair& pair = pairs_[i];
     if (!pair.is_answered()) continue;  // it presses nothing
     if (!met_lately(pair.touched, t, kShortestFlight) || stands_firm(objects_, pair, t)) continue;
@@ -1108,8 +1111,8 @@ void MotionWorld::set_bearing(WatchedPair& pair, SimTime t, bool bears) {
 }
 
 void MotionWorld::unsettle_borne_by(std::size_t object, SimTime t) {
-  for (const std::uint32_t i : model_->part_pairs_of(object)) {
-    if (!pairs_.contains(i) || !pairs_[i].bears_at(t)) continue;
+  for (const std::uint32_t i : pairs_.of_end(object)) {
+    if (!pairs_[i].bears_at(t)) continue;
     WatchedPair& pair = pairs_[i];
     if (pair.normals.empty()) {
       remember_course(i, t);
@@ -1187,8 +1190,7 @@ ContactIsland MotionWorld::settle_island(std::uint32_t object, SimTime t, bool i
 void MotionWorld::set_borne_acceleration(std::size_t index, SimTime t, Vec3 acceleration, std::size_t cause,
                                          bool in_base) {
   MovingObject& o = objects_[index];
-  const bool borne = std::ranges::any_of(
-      model_->part_pairs_of(index), [&](std::uint32_t pair) { return pairs_.contains(pair) && pairs_[pair].bears; });
+  const bool borne = std::ranges::any_of(pairs_.of_end(index), [&](std::uint32_t i) { return pairs_[i].bears; });
   if (!borne && (!o.borne || o.borne_unseen)) return;
   if (!o.borne) o.free = objects_.free_acceleration_of(index, t);
   o.borne = borne;
@@ -1228,17 +1230,19 @@ std::optional<std::size_t> MotionWorld::first_contact_until(SimTime to) {
   // What is due after a contact that is known is left for the next call: where many meet in one tick, each contact
   // would cost a visit of all that a multiple of kLookahead makes due.
   SimTime until = to;
-  for (std::size_t i = pair_checks_.next_due(0, to); i != pairs_.size(); i = pair_checks_.next_due(i + 1, until)) {
+  const std::size_t slots = pair_checks_.size();
+  for (std::size_t slot = pair_checks_.next_due(0, to); slot != slots; slot = pair_checks_.next_due(slot + 1, until)) {
+    const std::uint32_t i = pairs_.number_in(slot);
     WatchedPair& pair = pairs_[i];
     ++checked;
     const auto apart_at = search().search(pair, until);
     if (apart_at && far_.add(i, *apart_at, advanced_ - kHistory, objects_, pairs_)) {
-      pair_checks_.set(i, SimTime::max());
+      pair_checks_.set(slot, SimTime::max());
       continue;
     }
-    if (pair.stopped) stopped_.insert(static_cast<std::uint32_t>(i));
+    if (pair.stopped) stopped_.insert(i);
     reschedule(i);
-    if (!pair.contact || *pair.contact > until || (first && *pair.contact == until)) continue;
+    if (!pair.contact || *pair.contact > until || (first && *pair.contact == until && *first < i)) continue;
     first = i;
     until = *pair.contact;
   }

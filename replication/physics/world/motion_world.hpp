@@ -79,9 +79,9 @@ class MotionWorld {
   void watch(ObjectId a, ObjectId b, bool on);
   void watch(std::uint32_t number, bool on);  // in WorldModel::pairs
 
-  // The part pairs that are watched and do not wait, that were so, or that somebody has asked for, in the order in
-  // which they came.
-  [[nodiscard]] std::span<const std::uint32_t> known_pairs() const { return known_; }
+  // The part pairs that are watched and do not wait, that were so, or that somebody has asked for. From the first call
+  // on they are kept, and new ones are behind those of the last call, but for a change of the model.
+  [[nodiscard]] std::span<const std::uint32_t> known_pairs();
 
   // Makes the world a function of the bases, whatever order they come in; called before the first of them. An object
   // then answers contacts of before its later bases, too, and what it has answered without cause is retracted;
@@ -288,10 +288,6 @@ class MotionWorld {
 
   // Puts pairs that are far no more back into the schedule.
   void reschedule_opened(const std::optional<NewLaw>& law = {});
-  // The pairs of the object, at least those that have touched anything since t.
-  [[nodiscard]] std::span<const std::uint32_t> pairs_touched_since(std::size_t object, SimTime t) const {
-    return far_.near_since(object, t) ? far_.near(object) : model_->part_pairs_of(object);
-  }
   // The lists of answers_to_ as the timelines have them; an entry of one of them.
   void note_answers();
   void note_answer(std::size_t object, std::size_t cause, SimTime t);
@@ -316,8 +312,8 @@ class MotionWorld {
   TickDetection* detection_ = nullptr;
   SimTime start_, advanced_;
   MovingObjects objects_;
-  WatchedPairs pairs_;                // without the far ones that have nothing to remember
-  std::vector<std::uint32_t> known_;  // known_pairs()
+  WatchedPairs pairs_;                               // without the far ones that have nothing to remember
+  std::optional<std::vector<std::uint32_t>> known_;  // known_pairs(), once somebody has asked for them
   RememberedCourses courses_;
   FarPairs far_;
   std::vector<std::uint32_t> opened_;  // pairs that are far no more, and not in the schedule yet
@@ -327,9 +323,8 @@ class MotionWorld {
     SimTime last;  // no such law begins later
   };
   std::vector<std::vector<Answer>> answers_to_;
-  Schedule pair_checks_;     // for each pair that is not far, when the next check is due
-  std::size_t watched_ = 0;  // the number of pairs with a check, whenever that is due; the far ones included
-  std::vector<bool> in_pair_checks_;
+  Schedule pair_checks_;             // by slot of pairs_: when the next check of one that is not far is due
+  std::size_t watched_ = 0;          // the number of pairs with a check, whenever that is due; the far ones included
   WaitingPairs waiting_;             // of them none of the part pairs is there
   std::set<std::uint32_t> stopped_;  // into pairs_
   // Settling lists the objects that changed at the instant that is being answered. settle() empties it.

@@ -20,7 +20,7 @@ constexpr std::int64_t kPruningSlots = 128;
 }  // namespace
 
 MovingObjects::MovingObjects(const WorldModel& model, SimTime start)
-    : model_(&model), start_(start), objects_(model.nodes.size()), roles_(model.nodes.size(), Role::kScene) {}
+    : model_(&model), start_(start), objects_(model.nodes.size(), false), roles_(model.nodes.size(), Role::kScene) {}
 
 KinematicState MovingObjects::state_in_file(const ModelNode& node) const {
   KinematicState state = at_rest(model_->scene->rigid_pose(node.object));

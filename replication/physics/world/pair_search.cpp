@@ -148,8 +148,9 @@ std::optional<Vec3> PairSearch::normal_of_meeting(const WatchedPair& pair, SimTi
 
 // Whether another part of the one end touches another part of the other one: then the two ends did so before t.
 bool PairSearch::ends_touch_elsewhere(const WatchedPair& pair, SimTime t) {
-  assert(!pair.is_answered() && pair.number + 1 < model_.first_part_pair.size());
-  for (std::uint32_t i = model_.first_part_pair[pair.number]; i < model_.first_part_pair[pair.number + 1]; ++i) {
+  assert(!pair.is_answered());
+  const auto [first, end] = model_.part_pairs_of_pair(pair.number);
+  for (std::uint32_t i = first; i < end; ++i) {
     WatchedPair& other = pairs_[i];
     if (&other == &pair || other.unsupported) continue;
     // A law may make an end jump, so that one part begins to touch as another ceases to.

@@ -91,13 +91,32 @@ void WatchedPair::rewind_course(SimTime from) {
   past.erase(first, past.end());
 }
 
+WatchedPair& WatchedPairs::add(std::uint32_t number, WatchedPair pair) {
+  for (const std::uint32_t end : {pair.collider, pair.collidee}) {
+    std::vector<std::uint32_t>& of = of_end_[end];
+    of.insert(std::ranges::lower_bound(of, number), number);
+  }
+  return pairs_.add(number, std::move(pair));
+}
+
+void WatchedPairs::erase(std::uint32_t number) {
+  for (const std::uint32_t end : {pairs_[number].collider, pairs_[number].collidee}) {
+    std::vector<std::uint32_t>& of = of_end_[end];
+    const auto at = std::ranges::lower_bound(of, number);
+    assert(at != of.end() && *at == number);
+    of.erase(at);
+  }
+  pairs_.erase(number);
+}
+
 void add_pairs(WatchedPairs& pairs, const WorldModel& model, std::uint32_t interest, SimTime start, bool watched) {
   const CollisionPair& p = model.pairs[interest];
   const auto flexes = [&](std::uint32_t part) { return model.is_flexible(part); };
   const std::uint32_t collider = model.index_of(p.collider), collidee = model.index_of(p.collidee);
   const bool is_carried =
       model.nodes[collider].carrier != ModelNode::kNone || model.nodes[collidee].carrier != ModelNode::kNone;
-  for (std::uint32_t i = model.first_part_pair[interest]; i < model.first_part_pair[interest + 1]; ++i) {
+  const auto [first, end] = model.part_pairs_of_pair(interest);
+  for (std::uint32_t i = first; i < end; ++i) {
     const PartPair& parts = model.part_pairs[i];
     const bool box = p.type == CollisionType::kBox, whole = parts.a == ModelNode::kNone;
     const bool flexible = whole ? std::ranges::any_of(model.parts_of_node[collider], flexes) ||
@@ -125,7 +144,7 @@ void add_pairs(WatchedPairs& pairs, const WorldModel& model, std::uint32_t inter
 }
 
 WatchedPairs all_watched(const WorldModel& model, SimTime start) {
-  WatchedPairs pairs(model.part_pairs.size());
+  WatchedPairs pairs(model);
   for (std::uint32_t number = 0; number < model.pairs.size(); ++number) add_pairs(pairs, model, number, start, true);
   return pairs;
 }
@@ -135,25 +154,25 @@ std::vector<std::uint32_t> carry_over(const WorldModel& before, WatchedPairs kno
   assert(known.size() == before.part_pairs.size() && pairs.size() == next.part_pairs.size());
   std::map<PairKey, WatchedPair*> same;
   struct Known {
-    bool is_there = false, watched = false, inside = false;
+    bool watched = false, inside = false;
   };
-  std::map<InterestKey, Known> interests;
-  for (const CollisionPair& interest : before.pairs) interests.emplace(key_of(interest), Known{});
+  std::map<std::uint32_t, Known> interests;  // by number, before: those of which a pair is there
   for (const std::uint32_t i : known.numbers()) {
     WatchedPair& pair = known[i];
-    Known& interest = interests.at(key_of(before.pairs[pair.number]));
-    interest.is_there = true;
+    Known& interest = interests[pair.number];
     interest.watched = pair.watched;
     interest.inside |= pair.inside;
     same.emplace(key_of_pair(before, pair), &pair);
   }
   std::vector<std::uint32_t> added;
   for (std::uint32_t number = 0; number < next.pairs.size(); ++number) {
-    const auto interest = interests.find(key_of(next.pairs[number]));
-    const bool is_new = interest == interests.end();
-    if (!is_new && !interest->second.is_there) continue;
+    const auto number_before = before.number_of(key_of(next.pairs[number]));
+    const bool is_new = !number_before;
+    const auto interest = is_new ? interests.end() : interests.find(*number_before);
+    if (!is_new && interest == interests.end()) continue;
     add_pairs(pairs, next, number, start, is_new || interest->second.watched);
-    for (std::uint32_t i = next.first_part_pair[number]; i < next.first_part_pair[number + 1]; ++i) {
+    const auto [first, end] = next.part_pairs_of_pair(number);
+    for (std::uint32_t i = first; i < end; ++i) {
       WatchedPair& pair = pairs[i];
       const auto at = same.find(key_of_pair(next, pair));
       const auto is_same = [&](const WatchedPair& other) {
@@ -174,6 +193,7 @@ std::vector<std::uint32_t> carry_over(const WorldModel& before, WatchedPairs kno
       pair.number = fresh.number;
       pair.fixed = fresh.fixed;
       pair.is_plain = fresh.is_plain;
+      pair.is_scheduled = false;
     }
   }
   return added;

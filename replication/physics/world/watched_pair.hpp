@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <set>
+#include <span>
 #include <vector>
 
 #include "core/math.hpp"
@@ -50,6 +51,7 @@ struct WatchedPair : PairCourse {
   bool collider_responds, collidee_responds;
   bool has_exact_search;  // collision has an answer
   bool watched = false;
+  bool is_scheduled = false;          // it is searched when it is due (MotionWorld::reschedule())
   bool put_off = false;               // its searches are put off (MotionWorld::put_off())
   bool stopped = false;               // for that reason, at clear_until; it has no contact, and bears nothing
   bool unsupported = false;           // counted once, then never searched again
@@ -80,7 +82,7 @@ struct WatchedPair : PairCourse {
   // Whether this pair must be kept, and can't be erased and made anew when it is needed: it has touched at t or later,
   // has a course to go back to, or its searches are off.
   [[nodiscard]] bool remembers_since(SimTime t) const {
-    return put_off || stopped || unsupported || !past.empty() || std::max({touched, parted, bore_until, lifted}) >= t;
+    return put_off || !past.empty() || std::max({touched, parted, bore_until, lifted}) >= t;
   }
   // Called before something of t changes the course.
   void remember_course(SimTime t);
@@ -104,8 +106,36 @@ inline constexpr Duration kSameContact{std::int64_t{1} << 26};
 
 [[nodiscard]] inline bool met_lately(SimTime met, SimTime t, Duration within) { return met <= t && t <= met + within; }
 
-// The model's part pairs that are watched, or have been, but for far ones (FarPairs): all of an interest, or none.
-using WatchedPairs = SparseTable<WatchedPair>;
+// The model's part pairs that are watched, or have been, but for far ones (FarPairs): all of an interest, or none. The
+// numbers are those of the model.
+class WatchedPairs {
+ public:
+  explicit WatchedPairs(const WorldModel& model) : pairs_(model.part_pairs.size()), of_end_(model.nodes.size()) {}
+
+  [[nodiscard]] std::size_t size() const { return pairs_.size(); }
+  [[nodiscard]] bool contains(std::size_t number) const { return pairs_.contains(number); }
+  [[nodiscard]] WatchedPair* find(std::size_t number) { return pairs_.find(number); }
+  [[nodiscard]] const WatchedPair* find(std::size_t number) const { return pairs_.find(number); }
+  [[nodiscard]] WatchedPair& operator[](std::size_t number) { return pairs_[number]; }
+  [[nodiscard]] const WatchedPair& operator[](std::size_t number) const { return pairs_[number]; }
+  [[nodiscard]] std::span<const std::uint32_t> numbers() const { return pairs_.numbers(); }  // in any order
+  // Those of which the node is an end, ascending.
+  [[nodiscard]] std::span<const std::uint32_t> of_end(std::size_t node) const {
+    if (node >= of_end_.size()) return {};
+    return of_end_[node];
+  }
+  // The slots of pairs (SparseTable).
+  [[nodiscard]] std::size_t slots() const { return pairs_.slots(); }
+  [[nodiscard]] std::size_t slot_of(std::size_t number) const { return pairs_.slot_of(number); }
+  [[nodiscard]] std::uint32_t number_in(std::size_t slot) const { return pairs_.number_in(slot); }
+
+  WatchedPair& add(std::uint32_t number, WatchedPair pair);
+  void erase(std::uint32_t number);
+
+ private:
+  SparseTable<WatchedPair> pairs_;
+  std::vector<std::vector<std::uint32_t>> of_end_;
+};
 
 struct RememberedCourses {
   std::set<std::uint32_t> pairs;       // those of which a course is remembered

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <tuple>
+#include <unordered_set>
 
 #include "collision/contact/contact_time.hpp"
 #include "core/motion/carriers.hpp"
@@ -24,8 +27,13 @@ void keep_each_once(std::vector<T>& all) {
   all.erase(std::ranges::unique(all).begin(), all.end());
 }
 
-// The index of each pair in the model, by its type, its lower and its higher object.
-using KnownPairs = std::map<std::tuple<CollisionType, ObjectId, ObjectId>, std::size_t>;
+// The number of each listed pair in the model, by its type, its lower and its higher object.
+using KnownPairs = std::map<std::tuple<CollisionType, ObjectId, ObjectId>, std::uint32_t>;
+
+// An interest with fewer pairs is listed: to find one in a list is quicker.
+constexpr std::size_t kLeastOfGroup = 64;
+// Pairs have numbers of 32 bits.
+constexpr std::size_t kMostPairs = std::numeric_limits<std::uint32_t>::max();
 
 class ModelBuilder {
  public:
@@ -38,7 +46,7 @@ class ModelBuilder {
   }
 
   void build(std::span<const ObjectId> owned) {
-    add_pairs();
+    find_ends();
     model_.owned.assign(owned.begin(), owned.end());
     keep_each_once(model_.owned);
     if (named_.empty() && owned.empty()) return;
@@ -47,18 +55,15 @@ class ModelBuilder {
     carriers_.emplace(scene_, *predefined_, movable(owned));
     add_nodes(owned);
     add_bodies();
-    add_part_pairs();
+    note_what_is_carried();
+    add_pairs();
     index();
     name_unanswered_pairs();
   }
 
  private:
-  void add_pairs() {
-    KnownPairs known;
+  void find_ends() {
     for (const CollisionInterest& interest : scene_.interests) {
-      InterestPairs(scene_, interest).for_each([&](ObjectId collider, ObjectId collidee) {
-        add_pair(known, {collider, collidee, interest.type, false});
-      });
       for (const InterestSide* const side : {&interest.colliders, &interest.collidees}) {
         named_.insert(named_.end(), side->ends.begin(), side->ends.end());
       }
@@ -66,14 +71,93 @@ class ModelBuilder {
     keep_each_once(named_);
   }
 
+  void add_pairs() {
+    KnownPairs known;
+    for (const CollisionInterest& interest : scene_.interests) {
+      const std::size_t most = interest.colliders.ends.size() * interest.collidees.ends.size();
+      if (most > kMostPairs - std::max(model_.pairs.size(), model_.part_pairs.size())) {
+        throw std::length_error("the interests of the world have more than 2^32 pairs");
+      }
+      if (is_group(interest)) {
+        const PairGroup& group =
+            model_.groups.emplace_back(interest.type, group_ends(interest.colliders), group_ends(interest.collidees),
+                                       next_number(model_.pairs), next_number(model_.part_pairs));
+        model_.pairs.add(group);
+        model_.part_pairs.add(group);
+        continue;
+      }
+      InterestPairs(scene_, interest).for_each([&](ObjectId collider, ObjectId collidee) {
+        add_pair(known, {collider, collidee, interest.type, false});
+      });
+    }
+  }
+
+  template <class Item>
+  [[nodiscard]] static std::uint32_t next_number(const PairList<Item>& list) {
+    return static_cast<std::uint32_t>(list.size());
+  }
+
   void add_pair(KnownPairs& known, const CollisionPair& pair) {
     const auto [lower, higher] = std::minmax(pair.collider, pair.collidee);
-    const auto [it, is_new] = known.try_emplace({pair.type, lower, higher}, model_.pairs.size());
-    if (is_new) {
-      model_.pairs.push_back(pair);
-    } else if (model_.pairs[it->second].collider != pair.collider) {
-      model_.pairs[it->second].mutual = true;
+    const auto [it, is_new] = known.try_emplace({pair.type, lower, higher}, next_number(model_.pairs));
+    if (!is_new) {
+      CollisionPair& there = model_.pairs.listed(it->second);
+      there.mutual |= there.collider != pair.collider;
+      return;
     }
+    model_.pairs.push_back(pair);
+    const std::uint32_t first = next_number(model_.part_pairs);
+    add_part_pairs(it->second, pair);
+    model_.parts_of_listed_pair.push_back({first, next_number(model_.part_pairs)});
+  }
+
+  // Whether the pairs of the interest need no list (PairGroup): they are many, all of one kind, and no other interest
+  // of its type has any of them.
+  [[nodiscard]] bool is_group(const CollisionInterest& interest) const {
+    const std::vector<ObjectId>&colliders = interest.colliders.ends, &collidees = interest.collidees.ends;
+    if (colliders.size() < 2 || colliders.size() * collidees.size() < kLeastOfGroup) return false;
+    if (!PairGroup::fits(colliders, collidees)) return false;
+    std::vector<std::uint32_t> instances;
+    std::uint32_t layers = ~0U;
+    for (const std::vector<ObjectId>* const ends : {&colliders, &collidees}) {
+      for (const ObjectId end : *ends) {
+        if (!is_alone(model_.index_of(end))) return false;
+        instances.push_back(scene_.index_of(end));
+        layers &= scene_.object(end).layers;
+      }
+    }
+    keep_each_once(instances);
+    if (layers == 0) return false;
+    for (std::size_t i = 1; i < instances.size(); ++i) {  // none is inside another one
+      if (scene_.instances[instances[i - 1]].subtree_end > instances[i]) return false;
+    }
+    const std::unordered_set<ObjectId> of_colliders(colliders.begin(), colliders.end()),
+        of_collidees(collidees.begin(), collidees.end());
+    const auto has_any = [](const std::unordered_set<ObjectId>& all, const InterestSide& side) {
+      return std::ranges::any_of(side.ends, [&](ObjectId end) { return all.contains(end); });
+    };
+    return std::ranges::none_of(scene_.interests, [&](const CollisionInterest& other) {
+      return &other != &interest && other.type == interest.type &&
+             ((has_any(of_colliders, other.colliders) && has_any(of_collidees, other.collidees)) ||
+              (has_any(of_colliders, other.collidees) && has_any(of_collidees, other.colliders)));
+    });
+  }
+
+  // Whether the node, as an end, is one rigid body that nothing carries, that carries nothing, and that meets all
+  // others of that kind.
+  [[nodiscard]] bool is_alone(std::uint32_t node) const {
+    const std::vector<std::uint32_t>& parts = model_.parts_of_node[node];
+    return parts.size() == 1 && parts.front() == node && model_.nodes[node].carrier == kNone &&
+           model_.carried_by[node].empty() && collision::has_exact_answers(model_.bodies[node]);
+  }
+
+  [[nodiscard]] std::vector<PairGroup::End> group_ends(const InterestSide& side) const {
+    std::vector<PairGroup::End> ends;
+    for (const ObjectId end : side.ends) {
+      const std::uint32_t node = model_.index_of(end);
+      ends.push_back({end, node, model_.nodes[node].is_carrier});
+    }
+    return ends;
   }
 
   [[nodiscard]] std::vector<ObjectId> movable(std::span<const ObjectId> owned) const {
@@ -261,84 +345,82 @@ class ModelBuilder {
     return of_a;
   }
 
-  void add_part_pairs() {
-    for (std::uint32_t number = 0; number < model_.pairs.size(); ++number) {
-      model_.first_part_pair.push_back(static_cast<std::uint32_t>(model_.part_pairs.size()));
-      const CollisionPair& pair = model_.pairs[number];
-      const auto& of_a = model_.parts_of_node[model_.index_of(pair.collider)];
-      const auto& of_b = model_.parts_of_node[model_.index_of(pair.collidee)];
-      const bool single =
-          of_a.size() + of_b.size() == 2 && !model_.is_flexible(of_a.front()) && !model_.is_flexible(of_b.front());
-      if (pair.type == CollisionType::kBox && !single) {
-        model_.part_pairs.push_back({number, kNone, kNone, kNone, false});
-        continue;
-      }
-      for (const std::uint32_t a : of_a) {
-        for (const std::uint32_t b : of_b) {
-          if (a == b && model_.is_flexible(a)) continue;        // a Shape does not meet itself
-          const bool boxes = pair.type == CollisionType::kBox;  // which change as a carrier turns
-          const std::uint32_t common = boxes ? kNone : common_carrier(a, b);
-          const bool both_rigid = !model_.is_flexible(a) && !model_.is_flexible(b);
-          const bool fixed = both_rigid && mover(a) == mover(b) && (!boxes || mover(a) == kNone);
-          model_.part_pairs.push_back({number, a, b, common, fixed});
-        }
+  void add_part_pairs(std::uint32_t number, const CollisionPair& pair) {
+    const auto& of_a = model_.parts_of_node[model_.index_of(pair.collider)];
+    const auto& of_b = model_.parts_of_node[model_.index_of(pair.collidee)];
+    const bool single =
+        of_a.size() + of_b.size() == 2 && !model_.is_flexible(of_a.front()) && !model_.is_flexible(of_b.front());
+    if (pair.type == CollisionType::kBox && !single) {
+      model_.part_pairs.push_back({number, kNone, kNone, kNone, false});
+      return;
+    }
+    for (const std::uint32_t a : of_a) {
+      for (const std::uint32_t b : of_b) {
+        if (a == b && model_.is_flexible(a)) continue;        // a Shape does not meet itself
+        const bool boxes = pair.type == CollisionType::kBox;  // which change as a carrier turns
+        const std::uint32_t common = boxes ? kNone : common_carrier(a, b);
+        const bool both_rigid = !model_.is_flexible(a) && !model_.is_flexible(b);
+        const bool fixed = both_rigid && mover(a) == mover(b) && (!boxes || mover(a) == kNone);
+        model_.part_pairs.push_back({number, a, b, common, fixed});
       }
     }
-    model_.first_part_pair.push_back(static_cast<std::uint32_t>(model_.part_pairs.size()));
   }
 
-  void index() {
-    const std::size_t count = model_.nodes.size();
-    for (auto* lists : {&model_.pairs_of_node, &model_.partners_of_node, &model_.part_pairs_of_node,
-                        &model_.moved_part_pairs, &model_.carried_by}) {
-      lists->resize(count);
-    }
-    for (std::uint32_t i = 0; i < model_.pairs.size(); ++i) {
-      const std::uint32_t a = model_.index_of(model_.pairs[i].collider), b = model_.index_of(model_.pairs[i].collidee);
-      for (const auto& [of, partner] : {std::pair{a, b}, std::pair{b, a}}) {
-        model_.pairs_of_node[of].push_back(i);
-        model_.partners_of_node[of].push_back(partner);
-        for (std::uint32_t k = model_.first_part_pair[i]; k < model_.first_part_pair[i + 1]; ++k) {
-          model_.part_pairs_of_node[of].push_back(k);
-        }
-      }
-    }
-    for (std::vector<std::uint32_t>& partners : model_.partners_of_node) keep_each_once(partners);
-    for (std::uint32_t i = 0; i < count; ++i) {
+  void note_what_is_carried() {
+    model_.carried_by.resize(model_.nodes.size());
+    for (std::uint32_t i = 0; i < model_.nodes.size(); ++i) {
       for (std::uint32_t up = model_.nodes[i].carrier; up != kNone; up = model_.nodes[up].carrier) {
         model_.carried_by[up].push_back(i);
       }
     }
-    for (std::uint32_t k = 0; k < model_.part_pairs.size(); ++k) {
-      const PartPair& parts = model_.part_pairs[k];
+  }
+
+  void index() {
+    const std::size_t count = model_.nodes.size();
+    model_.node_pairs = model_.node_part_pairs = model_.moved_part_pairs = NodePairs(count);
+    model_.pairs.for_each_listed([&](std::uint32_t i, const CollisionPair& pair) {
+      const auto [first, end] = model_.part_pairs_of_pair(i);
+      for (const ObjectId object : {pair.collider, pair.collidee}) {
+        const std::uint32_t node = model_.index_of(object);
+        model_.node_pairs.add(node, i);
+        for (std::uint32_t k = first; k < end; ++k) model_.node_part_pairs.add(node, k);
+      }
+    });
+    model_.part_pairs.for_each_listed([&](std::uint32_t k, const PartPair& parts) {
       const auto moves = [&](std::uint32_t part) {
-        for (const std::uint32_t node : model_.chain_of(part, parts.common)) model_.moved_part_pairs[node].push_back(k);
+        for (const std::uint32_t node : model_.chain_of(part, parts.common)) model_.moved_part_pairs.add(node, k);
       };
       if (parts.a != kNone) {
         moves(parts.a);
         moves(parts.b);
-        continue;
+        return;
       }
-      for (const ObjectId end : {model_.pairs[parts.pair].collider, model_.pairs[parts.pair].collidee}) {
+      const CollisionPair pair = model_.pairs[parts.pair];
+      for (const ObjectId end : {pair.collider, pair.collidee}) {
         for (const std::uint32_t part : model_.parts_of_node[model_.index_of(end)]) moves(part);
       }
-    }
-    for (std::vector<std::uint32_t>& moved : model_.moved_part_pairs) keep_each_once(moved);
+    });
     for (std::uint32_t i = 0; i < count; ++i) {
-      model_.all_pairs_move.push_back(model_.moved_part_pairs[i] == model_.part_pairs_of_node[i]);
+      model_.all_pairs_move.push_back(
+          std::ranges::equal(model_.moved_part_pairs.listed_of(i), model_.node_part_pairs.listed_of(i)));
     }
+    std::vector<const PairGroup*> groups;
+    for (const PairGroup& group : model_.groups) groups.push_back(&group);
+    model_.node_pairs.add_groups(groups, false);
+    model_.node_part_pairs.add_groups(groups, true);
+    model_.moved_part_pairs.add_groups(groups, true);
   }
 
   void name_unanswered_pairs() {
-    for (const PartPair& parts : model_.part_pairs) {
-      const CollisionPair& pair = model_.pairs[parts.pair];
-      if (pair.type == CollisionType::kBox || model_.is_flexible(parts.a) || model_.is_flexible(parts.b)) continue;
+    model_.part_pairs.for_each_listed([&](std::uint32_t, const PartPair& parts) {  // those of groups have an answer
+      const CollisionPair pair = model_.pairs[parts.pair];
+      if (pair.type == CollisionType::kBox || model_.is_flexible(parts.a) || model_.is_flexible(parts.b)) return;
       const collision::Body &a = model_.bodies[parts.a], &b = model_.bodies[parts.b];
       const bool already_reported = !a.unsupported.empty() || !b.unsupported.empty();
-      if (already_reported || collision::has_exact_answer(a, b)) continue;
+      if (already_reported || collision::has_exact_answer(a, b)) return;
       model_.unsupported.push_back(scene_.path_of(pair.collider) + " against " + scene_.path_of(pair.collidee) +
                                    ": one is not convex, and one is larger than 2^58 m");
-    }
+    });
   }
 
   const Scene& scene_;
@@ -360,10 +442,36 @@ const collision::Body* WorldModel::body(ObjectId id) const {
   return of == nullptr ? nullptr : &bodies[static_cast<std::size_t>(of - nodes.data())];
 }
 
-std::span<const std::uint32_t> WorldModel::pairs_of(ObjectId id) const {
+PairNumbers WorldModel::pairs_of(ObjectId id) const {
   const ModelNode* const of = node(id);
   if (of == nullptr) return {};
-  return pairs_of_node[static_cast<std::size_t>(of - nodes.data())];
+  return pairs_of_node(static_cast<std::size_t>(of - nodes.data()));
+}
+
+std::vector<std::uint32_t> WorldModel::pairs_between(ObjectId a, ObjectId b) const {
+  if (a == b || node(a) == nullptr || node(b) == nullptr) return {};
+  std::uint32_t of_a = index_of(a), of_b = index_of(b);
+  if (node_pairs.listed_of(of_b).size() < node_pairs.listed_of(of_a).size()) std::swap(of_a, of_b);
+  const ObjectId other = nodes[of_b].object;
+  std::vector<std::uint32_t> between;
+  std::ranges::copy_if(node_pairs.listed_of(of_a), std::back_inserter(between), [&](std::uint32_t number) {
+    return pairs[number].collider == other || pairs[number].collidee == other;
+  });
+  for (const PairGroup& group : groups) {
+    const PairGroup::Member *const one = group.member(of_a), *const another = group.member(of_b);
+    if (one == nullptr || another == nullptr) continue;
+    if (const auto number = group.number_of(*one, *another)) between.push_back(*number);
+  }
+  std::ranges::sort(between);
+  return between;
+}
+
+std::optional<std::uint32_t> WorldModel::number_of(const InterestKey& interest) const {
+  const auto& [type, collider, collidee] = interest;
+  for (const std::uint32_t number : pairs_between(collider, collidee)) {
+    if (key_of(pairs[number]) == interest) return number;
+  }
+  return std::nullopt;
 }
 
 const CollisionResponse* WorldModel::response_of(ObjectId id) const {
@@ -381,8 +489,8 @@ bool WorldModel::may_carry(ObjectId carrier, ObjectId object) const {
 }
 
 bool WorldModel::is_answered(ObjectId a, ObjectId b) const {
-  return any_pair(a, b, [&](std::uint32_t number) {
-    const CollisionPair& pair = pairs[number];
+  return std::ranges::any_of(pairs_between(a, b), [&](std::uint32_t number) {
+    const CollisionPair pair = pairs[number];
     return answers(pair, pair.collider) || answers(pair, pair.collidee);
   });
 }

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cassert>
 #include <cstdint>
+#include <deque>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -14,24 +14,14 @@
 
 #include "collision/contact/body.hpp"
 #include "core/scene/scene.hpp"
+#include "replication/physics/world/model_pairs.hpp"
 
 namespace peerd::replication {
-
-// Two ends of interests: nodes of the scene, of which one may be below the other.
-struct CollisionPair {
-  ObjectId collider, collidee;
-  CollisionType type = CollisionType::kWitness;
-  bool mutual = false;  // the collidee is registered for the collider as well, and so responds too
-};
-
-// An InterestKey names an interest in any model of the scene: by its type, its collider and its collidee.
-using InterestKey = std::tuple<CollisionType, ObjectId, ObjectId>;
-[[nodiscard]] inline InterestKey key_of(const CollisionPair& pair) { return {pair.type, pair.collider, pair.collidee}; }
 
 // A node that collision or a carrier needs: an end of an interest, or a carrier above or below one (core/motion/
 // carriers.hpp). The carriers below an end are parts of it that move in it.
 struct ModelNode {
-  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  static constexpr std::uint32_t kNone = kNoNode;
 
   ObjectId object;
   std::uint32_t instance = 0;     // its index in the scene
@@ -46,19 +36,14 @@ struct FlexiblePart {
   ObjectId shape;
 };
 
-// Two parts, one of each end of a pair, that may meet. The bodies of two types of interests meet part by part; the
-// boxes of type kBox are those of whole ends. A part is the body of a node, by its index, or behind all nodes a
-// flexible part.
-struct PartPair {
-  std::uint32_t pair = 0;                   // index in `pairs`
-  std::uint32_t a = 0, b = 0;               // parts that meet; kNone: the boxes of both whole ends
-  std::uint32_t common = ModelNode::kNone;  // the nearest carrier that both move with: the two meet in its frame
-  bool fixed = false;                       // they never move relative to each other
-};
-
 // The nodes of one world that collide or carry, with their geometry, and the pairs to watch. Built once per world; a
 // peer's two MotionWorlds and every peer of a simulation read the same one.
 struct WorldModel {
+  struct Range {
+    std::uint32_t first, end;
+    [[nodiscard]] std::uint32_t count() const { return end - first; }
+  };
+
   const Scene* scene = nullptr;         // outlives the model, or is `edited`
   std::shared_ptr<const Scene> edited;  // the scene, where the world has been edited since it began; else null
   std::vector<ObjectId> owned;   // nodes that configurations or the file give to peers, or that others move, ascending
@@ -66,17 +51,18 @@ struct WorldModel {
   std::vector<std::uint32_t> node_of_instance;  // index in `nodes`, or kNone; empty where there are no nodes
   std::vector<collision::Body> bodies;  // of each node: what is below it and goes with it, and with no carrier below it
   std::vector<FlexiblePart> flexible;
-  std::vector<CollisionPair> pairs;      // in the file's order, each unordered pair once for each type
-  std::vector<PartPair> part_pairs;      // by pair
-  std::vector<std::string> unsupported;  // a line for each body that has no exact answer yet
+  PairList<CollisionPair> pairs;            // in the file's order, each unordered pair once for each type
+  PairList<PartPair> part_pairs;            // by pair
+  std::vector<Range> parts_of_listed_pair;  // by the pair's place among those of no group
+  std::vector<std::string> unsupported;     // a line for each body that has no exact answer yet
   std::vector<ObjectId> moving;  // carriers that the world itself moves (PredefinedMotion), in depth-first order
-  // For each node, ascending and each once: its pairs in `pairs`, and its partners in them as nodes; the part pairs of
-  // those; the part pairs that its own motion may change; the nodes below it that go with it; the parts that it
-  // consists of as an end.
-  std::vector<std::vector<std::uint32_t>> pairs_of_node, partners_of_node, part_pairs_of_node, moved_part_pairs,
-      carried_by, parts_of_node;
-  std::vector<bool> all_pairs_move;  // of each node: whether part_pairs_of_node and moved_part_pairs are the same
-  std::vector<std::uint32_t> first_part_pair;  // by pair, and one more: the range of its part pairs
+  // For each node, ascending and each once: the nodes below it that go with it; the parts that it consists of as an
+  // end.
+  std::vector<std::vector<std::uint32_t>> carried_by, parts_of_node;
+  std::deque<PairGroup> groups;           // in the order of their pairs
+  NodePairs node_pairs, node_part_pairs;  // of each node: its pairs, and the part pairs of those
+  NodePairs moved_part_pairs;             // of each node: the part pairs that its own motion may change
+  std::vector<bool> all_pairs_move;  // of each node: whether its part pairs are those that its own motion may change
 
   [[nodiscard]] const collision::Body* body(ObjectId id) const;
   [[nodiscard]] const ModelNode* node(ObjectId id) const {  // null where the model does not need it
@@ -98,15 +84,18 @@ struct WorldModel {
     return of != nullptr && of->is_carrier;
   }
   // The numbers of an object's pairs; empty where no interest names the object.
-  [[nodiscard]] std::span<const std::uint32_t> pairs_of(ObjectId id) const;
-  // The part pairs of which a node is an end, and those that its own motion may change; none behind all nodes.
-  [[nodiscard]] std::span<const std::uint32_t> part_pairs_of(std::size_t node) const {
-    if (node >= part_pairs_of_node.size()) return {};
-    return part_pairs_of_node[node];
-  }
-  [[nodiscard]] std::span<const std::uint32_t> part_pairs_moved_by(std::size_t node) const {
-    if (node >= moved_part_pairs.size()) return {};
-    return moved_part_pairs[node];
+  [[nodiscard]] PairNumbers pairs_of(ObjectId id) const;
+  // The pairs of a node, the part pairs of those, and the part pairs that its own motion may change; none behind all
+  // nodes.
+  [[nodiscard]] PairNumbers pairs_of_node(std::size_t node) const { return node_pairs.of(node); }
+  [[nodiscard]] PairNumbers part_pairs_of(std::size_t node) const { return node_part_pairs.of(node); }
+  [[nodiscard]] PairNumbers part_pairs_moved_by(std::size_t node) const { return moved_part_pairs.of(node); }
+  // The part pairs of a pair: from `first` on, before `end`.
+  [[nodiscard]] Range part_pairs_of_pair(std::uint32_t pair) const {
+    const auto at = pairs.locate(pair);
+    if (at.group == nullptr) return parts_of_listed_pair[at.place];
+    const std::uint32_t first = at.group->first_part() + at.place;
+    return {first, first + 1};
   }
   [[nodiscard]] const CollisionResponse* response_of(ObjectId id) const;  // null where the object has none
   // Whether an end of the pair answers its contacts, being registered for them with a CollisionResponse; whether the
@@ -116,17 +105,10 @@ struct WorldModel {
     return (end == pair.collider || pair.mutual) && response_of(end) != nullptr;
   }
   [[nodiscard]] bool answers(ObjectId id) const;
-  // Whether `holds` of any pair of the two.
-  template <class Predicate>
-  [[nodiscard]] bool any_pair(ObjectId a, ObjectId b, Predicate holds) const {
-    if (pairs_of(b).size() < pairs_of(a).size()) std::swap(a, b);
-    return std::ranges::any_of(pairs_of(a), [&](std::uint32_t number) {
-      return (pairs[number].collider == b || pairs[number].collidee == b) && holds(number);
-    });
-  }
-  [[nodiscard]] bool are_paired(ObjectId a, ObjectId b) const {
-    return a != b && any_pair(a, b, [](std::uint32_t) { return true; });
-  }
+  // The numbers of the pairs of the two, ascending.
+  [[nodiscard]] std::vector<std::uint32_t> pairs_between(ObjectId a, ObjectId b) const;
+  [[nodiscard]] std::optional<std::uint32_t> number_of(const InterestKey& interest) const;  // none: it has no such pair
+  [[nodiscard]] bool are_paired(ObjectId a, ObjectId b) const { return !pairs_between(a, b).empty(); }
   // Whether one of the two answers their contacts.
   [[nodiscard]] bool is_answered(ObjectId a, ObjectId b) const;
   [[nodiscard]] bool is_flexible(std::uint32_t part) const { return part >= nodes.size(); }

@@ -103,7 +103,7 @@ TEST_P(ContactRange, IsAsFarAsBothComeInTimeAndASubscriptionTakes) {
     Subscribing s(settings);
     s.conf.policy.track_proximity = c.track_proximity;
     s.place(100.0 - range_m + (beyond ? -1e-6 : 1e-6), c.own_m_s);
-    s.part().measure_contact_ranges(std::vector{0u}, true);
+    s.part().measure_contact_ranges(PairNumbers(std::vector{0u}), true);
     s.part().follow_interest(sim(0s), sim(0s));
     EXPECT_EQ(s.joined().contains(RegionId{2}), !beyond);
     EXPECT_TRUE(s.joined().contains(RegionId{1}));
@@ -129,7 +129,7 @@ TEST(RegionSubscriptions, WithoutALookaheadAPeerLooksAsFarAheadAsAnAnswerTakes) 
     const double ahead_s = 2.0 * to_seconds(s.members.longest_latency()) + 0.3;
     const double range_m = 2.0 * std::sqrt(0.75) + (3.0 + 5.0) * ahead_s + 0.5;
     s.place(100.0 - range_m + (beyond ? -1e-6 : 1e-6), 3.0);
-    s.part().measure_contact_ranges(std::vector{0u}, true);
+    s.part().measure_contact_ranges(PairNumbers(std::vector{0u}), true);
     s.part().follow_interest(sim(0s), sim(0s));
     EXPECT_EQ(s.joined().contains(RegionId{2}), !beyond);
   }
@@ -137,13 +137,13 @@ TEST(RegionSubscriptions, WithoutALookaheadAPeerLooksAsFarAheadAsAnAnswerTakes) 
 
 TEST(RegionSubscriptions, OnlyPairsOfTwoOwnersAskForReach) {
   Subscribing s;
-  s.part().measure_contact_ranges(std::vector{0u}, true);
+  s.part().measure_contact_ranges(PairNumbers(std::vector{0u}), true);
   ASSERT_EQ(s.part().contact_areas(sim(0s), 0.0).size(), 1u);
   EXPECT_NEAR(s.part().contact_areas(sim(0s), 0.0).front().radius_m, 2.0 * std::sqrt(0.75), 1e-12);
   s.owners.set(s.fast, kNobody);
-  s.part().measure_contact_ranges(std::vector{0u}, false);
+  s.part().measure_contact_ranges(PairNumbers(std::vector{0u}), false);
   EXPECT_FALSE(s.part().contact_areas(sim(0s), 0.0).empty()) << "the others' still count";
-  s.part().measure_contact_ranges(std::vector{0u}, true);
+  s.part().measure_contact_ranges(PairNumbers(std::vector{0u}), true);
   EXPECT_TRUE(s.part().contact_areas(sim(0s), 0.0).empty());
 }
 
@@ -154,7 +154,7 @@ struct Reaching {
     p.owners.set(world["OTHER"], PeerId{2});
     p.replica.begin(sim(0s));
     p.replica.set_world_zero(sim(0s), sim(0s));
-    p.regions.measure_contact_ranges(std::vector{0u}, true);
+    p.regions.measure_contact_ranges(PairNumbers(std::vector{0u}), true);
   }
   [[nodiscard]] std::vector<Area> areas(double ahead_s = 0.0) const {
     return p.regions.contact_areas(sim(0s), ahead_s);
@@ -499,7 +499,7 @@ struct InALargeSession : Subscribing {
     EXPECT_TRUE(members.follow_size(true));
     place(50);
     part().follow_interest(sim(0s), sim(0s));
-    part().measure_contact_ranges(std::vector{0u}, true);
+    part().measure_contact_ranges(PairNumbers(std::vector{0u}), true);
   }
   // The regions that the message goes to, in datagrams of one number.
   std::vector<std::uint32_t> regions_of(Message m) {

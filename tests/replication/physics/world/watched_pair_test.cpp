@@ -67,7 +67,7 @@ class CarryOver : public testing::Test {
 
   World world{car_and_curb() + interest("CURB", "\"BIRD\"")};
   std::unique_ptr<const WorldModel> next = extended(*world.model, std::vector{world["WHEEL"]});
-  WatchedPairs known = all_watched(*world.model, sim(1s)), pairs{next->part_pairs.size()};
+  WatchedPairs known = all_watched(*world.model, sim(1s)), pairs{*next};
 };
 
 TEST_F(CarryOver, PairsAreThoseOfTheModel) {
@@ -108,7 +108,7 @@ TEST_F(CarryOver, OtherPartsOfAnInterestAreWatchedAndInsideAsTheWholeWas) {
 }
 
 TEST_F(CarryOver, WhatWasNeverWatchedIsNot) {
-  known = WatchedPairs(known.size());
+  known = WatchedPairs(*world.model);
   add_pairs(known, *world.model, 1, sim(1s), false);
   EXPECT_THAT(carry_over(), IsEmpty());
   EXPECT_THAT(pairs.numbers(), ElementsAre(2)) << "the car's are still not there";
@@ -117,7 +117,7 @@ TEST_F(CarryOver, WhatWasNeverWatchedIsNot) {
 
 TEST_F(CarryOver, PairsOfANewInterestAreWatched) {
   const World without{car_and_curb()};
-  known = WatchedPairs(without.model->part_pairs.size());
+  known = WatchedPairs(*without.model);
   EXPECT_THAT(replication::carry_over(*without.model, std::move(known), *next, sim(2s), pairs), ElementsAre(2));
   EXPECT_TRUE(pairs[2].watched);
   EXPECT_EQ(pairs[2].clear_until, sim(2s));
@@ -125,7 +125,7 @@ TEST_F(CarryOver, PairsOfANewInterestAreWatched) {
 
 TEST_F(CarryOver, TheSameModelChangesNothing) {
   next = extended(*world.model, {});
-  pairs = WatchedPairs(next->part_pairs.size());
+  pairs = WatchedPairs(*next);
   known[0].inside = true;
   EXPECT_THAT(carry_over(), IsEmpty());
   EXPECT_TRUE(pairs[0].inside);

@@ -54,6 +54,131 @@ TEST(WorldModel, APatternPairsAsListsDo) {
   }
 }
 
+// ---- groups, whose pairs are no list ----
+
+// One collider, and all that it is registered for, in order.
+struct Listed {
+  std::string collider;
+  std::vector<std::string> collidees;
+};
+
+std::string interests_of(const std::vector<Listed>& listed, int type = 1) {
+  std::string text;
+  for (const auto& [collider, collidees] : listed) {
+    std::string all;
+    for (const std::string& name : collidees) {
+      if (name != collider) all += " \"" + name + '"';
+    }
+    text += "CollisionInterest { objectPath \"" + collider + "\" interests [" + all + "] collisionType " +
+            std::to_string(type) + " }\n";
+  }
+  return text;
+}
+
+// Boxes of those names, 3 m apart.
+std::string row_of(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) text += box(names[i], "1 1 1", std::to_string(3 * i) + " 0 0");
+  return text;
+}
+
+std::vector<std::string> names_of(const std::string& prefix, int count) {
+  std::vector<std::string> names;
+  for (int i = 0; i < count; ++i) names.push_back(prefix + std::to_string(i));
+  return names;
+}
+
+std::vector<Listed> each_with(const std::vector<std::string>& colliders, const std::vector<std::string>& collidees) {
+  std::vector<Listed> listed;
+  for (const std::string& collider : colliders) listed.push_back({collider, collidees});
+  return listed;
+}
+
+// Everything that a model says of pairs, of two worlds of the same objects.
+void expect_same_pairs(const WorldModel& a, const WorldModel& b) {
+  ASSERT_EQ(a.nodes.size(), b.nodes.size());
+  ASSERT_EQ(a.pairs.size(), b.pairs.size());
+  ASSERT_EQ(a.part_pairs.size(), b.part_pairs.size());
+  for (std::uint32_t i = 0; i < a.pairs.size(); ++i) {
+    ASSERT_EQ(key_of(a.pairs[i]), key_of(b.pairs[i])) << i;
+    ASSERT_EQ(a.pairs[i].mutual, b.pairs[i].mutual) << i;
+    const auto [first, end] = a.part_pairs_of_pair(i);
+    ASSERT_EQ(first, b.part_pairs_of_pair(i).first) << i;
+    ASSERT_EQ(end, b.part_pairs_of_pair(i).end) << i;
+  }
+  for (std::uint32_t k = 0; k < a.part_pairs.size(); ++k) {
+    const PartPair one = a.part_pairs[k], another = b.part_pairs[k];
+    ASSERT_EQ(std::tie(one.pair, one.a, one.b, one.common, one.fixed),
+              std::tie(another.pair, another.a, another.b, another.common, another.fixed))
+        << k;
+  }
+  for (std::size_t node = 0; node < a.nodes.size(); ++node) {
+    EXPECT_EQ(a.pairs_of_node(node).all(), b.pairs_of_node(node).all()) << node;
+    EXPECT_EQ(a.part_pairs_of(node).all(), b.part_pairs_of(node).all()) << node;
+    EXPECT_EQ(a.part_pairs_moved_by(node).all(), b.part_pairs_moved_by(node).all()) << node;
+    EXPECT_EQ(a.all_pairs_move[node], b.all_pairs_move[node]) << node;
+    const PairNumbers parts = a.part_pairs_of(node);
+    for (auto at = parts.begin(); at != parts.end(); ++at) {
+      if (at.partner() == ModelNode::kNone) continue;
+      EXPECT_EQ(at.partner(), a.part_pairs[*at].a == node ? a.part_pairs[*at].b : a.part_pairs[*at].a);
+    }
+    for (const ModelNode& other : a.nodes) {
+      EXPECT_EQ(a.pairs_between(a.nodes[node].object, other.object),
+                b.pairs_between(b.nodes[node].object, other.object));
+    }
+  }
+}
+
+TEST(WorldModel, AGroupIsNumberedAsItsListIs) {
+  const std::vector<std::string> crates = names_of("C", 10), walls = names_of("W", 9);
+  std::vector<std::string> all = walls;
+  all.insert(all.end(), crates.begin(), crates.end());
+  const std::string boxes = row_of({"W0", "C0", "C1", "W1", "W2", "C2", "C3", "C4", "C5", "W3", "C6", "C7", "C8", "W4",
+                                    "W5", "C9", "W6", "W7", "W8"});
+  const std::vector<std::string> in_order{"W0", "C0", "C1", "W1", "W2", "C2", "C3", "C4", "C5", "W3",
+                                          "C6", "C7", "C8", "W4", "W5", "C9", "W6", "W7", "W8"};
+  struct Case {
+    std::string group;
+    std::vector<Listed> listed;
+  };
+  for (const Case& c : {Case{interest("C*", "\"C*\""), each_with(crates, crates)},
+                        Case{interest("C*", "\"C*\" \"W*\""), each_with(crates, in_order)},
+                        Case{interest("C*", "\"W*\""), each_with(crates, walls)}}) {
+    SCOPED_TRACE(c.group);
+    const World grouped(boxes + c.group), listed(boxes + interests_of(c.listed));
+    EXPECT_EQ(grouped.model->groups.size(), 1u);
+    EXPECT_TRUE(listed.model->groups.empty());
+    expect_same_pairs(*grouped.model, *listed.model);
+    // Among others, of another type and of the same one.
+    const std::string before = interests_of({{"W0", {"C3", "C4"}}}, 2), after = interests_of({{"W0", {"W1", "W2"}}});
+    const World amid(boxes + before + c.group + after), amid_listed(boxes + before + interests_of(c.listed) + after);
+    EXPECT_EQ(amid.model->groups.size(), 1u);
+    expect_same_pairs(*amid.model, *amid_listed.model);
+  }
+  const World two(boxes + interest("C*", "\"C*\"") + interest("C*", "\"W*\""));
+  const World two_listed(boxes + interests_of(each_with(crates, crates)) + interests_of(each_with(crates, walls)));
+  EXPECT_EQ(two.model->groups.size(), 2u) << "they share ends, and no pair";
+  expect_same_pairs(*two.model, *two_listed.model);
+}
+
+TEST(WorldModel, WhatIsNotAllOfOneKindIsAList) {
+  const std::string crates = row_of(names_of("C", 12));
+  const auto groups = [](const std::string& text) { return World(text).model->groups.size(); };
+  const std::string all = interest("C*", "\"C*\"");
+  EXPECT_EQ(groups(crates + all), 1u);
+  EXPECT_EQ(groups(row_of(names_of("C", 4)) + all), 0u) << "few";
+  EXPECT_EQ(groups(crates + all + interest("C3", "\"C4\"")), 0u) << "another interest has one of the pairs";
+  EXPECT_EQ(groups(crates + box("B", "1 1 1", "0 9 0") + all + interest("B", "\"C4\"")), 1u);
+  EXPECT_EQ(groups(crates + "DEF CAR Transform { children [ " + box("WHEEL", "1 1 1", "0 0 0") + " " +
+                   box("DOOR", "1 1 1", "2 0 0") + " ] }" + interest("C*", "\"C*\" \"CAR/WHEEL\"")),
+            0u)
+      << "one is inside another";
+  EXPECT_EQ(groups(crates + "DEF C99 Transform { collisionLayers 2 children Shape { geometry Box { } } }" +
+                   "DEF C98 Transform { collisionLayers 1 children Shape { geometry Box { } } }" + all),
+            0u)
+      << "two share no layer";
+}
+
 TEST(WorldModel, NamesWhatItCannotAnswer) {
   const World w("DEF GROUP Transform { children " + box("INNER", "1 1 1", "0 0 0") + "}" +
                 "DEF EGG Transform { children Shape { geometry Sphere { radius 1e18 } } }" +
@@ -81,17 +206,15 @@ TEST(WorldModel, FindsAnObjectsPairsAndPartners) {
   const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "3 0 0") + box("C", "1 1 1", "6 0 0") +
                 box("ALONE", "1 1 1", "9 0 0") + interest("C", "\"A\"") + interest("A", "\"B\" \"C\"") +
                 "CollisionInterest { objectPath \"B\" interests [\"A\"] collisionType 0 }\n");
-  const auto pairs_of = [&](const char* path) {
-    const auto found = w.model->pairs_of(w[path]);
-    return std::vector<std::uint32_t>(found.begin(), found.end());
-  };
+  const auto pairs_of = [&](const char* path) { return w.model->pairs_of(w[path]).all(); };
   ASSERT_EQ(w.model->pairs.size(), 3u);
   EXPECT_THAT(pairs_of("A"), ElementsAre(0, 1, 2));
   EXPECT_THAT(pairs_of("B"), ElementsAre(1, 2));  // of two types
   EXPECT_THAT(pairs_of("C"), ElementsAre(0));
   EXPECT_THAT(pairs_of("ALONE"), IsEmpty());
-  EXPECT_THAT(w.model->partners_of_node[0], ElementsAre(1, 2));
-  EXPECT_THAT(w.model->partners_of_node[1], ElementsAre(0));
+  EXPECT_THAT(w.model->pairs_between(w["B"], w["A"]), ElementsAre(1, 2));
+  EXPECT_TRUE(w.model->are_paired(w["A"], w["C"]));
+  EXPECT_FALSE(w.model->are_paired(w["B"], w["C"]));
 }
 
 // ---- nodes, carriers and parts ----
@@ -118,7 +241,8 @@ std::vector<Named> part_pairs_of(const World& w, std::uint32_t pair) {
     return part == kNone ? std::string(none) : w.scene.path_of(w.model->nodes.at(part).object);
   };
   std::vector<Named> named;
-  for (std::uint32_t k = w.model->first_part_pair[pair]; k < w.model->first_part_pair[pair + 1]; ++k) {
+  const auto [first, end] = w.model->part_pairs_of_pair(pair);
+  for (std::uint32_t k = first; k < end; ++k) {
     const PartPair& parts = w.model->part_pairs[k];
     EXPECT_EQ(parts.pair, pair);
     named.push_back({name(parts.a, "-"), name(parts.b, "-"), name(parts.common, "the world"), parts.fixed});
@@ -172,9 +296,9 @@ TEST(WorldModel, TwoPartsMeetInTheFrameOfTheirNearestCommonCarrier) {
   EXPECT_THAT(w.model->chain_of(seat, bus), ElementsAre(seat));
   EXPECT_THAT(w.model->chain_of(bus), ElementsAre(bus));
   // What the bus itself may change: what is outside of it.
-  EXPECT_THAT(w.model->moved_part_pairs[bus], ElementsAre(1, 4));
-  EXPECT_THAT(w.model->moved_part_pairs[door], ElementsAre(0, 1, 2));
-  EXPECT_THAT(w.model->part_pairs_of_node[bus], IsEmpty()) << "it is no end";
+  EXPECT_THAT(w.model->part_pairs_moved_by(bus).all(), ElementsAre(1, 4));
+  EXPECT_THAT(w.model->part_pairs_moved_by(door).all(), ElementsAre(0, 1, 2));
+  EXPECT_THAT(w.model->part_pairs_of(bus), IsEmpty()) << "it is no end";
 }
 
 TEST(WorldModel, WhatNothingMovesIsNoCarrier) {
@@ -193,12 +317,12 @@ TEST(WorldModel, BoxesAreThoseOfWholeEndsInTheWorld) {
       << "no interest names the wheel, and nothing moves it: it is of the car's body";
   EXPECT_THAT(part_pairs_of(w, 1), ElementsAre(Named{"BUS/DOOR", "BUS/POST", "the world"}));
   EXPECT_THAT(part_pairs_of(w, 2), ElementsAre(Named{"BUS/SEAT", "BUS/RAIL", "the world"}));
-  EXPECT_THAT(w.model->moved_part_pairs[index_of(w, "BUS")], ElementsAre(1, 2));
+  EXPECT_THAT(w.model->part_pairs_moved_by(index_of(w, "BUS")).all(), ElementsAre(1, 2));
   const World turns(car_and_curb() + interest("CAR", "\"CURB\"", 0), {"WHEEL"});
   EXPECT_THAT(part_pairs_of(turns, 0), ElementsAre(Named{"-", "-", "the world"}));
-  EXPECT_THAT(turns.model->moved_part_pairs[index_of(turns, "WHEEL")], ElementsAre(0));
-  EXPECT_THAT(turns.model->moved_part_pairs[index_of(turns, "CAR")], ElementsAre(0));
-  EXPECT_THAT(turns.model->moved_part_pairs[index_of(turns, "CURB")], ElementsAre(0));
+  EXPECT_THAT(turns.model->part_pairs_moved_by(index_of(turns, "WHEEL")).all(), ElementsAre(0));
+  EXPECT_THAT(turns.model->part_pairs_moved_by(index_of(turns, "CAR")).all(), ElementsAre(0));
+  EXPECT_THAT(turns.model->part_pairs_moved_by(index_of(turns, "CURB")).all(), ElementsAre(0));
 }
 
 // What moves the wheel does not move the car's own body; it does move a part of the car's box.
@@ -230,7 +354,7 @@ TEST(WorldModel, WhatPeersOwnCarries) {
   EXPECT_EQ(owned.model->node(owned["ALONE"]), nullptr) << "it meets nothing and carries nothing";
   EXPECT_TRUE(owned.model->body(owned["CAR"])->vertices().empty()) << "only its motion is needed";
   EXPECT_EQ(owned.model->body(owned["CAR"])->meshes_built, 0u);
-  EXPECT_THAT(owned.model->moved_part_pairs[index_of(owned, "CAR")], ElementsAre(0));
+  EXPECT_THAT(owned.model->part_pairs_moved_by(index_of(owned, "CAR")).all(), ElementsAre(0));
   EXPECT_THAT(part_pairs_of(owned, 0), ElementsAre(Named{"CAR/WHEEL", "CURB", "the world"}));
 }
 
@@ -247,8 +371,8 @@ TEST(WorldModel, PartsNest) {
   EXPECT_EQ(w.model->node(w["HOOK"])->depth, 2u);
   EXPECT_THAT(w.model->parts_of_node[crane], ElementsAre(arm, hook)) << "the crane itself has no Shape of its own";
   EXPECT_THAT(w.model->carried_by[crane], ElementsAre(arm, hook));
-  EXPECT_THAT(w.model->moved_part_pairs[arm], ElementsAre(0, 1));
-  EXPECT_THAT(w.model->moved_part_pairs[hook], ElementsAre(1));
+  EXPECT_THAT(w.model->part_pairs_moved_by(arm).all(), ElementsAre(0, 1));
+  EXPECT_THAT(w.model->part_pairs_moved_by(hook).all(), ElementsAre(1));
 }
 
 TEST(WorldModel, AContactIsAnsweredWhereAColliderResponds) {
