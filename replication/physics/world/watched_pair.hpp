@@ -38,8 +38,18 @@ struct PairCourse {
       normals{};  // along which the two touch or bear: the last one where its plane parts them, else all of the burst
 };
 
+// How a pair stands in the schedule of searches.
+struct PairStanding {
+  bool watched = false;
+  bool is_scheduled = false;  // it is searched when it is due (MotionWorld::reschedule())
+  bool put_off = false;       // its searches are put off (MotionWorld::put_off())
+  bool stopped = false;       // for that reason, at clear_until; it has no contact, and bears nothing
+  bool unsupported = false;   // counted once, then never searched again
+  bool searched = false;      // some search has been answered
+};
+
 // Two parts of two ends of an interest (PartPair). What answers is the end.
-struct WatchedPair : PairCourse {
+struct WatchedPair : PairCourse, PairStanding {
   std::uint32_t collider, collidee;  // the ends, into MovingObjects
   std::uint32_t part_a, part_b;      // the model's parts that meet; kNone: the boxes of both whole ends
   std::uint32_t common;              // the two meet in the frame of that object; kNone: in the world
@@ -49,13 +59,7 @@ struct WatchedPair : PairCourse {
   bool is_plain;  // the parts are the ends, and nothing carries them
   bool is_flexible;
   bool collider_responds, collidee_responds;
-  bool has_exact_search;  // collision has an answer
-  bool watched = false;
-  bool is_scheduled = false;          // it is searched when it is due (MotionWorld::reschedule())
-  bool put_off = false;               // its searches are put off (MotionWorld::put_off())
-  bool stopped = false;               // for that reason, at clear_until; it has no contact, and bears nothing
-  bool unsupported = false;           // counted once, then never searched again
-  bool searched = false;              // some search has been answered
+  bool has_exact_search;              // collision has an answer
   bool overlapped = false;            // `contact` is an overlap, not a touch
   bool resting = false;               // at `contact` the two are pressed together and do not approach
   bool lifts = false;                 // at `contact` the two come apart: they bore each other until then

@@ -14,7 +14,7 @@
 
 #include "collision/contact/body.hpp"
 #include "core/scene/scene.hpp"
-#include "replication/physics/world/model_pairs.hpp"
+#include "replication/physics/pairs/model_pairs.hpp"
 
 namespace peerd::replication {
 

@@ -1,4 +1,4 @@
-#include "replication/physics/world/model_pairs.hpp"
+#include "replication/physics/pairs/model_pairs.hpp"
 
 #include <unordered_map>
 #include <unordered_set>
