@@ -1230,8 +1230,8 @@ std::optional<std::size_t> MotionWorld::first_contact_until(SimTime to) {
   // What is due after a contact that is known is left for the next call: where many meet in one tick, each contact
   // would cost a visit of all that a multiple of kLookahead makes due.
   SimTime until = to;
-  const std::size_t slots = pair_checks_.size();
-  for (std::size_t slot = pair_checks_.next_due(0, to); slot != slots; slot = pair_checks_.next_due(slot + 1, until)) {
+  for (std::size_t slot = pair_checks_.next_due(0, to); slot < pair_checks_.size();  // which may grow
+       slot = pair_checks_.next_due(slot + 1, until)) {
     const std::uint32_t i = pairs_.number_in(slot);
     WatchedPair& pair = pairs_[i];
     ++checked;
