@@ -448,20 +448,36 @@ PairNumbers WorldModel::pairs_of(ObjectId id) const {
   return pairs_of_node(static_cast<std::size_t>(of - nodes.data()));
 }
 
-std::vector<std::uint32_t> WorldModel::pairs_between(ObjectId a, ObjectId b) const {
-  if (a == b || node(a) == nullptr || node(b) == nullptr) return {};
-  std::uint32_t of_a = index_of(a), of_b = index_of(b);
-  if (node_pairs.listed_of(of_b).size() < node_pairs.listed_of(of_a).size()) std::swap(of_a, of_b);
-  const ObjectId other = nodes[of_b].object;
-  std::vector<std::uint32_t> between;
-  std::ranges::copy_if(node_pairs.listed_of(of_a), std::back_inserter(between), [&](std::uint32_t number) {
-    return pairs[number].collider == other || pairs[number].collidee == other;
-  });
-  for (const PairGroup& group : groups) {
+namespace {
+
+// Whether `holds` of the number of any pair of the two; needs no memory.
+template <class Predicate>
+bool any_between(const WorldModel& model, ObjectId a, ObjectId b, Predicate holds) {
+  if (a == b || model.node(a) == nullptr || model.node(b) == nullptr) return false;
+  std::uint32_t of_a = model.index_of(a), of_b = model.index_of(b);
+  if (model.node_pairs.listed_of(of_b).size() < model.node_pairs.listed_of(of_a).size()) std::swap(of_a, of_b);
+  const ObjectId other = model.nodes[of_b].object;
+  const auto is_between = [&](std::uint32_t number) {
+    const CollisionPair pair = model.pairs[number];
+    return (pair.collider == other || pair.collidee == other) && holds(number);
+  };
+  if (std::ranges::any_of(model.node_pairs.listed_of(of_a), is_between)) return true;
+  return std::ranges::any_of(model.groups, [&](const PairGroup& group) {
     const PairGroup::Member *const one = group.member(of_a), *const another = group.member(of_b);
-    if (one == nullptr || another == nullptr) continue;
-    if (const auto number = group.number_of(*one, *another)) between.push_back(*number);
-  }
+    if (one == nullptr || another == nullptr) return false;
+    const auto number = group.number_of(*one, *another);
+    return number && holds(*number);
+  });
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> WorldModel::pairs_between(ObjectId a, ObjectId b) const {
+  std::vector<std::uint32_t> between;
+  any_between(*this, a, b, [&](std::uint32_t number) {
+    between.push_back(number);
+    return false;
+  });
   std::ranges::sort(between);
   return between;
 }
@@ -489,7 +505,7 @@ bool WorldModel::may_carry(ObjectId carrier, ObjectId object) const {
 }
 
 bool WorldModel::is_answered(ObjectId a, ObjectId b) const {
-  return std::ranges::any_of(pairs_between(a, b), [&](std::uint32_t number) {
+  return any_between(*this, a, b, [&](std::uint32_t number) {
     const CollisionPair pair = pairs[number];
     return answers(pair, pair.collider) || answers(pair, pair.collidee);
   });
