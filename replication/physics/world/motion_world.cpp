@@ -150,6 +150,7 @@ void MotionWorld::replace_model(const WorldModel& next, SimTime t, ChangeObjects
   pair_checks_ = {};
   watched_ = 0;
   waiting_ = WaitingPairs(next);
+  searched_again_.clear();
   known_.reset();
   for (const std::uint32_t i : pairs_.numbers()) reschedule(i);
   for (std::uint32_t number = 0; number < next.pairs.size() && waited.count() > 0; ++number) {
@@ -648,9 +649,9 @@ void MotionWorld::note_answers() {
 
 void MotionWorld::reschedule_opened(const std::optional<NewLaw>& law) {
   for (const std::uint32_t i : opened_) {
-    const WatchedPair& pair = pairs_[i];
     const SimTime reopened =
-        law ? reopened_from(pair, is_partner_lived(objects_, pair, law->object, law->from), law->from) : SimTime::max();
+        law ? reopened_from(i, is_partner_lived(objects_, pairs_[i], law->object, law->from), law->from)
+            : SimTime::max();
     search().note_was_far(pairs_[i], law, reopened);
     reschedule(i);
   }
@@ -700,14 +701,18 @@ void MotionWorld::remember_course(std::uint32_t i, SimTime t) {
   courses_.pairs.insert(i);
 }
 
-SimTime MotionWorld::reopened_from(const WatchedPair& pair, bool lived, SimTime t) const {
+SimTime MotionWorld::reopened_from(std::uint32_t i, bool lived, SimTime t) const {
+  const WatchedPair& pair = pairs_[i];
   const SimTime known = std::max(objects_.known_since(pair.collider), objects_.known_since(pair.collidee));
-  return std::max({t, known, advanced_ - (lived ? Duration{0} : kHistory)});
+  const auto again = searched_again_.find(i);
+  const SimTime lived_until = again == searched_again_.end() ? advanced_ : again->second;
+  return std::max({t, known, lived ? lived_until : advanced_ - kHistory});
 }
 
 // The pairs of the object know nothing of contacts since then any more. Pairs of which the other object would answer
 // here, or is driven here and gets no answer, are not searched again in the past because this one moved otherwise; its
-// own change (a decision) makes them searched there. A pair of two own objects is.
+// own change (a decision) makes them searched there. A pair of two own objects is. So is one that is being searched in
+// the past anyway: a contact that it has found there may not be.
 void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
   far_.moved(object, t, advanced_, objects_, pairs_, opened_);
   end_waits_of(object, t);
@@ -720,7 +725,11 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
       MovingObject& o = objects_[other];
       o.base_time = std::min(o.base_time, std::max(o.given_time, t));
     }
-    const SimTime from = reopened_from(pair, is_partner_lived(objects_, pair, object, t), t);
+    const SimTime from = reopened_from(i, is_partner_lived(objects_, pair, object, t), t);
+    if (from < advanced_) {
+      SimTime& again = searched_again_.try_emplace(i, from).first->second;
+      again = std::min(again, from);
+    }
     if (pair.contact && *pair.contact >= from) {
       pair.contact.reset();
       pair.lifts = false;
@@ -1041,7 +1050,7 @@ void MotionWorld::let_through(std::uint32_t i, SimTime t) {
   WatchedPair& pair = pairs_[i];
   assert(pair.is_answered() && std::min(pair.touched, pair.bore_since) <= t);
   const bool lived = objects_.is_lived(pair.collider) || objects_.is_lived(pair.collidee);
-  const bool is_ahead = far_.contains(i) || (!pair.contact && pair.clear_until > reopened_from(pair, lived, t));
+  const bool is_ahead = far_.contains(i) || (!pair.contact && pair.clear_until > reopened_from(i, lived, t));
   if (is_ahead) return;
   remember_course(i, t);
   pair.inside = true;
@@ -1285,6 +1294,7 @@ void MotionWorld::advance(SimTime to) {
   }
   while (!retracted_bases_.empty()) lay_next_base();  // of the time that is still to come
   advanced_ = std::max(advanced_, to);
+  searched_again_.clear();
   objects_.prune_timelines(advanced_);
   if (advanced_ >= courses_.forgotten + kHistory) {
     courses_.forgotten = advanced_;

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <set>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -302,7 +303,7 @@ class MotionWorld {
   void remember_course(std::uint32_t i, SimTime t);
   // The instant from which the pair is searched again if one of the two moves otherwise from t on; `lived`: this peer
   // moves the other one, or both.
-  [[nodiscard]] SimTime reopened_from(const WatchedPair& pair, bool lived, SimTime t) const;
+  [[nodiscard]] SimTime reopened_from(std::uint32_t i, bool lived, SimTime t) const;
   // The object's pieces changed from t on. `elsewhere`: also where it is.
   void reopen_pairs(std::size_t object, SimTime t, bool elsewhere);
 
@@ -327,6 +328,8 @@ class MotionWorld {
   std::size_t watched_ = 0;          // the number of pairs with a check, whenever that is due; the far ones included
   WaitingPairs waiting_;             // of them none of the part pairs is there
   std::set<std::uint32_t> stopped_;  // into pairs_
+  // The pairs that the next advance() is to search again from an instant of the past on, and that instant.
+  std::unordered_map<std::uint32_t, SimTime> searched_again_;
   // Settling lists the objects that changed at the instant that is being answered. settle() empties it.
   struct Settling {
     struct Object {

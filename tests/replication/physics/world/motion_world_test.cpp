@@ -398,6 +398,29 @@ TEST(MotionWorld, AnAuthoritativeResponseIsKept) {
   EXPECT_EQ(world.counters().contacts_undone, 0u);
 }
 
+// BALL, of another peer, is told late to fly at CUBE, which this peer moves; a wall throws it back before it is there.
+TEST(MotionWorld, AContactThatAnEarlierOnePreventsIsNone) {
+  const std::string cube_first = interest("CUBE", "\"BALL\"") + interest("BALL", "\"WALL\"");
+  const std::string wall_first = interest("BALL", "\"WALL\"") + interest("CUBE", "\"BALL\"");
+  for (const std::string& interests : {cube_first, wall_first}) {
+    auto&& [w, world] = Started(
+        box("CUBE", "1 1 1", "6 0 0", kBounces) + box("BALL", "0.5 0.5 0.5", "0 0 0", kBounces) +
+            box("WALL", "1 50 50", "3.75 0 0") + interests,
+        {{"CUBE", Role::kAuthoritative, moving({6, 0, 0})}, {"BALL", Role::kPredicted, moving({0, 0, 0})}}, {"CUBE"});
+    world.advance(sim(1200ms));
+    world.set_base(w["CUBE"], sim(1200ms), moving({6, 0, 0}));  // it answers nothing of before
+    world.advance(sim(2s));
+    (void)events_of(world);
+    world.set_base(w["BALL"], sim(1s), moving({0, 0, 0}, {10, 0, 0}));
+    world.advance(sim(2s));
+    const auto seen = only(contacts_of(world));
+    EXPECT_EQ(seen.at, sim(1300ms));
+    EXPECT_EQ(seen.collidee, w["WALL"]);
+    EXPECT_EQ(world.at(w["CUBE"], sim(2s)).velocity, Vec3(0, 0, 0));
+    EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), 3 - 10 * 0.7, 1e-9);
+  }
+}
+
 TEST(MotionWorld, AnAuthoritativeObjectIsNotSearchedInItsPast) {
   auto&& [w, world] = Started(two_movers(), {{"BALL", Role::kAuthoritative, moving({-2, 0, 0}, {1, 0, 0})},
                                              {"CUBE", Role::kPredicted, moving({0, 9, 0})}});
