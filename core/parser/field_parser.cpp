@@ -30,13 +30,13 @@ void FieldParser::parse(OpenNode& open) {
         return;
       case kCloseBracket:
         open.damaged = true;
-        text_.tokens.error(text_.tokens.position(), "expected a field of " + type() + " or its '}', found ']'");
+        text_.tokens.fault(text_.tokens.position(), "expected a field of " + type() + " or its '}', found ']'");
         if (text_.values.in_list()) return;
         text_.tokens.take();
         break;
       default:
         open.damaged = true;
-        text_.tokens.error(text_.tokens.position(),
+        text_.tokens.fault(text_.tokens.position(),
                            "expected a field of " + type() + ", found " + described(text_.tokens.peek()));
         while (text_.tokens.at(kNumber) || text_.tokens.at(kString) || text_.tokens.at(kPeriod)) text_.tokens.take();
         if (text_.tokens.at(kOpenBrace) || text_.tokens.at(kOpenBracket)) text_.skip_balanced();
@@ -61,9 +61,10 @@ void FieldParser::parse_field(OpenNode& open) {
   if (text_.tokens.at_word("IS")) return links_.parse(open, *spec, access, text_.tokens.position_of(name));
   if (!has_value(access)) {
     open.damaged = true;
-    text_.tokens.error(text_.tokens.position_of(name), quoted(name.text) + " is an " + std::string(name_of(access)) +
-                                                           " of " + std::string(open.type->name) +
-                                                           ": a file cannot give it a value");
+    text_.tokens.fault(text_.tokens.position_of(name),
+                       quoted(name.text) + " is an " + std::string(name_of(access)) + " of " +
+                           std::string(open.type->name) + ": a file cannot give it a value",
+                       "the value is left out");
     return open_nodes_.skip_value(text_);
   }
   const auto same = [&](const Field& f) { return f.spec == spec; };
@@ -94,8 +95,9 @@ void FieldParser::parse_unknown_field(OpenNode& open, const Token& name) {
   const std::string type(open.type->name);
   if (text_.tokens.at(kOpenBrace) && types_.find(name).type != nullptr) {
     open.damaged = true;
-    text_.tokens.error(text_.tokens.position_of(name),
-                       quoted(name.text) + " is a node; the name of a field of " + type + " is missing before it");
+    text_.tokens.fault(text_.tokens.position_of(name),
+                       quoted(name.text) + " is a node; the name of a field of " + type + " is missing before it",
+                       "the node is left out");
     grammar_.parse_node_body({}, name, text_.tokens.position_of(name));
     return;
   }
@@ -116,8 +118,8 @@ void FieldParser::parse_unknown_field(OpenNode& open, const Token& name) {
     return open_nodes_.skip_value(text_);
   }
   open.damaged = true;
-  text_.tokens.error(text_.tokens.position_of(name),
-                     type + " has no field " + quoted(name.text) + did_you_mean(suggestion));
+  text_.tokens.fault(text_.tokens.position_of(name),
+                     type + " has no field " + quoted(name.text) + did_you_mean(suggestion), "the field is left out");
   if (text_.tokens.at_word("IS")) {
     text_.tokens.take();
     if (text_.tokens.at(kWord)) text_.tokens.take();

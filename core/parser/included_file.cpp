@@ -27,7 +27,7 @@ ParseContext::File* open_file(TextState& text, std::string_view url, Position at
   }
   if (is_open(text.context, loaded->name)) {
     why = "that file is being read already: it contains itself";
-    text.tokens.error(at, quoted(url) + ": " + why);
+    text.tokens.fault(at, quoted(url) + ": " + why, "nothing is read there");
     return nullptr;
   }
   if (text.context.open_files.size() >= kMaxOpenFiles) {
@@ -44,7 +44,7 @@ ParseContext::File* open_file(TextState& text, std::string_view url, Position at
     if (opened) {
       file = {.begin = opened->begin, .body = opened->body, .readable = true};
     } else {
-      file.why = opened.error();
+      file.why = opened.error().why;
     }
   }
   if (!file.readable) {

@@ -66,14 +66,15 @@ std::optional<std::pair<FieldType, Token>> InterfaceParser::parse_type_and_name(
     Suggestion suggestion(text_.tokens.peek().text);
     for (int t = 0; t <= static_cast<int>(FieldType::kMFVec3f); ++t)
       suggestion.consider(name_of(static_cast<FieldType>(t)));
-    text_.tokens.error(text_.tokens.position(),
-                       "expected a field type, found " + described(text_.tokens.peek()) + did_you_mean(suggestion));
+    text_.tokens.fault(text_.tokens.position(),
+                       "expected a field type, found " + described(text_.tokens.peek()) + did_you_mean(suggestion),
+                       "the declaration is left out");
     return std::nullopt;
   }
   text_.tokens.take();
   if (!text_.tokens.at(kWord) || is_keyword(text_.tokens.peek().text)) {
-    text_.tokens.error(text_.tokens.position(),
-                       "expected the name of a field, found " + described(text_.tokens.peek()));
+    text_.tokens.fault(text_.tokens.position(), "expected the name of a field, found " + described(text_.tokens.peek()),
+                       "the declaration is left out");
     return std::nullopt;
   }
   return std::pair(*type, text_.tokens.take());
@@ -91,7 +92,7 @@ std::optional<Field> InterfaceParser::parse_default(const FieldSpec& spec, Proto
 
 bool InterfaceParser::parse(std::string_view name, bool with_values, Prototype& prototype) {
   if (!text_.tokens.at(kOpenBracket)) {
-    text_.tokens.error(text_.tokens.position(), "expected '[' and the interface of " + quoted(name) + ", found " +
+    text_.tokens.fault(text_.tokens.position(), "expected '[' and the interface of " + quoted(name) + ", found " +
                                                     described(text_.tokens.peek()));
     return false;
   }
@@ -107,7 +108,7 @@ bool InterfaceParser::parse(std::string_view name, bool with_values, Prototype& 
     const auto access = text_.tokens.at(kWord) ? find_access(text_.tokens.peek().text) : std::nullopt;
     if (!access) {
       good = false;
-      text_.tokens.error(text_.tokens.position(),
+      text_.tokens.fault(text_.tokens.position(),
                          "expected eventIn, eventOut, field, exposedField or ']' in the interface of " + quoted(name) +
                              ", found " + described(text_.tokens.peek()));
       if (text_.tokens.at(kCloseBrace) || text_.tokens.at(kOpenBrace)) break;  // the ']' is missing
@@ -122,10 +123,12 @@ bool InterfaceParser::parse(std::string_view name, bool with_values, Prototype& 
       continue;
     }
     const auto& [type, field] = *type_and_name;
-    if (interface.conflicts(field.text, *access)) {
+    const bool conflicts = interface.conflicts(field.text, *access);
+    if (conflicts) {
       good = false;
-      text_.tokens.error(text_.tokens.position_of(field),
-                         quoted(field.text) + " is in the interface of " + quoted(name) + " already");
+      text_.tokens.fault(text_.tokens.position_of(field),
+                         quoted(field.text) + " is in the interface of " + quoted(name) + " already",
+                         "the first one counts");
     }
     const FieldSpec spec{text_.arena.copy(field.text), type, *access, {}, Range::kAny, kAnyClass};
     std::optional<Field> value;
@@ -134,7 +137,7 @@ bool InterfaceParser::parse(std::string_view name, bool with_values, Prototype& 
       good = good && value.has_value();
       if (!value) skip_to_declaration();
     }
-    if (interface.has(field.text)) continue;
+    if (conflicts) continue;
     if (interface.specs.size() == kMaxFields) text_.report_too_many_fields(text_.tokens.position_of(field));
     if (interface.specs.size() < kMaxFields) interface.add(spec, value);
   }

@@ -13,13 +13,15 @@ void LinkParser::parse(OpenNode& open, const FieldSpec& spec, Access access, Pos
   text_.tokens.take();
   if (!text_.tokens.at(kWord)) {
     open.damaged = true;
-    return text_.tokens.error(text_.tokens.position(), "expected a name of the PROTO's interface after IS, found " +
-                                                           described(text_.tokens.peek()));
+    return text_.tokens.fault(
+        text_.tokens.position(),
+        "expected a name of the PROTO's interface after IS, found " + described(text_.tokens.peek()),
+        "the IS is left out");
   }
   const Token name = text_.tokens.take();
   const auto refuse = [&](Position where, const std::string& why) {
     open.damaged = true;
-    text_.tokens.error(where, why);
+    text_.tokens.fault(where, why, "the IS is left out");
   };
   Prototype* const prototype = text_.scope->prototype;
   if (prototype == nullptr) return refuse(is_at, "IS belongs inside a PROTO");

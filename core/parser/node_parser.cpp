@@ -15,16 +15,18 @@ NodeRef NodeParser::parse_node() {
   Token def;
   if (text_.tokens.at_word("DEF")) {
     text_.tokens.take();
-    if (!text_.tokens.at(kWord) || is_keyword(text_.tokens.peek().text)) {
-      text_.tokens.error(text_.tokens.position(), "expected a name after DEF, found " + described(text_.tokens.peek()));
-      if (!text_.tokens.at(kWord) && !text_.tokens.at(kNumber)) return {NodeRef::kNull, at};
-      text_.tokens.take();
-    } else {
+    if (text_.at_name()) {
       def = text_.tokens.take();
+    } else if (text_.at_unlawful_name()) {
+      def = text_.take_unlawful_name("expected a name after DEF");
+    } else {
+      text_.tokens.fault(text_.tokens.position(), "expected a name after DEF, found " + described(text_.tokens.peek()),
+                         "the node is left out");
+      return {NodeRef::kNull, at};
     }
   }
   if (!text_.tokens.at(kWord)) {
-    text_.tokens.error(text_.tokens.position(), "expected a node type, found " + described(text_.tokens.peek()));
+    text_.tokens.fault(text_.tokens.position(), "expected a node type, found " + described(text_.tokens.peek()));
     text_.define_unreadable(def.text);
     return {NodeRef::kNull, at};
   }
@@ -35,12 +37,13 @@ NodeRef NodeParser::parse_node() {
 NodeRef NodeParser::parse_use() {
   const Token use = text_.tokens.take();
   const NodeRef null{NodeRef::kNull, text_.tokens.position_of(use)};
-  if (!text_.tokens.at(kWord) || is_keyword(text_.tokens.peek().text)) {
-    text_.tokens.error(text_.tokens.position(),
-                       "expected a DEF name after USE, found " + described(text_.tokens.peek()));
+  if (!text_.at_name() && !text_.at_unlawful_name()) {
+    text_.tokens.fault(text_.tokens.position(),
+                       "expected a DEF name after USE, found " + described(text_.tokens.peek()),
+                       "the node is left out");
     return null;
   }
-  const Token name = text_.tokens.take();
+  const Token name = text_.at_name() ? text_.tokens.take() : text_.take_unlawful_name("expected a DEF name after USE");
   Definition* const* const named = text_.scope->names.find(name.text);
   if (named == nullptr && text_.scope->prototype == nullptr && text_.scope->outer != nullptr) {
     // A default value stands outside of its PROTO's body, so it may USE what stands before it; as a copy of its own.
@@ -53,9 +56,10 @@ NodeRef NodeParser::parse_use() {
     }
   }
   if (named == nullptr) {
-    text_.tokens.error(
+    text_.tokens.fault(
         text_.tokens.position_of(name),
-        "USE of " + quoted(name.text) + ", which no DEF before it names" + did_you_mean(text_.names_like(name.text)));
+        "USE of " + quoted(name.text) + ", which no DEF before it names" + did_you_mean(text_.names_like(name.text)),
+        "the node is left out");
     return null;
   }
   Definition& definition = **named;
@@ -66,8 +70,9 @@ NodeRef NodeParser::parse_use() {
       open_nodes_.script_uses.push_back(&definition);
       return {kOpenNode, null.at};
     }
-    text_.tokens.error(text_.tokens.position_of(name),
-                       "USE of " + quoted(name.text) + " inside that node itself: a node cannot contain itself");
+    text_.tokens.fault(text_.tokens.position_of(name),
+                       "USE of " + quoted(name.text) + " inside that node itself: a node cannot contain itself",
+                       "the node is left out");
     return null;
   }
   return {definition.node, null.at};
@@ -77,7 +82,8 @@ void NodeParser::report_unknown_type(const Token& name) {
   const Position at = text_.tokens.position_of(name);
   for (Scope* scope = text_.scope; scope != nullptr; scope = scope->outer) {
     if (scope->prototype != nullptr && scope->prototype->type.name == name.text) {
-      return text_.tokens.error(at, quoted(name.text) + " is used inside its own PROTO: it would contain itself");
+      return text_.tokens.fault(at, quoted(name.text) + " is used inside its own PROTO: it would contain itself",
+                                "the node is left out");
     }
   }
   Suggestion suggestion(name.text);
@@ -90,15 +96,16 @@ void NodeParser::report_unknown_type(const Token& name) {
   std::ranges::sort(names);
   for (const std::string_view known : names) suggestion.consider(known);
   const bool node = text_.tokens.at(kOpenBrace);
-  text_.tokens.error(
-      at, (node ? "unknown node type " : "expected a node, found ") + quoted(name.text) + did_you_mean(suggestion));
+  text_.tokens.fault(
+      at, (node ? "unknown node type " : "expected a node, found ") + quoted(name.text) + did_you_mean(suggestion),
+      "the node is left out");
 }
 
 NodeRef NodeParser::parse_node_body(const Token& def, const Token& type_name, Position at) {
   TypeFinder::Type type = types_.find(type_name);
   if (type.type == nullptr) report_unknown_type(type_name);
   if (type.type != nullptr && !text_.tokens.at(kOpenBrace)) {
-    text_.tokens.error(text_.tokens.position(), "expected '{' after " + std::string(type.type->name) + ", found " +
+    text_.tokens.fault(text_.tokens.position(), "expected '{' after " + std::string(type.type->name) + ", found " +
                                                     described(text_.tokens.peek()));
   } else if (type.type != nullptr && text_.nesting >= kMaxNesting) {
     text_.tokens.error(text_.tokens.position_of(type_name),

@@ -8,10 +8,10 @@
 
 namespace peerd::vrml {
 
-std::expected<OpenText, std::string> open_text(ParseContext& context, Source source) {
+std::expected<OpenText, UnopenedText> open_text(ParseContext& context, Source source) {
   const ReadLimits& limits = context.options.limits;
   const std::uint64_t left = limits.text_bytes - std::min(context.text_bytes, limits.text_bytes);
-  std::expected<Header, std::string> header = std::unexpected("");
+  std::expected<Header, HeaderError> header = std::unexpected(HeaderError{});
   if (is_gzip(source.text)) {
     const std::uint64_t may_grow_to = limits.unpacked_bytes(source.text.size());
     std::expected<std::string, std::string> unpacked =
@@ -21,18 +21,25 @@ std::expected<OpenText, std::string> open_text(ParseContext& context, Source sou
       source.text = *source.owned;
       header = read_header(source.text);
     } else {
-      header = std::unexpected(unpacked.error());
+      header = std::unexpected(HeaderError{unpacked.error()});
     }
   } else if (source.text.size() > left) {
-    header = std::unexpected("it is larger than " + std::to_string(left) + " bytes, more than this reader takes");
+    header = std::unexpected(
+        HeaderError{"it is larger than " + std::to_string(left) + " bytes, more than this reader takes"});
     source.text = {};
   } else {
     header = read_header(source.text);
   }
   context.text_bytes += source.text.size();
   const std::optional<Position> begin = context.problems.open(std::move(source));
-  if (!header) return std::unexpected(header.error());
-  if (!begin) return std::unexpected("its files together are larger than 4 GiB, more than this reader takes");
+  if (!header && header.error().is_fault && begin && context.problems.lenient()) {
+    context.problems.fault(*begin, header.error().why, "the text is read as VRML97");
+    return OpenText{*begin, header.error().begin};
+  }
+  if (!header) return std::unexpected(UnopenedText{header.error().why, header.error().is_fault});
+  if (!begin) {
+    return std::unexpected(UnopenedText{"its files together are larger than 4 GiB, more than this reader takes"});
+  }
   if (!header->remark.empty()) context.problems.warning(*begin, std::string(header->remark));
   return OpenText{*begin, header->end};
 }

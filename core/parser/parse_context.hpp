@@ -116,7 +116,12 @@ struct ParseContext {
   }
 };
 
+// Why a text is not taken; where it is a fault, a lenient reader takes it.
+struct UnopenedText {
+  std::string why;
+  bool is_fault = false;
+};
 // Unpacks a text, checks its header and takes it among the sources.
-[[nodiscard]] std::expected<OpenText, std::string> open_text(ParseContext& context, Source source);
+[[nodiscard]] std::expected<OpenText, UnopenedText> open_text(ParseContext& context, Source source);
 
 }  // namespace peerd::vrml

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/parser/text_parser.hpp"
+#include "core/vrml/lexer.hpp"
 
 namespace peerd::vrml {
 namespace {
@@ -25,6 +26,13 @@ std::size_t guess_nodes(std::string_view text, const ReadLimits& limits) {
   if (sampled == 0) return 0;
   const double whole = static_cast<double>(count) * static_cast<double>(text.size()) / static_cast<double>(sampled);
   return std::min({static_cast<std::size_t>(whole), text.size() / kFewestBytes, std::size_t{limits.nodes}});
+}
+
+// Returns whether the text behind a header begins with a node or a PROTO, be it an unknown one. A text without a header
+// is asked the same.
+bool begins_with_a_node(std::string_view text) {
+  const auto header = read_header(text);
+  return !header && header.error().is_fault;
 }
 
 // Repeated ROUTEs are ignored (4.10.2); those of an interface may coincide.
@@ -51,8 +59,15 @@ std::shared_ptr<Document> parse(Source world, Problems& problems, const ParseOpt
     document->routes = std::move(context.world.routes);
     document->inner_names = std::move(context.world.inner_names);
     drop_repeated(document->routes);
+    const auto is_node = [](const NodeRef& ref) { return ref.is_node(); };
+    if (problems.lenient() && problems.faults() > 0 && std::ranges::none_of(document->top_level, is_node) &&
+        !begins_with_a_node(problems.text_of(text->begin).substr(text->body))) {
+      problems.error(text->begin, "no node of this text can be understood");
+    }
+  } else if (text.error().is_fault) {
+    problems.fault(0, text.error().why, "the text is read as VRML97");
   } else {
-    problems.error(0, text.error());
+    problems.error(0, text.error().why);
   }
   return document;
 }

@@ -13,8 +13,9 @@ using enum TokenKind;
 void PrototypeParser::check_name(const Token& name) {
   const bool own = std::ranges::find(kExtensionNodes, name.text) != std::end(kExtensionNodes);
   if (find_node_type(name.text) != nullptr && !own) {
-    text_.tokens.error(text_.tokens.position_of(name),
-                       quoted(name.text) + " is a node of the standard: no PROTO can take its name");
+    text_.tokens.fault(text_.tokens.position_of(name),
+                       quoted(name.text) + " is a node of the standard: no PROTO can take its name",
+                       "the PROTO counts from here on");
   } else if (text_.scope->declarations.contains(name.text)) {
     text_.tokens.warning(text_.tokens.position_of(name),
                          "a PROTO " + quoted(name.text) + " is there already; this one counts from here on");
@@ -23,7 +24,7 @@ void PrototypeParser::check_name(const Token& name) {
 
 // Passes over a declaration without a name, which it reports.
 void PrototypeParser::skip_declaration(const std::string& keyword) {
-  text_.tokens.error(text_.tokens.position(),
+  text_.tokens.fault(text_.tokens.position(),
                      "expected a name after " + keyword + ", found " + described(text_.tokens.peek()));
   if (text_.tokens.at(kWord)) text_.tokens.take();
   if (text_.tokens.at(kOpenBracket)) text_.skip_balanced();
@@ -59,7 +60,7 @@ void PrototypeParser::parse_proto() {
 
 void PrototypeParser::parse_body_of(Prototype& prototype, std::string_view name) {
   if (!text_.tokens.at(kOpenBrace)) {
-    return text_.tokens.error(text_.tokens.position(), "expected '{' and the body of " + quoted(name) + ", found " +
+    return text_.tokens.fault(text_.tokens.position(), "expected '{' and the body of " + quoted(name) + ", found " +
                                                            described(text_.tokens.peek()));
   }
   const Token brace = text_.tokens.take();
@@ -75,7 +76,7 @@ void PrototypeParser::parse_body_of(Prototype& prototype, std::string_view name)
       if (!grammar_.parse_statement()) body.roots.push_back(grammar_.parse_node());
       continue;
     }
-    text_.tokens.error(text_.tokens.position(),
+    text_.tokens.fault(text_.tokens.position(),
                        "expected a node or the '}' of " + quoted(name) + ", found " + described(text_.tokens.peek()));
     if (text_.tokens.at(kOpenBrace) || text_.tokens.at(kOpenBracket)) {
       text_.skip_balanced();
@@ -96,10 +97,11 @@ void PrototypeParser::parse_body_of(Prototype& prototype, std::string_view name)
   }
   for (const IsLink& link : prototype.links) {
     if (!has_value(link.outer->access) || !has_value(link.inner->access)) continue;
-    const auto& value = prototype.defaults[static_cast<std::size_t>(link.outer - prototype.type.fields.data())];
+    auto& value = prototype.defaults[static_cast<std::size_t>(link.outer - prototype.type.fields.data())];
     if (!value) continue;  // the default could not be read
-    check_nodes(*link.inner, *value, body.nodes, text_.problems);
-    check_range(*link.inner, *value, text_.problems);
+    const bool good =
+        check_nodes(*link.inner, *value, body.nodes, text_.problems) & check_range(*link.inner, *value, text_.problems);
+    if (!good) value.reset();
   }
   sort_links(prototype);
 }

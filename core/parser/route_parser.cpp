@@ -13,8 +13,9 @@ void RouteParser::parse() {
   const std::optional<RouteEnd> from = parse_end();
   if (!from && !text_.tokens.at_word("TO")) return skip_line_of(keyword);
   if (!text_.tokens.at_word("TO")) {
-    text_.tokens.error(text_.tokens.position(),
-                       "expected TO and where the ROUTE goes, found " + described(text_.tokens.peek()));
+    text_.tokens.fault(text_.tokens.position(),
+                       "expected TO and where the ROUTE goes, found " + described(text_.tokens.peek()),
+                       "the ROUTE is left out");
     return skip_line_of(keyword);
   }
   text_.tokens.take();
@@ -38,12 +39,14 @@ void RouteParser::skip_line_of(const Token& first) {
 // name.
 std::optional<RouteEnd> RouteParser::parse_end() {
   const auto expected = [&](const std::string& what) {
-    text_.tokens.error(text_.tokens.position(), "expected " + what + ", found " + described(text_.tokens.peek()));
+    text_.tokens.fault(text_.tokens.position(), "expected " + what + ", found " + described(text_.tokens.peek()),
+                       "the ROUTE is left out");
     return std::nullopt;
   };
   RouteEnd end;
-  if (!text_.tokens.at(kWord) || is_keyword(text_.tokens.peek().text)) return expected("NODE.EVENT of a ROUTE");
-  const Token name = text_.tokens.take();
+  const bool unlawful = text_.tokens.at(kWord) && !text_.at_name() && text_.tokens.kind_after() == kPeriod;
+  if (!text_.at_name() && !unlawful) return expected("NODE.EVENT of a ROUTE");
+  const Token name = unlawful ? text_.take_unlawful_name("expected NODE.EVENT of a ROUTE") : text_.tokens.take();
   end.name = name.text;
   if (!text_.tokens.accept(kPeriod)) return expected("'.' and an event of " + quoted(name.text));
   if (!text_.tokens.at(kWord) || is_keyword(text_.tokens.peek().text))
@@ -53,9 +56,10 @@ std::optional<RouteEnd> RouteParser::parse_end() {
   if (Definition* const* const named = text_.scope->names.find(name.text)) {
     end.node = *named;
   } else {
-    text_.tokens.error(text_.tokens.position_of(name), "ROUTE names " + quoted(name.text) +
-                                                           ", which no DEF before it names" +
-                                                           did_you_mean(text_.names_like(name.text)));
+    text_.tokens.fault(text_.tokens.position_of(name),
+                       "ROUTE names " + quoted(name.text) + ", which no DEF before it names" +
+                           did_you_mean(text_.names_like(name.text)),
+                       "the ROUTE is left out");
   }
   return end;
 }
@@ -99,7 +103,7 @@ RouteParser::Event RouteParser::find_event(const RouteEnd& end, bool sends) {
       why = std::string(type.name) + (sends ? " sends no event " : " takes no event ") + quoted(end.event) +
             did_you_mean(suggestion);
     }
-    text_.tokens.error(end.at, why);
+    text_.tokens.fault(end.at, why, "the ROUTE is left out");
     return {};
   }
   if (definition.prototype == nullptr || definition.prototype->not_found != nullptr) {
@@ -113,8 +117,10 @@ void RouteParser::add_routes(const Scope& scope, const RouteEnd& from, const Rou
   const Event target = find_event(to, false);
   if (source.spec == nullptr || target.spec == nullptr) return;
   if (source.spec->type != target.spec->type) {
-    text_.tokens.error(to.at, "this ROUTE goes from " + std::string(name_of(source.spec->type)) + " to " +
-                                  std::string(name_of(target.spec->type)) + ": both must be of one type");
+    text_.tokens.fault(to.at,
+                       "this ROUTE goes from " + std::string(name_of(source.spec->type)) + " to " +
+                           std::string(name_of(target.spec->type)) + ": both must be of one type",
+                       "the ROUTE is left out");
     return;
   }
   for (const IsLink& out : source.links()) {

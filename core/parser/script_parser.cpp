@@ -12,11 +12,11 @@ using enum TokenKind;
 
 void ScriptParser::parse_declaration(OpenNode& open) {
   const Token keyword = text_.tokens.take();
-  const Access access = *find_access(keyword.text);
+  Access access = *find_access(keyword.text);
   const auto type = text_.tokens.at(kWord) ? find_field_type(text_.tokens.peek().text) : std::nullopt;
   if (!type) {
     open.damaged = true;
-    text_.tokens.error(text_.tokens.position(), "expected a field type, found " + described(text_.tokens.peek()));
+    text_.tokens.fault(text_.tokens.position(), "expected a field type, found " + described(text_.tokens.peek()));
     if (text_.tokens.at(kWord) && !find_access(text_.tokens.peek().text)) text_.tokens.take();
     if (text_.tokens.at(kWord) && !find_access(text_.tokens.peek().text)) text_.tokens.take();
     return open_nodes_.skip_value(text_);
@@ -24,7 +24,7 @@ void ScriptParser::parse_declaration(OpenNode& open) {
   text_.tokens.take();
   if (!text_.tokens.at(kWord) || is_keyword(text_.tokens.peek().text)) {
     open.damaged = true;
-    text_.tokens.error(text_.tokens.position(),
+    text_.tokens.fault(text_.tokens.position(),
                        "expected the name of a field, found " + described(text_.tokens.peek()));
     if (text_.tokens.at(kWord) && !find_access(text_.tokens.peek().text)) text_.tokens.take();
     return has_value(access) ? open_nodes_.skip_value(text_) : void();
@@ -32,12 +32,19 @@ void ScriptParser::parse_declaration(OpenNode& open) {
   const Token name = text_.tokens.take();
   if (access == Access::kExposedField) {
     open.damaged = true;
-    text_.tokens.error(text_.tokens.position_of(keyword),
-                       "a Script declares fields, eventIns and eventOuts, no exposedFields");
+    text_.tokens.fault(text_.tokens.position_of(keyword),
+                       "a Script declares fields, eventIns and eventOuts, no exposedFields", "it is read as a field");
+    access = Access::kField;
   }
   if (find_field_of(open, name.text) != nullptr) {
     open.damaged = true;
-    text_.tokens.error(text_.tokens.position_of(name), "this Script has " + quoted(name.text) + " already");
+    text_.tokens.fault(text_.tokens.position_of(name), "this Script has " + quoted(name.text) + " already",
+                       "the first one counts");
+    if (!has_value(access)) return;
+    if (!text_.tokens.at_word("IS")) return open_nodes_.skip_value(text_);
+    text_.tokens.take();
+    if (text_.tokens.at(kWord)) text_.tokens.take();
+    return;
   }
   if (open.own_fields.size() >= kMaxFields) {
     if (!std::exchange(open.damaged, true)) text_.report_too_many_fields(text_.tokens.position_of(name));

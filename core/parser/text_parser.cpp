@@ -35,7 +35,7 @@ Declarations TextParser::parse_text(Body& body) {
       body.roots.push_back(ref);
       continue;
     }
-    text_.tokens.error(text_.tokens.position(), "expected a node, found " + described(text_.tokens.peek()));
+    text_.tokens.fault(text_.tokens.position(), "expected a node, found " + described(text_.tokens.peek()));
     while (!text_.tokens.at(kEnd) && !text_.tokens.at(kWord)) text_.tokens.take();
   }
   routes_.close(scope);

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -35,6 +36,14 @@ struct TextState {
   void define_unreadable(const std::vector<std::string_view>& names);
   // The DEF name in the current scope that is most like `name`.
   [[nodiscard]] Suggestion names_like(std::string_view name) const;
+
+  // Returns whether a name of a node stands here.
+  [[nodiscard]] bool at_name();
+  // Returns whether a word or a number stands here that is not allowed as a name: a reserved word, or a digit first.
+  [[nodiscard]] bool at_unlawful_name();
+  // Takes such a name and reports it as a fault that begins with `expected`. The result is the name that it is read as,
+  // which has a '_' in front.
+  [[nodiscard]] Token take_unlawful_name(const std::string& expected);
 
   // Passes over the brackets or braces at the next token, and defines the names in them as unreadable.
   void skip_balanced() { define_unreadable(tokens.skip_balanced()); }

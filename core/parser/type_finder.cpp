@@ -61,7 +61,8 @@ bool TypeFinder::fits(std::span<const FieldSpec> interface, const NodeType& type
     } else {
       continue;
     }
-    text_.tokens.error(at, "this declaration does not fit: " + std::string(type.name) + ' ' + why);
+    text_.tokens.fault(at, "this declaration does not fit: " + std::string(type.name) + ' ' + why,
+                       "its instances stay empty");
     good = false;
   }
   return good;
@@ -120,7 +121,7 @@ const Declaration* TypeFinder::find_in_library(std::string_view url, Position at
     }
     if (it->second.resolving) {
       why = "it is declared by way of itself";
-      text_.tokens.error(at, quoted(url) + ": " + why);
+      text_.tokens.fault(at, quoted(url) + ": " + why, "its instances stay empty");
       return nullptr;
     }
     if (text_.context.resolving >= kMaxResolving) {

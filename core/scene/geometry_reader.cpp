@@ -111,9 +111,10 @@ bool GeometryReader::check_corners(const FaceSetGeometry& faces, const Field& li
       if (corners[i] >= 0 && corners[i] < points) continue;
       good = false;
       if (problems_.full()) break;
-      problems_.error(position(i), "coordIndex " + std::to_string(corners[i]) +
-                                       " is out of range: the Coordinate has points 0 to " +
-                                       std::to_string(points - 1));
+      problems_.fault(position(i),
+                      "coordIndex " + std::to_string(corners[i]) + " is out of range: the Coordinate has points 0 to " +
+                          std::to_string(points - 1),
+                      "the corner is left out");
       continue;
     }
     // The last -1 may be left out; a -1 behind another closes nothing.
@@ -145,10 +146,11 @@ std::optional<Geometry> GeometryReader::read_elevation_grid() {
   }
   if (found < wanted) {
     const Field* heights = node_.find("height");
-    problems_.error(heights != nullptr ? heights->at : node_.at,
+    problems_.fault(heights != nullptr ? heights->at : node_.at,
                     "this ElevationGrid of " + std::to_string(grid.x_dimension) + " by " +
                         std::to_string(grid.z_dimension) + " needs " + std::to_string(wanted) + " heights, it has " +
-                        std::to_string(found));
+                        std::to_string(found),
+                    "those that are missing are 0");
     return std::nullopt;
   }
   if (found > wanted) {
@@ -178,9 +180,10 @@ std::optional<Geometry> GeometryReader::read_extrusion() {
   const auto check = [&](std::string_view name, std::size_t count) {
     if (count == 1 || count >= extrusion.spine.size()) return true;
     const Field* field = node_.find(name);
-    problems_.error(field != nullptr ? field->at : node_.at,
+    problems_.fault(field != nullptr ? field->at : node_.at,
                     quoted(name) + " has " + std::to_string(count) + " values for " +
-                        std::to_string(extrusion.spine.size()) + " spine points: one is needed, or one for each");
+                        std::to_string(extrusion.spine.size()) + " spine points: one is needed, or one for each",
+                    "the last one goes on to the end");
     return false;
   };
   const bool scale = check("scale", extrusion.scale.size());

@@ -24,11 +24,15 @@ struct ReadOptions {
   // The times of TimeSensors count from the world's beginning, as in a text that is added to a world which runs. The
   // times in a file count from 1970 (core/animation/file_times.hpp).
   bool world_times = false;
+  // Departures from the standard that browsers read on from are warnings (docs/reference/lenient.md). The scene is then
+  // what was understood, and write_world() says it in strict VRML97.
+  bool lenient = false;
 };
 
 struct ReadResult {
   std::optional<Scene> scene;           // there exactly where no diagnostic is an error
   std::vector<Diagnostic> diagnostics;  // in the order of the texts
+  std::size_t faults = 0;               // departures that a lenient reading goes on from
   std::vector<Source> sources;          // the world's own text first; `text` of that is the caller's unless unpacked
 };
 

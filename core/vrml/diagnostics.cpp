@@ -75,18 +75,28 @@ std::string Problems::first_error() const {
   return first->message;
 }
 
-void Problems::error(Position at, std::string message) {
-  if (full() || !is_new(at, message)) return;
+void Problems::add_error(Entry entry) {
+  if (full() || !is_new(entry.at, entry.message)) return;
   ++errors_;
-  if (full()) message += "; the reader stops here, after " + std::to_string(kLimit) + " errors";
-  list_.push_back({at, Severity::kError, std::move(message)});
+  faults_ += entry.is_fault ? 1 : 0;
+  if (full()) entry.message += "; the reader stops here, after " + std::to_string(kLimit) + " errors";
+  list_.push_back(std::move(entry));
 }
 
-void Problems::warning(Position at, std::string message) {
-  if (warnings_ >= kLimit || !is_new(at, message)) return;
+void Problems::add_warning(Entry entry) {
+  faults_ += entry.is_fault ? 1 : 0;
+  if (warnings_ >= kLimit || !is_new(entry.at, entry.message)) return;
   ++warnings_;
-  if (warnings_ == kLimit) message += "; further warnings are not shown";
-  list_.push_back({at, Severity::kWarning, std::move(message)});
+  if (warnings_ == kLimit) entry.message += "; further warnings are not shown";
+  list_.push_back(std::move(entry));
+}
+
+void Problems::error(Position at, std::string message) { add_error({at, Severity::kError, std::move(message)}); }
+void Problems::warning(Position at, std::string message) { add_warning({at, Severity::kWarning, std::move(message)}); }
+
+void Problems::fault(Position at, std::string message, std::string_view reading) {
+  if (!lenient_) return add_error({at, Severity::kError, std::move(message), true});
+  add_warning({at, Severity::kWarning, std::move(message) + "; " + std::string(reading), true});
 }
 
 // Reads all texts once. Lines end with LF, CR or CR LF.
@@ -127,7 +137,8 @@ Problems::Report Problems::take() {
   for (std::size_t i = 0; i < list_.size(); ++i) {
     const std::size_t source = source_at(list_[i].at);
     report.diagnostics.push_back({list_[i].severity, places[i], std::move(list_[i].message),
-                                  static_cast<std::uint32_t>(source), list_[i].at - begins_[source]});
+                                  static_cast<std::uint32_t>(source), list_[i].at - begins_[source],
+                                  list_[i].is_fault});
   }
   report.sources = std::move(sources_);
   *this = {};

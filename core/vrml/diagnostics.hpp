@@ -26,6 +26,7 @@ struct Diagnostic {
   std::string message;
   std::uint32_t source = 0;  // the text, as an index into ReadResult::sources
   std::size_t offset = 0;    // offset of `where` in that text, in bytes
+  bool is_fault = false;     // a lenient reading reads on from it (Problems::fault)
 };
 
 // FILE:LINE:COLUMN: error: MESSAGE
@@ -52,6 +53,9 @@ class Problems {
   static constexpr std::size_t kLimit = 1000;
   static constexpr std::uint64_t kMaxBytes = (std::uint64_t{1} << 32) - 2;  // Positions are 32 bits wide
 
+  Problems() = default;
+  explicit Problems(bool lenient) : lenient_(lenient) {}
+
   // Adds a text and returns the position of its first byte; nothing where the texts together would exceed kMaxBytes.
   [[nodiscard]] std::optional<Position> open(Source source);
   // The whole text that holds a position, and its begin. A scene that is made anew from its document has no texts: each
@@ -64,6 +68,11 @@ class Problems {
 
   void error(Position at, std::string message);
   void warning(Position at, std::string message);
+  // Reports a departure from the standard that browsers read on from. It is an error; in a lenient reading it is a
+  // warning which ends with `reading`, what is understood instead (docs/reference/lenient.md).
+  void fault(Position at, std::string message, std::string_view reading);
+  [[nodiscard]] bool lenient() const { return lenient_; }
+  [[nodiscard]] std::size_t faults() const { return faults_; }
   [[nodiscard]] bool full() const { return errors_ >= kLimit; }
   [[nodiscard]] std::size_t errors() const { return errors_; }
   [[nodiscard]] std::string first_error() const;                // its message; there is one
@@ -82,7 +91,10 @@ class Problems {
     Position at;
     Severity severity;
     std::string message;
+    bool is_fault = false;
   };
+  void add_error(Entry entry);
+  void add_warning(Entry entry);
   [[nodiscard]] std::size_t source_at(Position at) const;
   // Returns whether the message is new: a mistake in a PROTO is there in each copy, and is reported once.
   [[nodiscard]] bool is_new(Position at, const std::string& message);
@@ -94,6 +106,8 @@ class Problems {
   std::unordered_set<std::string> reported_;
   std::size_t errors_ = 0;
   std::size_t warnings_ = 0;
+  std::size_t faults_ = 0;
+  bool lenient_ = false;
 };
 
 // Returns text of the input as a message shows it: in quotes, control bytes as '?', shortened.

@@ -22,7 +22,7 @@ bool check_nodes(const FieldSpec& spec, const Field& value, const std::vector<No
       problems.warning(ref.at, message + "; here it has no effect");
       continue;
     }
-    problems.error(ref.at, message);
+    problems.fault(ref.at, message, "the node is left out there");
     good = false;
   }
   return good;
@@ -43,7 +43,8 @@ bool check_range(const FieldSpec& spec, const Field& value, Problems& problems) 
     const std::string found = ", found " + quoted(positions->text_at(element));
     const Position at = positions->at(element);
     if (is_error) {
-      problems.error(at, quoted(spec.name) + (positive ? " must be > 0" : " must be >= 0") + found);
+      problems.fault(at, quoted(spec.name) + (positive ? " must be > 0" : " must be >= 0") + found,
+                     "the field has its default value");
       good = false;
     } else {
       problems.warning(

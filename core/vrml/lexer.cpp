@@ -200,7 +200,24 @@ Token Lexer::cut() {
 Token Lexer::next() { return cut<true>(); }
 Token Lexer::next_begin() { return cut<false>(); }
 
-std::expected<Header, std::string> read_header(std::string_view text) {
+namespace {
+
+// Returns whether the first tokens are those of a node or a statement. Comments before them are passed over.
+bool begins_as_world(std::string_view text, std::size_t begin) {
+  constexpr std::string_view kFirst[] = {"DEF", "PROTO", "EXTERNPROTO"};
+  Lexer lexer(text, begin);
+  const Token first = lexer.next();
+  if (first.kind != TokenKind::kWord) return false;
+  const TokenKind second = lexer.next().kind;
+  if (second == TokenKind::kOpenBrace) return true;
+  return second == TokenKind::kWord && std::ranges::find(kFirst, first.text) != std::end(kFirst);
+}
+
+std::unexpected<HeaderError> no_world(std::string why) { return std::unexpected(HeaderError{std::move(why)}); }
+
+}  // namespace
+
+std::expected<Header, HeaderError> read_header(std::string_view text) {
   constexpr std::string_view kMark = "\xEF\xBB\xBF";
   const std::size_t begin = text.starts_with(kMark) ? kMark.size() : 0;
   const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
@@ -227,14 +244,15 @@ std::expected<Header, std::string> read_header(std::string_view text) {
                                               : "the header's words should be one blank apart: '#VRML V2.0 utf8'";
     return Header{end, remark};
   }
-  if (text.empty()) return std::unexpected("the file is empty; a world begins with the line '#VRML V2.0 utf8'");
+  if (text.empty()) return no_world("the file is empty; a world begins with the line '#VRML V2.0 utf8'");
   if (first.starts_with("#VRML V1.0")) {
-    return std::unexpected("this is VRML 1.0, another language; only VRML97 ('#VRML V2.0 utf8') is read");
+    return no_world("this is VRML 1.0, another language; only VRML97 ('#VRML V2.0 utf8') is read");
   }
   if (first.starts_with("#X3D") || text.starts_with("<?xml") || text.starts_with("<X3D")) {
-    return std::unexpected("this is X3D; only VRML97 ('#VRML V2.0 utf8') is read");
+    return no_world("this is X3D; only VRML97 ('#VRML V2.0 utf8') is read");
   }
-  return std::unexpected("the first line must begin with '#VRML V2.0 utf8', exactly so");
+  return std::unexpected(
+      HeaderError{"the first line must begin with '#VRML V2.0 utf8', exactly so", begin, begins_as_world(text, begin)});
 }
 
 std::expected<float, NumberError> read_float(std::string_view text) { return read_real<float>(text); }

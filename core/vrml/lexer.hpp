@@ -69,7 +69,12 @@ struct Header {
   std::size_t end = 0;
   std::string_view remark;  // harmless deviations from the standard; may be empty
 };
-[[nodiscard]] std::expected<Header, std::string> read_header(std::string_view text);
+struct HeaderError {
+  std::string why;
+  std::size_t begin = 0;  // where the nodes begin, for a lenient reader
+  bool is_fault = false;  // the line is missing or misspelt, and what stands here begins as a world does
+};
+[[nodiscard]] std::expected<Header, HeaderError> read_header(std::string_view text);
 
 enum class NumberError : std::uint8_t { kSyntax, kNotFinite, kOverflow };
 

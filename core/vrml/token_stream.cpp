@@ -22,8 +22,11 @@ std::string described(const Token& token) {
 void TokenStream::pass_over_invalid() {
   while (token_.kind == kInvalid || token_.kind == kUnterminatedString) {
     const bool string = token_.kind == kUnterminatedString;
-    error(position(), string ? "this string is never closed: a '\"' is missing"
-                             : quoted(token_.text) + " cannot stand here: no VRML token contains it");
+    if (string) {
+      error(position(), "this string is never closed: a '\"' is missing");
+    } else {
+      fault(position(), quoted(token_.text) + " cannot stand here: no VRML token contains it");
+    }
     token_ = lexer_.next();
   }
 }
@@ -36,6 +39,11 @@ bool TokenStream::accept(TokenKind kind) {
 
 void TokenStream::error(Position at, std::string message) {
   problems_.error(at, std::move(message));
+  if (problems_.full()) lexer_.stop();
+}
+
+void TokenStream::fault(Position at, std::string message, std::string_view reading) {
+  problems_.fault(at, std::move(message), reading);
   if (problems_.full()) lexer_.stop();
 }
 

@@ -41,9 +41,16 @@ class TokenStream {
     advance();
     return taken;
   }
+  // Takes the first `size` bytes of the next token, and goes on with what is glued to them.
+  void take_part(std::size_t size) {
+    lexer_.go_to(token_.offset + size);
+    advance();
+  }
   bool accept(TokenKind kind);
   void error(Position at, std::string message);
   void warning(Position at, std::string message) { problems_.warning(at, std::move(message)); }
+  void fault(Position at, std::string message, std::string_view reading = "it is left out");
+  [[nodiscard]] bool lenient() const { return problems_.lenient(); }
 
   // Takes plain numbers (Lexer::take_numbers) from the next token on.
   template <class T, class Add>

@@ -1,6 +1,7 @@
 #include "core/vrml/value_reader.hpp"
 
 #include <algorithm>
+#include <type_traits>
 #include <utility>
 
 #include "core/vrml/element_positions.hpp"
@@ -16,11 +17,67 @@ bool spells_non_finite(const Token& token) {
   return token.kind == kWord && std::ranges::find(kSpellings, token.text) != std::end(kSpellings);
 }
 
+// What a lenient reading takes for the begin of a text that is no number of a field.
+template <class T>
+struct ForgivenNumber {
+  T value{};
+  std::size_t size_bytes = 0;  // how much of the text it stands for
+  std::string_view text{};     // for people
+};
+
+template <class T>
+std::expected<T, NumberError> number_in(std::string_view text) {
+  if constexpr (std::is_same_v<T, std::int32_t>) {
+    const auto whole = read_int32(text);
+    if (whole) return whole;
+    // 7.0 is 7, and 4294967295 has the bits of -1.
+    const auto real = read_double(text);
+    if (!real || !(*real > -2147483649.0 && *real < 4294967296.0)) return whole;
+    return static_cast<std::int32_t>(static_cast<std::int64_t>(*real));
+  } else if constexpr (std::is_same_v<T, float>) {
+    return read_float(text);
+  } else {
+    return read_double(text);
+  }
+}
+
+// 1-2-3 is 1 and what follows. A number that goes on otherwise (12abc) is the number it begins with; one that is too
+// large, infinite or none is 0. The longest begin counts, and the search is short: numbers of more bytes are 0.
+template <class T>
+ForgivenNumber<T> forgiven_number(std::string_view text, NumberError error) {
+  constexpr std::size_t kLongest = 64;
+  if (const auto whole = number_in<T>(text)) return {*whole, text.size(), text};
+  const std::size_t longest = error == NumberError::kSyntax ? std::min(text.size(), kLongest) : 1;
+  for (std::size_t size = longest; size-- > 1;) {
+    const auto value = number_in<T>(text.substr(0, size));
+    if (!value) continue;
+    const char next = text[size];
+    return {*value, next == '-' || next == '+' || next == '.' ? size : text.size(), text.substr(0, size)};
+  }
+  return {T{}, text.size(), "0"};
+}
+
 bool is_rotation(FieldType type) { return type == FieldType::kSFRotation || type == FieldType::kMFRotation; }
 
 }  // namespace
 
 std::optional<Field> ValueReader::read(const FieldSpec& spec, bool check) {
+  const bool bracketed = tokens_.lenient() && !is_list(spec.type) && tokens_.at(kOpenBracket);
+  if (!bracketed) return read_unbracketed(spec, check);
+  const Token open = tokens_.peek();
+  tokens_.fault(tokens_.position(), quoted(spec.name) + " is one value, without brackets", "they are passed over");
+  tokens_.take();
+  const std::optional<Field> value = read_unbracketed(spec, check);
+  while (!tokens_.at(kCloseBracket) && !tokens_.at(kCloseBrace) && !tokens_.at(kEnd)) {
+    const Position before = tokens_.position();
+    skip(true);
+    if (tokens_.position() == before) break;
+  }
+  if (!tokens_.accept(kCloseBracket)) tokens_.report_unclosed(tokens_.position_of(open), "value", ']');
+  return value;
+}
+
+std::optional<Field> ValueReader::read_unbracketed(const FieldSpec& spec, bool check) {
   using enum FieldType;
   std::optional<Field> value(Field{&spec, nullptr, 0, tokens_.position()});
   Field& field = *value;
@@ -78,7 +135,7 @@ bool ValueReader::list_ends(const Token& open, bool& good) {
     tokens_.report_unclosed(tokens_.position_of(open), "list", ']');
   } else if (tokens_.at(kCloseBrace) || at_next_field()) {
     good = false;
-    tokens_.error(tokens_.position(), "expected ']', found " + described(tokens_.peek()));
+    tokens_.fault(tokens_.position(), "expected ']', found " + described(tokens_.peek()), "the list ends here");
   } else {
     return false;
   }
@@ -99,7 +156,7 @@ bool ValueReader::read_list(ReadOne read_one) {
     good = false;
     if (tokens_.position() == before) skip(true);
   }
-  return good;
+  return good || tokens_.lenient();
 }
 
 template <class T>
@@ -135,7 +192,7 @@ bool ValueReader::read_numbers(const FieldSpec& spec, Field& field) {
   }
   field.data = list.elements().data();
   field.count = static_cast<std::uint32_t>(list.elements().size());
-  return good;
+  return good || tokens_.lenient();
 }
 
 template <class T>
@@ -155,34 +212,36 @@ bool ValueReader::read_several(const FieldSpec& spec, Field& field) {
 bool ValueReader::expected_value(const FieldSpec& spec, std::string_view what) {
   if (tokens_.at(kEnd)) return false;  // the node that is never closed says it
   const bool bracketed = tokens_.at(kOpenBracket) && !is_list(spec.type);
-  tokens_.error(tokens_.position(), quoted(spec.name) + " (" + std::string(name_of(spec.type)) + ") wants " +
-                                        std::string(what) + ", found " + described(tokens_.peek()) +
-                                        (bracketed ? ": it is one value, without brackets" : ""));
+  tokens_.fault(tokens_.position(),
+                quoted(spec.name) + " (" + std::string(name_of(spec.type)) + ") wants " + std::string(what) +
+                    ", found " + described(tokens_.peek()) + (bracketed ? ": it is one value, without brackets" : ""),
+                open_lists_ > 0 ? "the element is left out" : "the field has its default value");
   if (bracketed) tokens_.skip_balanced();
   return false;
 }
 
+// Reports a number that is none, and gives what a lenient reading takes for it.
 template <class T>
-bool ValueReader::take_number(const FieldSpec& spec, std::expected<T, NumberError> number, T& value) {
+bool ValueReader::read_on_from(const FieldSpec& spec, NumberError error, T& value) {
   const Token token = tokens_.peek();
   const Position at = tokens_.position();
+  const std::string type(name_of(spec.type));
+  const std::string what = error == NumberError::kSyntax      ? " is not a number of " + type
+                           : error == NumberError::kNotFinite ? " is not a finite number"
+                                                              : " is too large for " + type;
+  const ForgivenNumber<T> read = forgiven_number<T>(token.text, error);
+  tokens_.fault(at, quoted(token.text) + what, "it is read as " + quoted(read.text));
+  value = read.value;
+  tokens_.lenient() ? tokens_.take_part(read.size_bytes) : static_cast<void>(tokens_.take());
+  return tokens_.lenient();
+}
+
+template <class T>
+bool ValueReader::take_number(const FieldSpec& spec, std::expected<T, NumberError> number, T& value) {
+  if (!number) return read_on_from(spec, number.error(), value);
   tokens_.take();
-  if (number) {
-    value = *number;
-    return true;
-  }
-  switch (number.error()) {
-    case NumberError::kSyntax:
-      tokens_.error(at, quoted(token.text) + " is not a number of " + std::string(name_of(spec.type)));
-      break;
-    case NumberError::kNotFinite:
-      tokens_.error(at, quoted(token.text) + " is not a finite number");
-      break;
-    case NumberError::kOverflow:
-      tokens_.error(at, quoted(token.text) + " is too large for " + std::string(name_of(spec.type)));
-      break;
-  }
-  return false;
+  value = *number;
+  return true;
 }
 
 bool ValueReader::read_one(const FieldSpec& spec, float& value) {
@@ -212,11 +271,21 @@ bool ValueReader::read_one(const FieldSpec& spec, bool& value) {
     value = tokens_.take().text == "TRUE";
     return true;
   }
-  expected_value(spec, "TRUE or FALSE");
-  constexpr std::string_view kMeant[] = {"true", "false", "True", "False"};
-  const bool meant = std::ranges::find(kMeant, tokens_.peek().text) != std::end(kMeant);
-  if (meant || tokens_.at(kNumber) || tokens_.at(kString)) tokens_.take();
-  return false;
+  constexpr std::string_view kTrue[] = {"true", "True", "1"}, kFalse[] = {"false", "False", "0"};
+  const std::string_view found = tokens_.peek().text;
+  const bool is_true = std::ranges::find(kTrue, found) != std::end(kTrue);
+  if (!is_true && std::ranges::find(kFalse, found) == std::end(kFalse)) {
+    expected_value(spec, "TRUE or FALSE");
+    if (tokens_.at(kNumber) || tokens_.at(kString)) tokens_.take();
+    return false;
+  }
+  tokens_.fault(tokens_.position(),
+                quoted(spec.name) + " (" + std::string(name_of(spec.type)) + ") wants TRUE or FALSE, found " +
+                    described(tokens_.peek()),
+                is_true ? "it is read as TRUE" : "it is read as FALSE");
+  tokens_.take();
+  value = is_true;
+  return tokens_.lenient();
 }
 
 bool ValueReader::read_one(const FieldSpec& spec, std::string_view& value) {
@@ -231,9 +300,12 @@ bool ValueReader::read_floats(const FieldSpec& spec, Field& field) {
   if (is_list(spec.type) && tokens_.at(kOpenBracket)) {
     if (!read_numbers<float>(spec, field)) return false;
     if (field.count % width == 0) return true;
-    tokens_.error(field.at, quoted(spec.name) + " (" + std::string(name_of(spec.type)) + ") wants numbers by " +
-                                std::to_string(width) + ", found " + std::to_string(field.count));
-    return false;
+    tokens_.fault(field.at,
+                  quoted(spec.name) + " (" + std::string(name_of(spec.type)) + ") wants numbers by " +
+                      std::to_string(width) + ", found " + std::to_string(field.count),
+                  "the incomplete element at its end is left out");
+    field.count -= static_cast<std::uint32_t>(field.count % width);
+    return tokens_.lenient();
   }
   std::array<float, 4> floats{};
   bool good = true;
@@ -268,8 +340,9 @@ bool ValueReader::read_image(const FieldSpec& spec, Field& field) {
     if (!read_one(spec, head)) return false;
   }
   if (image[0] < 0 || image[1] < 0 || image[2] < 0 || image[2] > 4) {
-    tokens_.error(field.at,
-                  quoted(spec.name) + " (SFImage) begins with its width and height, >= 0, and 0 to 4 components");
+    tokens_.fault(field.at,
+                  quoted(spec.name) + " (SFImage) begins with its width and height, >= 0, and 0 to 4 components",
+                  "the field has its default value");
     return false;
   }
   // The loop ends with the numbers of the text, however large the size claims to be.

@@ -37,6 +37,7 @@ class ValueReader {
   [[nodiscard]] bool in_list() const { return open_lists_ > 0; }
 
  private:
+  [[nodiscard]] std::optional<Field> read_unbracketed(const FieldSpec& spec, bool check);
   template <class ReadOne>
   bool read_list(ReadOne read_one);
   template <class T>
@@ -58,6 +59,8 @@ class ValueReader {
   bool read_one(const FieldSpec& spec, std::string_view& value);
   template <class T>
   bool take_number(const FieldSpec& spec, std::expected<T, NumberError> number, T& value);
+  template <class T>
+  bool read_on_from(const FieldSpec& spec, NumberError error, T& value);
   bool expected_value(const FieldSpec& spec, std::string_view what);
   // Returns whether the list that began at `open` ends here, well or not; `good` says which.
   bool list_ends(const Token& open, bool& good);

@@ -1,7 +1,9 @@
 #include "peerd/input/world_file.hpp"
 #include "core/motion/inert_parts.hpp"
+#include "core/writer/writer.hpp"
 #include "peerd/input/text_file.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <istream>
 #include <map>
@@ -91,7 +93,48 @@ FileLoader noting(FileLoader load, std::vector<WorldFile::Load>& loads) {
   };
 }
 
+// Puts what was understood of a world in the place of its files, where they depart from the standard.
+void become_strict(WorldFile& file, ReadOptions options) {
+  if (!file.result.scene || file.result.faults == 0) return;
+  file.as_written = std::move(file.result);
+  file.result = {};
+  file.written_text = std::exchange(file.text, {});
+  file.loads.clear();
+  std::string why;
+  if (auto written = write_world(*file.as_written->scene)) {
+    file.text = std::move(written->text);
+    options.lenient = false;
+    options.load = nullptr;  // the text needs no other file
+    options.limits.text_bytes = std::max<std::uint64_t>(options.limits.text_bytes, file.text.size());
+    file.result = read_world(file.text, options);
+    if (file.result.scene) return;
+    const auto& problems = file.result.diagnostics;
+    why = std::ranges::find(problems, Severity::kError, &Diagnostic::severity)->message;
+  } else {
+    why = written.error();
+  }
+  // Its own departures are warnings; only this one is an error.
+  file.result = *std::exchange(file.as_written, std::nullopt);
+  file.result.scene.reset();
+  file.text = std::exchange(file.written_text, {});
+  file.result.diagnostics.push_back(
+      {Severity::kError, {1, 1}, "what was understood of this world is no world in strict VRML97: " + why, 0, 0});
+}
+
 }  // namespace
+
+std::string lenient_advice(const ReadResult& result) {
+  const auto errors =
+      static_cast<std::size_t>(std::ranges::count(result.diagnostics, Severity::kError, &Diagnostic::severity));
+  const auto faults = static_cast<std::size_t>(std::ranges::count_if(
+      result.diagnostics, [](const Diagnostic& d) { return d.severity == Severity::kError && d.is_fault; }));
+  if (faults == 0) return {};
+  const std::string which = faults == errors
+                                ? (errors == 1 ? "it" : "them")
+                                : std::to_string(faults) + " of these " + std::to_string(errors) + " errors";
+  return "note: --lenient (lenient = true of a configuration) reads on from " + which +
+         ", as browsers do, with warnings\n";
+}
 
 Result<std::unique_ptr<const WorldFile>> read_world_bytes(std::string text, const std::filesystem::path& path,
                                                           const WorldReading& reading) {
@@ -116,8 +159,10 @@ Result<std::unique_ptr<const WorldFile>> read_world_bytes(std::string text, cons
   }
   options.load = noting(std::move(options.load), file->loads);
   file->text = std::move(text);
+  options.lenient = reading.lenient;
   file->result = read_world(file->text, options);
   warn_of_inert_parts(file->result, reading.maps_hierarchies);
+  if (reading.lenient) become_strict(*file, options);
   return file;
 }
 

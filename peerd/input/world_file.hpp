@@ -28,11 +28,16 @@ struct WorldReading {
   bool maps_hierarchies = false;     // hierarchyFiles are used, which no peer does (warn_of_inert_parts)
   std::uint32_t expansion = 1;       // ReadLimits::expansion; multiplies the size that the files may have, too
   bool keeps_archive = false;        // for somebody who passes the world on
+  bool lenient = false;              // ReadOptions::lenient
   std::string name = {};             // worlds of one file and two names are two; empty: it has that of its file
 };
 inline constexpr std::uint32_t kExpansionMax = 1'000'000;
 
 // A world with all files that it includes. A world with errors is a result too; a missing file is an error.
+//
+// A world that is read leniently and departs from the standard is what was understood: one text in strict VRML97, which
+// `text`, `result` and archive_of() have. Whoever gets that text reads it strictly. The problems of the files
+// themselves are in `as_written`.
 struct WorldFile {
   // A URL of an Inline or an EXTERNPROTO that led to a file, in the order of reading.
   struct Load {
@@ -42,7 +47,15 @@ struct WorldFile {
   std::string text;  // ReadResult::sources may point into it
   ReadResult result;
   std::vector<Load> loads;
+  std::string written_text;  // as_written->sources may point into it
+  std::optional<ReadResult> as_written;
+
+  // The problems of the files that people wrote, and those files.
+  [[nodiscard]] const ReadResult& reported() const { return as_written ? *as_written : result; }
 };
+// What to say beside the errors of a world that is read strictly: that the option --lenient reads on from them. It is
+// empty where it would not.
+[[nodiscard]] std::string lenient_advice(const ReadResult& result);
 // Reads a VRML file, which may be packed by gzip, or an archive (WorldArchive).
 [[nodiscard]] Result<std::unique_ptr<const WorldFile>> read_world_file(const std::filesystem::path& path,
                                                                        const WorldReading& reading = {});

@@ -102,6 +102,7 @@ struct Finding {
   std::string path;
   double read_ms = 0.0;
   const ReadResult* result = nullptr;
+  const ReadResult* reported = nullptr;  // WorldFile::reported()
   double defects_ms = 0.0;
   SceneStatistics statistics{};  // these three are of a good world
   std::optional<SceneDefects> defects{};
@@ -203,7 +204,7 @@ std::size_t bytes_of(const ReadResult& result) {
 }
 
 ProblemCount print_problems(const Finding& finding, std::ostream& err) {
-  const ProblemCount count = print_problems(*finding.result, err);
+  const ProblemCount count = print_problems(*finding.reported, err);
   for (std::size_t i = 0; i < std::min(kShownProblems, finding.unsupported.size()); ++i) {
     err << finding.path << ": note: unsupported: " << finding.unsupported[i] << '\n';
   }
@@ -220,17 +221,18 @@ ProblemCount print_problems(const Finding& finding, std::ostream& err) {
 
 void print_text(const Finding& finding, std::ostream& out, std::ostream& err) {
   const ProblemCount count = print_problems(finding, err);
-  const ReadResult& result = *finding.result;
+  const ReadResult& read = *finding.reported;
   out << finding.path << ": " << (finding.good() ? "good" : counted(count.errors, "error"));
   if (count.warnings > 0) out << ", " << counted(count.warnings, "warning");
-  out << "; " << counted(bytes_of(result), "byte") << " in " << counted(result.sources.size(), "file") << " read in "
+  out << "; " << counted(bytes_of(read), "byte") << " in " << counted(read.sources.size(), "file") << " read in "
       << milliseconds(finding.read_ms) << '\n';
+  err << lenient_advice(read);
   if (!finding.good()) return;
   for (const Row& row : rows_of(finding.statistics)) {
     if (row.count > 0) print_row(row, "", out);
   }
-  if (finding.defects) print_defects(*finding.defects, *result.scene, out);
-  const Scene& scene = *result.scene;
+  if (finding.defects) print_defects(*finding.defects, *finding.result->scene, out);
+  const Scene& scene = *finding.result->scene;
   const auto& inside = finding.enclosures.inside;
   for (std::size_t i = 0; i < std::min(kShownProblems, inside.size()); ++i) {
     out << scene.path_of(inside[i].inner) << " begins inside " << scene.path_of(inside[i].outer) << '\n';
@@ -258,16 +260,16 @@ Json defects_to_json(const SceneDefects& defects, const Scene& scene) {
 Json to_json(const Finding& finding) {
   Json errors = Json::array(), warnings = Json::array(), statistics, defects, closed, inside;
   std::size_t files = 0, bytes = 0;
-  if (finding.result != nullptr) {
-    for (const Diagnostic& d : finding.result->diagnostics) {
+  if (finding.reported != nullptr) {
+    for (const Diagnostic& d : finding.reported->diagnostics) {
       (d.severity == Severity::kError ? errors : warnings)
-          .push_back({{"file", finding.result->sources.at(d.source).name},
+          .push_back({{"file", finding.reported->sources.at(d.source).name},
                       {"line", d.where.line},
                       {"column", d.where.column},
                       {"message", d.message}});
     }
-    files = finding.result->sources.size();
-    bytes = bytes_of(*finding.result);
+    files = finding.reported->sources.size();
+    bytes = bytes_of(*finding.reported);
   }
   if (finding.good()) {
     for (const Row& row : rows_of(finding.statistics)) statistics[row.name] = row.count;
@@ -371,6 +373,7 @@ int run_check(const std::string& path, const CheckOptions& options, std::ostream
   };
   if (!file) return failed_with(file.error());
   finding.result = &(*file)->result;
+  finding.reported = &(*file)->reported();
   if (finding.good()) examine(*finding.result->scene, finding);
   Json moving = Json::array();
   if (finding.good() && options.at_s) {

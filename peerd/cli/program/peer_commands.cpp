@@ -28,6 +28,7 @@ void add_run_options(CLI::App& command, PeerOptions& peer, RunFlags& flags) {
   command.add_option("--set", peer.sets, "KEY=VALUE over the configuration (repeatable)")->allow_extra_args(false);
   command.add_option("--world", flags.world, "the VRML97 world, or the name of an installed one")
       ->transform(installed().world());
+  command.add_flag("--lenient", flags.lenient, kLenientHelp);
   command.add_option("--peer", peer.peer, "which of the configuration's peers (default: its only one)");
   command.add_option("--world-name", flags.world_name,
                      "what peerd ls calls it; worlds of one file and two names are two (default: that of its file)");

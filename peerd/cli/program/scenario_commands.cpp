@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "peerd/cli/program/commands.hpp"
+#include "peerd/cli/program/shared_options.hpp"
 #include "peerd/cli/shell/number_checks.hpp"
 #include "peerd/cli/shell/print.hpp"
 #include "peerd/cli/shell/wrong_use.hpp"
@@ -27,6 +28,8 @@ void add_scenario_source(CLI::App& command, ScenarioOptions& options) {
       ->transform(installed().settings());
   command.add_option("--set", options.sets, "KEY=VALUE, such as network.latency_ms=100; a list sweeps (repeatable)")
       ->allow_extra_args(false);
+  command.add_flag_callback(
+      "--lenient", [&options] { options.sets.emplace_back("lenient=true"); }, kLenientHelp);
 }
 
 void add_scenario_options(CLI::App& command, ScenarioOptions& options) {

@@ -182,6 +182,8 @@ Command add_store(CLI::App& app) {
   written->add_option("folder", flags->written.folder, "the folder of peerd run --store")->required();
   written->add_option("--world", flags->written.world,
                       "the VRML97 world that it began with (default: what the store keeps of it)");
+  written->add_flag("--lenient", flags->written.reading.lenient, "read --world as --lenient of the peer has read it")
+      ->needs("--world");
   written->add_option("--out", flags->written.file, "the file to write (default: standard output)");
   return {command, [flags, check] {
             return *check ? run_store_check(flags->check, std::cout) : run_store_export(flags->written, std::cout);

@@ -9,6 +9,9 @@
 
 namespace peerd {
 
+inline constexpr const char* kLenientHelp =
+    "read on where the world departs from VRML97 and browsers read on, with a warning at each place";
+
 // The network of a peer. The defaults are those of net::TransportSettings.
 void add_network_options(CLI::App& command, RunFlags& flags);
 

@@ -10,6 +10,7 @@
 #include "peerd/cli/commands/export_command.hpp"
 #include "peerd/cli/commands/new_command.hpp"
 #include "peerd/cli/program/commands.hpp"
+#include "peerd/cli/program/shared_options.hpp"
 #include "peerd/cli/shell/number_checks.hpp"
 #include "peerd/cli/shell/print.hpp"
 #include "peerd/input/console/stop_signals.hpp"
@@ -44,6 +45,7 @@ CLI::App* add_world_command(CLI::App& app, const char* name, const char* what, W
       ->add_option("--expansion", flags.options.reading.expansion,
                    "how many times as much as usual its files may hold, unpack and sweep to (default: 1)")
       ->transform(whole_number_in(1, kExpansionMax));
+  command->add_flag("--lenient", flags.options.reading.lenient, kLenientHelp);
   return command;
 }
 

@@ -38,10 +38,11 @@ std::expected<std::unique_ptr<const WorldFile>, int> open_world(const std::strin
   mapping.maps_hierarchies = true;
   auto file = read_world_asked_for(path, mapping);
   if (!file) return std::unexpected(print_error(file.error(), err, json));
-  const ReadResult& result = (*file)->result;
-  print_problems(result, err);
-  if (result.scene) return std::move(*file);
-  if (json != nullptr) print_error_json(error_json(result), *json);
+  const ReadResult& reported = (*file)->reported();
+  print_problems(reported, err);
+  if ((*file)->result.scene) return std::move(*file);
+  err << lenient_advice(reported);
+  if (json != nullptr) print_error_json(error_json(reported), *json);
   return std::unexpected(1);
 }
 

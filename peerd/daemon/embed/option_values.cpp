@@ -43,6 +43,7 @@ bool OptionValues::set(const std::string& name, const std::string& value) {
       {"invite", &invitation_}};
   const std::map<std::string, std::optional<std::uint32_t>*> numbers{{"id", &flags_.id}, {"port", &flags_.port}};
   const std::map<std::string, bool*> flags{{"open", &flags_.open},
+                                           {"lenient", &flags_.lenient},
                                            {"fresh", &options_.store.fresh},
                                            {"take-over", &options_.take_over},
                                            {"verbose", &options_.verbose}};

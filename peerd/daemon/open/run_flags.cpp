@@ -30,6 +30,7 @@ std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options
   std::vector<std::string> sets;
   if (!flags.world.empty()) sets.push_back("world=" + json_line(std::filesystem::absolute(flags.world).string()));
   if (!flags.world_name.empty()) sets.push_back("world_name=" + json_line(flags.world_name));
+  if (flags.lenient) sets.emplace_back("lenient=true");
   if (options.config.empty()) {
     options.peer = flags.name.empty() ? "peer" : flags.name;
     sets.push_back("peer." + options.peer + ".id=" + std::to_string(flags.id ? *flags.id : random_number()));

@@ -17,6 +17,7 @@ struct RunFlags {
   std::vector<std::string> relays{};            // HOST:PORT
   std::vector<std::string> nats{};              // URLs of servers
   bool open = false;
+  bool lenient = false;
 };
 
 // The settings that the network's options stand for, as KEY=VALUE.

@@ -415,7 +415,7 @@ Result<LoadedWorld> loaded(const WorldFile& file, const std::filesystem::path& p
   if (!read.scene) {
     std::string problems;
     for (const Diagnostic& d : read.diagnostics) problems += render(read, d);
-    return std::unexpected(InputError{problems, kFinding});
+    return std::unexpected(InputError{problems + lenient_advice(read), kFinding});
   }
   // An Inline that is read later leaves other numbers for the instances behind it, even if it holds none; so the hash
   // differs.
@@ -423,9 +423,10 @@ Result<LoadedWorld> loaded(const WorldFile& file, const std::filesystem::path& p
   for (const char c : reading.name) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u;  // FNV-1a goes on
   LoadedWorld world{path, hash, *read.scene, {}};
   if (reading.keeps_archive) world.archive = pack(archive_of(file));
-  const std::size_t count = read.diagnostics.size(), shown = std::min(count, kShownWarnings);
-  for (const Diagnostic& d : std::span(read.diagnostics).first(shown)) {
-    const std::string whole = render(read, d);
+  const ReadResult& reported = file.reported();
+  const std::size_t count = reported.diagnostics.size(), shown = std::min(count, kShownWarnings);
+  for (const Diagnostic& d : std::span(reported.diagnostics).first(shown)) {
+    const std::string whole = render(reported, d);
     world.warnings.push_back(whole.substr(0, whole.find('\n')));
   }
   if (count > shown) {

@@ -107,15 +107,41 @@ class Renamer {
   std::optional<InputError> error_;
 };
 
+// The key that one of the table [world] stands for. It is null where there is no such key.
+const char* key_of_world(std::string_view name) {
+  if (name == "file") return "world";
+  return name == "lenient" ? "lenient" : nullptr;
+}
+
+// A table with other keys stays, for the reader to refuse it.
+void flatten_world(toml::table& root) {
+  const toml::table* const world = root.get_as<toml::table>("world");
+  if (world == nullptr) return;
+  for (const auto& [name, value] : *world) {
+    if (key_of_world(name.str()) == nullptr) return;
+  }
+  toml::table keys = std::move(*root.get_as<toml::table>("world"));
+  root.erase("world");
+  for (auto&& [name, node] : keys) {
+    const toml::key key(key_of_world(name.str()), name.source());
+    node.visit([&](auto& value) { root.insert_or_assign(key, std::move(value)); });
+  }
+}
+
 }  // namespace
 
 Result<void> rename_old_keys(toml::table& root, std::vector<std::string>& warnings) {
+  flatten_world(root);
   Renamer renamer(warnings);
   renamer.walk(root, {});
   return renamer.result();
 }
 
 Result<void> rename_old_keys(Assignment& set, std::vector<std::string>& warnings) {
+  if (set.key.starts_with("world.")) {
+    const char* const name = key_of_world(std::string_view(set.key).substr(6));
+    if (name != nullptr) set.key = name;
+  }
   const Parts key = parts_of(set.key);
   if (const auto now = renamed(key)) {
     warnings.push_back("warning: --set " + is_now_called(key, *now));

@@ -30,6 +30,7 @@ std::string to_text(const Rerun& rerun) {
                                     {"world_hash", rerun.world_hash},
                                     {"inlines_when_needed", rerun.reading.inlines_when_needed},
                                     {"expansion", rerun.reading.expansion},
+                                    {"lenient", rerun.reading.lenient},
                                     {"world_name", rerun.reading.name},
                                     {"configurations", rerun.configurations}};
   // Paths may not be UTF-8. A path with a replaced character will be reported as missing.
@@ -50,6 +51,7 @@ std::expected<Rerun, std::string> rerun_from(std::string_view text) {
     rerun.world_hash = json.at("world_hash").get<std::uint64_t>();
     rerun.reading.inlines_when_needed = json.at("inlines_when_needed").get<bool>();
     rerun.reading.expansion = json.at("expansion").get<std::uint32_t>();
+    rerun.reading.lenient = json.value("lenient", false);  // older outputs have none
     rerun.reading.name = json.at("world_name").get<std::string>();
     rerun.configurations = json.at("configurations").get<std::vector<std::string>>();
   } catch (const nlohmann::json::exception& e) {

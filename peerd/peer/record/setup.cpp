@@ -55,6 +55,7 @@ std::string to_text(const Setup& s) {
                               {"world_hash", s.world_hash},
                               {"inlines_when_needed", s.reading.inlines_when_needed},
                               {"expansion", s.reading.expansion},
+                              {"lenient", s.reading.lenient},
                               {"world_name", s.reading.name},
                               {"file", s.file.string()},
                               {"configuration", s.configuration}};
@@ -110,6 +111,7 @@ std::expected<Setup, std::string> setup_from(std::string_view text) {
     s.world_hash = json.at("world_hash").get<std::uint64_t>();
     s.reading.inlines_when_needed = json.at("inlines_when_needed").get<bool>();
     s.reading.expansion = json.value("expansion", 1U);  // older captures have none
+    s.reading.lenient = json.value("lenient", false);   // older captures have none
     s.reading.name = json.value("world_name", "");      // older captures have none
     s.file = json.at("file").get<std::string>();
     s.configuration = json.at("configuration").get<std::string>();

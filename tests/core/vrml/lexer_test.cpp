@@ -109,7 +109,7 @@ TEST_P(Header, IsJudged) {
     EXPECT_TRUE(result.has_value());
   } else {
     ASSERT_FALSE(result.has_value());
-    EXPECT_THAT(result.error(), testing::HasSubstr(GetParam().problem));
+    EXPECT_THAT(result.error().why, testing::HasSubstr(GetParam().problem));
   }
 }
 INSTANTIATE_TEST_SUITE_P(

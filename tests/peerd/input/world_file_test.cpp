@@ -66,6 +66,68 @@ TEST(WorldFile, WhatTheWorldAsksForInVainIsAmongItsWarnings) {
   EXPECT_THAT(good->result.diagnostics[0].message, testing::StartsWith("splitThreshold does nothing"));
 }
 
+// A wall that another file has, without a header, and a ROUTE that browsers pass over.
+class LenientWorld : public testing::Test {
+ protected:
+  LenientWorld() {
+    folder.write("wall.wrl", "DEF WALL Transform { translation 1-2-3 children Shape { geometry Box { } } }\n");
+    path = folder.write("w.wrl",
+                        "#VRML V2.0 utf8\nDEF T TimeSensor { }\nDEF field Inline { url \"wall.wrl\" }\n"
+                        "ROUTE T.cycleTime TO field.bboxSize\n");
+  }
+  ScratchFolder folder;
+  std::filesystem::path path;
+};
+
+TEST_F(LenientWorld, IsAnErrorThatNamesTheOptionWithoutIt) {
+  const auto file = must(read_world_file(path));
+  EXPECT_FALSE(file->result.scene);
+  EXPECT_THAT(lenient_advice(file->result), testing::StartsWith("note: --lenient"));
+  EXPECT_EQ(lenient_advice(must(read_world_file(folder / "w.wrl", {.lenient = true}))->result), "");
+}
+
+TEST_F(LenientWorld, IsWhatWasUnderstoodInStrictVrml) {
+  const auto file = must(read_world_file(path, {.lenient = true}));
+  ASSERT_TRUE(file->result.scene);
+  EXPECT_THAT(file->text, testing::StartsWith("#VRML V2.0 utf8\n"));
+  EXPECT_THAT(file->text, HasSubstr("translation 1 -2 -3"));
+  EXPECT_THAT(file->result.diagnostics, testing::IsEmpty());
+  EXPECT_EQ(file->result.sources.size(), 1u);
+}
+
+TEST_F(LenientWorld, ReportsTheFaultsOfTheFilesThatPeopleWrote) {
+  const auto file = must(read_world_file(path, {.lenient = true}));
+  const ReadResult& reported = file->reported();
+  ASSERT_EQ(reported.sources.size(), 2u);
+  std::string all;
+  for (const Diagnostic& d : reported.diagnostics) all += render(reported, d);
+  EXPECT_THAT(all, HasSubstr("w.wrl:3:5: warning: expected a name after DEF, found 'field'; it is read as '_field'"));
+  EXPECT_THAT(all, HasSubstr("wall.wrl:1:"));
+  EXPECT_THAT(all, HasSubstr("1-2-3"));
+}
+
+// Whoever joins gets the archive, and reads it as any world.
+TEST_F(LenientWorld, IsTheSameWorldForWhoeverReadsItsArchiveStrictly) {
+  const auto file = must(read_world_file(path, {.lenient = true}));
+  const auto joined = must(read_world_bytes(pack(archive_of(*file)), "joined.wrl", {}));
+  ASSERT_TRUE(joined->result.scene);
+  EXPECT_EQ(content_hash(joined->result), content_hash(file->result));
+  EXPECT_EQ(joined->text, file->text);
+  EXPECT_EQ(content_hash(must(read_world_file(path, {.lenient = true}))->result), content_hash(file->result));
+}
+
+TEST_F(LenientWorld, WithoutFaultsIsTheFileItself) {
+  const auto good = folder.write("good.wrl", "#VRML V2.0 utf8\n# as it stands\nGroup { }\n");
+  const auto file = must(read_world_file(good, {.lenient = true}));
+  EXPECT_THAT(file->text, HasSubstr("# as it stands"));
+  EXPECT_FALSE(file->as_written);
+}
+
+TEST_F(LenientWorld, ThatNobodyCanUnderstandStaysAnError) {
+  const auto file = must(read_world_file(folder.write("x.wrl", "#VRML V2.0 utf8\nGroup {"), {.lenient = true}));
+  EXPECT_FALSE(file->result.scene);
+}
+
 TEST(LocalFiles, RefuseByName) {
   const ScratchFolder folder;
   const auto load = local_files();

@@ -144,4 +144,20 @@ TEST_F(RenamedKeysOfAScenario, AnOldNameInASweepSweeps) {
   EXPECT_EQ(swept.warnings.size(), 1u) << "once, and not once a run";
 }
 
+TEST_F(RenamedKeysOfAScenario, ATableOfTheWorldIsItsKeys) {
+  const std::string peer = "[peer.a]\nid = 1\n";
+  const auto table = folder.write("t.toml", "[world]\nfile = \"w.wrl\"\nlenient = true\n" + peer);
+  const auto keys = folder.write("k.toml", "world = \"w.wrl\"\n" + peer);
+  request.file = table;
+  const auto by_table = must(read_scenario(request));
+  EXPECT_TRUE(by_table.reading.lenient);
+  EXPECT_EQ(by_table.world, folder / "w.wrl");
+  request.file = keys;
+  EXPECT_FALSE(must(read_scenario(request)).reading.lenient);
+  request.sets = {"world.lenient=true"};
+  EXPECT_TRUE(must(read_scenario(request)).reading.lenient);
+  request.sets = {"lenient=true"};
+  EXPECT_TRUE(must(read_scenario(request)).reading.lenient);
+}
+
 }  // namespace peerd::config::renamed_keys_test
