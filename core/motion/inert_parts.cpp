@@ -14,6 +14,7 @@
 
 #include "core/geometry/tessellate.hpp"
 #include "core/motion/carriers.hpp"
+#include "core/motion/key_sensors.hpp"
 #include "core/motion/predefined_motion.hpp"
 #include "core/vrml/document.hpp"
 
@@ -248,6 +249,9 @@ class NodeCheck {
   [[nodiscard]] Position place(ObjectId id, std::string_view field) const {
     const vrml::Field* const given = nodes_[scene_.at(id).node].find(field);
     assert(given != nullptr);
+      if (const auto key = key_of(sensor); !key) {
+        notes_.add(nodes_[sensor.node].find("key")->at, "this KeySensor gets no key: " + key.error());
+      }
     return given->at;
   }
 

@@ -118,6 +118,7 @@ std::optional<std::int32_t> find_character(std::string_view name) {
 }
 
 std::optional<std::int32_t> find_value(std::string_view name) {
+  if (name == "Space" || name == "Spacebar") return ' ';
   if (const auto character = find_character(name)) return character;
   if (const auto function = find_function_key(name)) return function;
   const auto at = std::ranges::find(kNamedKeys, name, &NamedKey::name);
@@ -127,7 +128,12 @@ std::optional<std::int32_t> find_value(std::string_view name) {
 }  // namespace
 
 KeyEvent canonical(const KeyEvent& key) {
-  KeyEvent c{canonical_value(key.value), key.state};
+  KeyEvent c{canonical_value(key.value), key.state, key.is_release};
+  if (c.is_release) {
+    if (c.value == qt3::kBacktab) c.value = qt3::kTab;
+    c.state = 0;
+    return c;
+  }
   for (const Modifier& m : kModifiers) {
     const bool held = (c.state & (m.qt3 | m.qt4)) != 0;
     c.state &= ~(m.qt3 | m.qt4);
@@ -143,6 +149,7 @@ std::expected<KeyEvent, std::string> find_key(std::string_view name, const KeyMo
     std::string sentence = "there is no key \"" + std::string(name) + "\"";
     Suggestion suggestion(name);
     for (const NamedKey& key : kNamedKeys) suggestion.consider(key.name);
+    suggestion.consider("Space");
     if (const auto meant = suggestion.best()) {
       return std::unexpected(sentence + "; did you mean \"" + std::string(*meant) + "\"?");
     }
@@ -156,9 +163,25 @@ std::expected<KeyEvent, std::string> find_key(std::string_view name, const KeyMo
   return canonical(key);
 }
 
+std::expected<KeyEvent, std::string> find_held_key(std::string_view name) {
+  KeyModifiers held;
+  for (std::size_t plus = name.find('+'); plus != std::string_view::npos && plus + 1 < name.size();) {
+    if (plus == 0) break;  // the key is +
+    const auto modifier = std::ranges::find(kModifiers, name.substr(0, plus), &Modifier::name);
+    if (modifier == kModifiers.end()) {
+      return std::unexpected("there is no modifier \"" + std::string(name.substr(0, plus)) +
+                             "\"; there are shift, control, alt, meta and keypad");
+    }
+    held.*modifier->flag = true;
+    name.remove_prefix(plus + 1);
+    plus = name.find('+');
+  }
+  return find_key(name, held);
+}
+
 std::string name_of(const KeyEvent& key) {
   const KeyEvent c = canonical(key);
-  std::string name;
+  std::string name = c.is_release ? "release of " : "";
   std::int32_t unnamed = c.state;
   for (const Modifier& m : kModifiers) {
     if ((c.state & m.qt3) != 0) name += std::string(m.name) + "+";
@@ -166,7 +189,7 @@ std::string name_of(const KeyEvent& key) {
   }
   const auto at = std::ranges::find(kNamedKeys, c.value, &NamedKey::value);
   if (unnamed != 0) {
-    return "key " + std::to_string(key.value) + " with state " + std::to_string(key.state);
+    return name + "key " + std::to_string(key.value) + " with state " + std::to_string(key.state);
   } else if (at != kNamedKeys.end()) {
     return name + std::string(at->name);
   } else if (c.value == qt3::kBacktab) {

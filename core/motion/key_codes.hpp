@@ -10,6 +10,7 @@ namespace peerd {
 struct KeyEvent {
   std::int32_t value = 0;
   std::int32_t state = 0;
+  bool is_release = false;  // the key goes up
   friend constexpr bool operator==(const KeyEvent&, const KeyEvent&) = default;
 };
 
@@ -34,6 +35,7 @@ inline constexpr std::int32_t kShiftButton = 0x0100, kControlButton = 0x0200, kA
 // - state: Qt 4 to 6 have the modifiers from 0x02000000 (Shift) to 0x20000000 (keypad). The flag of a modifier key
 // itself is dropped: Qt 3 gives the state before the press, Qt 4 to 6 and browsers the one after it.
 // Tab with Shift is Backtab, as Qt delivers it.
+// A release has no state: whoever holds two keys lets go of them in any order.
 [[nodiscard]] KeyEvent canonical(const KeyEvent& key);
 
 // Returns a key by its name in a browser: KeyboardEvent.key of W3C's UI Events ("ArrowUp", "a", "Enter", " ", "F1",
@@ -41,7 +43,11 @@ inline constexpr std::int32_t kShiftButton = 0x0100, kControlButton = 0x0200, kA
 // canonical form; the error is a sentence with the name that was probably meant.
 [[nodiscard]] std::expected<KeyEvent, std::string> find_key(std::string_view name, const KeyModifiers& modifiers = {});
 
-// Returns a description for messages: "shift+ArrowUp", or "key 4294 with state 7" where the key has no name.
+// Returns a key by its name with the modifiers before it: "ArrowUp", "shift+ArrowUp", "control+shift+a", "+".
+[[nodiscard]] std::expected<KeyEvent, std::string> find_held_key(std::string_view name);
+
+// Returns a description for messages: "shift+ArrowUp", "release of ArrowUp", or "key 4294 with state 7" where the key
+// has no name.
 [[nodiscard]] std::string name_of(const KeyEvent& key);
 
 }  // namespace peerd

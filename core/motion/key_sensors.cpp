@@ -11,14 +11,26 @@
 
 namespace peerd {
 
+std::expected<KeyEvent, std::string> key_of(const KeySensor& sensor) {
+  KeyEvent key{sensor.key_value, sensor.key_state};
+  if (!sensor.key_name.empty()) {
+    const auto named = find_held_key(sensor.key_name);
+    if (!named) return named;
+    key = *named;
+  }
+  key.is_release = sensor.on_release;
+  return canonical(key);
+}
+
 KeySensors::KeySensors(const Scene& scene, const KeySensors* before) {
   if (scene.key_sensors.empty()) return;
   std::unordered_map<std::uint32_t, std::size_t> of_node;
   for (const KeySensor& s : scene.key_sensors) {
     of_node.emplace(s.node, sensors_.size());
+    const auto key = key_of(s);
     Sensor sensor{scene.document->ids.id_of(s.node),
                   s.enabled,
-                  canonical({s.key_value, s.key_state}),
+                  key ? std::optional(*key) : std::nullopt,
                   s.consume,
                   s.enabled,
                   {},

@@ -1,6 +1,9 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <expected>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/motion/key_codes.hpp"
@@ -33,7 +36,7 @@ class KeySensors {
     std::vector<std::size_t> hits;  // indices into Scene::key_sensors, in file order
     bool consumed = false;          // the application does not get it
   };
-  // Presses the key. A release means nothing to a KeySensor; a key that repeats is pressed again each time.
+  // Presses or releases the key: each sensor works at one of the two. A key that repeats is pressed again each time.
   Outcome press(const KeyEvent& key);
 
   [[nodiscard]] bool enabled(std::size_t sensor) const { return sensors_[sensor].enabled; }
@@ -47,7 +50,7 @@ class KeySensors {
   struct Sensor {
     NodeId node;
     bool enabled_in_file = true;
-    KeyEvent key;  // canonical
+    std::optional<KeyEvent> key;  // canonical; none: it has a name that no key has
     bool consume = true, enabled = true;
     std::vector<Route> from_hit, from_enabled;
   };
@@ -55,5 +58,8 @@ class KeySensors {
 
   std::vector<Sensor> sensors_;
 };
+
+// Returns the key of a sensor, in canonical form. The error is a sentence about its name.
+[[nodiscard]] std::expected<KeyEvent, std::string> key_of(const KeySensor& sensor);
 
 }  // namespace peerd

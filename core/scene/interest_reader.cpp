@@ -139,6 +139,8 @@ void InterestReader::add_bound_key_sensor(std::uint32_t index, std::optional<Obj
                                 .key_value = value_of(node, "keyValue").as<std::int32_t>()[0],
                                 .key_state = value_of(node, "keyState").as<std::int32_t>()[0],
                                 .value = Vec3(velocity[0], velocity[1], velocity[2]),
+                                .key_name = std::string(value_of(node, "key").as<std::string_view>()[0]),
+                                .on_release = flag("onRelease"),
                                 .absolute = flag("absoluteValue"),
                                 .consume = flag("consume"),
                                 .enabled = flag("enabled")});

@@ -121,6 +121,8 @@ struct KeySensor {
   std::int32_t key_value = 0;            // Qt::Key
   std::int32_t key_state = 0;            // Qt::ButtonState
   Vec3 value = Vec3::Zero();             // [m/s], in the frame of the recipient's parent
+  std::string key_name;                  // a browser's name of the key, in place of the two; empty: they count
+  bool on_release = false;               // works when the key goes up
   bool absolute = false;                 // `value` replaces the velocity, or is added to it
   bool consume = true;                   // no other KeySensor, nor the application, gets that event
   bool enabled = true;                   // at first

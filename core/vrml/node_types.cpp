@@ -243,9 +243,17 @@ constexpr FieldSpec kInlineFields[] = {
     {kInlineContentName, kMFNode, Access::kContent, "[ ]", Range::kAny, kAnyClass},
 };
 constexpr FieldSpec kKeySensorFields[] = {
-    field("absoluteValue", kSFBool, "FALSE"), field("consume", kSFBool, "TRUE"), exposed("enabled", kSFBool, "TRUE"),
-    field("keyState", kSFInt32, "0"),         field("keyValue", kSFInt32, "0"),  field("recipient", kSFString, "\"\""),
-    field("value", kSFVec3f, "0 0 0"),        event_in("disable", kSFBool),      event_out("keyHit", kSFBool),
+    field("absoluteValue", kSFBool, "FALSE"),
+    field("consume", kSFBool, "TRUE"),
+    exposed("enabled", kSFBool, "TRUE"),
+    field("key", kSFString, "\"\""),
+    field("keyState", kSFInt32, "0"),
+    field("keyValue", kSFInt32, "0"),
+    field("onRelease", kSFBool, "FALSE"),
+    field("recipient", kSFString, "\"\""),
+    field("value", kSFVec3f, "0 0 0"),
+    event_in("disable", kSFBool),
+    event_out("keyHit", kSFBool),
 };
 constexpr FieldSpec kLodFields[] = {
     {"level", kMFNode, Access::kExposedField, "[ ]", Range::kAny, kChild},
@@ -443,9 +451,9 @@ constexpr FieldSpec kVisibilitySensorFields[] = {
     event_out("isActive", kSFBool),
 };
 constexpr FieldSpec kWorldInfoFields[] = {
-    field("info", kMFString, "[ ]"),
-    field("title", kSFString, "\"\""),
-    field("worldTimes", kSFBool, "FALSE"),
+    field("info", kMFString, "[ ]"),           field("title", kSFString, "\"\""),
+    field("worldTimes", kSFBool, "FALSE"),     field("gravity", kSFVec3f, "0 0 0"),
+    field("returnBelow", kSFFloat, "-3.4e38"),
 };
 
 constexpr NodeType kNodeTypes[] = {

@@ -273,12 +273,12 @@ export interface Requests {
   peers: [{ readonly from?: number }, PeersReply];
   objects: [{ readonly from?: number; readonly count?: number }, ObjectsReply];
   key: [
-    | { readonly key: string; readonly shift?: boolean; readonly control?: boolean; readonly alt?: boolean; readonly meta?: boolean; readonly keypad?: boolean }
-    | { readonly value: number; readonly state?: number },
+    | { readonly key: string; readonly shift?: boolean; readonly control?: boolean; readonly alt?: boolean; readonly meta?: boolean; readonly keypad?: boolean; readonly release?: boolean }
+    | { readonly value: number; readonly state?: number; readonly release?: boolean },
     KeyReply,
   ];
   pose: [PoseOut | { readonly poses: readonly PoseOut[]; readonly time_s?: number }, PoseReply];
-  let_go: [At, Done];
+  let_go: [At, Done & { readonly stays?: boolean }];
   viewpoint: [
     {
       readonly object?: string;

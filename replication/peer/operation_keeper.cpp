@@ -1,12 +1,16 @@
 #include "replication/peer/operation_keeper.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
+#include <charconv>
 #include <set>
 #include <utility>
 #include <variant>
 
 #include "core/edit/placement.hpp"
+#include "core/vrml/document.hpp"
+#include "core/vrml/lexer.hpp"
 #include "replication/peer/contact_report.hpp"
 #include "replication/physics/laws/composed_motion.hpp"
 #include "replication/wire/codec.hpp"
@@ -28,6 +32,28 @@ constexpr Duration kTurn = std::chrono::milliseconds(150);
 constexpr Duration kUnseenAfter = std::chrono::seconds(4);
 // A hello's datagram leaves so much besides its lists at most.
 constexpr std::size_t kMargin_bytes = 16;
+
+// The value of an SFVec3f. The caller has found that it is one.
+std::optional<Vec3> vector_in(std::string_view text) {
+  vrml::Lexer lexer(text);
+  Vec3 vector = Vec3::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const auto number = vrml::read_float(lexer.next().text);
+    if (!number) return std::nullopt;
+    vector[i] = *number;
+  }
+  return vector;
+}
+
+std::string text_of(const Vec3& vector) {
+  std::string text;
+  for (int i = 0; i < 3; ++i) {
+    std::array<char, 32> digits{};
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), static_cast<float>(vector[i])).ptr;
+    text.append(i == 0 ? "" : " ").append(digits.data(), end);
+  }
+  return text;
+}
 
 }  // namespace
 
@@ -107,7 +133,35 @@ std::expected<OperationId, std::string> OperationKeeper::edit(HostTime now, Oper
   if (auto* const set = std::get_if<SetField>(&body)) set->first_node = next_node_;
   auto draft = p_.living.draft(std::move(body), p_.author, p_.to_session(now) + kStampAheadMax);
   if (!draft) return std::unexpected(draft.error());
+  const auto* const set = std::get_if<SetField>(&draft->body);
+  if (const auto place = set == nullptr ? std::nullopt : place_to_drift_from(now, *set)) {
+    if (const auto placed = edit(now, *place); !placed) return placed;
+  }
   return append(now, *std::move(draft));
+}
+
+// The world's own movement displaces a Transform by its velocityVector times the world time (Ohlenburg 2003, equation
+// C.1). Whoever sets another one means from now on, and not from the world's beginning: the translation changes with
+// it, so that the object goes on from where it is. Returns that edit, where there is such a movement.
+std::optional<SetField> OperationKeeper::place_to_drift_from(HostTime now, const SetField& set) const {
+  const auto zero = p_.world_time.zero();
+  const std::optional<Vec3> velocity = set.field == "velocityVector" ? vector_in(set.value) : std::nullopt;
+  if (!velocity || !zero) return std::nullopt;
+  const Scene& scene = *p_.model->scene;
+  const auto is_of_node = [&](const Instance& i) { return scene.document->ids.id_of(i.node) == set.node; };
+  const auto instance = std::ranges::find_if(scene.instances, is_of_node);
+  if (instance == scene.instances.end()) return std::nullopt;
+  const auto is_driven = [&](const vrml::Route& r) {
+    return r.to_node == instance->node && r.to->name == "translation";
+  };
+  const ObjectId object = scene.id_of(static_cast<std::uint32_t>(instance - scene.instances.begin()));
+  if (std::ranges::any_of(scene.document->routes, is_driven)) return std::nullopt;
+  if (owner_of(object) != kNobody || p_.scene.is_moved(object)) return std::nullopt;
+  const double since_s = std::max(0.0, to_seconds(stamp(now) - *zero));
+  const Vec3 by = since_s * (scene.object(object).velocity - *velocity);
+  if (by.isZero(0.0)) return std::nullopt;
+  const Vec3 place = scene.transform(object).translation + by;
+  return SetField{set.node, "translation", text_of(place), 0};
 }
 
 std::expected<OperationId, std::string> OperationKeeper::append(HostTime now, LivingScene::Draft draft) {
@@ -287,7 +341,7 @@ void OperationKeeper::apply_until(SimTime t, const std::function<void(SimTime)>&
     report_contacts(p_, now);
     keeper_.give(change->given, at);  // before: what nobody owns from now on goes to its place in the scene
     if (!change->scene) continue;
-    p_.change_scene(change->scene, at, going_on(change->left));
+    p_.change_scene(change->scene, at, going_on(change->left), change->fields);
     for (const auto& [object, left] : change->left) p_.left_behind.erase(object);
     keeper_.follow_scene();
     keeper_.give(change->given, at);  // what is new in it

@@ -53,6 +53,7 @@ class OperationKeeper {
   [[nodiscard]] PeerId owner_of(ObjectId object) const;
   [[nodiscard]] std::optional<Placement> placement_at(SimTime t, ObjectId object) const;
   [[nodiscard]] std::optional<Placement> placement_of_state(ObjectId object, const KinematicState& state) const;
+  [[nodiscard]] std::optional<SetField> place_to_drift_from(HostTime now, const SetField& set) const;
   [[nodiscard]] std::set<ObjectId> going_on(const LeftObjects& left) const;
   void on_request(const Operation& operation, SimTime session_now);
   [[nodiscard]] std::expected<OperationId, std::string> append(HostTime now, LivingScene::Draft draft);

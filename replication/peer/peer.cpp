@@ -98,6 +98,7 @@ void Peer::Impl::tick(SimTime t, std::span<const OwnSample> samples) {
   parts.publication.take(t, samples);
   parts.replica.advance_ghosts(t);
   report_contacts(parts, t);
+  parts.return_fallen(t);
   parts.follow_resting_ghosts(t);
   parts.publication.publish(t);
   scene.maintain(t);
@@ -239,7 +240,9 @@ bool Peer::begin_driving(HostTime now, ObjectId object) {
   assert(truth.has(object));
   p.replica.advance_truth(t);
   // Let go in the air, it falls as before, also where it rested on something meanwhile.
-  truth.set_free_acceleration(object, truth.unborne_acceleration(object, t));
+  const Vec3 before = truth.unborne_acceleration(object, t);
+  const bool stood_free = before.isZero(0.0) && !truth.free_acceleration(object);
+  truth.set_free_acceleration(object, stood_free ? p.model->gravity_of(object) : before);
   const MotionModel law(at_rest(truth.relative_at(object, t).pose()));
   p.launches.forget(object);
   own->driven = true;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/mixed_bits.hpp"
+#include "replication/physics/laws/response.hpp"
 
 namespace peerd::replication {
 namespace {
@@ -181,8 +182,8 @@ bool PeerParts::let_move(std::span<const ObjectId> objects) {
   return true;
 }
 
-void PeerParts::change_scene(std::shared_ptr<const Scene> edited_scene, SimTime at,
-                             const std::set<ObjectId>& going_on) {
+void PeerParts::change_scene(std::shared_ptr<const Scene> edited_scene, SimTime at, const std::set<ObjectId>& going_on,
+                             std::span<const SetField> fields) {
   const std::shared_ptr<const WorldModel> next = edited(*model, std::move(edited_scene));
   forget_what_is_gone(*next->scene);
   const auto is_owned = [&](ObjectId object) { return owners.of(object) != kNobody; };
@@ -194,10 +195,11 @@ void PeerParts::change_scene(std::shared_ptr<const Scene> edited_scene, SimTime 
     if (each == nullptr) return role_in_ghosts(object);
     return each->driven ? Role::kDriven : Role::kAuthoritative;
   };
-  std::map<ObjectId, Pose> places;  // of own objects, by the scene before
+  std::map<ObjectId, Begin> begins, begins_of_scene;  // by the scene before, of own objects and of those of the scene
   for (const auto& [object, each] : std::as_const(own)) {
-    if (!going_on.contains(object)) places.emplace(object, place_by_scene(object));
+    if (!going_on.contains(object)) begins.emplace(object, begin_by_scene(object, fields));
   }
+  for (const auto& [object, each] : scene.all()) begins_of_scene.emplace(object, begin_by_scene(object, fields));
   const auto placed = replica.change_scene(*next, at, is_owned, role_in_truth, role_in_ghosts);
   for (auto& [object, each] : own) {  // the samples of the models are in the frame before
     if (next->carrier_of(object) != model->carrier_of(object)) each.models.reset();
@@ -212,7 +214,10 @@ void PeerParts::change_scene(std::shared_ptr<const Scene> edited_scene, SimTime 
   }
   scripted.follow_scene(at, world_time.zero());
   regions.follow_model();
-  for (const auto& [object, place] : places) place_own(object, at, place);
+  for (const auto& [object, begin] : begins) begin_own_anew(object, at, begin);
+  for (const auto& [object, begin] : begins_of_scene) {
+    if (scene.contains(object)) give_velocity(object, at, begin);
+  }
   ++counters.scene_changes;
 }
 
@@ -249,17 +254,46 @@ void PeerParts::forget_what_is_gone(const Scene& next) {
   own.remove(gone);
 }
 
-// An edit that gives an own object another place than the scene gave it before puts it there; it goes on as it moved.
-// An object that something drives goes its own way.
-void PeerParts::place_own(ObjectId object, SimTime at, const Pose& before) {
-  const Pose now = place_by_scene(object);
-  const bool stays = now.position == before.position && now.orientation.coeffs() == before.orientation.coeffs();
-  if (stays || own.at(object).driven || !replica.begun()) return;
-  MotionModel law = replica.truth().model_at(object, at);
-  law.state.position = now.position;
-  law.state.orientation = now.orientation;
-  replica.truth().set_base(object, at, law);
-  own.republish(object);
+PeerParts::Begin PeerParts::begin_by_scene(ObjectId object, std::span<const SetField> fields) const {
+  const NodeId node = model->scene->document->ids.id_of(model->scene->at(object).node);
+  const auto sets = [&](const SetField& set, auto... names) {
+    return set.node == node && ((set.field == names) || ...);
+  };
+  return {place_by_scene(object), model->scene->object(object).velocity,
+          std::ranges::any_of(fields, [&](const SetField& set) { return sets(set, "translation", "rotation"); }),
+          std::ranges::any_of(fields, [&](const SetField& set) { return sets(set, "velocityVector"); })};
+}
+
+// An own object whose place or velocityVector an edit sets begins anew, as its fields say now: whoever puts a falling
+// ball somewhere wants it there, and not its speed. An object that something drives goes its own way.
+void PeerParts::begin_own_anew(ObjectId object, SimTime at, const Begin& before) {
+  const Pose place = place_by_scene(object);
+  const bool is_placed = before.place_is_set || place.position != before.place.position ||
+                         place.orientation.coeffs() != before.place.orientation.coeffs();
+  const bool is_pushed = before.velocity_is_set || model->scene->object(object).velocity != before.velocity;
+  if ((!is_placed && !is_pushed) || own.at(object).driven || !replica.begun()) return;
+  const Pose from = is_placed ? place : replica.truth().relative_at(object, at).pose();
+  launches.begin_anew(at, object, from, file_velocity(at, object));
+}
+
+// An edit sets the velocityVector of an object that nobody owns and a contact has moved. All peers know its law.
+void PeerParts::give_velocity(ObjectId object, SimTime at, const Begin& before) {
+  const bool is_pushed = before.velocity_is_set || model->scene->object(object).velocity != before.velocity;
+  if (!is_pushed || owners.of(object) != kNobody || !scene.is_moved(object) || !replica.begun()) return;
+  MotionWorld& truth = replica.truth();
+  KinematicState state = truth.relative_at(object, at);
+  state.velocity = truth.vector_in_carrier(object, at, file_velocity(at, object));
+  const MotionModel law = law_after(model->response_of(object), truth.model_at(object, at), state);
+  truth.set_base(object, at, law);
+  replica.ghosts().set_base(object, at, law);
+  scene.place(object, at, law, model->carrier_of(object));
+}
+
+// An object of this peer that has fallen out of the world comes back, where the world's file says below which height.
+void PeerParts::return_fallen(SimTime t) {
+  for (const ObjectId object : launches.fallen(t)) {
+    launches.begin_anew(t, object, place_by_scene(object), file_velocity(t, object));
+  }
 }
 
 Vec3 PeerParts::file_velocity(SimTime at, ObjectId object) {

@@ -109,6 +109,7 @@ struct PeerParts {
   // Moves a remote object in the truth to its ghost, once both have kept their law for a second and two latencies, in
   // which every decision on them has arrived. Called at each tick; checks twice a second.
   void follow_resting_ghosts(SimTime t);
+  void return_fallen(SimTime t);
   // The instant to which both worlds have been advanced.
   [[nodiscard]] SimTime reached() const { return std::min(replica.truth().advanced(), replica.ghosts().advanced()); }
   // These objects are moved by somebody from now on, or others relative to them: the model in force has them as
@@ -116,7 +117,8 @@ struct PeerParts {
   [[nodiscard]] bool let_move(std::span<const ObjectId> objects);
   // Edits have made that scene of this peer's, from `at` on, up to which both worlds have been advanced and their
   // events polled. All pairs are to be watched anew. Own objects that go on do so wherever the scene places them now.
-  void change_scene(std::shared_ptr<const Scene> edited_scene, SimTime at, const std::set<ObjectId>& going_on = {});
+  void change_scene(std::shared_ptr<const Scene> edited_scene, SimTime at, const std::set<ObjectId>& going_on = {},
+                    std::span<const SetField> fields = {});
   // Whether the object answers contacts where nobody owns it: the same at all peers that know the same operations,
   // whatever they have seen of it.
   [[nodiscard]] bool is_scene_object(const WorldModel& of, ObjectId object) const;
@@ -137,7 +139,15 @@ struct PeerParts {
   // A decision on a contact of that time makes the peer the owner of the scene object.
   void give_scene_object(ObjectId object, PeerId owner, SimTime decided);
   void forget_what_is_gone(const Scene& next);
-  void place_own(ObjectId object, SimTime at, const Pose& before);
+  // What the scene says of an object: where it begins, and with which velocityVector.
+  struct Begin {
+    Pose place;
+    Vec3 velocity;
+    bool place_is_set, velocity_is_set;  // by an edit, be it to what it was
+  };
+  [[nodiscard]] Begin begin_by_scene(ObjectId object, std::span<const SetField> fields) const;
+  void begin_own_anew(ObjectId object, SimTime at, const Begin& before);
+  void give_velocity(ObjectId object, SimTime at, const Begin& before);
   // kNobody: it is nobody's from now on.
   void set_owner_of_scene_object(ObjectId object, PeerId owner, PeerId before);
 };

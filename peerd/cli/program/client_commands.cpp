@@ -28,7 +28,7 @@ constexpr std::int64_t kKeyCodeMax = std::numeric_limits<std::int32_t>::max();
 // The key of `peerd ctl key`, with the modifiers that are held down.
 struct KeyFlags {
   std::string name;
-  bool shift = false, control = false, alt = false, meta = false, keypad = false;
+  bool shift = false, control = false, alt = false, meta = false, keypad = false, release = false;
   std::optional<std::int32_t> value;
   std::int32_t state = 0;
 };
@@ -131,6 +131,7 @@ CtlCommands add_ctl_commands(CLI::App& ctl, CtlOptions& options, KeyFlags& key, 
   commands.key->add_flag("--alt", key.alt, "with Alt held down");
   commands.key->add_flag("--meta", key.meta, "with Meta held down");
   commands.key->add_flag("--keypad", key.keypad, "on the numeric keypad");
+  commands.key->add_flag("--release", key.release, "lets go of it, in place of pressing it");
   commands.key->add_option("--value", key.value, "instead of a name: the Qt::Key")
       ->transform(whole_number_in(0, kKeyCodeMax));
   commands.key->add_option("--state", key.state, "with --value: the Qt::ButtonState (default: 0)")
@@ -212,11 +213,16 @@ Result<std::string> ctl_request(const CtlCommands& commands, const KeyFlags& key
   if (key.value ? held : key.state != 0) {
     return std::unexpected(InputError{"error: --shift and its like go with a key's name, --state goes with --value"});
   }
-  if (key.value) return json_line(nlohmann::json{{"do", "key"}, {"value", *key.value}, {"state", key.state}});
+  const auto request = [&](std::int32_t value, std::int32_t state) {
+    nlohmann::json json{{"do", "key"}, {"value", value}, {"state", state}};
+    if (key.release) json["release"] = true;
+    return json_line(json);
+  };
+  if (key.value) return request(*key.value, key.state);
   const auto named = find_key(
       key.name, {.shift = key.shift, .control = key.control, .alt = key.alt, .meta = key.meta, .keypad = key.keypad});
   if (!named) return std::unexpected(InputError{"error: " + named.error()});
-  return json_line(nlohmann::json{{"do", "key"}, {"value", named->value}, {"state", named->state}});
+  return request(named->value, named->state);
 }
 
 }  // namespace

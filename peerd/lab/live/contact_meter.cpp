@@ -64,7 +64,7 @@ ContactMeter::ContactMeter(const config::RunSettings& run, const SharedWorld& sh
       object.mass_kg = response->mass_kg;
       ++measured_.bodies;
       if (launch == of.launches.end()) continue;
-      object.drive = launch->second.acceleration;
+      object.drive = launch->second.acceleration.value_or(shared.model->gravity_of(id));
       measured_.is_driven |= launch->second.after > Duration{0};
     }
     if (measured_.bodies > bodies_before) ++measured_.owners;

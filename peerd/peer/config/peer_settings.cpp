@@ -233,6 +233,8 @@ KeyEvent read_key(TomlReader& reader) {
   reader.read("keypad", held.keypad);
   reader.read("value", value, 0, kCodeMax);
   reader.read("state", state, 0, kCodeMax);
+  bool is_release = false;
+  reader.read("release", is_release);
   const auto any = [&](std::initializer_list<const char*> keys) {
     return std::ranges::any_of(keys, [&](const char* key) { return reader.has(key); });
   };
@@ -243,9 +245,9 @@ KeyEvent read_key(TomlReader& reader) {
   } else if (reader.has("value") && any({"shift", "control", "alt", "meta", "keypad"})) {
     reader.fail(reader.raw().get("value"), reader.dotted("value") + ": its modifiers are numbers too, in state");
   } else if (reader.has("value")) {
-    return {static_cast<std::int32_t>(value), static_cast<std::int32_t>(state)};
+    return {static_cast<std::int32_t>(value), static_cast<std::int32_t>(state), is_release};
   } else if (const auto key = find_key(name, held)) {
-    return *key;
+    return {key->value, key->state, is_release};
   } else {
     reader.fail(reader.raw().get("key"), reader.dotted("key") + ": " + key.error());
   }

@@ -12,6 +12,7 @@
 #include "peerd/peer/feed/json_members.hpp"
 #include "peerd/peer/node/edit_operation.hpp"
 #include "replication/objects/contacts/decision.hpp"
+#include "replication/physics/laws/motion_model.hpp"
 
 namespace peerd::control {
 namespace {
@@ -235,6 +236,16 @@ ordered_json outcome_reply(const std::expected<void, std::string>& done) {
   return reply;
 }
 
+// What is let go at rest, and which nothing pulls down, stays in the air: whoever let go may not expect it.
+ordered_json let_go_reply(PeerNode& node, HostTime now, const std::string& path) {
+  const auto done = node.let_go(now, path);
+  ordered_json reply = outcome_reply(done);
+  if (!done) return reply;
+  const KinematicState state = node.peer().truth(*node.scene().find(path), node.peer().clock().to_session(now));
+  reply["stays"] = is_motionless(state);
+  return reply;
+}
+
 ordered_json edit_reply(const EditReport& report) {
   ordered_json reply = good();
   reply["edit"] = name_of(report.edit);
@@ -340,7 +351,7 @@ Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host
     return {poses->reply ? line_of(pose_reply(outcome)) : ""};
   }
   if (const auto* hand = std::get_if<LetGoRequest>(&*request)) {
-    return {line_of(outcome_reply(node.let_go(now, hand->path)))};
+    return {line_of(let_go_reply(node, now, hand->path))};
   }
   if (const auto* look = std::get_if<ViewpointRequest>(&*request)) {
     return {line_of(outcome_reply(node.look_from(look->path, look->viewpoint)))};

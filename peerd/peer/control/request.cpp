@@ -39,6 +39,7 @@ Request read_key(feed::JsonMembers& members) {
     else
       members.fail("key", "is unknown: " + found.error());
   }
+  key.is_release = members.flag("release");
   return KeyRequest{key};
 }
 

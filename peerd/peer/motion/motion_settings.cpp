@@ -89,7 +89,7 @@ replication::Launch read_physics(TomlReader reader) {
   reader.read("angular_velocity", angular_velocity, 3);
   reader.read("at_s", at_s, 0.0, kForever_s);
   if (reader.has("velocity")) launch.velocity = Vec3(velocity[0], velocity[1], velocity[2]);
-  launch.acceleration = Vec3(acceleration[0], acceleration[1], acceleration[2]);
+  if (reader.has("acceleration")) launch.acceleration = Vec3(acceleration[0], acceleration[1], acceleration[2]);
   launch.angular_velocity = Vec3(angular_velocity[0], angular_velocity[1], angular_velocity[2]);
   if (launch.angular_velocity.norm() > replication::kSpinMax) {
     reader.fail(reader.raw().get("angular_velocity"),

@@ -21,6 +21,7 @@ std::string name_of_sensor(const Scene& scene, std::size_t sensor) {
 std::vector<LogLine> describe(const KeyReport& report, const Scene& scene) {
   const std::string key = name_of(report.key);
   if (!report.refused.empty()) return {{LogLevel::kWarning, fmt::format("{} does nothing: {}", key, report.refused)}};
+  if (report.hits == 0 && report.key.is_release) return {};  // most keys are for their presses alone
   if (report.hits == 0) return {{LogLevel::kInfo, fmt::format("{}: no enabled KeySensor listens to it", key)}};
   std::vector<LogLine> lines;
   for (const KeyReport::Change& c : report.changes) {

@@ -324,6 +324,9 @@ void LivingScene::note_effect(Entries::iterator at, Effect effect, Change& chang
   if (entry.is<SendMessage>() && is_new && effect.refused.empty()) {
     change.messages.push_back({key.second, key.first, bodies_(key)});
   }
+  if (is_new && effect.refused.empty() && at->second.is<SetField>()) {
+    change.fields.push_back(std::get<SetField>(bodies_(key)));
+  }
   if (is_new || reason_of(at) != effect.refused) change.outcomes.push_back({key.second, effect.refused});
   set_reason(at, std::move(effect.refused));
   if (!entry.refused) {

@@ -66,6 +66,7 @@ class LivingScene {
     std::vector<std::pair<ObjectId, PeerId>> given{};  // objects that have another owner than before
     LeftObjects left{};                                // those that were left anew
     std::vector<NodeData::Change> data{};
+    std::vector<SetField> fields{};     // of operations that are new, in order
     std::vector<Operation> messages{};  // of SendMessage, in order; each once
     std::vector<Outcome> outcomes{};    // of the operations that are new, and of those whose outcome is another now
   };

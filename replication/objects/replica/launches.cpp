@@ -29,9 +29,10 @@ void Launches::launch(SimTime t, ObjectId object, const FileVelocity& file_veloc
   KinematicState state = truth.relative_at(object, t);
   const Vec3 before = state.velocity;
   state.velocity = truth.vector_in_carrier(object, t, launch.velocity ? *launch.velocity : file_velocity(t, object));
-  state.acceleration = truth.vector_in_carrier(object, t, launch.acceleration);
+  const Vec3 acceleration = launch.acceleration.value_or(model_->gravity_of(object));
+  state.acceleration = truth.vector_in_carrier(object, t, acceleration);
   state.angular_velocity_body = truth.at(object, t).orientation.conjugate() * launch.angular_velocity;
-  replica_.truth().set_free_acceleration(object, launch.acceleration);
+  replica_.truth().set_free_acceleration(object, acceleration);
   own_.at(object).driven_since = t;
   note(own_.at(object), {t, before, state.velocity});
   replica_.truth().set_base(object, t, law_after(model_->response_of(object), MotionModel{}, state));
@@ -71,13 +72,41 @@ void Launches::let_go(SimTime t, ObjectId object, const KinematicState& world) {
   MotionWorld& truth = replica_.truth();
   KinematicState state = truth.in_carrier(object, t, world);
   assert(state.position.allFinite() && state.velocity.allFinite());
-  const Vec3 free = truth.free_acceleration(object).value_or(Vec3::Zero());
+  const Vec3 free = truth.free_acceleration(object).value_or(model_->gravity_of(object));
   state.acceleration = truth.vector_in_carrier(object, t, free);
   own_.at(object).driven_since = t;
   note(own_.at(object), {t, truth.relative_at(object, t).velocity, state.velocity});
   truth.set_base(object, t, law_after(model_->response_of(object), MotionModel{}, state));
   scheduled_.erase(object);
   unpublished_[object] = t;
+}
+
+void Launches::begin_anew(SimTime t, ObjectId object, const Pose& place, const Vec3& velocity) {
+  assert(own_.contains(object) && !own_.at(object).driven);
+  MotionWorld& truth = replica_.truth();
+  KinematicState state = at_rest(place);
+  if (scheduled_.contains(object)) {
+    truth.set_base(object, t, state);
+    own_.republish(object);
+    return;
+  }
+  const Vec3 free = truth.free_acceleration(object).value_or(truth.unborne_acceleration(object, t));
+  state.velocity = truth.vector_in_carrier(object, t, velocity);
+  state.acceleration = truth.vector_in_carrier(object, t, free);
+  note(own_.at(object), {t, truth.relative_at(object, t).velocity, state.velocity, true});
+  truth.set_base(object, t, law_after(model_->response_of(object), MotionModel{}, state));
+  unpublished_[object] = t;
+}
+
+std::vector<ObjectId> Launches::fallen(SimTime t) {
+  std::vector<ObjectId> fallen;
+  const SimTime instant = floor_to(t, std::chrono::milliseconds(500));
+  if (std::exchange(looked_for_fallen_, instant) == instant) return fallen;
+  for (const auto& [object, each] : std::as_const(own_)) {
+    if (each.driven) continue;
+    if (replica_.truth().at(object, t).position.y() < model_->laws.return_below) fallen.push_back(object);
+  }
+  return fallen;
 }
 
 void Launches::forget(ObjectId object) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <map>
+#include <vector>
 
 #include "core/ids.hpp"
 #include "core/kinematics.hpp"
@@ -38,6 +39,15 @@ class Launches {
   // advanced to t.
   void let_go(SimTime t, ObjectId object, const KinematicState& world);
 
+  // The object, which this peer owns and nothing drives, begins anew at t: at that place in the frame of its carrier,
+  // with that velocity [m/s, world frame], and with the acceleration that it has where nothing bears it. One that is
+  // not launched yet stands there until it is. The truth has been advanced to t.
+  void begin_anew(SimTime t, ObjectId object, const Pose& place, const Vec3& velocity);
+
+  // The own objects that nothing drives and that have fallen out of the world (WorldLaws::return_below). It looks for
+  // them twice a second.
+  [[nodiscard]] std::vector<ObjectId> fallen(SimTime t);
+
   // Changes that have not been published, with the instants since which they hold.
   [[nodiscard]] const std::map<ObjectId, SimTime>& unpublished() const { return unpublished_; }
   void note_published(ObjectId object) { unpublished_.erase(object); }
@@ -51,6 +61,7 @@ class Launches {
   Replica& replica_;
   std::map<ObjectId, SimTime> scheduled_;
   std::map<ObjectId, SimTime> unpublished_;
+  SimTime looked_for_fallen_ = SimTime::min();
 };
 
 }  // namespace peerd::replication

@@ -522,6 +522,7 @@ std::vector<std::uint32_t> WorldModel::chain_of(std::uint32_t part, std::uint32_
 std::unique_ptr<const WorldModel> make_world_model(const Scene& scene, std::span<const ObjectId> owned) {
   auto model = std::make_unique<WorldModel>();
   model->scene = &scene;
+  if (scene.document != nullptr) model->laws = world_laws(*scene.document);
   std::vector<ObjectId> ownable = founder_objects(scene);
   ownable.insert(ownable.end(), owned.begin(), owned.end());
   keep_each_once(ownable);
@@ -550,6 +551,7 @@ std::unique_ptr<const WorldModel> extended(const WorldModel& model, std::span<co
   auto next = std::make_unique<WorldModel>();
   next->scene = model.scene;
   next->edited = model.edited;
+  next->laws = model.laws;
   ModelBuilder(*model.scene, &model, *next).build(all);
   return next;
 }
@@ -561,6 +563,7 @@ std::unique_ptr<const WorldModel> edited(const WorldModel& model, std::shared_pt
   keep_each_once(ownable);
   auto next = std::make_unique<WorldModel>();
   next->scene = scene.get();
+  if (scene->document != nullptr) next->laws = world_laws(*scene->document);
   next->edited = std::move(scene);
   ModelBuilder(*next->scene, &model, *next).build(ownable);
   return next;

@@ -14,6 +14,7 @@
 
 #include "collision/contact/body.hpp"
 #include "core/scene/scene.hpp"
+#include "core/scene/world_laws.hpp"
 #include "replication/physics/pairs/model_pairs.hpp"
 
 namespace peerd::replication {
@@ -46,6 +47,7 @@ struct WorldModel {
 
   const Scene* scene = nullptr;         // outlives the model, or is `edited`
   std::shared_ptr<const Scene> edited;  // the scene, where the world has been edited since it began; else null
+  WorldLaws laws;                       // of the scene
   std::vector<ObjectId> owned;   // nodes that configurations or the file give to peers, or that others move, ascending
   std::vector<ModelNode> nodes;  // in depth-first order, so that what is below a node is right behind it
   std::vector<std::uint32_t> node_of_instance;  // index in `nodes`, or kNone; empty where there are no nodes
@@ -105,6 +107,8 @@ struct WorldModel {
     return (end == pair.collider || pair.mutual) && response_of(end) != nullptr;
   }
   [[nodiscard]] bool answers(ObjectId id) const;
+  // The world's gravity for the object [m/s^2, world frame]: what answers no contacts would fall through all.
+  [[nodiscard]] Vec3 gravity_of(ObjectId id) const { return answers(id) ? laws.gravity : Vec3(Vec3::Zero()); }
   // The numbers of the pairs of the two, ascending.
   [[nodiscard]] std::vector<std::uint32_t> pairs_between(ObjectId a, ObjectId b) const;
   [[nodiscard]] std::optional<std::uint32_t> number_of(const InterestKey& interest) const;  // none: it has no such pair

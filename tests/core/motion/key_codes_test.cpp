@@ -99,4 +99,23 @@ TEST(KeyName, IsForPeople) {
   EXPECT_EQ(name_of({0x41, 7}), "key 65 with state 7");
 }
 
+TEST(HeldKeys, AreNamedWithTheirModifiers) {
+  EXPECT_EQ(find_held_key("ArrowUp").value(), (KeyEvent{0x1013, 0}));
+  EXPECT_EQ(find_held_key("shift+ArrowUp").value(), (KeyEvent{0x1013, 0x100}));
+  EXPECT_EQ(find_held_key("control+shift+a").value(), (KeyEvent{'A', 0x300}));
+  EXPECT_EQ(find_held_key("+").value(), (KeyEvent{'+', 0}));
+  EXPECT_EQ(find_held_key("shift++").value(), (KeyEvent{'+', 0x100}));
+  EXPECT_EQ(find_held_key("Space").value(), find_key(" ").value());
+  EXPECT_THAT(find_held_key("shft+a").error(), HasSubstr("there is no modifier \"shft\""));
+  EXPECT_THAT(find_held_key("Spcae").error(), HasSubstr("did you mean \"Space\"?"));
+}
+
+// Whoever holds Shift and an arrow lets go of them in any order.
+TEST(ReleasedKeys, HaveNoState) {
+  EXPECT_EQ(canonical({0x1013, 0x100, true}), (KeyEvent{0x1013, 0, true}));
+  EXPECT_EQ(canonical({0x1001, 0x100, true}), (KeyEvent{0x1001, 0, true})) << "Tab, which went down as Backtab";
+  EXPECT_NE(canonical({0x1013, 0, true}), canonical({0x1013, 0}));
+  EXPECT_EQ(name_of({0x1013, 0, true}), "release of ArrowUp");
+}
+
 }  // namespace peerd::key_codes_test

@@ -53,6 +53,29 @@ TEST_F(KeySensorsTest, AWorldMayBeWrittenInTheNumbersOfALaterQt) {
   EXPECT_THAT(hits({0x01000013, 0x02000000}), ElementsAre(0, 1));
 }
 
+TEST_F(KeySensorsTest, AKeyMayHaveItsName) {
+  read("KeySensor { recipient \"CAR\" key \"shift+ArrowUp\" } KeySensor { recipient \"CAR\" key \"Space\" }");
+  EXPECT_THAT(hits({0x1013, 0x100}), ElementsAre(0));
+  EXPECT_THAT(hits(kUp), IsEmpty());
+  EXPECT_THAT(hits({' ', 0}), ElementsAre(1));
+}
+
+TEST_F(KeySensorsTest, ANameOfNoKeyIsNoKey) {
+  read("KeySensor { recipient \"CAR\" key \"ArowUp\" }");
+  EXPECT_THAT(hits(kUp), IsEmpty());
+  EXPECT_THAT(hits({0, 0}), IsEmpty());
+  EXPECT_THAT(key_of(result.scene->key_sensors[0]).error(), HasSubstr("did you mean \"ArrowUp\"?"));
+}
+
+// A key that goes down sets in motion what its release stops.
+TEST_F(KeySensorsTest, APressAndAReleaseAreTwoKeys) {
+  read(sensor("GO", kUp) + sensor("STOP", {kUp.value, 0x100}, "onRelease TRUE absoluteValue TRUE"));
+  EXPECT_THAT(hits(kUp), ElementsAre(0));
+  EXPECT_THAT(hits({kUp.value, 0, true}), ElementsAre(1)) << "whatever is held down then";
+  EXPECT_THAT(hits({kUp.value, 0x200, true}), ElementsAre(1));
+  EXPECT_THAT(hits({'A', 0, true}), IsEmpty());
+}
+
 TEST_F(KeySensorsTest, AreAskedInFileOrderUntilOneConsumes) {
   read(sensor("FIRST", kA) + "Group { children " + sensor("SECOND", kA, "consume TRUE") + "}\n" + sensor("THIRD", kA) +
        sensor("OTHER", kB));

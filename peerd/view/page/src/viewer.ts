@@ -137,7 +137,11 @@ export class Viewer {
       drawSoon: () => this.drawSoon(),
       onFault: (sentence) => this.say('fault', sentence),
     });
-    this.hand = new Hand(this.view, this.link, { onHolds: (path) => this.onHolds(path), onRefused: (sentence) => this.say('refused', sentence) });
+    this.hand = new Hand(this.view, this.link, {
+      onHolds: (path) => this.onHolds(path),
+      onRefused: (sentence) => this.say('refused', sentence),
+      onStays: (path) => this.say('refused', `${path} stays where it was let go: nothing pulls it down (a world has gravity by its WorldInfo)`),
+    });
     this.avatar = new Avatar(this.link, this.view.rig.camera, { onChange: (path) => this.onWalks(path), onRefused: (sentence) => this.say('refused', sentence) });
     new Sensors(this.canvas, this.view, {
       edit: (request) => this.edit(request),

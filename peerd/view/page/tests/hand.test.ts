@@ -13,6 +13,7 @@ class Table {
   readonly asked: Request[] = [];
   readonly said: string[] = [];
   refusals = 0; // how many poses the daemon refuses before it takes one
+  stays = false; // what is let go hangs where it is
   give: (outcome: Outcome) => void = () => undefined;
   readonly hand: Hand;
 
@@ -27,10 +28,11 @@ class Table {
     };
     const ask = (request: Request): Promise<unknown> => {
       this.asked.push(request);
+      if (request['do'] === 'let_go') return Promise.resolve({ ok: true, done: true, stays: this.stays });
       return Promise.resolve(this.refusals-- > 0 ? { ok: true, refused: [{ why: 'not yours yet' }] } : { ok: true, taken: 1 });
     };
     const link = { edit, ask, connection: { congested: false } } as unknown as PeerLink;
-    this.hand = new Hand({ ray, rig: { camera } } as unknown as SceneView, link, { onHolds: () => undefined, onRefused: (sentence) => this.said.push(sentence) });
+    this.hand = new Hand({ ray, rig: { camera } } as unknown as SceneView, link, { onHolds: () => undefined, onRefused: (sentence) => this.said.push(sentence), onStays: (path) => this.said.push(`${path} stays`) });
     void this.hand.take({ node: 1, path: 'BALL', position_m: [0, 0, 0] } as never, new Vector3());
   }
   // Two metres a second along x, a place each 10 ms.
@@ -92,6 +94,16 @@ describe('a hand', () => {
     expect(never.names).not.toContain('let_go');
     expect(never.said).toEqual(['pose BALL: not yours yet']);
     expect(never.hand.path).toBeNull();
+  });
+
+  it('says that what it lets go stays in the air, where nothing pulls it down', async () => {
+    const table = new Table();
+    table.stays = true;
+    table.give({ done: true, sentence: '' });
+    await vi.runAllTimersAsync();
+    table.hand.release(0);
+    await vi.runAllTimersAsync();
+    expect(table.said).toEqual(['BALL stays']);
   });
 
   it('holds nothing that it was refused', async () => {

@@ -12,6 +12,7 @@ import { HandMotion } from './hand_motion';
 export interface HandListener {
   onHolds(path: string | null): void;
   onRefused(sentence: string): void;
+  onStays(path: string): void; // it was let go at rest, and nothing pulls it down
 }
 
 interface Held {
@@ -107,8 +108,10 @@ export class Hand {
       why = await this.send(held, at_s);
     }
     if (held.taken > 0) {
-      const outcome = await this.link.edit({ do: 'let_go', path: held.path });
-      if (!outcome.done) this.listener.onRefused(outcome.sentence);
+      const reply = await this.link.ask({ do: 'let_go', path: held.path });
+      const refusal = refusalIn(reply);
+      if (refusal !== null) this.listener.onRefused(`let_go ${held.path}: ${refusal}`);
+      else if (reply['stays'] === true) this.listener.onStays(held.path);
     } else if (why !== null && !held.refused) {
       this.listener.onRefused(`pose ${held.path}: ${why}`);
     }

@@ -13,10 +13,12 @@ export interface KeyListener {
 const kOnlyModifiers = new Set(['Shift', 'Control', 'Alt', 'Meta', 'AltGraph', 'CapsLock']);
 
 export class Keys {
+  private readonly held = new Map<string, string>(); // the name that a key had when it went down, by its place on the keyboard
+
   constructor(surface: HTMLElement, private readonly rig: CameraRig, private readonly ask: Ask, private readonly listener: KeyListener) {
     surface.addEventListener('keydown', (event) => this.onDown(event));
-    surface.addEventListener('keyup', (event) => this.rig.key(event, false));
-    surface.addEventListener('blur', () => this.rig.releaseKeys());
+    surface.addEventListener('keyup', (event) => this.onUp(event));
+    surface.addEventListener('blur', () => this.releaseAll());
   }
 
   private onDown(event: KeyboardEvent): void {
@@ -27,7 +29,32 @@ export class Keys {
     }
     if (!event.ctrlKey && !event.metaKey && !/^F\d+$/.test(event.key)) event.preventDefault(); // those stay the browser's, too
     if (!this.listener.mayEdit()) this.listener.onKey('this page is read-only: it has no token, so keys do not reach the world', false);
-    else void this.send(event);
+    else {
+      this.held.set(event.code, event.key);
+      void this.send(event);
+    }
+  }
+
+  private onUp(event: KeyboardEvent): void {
+    this.rig.key(event, false);
+    const key = this.held.get(event.code);
+    if (key === undefined) return;
+    this.held.delete(event.code);
+    void this.release(key);
+  }
+
+  // Who holds a key while the picture loses the focus would hold it for ever.
+  private releaseAll(): void {
+    this.rig.releaseKeys();
+    for (const key of this.held.values()) void this.release(key);
+    this.held.clear();
+  }
+
+  // Most keys are for their presses alone, so only what has happened is said.
+  private async release(key: string): Promise<void> {
+    const reply = await this.ask({ do: 'key', key, release: true });
+    const changes = reply['changes'];
+    if (Array.isArray(changes) && changes.length > 0) this.listener.onKey(`key ${key} up: ${recipients(changes)}`, refusalIn(reply) === null);
   }
 
   private async send(event: KeyboardEvent): Promise<void> {

@@ -21,6 +21,7 @@ export interface PointerListener {
 
 export class PointerTools {
   tool: Tool = 'orbit';
+  private missed = false; // the hand has met nothing
   private down: { x: number; y: number; id: number } | null = null;
 
   constructor(
@@ -40,7 +41,9 @@ export class PointerTools {
   private async onDown(event: PointerEvent): Promise<void> {
     if (event.button !== 0 || !event.isPrimary) return;
     this.down = { x: event.clientX, y: event.clientY, id: event.pointerId };
-    if (this.tool !== 'hand' || !this.listener.isLive() || this.view.nodeUnder(event.clientX, event.clientY) === null) return;
+    if (this.tool !== 'hand' || !this.listener.isLive()) return;
+    this.missed = this.view.nodeUnder(event.clientX, event.clientY) === null;
+    if (this.missed) return; // the drag turns the camera
     if (!this.listener.mayTake()) {
       this.listener.onRefused('this page is read-only: it has no token, so it cannot take objects');
       return;
@@ -55,6 +58,8 @@ export class PointerTools {
     const place = new Vector3();
     if (hit === null || hit === undefined || this.view.frames === null || !this.view.frames.position(hit.node, place)) {
       this.view.rig.frozen = false;
+      if (hit === null) this.listener.onRefused('what is drawn there cannot be taken: it has no surface that collides');
+      else if (hit !== undefined) this.listener.onRefused(`${hit.path} cannot be taken: the picture has no place of it yet`);
       return;
     }
     this.listener.onPicked(hit);
@@ -75,6 +80,7 @@ export class PointerTools {
     this.letGo(event.timeStamp / 1000);
     if (down === null || held) return;
     if (Math.hypot(event.clientX - down.x, event.clientY - down.y) > kClick_px) return;
+    if (this.tool === 'hand' && this.missed) this.listener.onRefused('the hand has met nothing there');
     await this.select(event.clientX, event.clientY);
   }
 

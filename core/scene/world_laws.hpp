@@ -1,0 +1,16 @@
+#pragma once
+#include "core/math.hpp"
+#include "core/vrml/document.hpp"
+
+namespace peerd {
+
+// What a world's file says of all objects that physics moves.
+struct WorldLaws {
+  Vec3 gravity = Vec3::Zero();    // [m/s^2], world frame
+  double return_below = -3.4e38;  // [m], y in the world frame: what falls below it begins anew
+};
+
+// The laws of the first WorldInfo that has each of them. Linear in the nodes.
+[[nodiscard]] WorldLaws world_laws(const vrml::Document& document);
+
+}  // namespace peerd
