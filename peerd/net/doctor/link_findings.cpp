@@ -4,10 +4,12 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "peerd/net/os/datagram_limits.hpp"
+
 namespace peerd::doctor {
 namespace {
 
-constexpr unsigned kDatagram_bytes = 1200;  // the longest that peers send
+constexpr unsigned kDatagram_bytes = net::kSentDatagramMax_bytes;
 constexpr unsigned kIpv4AndUdp_bytes = 28, kIpv6AndUdp_bytes = 48;
 
 Finding mtu_of(const Link& link, bool ipv6) {

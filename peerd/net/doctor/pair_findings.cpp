@@ -5,12 +5,14 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "peerd/net/os/datagram_limits.hpp"
+
 namespace peerd::doctor {
 namespace {
 
 using nlohmann::ordered_json;
 
-constexpr std::uint16_t kPeersSend_bytes = 1200;  // the longest that peers send
+constexpr std::uint16_t kPeersSend_bytes = net::kSentDatagramMax_bytes;
 // More than this is lost: objects jump (docs/measurements has what loss costs). A lossless way has none.
 constexpr double kLossMost = 0.05;
 constexpr double kRoundTripMost_ms = 200.0;

@@ -4,6 +4,8 @@
 #include <cassert>
 #include <utility>
 
+#include "peerd/net/os/datagram_limits.hpp"
+
 namespace peerd::doctor {
 namespace {
 
@@ -16,11 +18,11 @@ constexpr Duration kReportsApart = milliseconds(200);
 constexpr Duration kStreamAfter = milliseconds(500);
 constexpr Duration kStreamApart = Duration{1'000'000'000 / 60};  // as a peer that sends at 60 Hz
 constexpr std::size_t kStream_bytes = 300;
-// UDP payloads, each sent kEach times: an Ethernet frame holds 1,472 bytes over IPv4, tunnels hold less; peers send at
-// most 1,200.
-constexpr std::array<std::size_t, 6> kLengths_bytes{576, 1000, 1200, 1300, 1400, 1472};
+// UDP payloads, each sent kEach times: an Ethernet frame holds 1,472 bytes over IPv4, tunnels hold less; one is
+// the longest that peers send.
+constexpr std::array<std::size_t, 6> kLengths_bytes{576, 1000, net::kSentDatagramMax_bytes, 1300, 1400, 1472};
 constexpr std::size_t kEach = 3;
-constexpr std::size_t kMulticastMost_bytes = 1200;
+constexpr std::size_t kMulticastMost_bytes = net::kSentDatagramMax_bytes;
 constexpr Duration kLengthsApart = milliseconds(40);
 // A side goes on reporting for so long after both are complete, so that the other side knows all, too.
 constexpr Duration kLinger = milliseconds(1000);

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cassert>
 
+#include "peerd/net/greeting/unicast_frame.hpp"
 #include "peerd/net/keys/little_endian.hpp"
+#include "peerd/net/os/datagram_limits.hpp"
 #include "peerd/net/seal/nonce_seal.hpp"
 
 namespace peerd::seal {
@@ -24,6 +26,7 @@ constexpr std::size_t kName_bytes = Named::kBytes + 1;
 constexpr std::size_t kLeast_bytes =
     kClear_bytes + kFixed_bytes + keys::PublicKey::kSignature_bytes + kNonceSealAdded_bytes;
 static_assert(kLeast_bytes + kNamesMax * kName_bytes <= kAnnouncementMax_bytes);
+static_assert(kAnnouncementMax_bytes + net::kRegionHeaderBytes + net::kRelayHeaderBytes <= net::kSentDatagramMax_bytes);
 static_assert(kLeast_bytes + (kNamesMax + 1) * kName_bytes > kAnnouncementMax_bytes);
 constexpr std::uint8_t kSignsAll = 1;
 

@@ -2,7 +2,9 @@
 
 #include <cassert>
 
+#include "peerd/net/greeting/unicast_frame.hpp"
 #include "peerd/net/keys/little_endian.hpp"
+#include "peerd/net/os/datagram_limits.hpp"
 #include "peerd/net/seal/nonce_seal.hpp"
 
 namespace peerd::seal {
@@ -10,6 +12,7 @@ namespace {
 
 constexpr Duration kGreeterNamedApart = std::chrono::minutes(1);
 static_assert(SealedGreetings::kAdded_bytes == 1 + kNonceSealAdded_bytes);
+static_assert(net::kGreetingMaxBytes + SealedGreetings::kAdded_bytes <= net::kSentDatagramMax_bytes);
 
 }  // namespace
 

@@ -12,8 +12,8 @@ using testing_support::unicast;
 
 TEST(LinkFindings, TheMtuHoldsALongestDatagram) {
   for (const auto& [mtu, ipv6, level] :
-       {std::tuple(1228u, false, Level::kGood), std::tuple(1227u, false, Level::kWarning),
-        std::tuple(1248u, true, Level::kGood), std::tuple(1247u, true, Level::kWarning)}) {
+       {std::tuple(1260u, false, Level::kGood), std::tuple(1259u, false, Level::kWarning),
+        std::tuple(1280u, true, Level::kGood), std::tuple(1279u, true, Level::kWarning)}) {
     Link link = ethernet("eth0", 2);
     link.mtu_bytes = mtu;
     Examined examined = multicast_over("eth0");

@@ -8,7 +8,7 @@ namespace peerd::doctor::pair_findings_test {
 
 using testing::HasSubstr;
 
-constexpr Heard kAll{true, kStream, 1472}, kAllMulticast{true, kStream, 1200}, kNothing{};
+constexpr Heard kAll{true, kStream, 1472}, kAllMulticast{true, kStream, 1232}, kNothing{};
 
 PairOutcome good_outcome() {
   PairOutcome o;
@@ -83,7 +83,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"MulticastAlone",
              [](PairOutcome& o) { o.result.unicast_in = o.result.unicast_out = kNothing; },
              0,
-             {"hint: from here to there: nothing arrived", "1200 bytes arrive whole by multicast"}},
+             {"hint: from here to there: nothing arrived", "1232 bytes arrive whole by multicast"}},
         Case{"ItHearsNothing",
              [](PairOutcome& o) {
                o.result.is_heard = o.result.complete = false;
@@ -128,7 +128,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(PairFindingsJson, HasAllNumbers) {
   const auto j = as_json(good_outcome());
-  EXPECT_EQ(j["multicast"]["to"].dump(), R"({"arrived":200,"of":200,"largest_bytes":1200})");
+  EXPECT_EQ(j["multicast"]["to"].dump(), R"({"arrived":200,"of":200,"largest_bytes":1232})");
   EXPECT_EQ(j["tcp"]["from"], "works");
   EXPECT_EQ(j["round_trip_ms"], 2.0);
   PairOutcome nobody;

@@ -77,8 +77,8 @@ TEST(PairProbe, BothKnowThatAllArrives) {
     EXPECT_TRUE(r.answered && r.is_heard && r.complete);
     EXPECT_EQ(r.unicast_in, (Heard{true, kStream, 1472}));
     EXPECT_EQ(r.unicast_out, (Heard{true, kStream, 1472}));
-    EXPECT_EQ(r.multicast_in, (Heard{true, kStream, 1200}));
-    EXPECT_EQ(r.multicast_out, (Heard{true, kStream, 1200}));
+    EXPECT_EQ(r.multicast_in, (Heard{true, kStream, 1232}));
+    EXPECT_EQ(r.multicast_out, (Heard{true, kStream, 1232}));
     ASSERT_TRUE(r.round_trip);
     EXPECT_GE(*r.round_trip, milliseconds(20));
     EXPECT_LE(*r.round_trip, milliseconds(22)) << "steps of 1 ms";
@@ -123,8 +123,8 @@ TEST(PairProbe, WhoIsNotHeardKnowsItWithin13Seconds) {
 TEST(PairProbe, LengthsThatDoNotFitAreKnown) {
   Pair pair([](bool, Path, std::size_t size_bytes) { return size_bytes <= 1232; });
   pair.run();
-  EXPECT_EQ(pair.a.probe.result().unicast_in.largest_bytes, 1200);
-  EXPECT_EQ(pair.a.probe.result().unicast_out.largest_bytes, 1200);
+  EXPECT_EQ(pair.a.probe.result().unicast_in.largest_bytes, 1232);
+  EXPECT_EQ(pair.a.probe.result().unicast_out.largest_bytes, 1232);
 }
 
 TEST(PairProbe, LossIsCounted) {

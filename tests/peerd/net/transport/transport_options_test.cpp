@@ -1,5 +1,10 @@
 #include "peerd/net/transport/transport_options.hpp"
 
+#include <cstdint>
+#include <fstream>
+#include <string>
+#include <string_view>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -61,6 +66,17 @@ TEST(TransportOptions, ASmallerBufferThanRequestedIsAWarning) {
   EXPECT_EQ(buffer_warning(settings, 999),
             "the kernel grants a receive buffer of 999 bytes, not 1000: raise it (sysctl -w net.core.rmem_max=1000) or "
             "lower transport.receive_buffer_bytes");
+}
+
+// Debian's kernels grant a fifth of it: without the file, each start of a peer would begin with the warning.
+TEST(TransportOptions, ThePackageLetsTheKernelGrantTheDefaultBuffer) {
+  std::ifstream file(PEERD_SOURCE_DIR "/peerd/packaging/peerd-sysctl.conf");
+  constexpr std::string_view kKey = "net.core.rmem_max = ";
+  std::uint64_t most_bytes = 0;
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with(kKey)) most_bytes = std::stoull(line.substr(kKey.size()));
+  }
+  EXPECT_GE(most_bytes, TransportSettings{}.receive_buffer_bytes);
 }
 
 }  // namespace peerd::net::transport_options_test
