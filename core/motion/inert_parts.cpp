@@ -16,6 +16,7 @@
 #include "core/motion/carriers.hpp"
 #include "core/motion/key_sensors.hpp"
 #include "core/motion/predefined_motion.hpp"
+#include "core/motion/sensor_events.hpp"
 #include "core/vrml/document.hpp"
 
 namespace peerd {
@@ -113,6 +114,12 @@ class RouteCheck {
     }
   }
 
+  // Whether a viewer's page runs the ROUTE, by an edit.
+  [[nodiscard]] bool is_run_by_people(const vrml::Route& route) const {
+    const auto events = events_by_people(type_of(route.from_node).name);
+    return route.to->access == Access::kExposedField && std::ranges::find(events, route.from->name) != events.end();
+  }
+
   void check(const vrml::Route& route) {
     const std::string_view from = type_of(route.from_node).name, to = type_of(route.to_node).name;
     if (route.from->name == "notColliding" && type_of(route.from_node).role == NodeRole::kTransform) {
@@ -123,6 +130,7 @@ class RouteCheck {
     }
     if (is_named(route.from_node) || is_named(route.to_node)) return;
     if (!live_.contains({route.from_node, route.from})) {
+      if (is_run_by_people(route)) return;
       notes_.add(route.at, "this ROUTE is never run: no TimeSensor leads to it, and nothing else makes a " +
                                std::string(from) + " send events in a peer");
       return;
@@ -241,6 +249,9 @@ class NodeCheck {
         notes_.add(nodes_[node].find("collisionResponse")->at, "collisionResponse does nothing: " + why);
     }
     for (const KeySensor& sensor : scene_.key_sensors) {
+      if (const auto key = key_of(sensor); !key) {
+        notes_.add(nodes_[sensor.node].find("key")->at, "this KeySensor gets no key: " + key.error());
+      }
       if (!sensor.recipient || !carriers.distorted(*sensor.recipient)) continue;
       notes_.add(nodes_[sensor.node].find("recipient")->at, "this KeySensor moves nothing: " + std::string(kDistorted));
     }
@@ -249,9 +260,6 @@ class NodeCheck {
   [[nodiscard]] Position place(ObjectId id, std::string_view field) const {
     const vrml::Field* const given = nodes_[scene_.at(id).node].find(field);
     assert(given != nullptr);
-      if (const auto key = key_of(sensor); !key) {
-        notes_.add(nodes_[sensor.node].find("key")->at, "this KeySensor gets no key: " + key.error());
-      }
     return given->at;
   }
 

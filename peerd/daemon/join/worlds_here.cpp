@@ -1,5 +1,8 @@
 #include "peerd/daemon/join/worlds_here.hpp"
 
+#include <algorithm>
+#include <chrono>
+#include <tuple>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
@@ -12,12 +15,43 @@ namespace peerd {
 
 using discovery::Found;
 
-Result<std::vector<World>> worlds_here(const net::TransportSettings& settings, Duration time) {
+namespace {
+
+constexpr const char* kLoopback = "lo";
+// Who is on this computer answers at once.
+constexpr Duration kLoopbackAnswers = std::chrono::milliseconds(300);
+
+// The peers that answer on that interface.
+Result<std::vector<Found>> found_over(net::TransportSettings settings, const std::string& interface, Duration time) {
+  settings.interface = interface;
   auto reach = net::transport_options(settings, {});
   if (!reach) return std::unexpected(reach.error());
   const net::HostClock clock;
   auto found = discovery::ask_who_is_here(clock, reach->multicast, time);
   if (!found) return std::unexpected(input_error(found.error()));
+  return *std::move(found);
+}
+
+bool is_same_peer(const Found& a, const Found& b) {
+  return a.beacon.session == b.beacon.session && a.beacon.peer == b.beacon.peer;
+}
+
+}  // namespace
+
+Result<std::vector<World>> worlds_here(const net::TransportSettings& settings, Duration time) {
+  auto found = found_over(settings, settings.interface, time);
+  if (settings.interface.empty()) {
+    // This computer's own peers may be on lo alone. Where both cannot be asked, the other one's error says more.
+    auto own = found_over(settings, kLoopback, std::min(time, kLoopbackAnswers));
+    if (own && !found) found.emplace();
+    for (Found& each : own ? *own : std::vector<Found>()) {
+      const auto is_this = [&](const Found& other) { return is_same_peer(each, other); };
+      if (std::ranges::none_of(*found, is_this)) found->push_back(std::move(each));
+    }
+    const auto by_world = [](const Found& each) { return std::tie(each.beacon.world, each.beacon.session); };
+    if (found) std::ranges::stable_sort(*found, {}, by_world);
+  }
+  if (!found) return std::unexpected(found.error());
   std::vector<World> worlds;
   for (Found& each : *found) {
     const bool goes_on =
@@ -38,6 +72,10 @@ std::string join_address_of(const Found& peer) {
 }
 
 }  // namespace
+
+bool is_on_loopback(const World& world) {
+  return std::ranges::all_of(world.peers, [](const Found& peer) { return peer.address.is_loopback(); });
+}
 
 std::string line_of(const World& world) {
   std::string peers;

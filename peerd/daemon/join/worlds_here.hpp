@@ -22,7 +22,11 @@ struct World {
   [[nodiscard]] bool is_sealed() const { return peers.front().beacon.sealed; }
 };
 
-// Asks for `time` which worlds there are in this network, by interface and group of the settings. Blocks meanwhile.
+// Whether all its peers are on the loopback interface of this computer.
+[[nodiscard]] bool is_on_loopback(const World& world);
+
+// Asks for `time` which worlds there are in this network, by interface and group of the settings; where they name no
+// interface, also those of this computer that are on lo. Blocks meanwhile.
 [[nodiscard]] Result<std::vector<World>> worlds_here(const net::TransportSettings& settings, Duration time);
 
 // The world of that name; with an empty name the only one. Null: there is none. Error: there are several.

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <span>
 
+#include "core/motion/sensor_events.hpp"
 #include "core/vrml/default_values.hpp"
 #include "peerd/peer/node/edit_operation.hpp"
 
@@ -17,16 +18,9 @@ struct NumberField {
 struct Kind {
   std::string_view type;
   SensorKind kind;
-  std::span<const std::string_view> events;  // that become edits
   std::span<const NumberField> numbers;
 };
 
-// Those of a drag become edits when it ends.
-constexpr std::array<std::string_view, 2> kTouchEvents{"isActive", "touchTime"};
-constexpr std::array<std::string_view, 4> kPlaneEvents{"isActive", "offset", "trackPoint_changed",
-                                                       "translation_changed"};
-constexpr std::array<std::string_view, 4> kTurnEvents{"isActive", "offset", "rotation_changed", "trackPoint_changed"};
-constexpr std::array<std::string_view, 3> kProximityEvents{"enterTime", "exitTime", "isActive"};
 constexpr std::array<NumberField, 3> kPlaneNumbers{
     {{"minPosition", "min"}, {"maxPosition", "max"}, {"offset", "offset"}}};
 constexpr std::array<NumberField, 4> kCylinderNumbers{
@@ -35,11 +29,11 @@ constexpr std::array<NumberField, 1> kSphereNumbers{{{"offset", "offset"}}};
 constexpr std::array<NumberField, 2> kProximityNumbers{{{"center", "center"}, {"size", "size"}}};
 
 constexpr std::array<Kind, 5> kKinds{{
-    {"TouchSensor", SensorKind::kTouch, kTouchEvents, {}},
-    {"PlaneSensor", SensorKind::kPlane, kPlaneEvents, kPlaneNumbers},
-    {"CylinderSensor", SensorKind::kCylinder, kTurnEvents, kCylinderNumbers},
-    {"SphereSensor", SensorKind::kSphere, kTurnEvents, kSphereNumbers},
-    {"ProximitySensor", SensorKind::kProximity, kProximityEvents, kProximityNumbers},
+    {"TouchSensor", SensorKind::kTouch, {}},
+    {"PlaneSensor", SensorKind::kPlane, kPlaneNumbers},
+    {"CylinderSensor", SensorKind::kCylinder, kCylinderNumbers},
+    {"SphereSensor", SensorKind::kSphere, kSphereNumbers},
+    {"ProximitySensor", SensorKind::kProximity, kProximityNumbers},
 }};
 
 const Kind* kind_of(std::string_view type) {
@@ -77,10 +71,11 @@ SensorReading read_sensor(const Scene& scene, std::uint32_t node) {
   sensor.node = node;
   sensor.enabled = vrml::value_of(from, "enabled").as<bool>()[0];
   const std::string_view mover = sensor.kind == SensorKind::kProximity ? "viewer" : "pointer";
+  const auto events = events_by_people(from.type->name);
   for (const vrml::Route& route : document.routes) {
     if (route.from_node != node || route.from == nullptr || route.to == nullptr) continue;
     const std::string event(route.from->name);
-    if (std::ranges::find(kind->events, event) == kind->events.end()) {
+    if (std::ranges::find(events, event) == events.end()) {
       reading.left_out.push_back("its " + event + " would be an edit for each movement of the " + std::string(mover));
       continue;
     }
