@@ -83,6 +83,15 @@ export class Connection {
     this.failAll('the connection to the peer was closed by this program');
   }
 
+  /** Opens it anew at once, as where it has ended: a peer that hangs, or a tunnel that has lost its way, may end nothing for minutes. */
+  reopen(why: string): void {
+    const { socket } = this;
+    if (socket === null || !this.wanted) return;
+    socket.onopen = socket.onmessage = socket.onerror = socket.onclose = null;
+    socket.close();
+    this.onClose(socket, why);
+  }
+
   /** The reply to a request; where the connection ends before it comes, a reply that says so. */
   ask(request: Readonly<Record<string, unknown>>): Promise<Reply> {
     return new Promise((resolve) => {

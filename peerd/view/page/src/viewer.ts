@@ -17,6 +17,7 @@ import { Header } from './page/header';
 import { Help } from './page/help';
 import { Layout } from './page/layout';
 import { make } from './page/make';
+import { blindNote, remarkOn } from './page/remarks';
 import { Notices } from './page/notices';
 import { Setting } from './page/setting';
 import { cssColour, ThemeChoice } from './page/theme';
@@ -102,7 +103,7 @@ export class Viewer {
   private readonly truth = new TruthShapes(() => this.head.book);
   private readonly contactMarks: ContactMarks;
   recorded: RecordedPage | null = null; // the page shows a recording
-  private readonly offline = make('div', { class: 'offline', role: 'alert', hidden: true }, 'No connection to the peer. Trying again…');
+  private readonly offline = make('div', { class: 'offline', role: 'alert', hidden: true });
   private readonly scene = new SceneLoader('api/v1/scene.glb', (file) => this.showScene(file), (sentence) => this.say('fault', sentence));
   private readonly speedometer = new Speedometer();
   private drawUntil_s = Infinity;
@@ -127,8 +128,9 @@ export class Viewer {
     this.layout = new Layout(this.header.element, this.timeline.element, [this.objects, this.peersPanel, this.log], [this.inspector, this.world, this.charts]);
     this.contactMarks = new ContactMarks((since_s, until_s) => this.contacts.inForce(since_s, until_s));
     this.layout.stage.append(this.canvas, this.labels.element, this.contactMarks.element, this.toolbar.element, this.offline, this.anchors.element, this.notices.element);
-    root.append(this.layout.element, this.help.element);
+    root.replaceChildren(this.layout.element, this.help.element);
     this.view = new SceneView(this.canvas);
+    if (this.view.whyBlind !== null) this.layout.stage.append(blindNote(this.view.whyBlind));
     this.view.overlays.push(new SelectionBox(this.view), this.thresholds, this.truth, this.contactMarks, this.labels);
     this.selection = new Selection(this.link, this.inspector);
     this.selection.onChange = (node) => this.onSelected(node);
@@ -362,12 +364,12 @@ export class Viewer {
     const { link } = this;
     link.state.follow((state) => {
       this.header.setState(state);
-      this.offline.hidden = state !== 'closed';
+      this.remark();
       if (state === 'closed') this.avatar.forget();
-      this.header.setMayEdit(link.mayEdit.value, state);
+      this.header.setMayEdit(link.mayEdit.value, state, link.token.value);
     });
     link.mayEdit.follow((mayEdit) => {
-      this.header.setMayEdit(mayEdit, link.state.value);
+      this.header.setMayEdit(mayEdit, link.state.value, link.token.value);
       this.inspector.setMayEdit(mayEdit);
       this.world.setMayEdit(mayEdit);
     });
@@ -376,9 +378,11 @@ export class Viewer {
       this.header.setStatus(status);
       this.charts.sampleCounters(this.now_s(), status);
       this.layout.badge('peers', status.members.length);
-      this.header.setMayEdit(link.mayEdit.value, link.state.value);
+      this.header.setMayEdit(link.mayEdit.value, link.state.value, link.token.value);
+      this.remark();
       void this.selection.refresh();
     });
+    link.silent_s.follow(() => this.remark());
     link.peers.follow((peers) => this.peersPanel.update(link.status.value, peers));
   }
 
@@ -447,6 +451,12 @@ export class Viewer {
     if (this.layout.isShown('charts')) this.charts.draw(this.recorded === null ? this.now_s() : this.head.shownAt(0));
     if (this.recorded !== null) this.showRemark(this.recorded.remark);
     if (this.layout.isShown('object')) this.updateInspector();
+  }
+
+  // What whoever looks at the picture has to know of it.
+  private remark(): void {
+    const { state, silent_s, status } = this.link;
+    this.showRemark(remarkOn(state.value, silent_s.value, status.value));
   }
 
   private showRemark(sentence: string): void {

@@ -13,7 +13,8 @@ export class Header {
   private readonly peer = make('span', { class: 'peer-name' }, '…');
   private readonly session = make('span', { class: 'session muted' });
   private readonly link = make('span', { class: 'link-dot', role: 'img' });
-  private readonly readOnly = make('span', { class: 'chip warn read-only', hidden: true, title: 'This page was opened without the token that the peer’s log shows, so it can change nothing.' }, icon('lock'), 'Read-only', make('span', { class: 'wide-only' }, ': opened without a token'));
+  private readonly why = make('span', { class: 'wide-only' });
+  private readonly readOnly = make('span', { class: 'chip warn read-only', hidden: true }, icon('lock'), 'Read-only', this.why);
 
   private readonly recorded = make('span', { class: 'chip recorded', hidden: true, title: 'What is shown has happened: nothing can be changed in it.' }, 'Recorded');
 
@@ -33,8 +34,14 @@ export class Header {
     );
   }
 
-  setMayEdit(mayEdit: boolean, state: LinkState): void {
+  // `token`: what has become of the one that the page was opened with.
+  setMayEdit(mayEdit: boolean, state: LinkState, token: 'none' | 'accepted' | 'refused'): void {
     this.readOnly.hidden = mayEdit || state !== 'open';
+    const isOld = token === 'refused';
+    setText(this.why, isOld ? ': its token is of an earlier start' : ': opened without a token');
+    this.readOnly.title = isOld
+      ? 'The peer was started again since this address was made: its log has another one now, and peerd view says it.'
+      : 'This page was opened without the token that the peer’s log shows, so it can change nothing.';
   }
 
   setState(state: LinkState): void {

@@ -20,6 +20,17 @@ export interface Overlay {
   update(view: SceneView, time_s: number): void;
 }
 
+// A browser without WebGL, or whose graphics driver it does not trust, has no renderer.
+function rendererOn(surface: HTMLCanvasElement): [WebGLRenderer, null] | [null, string] {
+  try {
+    const renderer = new WebGLRenderer({ canvas: surface, antialias: true, powerPreference: 'high-performance' });
+    renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    return [renderer, null];
+  } catch (error) {
+    return [null, error instanceof Error ? error.message : String(error)];
+  }
+}
+
 interface Shown {
   readonly file: SceneFile;
   readonly moving: MovingScene;
@@ -31,7 +42,7 @@ interface Shown {
   readonly radii_m: Float64Array;
   readonly groups: ViewGroups;
   readonly looks: Looks;
-  readonly occlusion: Occlusion;
+  readonly occlusion: Occlusion | null; // without a picture nothing is hidden
 }
 
 export class SceneView {
@@ -45,7 +56,9 @@ export class SceneView {
   drawCalls = 0;
   triangles = 0;
   private leavesOut = false;
-  private readonly renderer: WebGLRenderer;
+  // Why there is no picture; null: there is one. All else goes on without it.
+  readonly whyBlind: string | null;
+  private readonly renderer: WebGLRenderer | null;
   private readonly backdrop: Backdrop;
   private readonly dress = new Dress();
   private readonly ride = new Ride();
@@ -56,8 +69,7 @@ export class SceneView {
   private pageColour = '#ffffff';
 
   constructor(private readonly surface: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({ canvas: surface, antialias: true, powerPreference: 'high-performance' });
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    [this.renderer, this.whyBlind] = rendererOn(surface);
     this.scene.matrixAutoUpdate = false;
     this.rig = new CameraRig(surface);
     this.backdrop = new Backdrop(this.scene, this.rig.camera);
@@ -74,11 +86,11 @@ export class SceneView {
   }
   // Whether what is hidden is left out of the picture.
   set leavesOutHidden(on: boolean) {
-    if (this.leavesOut && !on) this.shown?.occlusion.end();
+    if (this.leavesOut && !on) this.shown?.occlusion?.end();
     this.leavesOut = on;
   }
   get occlusion(): OcclusionFigures | null {
-    return this.leavesOut ? (this.shown?.occlusion.figures ?? null) : null;
+    return this.leavesOut ? (this.shown?.occlusion?.figures ?? null) : null;
   }
 
   set colouring(colouring: Colouring) {
@@ -104,7 +116,7 @@ export class SceneView {
       radii_m: nodeRadii(file),
       groups: new ViewGroups(file.extras.groups ?? []),
       looks: new Looks(file, [moving, ghosts]),
-      occlusion: new Occlusion(this.renderer.getContext() as WebGL2RenderingContext, this.scene, file.standing, moving.batches),
+      occlusion: this.renderer && new Occlusion(this.renderer.getContext() as WebGL2RenderingContext, this.scene, file.standing, moving.batches),
     };
     this.shown.frames.stand(file.standingNode);
     this.shown.frames.placeAsFiled(file.nodes);
@@ -144,14 +156,15 @@ export class SceneView {
   }
 
   resize(width: number, height: number): void {
-    this.renderer.setSize(width, height, false);
+    this.renderer?.setSize(width, height, false);
     this.rig.resize(width, height);
   }
 
   render(): void {
     const { renderer, rig, shown } = this;
+    if (renderer === null) return;
     renderer.render(this.scene, rig.camera);
-    const { queries, queryTriangles } = this.leavesOut && shown !== null ? shown.occlusion.figures : { queries: 0, queryTriangles: 0 };
+    const { queries, queryTriangles } = this.leavesOut && shown?.occlusion ? shown.occlusion.figures : { queries: 0, queryTriangles: 0 };
     this.drawCalls = renderer.info.render.calls - queries;
     this.triangles = renderer.info.render.triangles - queryTriangles;
   }
@@ -169,7 +182,7 @@ export class SceneView {
     if (eye !== undefined) frames.known[eye.index] = 0;
     colours.update(file.nodes, poses, this.colouring_, this.selected);
     this.shown.groups.update(frames, camera);
-    if (this.leavesOut) this.shown.occlusion.update(frames, this.frustum, this.viewProjection, camera, this.shown.groups);
+    if (this.leavesOut) this.shown.occlusion?.update(frames, this.frustum, this.viewProjection, camera, this.shown.groups);
     this.instancesDrawn = moving.update(frames, this.frustum, colours.rgb, this.shown.groups);
     this.placeGhosts(this.shown, poses, ghosts, time_s);
     for (const { node, object } of file.carried) {
@@ -295,7 +308,7 @@ export class SceneView {
   }
 
   private clear(shown: Shown): void {
-    shown.occlusion.dispose();
+    shown.occlusion?.dispose();
     shown.file.standing.removeFromParent();
     for (const { object } of shown.file.carried) object.removeFromParent();
     shown.moving.dispose();
