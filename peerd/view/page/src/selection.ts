@@ -19,6 +19,10 @@ export class Selection {
   get node(): number | null {
     return this.node_;
   }
+  // Where it is one of the nodes that can move: by that number its poses come. Numbers of nodes that stand mean nothing else.
+  get movingNode(): number | null {
+    return this.moves ? this.node_ : null;
+  }
   get path(): string | null {
     return this.path_;
   }
@@ -43,7 +47,8 @@ export class Selection {
     if (this.path_ === null) return;
     this.moves = file.byPath.has(this.path_);
     if (this.moves) this.node_ = file.byPath.get(this.path_)?.index ?? null;
-    else if (!hasNode(file, this.path_)) this.clear();
+    else if (hasNode(file, this.path_)) this.node_ = file.standingNode;
+    else this.clear();
     void this.refresh();
   }
 

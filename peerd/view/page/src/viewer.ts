@@ -8,6 +8,7 @@ import { Keys } from './hand/keys';
 import { pick } from './hand/picking';
 import { Proximity } from './hand/proximity';
 import { Sensors } from './hand/sensors';
+import { walkStart } from './hand/walk_start';
 import { PointerTools, type Tool } from './hand/pointer_tools';
 import { Insight } from './insight';
 import { PeerLink } from './live/peer_link';
@@ -323,7 +324,14 @@ export class Viewer {
     const hit = await pick((request) => this.link.ask(request), camera.position, camera.getWorldDirection(new Vector3()));
     const eye = camera.position.clone();
     const { extras } = this.view.file;
-    if (hit !== null && typeof hit !== 'string') eye.set(...hit.position_m).add(new Vector3(0, sizesOf(extras).height_m + kDrop_m, 0));
+    const { height_m, step_m } = sizesOf(extras);
+    if (hit !== null && typeof hit !== 'string') {
+      const below = async (place: Vector3): Promise<Vector3 | null> => {
+        const met = await pick((request) => this.link.ask(request), place.clone().setY(place.y + height_m), new Vector3(0, -1, 0));
+        return met === null || typeof met === 'string' ? null : new Vector3(...met.position_m);
+      };
+      eye.copy(await walkStart(new Vector3(...hit.position_m), camera.position, step_m, below)).add(new Vector3(0, height_m + kDrop_m, 0));
+    }
     await this.avatar.enter(eye, extras);
     if (this.avatar.path === null && this.options.tool.value === 'walk') this.options.tool.value = 'fly';
   }
@@ -441,13 +449,13 @@ export class Viewer {
 
   private sampleErrors(): void {
     if (this.head.state !== 'live' || this.link.state.value !== 'open') return;
-    this.charts.sampleErrors(this.now_s(), this.head.book, this.view.file?.nodes ?? [], this.selection.node);
+    this.charts.sampleErrors(this.now_s(), this.head.book, this.view.file?.nodes ?? [], this.selection.movingNode);
   }
 
   private updatePanels(): void {
     this.timeline.update();
     this.timeline.showMarks(this.contacts.all().filter((contact) => !contact.retracted).map((contact) => contact.event.at_s));
-    if (this.layout.isShown('objects')) this.objects.update(this.head.book.shown, this.selection.node);
+    if (this.layout.isShown('objects')) this.objects.update(this.head.book.shown, this.selection.movingNode);
     if (this.layout.isShown('charts')) this.charts.draw(this.recorded === null ? this.now_s() : this.head.shownAt(0));
     if (this.recorded !== null) this.showRemark(this.recorded.remark);
     if (this.layout.isShown('object')) this.updateInspector();
@@ -465,8 +473,11 @@ export class Viewer {
   }
 
   private updateInspector(): void {
-    const { node } = this.selection;
-    if (node === null) return;
+    const node = this.selection.movingNode;
+    if (node === null) {
+      if (this.selection.path !== null) this.inspector.update({ place: null, speed_m_s: NaN, error_m: NaN, threshold_m: NaN });
+      return;
+    }
     const { shown } = this.head.book;
     const time_s = this.head.shownAt(this.now_s());
     if (this.recorded !== null) void this.selection.refresh(); // its owner may be another one

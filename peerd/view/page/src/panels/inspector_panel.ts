@@ -119,7 +119,10 @@ export class InspectorPanel implements Panel {
   private fieldsOf(inspected: Inspected): Node[] {
     const fields = Object.entries(inspected.fields);
     if (fields.length === 0) return [];
-    return [make('h3', {}, 'Fields'), make('div', { class: 'fields' }, ...fields.map(([name, value]) => this.fieldOf(inspected.path, name, value)))];
+    // Poses and physics move it without an edit of its fields.
+    const begins = Object.hasOwn(inspected.fields, 'translation') && (inspected.owner !== null || inspected.driven);
+    const note = begins && make('p', { class: 'note muted' }, 'translation and rotation are where it began; it is at Position, above. Setting them lets it begin anew there.');
+    return [make('h3', {}, 'Fields'), ...(note ? [note] : []), make('div', { class: 'fields' }, ...fields.map(([name, value]) => this.fieldOf(inspected.path, name, value)))];
   }
 
   private fieldOf(path: string, name: string, value: string): Node {

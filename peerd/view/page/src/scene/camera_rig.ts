@@ -15,6 +15,7 @@ export class CameraRig {
   private readonly held = new Set<string>();
   private travel: { from: Vector3; fromQ: Quaternion; to: Vector3; toQ: Quaternion; centre: Vector3; share: number } | null = null;
   private worldRadius_m = 10;
+  private readonly worldCentre = new Vector3();
   private readonly step = new Vector3();
 
   constructor(surface: HTMLElement) {
@@ -55,6 +56,7 @@ export class CameraRig {
     if (box.isEmpty()) return;
     const centre = box.getCenter(new Vector3());
     this.worldRadius_m = Math.max(0.5, box.getSize(new Vector3()).length() / 2);
+    this.worldCentre.copy(centre);
     const distance = (this.worldRadius_m * 1.05) / Math.tan((this.camera.fov * Math.PI) / 360);
     const eye = new Vector3(0.45, 0.5, 0.75).normalize().multiplyScalar(distance).add(centre);
     this.setRange();
@@ -62,7 +64,10 @@ export class CameraRig {
   }
 
   measure(box: Box3): void {
-    if (!box.isEmpty()) this.worldRadius_m = Math.max(0.5, box.getSize(new Vector3()).length() / 2);
+    if (!box.isEmpty()) {
+      this.worldRadius_m = Math.max(0.5, box.getSize(new Vector3()).length() / 2);
+      box.getCenter(this.worldCentre);
+    }
     this.setRange();
   }
 
@@ -110,10 +115,12 @@ export class CameraRig {
     this.move(elapsed_s);
     if (this.mode_ === 'orbit' && this.travel === null) this.orbit.update(elapsed_s);
     this.camera.updateMatrixWorld();
+    const near_m = nearPlane_m(this.camera.position.distanceTo(this.worldCentre), this.worldRadius_m);
+    if (Math.abs(near_m - this.camera.near) > 0.1 * this.camera.near) this.setRange();
   }
 
   private setRange(): void {
-    this.camera.near = Math.max(0.01, this.worldRadius_m / 2000);
+    this.camera.near = nearPlane_m(this.camera.position.distanceTo(this.worldCentre), this.worldRadius_m);
     this.camera.far = this.worldRadius_m * 60;
     this.camera.updateProjectionMatrix();
   }
@@ -165,6 +172,12 @@ export class CameraRig {
     this.camera.position.add(this.step);
     this.orbit.target.add(this.step);
   }
+}
+
+// The nearest that is drawn. From far off the world begins far away, and depths between there and the camera would be wasted: a
+// road two centimetres above the ground would flicker.
+export function nearPlane_m(toCentre_m: number, worldRadius_m: number): number {
+  return Math.max(0.01, worldRadius_m / 2000, 0.25 * (toCentre_m - worldRadius_m));
 }
 
 // The point that a camera turns around. One that looks straight down or up would lose which way its picture's upper edge

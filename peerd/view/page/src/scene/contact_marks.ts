@@ -64,7 +64,8 @@ export class ContactMarks implements Overlay {
     mark.dot.scale.setScalar(size);
     mark.dot.material.opacity = 0.35 + 0.65 * fresh;
     mark.arrow.position.copy(place);
-    mark.arrow.setLength(size * 14, size * 4, size * 2);
+    // An arrow that is older is shorter, so that many contacts in one place do not hide what collides there.
+    mark.arrow.setLength(size * (2.5 + 4.5 * fresh), size * 2, size);
     if (mark.contact !== contact) this.dress(mark, contact);
     this.placeLabel(view, mark.label, place, fresh);
   }
