@@ -212,7 +212,9 @@ void PeerParts::change_scene(std::shared_ptr<const Scene> edited_scene, SimTime 
   for (const ObjectId object : follow_scene_objects(at)) {
     if (replica.begun()) replica.declare_remote(object, Role::kPredicted);
   }
-  scripted.follow_scene(at, world_time.zero());
+  for (const ObjectId object : scripted.follow_scene(at, world_time.zero())) {
+    if (next->scene->contains(object)) stand_by_scene(object, at);
+  }
   regions.follow_model();
   for (const auto& [object, begin] : begins) begin_own_anew(object, at, begin);
   for (const auto& [object, begin] : begins_of_scene) {
@@ -274,6 +276,15 @@ void PeerParts::begin_own_anew(ObjectId object, SimTime at, const Begin& before)
   if ((!is_placed && !is_pushed) || own.at(object).driven || !replica.begun()) return;
   const Pose from = is_placed ? place : replica.truth().relative_at(object, at).pose();
   launches.begin_anew(at, object, from, file_velocity(at, object));
+}
+
+// The world itself moves the object no more.
+void PeerParts::stand_by_scene(ObjectId object, SimTime at) {
+  if (owners.of(object) != kNobody || scene.is_moved(object) || !replica.begun()) return;
+  const MotionModel law(at_rest(place_by_scene(object)));
+  for (MotionWorld* const in : {&replica.truth(), &replica.ghosts()}) {
+    if (in->has(object)) in->set_base(object, at, law);
+  }
 }
 
 // An edit sets the velocityVector of an object that nobody owns and a contact has moved. All peers know its law.

@@ -147,6 +147,7 @@ struct PeerParts {
   };
   [[nodiscard]] Begin begin_by_scene(ObjectId object, std::span<const SetField> fields) const;
   void begin_own_anew(ObjectId object, SimTime at, const Begin& before);
+  void stand_by_scene(ObjectId object, SimTime at);
   void give_velocity(ObjectId object, SimTime at, const Begin& before);
   // kNobody: it is nobody's from now on.
   void set_owner_of_scene_object(ObjectId object, PeerId owner, PeerId before);

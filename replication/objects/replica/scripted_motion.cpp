@@ -43,12 +43,16 @@ void ScriptedMotion::follow_model() {
   }
 }
 
-void ScriptedMotion::follow_scene(SimTime at, std::optional<SimTime> world_zero) {
+std::vector<ObjectId> ScriptedMotion::follow_scene(SimTime at, std::optional<SimTime> world_zero) {
   motion_.reset();
-  std::erase_if(pieces_,
-                [&](const Piece& p) { return std::ranges::find(model_->moving, p.object) == model_->moving.end(); });
+  std::vector<ObjectId> standing;
+  std::erase_if(pieces_, [&](const Piece& p) {
+    if (std::ranges::find(model_->moving, p.object) != model_->moving.end()) return false;
+    standing.push_back(p.object);
+    return true;
+  });
   follow_model();
-  if (!world_zero) return;
+  if (!world_zero) return standing;
   for (Piece& p : pieces_) {
     if (p.last && p.known_until && *p.known_until > at) {
       const PredefinedMotion::Piece now = motion_->piece(p.object, to_seconds(at - *world_zero), p.carrier);
@@ -56,6 +60,7 @@ void ScriptedMotion::follow_scene(SimTime at, std::optional<SimTime> world_zero)
     }
     p.known_until = p.owned_until = at;
   }
+  return standing;
 }
 
 void ScriptedMotion::extend(SimTime to, std::optional<SimTime> world_zero, const Owners& owners,

@@ -25,7 +25,8 @@ class ScriptedMotion {
   // The model in force has changed: objects that it moves in addition, or relative to another carrier, begin anew.
   void follow_model();
   // The model in force is of an edited scene, since then: what it moves otherwise, or in addition, begins there.
-  void follow_scene(SimTime at, std::optional<SimTime> world_zero);
+  // Returns the objects that it moved before and moves no more.
+  [[nodiscard]] std::vector<ObjectId> follow_scene(SimTime at, std::optional<SimTime> world_zero);
   // Gives both worlds of the replica, which have begun, the motion until `to`. Does nothing before world time is
   // known. Pieces begin at the same instants with the same bits on every peer, whenever it joined; but an object that
   // a peer owned until now is not moved in its past, and one that a contact has moved goes on by itself.

@@ -71,6 +71,8 @@ TEST_F(BeginAnew, AVelocityVectorOfZeroStopsIt) {
 
 TEST_F(BeginAnew, WhatTheWorldMovesGoesOnFromWhereItIs) {
   begin({});
+  lan->peer(0).announce_start(lan->session_now(0) + 1s);
+  run_on(3s);
   const double before = ghost(0, "CLOUD").position.x();
   ASSERT_GT(before, 53.0);
   set(0, "CLOUD", "velocityVector", "0 0 0");
