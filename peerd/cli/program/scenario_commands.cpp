@@ -104,8 +104,8 @@ int run_sim_or_chaos(const CLI::App& command, ScenarioOptions& options, ChaosOpt
     }
     return lab.sim(options);
   }
-  std::vector<const char*> of_scenarios{"scenario", "--config",  "--set",    "--seed",
-                                        "--repeat", "--samples", "--capture"};
+  std::vector<const char*> of_scenarios{"scenario", "--config", "--set",     "--lenient",
+                                        "--seed",   "--repeat", "--samples", "--capture"};
   const bool elsewhere = options.cluster.runner != cluster::Runner::kHere || !options.cluster.items.empty();
   if (!elsewhere) of_scenarios.insert(of_scenarios.end(), {"--out", "--jobs"});
   for (const char* other : of_scenarios) {
