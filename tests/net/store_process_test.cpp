@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <iostream>
 #include <random>
 #include <set>
@@ -277,6 +278,9 @@ class SmallDisk {
   }
   [[nodiscard]] bool is_mounted() const { return is_mounted_; }
   [[nodiscard]] const std::string& why() const { return why_; }
+  [[nodiscard]] bool make_read_only() const {
+    return mount("peerd-test", at_.c_str(), "tmpfs", MS_REMOUNT | MS_RDONLY | MS_NODEV | MS_NOSUID, nullptr) == 0;
+  }
   [[nodiscard]] bool resize(const char* size) const {
     return mount("peerd-test", at_.c_str(), "tmpfs", MS_REMOUNT | MS_NODEV | MS_NOSUID, size) == 0;
   }
@@ -338,6 +342,62 @@ TEST_F(FullDisk, IsSaidOnceAndLosesNothingThatWasStored) {
   const std::string world = world_of("a");
   for (const std::string& node : stored) EXPECT_THAT(world, HasSubstr("DEF " + node + " "));
   EXPECT_TRUE(is_stored(adding("LATER")));
+}
+
+// The store of a running system that is mounted read-only, or of a backup.
+TEST_F(StoreProcess, AStoreThatCanBeReadAloneIsCheckedAndExported) {
+  const SmallDisk disk(folder / "disk", "size=4m");
+  if (!disk.is_mounted()) GTEST_SKIP() << "cannot mount: " << disk.why();
+  std::filesystem::create_directory_symlink(folder / "disk" / "store", store_of("a"));
+  std::filesystem::create_directory(folder / "disk" / "store");
+  {
+    Process peer = start();
+    ASSERT_TRUE(is_in_session("a") && add("a", "BALL")) << peer.out() << peer.err();
+    peer.signal(SIGTERM);
+    ASSERT_EQ(peer.exit_code(20), 0);
+  }
+  ASSERT_TRUE(disk.make_read_only());
+  Process check(folder, "check", PEERD_PROGRAM, {"store", "check", store_of("a").string()});
+  EXPECT_EQ(check.exit_code(20), 0) << check.err();
+  EXPECT_THAT(check.out(), HasSubstr("1 operation"));
+  Process written(folder, "export", PEERD_PROGRAM, {"store", "export", store_of("a").string()});
+  EXPECT_EQ(written.exit_code(20), 0) << written.err();
+  EXPECT_THAT(written.out(), HasSubstr("DEF BALL "));
+}
+
+TEST_F(StoreProcess, ADiskThatIsFullAtTheStartIsSaid) {
+  const SmallDisk disk(folder / "disk", "size=16k");
+  if (!disk.is_mounted()) GTEST_SKIP() << "cannot mount: " << disk.why();
+  std::ofstream(folder / "disk" / "full") << std::string(64 * 1024, 'x');
+  std::filesystem::create_directory_symlink(folder / "disk" / "store", store_of("a"));
+  std::error_code ignored;
+  std::filesystem::create_directory(folder / "disk" / "store", ignored);
+  Process peer = start();
+  ASSERT_TRUE(is_in_session("a")) << peer.out() << peer.err();
+  EXPECT_TRUE(peer.says("its disk is full", 5)) << peer.out();
+}
+
+// The name of a file may be no world's name.
+TEST_F(StoreProcess, AWorldIsCalledByAnyFile) {
+  const std::string shape = "#VRML V2.0 utf8\nDEF A Transform { children Shape { geometry Box { } } }\n";
+  for (const std::string& name : {std::string(240, 'y') + "\n\xFF"}) {
+    folder.write(name + ".wrl", shape);
+    Process peer =
+        ControlledPeers::start("n", {"run", "--world", (folder / (name + ".wrl")).string(), "--interface", "lo",
+                                     "--port", std::to_string(own_port(10)), "--store", "", "--take-over"});
+    ASSERT_TRUE(is_in_session("n")) << peer.out() << peer.err();
+    Process ls(folder, "ls", PEERD_PROGRAM, {"ls", "--interface", "lo", "--json"});
+    ASSERT_EQ(ls.exit_code(20), 0) << ls.err();
+    std::string called;
+    const json found = json::parse(ls.out());
+    for (const json& world : found.at("worlds")) {
+      const std::string each = world.at("name");
+      if (each.find('~') != std::string::npos && each.substr(0, 3) == name.substr(0, 3)) called = each;
+    }
+    ASSERT_FALSE(called.empty()) << ls.out();
+    Process joining = ControlledPeers::start("m", {"join", called, "--interface", "lo", "--store", "", "--take-over"});
+    EXPECT_TRUE(is_in_session("m")) << joining.out() << joining.err();
+  }
 }
 
 }  // namespace peerd::store_process_test

@@ -126,16 +126,15 @@ void print_key(const Json& reply) {
   }
 }
 
-// An edit is over once all peers have had the time to take it up, and another peer holds it.
-constexpr std::chrono::seconds kHeldWithin{10};
 constexpr std::chrono::milliseconds kAskedEvery{20};
 
 // Waits until the operation of the reply has taken effect and is stored, or held by another peer; where nobody else is
 // here and the peer has no store, there is nothing to wait for. Returns the last word on it.
-Result<Json> await_operation(const std::filesystem::path& socket, const Json& edit) {
+Result<Json> await_operation(const std::filesystem::path& socket, const Json& edit,
+                             std::chrono::milliseconds patience) {
   Json request{{"do", "operation"}};
   request.update(edit.at("operation"));
-  const auto give_up = std::chrono::steady_clock::now() + kHeldWithin;
+  const auto give_up = std::chrono::steady_clock::now() + patience;
   for (;;) {
     auto state = ask_peer(socket, json_line(request));
     if (!state) return state;
@@ -221,7 +220,7 @@ int run_ctl(const CtlOptions& options) {
   if (!read) return failed(read.error());
   Json& reply = *read;
   if (reply.contains("edit") && reply.contains("operation")) {
-    const auto state = await_operation(*socket, reply);
+    const auto state = await_operation(*socket, reply, options.patience);
     if (!state) return failed(state.error());
     reply.update(*state);
   }
@@ -253,7 +252,9 @@ int run_ctl(const CtlOptions& options) {
   } else if (reply.contains("objects")) {
     print_objects(reply);
   }
-  return reply.contains("done") && !reply.at("done").get<bool>() ? 1 : 0;
+  const bool is_refused = reply.contains("done") && !reply.at("done").get<bool>();
+  const bool is_unseen = reply.contains("applied") && !reply.at("applied").get<bool>();
+  return is_refused || is_unseen ? kFinding : 0;
 }
 
 }  // namespace peerd

@@ -144,6 +144,7 @@ Result<void> OpenedPeer::open_node() {
   const config::RunSettings& run = parts_.run();
   PeerNode::Options node = node_options_of(options_, run, *parts_.settings, clock_);
   node.sealed_by = session_seal_->by();
+  options_.store.now = SimTime{clock_.now().time_since_epoch()};
   // Only where all else is right a store is made.
   if (auto filled = fill_store(options_, *identity_, *session_seal_, parts_); !filled) return filled;
   node.author = parts_.author.id;

@@ -4,7 +4,13 @@
 #include <utility>
 #include <vector>
 
+#include <spdlog/fmt/fmt.h>
+
+#include "core/fnv1a.hpp"
+#include "peerd/input/path_text.hpp"
+#include "peerd/input/printable.hpp"
 #include "peerd/input/world_file.hpp"
+#include "peerd/net/discovery/beacon.hpp"
 #include "peerd/net/seal/operation_signer.hpp"
 #include "peerd/peer/config/shared_settings.hpp"
 #include "peerd/peer/config/without_effect.hpp"
@@ -40,7 +46,29 @@ Result<config::LoadedWorld> read_world_of(const PeerOptions& options, config::Sc
   return world;
 }
 
+// A file's name may have bytes that a world's may not have, and more of them. Two files have two names all the same.
+std::string world_name_of(const std::filesystem::path& file) {
+  const std::string stem = file.stem().string();
+  std::string shown = stem;
+  if (!is_utf8(stem)) {
+    std::ranges::replace_if(
+        shown, [](char c) { return static_cast<unsigned char>(c) >= 0x80; }, '?');
+  }
+  std::string name = printable(shown, discovery::kNameMax_bytes);
+  if (name == stem) return name;
+  constexpr std::uint64_t kBasis = 0xcbf29ce484222325;  // of FNV-1a
+  std::uint64_t hash = kBasis;
+  for (const char c : stem) hash = fnv1a(hash, static_cast<unsigned char>(c));
+  const std::string ending = fmt::format("~{:08x}", static_cast<std::uint32_t>(hash));
+  return printable(shown, discovery::kNameMax_bytes - ending.size()) + ending;
+}
+
 }  // namespace
+
+std::string PeerParts::world_name(const PeerOptions& options) const {
+  if (options.joined) return options.joined->world.name;
+  return scenario.reading.name.empty() ? world_name_of(scenario.world) : scenario.reading.name;
+}
 
 Result<config::Scenario> read_configuration(const PeerOptions& options) {
   config::ScenarioRequest request;

@@ -30,10 +30,8 @@ struct PeerParts {
   std::uint64_t session = 0;  // config::ReplicationSettings::session_hash
 
   [[nodiscard]] const config::RunSettings& run() const { return scenario.runs.front(); }
-  [[nodiscard]] std::string world_name(const PeerOptions& options) const {
-    if (options.joined) return options.joined->world.name;
-    return scenario.reading.name.empty() ? scenario.world.stem().string() : scenario.reading.name;
-  }
+  // The name by which others find the world, of at most 63 printable bytes: what was configured, else that of its file.
+  [[nodiscard]] std::string world_name(const PeerOptions& options) const;
 };
 
 [[nodiscard]] Result<config::Scenario> read_configuration(const PeerOptions& options);

@@ -1,5 +1,7 @@
 #include "peerd/daemon/open/peer_store.hpp"
 
+#include <sys/statvfs.h>
+
 #include <algorithm>
 #include <cassert>
 #include <iterator>
@@ -37,6 +39,57 @@ Result<store::FolderLock> lock_store(const StoreOptions& options, const std::fil
   return by_default ? lock_again() : store::lock_folder(locked);
 }
 
+// The stamps of a log grow. Where the last one is of a clock that was wrong, all later ones would be as far ahead, and
+// no peer would show an edit before its time: the peer begins another log.
+void begin_before_stamps(const StoreOptions& options, replication::Author fresh, store::OperationStore& store,
+                         std::vector<LogLine>& lines) {
+  const auto own = std::ranges::find(store.logs(), store.author(), &store::StoredLog::author);
+  if (!options.now || own == store.logs().end()) return;
+  const Duration ahead = own->last_stamp - *options.now;
+  if (ahead <= replication::kStampAheadMax) return;
+  store.begin_log(fresh);
+  lines.push_back({LogLevel::kWarning,
+                   fmt::format("edits of this peer in its store are stamped up to {:.0f} s ahead of this computer's "
+                               "clock, which was wrong then, or is: it begins another log, so that new edits take "
+                               "effect at once; in a session whose time is not there yet, others see the old ones "
+                               "only then",
+                               to_seconds(ahead))});
+}
+
+// Why nothing can be written where the folder is, or would be; empty: for no reason that concerns all of its disk.
+std::string why_unwritable(std::filesystem::path folder) {
+  std::error_code failed;
+  folder = std::filesystem::absolute(folder, failed);
+  while (!std::filesystem::exists(folder, failed) && folder.has_relative_path()) folder = folder.parent_path();
+  struct statvfs disk {};
+  if (statvfs(folder.c_str(), &disk) != 0) return "";
+  if ((disk.f_flag & ST_RDONLY) != 0) return "its file system is read-only";
+  return disk.f_bavail == 0 ? "its disk is full" : "";
+}
+
+// A store that can't be written: the peer begins with what it has, if there is one, and keeps nothing of what comes. It
+// writes in no log of the store, which it could contradict in its next life.
+Result<OpenedStore> open_unwritable(const std::filesystem::path& folder, std::uint64_t genesis,
+                                    const std::string& why) {
+  OpenedStore opened;
+  if (!store::OperationStore::exists(folder)) {
+    opened.lines.push_back(
+        {LogLevel::kWarning, fmt::format("runs without a store: {} can't be made, {}", folder.string(), why)});
+    return opened;
+  }
+  const auto store = store::OperationStore::open(folder);
+  if (!store) return std::unexpected(store.error());
+  if ((*store)->genesis() != genesis) {
+    return std::unexpected(InputError{"error: the store " + folder.string() + " is of another world", kWrongUse});
+  }
+  opened.folder = folder;
+  opened.log = (*store)->take_log();
+  opened.lines.push_back(
+      {LogLevel::kWarning,
+       fmt::format("begins with the store {}, and keeps no edits from now on: {}", folder.string(), why)});
+  return opened;
+}
+
 }  // namespace
 
 // Nobody has asked for the store of a peer that has one by default: where it can't be made, the peer runs without.
@@ -53,6 +106,9 @@ Result<OpenedStore> open_store(const StoreOptions& options, std::uint64_t genesi
   const std::filesystem::path at = lock ? lock->folder() : *folder;
   const replication::Author fresh = seal::fresh_author(identity.public_key());
   auto store = lock ? store::OperationStore::open(*std::move(lock), genesis, fresh) : std::unexpected(lock.error());
+  if (!store && store.error().exit_code == kSystemFailed) {
+    if (const std::string why = why_unwritable(at); !why.empty()) return open_unwritable(at, genesis, why);
+  }
   if (!store && by_default && !store::OperationStore::exists(at)) {
     opened.lines.push_back({LogLevel::kWarning, "runs without a store: " + store.error().text});
     return opened;
@@ -65,6 +121,7 @@ Result<OpenedStore> open_store(const StoreOptions& options, std::uint64_t genesi
     opened.lines.push_back(
         {LogLevel::kWarning, "the store's log is by another identity: this peer begins a log of its own"});
   }
+  begin_before_stamps(options, fresh, *opened.store, opened.lines);
   opened.lines.push_back({LogLevel::kInfo, store_line(*opened.store, at)});
   if (opened.store->is_copy()) {
     opened.lines.push_back(

@@ -20,6 +20,7 @@ struct StoreOptions {
   std::optional<std::filesystem::path> folder;  // of --store; empty: no store
   bool by_default = false;                      // without `folder`, a peer has one in its user's own folders
   bool fresh = false;                           // what is there is put aside
+  std::optional<SimTime> now{};                 // by this host's clock: later stamps are of a clock that was wrong
 
   [[nodiscard]] bool is_wanted() const { return folder ? !folder->empty() : by_default; }
 };

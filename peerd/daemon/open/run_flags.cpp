@@ -4,6 +4,7 @@
 #include <random>
 
 #include "peerd/input/json_text.hpp"
+#include "peerd/input/path_text.hpp"
 
 namespace peerd {
 namespace {
@@ -28,7 +29,7 @@ std::vector<std::string> network_settings(const RunFlags& flags) {
 
 std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options) {
   std::vector<std::string> sets;
-  if (!flags.world.empty()) sets.push_back("world=" + json_line(std::filesystem::absolute(flags.world).string()));
+  if (!flags.world.empty()) sets.push_back("world=" + json_line(path_text(std::filesystem::absolute(flags.world))));
   if (!flags.world_name.empty()) sets.push_back("world_name=" + json_line(flags.world_name));
   if (flags.lenient) sets.emplace_back("lenient=true");
   if (options.config.empty()) {

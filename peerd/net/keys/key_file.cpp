@@ -18,14 +18,24 @@ bool is_missing(const fs::path& file) {
   return !fs::exists(file, failed) && !failed;
 }
 
+// Two worlds have two names. A "/" can't be in a file's, and stands there as "%2F"; what reads like that in a world's
+// name gets another "%25".
+std::string file_name_of(const std::string& world) {
+  std::string name;
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    const std::string_view next = std::string_view(world).substr(i + 1, 2);
+    const bool is_escape = world[i] == '%' && (next == "2F" || next == "25");
+    name += world[i] == '/' ? "%2F" : is_escape ? "%25" : std::string(1, world[i]);
+  }
+  return name;
+}
+
 }  // namespace
 
 std::optional<fs::path> default_key_file(const std::string& world) {
   const auto settings = user_folder("XDG_CONFIG_HOME", ".config");
   if (!settings) return std::nullopt;
-  std::string name = world;
-  std::ranges::replace(name, '/', '_');
-  return *settings / "peerd" / "keys" / (name + ".key");
+  return *settings / "peerd" / "keys" / (file_name_of(world) + ".key");
 }
 
 Result<fs::path> chosen_key_file(const fs::path& said, const std::string& world) {

@@ -1,9 +1,10 @@
 #include "peerd/peer/config/scenario.hpp"
-#include "peerd/input/text_file.hpp"
 
 #include <algorithm>
 #include <set>
 
+#include "peerd/input/path_text.hpp"
+#include "peerd/input/text_file.hpp"
 #include "peerd/input/toml_json.hpp"
 #include "peerd/peer/config/node_pattern.hpp"
 #include "peerd/peer/config/renamed_keys.hpp"
@@ -126,7 +127,7 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
     reader.fail(root.get("name"), "name: it becomes a folder's name, so no slash and no dot in front");
   }
   reader.read("world", world);
-  scenario.world = file.parent_path() / world;
+  scenario.world = file.parent_path() / path_of_text(world);
   std::size_t inlines = 0;
   reader.read_word("inlines", inlines, {"at-once", "when-needed"});
   scenario.reading.inlines_when_needed = inlines == 1;

@@ -1,7 +1,13 @@
 #include "peerd/peer/store/database.hpp"
 
+#include <unistd.h>
+
 #include <cassert>
+#include <cctype>
+#include <cerrno>
 #include <cstring>
+#include <filesystem>
+#include <string_view>
 
 #include <spdlog/fmt/fmt.h>
 #include <sqlite3.h>
@@ -75,8 +81,47 @@ std::span<const std::byte> Statement::bytes(int column) const {
 
 void Database::Close::operator()(sqlite3* database) const { sqlite3_close(database); }
 
+namespace {
+
+// Whether the file is one of the disk that this process may only read.
+bool may_only_be_read(const FileFolder& folder, const std::string& name) {
+  if (folder.file_system() != nullptr) return false;
+  return ::access((folder.path() / name).c_str(), W_OK) != 0 && (errno == EROFS || errno == EACCES);
+}
+
+// A path as a URI, in which some bytes have other meanings.
+std::string uri_of(const std::filesystem::path& path) {
+  std::string uri = "file:";
+  for (const char c : path.string()) {
+    const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || std::string_view("/-_.~").contains(c);
+    uri += is_plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return uri;
+}
+
+}  // namespace
+
+// SQLite would make files beside one whose journal is written ahead, unless it knows that nobody changes it. What has
+// been written ahead it does not read then.
+DatabaseResult<Database> Database::open_unwritable(const FileFolder& folder, const std::string& name) {
+  const auto ahead = folder.size(name + "-wal");
+  if (!ahead || ahead->value_or(0) > 0) {
+    return std::unexpected(
+        DatabaseError{SQLITE_READONLY,
+                      "its newest edits, in " + name + "-wal, are read only where it can be written: copy the folder"});
+  }
+  sqlite3* opened = nullptr;
+  const std::string uri = uri_of(std::filesystem::absolute(folder.path()) / name) + "?immutable=1";
+  const int code = sqlite3_open_v2(uri.c_str(), &opened, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
+  if (opened == nullptr) return std::unexpected(DatabaseError{SQLITE_NOMEM, "there is no memory for it"});
+  Database database(opened);
+  if (code != SQLITE_OK) return std::unexpected(sqlite_error(opened));
+  return database;
+}
+
 // In the exclusive mode there is no shared memory beside the file, and its lock goes with the process however it ends.
 DatabaseResult<Database> Database::open(const FileFolder& folder, const std::string& name, bool may_create) {
+  if (!may_create && may_only_be_read(folder, name)) return open_unwritable(folder, name);
   sqlite3* opened = nullptr;
   const int flags = SQLITE_OPEN_READWRITE | (may_create ? SQLITE_OPEN_CREATE : 0);
   const int code = sqlite3_open_v2((folder.path() / name).c_str(), &opened, flags, folder.file_system());

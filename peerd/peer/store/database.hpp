@@ -59,7 +59,8 @@ class Statement {
 class Database {
  public:
   // Makes the file where `may_create`; else there must be one, which stays byte for byte as it is, and so does what is
-  // written ahead of it, until accept(). Another process that has it is an error, at once.
+  // written ahead of it, until accept(). Another process that has it is an error, at once. Where the file system can't
+  // be written, accept() fails.
   [[nodiscard]] static DatabaseResult<Database> open(const FileFolder& folder, const std::string& name,
                                                      bool may_create);
 
@@ -77,6 +78,7 @@ class Database {
     void operator()(sqlite3* database) const;
   };
   explicit Database(sqlite3* database) : database_(database) {}
+  [[nodiscard]] static DatabaseResult<Database> open_unwritable(const FileFolder& folder, const std::string& name);
 
   std::unique_ptr<sqlite3, Close> database_;
 };

@@ -3,8 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <thread>
+
+#include <boost/asio/io_context.hpp>
 #include <nlohmann/json.hpp>
 
+#include "peerd/cli/client/ctl_command.hpp"
+#include "peerd/peer/control/control_server.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
 
@@ -205,6 +210,25 @@ TEST_F(Control, WrongUseIsOneSentence) {
     EXPECT_EQ(said.code, 2) << sentence;
     EXPECT_THAT(said.err, HasSubstr(sentence));
   }
+}
+
+// A peer whose clock is wrong, as a script sees it.
+TEST(ControlExitCode, IsOneWhereAnEditHasNotTakenEffect) {
+  const testing_support::ScratchFolder folder;
+  const std::filesystem::path socket = folder / "peer.sock";
+  boost::asio::io_context io;
+  const auto answer = [](std::string_view request) {
+    const bool is_edit = json::parse(request).at("do") == "add";
+    return control::Answer{
+        is_edit
+            ? R"({"v":1,"ok":true,"edit":"add","done":true,"operation":{"author":7,"number":1}})"
+            : R"({"v":1,"ok":true,"edit":"add","done":true,"operation":{"author":7,"number":1},"applied":false,"held":true,"alone":false})"};
+  };
+  const auto server = control::ControlServer::open(io, socket, answer);
+  ASSERT_TRUE(server) << server.error().text;
+  std::jthread peer([&] { io.run(); });
+  EXPECT_EQ(run_ctl({.socket = socket, .request = R"({"do":"add"})", .patience = std::chrono::milliseconds(50)}), 1);
+  io.stop();
 }
 
 }  // namespace peerd::ctl_command_test
