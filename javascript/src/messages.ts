@@ -45,6 +45,8 @@ export interface Status {
   /** Since motions began; negative before. */
   readonly since_start_s: number | null;
   readonly waits_for: readonly { readonly id: number; readonly name: string }[];
+  /** What keeps the peer from being in one session with all others, in sentences; absent in peers before 0.2. */
+  readonly troubles?: readonly string[];
   readonly members: readonly Member[];
   readonly locks: readonly { readonly path: string; readonly by: string }[];
   /** Own objects, at most 256; `next` is the number to continue from. */

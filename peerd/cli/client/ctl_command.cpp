@@ -86,6 +86,9 @@ void print_status(const Json& reply) {
     std::cout << fmt::format("waits for peer {} (id {}): nothing moves before\n", w.at("name").get<std::string>(),
                              w.at("id").get<std::uint64_t>());
   }
+  for (const Json& trouble : reply.value("troubles", Json::array())) {
+    std::cout << "warning: " << trouble.get<std::string>() << '\n';
+  }
   for (const Json& m : reply.at("members")) {
     std::cout << fmt::format("with peer {} (id {}){}\n", m.at("name").get<std::string>(),
                              m.at("id").get<std::uint64_t>(),

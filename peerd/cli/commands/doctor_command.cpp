@@ -10,6 +10,7 @@
 #include <boost/asio/io_context.hpp>
 #include <nlohmann/json.hpp>
 
+#include "peerd/cli/client/peer_replies.hpp"
 #include "peerd/cli/shell/print.hpp"
 #include "peerd/cli/shell/problems.hpp"
 #include "peerd/input/json_text.hpp"
@@ -22,6 +23,7 @@
 #include "peerd/net/transport/transport_options.hpp"
 #include "peerd/peer/config/peer_settings.hpp"
 #include "peerd/peer/config/renamed_keys.hpp"
+#include "peerd/peer/control/control_path.hpp"
 
 namespace peerd {
 namespace {
@@ -268,9 +270,29 @@ std::expected<doctor::PairOutcome, net::NetError> try_with(const net::HostClock&
 
 }  // namespace
 
+namespace {
+
+// The troubles of this user's peers that run here, as they say them.
+std::vector<doctor::Finding> findings_of_peers() {
+  std::vector<doctor::Finding> all;
+  for (const auto& socket : control::all_sockets()) {
+    const auto status = ask_peer(socket, R"({"do":"status"})");
+    if (!status || !status->contains("troubles")) continue;  // it has just ended, or is of another version
+    for (const auto& trouble : status->at("troubles")) {
+      all.push_back(
+          {"peer", doctor::Level::kWarning,
+           fmt::format("peer {} {}", status->at("peer").at("name").get<std::string>(), trouble.get<std::string>())});
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
 int run_doctor(const DoctorOptions& options) {
-  const auto settings = read_settings(options);
+  auto settings = read_settings(options);
   if (!settings) return failed(settings.error());
+  (void)net::takes_ipv6(*settings, Duration{0});  // as a peer would; the report has the interface and the group
   const auto reach = net::transport_options(*settings, net::random_key());
   if (!reach) return failed(reach.error());
   const net::HostClock clock;
@@ -280,6 +302,7 @@ int run_doctor(const DoctorOptions& options) {
   if (!facts) return failed(input_error(facts.error()));
   seen.with_another = !options.with.empty();
   report.findings = doctor::host_findings(*facts, seen);
+  std::ranges::move(findings_of_peers(), std::back_inserter(report.findings));
   int exit_code = report.tried.problem.empty() ? doctor::exit_code_of(report.findings) : report.tried.problem_exit_code;
   if (seen.with_another) {
     auto outcome = try_with(clock, options, *reach, *settings);

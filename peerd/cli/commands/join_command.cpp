@@ -61,16 +61,19 @@ Result<void> accept_invitation_of(JoinOptions& options) {
 }  // namespace
 
 int run_ls(const LsOptions& options, std::ostream& out) {
-  const auto worlds = worlds_here(options.transport, from_seconds(options.seconds));
-  if (!worlds) return failed(worlds.error());
+  const auto here = worlds_here(options.transport, from_seconds(options.seconds));
+  if (!here) return failed(here.error());
   if (options.json) {
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
-    for (const World& world : *worlds) all.push_back(json_of(world));
-    out << json_line({{"worlds", all}}) << '\n';
+    for (const World& world : here->worlds) all.push_back(json_of(world));
+    out << json_line({{"worlds", all}, {"asked", here->where}}) << '\n';
     return 0;
   }
-  for (const World& world : *worlds) out << line_of(world);
-  if (worlds->empty()) out << "no world answers in this network; peerd doctor says what may be in the way\n";
+  for (const World& world : here->worlds) out << line_of(world);
+  if (here->worlds.empty()) {
+    out << "no world answers by " << here->where
+        << "; --interface NAME and --ipv6 ask elsewhere, and peerd doctor says what may be in the way\n";
+  }
   return 0;
 }
 

@@ -18,8 +18,11 @@ void add_network_options(CLI::App& command, RunFlags& flags) {
   command.add_option("--interface", flags.interface,
                      "network interface, such as eth0 (default: the configuration's, else the only one that can "
                      "multicast, else lo)");
-  command.add_option("--group", flags.group,
-                     "multicast group of region 0, IPv4 or IPv6 (default: the configuration's, else 239.192.80.0)");
+  auto* const group = command.add_option(
+      "--group", flags.group,
+      "multicast group of region 0, IPv4 or IPv6 (default: the configuration's, else 239.192.80.0, or ff15::50:0 where "
+      "only IPv6 is to be had)");
+  command.add_flag("--ipv6", flags.ipv6, "the same as --group ff15::50:0")->excludes(group);
   command.add_option("--port", flags.port, "UDP port (default: the configuration's, else 47474)")
       ->transform(whole_number_in(1, 65535));
   command
@@ -97,7 +100,7 @@ void add_store_options(CLI::App& command, StoreOptions& store, const std::string
 void add_ask_options(CLI::App& command, AskFlags& flags) {
   command.add_option("--interface", flags.interface,
                      "network interface, such as eth0 (default: the only one that can multicast, else lo)");
-  command.add_flag("--ipv6", flags.ipv6, "ask by IPv6");
+  command.add_flag("--ipv6", flags.ipv6, "ask by IPv6 (default: only where there is nothing else)");
 }
 
 }  // namespace peerd

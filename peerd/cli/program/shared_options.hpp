@@ -5,6 +5,7 @@
 
 #include "peerd/daemon/open/peer_options.hpp"
 #include "peerd/daemon/open/run_flags.hpp"
+#include "peerd/net/transport/transport_options.hpp"
 #include "peerd/peer/config/peer_settings.hpp"
 
 namespace peerd {
@@ -32,7 +33,7 @@ struct AskFlags {
   [[nodiscard]] net::TransportSettings transport() const {
     net::TransportSettings settings;
     settings.interface = interface;
-    if (ipv6) settings.group = "ff15::50:0";  // of which the family counts
+    if (ipv6) settings.group = net::kIpv6Group;  // of which the family counts
     return settings;
   }
 };

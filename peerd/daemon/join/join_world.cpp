@@ -20,6 +20,7 @@
 #include "peerd/input/toml_input.hpp"
 #include "peerd/net/keys/key_file.hpp"
 #include "peerd/net/snapshot/snapshot_fetch.hpp"
+#include "peerd/peer/store/folder_lock.hpp"
 #include "peerd/peer/store/store_folder.hpp"
 #include "peerd/peer/store/stored_world.hpp"
 
@@ -131,11 +132,25 @@ Result<JoinedWorld> joined_by_peers(const std::vector<snapshot::Provider>& provi
                                                   : snapshot->checked_with + " has the same")});
   return JoinedWorld{{offer.world, offer.genesis, std::move(offer.settings), std::move(snapshot->archive)},
                      offer.session,
-                     std::move(snapshot->logs)};
+                     std::move(snapshot->logs),
+                     snapshot->provided_by};
+}
+
+// A peer of this computer that does not answer may be on another network, and works.
+Result<void> not_in_use(const std::filesystem::path& store, const std::string& world, const std::string& asked) {
+  const auto lock = store::FolderLock::take(store, store::FolderLock::Making::kNone);
+  if (lock || lock.error().why != store::LockError::Why::kInUse) return {};
+  return std::unexpected(InputError{
+      "error: no peer of " + world + " answers by " + asked + ", and a peer on this computer runs with the store " +
+          store.string() +
+          ": peerd ctl status says over which network it reaches others, for --interface NAME; --store DIR begins "
+          "another peer beside it",
+      kNoSuchWorld});
 }
 
 // Nobody is here: whoever comes back brings the world back.
-Result<JoinedWorld> joined_by_store(const JoinRequest& request, PeerOptions& peer, const SayLine& say) {
+Result<JoinedWorld> joined_by_store(const JoinRequest& request, const std::string& asked, PeerOptions& peer,
+                                    const SayLine& say) {
   const auto& folder = peer.store.folder;
   std::vector<std::filesystem::path> folders;
   if (folder && !folder->empty()) {
@@ -153,20 +168,20 @@ Result<JoinedWorld> joined_by_store(const JoinRequest& request, PeerOptions& pee
     all += "\n  " + each.string();
     const bool is_asked_for = *world && (request.world.empty() || (*world)->name == request.world);
     if (!is_asked_for || folders.size() > 1) continue;
+    if (const auto free = not_in_use(each, what, asked); !free) return std::unexpected(free.error());
     peer.store.folder = each;
     say({LogLevel::kInfo,
          fmt::format("no peer of \"{}\" is here: begins with the store {}", (*world)->name, each.string())});
-    return JoinedWorld{**std::move(world), 0, {}};
+    return JoinedWorld{.world = **std::move(world)};
   }
   if (folders.size() > 1) {
-    return std::unexpected(InputError{
-        "error: no peer of " + what + " is here, and there is more than one store: say --store DIR with one of" + all,
-        kNoSuchWorld});
+    return std::unexpected(InputError{"error: no peer of " + what + " answers by " + asked +
+                                          ", and there is more than one store: say --store DIR with one of" + all,
+                                      kNoSuchWorld});
   }
   return std::unexpected(
-      InputError{"error: no peer of " + what +
-                     " answers in this network, and this user has no store of it; peerd ls shows who "
-                     "is here, and --from HOST:PORT asks one peer",
+      InputError{"error: no peer of " + what + " answers, and this user has no store of it; it was asked for by " +
+                     asked + "; --interface NAME and --ipv6 ask elsewhere, and --from HOST:PORT asks one peer",
                  kNoSuchWorld});
 }
 
@@ -176,11 +191,11 @@ Result<JoinedWorld> find_world(const JoinRequest& request, PeerOptions& peer, co
     if (!provider) return std::unexpected(provider.error());
     return joined_by_peers({*provider}, 0, request.world, request, peer, say);
   }
-  const auto worlds = worlds_here(request.transport, kAsked);
-  if (!worlds) return std::unexpected(worlds.error());
-  const auto world = choose_world(*worlds, request.world);
+  const auto here = worlds_here(request.transport, kAsked);
+  if (!here) return std::unexpected(here.error());
+  const auto world = choose_world(here->worlds, request.world);
   if (!world) return std::unexpected(world.error());
-  if (*world == nullptr) return joined_by_store(request, peer, say);
+  if (*world == nullptr) return joined_by_store(request, here->where, peer, say);
   const auto providers = providers_of(**world);
   if (!providers) return std::unexpected(providers.error());
   if (const bool sealed = (*world)->is_sealed(); sealed == request.open) {

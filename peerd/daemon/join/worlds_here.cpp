@@ -22,14 +22,14 @@ constexpr const char* kLoopback = "lo";
 constexpr Duration kLoopbackAnswers = std::chrono::milliseconds(300);
 
 // The peers that answer on that interface.
-Result<std::vector<Found>> found_over(net::TransportSettings settings, const std::string& interface, Duration time) {
+Result<discovery::Asked> asked_over(net::TransportSettings settings, const std::string& interface, Duration time) {
   settings.interface = interface;
   auto reach = net::transport_options(settings, {});
   if (!reach) return std::unexpected(reach.error());
   const net::HostClock clock;
-  auto found = discovery::ask_who_is_here(clock, reach->multicast, time);
-  if (!found) return std::unexpected(input_error(found.error()));
-  return *std::move(found);
+  auto asked = discovery::ask_who_is_here(clock, reach->multicast, time);
+  if (!asked) return std::unexpected(input_error(asked.error()));
+  return *std::move(asked);
 }
 
 bool is_same_peer(const Found& a, const Found& b) {
@@ -38,28 +38,34 @@ bool is_same_peer(const Found& a, const Found& b) {
 
 }  // namespace
 
-Result<std::vector<World>> worlds_here(const net::TransportSettings& settings, Duration time) {
-  auto found = found_over(settings, settings.interface, time);
+Result<WorldsHere> worlds_here(net::TransportSettings settings, Duration time) {
+  (void)net::takes_ipv6(settings, Duration{0});  // the words of where it has asked say it
+  auto asked = asked_over(settings, settings.interface, time);
   if (settings.interface.empty()) {
     // This computer's own peers may be on lo alone. Where both cannot be asked, the other one's error says more.
-    auto own = found_over(settings, kLoopback, std::min(time, kLoopbackAnswers));
-    if (own && !found) found.emplace();
-    for (Found& each : own ? *own : std::vector<Found>()) {
-      const auto is_this = [&](const Found& other) { return is_same_peer(each, other); };
-      if (std::ranges::none_of(*found, is_this)) found->push_back(std::move(each));
+    auto own = asked_over(settings, kLoopback, std::min(time, kLoopbackAnswers));
+    if (own && !asked) {
+      asked = *std::move(own);
+    } else if (own) {
+      std::vector<Found>& found = asked->found;
+      for (Found& each : own->found) {
+        const auto is_this = [&](const Found& other) { return is_same_peer(each, other); };
+        if (std::ranges::none_of(found, is_this)) found.push_back(std::move(each));
+      }
+      const auto by_world = [](const Found& each) { return std::tie(each.beacon.world, each.beacon.session); };
+      std::ranges::stable_sort(found, {}, by_world);
     }
-    const auto by_world = [](const Found& each) { return std::tie(each.beacon.world, each.beacon.session); };
-    if (found) std::ranges::stable_sort(*found, {}, by_world);
   }
-  if (!found) return std::unexpected(found.error());
-  std::vector<World> worlds;
-  for (Found& each : *found) {
+  if (!asked) return std::unexpected(asked.error());
+  WorldsHere here{{}, std::move(asked->where)};
+  std::vector<World>& worlds = here.worlds;
+  for (Found& each : asked->found) {
     const bool goes_on =
         !worlds.empty() && worlds.back().name == each.beacon.world && worlds.back().session == each.beacon.session;
     if (!goes_on) worlds.push_back({each.beacon.world, each.beacon.session, {}});
     worlds.back().peers.push_back(std::move(each));
   }
-  return worlds;
+  return here;
 }
 
 namespace {

@@ -25,9 +25,15 @@ struct World {
 // Whether all its peers are on the loopback interface of this computer.
 [[nodiscard]] bool is_on_loopback(const World& world);
 
-// Asks for `time` which worlds there are in this network, by interface and group of the settings; where they name no
-// interface, also those of this computer that are on lo. Blocks meanwhile.
-[[nodiscard]] Result<std::vector<World>> worlds_here(const net::TransportSettings& settings, Duration time);
+struct WorldsHere {
+  std::vector<World> worlds;
+  std::string where;  // they were asked, in words
+};
+
+// Asks for `time` which worlds there are in this network, by interface and group of the settings; by IPv6 where nothing
+// else is to be had, and no group was chosen. Where they name no interface, also those of this computer that are on lo.
+// Blocks meanwhile.
+[[nodiscard]] Result<WorldsHere> worlds_here(net::TransportSettings settings, Duration time);
 
 // The world of that name; with an empty name the only one. Null: there is none. Error: there are several.
 [[nodiscard]] Result<const World*> choose_world(const std::vector<World>& worlds, const std::string& name);

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <csignal>
 #include <cstdint>
+#include <iterator>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -87,7 +88,7 @@ control::Answer Daemon::on_control(std::string_view line) {
   const HostTime at = now();
   const Duration host_minus_wall = clock_.minus_wall();
   if (capture_) capture_->on_control(at, host_minus_wall, line);
-  control::Answer answer = control::answer(node_, at, line, host_minus_wall, [this] { return counters_of_status(); });
+  control::Answer answer = control::answer(node_, at, line, host_minus_wall, [this] { return more_status(); });
   drain();
   if (answer.viewer) answer.line = control::viewer_reply(viewer_url_);
   if (answer.leave) {
@@ -100,9 +101,13 @@ control::Answer Daemon::on_control(std::string_view line) {
   return answer;
 }
 
-std::map<std::string, std::uint64_t> Daemon::counters_of_status() const {
-  auto all = transport_.counters().named();
-  for (const control::MoreCounters& more : more_counters_) all.merge(more());
+control::More Daemon::more_status() const {
+  control::More all{transport_.counters().named()};
+  for (const control::AskMore& ask : more_status_) {
+    control::More more = ask();
+    all.counters.merge(more.counters);
+    std::ranges::move(more.troubles, std::back_inserter(all.troubles));
+  }
   return all;
 }
 

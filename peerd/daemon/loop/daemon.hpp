@@ -53,8 +53,8 @@ class Daemon {
   void publish_to(control::EventSink& clients) { event_sinks_.push_back(&clients); }
   // Calls `handler` with each thing that happens at the peer, after the datagrams that say so have left.
   void on_event(std::function<void(const replication::Output&)> handler) { event_handler_ = std::move(handler); }
-  // The "status" of the control protocol has these counters, too. The function outlives the run.
-  void count_in_status(control::MoreCounters more) { more_counters_.push_back(std::move(more)); }
+  // The "status" of the control protocol has this, too. The function outlives the run.
+  void add_to_status(control::AskMore more) { more_status_.push_back(std::move(more)); }
   // The control protocol says that the peer's page is there.
   void serves_viewer_at(std::string url) { viewer_url_ = std::move(url); }
   // Takes one datagram of an external program.
@@ -107,8 +107,8 @@ class Daemon {
 
   // The time of an input that the peer gets now.
   [[nodiscard]] HostTime now() { return forward_(clock_.now()); }
-  // The counters of "status" beside those of the peer.
-  [[nodiscard]] std::map<std::string, std::uint64_t> counters_of_status() const;
+  // What "status" has beside what the peer itself knows.
+  [[nodiscard]] control::More more_status() const;
 
   // Counts the datagrams that arrived before an input that the peer had got already.
   [[nodiscard]] const net::ForwardTime& forward() const { return forward_; }
@@ -145,7 +145,7 @@ class Daemon {
   std::optional<store::StoreKeeper> keeper_;
   std::vector<control::EventSink*> event_sinks_;
   std::function<void(const replication::Output&)> event_handler_;
-  std::vector<control::MoreCounters> more_counters_;
+  std::vector<control::AskMore> more_status_;
   std::string viewer_url_;          // empty: it has no page
   record::CaptureWriter* capture_;  // null: none, or it has failed
   std::function<void()> received_handler_, begin_handler_, leave_handler_, hangup_handler_;

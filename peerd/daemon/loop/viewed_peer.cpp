@@ -32,7 +32,7 @@ std::string ViewedPeer::metrics() {
   const HostTime now = daemon_.now();
   const auto reply_to = [&](const char* request) {
     const control::Answer answer =
-        control::answer(node_, now, request, Duration{0}, [this] { return daemon_.counters_of_status(); });
+        control::answer(node_, now, request, Duration{0}, [this] { return daemon_.more_status(); });
     return parse_json(answer.line);
   };
   return gateway::metrics_text(reply_to(R"({"do":"status"})"), reply_to(R"({"do":"peers"})"));

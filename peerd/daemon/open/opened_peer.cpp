@@ -18,6 +18,9 @@ namespace {
 
 namespace asio = boost::asio;
 
+// An IPv4 address comes so long after the IPv6 ones at most, where a network has both.
+constexpr Duration kLeaseWithin = std::chrono::seconds(3);
+
 // Makes the cache warmer that runs while the peer polls. The result is null where the peer polls for too short a time,
 // or where it can't be made.
 std::unique_ptr<CacheWarmer> open_cache_warmer(const config::RunSettings& run, Log& log) {
@@ -84,7 +87,7 @@ JoinService::Options join_service_options(const PeerOptions& options, const Peer
   config::RunSettings shared = parts.run();
   if (reached.unicast()) shared.transport.multicast = net::kMulticastNever;
   return {.multicast = reach.multicast,
-          .address = reached.transport->own_address(),
+          .own_address = [&reached] { return reached.transport->own_address(); },
           .port = settings.snapshot_port,
           .session = parts.session,
           .incarnation = node.incarnation,
@@ -123,6 +126,10 @@ Result<std::unique_ptr<OpenedPeer>> OpenedPeer::open(const PeerOptions& options,
 }
 
 Result<void> OpenedPeer::open_network() {
+  // The group of a session that is here already is that of its settings.
+  if (!options_.joined && net::takes_ipv6(parts_.scenario.runs.front().transport, kLeaseWithin)) {
+    log_(LogLevel::kInfo, fmt::format("only IPv6 is to be had here: the group is {}", net::kIpv6Group));
+  }
   const config::RunSettings& run = parts_.run();
   auto identity = peer_identity(run.transport, say_);
   if (!identity) return std::unexpected(identity.error());
@@ -215,6 +222,13 @@ Result<void> OpenedPeer::open_daemon(const PeerNode::Options& node) {
     join_service_.emplace(io_, clock_, *node_,
                           join_service_options(options_, parts_, node, *reach_, *reached_, *session_seal_), say_);
   }
+  network_watch_.emplace(io_, NetworkWatch::Parts{.clock = clock_,
+                                                  .node = *node_,
+                                                  .transport = *reached_->transport,
+                                                  .join_service = join_service_ ? &*join_service_ : nullptr,
+                                                  .provider = options_.joined ? options_.joined->provided_by : "",
+                                                  .log = say_});
+  daemon_->add_to_status([this] { return control::More{{}, network_watch_->troubles()}; });
   return {};
 }
 

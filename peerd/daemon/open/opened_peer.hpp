@@ -8,6 +8,7 @@
 #include "peerd/daemon/loop/cache_warmer.hpp"
 #include "peerd/daemon/loop/daemon.hpp"
 #include "peerd/daemon/loop/join_service.hpp"
+#include "peerd/daemon/loop/network_watch.hpp"
 #include "peerd/daemon/open/peer_options.hpp"
 #include "peerd/daemon/open/peer_parts.hpp"
 #include "peerd/daemon/open/peer_ports.hpp"
@@ -68,6 +69,7 @@ class OpenedPeer {
   std::unique_ptr<Daemon> daemon_;
   std::unique_ptr<PeerPorts> ports_;
   std::optional<JoinService> join_service_;
+  std::optional<NetworkWatch> network_watch_;
   std::unique_ptr<PeerService> service_;  // null: another program has the process
 };
 

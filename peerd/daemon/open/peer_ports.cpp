@@ -93,7 +93,7 @@ Result<std::unique_ptr<gateway::Gateway>> open_gateway(asio::io_context& io, con
 void connect(Daemon& daemon, gateway::Gateway& gateway) {
   daemon.publish_to(gateway);
   daemon.serves_viewer_at(gateway.url());
-  daemon.count_in_status([&gateway] { return gateway.counters().named(); });
+  daemon.add_to_status([&gateway] { return control::More{gateway.counters().named()}; });
 }
 
 // The result is null where the peer takes no poses by UDP.

@@ -28,8 +28,9 @@ struct StoreOptions {
 // A world that came from a peer, or from a store, in place of a file.
 struct JoinedWorld {
   store::StoredWorld world;
-  std::uint64_t session = 0;                     // that its peers are in; 0: nobody has said
-  std::vector<replication::OperationPart> logs;  // each from its beginning
+  std::uint64_t session = 0;                       // that its peers are in; 0: nobody has said
+  std::vector<replication::OperationPart> logs{};  // each from its beginning
+  std::string provided_by{};                       // the peer that gave it; empty: a store has
 };
 
 struct OpenedStore {

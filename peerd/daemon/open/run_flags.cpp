@@ -5,6 +5,7 @@
 
 #include "peerd/input/json_text.hpp"
 #include "peerd/input/path_text.hpp"
+#include "peerd/net/transport/transport_options.hpp"
 
 namespace peerd {
 namespace {
@@ -22,6 +23,7 @@ std::vector<std::string> network_settings(const RunFlags& flags) {
   std::vector<std::string> sets;
   if (!flags.interface.empty()) sets.push_back("transport.interface=" + json_line(flags.interface));
   if (!flags.group.empty()) sets.push_back("transport.group=" + json_line(flags.group));
+  if (flags.ipv6) sets.push_back("transport.group=" + json_line(net::kIpv6Group));
   if (flags.port) sets.push_back("transport.port=" + std::to_string(*flags.port));
   if (!flags.relays.empty()) sets.push_back("transport.relays=" + json_line(flags.relays));
   return sets;

@@ -18,6 +18,7 @@ struct RunFlags {
   std::vector<std::string> nats{};              // URLs of servers
   bool open = false;
   bool lenient = false;
+  bool ipv6 = false;  // in place of a group
 };
 
 // The settings that the network's options stand for, as KEY=VALUE.

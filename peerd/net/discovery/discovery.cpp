@@ -13,6 +13,8 @@ namespace {
 constexpr const char* kGroup4 = "239.192.79.255";
 constexpr const char* kGroup6 = "ff15::7065:6572:64";
 constexpr std::uint16_t kPort = 47473;
+// The port is the same for all worlds and peers: another one would not do.
+constexpr const char* kIfPortIsTaken = "join by the address that the log of a peer says (peerd join --from HOST:PORT)";
 constexpr RegionId kAll{0};
 // More peers than a network has, unless a forger invents them.
 constexpr std::size_t kFoundMax = 4096;
@@ -30,6 +32,7 @@ std::expected<std::unique_ptr<Responder>, net::NetError> Responder::open(boost::
                                                                          net::MulticastOptions options,
                                                                          std::function<Beacon()> beacon) {
   options.groups = group_for(options.groups.base);
+  options.if_port_is_taken = kIfPortIsTaken;
   options.receives_own_datagrams = false;
   auto socket = net::MulticastSocket::open(io, clock, options);
   if (!socket) return std::unexpected(socket.error());
@@ -48,10 +51,11 @@ void Responder::on_datagram(const net::Arrival& arrival) {
   socket_->flush();
 }
 
-std::expected<std::vector<Found>, net::NetError> ask_who_is_here(const net::HostClock& clock,
-                                                                 net::MulticastOptions options, Duration time) {
+std::expected<Asked, net::NetError> ask_who_is_here(const net::HostClock& clock, net::MulticastOptions options,
+                                                    Duration time) {
   boost::asio::io_context io(1);
   options.groups = group_for(options.groups.base);
+  options.if_port_is_taken = kIfPortIsTaken;
   const auto socket = net::MulticastSocket::open(io, clock, options);
   if (!socket) return std::unexpected(socket.error());
   if (auto joined = (*socket)->join(kAll); !joined) return std::unexpected(joined.error());
@@ -65,15 +69,15 @@ std::expected<std::vector<Found>, net::NetError> ask_who_is_here(const net::Host
     if (beacon->incarnation >= known.beacon.incarnation) known = {*beacon, arrival.from.address()};
   });
   const HostTime end = clock.now() + time;
-  for (HostTime asked = clock.now(); asked < end; asked += kAskedAgainAfter) {
+  for (HostTime at = clock.now(); at < end; at += kAskedAgainAfter) {
     (*socket)->send(kAll, question());
     (*socket)->flush();
-    const HostTime until = std::min(end, asked + kAskedAgainAfter);
+    const HostTime until = std::min(end, at + kAskedAgainAfter);
     while (clock.now() < until) io.run_one_for(until - clock.now());
   }
-  std::vector<Found> all;
-  for (auto& [key, each] : found) all.push_back(std::move(each));
-  return all;
+  Asked asked{{}, (*socket)->describe()};
+  for (auto& [key, each] : found) asked.found.push_back(std::move(each));
+  return asked;
 }
 
 }  // namespace peerd::discovery

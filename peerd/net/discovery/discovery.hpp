@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
@@ -33,6 +34,9 @@ class Responder {
                                                                                      net::MulticastOptions options,
                                                                                      std::function<Beacon()> beacon);
 
+  // Goes on over the interface that the session's transport goes on over (Transport::follow_interface).
+  void follow_interface() { (void)socket_->follow_interface(); }  // the transport says it
+
  private:
   explicit Responder(std::function<Beacon()> beacon) : beacon_(std::move(beacon)) {}
   void on_datagram(const net::Arrival& arrival);
@@ -48,10 +52,14 @@ struct Found {
   boost::asio::ip::address address;  // of its snapshot_port
 };
 
+struct Asked {
+  std::vector<Found> found;
+  std::string where;  // in words: the group and the interface
+};
+
 // Asks for so long, several times, and returns who has answered, by world and peer; of a peer that was started again in
 // the meantime the later start. `options` as for Responder.
-[[nodiscard]] std::expected<std::vector<Found>, net::NetError> ask_who_is_here(const net::HostClock& clock,
-                                                                               net::MulticastOptions options,
-                                                                               Duration time);
+[[nodiscard]] std::expected<Asked, net::NetError> ask_who_is_here(const net::HostClock& clock,
+                                                                  net::MulticastOptions options, Duration time);
 
 }  // namespace peerd::discovery

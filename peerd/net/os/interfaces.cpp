@@ -2,15 +2,21 @@
 
 #include <ifaddrs.h>
 #include <net/if.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <memory>
+#include <optional>
+#include <set>
 #include <system_error>
 
 namespace peerd::net {
 namespace {
+
+namespace asio = boost::asio;
 
 const char* name_of(IpFamily family) { return family == IpFamily::kV4 ? "IPv4" : "IPv6"; }
 
@@ -26,6 +32,21 @@ bool reaches_others(const Interface& i, IpFamily family) {
   return can_multicast(i, family) && !i.loopback && i.running;
 }
 
+std::optional<asio::ip::address> address_of(const sockaddr* at) {
+  if (at == nullptr) return std::nullopt;
+  if (at->sa_family == AF_INET) {
+    sockaddr_in v4{};
+    std::memcpy(&v4, at, sizeof(v4));
+    return asio::ip::address_v4(ntohl(v4.sin_addr.s_addr));
+  }
+  if (at->sa_family != AF_INET6) return std::nullopt;
+  sockaddr_in6 v6{};
+  std::memcpy(&v6, at, sizeof(v6));
+  asio::ip::address_v6::bytes_type bytes{};
+  std::memcpy(bytes.data(), &v6.sin6_addr, bytes.size());
+  return asio::ip::address_v6(bytes);
+}
+
 template <class Predicate>
 std::string names_where(const std::vector<Interface>& interfaces, Predicate predicate) {
   std::string names;
@@ -39,6 +60,16 @@ std::string advice(const std::vector<Interface>& interfaces, IpFamily family) {
   const std::string names = names_where(interfaces, [&](const Interface& i) { return can_multicast(i, family); });
   const std::string over = std::string(" over ") + name_of(family);
   return names.empty() ? "none here can multicast" + over : "the ones that can multicast" + over + " are: " + names;
+}
+
+constexpr const char* kSayIpv6 = "say --ipv6, or an IPv6 group (--group ff15::50:0)";
+
+// What IPv6 offers where IPv4 is wanted and is not to be had; empty: nothing.
+std::string ipv6_instead(const std::vector<Interface>& interfaces, IpFamily family) {
+  if (family == IpFamily::kV6) return "";
+  const auto by_ipv6 = [](const Interface& i) { return reaches_others(i, IpFamily::kV6); };
+  const std::string names = names_where(interfaces, by_ipv6);
+  return names.empty() ? "" : names + " can over IPv6: " + kSayIpv6;
 }
 
 std::expected<ChosenInterface, NetError> choose_named(const std::vector<Interface>& interfaces, std::string_view wanted,
@@ -58,6 +89,10 @@ std::expected<ChosenInterface, NetError> choose_named(const std::vector<Interfac
   if (!found->multicast && !found->loopback) {
     return refuse(NetError::Kind::kNoMulticast, "interface " + quoted + " does not do multicast: name another");
   }
+  if (!has_address(*found, family) && family == IpFamily::kV4 && can_multicast(*found, IpFamily::kV6)) {
+    return refuse(NetError::Kind::kNoMulticast,
+                  "interface " + quoted + " has no IPv4 address, and has an IPv6 one: " + kSayIpv6);
+  }
   if (!has_address(*found, family)) {
     return refuse(NetError::Kind::kNoMulticast,
                   "interface " + quoted + " has no " + name_of(family) + " address: give it one or name another");
@@ -76,9 +111,17 @@ std::expected<ChosenInterface, NetError> choose_by_itself(const std::vector<Inte
   const auto lo =
       std::ranges::find_if(interfaces, [&](const Interface& i) { return i.loopback && can_multicast(i, family); });
   if (lo != interfaces.end()) {
+    const std::string instead = count == 0 ? ipv6_instead(interfaces, family) : "";
+    if (!instead.empty()) {
+      return ChosenInterface{*lo, lo->name + ", as no other can multicast over IPv4: this computer only; " + instead};
+    }
     return ChosenInterface{*lo, lo->name + (count == 0 ? ", as no other can multicast: this computer only"
                                                        : ", this computer only, as several reach others (" + names +
                                                              ") and none was named")};
+  }
+  if (const std::string instead = count == 0 ? ipv6_instead(interfaces, family) : ""; !instead.empty()) {
+    return std::unexpected(
+        NetError{NetError::Kind::kNoMulticast, "no interface here can multicast over IPv4; " + instead});
   }
   return std::unexpected(NetError{
       NetError::Kind::kNoMulticast,
@@ -116,9 +159,47 @@ std::expected<std::vector<Interface>, NetError> list_interfaces() {
     }
     if (entry->ifa_addr && entry->ifa_addr->sa_family == AF_INET) known->has_ipv4 = true;
     if (entry->ifa_addr && entry->ifa_addr->sa_family == AF_INET6) known->has_ipv6 = true;
+    const auto address = address_of(entry->ifa_addr);
+    if (address && address->is_v6() && !address->to_v6().is_link_local()) known->has_wide_ipv6 = true;
   }
   std::ranges::sort(interfaces, {}, &Interface::index);
   return interfaces;
+}
+
+std::expected<unsigned, int> index_of(const std::string& name) {
+  const unsigned index = if_nametoindex(name.c_str());
+  if (index == 0 && errno != ENODEV && errno != ENXIO) return std::unexpected(errno);
+  return index;
+}
+
+bool are_of_one_interface(const asio::ip::address& a, const asio::ip::address& b) {
+  // An IPv6 address of link-local scope may come with its interface or without.
+  const auto plain = [](const asio::ip::address& each) {
+    return each.is_v6() ? asio::ip::address(asio::ip::address_v6(each.to_v6().to_bytes())) : each;
+  };
+  if (plain(a) == plain(b)) return true;
+  ifaddrs* raw = nullptr;
+  if (getifaddrs(&raw) != 0) return false;
+  const std::unique_ptr<ifaddrs, decltype([](ifaddrs* p) { freeifaddrs(p); })> owner(raw);
+  std::set<std::string> of_a, of_b;
+  for (const ifaddrs* entry = raw; entry; entry = entry->ifa_next) {
+    const auto address = address_of(entry->ifa_addr);
+    if (!address) continue;
+    std::string name = entry->ifa_name;
+    name.erase(std::min(name.find(':'), name.size()));
+    if (*address == plain(a)) of_a.insert(name);
+    if (*address == plain(b)) of_b.insert(name);
+  }
+  return std::ranges::any_of(of_a, [&](const std::string& name) { return of_b.contains(name); });
+}
+
+bool has_ipv6_alone(const std::vector<Interface>& interfaces, std::string_view wanted) {
+  const auto counts = [&](const Interface& i) { return wanted.empty() ? !i.loopback && i.running : i.name == wanted; };
+  const auto by_ipv4 = [&](const Interface& i) { return counts(i) && can_multicast(i, IpFamily::kV4); };
+  const auto by_ipv6 = [&](const Interface& i) {
+    return counts(i) && i.has_wide_ipv6 && can_multicast(i, IpFamily::kV6);
+  };
+  return std::ranges::none_of(interfaces, by_ipv4) && std::ranges::any_of(interfaces, by_ipv6);
 }
 
 std::expected<ChosenInterface, NetError> choose_interface(const std::vector<Interface>& interfaces,

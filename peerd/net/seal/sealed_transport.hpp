@@ -54,6 +54,7 @@ class SealedTransport final : public net::Transport {
   [[nodiscard]] std::size_t joined_count() const override { return carrier_->joined_count(); }
   [[nodiscard]] int receive_buffer_bytes() const override { return carrier_->receive_buffer_bytes(); }
   [[nodiscard]] boost::asio::ip::address own_address() const override { return carrier_->own_address(); }
+  [[nodiscard]] std::string why_only_here() const override { return carrier_->why_only_here(); }
   [[nodiscard]] std::string describe() const override { return carrier_->describe() + ", sealed"; }
 
  private:

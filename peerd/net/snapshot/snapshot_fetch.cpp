@@ -13,6 +13,7 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "peerd/net/greeting/address_text.hpp"
 #include "peerd/net/snapshot/framed_stream.hpp"
 #include "replication/wire/codec.hpp"
 
@@ -355,7 +356,10 @@ class Fetch {
   }
 
   void note(std::size_t peer, const std::string& why) {
-    last_failure_ = peers_[peer].provider.name + ": " + why;
+    const Provider& asked = peers_[peer].provider;
+    const asio::ip::udp::endpoint at(asked.at.address(), asked.at.port());  // as TCP's, written
+    const std::string address = net::address_text(at);
+    last_failure_ = (asked.name == address ? address : asked.name + " at " + address) + ": " + why;
     if (peers_[peer].said.insert(why).second) snapshot_.notes.push_back(last_failure_);
   }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ip/v6_only.hpp>
 #include <boost/asio/steady_timer.hpp>
 
 #include "peerd/net/os/close_on_exec.hpp"
@@ -79,7 +80,8 @@ Reply reply_to(std::string_view bytes, const SnapshotContent& content) {
 // The io_context may hold handlers that outlive the server; `over_` tells them.
 class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
  public:
-  Impl(asio::io_context& io, SnapshotContent content) : acceptor_(io), again_(io), content_(std::move(content)) {}
+  Impl(asio::io_context& io, SnapshotContent content, ServesAt serves_at)
+      : acceptor_(io), again_(io), content_(std::move(content)), serves_at_(std::move(serves_at)) {}
 
   std::expected<void, net::NetError> listen(const asio::ip::address& address, std::uint16_t port) {
     error_code failed;
@@ -87,6 +89,7 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
     acceptor_.open(at.protocol(), failed);
     net::close_on_exec(acceptor_);
     if (!failed) acceptor_.set_option(asio::socket_base::reuse_address(true), failed);
+    if (!failed && at.address().is_v6()) acceptor_.set_option(asio::ip::v6_only(true), failed);
     if (!failed) acceptor_.bind(at, failed);
     if (!failed) acceptor_.listen(kConnectionsMax, failed);
     if (failed) {
@@ -127,6 +130,7 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
     net::close_on_exec(socket);
     if (streams_.size() >= kConnectionsMax && !make_room()) return;  // which closes it: it asks elsewhere, or again
     error_code ignored;
+    if (serves_at_ && !serves_at_(socket.local_endpoint(ignored).address())) return;  // which closes it
     socket.set_option(asio::ip::tcp::no_delay(true), ignored);
     const auto number = ++taken_;
     const auto stream = std::make_shared<FramedStream>(
@@ -166,6 +170,7 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
   asio::ip::tcp::acceptor acceptor_;
   asio::steady_timer again_;
   SnapshotContent content_;
+  ServesAt serves_at_;
   std::map<std::uint64_t, StreamPtr> streams_;  // by the order in which they were taken
   std::uint64_t taken_ = 0;
   bool over_ = false;
@@ -180,8 +185,9 @@ std::uint16_t SnapshotServer::port() const { return impl_->port(); }
 std::expected<std::unique_ptr<SnapshotServer>, net::NetError> SnapshotServer::open(asio::io_context& io,
                                                                                    const asio::ip::address& address,
                                                                                    std::uint16_t port,
-                                                                                   SnapshotContent content) {
-  auto impl = std::make_shared<Impl>(io, std::move(content));
+                                                                                   SnapshotContent content,
+                                                                                   ServesAt serves_at) {
+  auto impl = std::make_shared<Impl>(io, std::move(content), std::move(serves_at));
   if (auto listening = impl->listen(address, port); !listening) return std::unexpected(listening.error());
   return std::unique_ptr<SnapshotServer>(new SnapshotServer(std::move(impl)));
 }

@@ -41,10 +41,13 @@ class SnapshotServer {
  public:
   static constexpr std::size_t kConnectionsMax = 256;
 
-  // Listens at a port that the system chooses where `port` is 0.
+  // Listens at a port that the system chooses where `port` is 0. `serves_at`: whether a connection to that address of
+  // this computer is taken, once it has come; none: each is. So a server at the unspecified address goes on where the
+  // addresses of this computer change.
+  using ServesAt = std::function<bool(const boost::asio::ip::address&)>;
   [[nodiscard]] static std::expected<std::unique_ptr<SnapshotServer>, net::NetError> open(
-      boost::asio::io_context& io, const boost::asio::ip::address& address, std::uint16_t port,
-      SnapshotContent content);
+      boost::asio::io_context& io, const boost::asio::ip::address& address, std::uint16_t port, SnapshotContent content,
+      ServesAt serves_at = {});
   SnapshotServer(const SnapshotServer&) = delete;
   SnapshotServer& operator=(const SnapshotServer&) = delete;
   ~SnapshotServer();

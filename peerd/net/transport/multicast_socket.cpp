@@ -138,8 +138,7 @@ std::expected<void, NetError> MulticastSocket::add_socket() {
   if (!choose_port) {
     if (auto good = share_port(socket.native_handle()); !good) return good;
   }
-  if (auto good = bind_udp(socket, choose_port ? 0 : groups.port, "choose another port for all peers"); !good)
-    return good;
+  if (auto good = bind_udp(socket, choose_port ? 0 : groups.port, options_.if_port_is_taken); !good) return good;
   if (choose_port) {
     groups.port = socket.local_endpoint().port();
     if (auto good = share_port(socket.native_handle()); !good) return good;
@@ -166,18 +165,25 @@ std::expected<void, NetError> MulticastSocket::configure(int fd) const {
   return {};
 }
 
-// Asks the routing table now whether a datagram would leave, so that not every send fails later. Connecting a UDP
-// socket sends nothing; the probe is a socket of its own, because a connected socket receives from its peer only.
-std::expected<void, NetError> MulticastSocket::probe_route() {
+// Asks the routing table from which address a datagram would leave. Connecting a UDP socket sends nothing; the probe is
+// a socket of its own, because a connected socket receives from its peer only.
+int MulticastSocket::find_own_address() {
   error_code ec;
   udp::socket probe(io_);
   probe.open(options_.groups.base.is_v4() ? udp::v4() : udp::v6(), ec);
+  if (ec) return ec.value();
   close_on_exec(probe);
-  if (ec) return failure(NetError::Kind::kOther, "cannot open a UDP socket: " + ec.message());
-  const int error = send_over_our_interface(probe.native_handle());
-  if (!error) probe.connect(on_our_interface(udp::endpoint(options_.groups.base, options_.groups.port)), ec);
-  if (!error && !ec) own_address_ = probe.local_endpoint(ec).address();
-  const int reason = error ? error : ec.value();
+  if (const int error = send_over_our_interface(probe.native_handle())) return error;
+  probe.connect(on_our_interface(udp::endpoint(options_.groups.base, options_.groups.port)), ec);
+  if (ec) return ec.value();
+  const auto own = probe.local_endpoint(ec).address();
+  if (!ec) own_address_ = own;
+  return ec.value();
+}
+
+// Now, so that not every send fails later.
+std::expected<void, NetError> MulticastSocket::probe_route() {
+  const int reason = find_own_address();
   if (reason == 0) return {};
   const std::string where =
       "cannot multicast to " + options_.groups.base.to_string() + " over \"" + chosen_.interface.name + "\"";
@@ -269,22 +275,61 @@ void MulticastSocket::follow_world(std::uint32_t group_offset) {
 }
 
 std::optional<InterfaceChange> MulticastSocket::follow_interface() {
+  if (auto change = leave_loopback()) return change;
   const std::string name = "interface \"" + chosen_.interface.name + '"';
-  const unsigned interface = if_nametoindex(chosen_.interface.name.c_str());
-  if (interface == chosen_.interface.index && !interface_gone_) return std::nullopt;
-  const int error = interface == 0 ? ENODEV : switch_to(interface);
+  const auto index = index_of(chosen_.interface.name);
+  if (!index) return say_unseen(index.error());
+  interface_unseen_ = false;
+  if (*index == chosen_.interface.index && !interface_gone_) {
+    (void)find_own_address();  // where there is none at present, the last one stays
+    return std::nullopt;
+  }
+  Interface anew = chosen_.interface;
+  anew.index = *index;
+  const int error = *index == 0 ? ENODEV : switch_to(anew);
   const bool was_gone = std::exchange(interface_gone_, error != 0);
   if (error == 0) return InterfaceChange{true, name + " is another one by now: goes on over that"};
   if (was_gone) return std::nullopt;
   return InterfaceChange{false, name + " is gone (" + text_of(error) + "): nothing is sent or heard until it is back"};
 }
 
+// Asking takes a descriptor: a process that has none left learns nothing of its interface, which may be there.
+std::optional<InterfaceChange> MulticastSocket::say_unseen(int error) {
+  if (std::exchange(interface_unseen_, true)) return std::nullopt;
+  return InterfaceChange{false,
+                         "cannot ask the system for interface \"" + chosen_.interface.name + "\": " + text_of(error)};
+}
+
+// A peer that was started before the network is on lo, which reaches nobody else. Nobody has named an interface: it
+// goes over to the one that it would begin with now.
+std::optional<InterfaceChange> MulticastSocket::leave_loopback() {
+  if (!options_.interface.empty() || !chosen_.interface.loopback) return std::nullopt;
+  const auto interfaces = list_interfaces();
+  if (!interfaces) return std::nullopt;
+  auto chosen = choose_interface(*interfaces, {}, family_of(options_.groups));
+  if (!chosen) return std::nullopt;
+  if (chosen->interface.loopback) {
+    chosen_.why = std::move(chosen->why);  // for another reason than before, perhaps
+    return std::nullopt;
+  }
+  const int error = switch_to(chosen->interface);
+  chosen_ = *std::move(chosen);
+  interface_gone_ = error != 0;
+  if (error == 0) return InterfaceChange{true, "the network is there by now: goes over from lo to " + chosen_.why};
+  return InterfaceChange{false, "cannot go over from lo to " + chosen_.why + ": " + text_of(error)};
+}
+
+std::string MulticastSocket::why_only_here() const {
+  return options_.interface.empty() && chosen_.interface.loopback ? chosen_.why : "";
+}
+
 bool MulticastSocket::interface_was_replaced() const {
-  return if_nametoindex(chosen_.interface.name.c_str()) != chosen_.interface.index;
+  const auto index = index_of(chosen_.interface.name);
+  return index && *index != chosen_.interface.index;
 }
 
 // The memberships vanished with the old interface, but the sockets count them until they leave the groups.
-int MulticastSocket::switch_to(unsigned interface) {
+int MulticastSocket::switch_to(const Interface& interface) {
   const auto change_all = [this](bool join) {
     int error = 0;
     for (const auto& [number, membership] : memberships_) {
@@ -294,12 +339,16 @@ int MulticastSocket::switch_to(unsigned interface) {
     return error;
   };
   (void)change_all(false);  // fails for groups that were joined while the interface was gone
-  chosen_.interface.index = interface;
+  chosen_.interface = interface;
   if (const int error = sender_ ? send_over_our_interface(sender_->native_handle()) : 0) return error;
   for (const auto& socket : sockets_) {
-    if (const int error = send_over_our_interface(socket->receiver.socket().native_handle())) return error;
+    const int fd = socket->receiver.socket().native_handle();
+    if (const int error = send_over_our_interface(fd)) return error;
+    if (sender_ && !filter_own_datagrams(fd)) return EIO;
   }
-  return change_all(true);
+  const int error = change_all(true);
+  if (error == 0) (void)find_own_address();
+  return error;
 }
 
 // Sets the interface by its index, as change_membership() does: addresses change, and an interface may have none.

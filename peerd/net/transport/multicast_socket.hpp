@@ -27,7 +27,8 @@ struct MulticastOptions {
   int ttl = 1;                             // hops, 0 to 255. 0: this computer only; 1: this LAN
   int dscp = 0;                            // 0 to 63: the priority for routers and wireless links
   int receive_buffer_bytes = 1024 * 1024;  // requested of the kernel, which may grant less (net.core.rmem_max)
-  bool any_port = false;                   // the system chooses the port in place of the plan's, for a probe
+  std::string if_port_is_taken = "choose another port for all peers";  // advice
+  bool any_port = false;  // the system chooses the port in place of the plan's, for a probe
   // Whether own datagrams to a joined group come back. If not, they leave from a port of their own, by which a filter
   // in the kernel drops them before they wake the process.
   bool receives_own_datagrams = true;
@@ -55,6 +56,7 @@ class MulticastSocket final : public Transport {
   [[nodiscard]] std::size_t joined_count() const override { return joined_.size(); }
   [[nodiscard]] int receive_buffer_bytes() const override;
   [[nodiscard]] asio::ip::address own_address() const override { return own_address_; }
+  [[nodiscard]] std::string why_only_here() const override;
   [[nodiscard]] std::string describe() const override;
   [[nodiscard]] const ChosenInterface& chosen_interface() const { return chosen_; }
   // The groups of regions are from now on those of another world (GroupPlan::offset). No region but that of the whole
@@ -86,13 +88,16 @@ class MulticastSocket final : public Transport {
   std::expected<void, NetError> filter_own_datagrams(int fd) const;
   std::expected<void, NetError> configure(int fd) const;
   std::expected<void, NetError> probe_route();
+  [[nodiscard]] int find_own_address();  // 0, or an errno
 
   [[nodiscard]] int send_over_our_interface(int fd) const;  // 0, or an errno
   [[nodiscard]] int change_membership(Socket& socket, bool join,
                                       const asio::ip::address& group);  // 0, or an errno
   std::expected<Socket*, NetError> add_membership(RegionId region, const asio::ip::address& group);
   [[nodiscard]] bool interface_was_replaced() const;
-  [[nodiscard]] int switch_to(unsigned interface);  // 0, or an errno
+  [[nodiscard]] int switch_to(const Interface& interface);  // 0, or an errno
+  [[nodiscard]] std::optional<InterfaceChange> leave_loopback();
+  [[nodiscard]] std::optional<InterfaceChange> say_unseen(int error);
   [[nodiscard]] NetError join_error(RegionId region, int error) const;
   [[nodiscard]] asio::ip::udp::endpoint on_our_interface(const asio::ip::udp::endpoint& group) const;
 
@@ -102,7 +107,8 @@ class MulticastSocket final : public Transport {
   asio::io_context& io_;
   MulticastOptions options_;
   ChosenInterface chosen_;
-  bool interface_gone_ = false;  // as last reported
+  bool interface_gone_ = false;    // as last reported
+  bool interface_unseen_ = false;  // the system does not say whether it is there; as last reported
   asio::ip::address own_address_;
   TrafficCounters counters_;
   Reading reading_;

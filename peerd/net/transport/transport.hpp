@@ -65,16 +65,19 @@ class Transport {
   virtual void flush() = 0;
 
   // Switches to an interface that was deleted and made anew under its old name (a VPN, a container's network), which
-  // the kernel regards as another one. Returns each change once. It asks the system, so it is to be called about once a
-  // second.
+  // the kernel regards as another one; and, where none was named and this computer could reach no other, to one that
+  // has come since and does. Returns each change once. It asks the system, so it is to be called about once a second.
   [[nodiscard]] virtual std::optional<InterfaceChange> follow_interface() = 0;
 
   [[nodiscard]] virtual const TrafficCounters& counters() const = 0;
   [[nodiscard]] virtual std::size_t joined_count() const = 0;  // regions
   // The receive buffer that the kernel grants to each socket [bytes].
   [[nodiscard]] virtual int receive_buffer_bytes() const = 0;
-  // The source address of own datagrams; the unspecified address of its family where it depends on the destination.
+  // The source address of own datagrams as of the last follow_interface(); the unspecified address of its family where
+  // it depends on the destination.
   [[nodiscard]] virtual asio::ip::address own_address() const = 0;
+  // Why this computer alone is reached, though nobody has asked for that; empty: others are, or somebody has.
+  [[nodiscard]] virtual std::string why_only_here() const { return {}; }
   // For the log: "group 239.192.80.0 port 47474 over lo, as configured".
   [[nodiscard]] virtual std::string describe() const = 0;
 };

@@ -1,6 +1,11 @@
 #include "peerd/net/transport/transport_options.hpp"
 
+#include <chrono>
+#include <thread>
+
 #include <spdlog/fmt/fmt.h>
+
+#include "peerd/net/os/interfaces.hpp"
 
 namespace peerd::net {
 namespace {
@@ -34,6 +39,21 @@ Result<TransportOptions> transport_options(const TransportSettings& settings, co
   options.relays = settings.relays;
   options.key = key;
   return options;
+}
+
+bool takes_ipv6(TransportSettings& settings, Duration patience) {
+  const bool reaches_by_group = settings.multicast != kMulticastNever && settings.relays.empty() &&
+                                settings.peers.empty() && settings.nats.servers.empty();
+  if (settings.group != TransportSettings{}.group || !reaches_by_group) return false;
+  constexpr std::chrono::milliseconds kStep{100};
+  for (Duration waited{0};; waited += kStep) {
+    const auto interfaces = list_interfaces();
+    if (!interfaces || !has_ipv6_alone(*interfaces, settings.interface)) return false;
+    if (waited >= patience) break;
+    std::this_thread::sleep_for(kStep);
+  }
+  settings.group = kIpv6Group;
+  return true;
 }
 
 std::string buffer_warning(const TransportSettings& settings, int granted_bytes) {

@@ -1,12 +1,20 @@
 #pragma once
+#include "core/time.hpp"
 #include "peerd/input/input_error.hpp"
 #include "peerd/net/settings/transport_settings.hpp"
 #include "peerd/net/transport/open_transport.hpp"
 
 namespace peerd::net {
 
+// The group of region 0 where only IPv6 is to be had, and nobody has chosen another.
+inline constexpr const char* kIpv6Group = "ff15::50:0";
+
 // The options of the configuration's table [transport]; `key` is TransportOptions::key.
 [[nodiscard]] Result<TransportOptions> transport_options(const TransportSettings& settings, const SipKey& key);
+
+// Where only IPv6 is to be had, and nobody has chosen a group, nor other ways than multicast, the settings get the IPv6
+// group, and the result is true. For so long it looks again whether IPv4 comes, whose lease takes longer after a start.
+[[nodiscard]] bool takes_ipv6(TransportSettings& settings, Duration patience);
 
 // The warning that the kernel grants a smaller receive buffer than requested, with advice; empty where it does not.
 [[nodiscard]] std::string buffer_warning(const TransportSettings& settings, int granted_bytes);

@@ -83,10 +83,10 @@ std::string UnicastFanOut::describe() const {
 // The routing table decides about outgoing datagrams; incoming ones are selected by the interface's index.
 std::optional<InterfaceChange> UnicastFanOut::follow_interface() {
   if (!only_over_) return std::nullopt;
-  const unsigned interface = if_nametoindex(options_.interface.c_str());
-  if (std::exchange(*only_over_, interface) == interface) return std::nullopt;
+  const auto index = index_of(options_.interface);
+  if (!index || std::exchange(*only_over_, *index) == *index) return std::nullopt;
   const std::string name = "interface \"" + options_.interface + '"';
-  if (interface != 0) return InterfaceChange{true, name + " is another one by now: goes on over that"};
+  if (*index != 0) return InterfaceChange{true, name + " is another one by now: goes on over that"};
   return InterfaceChange{false, name + " is gone: nothing that comes over it is heard until it is back"};
 }
 

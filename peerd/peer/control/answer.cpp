@@ -74,7 +74,7 @@ void add_objects(ordered_json& reply, const PeerNode& node, HostTime now, const 
   }
 }
 
-ordered_json status(PeerNode& node, HostTime now, const MoreCounters& more) {
+ordered_json status(PeerNode& node, HostTime now, const AskMore& more) {
   const replication::Peer& peer = node.peer();
   const auto& clock = peer.clock();
   const auto since = [&](std::optional<SimTime> begin) -> ordered_json {
@@ -108,6 +108,8 @@ ordered_json status(PeerNode& node, HostTime now, const MoreCounters& more) {
   for (const AwaitedPeer& missing : node.missing()) {
     reply["waits_for"].push_back({{"id", missing.id.value}, {"name", missing.name}});
   }
+  const More known = more ? more() : More{};
+  reply["troubles"] = known.troubles;
   reply["members"] = ordered_json::array();
   for (const auto& [id, member] : peer.members().all()) {
     reply["members"].push_back({{"id", id.value}, {"name", member.name}, {"joined", member.synchronised}});
@@ -121,7 +123,7 @@ ordered_json status(PeerNode& node, HostTime now, const MoreCounters& more) {
   }
   add_objects(reply, node, now, {}, /*own=*/true);
   reply["counters"] = node.log().counters;
-  if (more) reply["counters"].update(ordered_json(more()));
+  reply["counters"].update(ordered_json(known.counters));
   return reply;
 }
 
@@ -334,7 +336,7 @@ std::string refusal(const std::string& sentence) {
   return line_of({{"v", feed::kMessageVersion}, {"ok", false}, {"error", sentence}});
 }
 
-Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host_minus_wall, const MoreCounters& more) {
+Answer answer(PeerNode& node, HostTime now, std::string_view line, Duration host_minus_wall, const AskMore& more) {
   const auto request = parse_request(line);
   if (!request) return {refusal(request.error())};
   if (const auto* key = std::get_if<KeyRequest>(&*request)) {

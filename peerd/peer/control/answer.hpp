@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "peerd/peer/control/event_kind.hpp"
 #include "peerd/peer/node/peer_node.hpp"
@@ -18,13 +19,18 @@ struct Answer {
   bool viewer = false;                    // the request asks where the peer's page is, which its driver knows
 };
 
-using MoreCounters = std::function<std::map<std::string, std::uint64_t>()>;
+// What the driver of a peer knows of it besides.
+struct More {
+  std::map<std::string, std::uint64_t> counters;
+  std::vector<std::string> troubles{};  // what keeps it from the others, in sentences
+};
+using AskMore = std::function<More()>;
 
 // Executes one line of the control protocol at the peer. The caller drains the node's outputs afterwards. Unix time +
-// `host_minus_wall` is the time of this host, for poses that name their time. The counters of "status" have those of
-// `more`, too, by name; null: there are none.
+// `host_minus_wall` is the time of this host, for poses that name their time. "status" says what `more` knows, too;
+// null: nothing.
 [[nodiscard]] Answer answer(PeerNode& node, HostTime now, std::string_view request,
-                            Duration host_minus_wall = Duration{0}, const MoreCounters& more = nullptr);
+                            Duration host_minus_wall = Duration{0}, const AskMore& more = nullptr);
 
 // A reply that says that a request was executed.
 [[nodiscard]] std::string done_reply();

@@ -78,4 +78,10 @@ Result<fs::path> find_socket(const std::string& peer) {
   return std::unexpected(InputError{"error: no peer " + peer + " listens; there are " + all, kSystemFailed});
 }
 
+std::vector<fs::path> all_sockets() {
+  std::vector<fs::path> all;
+  for (const std::string& name : listening()) all.push_back(socket_of(name));
+  return all;
+}
+
 }  // namespace peerd::control

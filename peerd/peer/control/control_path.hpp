@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "peerd/input/input_error.hpp"
 
@@ -20,5 +21,8 @@ namespace peerd::control {
 // Finds the socket for `peerd ctl` without --control: that of the named peer or, with an empty name, of the only peer
 // that listens. The error, with exit code 3 where none does, names the peers that are there.
 [[nodiscard]] Result<std::filesystem::path> find_socket(const std::string& peer);
+
+// The sockets of all peers of this user that listen there, by their names.
+[[nodiscard]] std::vector<std::filesystem::path> all_sockets();
 
 }  // namespace peerd::control

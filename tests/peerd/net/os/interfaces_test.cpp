@@ -136,4 +136,27 @@ TEST(ListInterfaces, FindsLo) {
   EXPECT_TRUE(std::ranges::is_sorted(here, {}, &Interface::index));
 }
 
+Interface by_ipv6(const char* name, unsigned index, bool wide) {
+  return changed(card(name, index), [&](Interface& i) {
+    i.has_ipv4 = false;
+    i.has_wide_ipv6 = wide;
+  });
+}
+
+TEST(Ipv6, IsTakenWhereThereIsNothingElse) {
+  EXPECT_TRUE(has_ipv6_alone({lo(), by_ipv6("eth0", 2, true)}, ""));
+  EXPECT_TRUE(has_ipv6_alone({lo(), by_ipv6("eth0", 2, true), card("eth1", 3)}, "eth0"));
+  EXPECT_FALSE(has_ipv6_alone({lo(), by_ipv6("eth0", 2, true), card("eth1", 3)}, ""));
+  EXPECT_FALSE(has_ipv6_alone({lo(), by_ipv6("eth0", 2, false)}, "")) << "it may get an IPv4 address any moment";
+  EXPECT_FALSE(has_ipv6_alone({lo()}, ""));
+  EXPECT_FALSE(has_ipv6_alone({lo(), by_ipv6("eth0", 2, true)}, "lo"));
+}
+
+TEST(Ipv6, IsNamedWhereIpv4WasWantedAndIsNotThere) {
+  const std::vector<Interface> here{lo(), by_ipv6("eth0", 2, false)};
+  EXPECT_THAT(error_of(choose_interface(here, "eth0", IpFamily::kV4)),
+              IsError(NetError::Kind::kNoMulticast, HasSubstr("say --ipv6, or an IPv6 group (--group ff15::50:0)")));
+  EXPECT_THAT(must(choose_interface(here, "", IpFamily::kV4)).why, HasSubstr("eth0 can over IPv6: say --ipv6"));
+}
+
 }  // namespace peerd::net::interfaces_test

@@ -31,7 +31,7 @@ struct Replies {
     peer.make();
     peer.run(1);
     status = json::parse(control::answer(*peer.node, peer.now, R"({"do":"status"})", Duration{0}, [] {
-                           return GatewayCounters().named();
+                           return control::More{GatewayCounters().named()};
                          }).line);
     peers = json::parse(control::answer(*peer.node, peer.now, R"({"do":"peers"})").line);
   }

@@ -56,7 +56,7 @@ class ServedPeer {
                                             .log = log}));
     port_ = gateway_->endpoint().port();
     daemon_->publish_to(*gateway_);
-    daemon_->count_in_status([this] { return gateway_->counters().named(); });
+    daemon_->add_to_status([this] { return control::More{gateway_->counters().named()}; });
     thread_ = std::thread([this] { exit_code_ = daemon_->run(); });
   }
   ServedPeer(const ServedPeer&) = delete;
@@ -87,7 +87,7 @@ class ServedPeer {
     return in_its_thread([&] {
       const auto own = node_->log().counters;
       if (own.contains(name)) return own.at(name);
-      const auto more = daemon_->counters_of_status();
+      const auto more = daemon_->more_status().counters;
       return more.contains(name) ? more.at(name) : std::uint64_t{0};
     });
   }

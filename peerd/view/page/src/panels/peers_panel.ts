@@ -28,6 +28,7 @@ export class PeersPanel implements Panel {
       this.element,
       this.ownCard(status, reply),
       waits !== '' && make('p', { class: 'note warn' }, `Nothing moves before ${waits} has come.`),
+      ...(status.troubles ?? []).map((trouble) => make('p', { class: 'note warn' }, `This peer ${trouble}.`)),
       ...(reply?.peers ?? []).map((peer) => this.cardOf(peer)),
       (reply?.peers.length ?? 0) === 0 && make('p', { class: 'note' }, 'No other peer is here.'),
     );
