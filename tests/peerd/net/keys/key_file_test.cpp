@@ -82,7 +82,7 @@ TEST_F(KeyFiles, AreWhatIsSaidElseAmongThisUsersSettings) {
   EXPECT_EQ(default_key_file("a/b"), fs::path("/c/peerd/keys/a%2Fb.key")) << "a_b has another one";
   EXPECT_EQ(default_key_file("a%2Fb"), fs::path("/c/peerd/keys/a%252Fb.key"));
   EXPECT_EQ(default_key_file("100%"), fs::path("/c/peerd/keys/100%.key"));
-  EXPECT_EQ(chosen_key_file("", "a/b").value(), fs::path("/c/peerd/keys/a_b.key"));
+  EXPECT_EQ(chosen_key_file("", "a/b").value(), fs::path("/c/peerd/keys/a%2Fb.key"));
   EXPECT_EQ(chosen_key_file("said.key", "a/b").value(), fs::path("said.key"));
   unsetenv("XDG_CONFIG_HOME");
 }
