@@ -22,8 +22,14 @@ bool SessionKeeper::check_suspension(HostTime now) {
   assert(*gap > SessionTime::kSuspendedAfter);
   if (!in_session) return true;
   p_.greeter.greet_anew(now);
-  p_.counters.ticks_missed += static_cast<std::uint64_t>(*gap * p_.config.tick_hz / std::chrono::seconds(1));
-  p_.outbox.push(HostSuspended{*gap});
+  // Datagrams that the kernel had kept of the beginning of the stop have been read already: by them time went on, and
+  // ticks did not. It is one stop.
+  const SimTime reached = p_.to_session(now), ticked = p_.ticks.last_time();
+  const Duration unticked = reached - ticked > SessionTime::kSuspendedAfter ? reached - ticked : Duration{0};
+  if (unticked > Duration{0}) move_to_session_time(ticked, reached, true);
+  const Duration stopped = *gap + unticked;
+  p_.counters.ticks_missed += static_cast<std::uint64_t>(stopped * p_.config.tick_hz / std::chrono::seconds(1));
+  p_.outbox.push(HostSuspended{stopped});
   return true;
 }
 

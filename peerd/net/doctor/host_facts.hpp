@@ -24,6 +24,7 @@ struct Link {
   bool up = false, has_carrier = false, loopback = false, multicast = false;
   bool other_end_elsewhere = false;  // its other end is in another network namespace: a container's
   bool wireless = false;
+  bool strict_sources = false;  // drops what comes from where this computer would not answer over it (rp_filter)
   // Of a bridge: whether it forwards a group only to ports that have asked for it, and whether it asks them itself.
   bool snooping = false, querier = false;
   bool querier_elsewhere = false;  // it hears another one ask
@@ -55,6 +56,7 @@ struct HostFacts {
   std::optional<std::size_t> memberships_max;  // groups of one IPv4 socket; none: unknown
   std::optional<std::size_t> optmem_bytes;     // net.core.optmem_max, which limits IPv6 groups; none: unknown
   std::optional<Duration> clock_error;         // the bound that the kernel knows; none: nothing steers the clock
+  std::size_t dropped_by_source = 0;           // datagrams and others that rp_filter has dropped, of all interfaces
   std::string container;                       // "docker", "podman", "systemd-nspawn"; empty: none
   Firewall firewall;
   OtherPorts taken;  // the ports that another program keeps from a peer; 0: none

@@ -40,6 +40,16 @@ Finding snooping_of(const Link& bridge, bool is_used) {
       fmt::format("ip link set {0} type bridge mcast_querier 1, or mcast_snooping 0", bridge.name)};
 }
 
+// A sender of another subnet of the same network is one such source.
+Finding sources_of(const Link& link, std::size_t dropped) {
+  return {
+      "rp_filter", dropped > 0 ? Level::kWarning : Level::kHint,
+      fmt::format("{} drops multicast of peers whose subnet this computer would answer over another interface, or "
+                  "not at all (rp_filter is 1){}",
+                  link.name, dropped > 0 ? fmt::format("; {} packets have been dropped so", dropped) : ""),
+      fmt::format("where peers have addresses of several subnets: sysctl -w net.ipv4.conf.{}.rp_filter=2", link.name)};
+}
+
 }  // namespace
 
 std::vector<Finding> link_findings(const HostFacts& facts, const Examined& examined) {
@@ -47,6 +57,8 @@ std::vector<Finding> link_findings(const HostFacts& facts, const Examined& exami
   const auto used = links_used(facts, examined);
   for (const Link* link : used) {
     all.push_back(mtu_of(*link, examined.ipv6));
+    const bool by_ipv4_group = examined.transport == Examined::Transport::kMulticast && !examined.ipv6;
+    if (link->strict_sources && by_ipv4_group) all.push_back(sources_of(*link, facts.dropped_by_source));
     if (link->wireless && examined.transport == Examined::Transport::kMulticast) {
       all.push_back({"wireless", Level::kHint,
                      fmt::format("{} is wireless: access points send multicast slowly, and never again when it is lost",

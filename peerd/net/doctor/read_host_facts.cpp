@@ -3,10 +3,13 @@
 #include <ifaddrs.h>
 #include <netinet/in.h>
 
+#include <algorithm>
 #include <boost/asio/ip/tcp.hpp>
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <sstream>
+#include <string>
 #include <utility>
 
 #include "peerd/net/os/os_clock.hpp"
@@ -23,6 +26,31 @@ std::optional<std::size_t> number_in(const char* file) {
   std::size_t number = 0;
   if (!(std::ifstream(file) >> number)) return std::nullopt;
   return number;
+}
+
+// The greater one of the interface's setting and that of all counts (Documentation/networking/ip-sysctl.rst).
+bool drops_by_source(const std::string& interface) {
+  const std::string settings = "/proc/sys/net/ipv4/conf/";
+  const auto own = number_in((settings + interface + "/rp_filter").c_str());
+  const auto all = number_in((settings + "all/rp_filter").c_str());
+  return std::max(own.value_or(0), all.value_or(0)) == 1;
+}
+
+// A counter of /proc/net/netstat, which has a line of names and one of numbers for each group.
+std::size_t counter_of(const std::string& group, const std::string& name) {
+  std::ifstream file("/proc/thread-self/net/netstat");
+  std::string names, numbers;
+  while (std::getline(file, names) && std::getline(file, numbers)) {
+    std::istringstream of_names(names), of_numbers(numbers);
+    std::string each_name, each_number;
+    if (!(of_names >> each_name) || each_name != group) continue;
+    of_numbers >> each_number;  // the group again
+    std::size_t number = 0;
+    while (of_names >> each_name && of_numbers >> number) {
+      if (each_name == name) return number;
+    }
+  }
+  return 0;
 }
 
 // The files that container managers leave for programs inside. Where the kernel's own threads are among the processes,
@@ -96,6 +124,8 @@ std::expected<HostFacts, net::NetError> read_host_facts(const net::HostClock& cl
   auto links = read_links();
   if (!links) return std::unexpected(links.error());
   facts.links = *std::move(links);
+  for (Link& link : facts.links) link.strict_sources = drops_by_source(link.name);
+  facts.dropped_by_source = counter_of("TcpExt:", "IPReversePathFilter");
   for (const NamedPeer& peer : peers) facts.routes.push_back(route_to(peer));
   facts.memberships_max = number_in("/proc/sys/net/ipv4/igmp_max_memberships");
   facts.optmem_bytes = number_in("/proc/sys/net/core/optmem_max");

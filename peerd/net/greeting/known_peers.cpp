@@ -42,6 +42,7 @@ KnownPeers::Outcome KnownPeers::on_greeting(HostTime now, const udp::endpoint& f
   if (greeting.leaving) {
     if (known != peers_.end()) peers_.erase(known);
     introduced_.erase(from);
+    silent_.erase(from);
     return Outcome::kLeft;
   }
   const bool is_new = known == peers_.end();
@@ -53,6 +54,7 @@ KnownPeers::Outcome KnownPeers::on_greeting(HostTime now, const udp::endpoint& f
     known = peers_.end() - 1;
   }
   introduced_.erase(from);
+  silent_.erase(from);
   known->last_received = now;
   known->number = greeting.number;
   if (!greeting.reply) {  // a greeting that wants a reply is bare, and changes no regions
@@ -89,8 +91,23 @@ void KnownPeers::forget(HostTime now) {
   std::erase_if(peers_, [&](const Peer& peer) {
     if (now - peer.last_received <= options_.silence) return false;
     introduce(peer.at, now + options_.again);  // the peer that named it may have left by now
+    note_silent(now, peer.at);
     return true;
   });
+  for (auto& [at, silent] : silent_) {
+    if (now < silent.due) continue;
+    introduce(at, now + options_.introduction);
+    silent.due = now + options_.rarely;
+  }
+}
+
+// Nobody else may be left who names it, however long the network was away. Of too many, the one that has been silent
+// for the longest time is forgotten.
+void KnownPeers::note_silent(HostTime now, const udp::endpoint& at) {
+  if (silent_.size() >= options_.most && !silent_.contains(at)) {
+    silent_.erase(std::ranges::min_element(silent_, {}, [](const auto& each) { return each.second.since; }));
+  }
+  silent_[at] = {now, now + options_.again};
 }
 
 bool KnownPeers::wants(const Peer& peer, RegionId region) {

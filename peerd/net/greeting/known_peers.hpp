@@ -17,8 +17,8 @@ namespace peerd::net {
 // The addresses that unicast datagrams go to, and the candidates that are greeted. Sans-IO: no socket, no clock.
 //
 // A peer is known while it echoes the number of its address. Candidates are the configured addresses for as long as
-// they do not answer, addresses that a known peer names, for some rounds, and peers that have become silent, for some
-// minutes.
+// they do not answer, addresses that a known peer names, for some rounds, and peers that have become silent: for some
+// minutes in each round, and from time to time for as long as this one runs.
 class KnownPeers {
  public:
   struct Options {
@@ -27,6 +27,7 @@ class KnownPeers {
     Duration silence = std::chrono::seconds(5);       // a known peer that sends no greeting for so long is removed
     Duration introduction = std::chrono::seconds(3);  // an address that others name is greeted for so long
     Duration again = std::chrono::minutes(10);        // a peer that has become silent is greeted for so long
+    Duration rarely = std::chrono::minutes(1);        // then for `introduction` each time that this has passed
     Duration own = std::chrono::seconds(60);          // an address of this process is not greeted for so long
     Duration number = std::chrono::seconds(30);       // numbers are renewed so often, and the one before counts, too
     std::size_t most = 256;                           // limit of known peers, of introduced and of own addresses
@@ -73,6 +74,7 @@ class KnownPeers {
 
  private:
   [[nodiscard]] bool is_known(const asio::ip::udp::endpoint& at) const;
+  void note_silent(HostTime now, const asio::ip::udp::endpoint& at);
   void introduce(const asio::ip::udp::endpoint& at, HostTime until);
   void on_own(HostTime now, const asio::ip::udp::endpoint& from, const Greeting& greeting);
 
@@ -81,6 +83,10 @@ class KnownPeers {
   std::vector<Peer> peers_;
   std::map<asio::ip::udp::endpoint, HostTime> own_;         // candidates of this process, and until when
   std::map<asio::ip::udp::endpoint, HostTime> introduced_;  // addresses to greet, and until when
+  struct Silent {
+    HostTime since, due;  // when it is to be greeted again
+  };
+  std::map<asio::ip::udp::endpoint, Silent> silent_;  // peers that were known, and have not said that they leave
 };
 
 }  // namespace peerd::net

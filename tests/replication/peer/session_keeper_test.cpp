@@ -243,4 +243,21 @@ TEST_F(Keeping, AmongOthersASuspensionIsReportedAndTheyAreNotBlamed) {
   EXPECT_TRUE(p.greeter.is_due(host(15s)));
 }
 
+// Of a long stop the kernel has kept the first datagrams, which are read first: by them time goes on, and ticks do not.
+TEST_F(Keeping, AStopIsOneWhateverTheKernelHasKeptOfIt) {
+  found();
+  member_owns(7, {o2}, host(1s));
+  const SimTime ticked = p.ticks.last_time();
+  for (Duration t = 4s; t <= 13s; t += 3s) {
+    EXPECT_FALSE(keeper.check_suspension(host(t)));
+    p.members.find(PeerId{7})->last_received = host(t);
+  }
+  EXPECT_TRUE(keeper.check_suspension(host(601s)));
+  (void)keeper.maintain(host(601s));
+  (void)keeper.maintain(host(601s));
+  const auto suspended = drain<HostSuspended>(p.outbox);
+  ASSERT_EQ(suspended.size(), 1u);
+  EXPECT_EQ(suspended[0].gap, sim(601s) - ticked);
+}
+
 }  // namespace peerd::replication::session_keeper_test

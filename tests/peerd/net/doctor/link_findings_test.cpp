@@ -50,4 +50,22 @@ TEST(LinkFindings, AWirelessInterfaceIsAHint) {
   EXPECT_EQ(find(host_findings(facts_with({link}), multicast_over("wlan0")), "wireless").level, Level::kHint);
 }
 
+TEST(LinkFindings, AnInterfaceThatDropsOtherSubnetsIsNamed) {
+  Link link = ethernet("eth0", 2);
+  HostFacts facts = facts_with({link});
+  const auto has = [&](const Examined& examined) {
+    const auto findings = host_findings(facts, examined);
+    return std::ranges::find(findings, "rp_filter", &Finding::name) != findings.end();
+  };
+  EXPECT_FALSE(has(multicast_over("eth0")));
+  facts.links[1].strict_sources = true;
+  EXPECT_EQ(find(host_findings(facts, multicast_over("eth0")), "rp_filter").level, Level::kHint);
+  EXPECT_FALSE(has(unicast()));
+  facts.dropped_by_source = 3;
+  EXPECT_EQ(find(host_findings(facts, multicast_over("eth0")), "rp_filter").level, Level::kWarning);
+  Examined ipv6 = multicast_over("eth0");
+  ipv6.ipv6 = true;
+  EXPECT_FALSE(has(ipv6));
+}
+
 }  // namespace peerd::doctor::link_findings_test

@@ -250,7 +250,7 @@ TEST(KnownPeers, ABareGreetingDoesNotTakeBackWhatItsSenderWants) {
 }
 
 // Two peers have met through a third, which has left, and an outage lasts longer than the time until silence.
-TEST(KnownPeers, WhoFellSilentIsGreetedForTenMinutes) {
+TEST(KnownPeers, WhoFellSilentIsGreetedForTenMinutesAndRarelyThen) {
   KnownPeers known({.key = kKey});
   echoed(known, HostTime{1s}, kC, from(3, {}, {kA}));
   echoed(known, HostTime{1s}, kA, from(2));
@@ -264,7 +264,16 @@ TEST(KnownPeers, WhoFellSilentIsGreetedForTenMinutes) {
   echoed(known, HostTime{12s}, kC, {.instance = 4, .leaving = true});
   known.forget(HostTime{607s});
   EXPECT_THAT(known.candidates(), ElementsAre(kA));
-  known.forget(HostTime{607s + 1ns});
+  known.forget(HostTime{611s});
+  EXPECT_THAT(known.candidates(), IsEmpty());
+  for (const Duration outage : {Duration(700s), Duration(24h)}) {
+    known.forget(HostTime{outage});
+    EXPECT_THAT(known.candidates(), ElementsAre(kA)) << "nobody else is left who names it";
+    known.forget(HostTime{outage + 4s});
+    EXPECT_THAT(known.candidates(), IsEmpty()) << "for a few rounds";
+  }
+  echoed(known, HostTime{25h}, kA, {.instance = 2, .leaving = true});
+  known.forget(HostTime{48h});
   EXPECT_THAT(known.candidates(), IsEmpty());
 }
 

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 
 #include <algorithm>
@@ -379,6 +380,22 @@ TEST_F(MulticastSocketTest, TheTimeIsThatOfComingNotOfReading) {
   EXPECT_LE(b.at[0], sent + ArrivalClock::kRounding) << "lo hands it on before send returns";
   EXPECT_LT(b.at[0], read);
   EXPECT_EQ(b.socket->counters().in_unstamped + b.socket->counters().in_stamp_refused, 0u);
+}
+
+// Asking for an interface takes a descriptor.
+TEST_F(MulticastSocketTest, ALackOfDescriptorsIsNoLackOfAnInterface) {
+  Listener a(io, options(0));
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  rlimit none = before;
+  none.rlim_cur = 3;
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
+  const auto change = a.socket->follow_interface(), again = a.socket->follow_interface();
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
+  ASSERT_TRUE(change);
+  EXPECT_THAT(change->sentence, testing::AllOf(HasSubstr("cannot ask the system"), Not(HasSubstr("gone"))));
+  EXPECT_FALSE(again) << "is said once";
+  EXPECT_FALSE(a.socket->follow_interface()) << "it is there as before";
 }
 
 TEST_F(MulticastSocketTest, APortThatIsNotSharedIsRefused) {

@@ -91,7 +91,7 @@ TEST_F(Describe, TroublesOfTheWorldAreWarnings) {
   EXPECT_EQ(line(PeerLost{PeerId{2}, "b", false}), "2 peer b (id 2) is lost: it has gone silent");
   EXPECT_EQ(line(ObjectOrphaned{a, PeerId{2}}), "2 A stands still: its owner, peer 2, is gone");
   EXPECT_EQ(line(ClockStepped{2ms, 1ms, true}),
-            "2 back in the session: the session clock stepped forward by 1.000 ms, offset 2.000 ms");
+            "1 back in the session: the session clock stepped forward by 1.000 ms, offset 2.000 ms");
   EXPECT_EQ(line(ClockStepped{2ms, 1ms, false}),
             "2 two sessions have met: the session clock stepped forward by 1.000 ms, offset 2.000 ms");
   EXPECT_EQ(line(BodiesOverlap{SimTime{}, a, b}), "2 A and B overlap from the start");
