@@ -52,7 +52,7 @@ class SparseTable {
     assert(contains(number));
     return entry_of(number)->slot;
   }
-  // Of a slot in which an item is.
+  // The number of the item in that slot; there is one.
   [[nodiscard]] std::uint32_t number_in(std::size_t slot) const { return numbers_[entries_[slot].place]; }
 
   // Puts an item where none is.

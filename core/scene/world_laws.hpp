@@ -4,7 +4,7 @@
 
 namespace peerd {
 
-// What a world's file says of all objects that physics moves.
+// The laws that a world's file gives to all objects that physics moves.
 struct WorldLaws {
   Vec3 gravity = Vec3::Zero();    // [m/s^2], world frame
   double return_below = -3.4e38;  // [m], y in the world frame: what falls below it begins anew

@@ -18,7 +18,7 @@ using discovery::Found;
 namespace {
 
 constexpr const char* kLoopback = "lo";
-// Who is on this computer answers at once.
+// A peer on this computer answers at once.
 constexpr Duration kLoopbackAnswers = std::chrono::milliseconds(300);
 
 // The peers that answer on that interface.
@@ -70,7 +70,7 @@ Result<WorldsHere> worlds_here(net::TransportSettings settings, Duration time) {
 
 namespace {
 
-// As --from takes it.
+// The address that --from takes.
 std::string join_address_of(const Found& peer) {
   const std::string address = peer.address.to_string();
   if (peer.beacon.snapshot_port == 0) return address + ", which gives its world to nobody";

@@ -60,7 +60,7 @@ bool needs_begun_peer(std::string_view line) {
                      std::holds_alternative<control::PoseRequest>(*request));
 }
 
-// Who has had a signal ignored for this process (nohup) means it.
+// A signal that is ignored from the start (nohup) stays so.
 bool is_ignored(int signal) {
   struct sigaction now {};
   return sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;

@@ -107,7 +107,7 @@ class Daemon {
 
   // The time of an input that the peer gets now.
   [[nodiscard]] HostTime now() { return forward_(clock_.now()); }
-  // What "status" has beside what the peer itself knows.
+  // The part of "status" that the peer itself does not know.
   [[nodiscard]] control::More more_status() const;
 
   // Counts the datagrams that arrived before an input that the peer had got already.

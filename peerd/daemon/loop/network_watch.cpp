@@ -15,7 +15,7 @@ constexpr Duration kOthersAreHeardWithin = std::chrono::milliseconds(2700);
 
 NetworkWatch::NetworkWatch(boost::asio::io_context& io, Parts parts)
     : parts_(std::move(parts)), timer_(io), opened_at_(parts_.clock.now()), followed_at_(opened_at_) {
-  // Who has opened the transport has said that one.
+  // The opening of the transport has said that one.
   if (const std::string here = only_here(parts_.transport.why_only_here()); !here.empty()) said_.note(opened_at_, here);
   look();
 }

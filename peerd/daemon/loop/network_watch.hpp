@@ -27,10 +27,10 @@ class NetworkWatch {
     std::string provider;       // that gave the world by TCP, so that others are here; empty: nobody has
     std::function<void(const LogLine&)> log;
   };
-  // What the parts refer to outlives it. It watches from now on.
+  // Watches from now on. The objects that `parts` refers to outlive it.
   NetworkWatch(boost::asio::io_context& io, Parts parts);
 
-  // What keeps the peer from the others at present.
+  // The reasons, in words, why others are out of reach now.
   [[nodiscard]] const std::vector<std::string>& troubles() const { return troubles_; }
 
  private:

@@ -6,6 +6,7 @@
 #include <cassert>
 #include <iterator>
 #include <map>
+#include <string_view>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
@@ -56,21 +57,24 @@ void begin_before_stamps(const StoreOptions& options, replication::Author fresh,
                                to_seconds(ahead))});
 }
 
-// Why nothing can be written where the folder is, or would be; empty: for no reason that concerns all of its disk.
-std::string why_unwritable(std::filesystem::path folder) {
+enum class Disk { kWritable, kReadOnly, kFull };
+
+// Of the disk where the folder is, or would be; writable where nothing is known of it.
+Disk disk_of(std::filesystem::path folder) {
   std::error_code failed;
   folder = std::filesystem::absolute(folder, failed);
   while (!std::filesystem::exists(folder, failed) && folder.has_relative_path()) folder = folder.parent_path();
   struct statvfs disk {};
-  if (statvfs(folder.c_str(), &disk) != 0) return "";
-  if ((disk.f_flag & ST_RDONLY) != 0) return "its file system is read-only";
-  return disk.f_bavail == 0 ? "its disk is full" : "";
+  if (statvfs(folder.c_str(), &disk) != 0) return Disk::kWritable;
+  if ((disk.f_flag & ST_RDONLY) != 0) return Disk::kReadOnly;
+  return disk.f_bavail == 0 ? Disk::kFull : Disk::kWritable;
 }
 
 // A store that can't be written: the peer begins with what it has, if there is one, and keeps nothing of what comes. It
 // writes in no log of the store, which it could contradict in its next life.
-Result<OpenedStore> open_unwritable(const std::filesystem::path& folder, std::uint64_t genesis,
-                                    const std::string& why) {
+Result<OpenedStore> open_unwritable(const std::filesystem::path& folder, std::uint64_t genesis, Disk disk) {
+  assert(disk != Disk::kWritable);
+  const std::string_view why = disk == Disk::kFull ? "its disk is full" : "its file system is read-only";
   OpenedStore opened;
   if (!store::OperationStore::exists(folder)) {
     opened.lines.push_back(
@@ -104,10 +108,12 @@ Result<OpenedStore> open_store(const StoreOptions& options, std::uint64_t genesi
   if (!folder || folder->empty()) return opened;
   auto lock = lock_store(options, *folder, by_default, opened.lines);
   const std::filesystem::path at = lock ? lock->folder() : *folder;
+  const Disk disk = disk_of(at);
+  if (disk == Disk::kReadOnly) return open_unwritable(at, genesis, disk);
   const replication::Author fresh = seal::fresh_author(identity.public_key());
   auto store = lock ? store::OperationStore::open(*std::move(lock), genesis, fresh) : std::unexpected(lock.error());
-  if (!store && store.error().exit_code == kSystemFailed) {
-    if (const std::string why = why_unwritable(at); !why.empty()) return open_unwritable(at, genesis, why);
+  if (!store && store.error().exit_code == kSystemFailed && disk == Disk::kFull) {
+    return open_unwritable(at, genesis, disk);
   }
   if (!store && by_default && !store::OperationStore::exists(at)) {
     opened.lines.push_back({LogLevel::kWarning, "runs without a store: " + store.error().text});

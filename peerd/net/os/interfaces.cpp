@@ -64,7 +64,7 @@ std::string advice(const std::vector<Interface>& interfaces, IpFamily family) {
 
 constexpr const char* kSayIpv6 = "say --ipv6, or an IPv6 group (--group ff15::50:0)";
 
-// What IPv6 offers where IPv4 is wanted and is not to be had; empty: nothing.
+// The advice to take IPv6 where IPv4 is wanted and not to be had; else empty.
 std::string ipv6_instead(const std::vector<Interface>& interfaces, IpFamily family) {
   if (family == IpFamily::kV6) return "";
   const auto by_ipv6 = [](const Interface& i) { return reaches_others(i, IpFamily::kV6); };

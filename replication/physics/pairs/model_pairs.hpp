@@ -49,7 +49,7 @@ class PairGroup {
     std::uint32_t node;
     bool is_carrier;
   };
-  // Where a node is in the group.
+  // The place of a node in the group.
   struct Member {
     std::uint32_t node = kNoNode;
     std::uint32_t row = kNoNode;       // among the colliders; kNoNode: it is none
@@ -71,7 +71,7 @@ class PairGroup {
   [[nodiscard]] std::span<const Member> members() const { return members_; }  // ascending by node
   [[nodiscard]] const Member* member(std::uint32_t node) const;               // null: the node is none
 
-  // By what is to be added to first() or first_part().
+  // `offset` is added to first() or first_part().
   [[nodiscard]] CollisionPair pair(std::uint32_t offset) const;
   [[nodiscard]] PartPair part_pair(std::uint32_t offset) const;
   // The number of the pair of two members; none where both are colliders alone, or collidees alone.
@@ -180,7 +180,7 @@ class PairNumbers {
   using value_type = std::uint32_t;
 
   PairNumbers() = default;
-  // What they are of outlives them.
+  // `stretches` outlives the numbers.
   explicit PairNumbers(std::span<const Stretch> stretches) : stretches_(stretches) {}
   explicit PairNumbers(std::span<const std::uint32_t> listed)
       : own_{listed.data(), static_cast<std::uint32_t>(listed.size())} {}
@@ -269,7 +269,7 @@ class PairList {
     const Place at = locate(number);
     return at.group == nullptr ? listed_[at.place] : item_of(*at.group, at.place);
   }
-  // Where an item is: in a group, or among those that are listed.
+  // The place of an item: in a group, or among those that are listed.
   struct Place {
     const PairGroup* group;
     std::uint32_t place;

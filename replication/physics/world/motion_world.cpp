@@ -1236,7 +1236,7 @@ std::optional<std::size_t> MotionWorld::first_contact_until(SimTime to) {
   std::size_t checked = 0;
   far_.follow(to, objects_, pairs_, opened_);
   reschedule_opened();
-  // What is due after a contact that is known is left for the next call: where many meet in one tick, each contact
+  // Searches due after a contact that is known are left for the next call: where many meet in one tick, each contact
   // would cost a visit of all that a multiple of kLookahead makes due.
   SimTime until = to;
   for (std::size_t slot = pair_checks_.next_due(0, to); slot < pair_checks_.size();  // which may grow

@@ -123,7 +123,7 @@ class WatchedPairs {
   [[nodiscard]] WatchedPair& operator[](std::size_t number) { return pairs_[number]; }
   [[nodiscard]] const WatchedPair& operator[](std::size_t number) const { return pairs_[number]; }
   [[nodiscard]] std::span<const std::uint32_t> numbers() const { return pairs_.numbers(); }  // in any order
-  // Those of which the node is an end, ascending.
+  // The pairs of which the node is an end, ascending.
   [[nodiscard]] std::span<const std::uint32_t> of_end(std::size_t node) const {
     if (node >= of_end_.size()) return {};
     return of_end_[node];

@@ -110,7 +110,7 @@ ROUTE STEP.value_changed TO COLOR.shininess)"),
                   "10:12 no peer runs this ROUTE: Transform.distanceThreshold stays as the file has it"));
 }
 
-// What passes an event on is no end, whatever it is.
+// A node that passes an event on is no end, whatever it is.
 TEST(InertParts, ARelayPassesEventsOn) {
   EXPECT_THAT(warnings(kPath + "DEF V Viewpoint { } DEF A Transform { }\nROUTE PATH.value_changed TO V.position\n"
                                "ROUTE V.position TO A.translation"),

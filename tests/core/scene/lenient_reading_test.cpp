@@ -182,7 +182,7 @@ TEST(LenientReadingOfHeaders, RefusesOtherLanguagesAndTexts) {
   }
 }
 
-// What a lenient reader would have to guess at stays refused.
+// A lenient reader guesses at nothing: this stays refused.
 TEST(LenientReadingOfTheUnreadable, StaysAnError) {
   for (const std::string_view text :
        {"Transform { scale 2 2 2", "Group { children [ Shape { }", "WorldInfo { title \"x }",

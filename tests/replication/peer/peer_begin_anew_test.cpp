@@ -1,4 +1,4 @@
-// What an edit of its place or its velocityVector does to an object that moves, and what a world's gravity does.
+// Edits of the place or the velocityVector of an object that moves, and a world's gravity.
 #include <gtest/gtest.h>
 
 #include "tests/replication/peer/peers.hpp"
