@@ -222,13 +222,14 @@ TEST_F(ControlAnswer, RubbishGetsAReasonAndLeavesThePeerAlone) {
   EXPECT_TRUE(control::answer(*node, now, "{\"do\":\"leave\"}").leave);
 }
 
-TEST_F(ControlAnswer, CountersOfOthersBelongToStatus) {
+TEST_F(ControlAnswer, CountersAndTroublesOfOthersBelongToStatus) {
   make();
   net::TrafficCounters network;
   network.packets_in = 42;
-  const auto more = [&] { return network.named(); };
+  const auto more = [&] { return More{network.named(), {"it rains"}}; };
   const json with = json::parse(answer(*node, now, R"({"do":"status"})", Duration{0}, more).line);
   EXPECT_EQ(with["counters"]["net.packets_in"], 42);
+  EXPECT_EQ(with["troubles"], json::array({"it rains"}));
   EXPECT_FALSE(ask(R"({"do":"status"})")["counters"].contains("net.packets_in"));
 }
 
