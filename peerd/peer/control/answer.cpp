@@ -244,7 +244,7 @@ ordered_json let_go_reply(PeerNode& node, HostTime now, const std::string& path)
   ordered_json reply = outcome_reply(done);
   if (!done) return reply;
   const KinematicState state = node.peer().truth(*node.scene().find(path), node.peer().clock().to_session(now));
-  reply["stays"] = is_motionless(state);
+  reply["stays"] = replication::is_motionless(state);
   return reply;
 }
 
