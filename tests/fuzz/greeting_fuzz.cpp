@@ -56,7 +56,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   known.forget(now + std::chrono::seconds(100));  // silent peers become candidates
   require(known.peers().empty() && known.candidates().size() <= 1);
-  known.forget(now + std::chrono::seconds(100) + std::chrono::minutes(11));
+  now += std::chrono::seconds(100) + std::chrono::minutes(11);
+  known.forget(now);  // one that was known is greeted for 3 s in each minute
+  require(known.candidates().size() <= 1);
+  known.forget(now + std::chrono::seconds(4));
   require(known.candidates().empty());
   return 0;
 }
