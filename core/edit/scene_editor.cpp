@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <charconv>
 #include <span>
-#include <system_error>
 #include <utility>
 
+#include "core/number_text.hpp"
 #include "core/parser/parser.hpp"
 #include "core/scene/path_resolver.hpp"
 
@@ -43,18 +42,6 @@ std::string first_error(const ReadResult& result) {
   const auto error = std::ranges::find(result.diagnostics, Severity::kError, &Diagnostic::severity);
   assert(error != result.diagnostics.end());
   return render(result, *error);
-}
-
-// The shortest text that is read as the same numbers.
-std::string text_of(std::span<const float> numbers) {
-  std::string text;
-  for (const float number : numbers) {
-    std::array<char, 32> digits{};
-    const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), number);
-    assert(error == std::errc());
-    text += (text.empty() ? "" : " ") + std::string(digits.data(), end);
-  }
-  return text;
 }
 
 }  // namespace
@@ -346,8 +333,8 @@ std::expected<void, std::string> SceneEditor::set_placement(ObjectId id, const P
   if (!draft) return gone();
   const std::uint32_t node = drafts_[*draft].node;
   if (document_.node(node).type->name != "Transform") return std::unexpected("it is no Transform");
-  const std::array fields{std::pair("translation", text_of(placement.translation)),
-                          std::pair("rotation", text_of(placement.rotation))};
+  const std::array fields{std::pair("translation", text_of_numbers(placement.translation)),
+                          std::pair("rotation", text_of_numbers(placement.rotation))};
   for (const auto& [field, value] : fields) {
     if (const auto set = this->set(document_.id_of(node), field, value, {}); !set) return std::unexpected(set.error());
   }

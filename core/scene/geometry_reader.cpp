@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/geometry/mesh.hpp"
+#include "core/scene/mended_geometry.hpp"
 #include "core/vrml/default_values.hpp"
 #include "core/vrml/element_positions.hpp"
 
@@ -114,7 +115,7 @@ bool GeometryReader::check_corners(const FaceSetGeometry& faces, const Field& li
       problems_.fault(position(i),
                       "coordIndex " + std::to_string(corners[i]) + " is out of range: the Coordinate has points 0 to " +
                           std::to_string(points - 1),
-                      "the corner is left out");
+                      "it has no polygons");
       continue;
     }
     // The last -1 may be left out; a -1 behind another closes nothing.
@@ -146,11 +147,15 @@ std::optional<Geometry> GeometryReader::read_elevation_grid() {
   }
   if (found < wanted) {
     const Field* heights = node_.find("height");
-    problems_.fault(heights != nullptr ? heights->at : node_.at,
-                    "this ElevationGrid of " + std::to_string(grid.x_dimension) + " by " +
-                        std::to_string(grid.z_dimension) + " needs " + std::to_string(wanted) + " heights, it has " +
-                        std::to_string(found),
-                    "those that are missing are 0");
+    const Position at = heights != nullptr ? heights->at : node_.at;
+    const std::string why = "this ElevationGrid of " + std::to_string(grid.x_dimension) + " by " +
+                            std::to_string(grid.z_dimension) + " needs " + std::to_string(wanted) +
+                            " heights, it has " + std::to_string(found);
+    if (wanted > kMendedHeightsMax) {
+      problems_.error(at, why);
+    } else {
+      problems_.fault(at, why, "it has no polygons");
+    }
     return std::nullopt;
   }
   if (found > wanted) {
@@ -183,7 +188,7 @@ std::optional<Geometry> GeometryReader::read_extrusion() {
     problems_.fault(field != nullptr ? field->at : node_.at,
                     quoted(name) + " has " + std::to_string(count) + " values for " +
                         std::to_string(extrusion.spine.size()) + " spine points: one is needed, or one for each",
-                    "the last one goes on to the end");
+                    "it has no polygons");
     return false;
   };
   const bool scale = check("scale", extrusion.scale.size());

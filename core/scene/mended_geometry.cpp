@@ -77,10 +77,8 @@ void mend_heights(Document& document, Node& node, Problems& problems) {
   const std::int64_t rows = value_of(node, "zDimension").as<std::int32_t>()[0];
   const Field* const height = node.find("height");
   if (height == nullptr || height->count == 0 || columns < 0 || rows < 0) return;
-  // A short text must not ask for billions of heights.
-  constexpr std::int64_t kMost = std::int64_t{1} << 20;
   const std::int64_t wanted = columns * rows, found = height->count;
-  if (found >= wanted || wanted > kMost) return;
+  if (found >= wanted || wanted > kMendedHeightsMax) return;
   problems.fault(height->at,
                  "this ElevationGrid of " + std::to_string(columns) + " by " + std::to_string(rows) + " needs " +
                      std::to_string(wanted) + " heights, it has " + std::to_string(found),

@@ -17,8 +17,7 @@ WorldLaws world_laws(const vrml::Document& document) {
       return_below = given->as<float>()[0];
     }
   }
-  const WorldLaws none;
-  return {gravity.value_or(none.gravity), return_below.value_or(none.return_below)};
+  return {gravity.value_or(Vec3(Vec3::Zero())), return_below};
 }
 
 }  // namespace peerd

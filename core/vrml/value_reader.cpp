@@ -17,7 +17,7 @@ bool spells_non_finite(const Token& token) {
   return token.kind == kWord && std::ranges::find(kSpellings, token.text) != std::end(kSpellings);
 }
 
-// What a lenient reading takes for the begin of a text that is no number of a field.
+// The number that a lenient reading takes the beginning of a text for, which is no number of the field.
 template <class T>
 struct ForgivenNumber {
   T value{};

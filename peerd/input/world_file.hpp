@@ -53,8 +53,8 @@ struct WorldFile {
   // The problems of the files that people wrote, and those files.
   [[nodiscard]] const ReadResult& reported() const { return as_written ? *as_written : result; }
 };
-// What to say beside the errors of a world that is read strictly: that the option --lenient reads on from them. It is
-// empty where it would not.
+// The advice that goes with the errors of a world that is read strictly: that the option --lenient reads on from them.
+// It is empty where it would not.
 [[nodiscard]] std::string lenient_advice(const ReadResult& result);
 // Reads a VRML file, which may be packed by gzip, or an archive (WorldArchive).
 [[nodiscard]] Result<std::unique_ptr<const WorldFile>> read_world_file(const std::filesystem::path& path,

@@ -1,14 +1,13 @@
 #include "replication/peer/operation_keeper.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
-#include <charconv>
 #include <set>
 #include <utility>
 #include <variant>
 
 #include "core/edit/placement.hpp"
+#include "core/number_text.hpp"
 #include "core/vrml/document.hpp"
 #include "core/vrml/lexer.hpp"
 #include "replication/peer/contact_report.hpp"
@@ -43,16 +42,6 @@ std::optional<Vec3> vector_in(std::string_view text) {
     vector[i] = *number;
   }
   return vector;
-}
-
-std::string text_of(const Vec3& vector) {
-  std::string text;
-  for (int i = 0; i < 3; ++i) {
-    std::array<char, 32> digits{};
-    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), static_cast<float>(vector[i])).ptr;
-    text.append(i == 0 ? "" : " ").append(digits.data(), end);
-  }
-  return text;
 }
 
 }  // namespace
@@ -160,8 +149,8 @@ std::optional<SetField> OperationKeeper::place_to_drift_from(HostTime now, const
   const double since_s = std::max(0.0, to_seconds(stamp(now) - *zero));
   const Vec3 by = since_s * (scene.object(object).velocity - *velocity);
   if (by.isZero(0.0)) return std::nullopt;
-  const Vec3 place = scene.transform(object).translation + by;
-  return SetField{set.node, "translation", text_of(place), 0};
+  const Eigen::Vector3f place = (scene.transform(object).translation + by).cast<float>();
+  return SetField{set.node, "translation", text_of_numbers({place.data(), 3}), 0};
 }
 
 std::expected<OperationId, std::string> OperationKeeper::append(HostTime now, LivingScene::Draft draft) {

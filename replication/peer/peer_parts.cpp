@@ -258,12 +258,11 @@ void PeerParts::forget_what_is_gone(const Scene& next) {
 
 PeerParts::Begin PeerParts::begin_by_scene(ObjectId object, std::span<const SetField> fields) const {
   const NodeId node = model->scene->document->ids.id_of(model->scene->at(object).node);
-  const auto sets = [&](const SetField& set, auto... names) {
-    return set.node == node && ((set.field == names) || ...);
+  const auto is_set = [&](std::string_view name) {
+    return std::ranges::any_of(fields, [&](const SetField& set) { return set.node == node && set.field == name; });
   };
-  return {place_by_scene(object), model->scene->object(object).velocity,
-          std::ranges::any_of(fields, [&](const SetField& set) { return sets(set, "translation", "rotation"); }),
-          std::ranges::any_of(fields, [&](const SetField& set) { return sets(set, "velocityVector"); })};
+  return {place_by_scene(object), model->scene->object(object).velocity, is_set("translation") || is_set("rotation"),
+          is_set("velocityVector")};
 }
 
 // An own object whose place or velocityVector an edit sets begins anew, as its fields say now: whoever puts a falling

@@ -139,11 +139,11 @@ struct PeerParts {
   // A decision on a contact of that time makes the peer the owner of the scene object.
   void give_scene_object(ObjectId object, PeerId owner, SimTime decided);
   void forget_what_is_gone(const Scene& next);
-  // What the scene says of an object: where it begins, and with which velocityVector.
+  // The place and the velocityVector of an object by the scene, and whether an edit sets them.
   struct Begin {
     Pose place;
     Vec3 velocity;
-    bool place_is_set, velocity_is_set;  // by an edit, be it to what it was
+    bool place_is_set, velocity_is_set;  // also to the same value
   };
   [[nodiscard]] Begin begin_by_scene(ObjectId object, std::span<const SetField> fields) const;
   void begin_own_anew(ObjectId object, SimTime at, const Begin& before);

@@ -116,12 +116,15 @@ TEST_F(Network, APeerOfBeforeTheNetworkGoesOverToIt) {
     ASSERT_TRUE(is_in_session("a")) << a.out() << a.err();
     EXPECT_THAT(troubles_of("a"), HasSubstr("reaches this computer only"));
     ASSERT_TRUE(add("a", "BALL"));
+    Process c = join("c");
+    ASSERT_TRUE(is_in_session("c")) << c.out() << c.err();
     ASSERT_TRUE(shell("ip link set va up"));
     ASSERT_TRUE(a.says("goes over from lo to va", 10)) << a.out();
+    EXPECT_TRUE(c.says("goes over from lo to va", 10)) << c.out();
     wire.right.enter();
     Process b = join("b", {"--interface", "vb"});
     ASSERT_TRUE(is_in_session("b")) << b.out() << b.err();
-    EXPECT_TRUE(wait_until([&] { return members_of("a") == 1 && world_of("b") == world_of("a"); }));
+    EXPECT_TRUE(wait_until([&] { return members_of("a") == 2 && world_of("b") == world_of("a"); }));
     EXPECT_TRUE(wait_until([&] { return troubles_of("a") == "[]"; })) << troubles_of("a");
   });
 }

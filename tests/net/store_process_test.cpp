@@ -363,6 +363,11 @@ TEST_F(StoreProcess, AStoreThatCanBeReadAloneIsCheckedAndExported) {
   Process written(folder, "export", PEERD_PROGRAM, {"store", "export", store_of("a").string()});
   EXPECT_EQ(written.exit_code(20), 0) << written.err();
   EXPECT_THAT(written.out(), HasSubstr("DEF BALL "));
+  Process peer = start();
+  ASSERT_TRUE(is_in_session("a")) << peer.out() << peer.err();
+  EXPECT_TRUE(peer.says("keeps no edits from now on: its file system is read-only", 5)) << peer.out();
+  EXPECT_THAT(world_of("a"), HasSubstr("DEF BALL "));
+  EXPECT_TRUE(add("a", "CUBE")) << "it goes on without its store";
 }
 
 TEST_F(StoreProcess, ADiskThatIsFullAtTheStartIsSaid) {

@@ -268,10 +268,6 @@ std::expected<doctor::PairOutcome, net::NetError> try_with(const net::HostClock&
                                                                                  << std::flush; }});
 }
 
-}  // namespace
-
-namespace {
-
 // The troubles of this user's peers that run here, as they say them.
 std::vector<doctor::Finding> findings_of_peers() {
   std::vector<doctor::Finding> all;

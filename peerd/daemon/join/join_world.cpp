@@ -202,10 +202,7 @@ Result<JoinedWorld> find_world(const JoinRequest& request, PeerOptions& peer, co
     return std::unexpected(
         InputError{"error: \"" + (*world)->name + (sealed ? "\" is sealed" : "\" is open: say --open"), kWrongUse});
   }
-  // It takes an interface to meet them: one that is chosen by itself would be another one.
-  if (request.transport.interface.empty() && is_on_loopback(**world)) {
-    peer.sets.emplace_back("transport.interface=\"lo\"");
-  }
+  if ((*world)->on_lo) peer.sets.emplace_back("transport.interface=\"lo\"");  // else it would choose another one
   return joined_by_peers(*providers, (*world)->session, (*world)->name, request, peer, say);
 }
 

@@ -32,8 +32,25 @@ Result<discovery::Asked> asked_over(net::TransportSettings settings, const std::
   return *std::move(asked);
 }
 
-bool is_same_peer(const Found& a, const Found& b) {
-  return a.beacon.session == b.beacon.session && a.beacon.peer == b.beacon.peer;
+std::vector<World> worlds_of(std::vector<Found> found) {
+  std::vector<World> worlds;
+  for (Found& each : found) {
+    const bool goes_on =
+        !worlds.empty() && worlds.back().name == each.beacon.world && worlds.back().session == each.beacon.session;
+    if (!goes_on) worlds.push_back({each.beacon.world, each.beacon.session, {}});
+    worlds.back().peers.push_back(std::move(each));
+  }
+  return worlds;
+}
+
+// Adds the worlds of this computer that answer on lo alone.
+void add_worlds_on_lo(std::vector<Found> found, std::vector<World>& worlds) {
+  for (World& own : worlds_of(std::move(found))) {
+    if (std::ranges::find(worlds, own.session, &World::session) != worlds.end()) continue;
+    own.on_lo = true;
+    worlds.push_back(std::move(own));
+  }
+  std::ranges::sort(worlds, {}, [](const World& world) { return std::tie(world.name, world.session); });
 }
 
 }  // namespace
@@ -41,30 +58,15 @@ bool is_same_peer(const Found& a, const Found& b) {
 Result<WorldsHere> worlds_here(net::TransportSettings settings, Duration time) {
   (void)net::takes_ipv6(settings, Duration{0});  // the words of where it has asked say it
   auto asked = asked_over(settings, settings.interface, time);
+  WorldsHere here;
+  if (asked) here = {worlds_of(std::move(asked->found)), std::move(asked->where)};
   if (settings.interface.empty()) {
-    // This computer's own peers may be on lo alone. Where both cannot be asked, the other one's error says more.
     auto own = asked_over(settings, kLoopback, std::min(time, kLoopbackAnswers));
-    if (own && !asked) {
-      asked = *std::move(own);
-    } else if (own) {
-      std::vector<Found>& found = asked->found;
-      for (Found& each : own->found) {
-        const auto is_this = [&](const Found& other) { return is_same_peer(each, other); };
-        if (std::ranges::none_of(found, is_this)) found.push_back(std::move(each));
-      }
-      const auto by_world = [](const Found& each) { return std::tie(each.beacon.world, each.beacon.session); };
-      std::ranges::stable_sort(found, {}, by_world);
-    }
+    if (own && !asked) here.where = std::move(own->where);
+    if (own) add_worlds_on_lo(std::move(own->found), here.worlds);
+    if (own) return here;
   }
   if (!asked) return std::unexpected(asked.error());
-  WorldsHere here{{}, std::move(asked->where)};
-  std::vector<World>& worlds = here.worlds;
-  for (Found& each : asked->found) {
-    const bool goes_on =
-        !worlds.empty() && worlds.back().name == each.beacon.world && worlds.back().session == each.beacon.session;
-    if (!goes_on) worlds.push_back({each.beacon.world, each.beacon.session, {}});
-    worlds.back().peers.push_back(std::move(each));
-  }
   return here;
 }
 
@@ -78,10 +80,6 @@ std::string join_address_of(const Found& peer) {
 }
 
 }  // namespace
-
-bool is_on_loopback(const World& world) {
-  return std::ranges::all_of(world.peers, [](const Found& peer) { return peer.address.is_loopback(); });
-}
 
 std::string line_of(const World& world) {
   std::string peers;

@@ -19,11 +19,10 @@ struct World {
   std::uint64_t session = 0;
   std::vector<discovery::Found> peers;  // at least one
 
+  bool on_lo = false;  // it was found on lo, which is not the interface that is chosen by itself
+
   [[nodiscard]] bool is_sealed() const { return peers.front().beacon.sealed; }
 };
-
-// Whether all its peers are on the loopback interface of this computer.
-[[nodiscard]] bool is_on_loopback(const World& world);
 
 struct WorldsHere {
   std::vector<World> worlds;

@@ -59,7 +59,7 @@ void begin_before_stamps(const StoreOptions& options, replication::Author fresh,
 
 enum class Disk { kWritable, kReadOnly, kFull };
 
-// Of the disk where the folder is, or would be; writable where nothing is known of it.
+// The state of the disk where the folder is, or would be; writable where nothing is known of it.
 Disk disk_of(std::filesystem::path folder) {
   std::error_code failed;
   folder = std::filesystem::absolute(folder, failed);

@@ -12,8 +12,8 @@ inline constexpr const char* kIpv6Group = "ff15::50:0";
 // The options of the configuration's table [transport]; `key` is TransportOptions::key.
 [[nodiscard]] Result<TransportOptions> transport_options(const TransportSettings& settings, const SipKey& key);
 
-// Where only IPv6 is to be had, and nobody has chosen a group, nor other ways than multicast, the settings get the IPv6
-// group, and the result is true. For so long it looks again whether IPv4 comes, whose lease takes longer after a start.
+// Returns whether it has set the IPv6 group: only IPv6 is to be had, and nobody has chosen a group, nor other ways than
+// multicast. Looks for IPv4 again during that time, as its lease takes longer than IPv6 after a start.
 [[nodiscard]] bool takes_ipv6(TransportSettings& settings, Duration patience);
 
 // The warning that the kernel grants a smaller receive buffer than requested, with advice; empty where it does not.

@@ -238,7 +238,7 @@ ordered_json outcome_reply(const std::expected<void, std::string>& done) {
   return reply;
 }
 
-// What is let go at rest, and which nothing pulls down, stays in the air: whoever let go may not expect it.
+// The reply says whether the object stays in the air: it is at rest, and nothing pulls it down.
 ordered_json let_go_reply(PeerNode& node, HostTime now, const std::string& path) {
   const auto done = node.let_go(now, path);
   ordered_json reply = outcome_reply(done);

@@ -19,7 +19,7 @@ struct Answer {
   bool viewer = false;                    // the request asks where the peer's page is, which its driver knows
 };
 
-// What the driver of a peer knows of it besides.
+// The parts of "status" that the driver of a peer adds.
 struct More {
   std::map<std::string, std::uint64_t> counters;
   std::vector<std::string> troubles{};  // what keeps it from the others, in sentences

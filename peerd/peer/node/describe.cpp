@@ -101,7 +101,7 @@ struct LineOf {
                                                 s.follows.value, ms(s.session_minus_host), ms(s.error_bound))};
   }
   Line operator()(const ClockStepped& s) const {
-    // Of a stop it has been said before.
+    // HostSuspended has told of the stop already.
     return LogLine{s.same_session ? LogLevel::kInfo : LogLevel::kWarning,
                    fmt::format("{}: the session clock stepped forward by {:.3f} ms, offset {:.3f} ms",
                                s.same_session ? "back in the session" : "two sessions have met", ms(s.step),

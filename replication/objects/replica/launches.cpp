@@ -100,11 +100,12 @@ void Launches::begin_anew(SimTime t, ObjectId object, const Pose& place, const V
 
 std::vector<ObjectId> Launches::fallen(SimTime t) {
   std::vector<ObjectId> fallen;
+  if (!model_->laws.return_below) return fallen;
   const SimTime instant = floor_to(t, std::chrono::milliseconds(500));
   if (std::exchange(looked_for_fallen_, instant) == instant) return fallen;
   for (const auto& [object, each] : std::as_const(own_)) {
     if (each.driven) continue;
-    if (replica_.truth().at(object, t).position.y() < model_->laws.return_below) fallen.push_back(object);
+    if (replica_.truth().at(object, t).position.y() < *model_->laws.return_below) fallen.push_back(object);
   }
   return fallen;
 }

@@ -101,8 +101,8 @@ class PairGroup {
     std::uint32_t row, column;
   };
   [[nodiscard]] Place place_of(std::uint32_t offset) const;
-  // Of a collidee in the row of a collider that is a collidee, too: first come the mere collidees before the collider,
-  // then all behind it.
+  // The place of a collidee in the row of a collider that is a collidee, too: first come the mere collidees before the
+  // collider, then all behind it.
   [[nodiscard]] std::uint32_t offset_in_row(std::uint32_t row, const Member& collidee) const {
     return collidee.column < column_of_row_[row] ? collidee.mere_collidees : collidee.column - row - 1;
   }

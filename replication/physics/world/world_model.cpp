@@ -472,6 +472,10 @@ bool any_between(const WorldModel& model, ObjectId a, ObjectId b, Predicate hold
 
 }  // namespace
 
+bool WorldModel::are_paired(ObjectId a, ObjectId b) const {
+  return any_between(*this, a, b, [](std::uint32_t) { return true; });
+}
+
 std::vector<std::uint32_t> WorldModel::pairs_between(ObjectId a, ObjectId b) const {
   std::vector<std::uint32_t> between;
   any_between(*this, a, b, [&](std::uint32_t number) {

@@ -112,7 +112,7 @@ struct WorldModel {
   // The numbers of the pairs of the two, ascending.
   [[nodiscard]] std::vector<std::uint32_t> pairs_between(ObjectId a, ObjectId b) const;
   [[nodiscard]] std::optional<std::uint32_t> number_of(const InterestKey& interest) const;  // none: it has no such pair
-  [[nodiscard]] bool are_paired(ObjectId a, ObjectId b) const { return !pairs_between(a, b).empty(); }
+  [[nodiscard]] bool are_paired(ObjectId a, ObjectId b) const;
   // Whether one of the two answers their contacts.
   [[nodiscard]] bool is_answered(ObjectId a, ObjectId b) const;
   [[nodiscard]] bool is_flexible(std::uint32_t part) const { return part >= nodes.size(); }

@@ -28,7 +28,7 @@ class TickDetection;
 struct Launch {
   Duration after{0};                     // counted from the start of motions
   std::optional<Vec3> velocity;          // [m/s], world frame; none: the velocityVector of the world's file
-  std::optional<Vec3> acceleration{};    // [m/s^2], world frame. It stays through bounces; none: the world's gravity
+  std::optional<Vec3> acceleration;      // [m/s^2], world frame. It stays through bounces; none: the world's gravity
   Vec3 angular_velocity = Vec3::Zero();  // [rad/s], world frame, at the launch; the body keeps it
 };
 

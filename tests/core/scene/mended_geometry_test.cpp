@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "core/parser/parser.hpp"
+#include "core/scene/reader.hpp"
 
 namespace peerd::mended_geometry_test {
 
@@ -54,6 +55,17 @@ TEST(MendedGeometry, LeavesASetWithoutPointsToItsReader) {
 TEST(MendedGeometry, LeavesAGridWithoutHeightsToItsReader) {
   const Mended mended("ElevationGrid { xDimension 2 zDimension 2 }");
   EXPECT_EQ(mended.problems.faults(), 0u);
+}
+
+TEST(MendedGeometry, MakesUpNoMillionsOfHeights) {
+  const std::string_view world =
+      "#VRML V2.0 utf8\nShape { geometry ElevationGrid { xDimension 2000 zDimension 2000 height [ 1 2 ] } }";
+  for (const bool lenient : {false, true}) {
+    const ReadResult read = read_world(world, {.lenient = lenient});
+    ASSERT_EQ(read.diagnostics.size(), 1U);
+    EXPECT_EQ(read.diagnostics[0].severity, Severity::kError);
+    EXPECT_FALSE(read.diagnostics[0].is_fault) << "--lenient would not help";
+  }
 }
 
 TEST(MendedGeometry, GivesAnExtrusionOfNoScalesTheDefault) {

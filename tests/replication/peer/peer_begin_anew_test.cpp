@@ -86,6 +86,25 @@ TEST_F(BeginAnew, WhatTheWorldMovesGoesOnFromWhereItIs) {
   EXPECT_EQ(ghost(1, "CLOUD").position, ghost(0, "CLOUD").position);
 }
 
+class ACartOfNobody : public BeginAnew {
+ protected:
+  ACartOfNobody()
+      : BeginAnew(box("CART", "1 1 1", "0 0 50", std::string(kBounces) + "velocityVector 2 0 0 ") +
+                  box("STOP", "1 9 9", "4 0 50") + interest("CART", "\"STOP\"")) {}
+};
+
+TEST_F(ACartOfNobody, GoesOnOtherwiseAtAllPeersAfterAContact) {
+  begin({});
+  lan->peer(0).announce_start(lan->session_now(0) + 1s);
+  run_on(4s);
+  ASSERT_EQ(ghost(0, "CART").velocity, Vec3(-2, 0, 0)) << "it has met STOP";
+  set(1, "CART", "velocityVector", "0 1 0");
+  run_on(2s);
+  EXPECT_EQ(ghost(0, "CART").velocity, Vec3(0, 1, 0));
+  EXPECT_NEAR(ghost(0, "CART").position.y(), 2.0, 0.3);
+  EXPECT_EQ(ghost(1, "CART").position, ghost(0, "CART").position);
+}
+
 class WorldOfGravity : public BeginAnew {
  protected:
   WorldOfGravity() : BeginAnew(kGravityInFile) {}

@@ -243,7 +243,8 @@ TEST_F(Keeping, AmongOthersASuspensionIsReportedAndTheyAreNotBlamed) {
   EXPECT_TRUE(p.greeter.is_due(host(15s)));
 }
 
-// Of a long stop the kernel has kept the first datagrams, which are read first: by them time goes on, and ticks do not.
+// The kernel keeps the first datagrams of a long stop. They are read first, and session time goes on by them; ticks do
+// not.
 TEST_F(Keeping, AStopIsOneWhateverTheKernelHasKeptOfIt) {
   found();
   member_owns(7, {o2}, host(1s));

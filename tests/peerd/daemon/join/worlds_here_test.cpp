@@ -20,16 +20,6 @@ World world(const std::string& name, std::uint64_t session) {
   return {name, session, {found}};
 }
 
-// Who joins such a world has to take that interface, too.
-TEST(IsOnLoopback, SaysWhetherAllPeersAreOnThisComputerAlone) {
-  World town = world("town", 1);
-  EXPECT_FALSE(is_on_loopback(town));
-  town.peers.front().address = boost::asio::ip::make_address("127.0.0.1");
-  EXPECT_TRUE(is_on_loopback(town));
-  town.peers.push_back(world("town", 1).peers.front());
-  EXPECT_FALSE(is_on_loopback(town));
-}
-
 TEST(ChooseWorld, TakesTheOneThatIsNamed) {
   const std::vector<World> worlds{world("eq47", 1), world("town", 2)};
   EXPECT_EQ(must(choose_world(worlds, "town")), &worlds[1]);
