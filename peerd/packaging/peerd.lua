@@ -14,7 +14,7 @@ peerd.prefs.group = Pref.string("Group of region 0", "239.192.80.0",
 peerd.prefs.regions = Pref.string("Group of region 1", "",
   "as peers log it when they start: a datagram to the n-th group after it is of region n + 1. Empty: no grid has more than 1,023 regions")
 
-local VERSION = 11
+local VERSION = 12
 local NEXT_HELLO_MOST_MS = 24 * 60 * 60 * 1000
 local MOST_BYTES = 1136
 local REGION_MARK, RELAY_MARK, GREETING_MARK, SEALED_GREETING_MARK = 0x52, 0x53, 0x47, 0x67
@@ -92,6 +92,8 @@ local F = {
     start = field("int64", "introduction.start_ns", "Motions begin [ns]"),
     zero = field("int64", "introduction.world_zero_ns", "Time 0 of the world's TimeSensors [ns]"),
     as_founder = field("uint64", "introduction.owned_as_founder", "Of those, bit by bit, as the founder", base.HEX),
+    line = field("uint64", "introduction.line", "Line of descent of its edits", base.HEX),
+    has_edits = field("bool", "introduction.has_edits", "Has edits"),
   },
   view = {
     object = field("uint64", "viewpoint.object", "In the frame of object"),
@@ -958,6 +960,8 @@ local function dissect_introduction(tvb, tree)
     time64(tree, I.start), time64(tree, I.zero),
     message(tree, "Viewpoint", dissect_viewpoint),
     { fixed64 = function(_, range) tree:add_le(I.as_founder, range) end },
+    { fixed64 = function(_, range) tree:add_le(I.line, range) end },
+    { varint = function(value, range) tree:add(I.has_edits, range, value ~= UInt64.new(0)) end },
   })
   if not named then refuse("no name") end
 end

@@ -127,15 +127,25 @@ void Intake::count(RegionId region, const Message& m, std::size_t size_bytes) {
 std::expected<bool, Drop> Intake::admit(HostTime now, RegionId region, const Message& m) {
   const auto on_lost = [&](PeerId peer, const OtherPeer& gone) { keeper_.lose(peer, gone, now, true); };
   const bool leads = p_.time.follows() == p_.config.id;
+  p_.line.has_edits = !p_.logs.empty();
+  p_.line.in_session = p_.config.joins || p_.replica.begun();
+  const std::uint64_t line = p_.line.line;
   const auto admission = p_.admission.admit(now, region, m, leads, p_.time.started(), on_lost);
+  if (p_.line.line != line) keeper_.reintroduce();
   if (!admission) {
+    if (admission.error() == Drop::kOtherLine) {  // one of the two gives way, once it knows this peer
+      p_.greeter.settle_from(now);
+      p_.greeter.introduce_once();
+      return std::unexpected(admission.error());
+    }
     if (admission.error() == Drop::kUnintroduced && p_.members.is_large()) {
       // Its far hello says who it is; this peer's next hello may go where it listens.
       if (region != kWholeScene) p_.greeter.introduce_once();
       return std::unexpected(admission.error());
     }
     // A sender that does not introduce itself does not know this peer: it will answer this peer's introduction.
-    if (admission.error() == Drop::kUnintroduced && !p_.admission.has_other_world(m.sender)) {
+    if (admission.error() == Drop::kUnintroduced && !p_.admission.has_other_world(m.sender) &&
+        !p_.admission.has_other_line(m.sender)) {
       p_.time.on_unintroduced_peer(now);
       p_.greeter.settle_from(now);
       p_.greeter.introduce_once();

@@ -23,8 +23,9 @@ bool says_presence_alone(RegionId region, const Message& m) {
 
 }  // namespace
 
-Admission::Admission(const PeerConfig& config, Membership& members, Outbox& outbox, MemberLimits& limits)
-    : config_(config), members_(members), outbox_(outbox), limits_(limits) {}
+Admission::Admission(const PeerConfig& config, LineOfDescent& line, Membership& members, Outbox& outbox,
+                     MemberLimits& limits)
+    : config_(config), line_(line), members_(members), outbox_(outbox), limits_(limits) {}
 
 // A far hello, or another datagram to all of a peer that is no member of this one's large session.
 std::expected<Membership::Admission, Drop> Admission::admit_far(HostTime now, const Message& m, const OnLost& on_lost) {
@@ -41,8 +42,9 @@ std::expected<Membership::Admission, Drop> Admission::admit_far(HostTime now, co
   if (known == nullptr && is_over) return std::unexpected(Drop::kStaleIncarnation);
   if (known == nullptr && members_.count() >= kMembersMax) return std::unexpected(Drop::kTooMany);
   if (introduction->world_hash != config_.world_hash) return reject_other_world(m);
-  if (known != nullptr && m.incarnation == known->incarnation) return Membership::Admission::kFar;
   if (known != nullptr && m.incarnation < known->incarnation) return std::unexpected(Drop::kStaleIncarnation);
+  if (const auto same = check_line(m, on_lost); !same) return std::unexpected(same.error());
+  if (known != nullptr && m.incarnation == known->incarnation) return Membership::Admission::kFar;
   if (!limits_.take(now, m.sender, MemberLimit::kRestarts)) return std::unexpected(Drop::kMemberLimit);
   if (const auto member = members_.remove(m.sender)) on_lost(m.sender, *member);
   if (const auto gone = members_.remove_far(m.sender)) on_lost(m.sender, *gone);
@@ -63,7 +65,8 @@ std::expected<Membership::Admission, Drop> Admission::admit(HostTime now, Region
   const bool is_same_life =
       far != nullptr &&
       (introduction == nullptr ? incarnation_low(far->incarnation) == m.incarnation
-                               : far->incarnation == m.incarnation && introduction->world_hash == config_.world_hash);
+                               : far->incarnation == m.incarnation && introduction->world_hash == config_.world_hash &&
+                                     introduction->line == line_.line);
   if (is_same_life) {
     members_.promote(now, m.sender, true);
     return Membership::Admission::kNear;
@@ -86,6 +89,9 @@ std::expected<Membership::Admission, Drop> Admission::admit(HostTime now, Region
     return reject_other_world(m);
   }
   if (far != nullptr && m.incarnation < far->incarnation) return std::unexpected(Drop::kStaleIncarnation);
+  if (known == nullptr || m.incarnation >= known->incarnation) {
+    if (const auto same = check_line(m, on_lost); !same) return std::unexpected(same.error());
+  }
   const bool starts = known == nullptr || m.incarnation > known->incarnation;
   if (starts && !limits_.take(now, m.sender, MemberLimit::kRestarts)) return std::unexpected(Drop::kMemberLimit);
   if (const auto gone = members_.remove_far(m.sender)) on_lost(m.sender, *gone);  // it begins anew
@@ -143,6 +149,31 @@ std::unexpected<Drop> Admission::reject_other_world(const Message& m) {
   if (other_worlds_.size() == kMembersMax) other_worlds_.clear();
   if (other_worlds_.insert(m.sender).second) outbox_.push(OtherWorld{m.sender, m.introduction()->name});
   return std::unexpected(Drop::kOtherWorld);
+}
+
+// The message is the last word of its sender so far, which it introduces. The error is for one whose line is another,
+// unless this peer takes that.
+std::expected<void, Drop> Admission::check_line(const Message& m, const OnLost& on_lost) {
+  const Introduction& introduction = *m.introduction();
+  const LineOfDescent other{introduction.line, introduction.has_edits, m.hello->session_tx.has_value()};
+  const LineMeeting meeting = meet(line_, other);
+  if (meeting == LineMeeting::kTake) {
+    line_.line = other.line;
+    outbox_.push(LineTaken{m.sender, other.line});
+  }
+  if (meeting == LineMeeting::kSame || meeting == LineMeeting::kTake) {
+    other_lines_.erase(m.sender);
+    return {};
+  }
+  if (const auto member = members_.remove(m.sender)) on_lost(m.sender, *member);
+  if (const auto far = members_.remove_far(m.sender)) on_lost(m.sender, *far);
+  if (other_lines_.size() == kMembersMax) other_lines_.clear();
+  const auto [said, is_new] = other_lines_.try_emplace(m.sender);
+  const bool is_news = std::exchange(said->second, other.line) != other.line || is_new;
+  if (is_news && meeting != LineMeeting::kStay) {
+    outbox_.push(OtherLine{m.sender, introduction.name, other.line, meeting == LineMeeting::kGoOver});
+  }
+  return std::unexpected(Drop::kOtherLine);
 }
 
 Member Admission::dismiss(PeerId peer) {

@@ -8,6 +8,7 @@
 
 #include "core/ids.hpp"
 #include "core/time.hpp"
+#include "replication/session/line_of_descent.hpp"
 #include "replication/session/member_limits.hpp"
 #include "replication/session/membership.hpp"
 #include "replication/settings/output/outbox.hpp"
@@ -18,14 +19,15 @@
 namespace peerd::replication {
 
 // Decides whether a sound message is one for this peer: of another peer, in its present incarnation, with the same
-// world. A message that does not introduce its sender counts if the sender is known.
+// world and line of descent. A message that does not introduce its sender counts if the sender is known.
 class Admission {
  public:
   // Called for a peer that is lost by an admission, after it has been removed.
   using OnLost = std::function<void(PeerId, const OtherPeer&)>;
 
-  // All arguments outlive this object.
-  Admission(const PeerConfig& config, Membership& members, Outbox& outbox, MemberLimits& limits);
+  // All arguments outlive this object. `line`: this peer's own, which changes where a meeting says so; whoever calls
+  // admit() keeps its state right.
+  Admission(const PeerConfig& config, LineOfDescent& line, Membership& members, Outbox& outbox, MemberLimits& limits);
 
   // Returns how the sender is known, never kStale, or why the message is dropped. `started`: when this peer was
   // started; none: not yet. `on_lost` is called for a member that turns out to have another world, before that is
@@ -46,19 +48,24 @@ class Admission {
   void on_other_version(PeerId sender, std::uint32_t version);
   // Whether that peer is known to have another world.
   [[nodiscard]] bool has_other_world(PeerId peer) const { return other_worlds_.contains(peer); }
+  // Whether that peer's edits were of another line when it introduced itself last, and nobody gave way.
+  [[nodiscard]] bool has_other_line(PeerId peer) const { return other_lines_.contains(peer); }
 
  private:
   [[nodiscard]] std::expected<Membership::Admission, Drop> admit_far(HostTime now, const Message& message,
                                                                      const OnLost& on_lost);
   [[nodiscard]] std::unexpected<Drop> admit_own(HostTime now, const Message& message, std::optional<HostTime> started);
   [[nodiscard]] std::unexpected<Drop> reject_other_world(const Message& message);
+  [[nodiscard]] std::expected<void, Drop> check_line(const Message& message, const OnLost& on_lost);
   [[nodiscard]] std::unexpected<Drop> reject_earlier_life(HostTime now, const Message& message);
 
   const PeerConfig& config_;
+  LineOfDescent& line_;
   Membership& members_;
   Outbox& outbox_;
   MemberLimits& limits_;
   std::set<PeerId> other_worlds_;                   // each is reported once
+  std::map<PeerId, std::uint64_t> other_lines_;     // each is reported once
   std::set<std::uint32_t> other_versions_;          // each is reported once
   std::map<PeerId, std::uint64_t> departed_peers_;  // the incarnation of each peer that has said goodbye
   std::set<PeerId> ids_in_use_;                     // of two programs; each is reported once

@@ -98,6 +98,8 @@ void put(const Introduction& i, std::uint64_t incarnation, proto::Introduction* 
   if (i.start) out->set_start_ns(i.start->time_since_epoch().count());
   if (i.world_zero) out->set_world_zero_ns(i.world_zero->time_since_epoch().count());
   if (i.viewpoint) put(*i.viewpoint, out->mutable_viewpoint());
+  out->set_line(i.line);
+  out->set_has_edits(i.has_edits);
 }
 
 std::uint64_t whole_us(Duration d) {
@@ -300,6 +302,8 @@ bool take(const proto::Introduction& in, Introduction& i) {
   i.name = in.name();
   i.world_hash = in.world_hash();
   i.owned_as_founder = in.owned_as_founder();
+  i.line = in.line();
+  i.has_edits = in.has_edits();
   if (in.has_start_ns() && !take(in.start_ns(), i.start.emplace())) return false;
   if (in.has_world_zero_ns() && !take(in.world_zero_ns(), i.world_zero.emplace())) return false;
   return !in.has_viewpoint() || take(in.viewpoint(), i.viewpoint.emplace());

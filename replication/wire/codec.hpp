@@ -13,7 +13,7 @@ class Datagram;
 
 namespace peerd::replication {
 
-inline constexpr std::uint32_t kProtocolVersion = 11;
+inline constexpr std::uint32_t kProtocolVersion = 12;
 // The largest datagram. It is never fragmented: below every tunnel's MTU once a signature, a seal, UDP, IP and a link's
 // headers are added.
 inline constexpr std::size_t kDatagramMax_bytes = 1136;

@@ -115,6 +115,8 @@ struct Introduction {
   std::optional<SimTime> start;       // when this peer lets motions by formula begin; none: it does not say
   std::optional<SimTime> world_zero;  // time 0 of the world's TimeSensors
   std::optional<Viewpoint> viewpoint;
+  std::uint64_t line = 0;  // of descent, of the sender's edits
+  bool has_edits = false;  // that it holds, its own or others'
 };
 
 // The clock of the sender's operating system: how far it is ahead of session time, and that it is off UTC by at most

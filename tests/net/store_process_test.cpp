@@ -263,6 +263,89 @@ TEST_F(StoreProcess, APeerWithoutAConfigurationHasAStoreOfItsOwn) {
   EXPECT_THAT(wrong.err(), HasSubstr("say --store DIR"));
 }
 
+// Two who begin anew do not get the edits of one who comes by itself, with a store of before.
+class ASessionThatWasBegunAnew : public StoreProcess {
+ protected:
+  Process start_fresh(const std::string& name) const {
+    return ControlledPeers::start(name, words_of(name, {"--fresh"}));
+  }
+  std::vector<std::string> words_of(const std::string& name, std::vector<std::string> more) const {
+    std::vector<std::string> words{
+        "run", "--world", (folder / "world.wrl").string(), "--id",    std::to_string(name[0] - 'a' + 1), "--interface",
+        "lo",  "--port",  std::to_string(own_port(9)),     "--store", store_of(name).string(),           "--take-over"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  void leave(Process& peer) const {
+    peer.signal(SIGTERM);
+    EXPECT_EQ(peer.exit_code(20), 0) << peer.out() << peer.err();
+  }
+  // A peer that was alone once, and has a store with that node.
+  void edit_alone(const std::string& name, const std::string& node) const {
+    Process peer = start(name);
+    ASSERT_TRUE(is_in_session(name)) << peer.out() << peer.err();
+    ASSERT_TRUE(add(name, node));
+    leave(peer);
+  }
+  [[nodiscard]] std::filesystem::path aside_of(const std::string& name) const {
+    return store_of(name).string() + ".before";
+  }
+};
+
+TEST_F(ASessionThatWasBegunAnew, TakesNoOldEdits) {
+  edit_alone("b", "OLD");
+  {
+    Process a = start_fresh("a");
+    ASSERT_TRUE(is_in_session("a")) << a.out() << a.err();
+    Process b = start("b");
+    ASSERT_TRUE(wait_until([&] { return members_of("a") == 1 && members_of("b") == 1; })) << b.out() << b.err();
+    EXPECT_TRUE(b.says("are kept aside", 1)) << b.out();
+    ASSERT_TRUE(add("a", "NEW1") && add("b", "NEW2"));
+    expect_one_world({"a", "b"}, {"NEW1", "NEW2"}, "both have edited");
+    EXPECT_THAT(world_of("a"), Not(HasSubstr("OLD")));
+    leave(a);
+    leave(b);
+  }
+  {  // what goes on is the new line, whoever comes first
+    Process b = start("b");
+    ASSERT_TRUE(is_in_session("b"));
+    Process a = start("a");
+    expect_one_world({"a", "b"}, {"NEW1", "NEW2"}, "both have come again");
+    EXPECT_THAT(world_of("a"), Not(HasSubstr("OLD")));
+    leave(a);
+    leave(b);
+  }
+  ASSERT_TRUE(std::filesystem::exists(aside_of("b")));
+  Process merge(folder, "merge", PEERD_PROGRAM, {"store", "merge", aside_of("b").string(), store_of("b").string()});
+  EXPECT_EQ(merge.exit_code(20), 0) << merge.err();
+  const Process a = start("a"), b = start("b");
+  ASSERT_TRUE(is_in_session("a") && is_in_session("b"));
+  expect_one_world({"a", "b"}, {"NEW1", "NEW2", "OLD"}, "the old edits were brought in");
+}
+
+TEST_F(ASessionThatWasBegunAnew, TakesNoOldEditsOfWhoJoins) {
+  edit_alone("b", "OLD");
+  const Process a = start_fresh("a");
+  ASSERT_TRUE(is_in_session("a")) << a.out() << a.err();
+  ASSERT_TRUE(add("a", "NEW"));
+  const Process b = ControlledPeers::start(
+      "b", {"join", "world", "--interface", "lo", "--store", store_of("b").string(), "--take-over"});
+  ASSERT_TRUE(wait_until([&] { return members_of("a") == 1 && members_of("b") == 1; })) << b.out() << b.err();
+  expect_one_world({"a", "b"}, {"NEW"}, "the other one has joined");
+  EXPECT_THAT(world_of("a"), Not(HasSubstr("OLD")));
+  EXPECT_TRUE(std::filesystem::exists(aside_of("b"))) << b.out();
+}
+
+// Whoever begins anew in a session that is here has its edits, not a session of one's own.
+TEST_F(ASessionThatWasBegunAnew, IsNoOtherOneForWhoComesLater) {
+  edit_alone("b", "OLD");
+  const Process a = start_fresh("a");
+  ASSERT_TRUE(is_in_session("a") && add("a", "NEW")) << a.out() << a.err();
+  const Process b = start_fresh("b");
+  ASSERT_TRUE(wait_until([&] { return members_of("a") == 1 && members_of("b") == 1; })) << b.out() << b.err();
+  expect_one_world({"a", "b"}, {"NEW"}, "the other one has come");
+}
+
 // A file system in memory of a few pages, which needs a privileged user.
 class SmallDisk {
  public:

@@ -109,6 +109,8 @@ Message of_a_good_clock() {
   introduction.name = "a";
   introduction.owned = {ObjectId{4'000'000'000}, ObjectId{2, 5}, ObjectId{3, 2'000'000'000}};
   introduction.owned_as_founder = 5;
+  introduction.line = 0x8123'4567'89AB'CDEF;
+  introduction.has_edits = true;
   hello.notes.push_back({ObjectId{3, 4}, ObjectId{4'000'000'000, 5}, SimTime{std::chrono::seconds(10'000'002)}, true});
   hello.notes.push_back({ObjectId{3, 4}, ObjectId{4'000'000'000}, SimTime{std::chrono::seconds(10'000'002)}, false});
   hello.os_clock = OsClockNote{std::chrono::nanoseconds(-1'234'567'891), std::chrono::microseconds(15'999'999)};

@@ -4,6 +4,6 @@
 namespace peerd {
 
 // `peerd run`, and with a capture `peerd record`: runs one peer in the foreground, until SIGTERM or SIGINT.
-[[nodiscard]] int run_peer(const PeerOptions& options);
+[[nodiscard]] int run_peer(PeerOptions options);
 
 }  // namespace peerd

@@ -10,6 +10,7 @@
 #include "core/writer/writer.hpp"
 #include "peerd/cli/shell/print.hpp"
 #include "peerd/cli/shell/problems.hpp"
+#include "peerd/daemon/open/peer_store.hpp"
 #include "peerd/daemon/open/roster_file.hpp"
 #include "peerd/input/json_text.hpp"
 #include "peerd/input/printable.hpp"
@@ -133,6 +134,29 @@ int run_store_export(const StoreExportOptions& options, std::ostream& out) {
   }
   const auto saved = write_text_file(options.file, written->text);
   return saved ? 0 : failed(saved.error());
+}
+
+int run_store_merge(const StoreMergeOptions& options, std::ostream& out) {
+  const auto from = OperationStore::open(options.from);
+  if (!from) return failed(from.error());
+  if (!OperationStore::exists(options.into)) {
+    return failed({"error: there is no store in " + options.into.string(), kWrongUse});
+  }
+  // A store that is a copy begins a log, which the next peer does not go on with: it is not of its identity.
+  const keys::Identity nobody = keys::Identity::random();
+  const replication::Author fresh = seal::fresh_author(nobody.public_key());
+  const auto into = OperationStore::open(options.into, (*from)->genesis(), fresh);
+  if (!into) return failed(into.error());
+  const seal::OperationSigner signer((*from)->genesis(), nobody, fresh.salt,
+                                     [](const keys::PublicKey&) { return true; });
+  const auto added = new_parts((*into)->log(), (*from)->log(), signer, "in " + options.from.string());
+  if (!added) return failed(added.error());
+  if (const auto stored = (*into)->append(*added); !stored) return failed(stored.error());
+  std::uint64_t bytes = 0;
+  for (const replication::OperationPart& part : *added) bytes += part.bytes.size();
+  out << fmt::format("{}: {} of {} more, of {}; its session has them once a peer runs with it\n", options.into.string(),
+                     counted(bytes, "byte"), counted(added->size(), "part"), options.from.string());
+  return 0;
 }
 
 }  // namespace peerd

@@ -29,4 +29,12 @@ struct StoreExportOptions {
 };
 [[nodiscard]] int run_store_export(const StoreExportOptions& options, std::ostream& out);
 
+// `peerd store merge FROM INTO` adds the edits of one store to another one of the same world, which no peer has open:
+// of one that was put aside because its line of descent is another one, too. Returns the exit code: as above, and 1
+// where an author's edits differ in the two, or are not signed.
+struct StoreMergeOptions {
+  std::filesystem::path from, into;
+};
+[[nodiscard]] int run_store_merge(const StoreMergeOptions& options, std::ostream& out);
+
 }  // namespace peerd

@@ -168,6 +168,7 @@ Command add_store(CLI::App& app) {
   struct Flags {
     StoreCheckOptions check;
     StoreExportOptions written;
+    StoreMergeOptions merge;
   };
   const auto flags = std::make_shared<Flags>();
   CLI::App* const command = app.add_subcommand("store", "what a peer's store of edits holds (peerd run --store)");
@@ -185,7 +186,13 @@ Command add_store(CLI::App& app) {
   written->add_flag("--lenient", flags->written.reading.lenient, "read --world as --lenient of the peer has read it")
       ->needs("--world");
   written->add_option("--out", flags->written.file, "the file to write (default: standard output)");
-  return {command, [flags, check] {
+  CLI::App* const merge =
+      command->add_subcommand("merge", "bring the edits of a store that was put aside into another");
+  merge->footer(exit_codes("it is damaged, or the two contradict each other"));
+  merge->add_option("from", flags->merge.from, "the folder that has them")->required();
+  merge->add_option("into", flags->merge.into, "the folder of peerd run --store, which no peer has open")->required();
+  return {command, [flags, check, merge] {
+            if (*merge) return run_store_merge(flags->merge, std::cout);
             return *check ? run_store_check(flags->check, std::cout) : run_store_export(flags->written, std::cout);
           }};
 }

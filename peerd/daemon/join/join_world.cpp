@@ -133,7 +133,8 @@ Result<JoinedWorld> joined_by_peers(const std::vector<snapshot::Provider>& provi
   return JoinedWorld{{offer.world, offer.genesis, std::move(offer.settings), std::move(snapshot->archive)},
                      offer.session,
                      std::move(snapshot->logs),
-                     snapshot->provided_by};
+                     snapshot->provided_by,
+                     offer.line};
 }
 
 // A peer of this computer that does not answer may be on another network, and works.

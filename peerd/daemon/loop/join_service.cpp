@@ -32,6 +32,7 @@ void JoinService::open_server() {
        .archive = options_.archive,
        .archive_digest = snapshot::digest(options_.archive),
        .logs = [this]() -> const replication::OperationLogs& { return node_.peer().logs(); },
+       .line = [this] { return node_.peer().line(); },
        .latest_stamp =
            [this] {
              const auto& session = node_.peer().clock();

@@ -152,6 +152,11 @@ Result<void> OpenedPeer::open_node() {
   PeerNode::Options node = node_options_of(options_, run, *parts_.settings, clock_);
   node.sealed_by = session_seal_->by();
   options_.store.now = SimTime{clock_.now().time_since_epoch()};
+  if (options_.store.fresh && options_.store.fresh_line == 0) options_.store.fresh_line = fresh_line();
+  if (options_.joined && options_.joined->session != 0) {
+    options_.store.session = {options_.joined->line, !options_.joined->logs.empty(), true};
+    node.joins = true;
+  }
   // Only where all else is right a store is made.
   if (auto filled = fill_store(options_, *identity_, *session_seal_, parts_); !filled) return filled;
   node.author = parts_.author.id;
@@ -159,6 +164,7 @@ Result<void> OpenedPeer::open_node() {
   signer_.emplace(*parts_.signer);
   node.signer = &*signer_;
   node.log = std::move(parts_.opened.log);
+  node.line = parts_.opened.line;
   node_ = PeerNode::make(*parts_.settings, run.replication, *parts_.shared, std::move(parts_.objects), node);
   node.log = {};                   // the peer has it
   if (!options_.record.empty()) {  // an error shows before the run and not after it

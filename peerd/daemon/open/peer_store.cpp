@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cassert>
+#include <chrono>
 #include <iterator>
 #include <map>
+#include <random>
 #include <string_view>
 #include <utility>
 
@@ -94,11 +96,9 @@ Result<OpenedStore> open_unwritable(const std::filesystem::path& folder, std::ui
   return opened;
 }
 
-}  // namespace
-
 // Nobody has asked for the store of a peer that has one by default: where it can't be made, the peer runs without.
-Result<OpenedStore> open_store(const StoreOptions& options, std::uint64_t genesis, const std::string& peer,
-                               const keys::Identity& identity) {
+Result<OpenedStore> open_as_it_is(const StoreOptions& options, std::uint64_t genesis, const std::string& peer,
+                                  const keys::Identity& identity) {
   OpenedStore opened;
   const bool by_default = !options.folder && options.by_default;
   const auto folder = by_default ? store::default_folder(genesis, peer) : options.folder;
@@ -128,6 +128,10 @@ Result<OpenedStore> open_store(const StoreOptions& options, std::uint64_t genesi
         {LogLevel::kWarning, "the store's log is by another identity: this peer begins a log of its own"});
   }
   begin_before_stamps(options, fresh, *opened.store, opened.lines);
+  if (options.fresh) {
+    if (auto noted = opened.store->note_line(options.fresh_line); !noted) return std::unexpected(noted.error());
+  }
+  opened.line = opened.store->line();
   opened.lines.push_back({LogLevel::kInfo, store_line(*opened.store, at)});
   if (opened.store->is_copy()) {
     opened.lines.push_back(
@@ -145,6 +149,47 @@ Result<OpenedStore> open_store(const StoreOptions& options, std::uint64_t genesi
   return opened;
 }
 
+constexpr const char* kEditsOfBefore =
+    "this world's session was begun by itself (--fresh), and the store's edits are not of it: they are kept aside, and "
+    "`peerd store merge` brings them in";
+
+}  // namespace
+
+std::uint64_t fresh_line() {
+  constexpr int kRandom_bits = 24;
+  std::random_device random;
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const auto now_s = static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::seconds>(now).count());
+  return now_s << kRandom_bits | (random() & ((1U << kRandom_bits) - 1));
+}
+
+Result<OpenedStore> open_store(const StoreOptions& options, std::uint64_t genesis, const std::string& peer,
+                               const keys::Identity& identity) {
+  auto opened = open_as_it_is(options, genesis, peer, identity);
+  if (!opened || !options.session) return opened;
+  const replication::LineOfDescent own{opened->line, !opened->log.empty(), false};
+  const auto meeting = replication::meet(own, *options.session);
+  if (meeting == replication::LineMeeting::kTake) {
+    opened->line = options.session->line;
+    if (!opened->store) return opened;
+    if (auto noted = opened->store->note_line(opened->line); !noted) return std::unexpected(noted.error());
+  }
+  if (meeting != replication::LineMeeting::kGoOver) return opened;
+  if (!opened->store) {  // it can't be written, nor put aside
+    opened->log.clear();
+    opened->line = options.session->line;
+    opened->lines.push_back({LogLevel::kWarning, "begins without the edits of its store, which are of another line"});
+    return opened;
+  }
+  opened->store.reset();
+  StoreOptions anew = options;
+  anew.fresh = true;
+  anew.fresh_line = options.session->line;
+  auto fresh = open_as_it_is(anew, genesis, peer, identity);
+  if (fresh) fresh->lines.insert(fresh->lines.begin(), {LogLevel::kWarning, kEditsOfBefore});
+  return fresh;
+}
+
 Result<void> check_signatures(const OpenedStore& opened, const replication::LogSigner& signer) {
   std::map<replication::AuthorId, replication::SignedLog> logs;
   for (const replication::OperationPart& part : opened.log) {  // each of whole operations
@@ -159,32 +204,41 @@ Result<void> check_signatures(const OpenedStore& opened, const replication::LogS
   return {};
 }
 
-Result<void> add_joined(const std::vector<replication::OperationPart>& provided, const replication::LogSigner& signer,
-                        OpenedStore& opened) {
+Result<std::vector<replication::OperationPart>> new_parts(const std::vector<replication::OperationPart>& held,
+                                                          const std::vector<replication::OperationPart>& more,
+                                                          const replication::LogSigner& signer,
+                                                          const std::string& origin) {
   replication::OperationLogs logs(replication::kNoAuthor, &signer);
-  for (const replication::OperationPart& part : opened.log) {
+  for (const replication::OperationPart& part : held) {
     [[maybe_unused]] const auto read = logs.restore(part);
     assert(read);
   }
   std::vector<replication::OperationPart> added;
-  for (const replication::OperationPart& part : provided) {
+  for (const replication::OperationPart& part : more) {
     const std::uint64_t before = logs.length(part.author);
-    const std::uint64_t end = std::max<std::uint64_t>(before, part.bytes.size());
+    const std::uint64_t end = std::max<std::uint64_t>(before, part.from + part.bytes.size());
     const auto read = logs.restore(part);
     if (!read || logs.whole(part.author) != end) {
       const std::string why = read ? "it is cut short or damaged" : read.error();
       return std::unexpected(
-          InputError{fmt::format("error: the log of author {} that was provided can't be used: {}{}", part.author.value,
-                                 why, before > 0 ? "; --fresh puts the store aside, which has it, too" : ""),
+          InputError{fmt::format("error: the log of author {} {} can't be used: {}{}", part.author.value, origin, why,
+                                 before > 0 ? "; --fresh puts the store aside, which has it, too" : ""),
                      1});
     }
     const auto tail = logs.bytes({part.author, before, end});
     if (!tail.empty()) added.push_back({part.author, before, {tail.begin(), tail.end()}});
   }
+  return added;
+}
+
+Result<void> add_joined(const std::vector<replication::OperationPart>& provided, const replication::LogSigner& signer,
+                        OpenedStore& opened) {
+  auto added = new_parts(opened.log, provided, signer, "that was provided");
+  if (!added) return std::unexpected(added.error());
   if (opened.store) {
-    if (auto stored = opened.store->append(added); !stored) return stored;
+    if (auto stored = opened.store->append(*added); !stored) return stored;
   }
-  std::ranges::move(added, std::back_inserter(opened.log));
+  std::ranges::move(*added, std::back_inserter(opened.log));
   return {};
 }
 

@@ -72,6 +72,7 @@ std::string encode(const Reply& reply) {
                        o.set_archive_bytes(offer.archive_bytes);
                        o.set_archive_digest(offer.archive_digest);
                        put(offer.logs, *o.mutable_logs());
+                       o.set_line(offer.line);
                      },
                      [&](const Part& part) { out.set_chunk(compress(part.bytes)); },
                      [&](const Digests& all) {
@@ -123,9 +124,9 @@ std::expected<Reply, std::string> decode_reply(std::string_view bytes) {
       const proto::SnapshotOffer& o = in.offer();
       auto logs = logs_of(o.logs());
       if (!logs) return std::unexpected(logs.error());
-      return Offer{o.protocol(),       o.session(),     printable(o.world(), kSentenceMax_bytes),
-                   o.settings(),       o.genesis(),     o.archive_bytes(),
-                   o.archive_digest(), *std::move(logs)};
+      return Offer{o.protocol(),       o.session(),      printable(o.world(), kSentenceMax_bytes),
+                   o.settings(),       o.genesis(),      o.archive_bytes(),
+                   o.archive_digest(), *std::move(logs), o.line()};
     }
     case proto::SnapshotReply::kChunk: {
       auto part = decompress(in.chunk(), kPartMax_bytes);

@@ -54,6 +54,7 @@ struct Offer {
   std::uint64_t genesis = 0;   // config::LoadedWorld::hash
   std::uint64_t archive_bytes = 0, archive_digest = 0;
   std::vector<replication::LogLength> logs;  // whole operations
+  std::uint64_t line = 0;                    // of descent, of these (replication::LineOfDescent)
 
   friend bool operator==(const Offer&, const Offer&) = default;
 };

@@ -74,7 +74,8 @@ Reply reply_to(std::string_view bytes, const SnapshotContent& content) {
                .genesis = content.genesis,
                .archive_bytes = content.archive.size(),
                .archive_digest = content.archive_digest,
-               .logs = whole_logs(content.logs(), content.latest_stamp())};
+               .logs = whole_logs(content.logs(), content.latest_stamp()),
+               .line = content.line()};
 }
 
 // The io_context may hold handlers that outlive the server; `over_` tells them.

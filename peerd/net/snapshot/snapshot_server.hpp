@@ -29,6 +29,7 @@ struct SnapshotContent {
   std::string_view archive;
   std::uint64_t archive_digest = 0;  // digest(archive)
   std::function<const replication::OperationLogs&()> logs;
+  std::function<std::uint64_t()> line = [] { return 0; };  // of descent, of the logs
   // A log with a later stamp is of a broken clock, and is not offered: a joining peer would have its operations at
   // once.
   std::function<SimTime()> latest_stamp;

@@ -140,6 +140,22 @@ struct LineOf {
                                            " has another world and is ignored; give both the "
                                            "same file, and the same [regions]"};
   }
+  Line operator()(const LineTaken& l) const {
+    return LogLine{LogLevel::kInfo,
+                   fmt::format("this peer has no edits of its own, and goes on with those of peer {}'s session (line "
+                               "{:016x})",
+                               l.from.value, l.line)};
+  }
+  Line operator()(const OtherLine& o) const {
+    return LogLine{LogLevel::kWarning,
+                   o.goes_over ? named(o.peer, o.name) +
+                                     " is in a session of this world that was begun by itself (--fresh): the edits "
+                                     "that this peer begins with do not belong there"
+                               : named(o.peer, o.name) +
+                                     " is in a session of this world that was begun by itself (--fresh), and has "
+                                     "edits as this one has: the two stay apart; end this peer and start it again "
+                                     "to go over, with its edits put aside"};
+  }
   Line operator()(const IdInUse& i) const {
     if (!i.is_ours) {
       return LogLine{

@@ -125,6 +125,8 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
   config.author = options.author;
   config.rare = options.rare;
   config.log = std::move(options.log);
+  config.line = options.line;
+  config.joins = options.joins;
   config.signer = options.signer;
   config.world_hash = replication.session_hash(shared.world.hash);
   config.policy = replication.policy;

@@ -55,6 +55,8 @@ class PeerNode {
     std::optional<replication::AuthorId> author{};
     replication::RareBranches rare{};
     std::vector<replication::OperationPart> log{};
+    std::uint64_t line = 0;                          // of descent, of that
+    bool joins = false;                              // both are from peers that are in a session
     const replication::LogSigner* signer = nullptr;  // of operations; it outlives the peer
     bool stores = false;
     // The driver seals by this what it sends, as the status says; empty: it does not.

@@ -59,6 +59,8 @@ std::string to_text(const Setup& s) {
                               {"world_name", s.reading.name},
                               {"file", s.file.string()},
                               {"configuration", s.configuration}};
+  if (s.options.line != 0) json["line"] = s.options.line;
+  if (s.options.joins) json["joins"] = true;
   if (s.options.author) json["author"] = s.options.author->value;
   if (!s.author_key.empty())
     json["author_key"] = keys::base64_of(keys::as_octets(std::span<const std::byte>(s.author_key)));
@@ -82,6 +84,8 @@ std::expected<Setup, std::string> setup_from(std::string_view text) {
     s.options.watches = json.value("watches", false);
     s.options.start_lead = Duration{json.at("start_lead_ns").get<std::int64_t>()};
     s.options.clock_offset = Duration{json.at("clock_offset_ns").get<std::int64_t>()};
+    s.options.line = json.value("line", std::uint64_t{0});  // older captures have none
+    s.options.joins = json.value("joins", false);
     s.options.keep_log = json.at("keep_log").get<bool>();
     s.options.sample_hz = json.at("sample_hz").get<std::uint32_t>();
     const auto& groups = json.at("groups");

@@ -217,6 +217,7 @@ Result<void> OperationStore::read() {
   const auto genesis = database_.number("SELECT genesis FROM world");
   if (!genesis) return std::unexpected(error(genesis.error()));
   genesis_ = static_cast<std::uint64_t>(*genesis);
+  if (const auto line = read_line(); !line) return std::unexpected(error(line.error()));
   const auto pages = database_.number("PRAGMA page_count"), page_bytes = database_.number("PRAGMA page_size");
   if (!pages) return std::unexpected(error(pages.error()));
   if (!page_bytes) return std::unexpected(error(page_bytes.error()));
@@ -292,6 +293,31 @@ DatabaseResult<void> OperationStore::pack_old() {
   if (!packer_.is_due()) return {};
   if (const auto packed = packer_.pack(database_); !packed) return packed;
   return PartPacker::shrink(database_);
+}
+
+// Stores of line 0 have no such table.
+DatabaseResult<void> OperationStore::read_line() {
+  const auto tables = database_.number("SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name = 'descent'");
+  if (!tables) return std::unexpected(tables.error());
+  if (*tables == 0) return {};
+  const auto line = database_.number("SELECT line FROM descent");
+  if (!line) return std::unexpected(line.error());
+  line_ = static_cast<std::uint64_t>(*line);
+  return {};
+}
+
+Result<void> OperationStore::note_line(std::uint64_t line) {
+  if (line == line_) return {};
+  const std::string row = fmt::format("INSERT INTO descent VALUES ({})", static_cast<std::int64_t>(line));
+  for (const char* const sql : {"BEGIN", "CREATE TABLE IF NOT EXISTS descent (line INTEGER NOT NULL)",
+                                "DELETE FROM descent", row.c_str(), "COMMIT"}) {
+    if (const auto done = database_.run(sql); !done) {
+      (void)database_.run("ROLLBACK");  // an error that ended the transaction has done so
+      return std::unexpected(error("cannot note where its edits descend from: " + done.error().text, 3));
+    }
+  }
+  line_ = line;
+  return {};
 }
 
 std::uint64_t OperationStore::own_bytes() const {

@@ -61,6 +61,9 @@ class OperationStore {
   [[nodiscard]] static bool is_own_file(std::string_view name);
 
   [[nodiscard]] std::uint64_t genesis() const { return genesis_; }
+  // The line of descent of its operations (replication::LineOfDescent); 0 until somebody has noted another one.
+  [[nodiscard]] std::uint64_t line() const { return line_; }
+  [[nodiscard]] Result<void> note_line(std::uint64_t line);
   // The author that writes on in this store; nobody: the next peer begins a log of its own.
   [[nodiscard]] replication::AuthorId author() const { return author_.id; }
   [[nodiscard]] std::uint64_t author_salt() const { return author_.salt; }
@@ -97,6 +100,7 @@ class OperationStore {
   [[nodiscard]] Result<void> read();
   [[nodiscard]] Result<void> read_parts();
   [[nodiscard]] Result<void> read_rows(std::string_view sql, replication::OperationLogs& logs);
+  [[nodiscard]] DatabaseResult<void> read_line();
   [[nodiscard]] DatabaseResult<void> pack_old();
   void pack();
   [[nodiscard]] Result<void> read_author();
@@ -108,7 +112,7 @@ class OperationStore {
 
   std::unique_ptr<FileFolder> folder_;  // outlives the database
   Database database_;
-  std::uint64_t genesis_ = 0, file_bytes_ = 0;
+  std::uint64_t genesis_ = 0, line_ = 0, file_bytes_ = 0;
   replication::Author author_;
   std::vector<replication::OperationPart> log_;
   std::vector<StoredLog> logs_;

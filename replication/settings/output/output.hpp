@@ -70,6 +70,18 @@ struct OtherWorld {
   PeerId peer;
   std::string name;
 };
+// This peer has no edits, and is of the line of descent of that peer's from now on.
+struct LineTaken {
+  PeerId from;
+  std::uint64_t line = 0;
+};
+// A peer's edits descend by another line than this peer's (replication::LineOfDescent), so that nothing of it is used.
+struct OtherLine {
+  PeerId peer;
+  std::string name;
+  std::uint64_t line = 0;
+  bool goes_over = false;  // this peer is new, and must begin anew with that line; else both stay apart
+};
 // Two programs are peers of one id. What the one says that started earlier, others drop.
 struct IdInUse {
   PeerId peer;            // the id
@@ -187,10 +199,11 @@ struct GhostDiffers {
   double distance_m = 0.0;
   bool explained = false;  // by what has been lost, or has not come yet; the owner does not ask for the reason
 };
-using Output = std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined,
-                            PeerLost, ObjectOrphaned, OtherVersion, OtherWorld, IdInUse, NameInUse, LimitMet,
-                            OwnershipConflict, FounderGaveWay, SceneEdited, DataChanged, MessageReceived, OperationHeld,
-                            ObjectGiven, ObjectRequested, RequestRefused, LogGrown, DelayShown, CameTooLate, Published,
-                            ContactSeen, Overruled, ContactsRetracted, BodiesOverlap, NotColliding, GhostDiffers>;
+using Output =
+    std::variant<Send, Join, Leave, Synchronised, ClockStepped, OsClockDoubted, HostSuspended, PeerJoined, PeerLost,
+                 ObjectOrphaned, OtherVersion, OtherWorld, LineTaken, OtherLine, IdInUse, NameInUse, LimitMet,
+                 OwnershipConflict, FounderGaveWay, SceneEdited, DataChanged, MessageReceived, OperationHeld,
+                 ObjectGiven, ObjectRequested, RequestRefused, LogGrown, DelayShown, CameTooLate, Published,
+                 ContactSeen, Overruled, ContactsRetracted, BodiesOverlap, NotColliding, GhostDiffers>;
 
 }  // namespace peerd::replication

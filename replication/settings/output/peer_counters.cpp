@@ -14,6 +14,8 @@ const char* to_string(Drop drop) {
       return "stale_boot";
     case Drop::kOtherWorld:
       return "other_world";
+    case Drop::kOtherLine:
+      return "other_line";
     case Drop::kTooMany:
       return "too_many";
     case Drop::kUnintroduced:

@@ -20,6 +20,7 @@ enum class Drop : std::uint8_t {
   kIdInUse,           // the id of this peer with another incarnation
   kStaleIncarnation,  // sent before that peer's restart
   kOtherWorld,
+  kOtherLine,
   kTooMany,          // more peers than one network carries
   kUnintroduced,     // no introduction of that peer has come yet
   kNotYetInSession,  // this peer has no session time yet

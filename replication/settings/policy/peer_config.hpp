@@ -86,6 +86,8 @@ struct PeerConfig {
   std::string name;
   std::uint64_t incarnation = 1;  // must grow from one start of this peer to the next
   std::uint64_t world_hash = 0;   // peers with another world are ignored, and reported once
+  std::uint64_t line = 0;         // of descent, of `log` and of what comes (LineOfDescent)
+  bool joins = false;             // `log` and its line are of peers that are in a session
   // The author of this peer's operations: that of its store. None: an author of this start alone.
   std::optional<AuthorId> author;
   // What a store holds of the logs of all authors, whole operations, each log from its beginning and in order. The peer

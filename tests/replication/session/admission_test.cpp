@@ -34,7 +34,8 @@ class Admitting : public testing::Test {
   Membership members{own.lost_after};
   Outbox outbox{own.id, own.incarnation, counters};
   MemberLimits limits{members, outbox, counters};
-  Admission admission{own, members, outbox, limits};
+  LineOfDescent line;
+  Admission admission{own, line, members, outbox, limits};
   RegionId region = kWholeScene;  // that datagrams come to
   bool leads = false;             // this peer
   std::vector<std::pair<PeerId, std::uint64_t>> lost;
@@ -252,6 +253,61 @@ TEST_F(Admitting, OtherVersionsAreReportedOnceEachAndNoMoreThanEight) {
   const auto reported = drain<OtherVersion>(outbox);
   ASSERT_EQ(reported.size(), 8u);
   for (std::uint32_t i = 0; i < 8; ++i) EXPECT_EQ(reported[i].version, 20 + i);
+}
+
+// ---- lines of descent ----
+
+class AdmittingLines : public Admitting {
+ protected:
+  static Message of_line(std::uint32_t id, std::uint64_t line, bool has_edits, std::uint64_t incarnation = 100) {
+    Message m = introduction(id, incarnation);
+    m.hello->session_tx = SimTime{1s};
+    m.hello->introduction->line = line;
+    m.hello->introduction->has_edits = has_edits;
+    return m;
+  }
+};
+
+TEST_F(AdmittingLines, APeerWithoutEditsTakesThatOfTheSession) {
+  EXPECT_EQ(admit(of_line(2, 7, true)), Known::kJoined);
+  EXPECT_EQ(line.line, 7u);
+  const auto taken = drain<LineTaken>(outbox);
+  ASSERT_EQ(taken.size(), 1u);
+  EXPECT_EQ(taken[0].from, PeerId{2});
+  EXPECT_EQ(taken[0].line, 7u);
+}
+
+TEST_F(AdmittingLines, EditsOfAnotherLineAreSaidOnce) {
+  line.has_edits = true;
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(admit(of_line(2, 7, false)), std::unexpected(Drop::kOtherLine));
+  EXPECT_EQ(line.line, 0u);
+  EXPECT_TRUE(admission.has_other_line(PeerId{2}));
+  const auto said = drain<OtherLine>(outbox);
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_EQ(said[0].line, 7u);
+  EXPECT_TRUE(said[0].goes_over);
+  EXPECT_TRUE(members.all().empty());
+}
+
+TEST_F(AdmittingLines, TwoSessionsThatHaveEditsStayApart) {
+  line = {5, true, true};
+  EXPECT_EQ(admit(of_line(2, 7, true)), std::unexpected(Drop::kOtherLine));
+  EXPECT_EQ(admit(of_line(3, 7, false)), std::unexpected(Drop::kOtherLine)) << "that one comes over";
+  const auto said = drain<OtherLine>(outbox);
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_FALSE(said[0].goes_over);
+  EXPECT_EQ(admit(of_line(3, 5, false)), Known::kJoined);
+  EXPECT_FALSE(admission.has_other_line(PeerId{3}));
+}
+
+TEST_F(AdmittingLines, AMemberThatGoesToAnotherLineIsLost) {
+  line = {5, true, true};
+  EXPECT_EQ(admit(of_line(2, 5, true)), Known::kJoined);
+  EXPECT_EQ(admit(of_line(2, 7, true, 99)), std::unexpected(Drop::kStaleIncarnation)) << "a datagram of before";
+  EXPECT_TRUE(lost.empty());
+  drain<PeerJoined>(outbox);
+  EXPECT_EQ(admit(of_line(2, 7, true)), std::unexpected(Drop::kOtherLine));
+  EXPECT_EQ(lost, (std::vector<std::pair<PeerId, std::uint64_t>>{{PeerId{2}, 100}}));
 }
 
 }  // namespace peerd::replication::admission_test

@@ -479,6 +479,8 @@ TEST(HelloSize, AFullHelloFits) {
   m.subscriptions.back().since = sim(10s);
   EXPECT_LE(encode(m).size(), kDatagramMax_bytes);
   i.owned_as_founder = ~std::uint64_t{0};
+  i.line = ~std::uint64_t{0};
+  i.has_edits = true;
   m.subscriptions.erase(m.subscriptions.begin());
   h.scene_digest = ~std::uint64_t{0};  // instead of one of the subscriptions
   m.subscriptions.pop_back();

@@ -66,6 +66,8 @@ void add(Expected& out, const Hello& h, std::uint64_t incarnation) {
   if (i.owned_as_founder != 0) out.add("introduction.owned_as_founder", i.owned_as_founder);
   if (i.start) out.add("introduction.start_ns", *i.start);
   if (i.world_zero) out.add("introduction.world_zero_ns", *i.world_zero);
+  if (i.line != 0) out.add("introduction.line", i.line);
+  if (i.has_edits) out.add("introduction.has_edits", true);
   if (!i.viewpoint) return;
   if (i.viewpoint->object) out.add("viewpoint.object", i.viewpoint->object->packed());
   out.add("viewpoint.position", i.viewpoint->pose.position);

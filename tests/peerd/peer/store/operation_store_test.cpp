@@ -505,4 +505,18 @@ TEST_F(Store, OfManyWhoBeginItAtOnceOneHasIt) {
   }
 }
 
+TEST_F(Store, KeepsTheLineOfItsEdits) {
+  {
+    const auto store = must(open());
+    EXPECT_EQ(store->line(), 0u);
+    must(store->note_line(~std::uint64_t{0}));
+  }
+  {
+    const auto store = must(open());
+    EXPECT_EQ(store->line(), ~std::uint64_t{0});
+    must(store->note_line(7));
+  }
+  EXPECT_EQ(must(OperationStore::open(at))->line(), 7u) << "to be read only";
+}
+
 }  // namespace peerd::store::operation_store_test

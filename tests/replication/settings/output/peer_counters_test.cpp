@@ -16,6 +16,7 @@ TEST(PeerCounters, NamesEachReasonOfADrop) {
                                    {Drop::kIdInUse, "id_in_use"},
                                    {Drop::kStaleIncarnation, "stale_boot"},
                                    {Drop::kOtherWorld, "other_world"},
+                                   {Drop::kOtherLine, "other_line"},
                                    {Drop::kTooMany, "too_many"},
                                    {Drop::kUnintroduced, "stranger"},
                                    {Drop::kNotYetInSession, "not_yet_in_session"},
