@@ -1981,6 +1981,7 @@ local J = {
   settings = join_field("string", "settings", "Settings"),
   genesis = join_field("uint64", "genesis", "World's hash", base.HEX),
   archive_bytes = join_field("uint64", "archive.bytes", "Bytes of the archive"),
+  line = join_field("uint64", "line", "Line of descent of its edits", base.HEX),
   archive_digest = join_field("uint64", "archive.digest", "Digest of the archive", base.HEX),
   chunk = join_field("uint32", "chunk.bytes", "Bytes, compressed"),
   unpacked = join_field("uint64", "chunk.unpacked_bytes", "Bytes, unpacked"),
@@ -2081,7 +2082,7 @@ local function dissect_offer(tvb, tree)
     uint32(tree, J.protocol), words(J.world), words(J.settings), hash(J.genesis), uint64(tree, J.archive_bytes),
     hash(J.archive_digest),
     { repeated = true, bytes = function(inner) logs_of[#logs_of + 1] = inner end },
-    hash(J.session),
+    hash(J.session), hash(J.line),
   })
   if #logs_of > 0 then join_logs(message_of(logs_of), tree) end
 end
