@@ -1,5 +1,7 @@
 #include "peerd/input/printable.hpp"
 
+#include "peerd/input/path_text.hpp"
+
 namespace peerd {
 
 std::string printable(std::string_view text, std::size_t most) {
@@ -18,6 +20,8 @@ std::string printable(std::string_view text, std::size_t most) {
   }
   return shown;
 }
+
+bool is_printable(std::string_view text) { return is_utf8(text) && printable(text, text.size()) == text; }
 
 std::string counted(std::size_t count, const std::string& what, const std::string& plural) {
   return std::to_string(count) + ' ' + (count == 1 ? what : plural.empty() ? what + "s" : plural);

@@ -60,6 +60,7 @@ std::optional<Invitation> read_invitation(std::string_view text) {
   const auto hash = hash_of(bytes.data(), checked);
   if (sodium_memcmp(hash.data(), bytes.data() + checked, kCheck_bytes) != 0) return std::nullopt;
   std::string world(bytes.begin() + SymmetricKey::kBytes, bytes.begin() + static_cast<std::ptrdiff_t>(checked));
+  if (!is_world_name(world)) return std::nullopt;
   Invitation invitation{std::move(world), SymmetricKey::of_bytes(std::span(bytes).first<SymmetricKey::kBytes>()), {}};
   sodium_memzero(bytes.data(), bytes.size());
   return invitation;

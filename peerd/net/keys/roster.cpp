@@ -10,6 +10,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "peerd/input/printable.hpp"
 #include "peerd/net/keys/base64.hpp"
 
 namespace peerd::keys {
@@ -82,7 +83,7 @@ bool is_member_name(std::string_view name) {
 }
 
 bool is_world_name(std::string_view name) {
-  return !name.empty() && name.size() <= kRosterWorldMax_bytes && name.find('\n') == std::string_view::npos;
+  return !name.empty() && name.size() <= kRosterWorldMax_bytes && is_printable(name);
 }
 
 Roster Roster::first(const std::string& world, const std::string& name, const Identity& administrator) {

@@ -30,7 +30,7 @@ struct Member {
 };
 // 1 to 64 letters, digits, '-', '_' and '.'.
 [[nodiscard]] bool is_member_name(std::string_view name);
-// 1 to 255 bytes without a line's end.
+// 1 to 255 bytes of a text that a terminal and a file's name can have as it is (is_printable()).
 [[nodiscard]] bool is_world_name(std::string_view name);
 
 // A Roster says who the members of a world are. Each change of it is a new epoch of the session, with a new key, which

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "peerd/input/path_text.hpp"
+#include "peerd/input/printable.hpp"
 #include "peerd/input/text_file.hpp"
 #include "peerd/input/toml_json.hpp"
 #include "peerd/peer/config/node_pattern.hpp"
@@ -111,8 +112,7 @@ void read_peers(TomlReader& root, RunSettings& run, const std::filesystem::path&
 
 bool is_world_name(const std::string& name) {
   constexpr std::size_t kWorldNameMax_bytes = 63;
-  const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
-  return !name.empty() && name.size() <= kWorldNameMax_bytes && std::ranges::none_of(name, is_control);
+  return !name.empty() && name.size() <= kWorldNameMax_bytes && is_printable(name);
 }
 
 Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const ScenarioRequest& request) {

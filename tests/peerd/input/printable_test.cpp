@@ -33,6 +33,11 @@ TEST(Printable, IsCutBetweenCharacters) {
   for (const Case& c : cases) EXPECT_EQ(printable(c.text, c.most), c.shown) << c.text << " " << c.most;
 }
 
+TEST(Printable, SaysWhatATerminalCanHaveAsItIs) {
+  for (const char* const good : {"", "town", "\u00f6/..", "\u4e16\u754c"}) EXPECT_TRUE(is_printable(good)) << good;
+  for (const char* const bad : {"a\n", "\x1b[2J", "\x7f", "a\u009b1m", "\xff"}) EXPECT_FALSE(is_printable(bad)) << bad;
+}
+
 TEST(Counted, HasAnSButOfOne) {
   EXPECT_EQ(counted(0, "error"), "0 errors");
   EXPECT_EQ(counted(1, "error"), "1 error");

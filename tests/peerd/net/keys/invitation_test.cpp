@@ -7,7 +7,7 @@ namespace {
 
 TEST(Invitations, HaveTheWorldAndItsKey) {
   for (const std::string& world :
-       {std::string("town"), std::string("a world, \"named\" oddly\n"), std::string(255, 'w')}) {
+       {std::string("town"), std::string("a world, \"named\" \u00f6ddly/.."), std::string(255, 'w')}) {
     const SymmetricKey key = SymmetricKey::random();
     const std::string text = text_of(world, key);
     EXPECT_EQ(text.find_first_of(" \t\n\"'"), std::string::npos) << "it can be pasted anywhere: " << text;
@@ -42,7 +42,9 @@ TEST(Invitations, AreNoticedWhereTheyAreNotWhole) {
     EXPECT_FALSE(read_invitation(changed)) << at;
   }
   EXPECT_FALSE(read_invitation(text + "A"));
-  EXPECT_FALSE(read_invitation(text_of("", SymmetricKey::random()))) << "of no world";
+  for (const char* const world : {"", "two\nlines", "\x1b[2J", "a\u009b1m", "\x7f", "\xff"}) {
+    EXPECT_FALSE(read_invitation(text_of(world, SymmetricKey::random()))) << "it would be written to terminals";
+  }
   EXPECT_FALSE(read_invitation(text_of(std::string(256, 'w'), SymmetricKey::random())));
   EXPECT_FALSE(read_invitation(SymmetricKey::random().text()));
 }
