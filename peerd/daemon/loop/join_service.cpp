@@ -32,14 +32,14 @@ void JoinService::open_server() {
        .archive = options_.archive,
        .archive_digest = snapshot::digest(options_.archive),
        .logs = [this]() -> const replication::OperationLogs& { return node_.peer().logs(); },
-       .line = [this] { return node_.peer().line(); },
        .latest_stamp =
            [this] {
              const auto& session = node_.peer().clock();
              return session.synchronised() ? session.to_session(clock_.now()) + replication::kStampAheadMax
                                            : SimTime::max();
            },
-       .key = options_.key},
+       .key = options_.key,
+       .line = [this] { return node_.peer().line(); }},
       [this](const boost::asio::ip::address& at) {
         const auto session_at = options_.own_address();
         return session_at.is_unspecified() || net::are_of_one_interface(at, session_at);

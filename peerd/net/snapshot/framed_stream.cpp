@@ -101,6 +101,12 @@ void FramedStream::write_frame(std::string_view content, OnDone done) {
   asio::async_write(socket_, asio::buffer(out_), guarded(std::move(done)));
 }
 
+asio::ip::address FramedStream::remote() const {
+  error_code over;
+  const auto at = socket_.remote_endpoint(over);
+  return over ? asio::ip::address() : at.address();
+}
+
 void FramedStream::close() {
   over_ = true;
   error_code ignored;

@@ -38,6 +38,8 @@ class FramedStream : public std::enable_shared_from_this<FramedStream> {
   void read(OnFrame on_frame);
   void write(const std::string& content, OnDone done);
   void close();
+  // The other side's address; unspecified where the connection is over.
+  [[nodiscard]] boost::asio::ip::address remote() const;
   // It is sealed, and nothing that the other side has sent was opened: that may have another key, or none.
   [[nodiscard]] bool is_unproven() const { return seal_ && !is_proven_; }
   // It is sealed, and the other side has begun with something else than a key: that is open.

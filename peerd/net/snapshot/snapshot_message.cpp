@@ -141,18 +141,24 @@ std::expected<Reply, std::string> decode_reply(std::string_view bytes) {
   return std::unexpected("it says nothing that this version knows");
 }
 
-std::uint64_t digest(std::string_view bytes) {
-  constexpr std::uint64_t kPrime = 1099511628211u, kBasis = 14695981039346656037u;
-  std::uint64_t hash = kBasis ^ bytes.size();
+Digester::Digester(std::uint64_t bytes) : hash_(14695981039346656037u ^ bytes) {}
+
+void Digester::add(std::string_view bytes) {
+  constexpr std::uint64_t kPrime = 1099511628211u;
   while (!bytes.empty()) {
     std::uint64_t word = 0;
-    const std::size_t size = std::min(bytes.size(), sizeof(word));
+    const std::size_t size = std::min(bytes.size(), kWord_bytes);
     for (std::size_t i = 0; i < size; ++i) word |= std::uint64_t{static_cast<unsigned char>(bytes[i])} << (8 * i);
     bytes.remove_prefix(size);
-    hash = (hash ^ word) * kPrime;
-    hash ^= hash >> 32;  // a product carries nothing downwards
+    hash_ = (hash_ ^ word) * kPrime;
+    hash_ ^= hash_ >> 32;  // a product carries nothing downwards
   }
-  return hash == 0 ? 1 : hash;
+}
+
+std::uint64_t digest(std::string_view bytes) {
+  Digester digester(bytes.size());
+  digester.add(bytes);
+  return digester.value();
 }
 
 }  // namespace peerd::snapshot

@@ -86,8 +86,21 @@ using Reply = std::variant<Refusal, Offer, Part, Digests>;
 [[nodiscard]] std::expected<Request, std::string> decode_request(std::string_view bytes);
 [[nodiscard]] std::expected<Reply, std::string> decode_reply(std::string_view bytes);
 
-// A number for bytes that are to be compared with another peer's (as FNV-1a, by words of eight bytes), never 0. It
-// shows damage and differences, not a forger's work.
+// Makes a number for bytes that are to be compared with another peer's (as FNV-1a, by words of eight bytes), never 0.
+// It shows damage and differences, not a forger's work.
+class Digester {
+ public:
+  static constexpr std::size_t kWord_bytes = 8;
+
+  // Of so many bytes in all.
+  explicit Digester(std::uint64_t bytes);
+  // Adds what comes next: whole words, unless it is the last.
+  void add(std::string_view bytes);
+  [[nodiscard]] std::uint64_t value() const { return hash_ == 0 ? 1 : hash_; }
+
+ private:
+  std::uint64_t hash_;
+};
 [[nodiscard]] std::uint64_t digest(std::string_view bytes);
 
 }  // namespace peerd::snapshot

@@ -1,6 +1,7 @@
 #include "peerd/net/snapshot/snapshot_server.hpp"
 
 #include <algorithm>
+#include <deque>
 #include <map>
 #include <utility>
 
@@ -10,79 +11,24 @@
 
 #include "peerd/net/os/close_on_exec.hpp"
 #include "peerd/net/snapshot/framed_stream.hpp"
-#include "replication/wire/codec.hpp"
 
 namespace peerd::snapshot {
 namespace {
 
 namespace asio = boost::asio;
 using boost::system::error_code;
-using replication::LogLength;
-using replication::OperationRange;
 
 // A joining peer that asks for nothing for so long is gone.
 constexpr Duration kPatience = std::chrono::seconds(30);
 constexpr std::chrono::seconds kAcceptAgainAfter{1};  // pause after a failure, such as a lack of descriptors
 
-std::string_view as_text(std::span<const std::byte> bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-std::vector<LogLength> whole_logs(const replication::OperationLogs& logs, SimTime latest) {
-  std::vector<LogLength> whole;
-  for (const LogLength& log : logs.lengths()) {
-    if (const std::uint64_t bytes = logs.whole(log.author); bytes > 0 && logs.last_stamp(log.author) <= latest)
-      whole.push_back({log.author, bytes});
-  }
-  return whole;
-}
-
-Reply part_of(const OperationRange& range, const SnapshotContent& content) {
-  std::string_view bytes;
-  std::vector<std::byte> of_log;
-  if (range.author != replication::kNoAuthor) {
-    of_log = content.logs().bytes(range);
-    bytes = as_text(of_log);
-  } else if (range.from < content.archive.size()) {
-    bytes = content.archive.substr(range.from, range.to - range.from);
-  }
-  if (bytes.size() != range.to - range.from) return Refusal{"this peer does not hold that"};
-  return Part{std::string(bytes)};
-}
-
-Digests digests_of(const DigestRequest& asked, const replication::OperationLogs& logs) {
-  Digests all;
-  for (const LogLength& log : asked.logs) {
-    const auto bytes = logs.bytes({log.author, 0, log.bytes});
-    all.digests.push_back(bytes.size() == log.bytes ? digest(as_text(bytes)) : 0);
-  }
-  return all;
-}
-
 }  // namespace
-
-Reply reply_to(std::string_view bytes, const SnapshotContent& content) {
-  const auto request = decode_request(bytes);
-  if (!request) return Refusal{request.error()};
-  if (request->session != 0 && request->session != content.session) return Refusal{"this peer is in another world"};
-  if (const auto* part = std::get_if<PartRequest>(&request->what)) return part_of(part->range, content);
-  if (const auto* asked = std::get_if<DigestRequest>(&request->what)) return digests_of(*asked, content.logs());
-  return Offer{.protocol = replication::kProtocolVersion,
-               .session = content.session,
-               .world = content.world,
-               .settings = content.settings,
-               .genesis = content.genesis,
-               .archive_bytes = content.archive.size(),
-               .archive_digest = content.archive_digest,
-               .logs = whole_logs(content.logs(), content.latest_stamp()),
-               .line = content.line()};
-}
 
 // The io_context may hold handlers that outlive the server; `over_` tells them.
 class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
  public:
   Impl(asio::io_context& io, SnapshotContent content, ServesAt serves_at)
-      : acceptor_(io), again_(io), content_(std::move(content)), serves_at_(std::move(serves_at)) {}
+      : acceptor_(io), again_(io), turn_(io), content_(std::move(content)), serves_at_(std::move(serves_at)) {}
 
   std::expected<void, net::NetError> listen(const asio::ip::address& address, std::uint16_t port) {
     error_code failed;
@@ -106,6 +52,8 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
     error_code ignored;
     acceptor_.close(ignored);
     again_.cancel();
+    turn_.cancel();
+    waiting_.clear();
     for (const auto& [number, stream] : std::exchange(streams_, {})) stream->close();
   }
   [[nodiscard]] std::uint16_t port() const { return acceptor_.local_endpoint().port(); }
@@ -141,8 +89,8 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
         },
         seal());
     streams_.emplace(number, stream);
-    stream->begin([self = shared_from_this(), stream] {
-      if (!self->over_) self->serve(stream);
+    stream->begin([self = shared_from_this(), number, stream] {
+      if (!self->over_) self->serve(number, stream);
     });
   }
   // The connection that has not proven the session's key for the longest time makes room. False: all have, or there is
@@ -158,22 +106,59 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
     const auto key = content_.key();
     return key ? std::optional(seal::StreamSeal(*key, seal::StreamSeal::End::kServer)) : std::nullopt;
   }
-  void serve(const StreamPtr& stream) {
-    stream->read([self = shared_from_this(), stream](const std::string& request) {
+  void serve(std::uint64_t number, const StreamPtr& stream) {
+    stream->read([self = shared_from_this(), number, stream](const std::string& request) {
       if (self->over_) return;
-      stream->write(encode(reply_to(request, self->content_)), [self, stream] {
-        if (!self->over_) self->serve(stream);
-      });
+      const bool is_first = self->waiting_.empty();
+      self->waiting_[stream->remote()].push_back({number, stream, ReplyWork(request, self->content_)});
+      if (is_first) self->wait_for_turn();
     });
   }
-  void drop(std::uint64_t number) { streams_.erase(number); }
+  // Turns are apart also where nobody waited in between.
+  void wait_for_turn() {
+    turn_.expires_at(std::max(std::chrono::steady_clock::now(), turn_.expiry() + kStepsApart));
+    turn_.async_wait([self = shared_from_this()](const error_code& failed) {
+      if (!failed && !self->over_) self->take_turn();
+    });
+  }
+  void take_turn() {
+    if (waiting_.empty()) return;
+    auto next = waiting_.upper_bound(served_);
+    if (next == waiting_.end()) next = waiting_.begin();
+    served_ = next->first;
+    Waiting first = std::move(next->second.front());
+    next->second.pop_front();
+    if (auto reply = first.work.step()) {
+      first.stream->write(encode(*reply), [self = shared_from_this(), number = first.number, stream = first.stream] {
+        if (!self->over_) self->serve(number, stream);
+      });
+    } else {
+      next->second.push_back(std::move(first));
+    }
+    if (next->second.empty()) waiting_.erase(next);
+    if (!waiting_.empty()) wait_for_turn();
+  }
+  void drop(std::uint64_t number) {
+    streams_.erase(number);
+    for (auto& [address, all] : waiting_)
+      std::erase_if(all, [&](const Waiting& each) { return each.number == number; });
+    std::erase_if(waiting_, [](const auto& each) { return each.second.empty(); });
+  }
+
+  struct Waiting {
+    std::uint64_t number;  // in streams_
+    StreamPtr stream;
+    ReplyWork work;
+  };
 
   asio::ip::tcp::acceptor acceptor_;
-  asio::steady_timer again_;
+  asio::steady_timer again_, turn_;
   SnapshotContent content_;
   ServesAt serves_at_;
   std::map<std::uint64_t, StreamPtr> streams_;  // by the order in which they were taken
   std::uint64_t taken_ = 0;
+  std::map<asio::ip::address, std::deque<Waiting>> waiting_;  // for their turns; none is empty
+  asio::ip::address served_;                                  // last
   bool over_ = false;
 };
 

@@ -13,34 +13,17 @@
 
 #include "peerd/net/keys/symmetric_key.hpp"
 #include "peerd/net/os/net_error.hpp"
-#include "peerd/net/snapshot/snapshot_message.hpp"
-#include "replication/edits/log/operation_log.hpp"
+#include "peerd/net/snapshot/reply_work.hpp"
 
 namespace peerd::snapshot {
 
-// Gives the key of the session at present; none: connections are open.
-using KeyNow = std::function<std::optional<keys::SymmetricKey>()>;
-
-// A SnapshotContent is all that a server gives. It outlives the server.
-struct SnapshotContent {
-  std::uint64_t session = 0;
-  std::string world, settings;  // as in Offer
-  std::uint64_t genesis = 0;
-  std::string_view archive;
-  std::uint64_t archive_digest = 0;  // digest(archive)
-  std::function<const replication::OperationLogs&()> logs;
-  std::function<std::uint64_t()> line = [] { return 0; };  // of descent, of the logs
-  // A log with a later stamp is of a broken clock, and is not offered: a joining peer would have its operations at
-  // once.
-  std::function<SimTime()> latest_stamp;
-  KeyNow key = [] { return std::nullopt; };
-};
-
-// Answers joining peers by TCP, in the io_context's one thread: one part of at most kPartMax_bytes at a time of each,
-// which costs less than a millisecond. It changes nothing, whatever it is asked.
+// Answers joining peers by TCP, in the io_context's one thread. All of them together get a step of ReplyWork in
+// kStepsApart, so that the peer itself goes on, whoever asks for whatever. Addresses take turns, and the connections of
+// each. It changes nothing.
 class SnapshotServer {
  public:
   static constexpr std::size_t kConnectionsMax = 256;
+  static constexpr std::chrono::milliseconds kStepsApart{1};
 
   // Listens at a port that the system chooses where `port` is 0. `serves_at`: whether a connection to that address of
   // this computer is taken, once it has come; none: each is. So a server at the unspecified address goes on where the
@@ -60,8 +43,5 @@ class SnapshotServer {
   explicit SnapshotServer(std::shared_ptr<Impl> impl);
   std::shared_ptr<Impl> impl_;
 };
-
-// The reply to a request, which may be anything.
-[[nodiscard]] Reply reply_to(std::string_view request, const SnapshotContent& content);
 
 }  // namespace peerd::snapshot
