@@ -116,7 +116,8 @@ void SealedTransport::send(RegionId region, std::span<const std::byte> datagram)
 }
 
 void SealedTransport::take_announcement(const net::Arrival& arrival) {
-  const auto refused = arrival.region == kAll ? sealer_.hear(arrival.datagram, clock_.now()) : Refusal::kForged;
+  const auto refused =
+      arrival.region == kAll ? sealer_.hear(arrival.datagram, clock_.now(), arrival.from.address()) : Refusal::kForged;
   say_findings();
   if (!refused) {
     ++announcements_in_;

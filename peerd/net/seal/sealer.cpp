@@ -27,8 +27,10 @@ constexpr std::uint64_t kAnnouncedAfter = 128;
 // time that it happens again. It goes on for a little after it has said that no more, for those who have not heard it
 // yet.
 constexpr Duration kSignsAllLeast = Seconds(60), kSignsAllMost = std::chrono::hours(1), kSignsOn = Seconds(3);
-// Answers before their time, and checks of signatures of boots that are new: at once, and in the long run.
-constexpr net::TokenRate kAnswers{8.0, 4.0}, kChecks{500.0, 200.0};
+// Answers before their time: at once, and in the long run.
+constexpr net::TokenRate kAnswers{8.0, 4.0};
+// Identities of short lives are looked for so often.
+constexpr Duration kShortLivesDue = Seconds(5);
 constexpr std::size_t kRefusedBootsMax = 8;
 
 // The first byte: what it is, in two bits that no open datagram, region header or greeting begins with; whether it is
@@ -85,10 +87,10 @@ Sealer::Sealer(const keys::SymmetricKey& session, Self self, IsMember is_member)
       is_member_(std::move(is_member)),
       key_(datagram_key(self_.peer, self_.identity.public_key(), self_.boot)),
       answers_(kAnswers),
-      checks_(kChecks),
+      newcomers_(net::random_key(), kNewcomers),
       signs_all_for_(kSignsAllLeast) {
   assert(self_.epoch <= kEpochBits);
-  bound_.emplace(self_.peer, self_.identity.public_key());
+  bound_.emplace(self_.peer, Bound{self_.identity.public_key(), HostTime{}, HostTime{Duration::max() / 2}});
 }
 
 BootId Sealer::random_boot() {
@@ -225,20 +227,24 @@ bool Sealer::is_announcement(std::span<const std::byte> datagram) {
 }
 
 // Why an announcement is not taken; none: it is.
-std::optional<Refusal> Sealer::refused(const OpenedAnnouncement& announcement, HostTime now) {
+std::optional<Refusal> Sealer::refused(const OpenedAnnouncement& announcement, HostTime now,
+                                       const boost::asio::ip::address& from) {
   const Announcement& says = announcement.says();
   if (says.boot == self_.boot) return Refusal::kOwn;
   if (given_up_.contains({says.sender, says.boot})) return Refusal::kTooMany;
   const Boot* known = find(says);
   if (known != nullptr && says.number <= known->announcements) return Refusal::kReplayed;
   if (known == nullptr) {
+    const auto before = forgotten_.find({says.sender, says.boot});
+    if (before != forgotten_.end() && says.number <= before->second) return Refusal::kReplayed;
     first_heard_.note(says.boot, now);
-    if (!has_room(says, now) || !checks_.take(kChecks, now)) return Refusal::kUnproven;
+    if (!has_room(says, now)) return Refusal::kUnproven;
+    if (!newcomers_.admits(from, net::SourceBuckets::Kind::kAnnouncement, now)) return Refusal::kUnproven;
   }
   if (!announcement.is_signed()) return Refusal::kUnsigned;
   if (is_member_ && !is_member_(says.key)) return refuse(says, Named::kUnknown, now);
   const auto bound = bound_.find(says.sender);
-  if (bound != bound_.end() && bound->second != says.key) return refuse(says, Named::kTaken, now);
+  if (bound != bound_.end() && bound->second.key != says.key) return refuse(says, Named::kTaken, now);
   return std::nullopt;
 }
 
@@ -287,7 +293,7 @@ Sealer::Boot& Sealer::boot_of(const Announcement& says, HostTime now) {
 }
 
 // Proves the boot that was heard of last. False: too many have been given up.
-bool Sealer::prove(PeerId sender) {
+bool Sealer::prove(PeerId sender, HostTime now) {
   std::vector<Boot>& of_sender = boots_[sender];
   if (std::ranges::count(of_sender, true, &Boot::is_proven) >= std::ptrdiff_t{kBootsOfPeerMax}) {
     if (given_up_.size() >= kGivenUpMax) return false;
@@ -296,14 +302,57 @@ bool Sealer::prove(PeerId sender) {
     of_sender.erase(oldest);
   }
   if (!bound_.contains(sender)) {
-    if (bound_.size() >= kBoundMax) return false;
-    bound_.emplace(sender, of_sender.back().owner);
+    if (bound_.size() >= kBoundMax && !make_room_to_bind(now)) return false;
+    bound_.emplace(sender, Bound{of_sender.back().owner, now, now});
   }
   of_sender.back().flags |= Named::kProven;
   return true;
 }
 
+// The numbers of the quarter of identities that have been silent for the longest time may be anybody's again. False:
+// all are heard at present.
+bool Sealer::make_room_to_bind(HostTime now) {
+  std::vector<std::pair<HostTime, PeerId>> silent;
+  for (const auto& [peer, bound] : bound_) {
+    if (bound.heard + kForgotten < now) silent.emplace_back(bound.heard, peer);
+  }
+  if (silent.empty()) return false;
+  const std::size_t most = std::min(silent.size(), kBoundMax / 4);
+  std::ranges::nth_element(silent, silent.begin() + static_cast<std::ptrdiff_t>(most - 1));
+  silent.resize(most);
+  for (const auto& [heard, peer] : silent) forget(peer);
+  return true;
+}
+
+// Its number may be anybody's again. Its boots stay known for a while, so that records of them are none.
+void Sealer::forget(PeerId peer) {
+  bound_.erase(peer);
+  const auto boots = boots_.find(peer);
+  if (boots == boots_.end()) return;
+  for (const Boot& boot : boots->second) {
+    if (forgotten_.insert_or_assign({peer, boot.id}, boot.announcements).second) {
+      forgotten_by_age_.emplace_back(peer, boot.id);
+    }
+  }
+  boots_.erase(boots);
+  for (; forgotten_by_age_.size() > kForgottenMax; forgotten_by_age_.pop_front()) {
+    forgotten_.erase(forgotten_by_age_.front());
+  }
+}
+
+// One member can make identities without end, each of which announces itself for a moment.
+void Sealer::forget_short_lives(HostTime now) {
+  if (now < short_lives_due_) return;
+  short_lives_due_ = now + kShortLivesDue;
+  std::vector<PeerId> over;
+  for (const auto& [peer, bound] : bound_) {
+    if (bound.heard - bound.since < kShortLife && bound.heard + kShortLife < now) over.push_back(peer);
+  }
+  for (const PeerId peer : over) forget(peer);
+}
+
 void Sealer::forget_silent(HostTime now) {
+  forget_short_lives(now);
   for (auto& [sender, boots] : boots_) {
     std::erase_if(boots, [&](const Boot& boot) { return !boot.is_proven() && boot.heard + kForgotten < now; });
   }
@@ -318,13 +367,14 @@ void Sealer::announce_early(HostTime now) {
   if (at < announce_at_ && answers_.take(kAnswers, now)) announce_at_ = at;
 }
 
-std::optional<Refusal> Sealer::hear(std::span<const std::byte> announcement, HostTime now) {
+std::optional<Refusal> Sealer::hear(std::span<const std::byte> announcement, HostTime now,
+                                    const boost::asio::ip::address& from) {
   assert(is_announcement(announcement));
   const std::uint8_t first = std::to_integer<std::uint8_t>(announcement.front());
   if (first != (kAnnouncement | self_.epoch)) return Refusal::kOtherEpoch;
   const auto opened = OpenedAnnouncement::open(announcement, announcing_);
   if (!opened) return Refusal::kForged;
-  if (const auto why = refused(*opened, now)) return why;
+  if (const auto why = refused(*opened, now, from)) return why;
   const Announcement& says = opened->says();
   Boot* boot = &boot_of(says, now);
   boot->heard = now;
@@ -333,12 +383,15 @@ std::optional<Refusal> Sealer::hear(std::span<const std::byte> announcement, Hos
   if (us != says.names.end()) {
     if (!boot->is_proven()) {
       boot->begins = says.sent + 1;  // what it sent before may be a record
-      if (!prove(says.sender)) return Refusal::kTooMany;
+      if (!prove(says.sender, now)) return Refusal::kTooMany;
       boot = &boots_[says.sender].back();
     }
     on_named(*boot, says, *us, now);
   }
-  if (boot->is_proven()) check(*boot, says, now);
+  if (boot->is_proven()) {
+    if (const auto bound = bound_.find(says.sender); bound != bound_.end()) bound->second.heard = now;
+    check(*boot, says, now);
+  }
   const bool wants_answer = !boot->named_us || *boot->named_us + kForgotten < now || !boot->has_proven_us;
   if (wants_answer) announce_early(now);
   return std::nullopt;
@@ -425,7 +478,7 @@ std::size_t Sealer::heard_count() const {
 
 std::optional<keys::PublicKey> Sealer::key_of(PeerId peer) const {
   const auto bound = bound_.find(peer);
-  return bound == bound_.end() ? std::nullopt : std::optional(bound->second);
+  return bound == bound_.end() ? std::nullopt : std::optional(bound->second.key);
 }
 
 }  // namespace peerd::seal

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <expected>
 #include <functional>
 #include <map>
@@ -10,8 +11,11 @@
 #include <utility>
 #include <vector>
 
+#include <boost/asio/ip/address.hpp>
+
 #include "core/ids.hpp"
 #include "core/time.hpp"
+#include "peerd/net/greeting/source_buckets.hpp"
 #include "peerd/net/keys/identity.hpp"
 #include "peerd/net/keys/symmetric_key.hpp"
 #include "peerd/net/os/token_bucket.hpp"
@@ -36,6 +40,11 @@ class Sealer {
   static constexpr std::size_t kBootsOfPeerMax = 8;    // of one peer, of those that are proven and of the others each
   static constexpr std::size_t kGivenUpMax = 1 << 16;  // proven boots in whose place others came
   static constexpr std::size_t kBoundMax = 1 << 16;    // peers whose key is known
+  // An identity that was heard for less is forgotten once it has been silent for as long.
+  static constexpr Duration kShortLife = std::chrono::seconds(30);
+  static constexpr std::size_t kForgottenMax = 1 << 14;  // boots of identities that are forgotten
+  // New boots, whose signatures are checked, from one address and from all.
+  static constexpr net::SourceBuckets::Limits kNewcomers{{128.0, 16.0}, {500.0, 200.0}, Duration{0}};
 
   // Whether that key is a member's.
   using IsMember = std::function<bool(const keys::PublicKey&)>;
@@ -62,8 +71,9 @@ class Sealer {
   [[nodiscard]] std::expected<Opened, Refusal> open(HostTime now, RegionId region, std::span<const std::byte> sealed);
 
   [[nodiscard]] static bool is_announcement(std::span<const std::byte> datagram);
-  // Takes an announcement of region 0; none: it is good.
-  [[nodiscard]] std::optional<Refusal> hear(std::span<const std::byte> announcement, HostTime now);
+  // Takes an announcement of region 0, which came from that address; none: it is good.
+  [[nodiscard]] std::optional<Refusal> hear(std::span<const std::byte> announcement, HostTime now,
+                                            const boost::asio::ip::address& from = {});
   // The announcement of this process's boot, if it is time for one.
   [[nodiscard]] std::optional<std::vector<std::byte>> announcement_due(HostTime now);
   [[nodiscard]] HostTime next_announcement() const { return announce_at_; }
@@ -81,7 +91,8 @@ class Sealer {
   [[nodiscard]] std::vector<Finding> take_findings();
 
   [[nodiscard]] std::size_t proven_count() const;
-  [[nodiscard]] std::size_t heard_count() const;  // of boots, proven or not
+  [[nodiscard]] std::size_t heard_count() const;                           // of boots, proven or not
+  [[nodiscard]] std::size_t bound_count() const { return bound_.size(); }  // peers whose key is known
   // The key that a peer belongs to, as far as it has been proven.
   [[nodiscard]] std::optional<keys::PublicKey> key_of(PeerId peer) const;
   // Whether it says that it signs each datagram.
@@ -114,17 +125,21 @@ class Sealer {
                                   Tag tag);
   bool decrypt(std::span<const std::byte> sealed, const Place& place, const keys::SymmetricKey& key);
   void on_own_number(HostTime now, RegionId region, std::span<const std::byte> sealed, std::uint64_t lowest);
-  [[nodiscard]] std::optional<Refusal> refused(const OpenedAnnouncement& announcement, HostTime now);
+  [[nodiscard]] std::optional<Refusal> refused(const OpenedAnnouncement& announcement, HostTime now,
+                                               const boost::asio::ip::address& from);
   Refusal refuse(const Announcement& says, Named::Flag why, HostTime now);
   [[nodiscard]] const Boot* find(const Announcement& says) const;
   [[nodiscard]] bool has_room(const Announcement& says, HostTime now) const;
   Boot& boot_of(const Announcement& says, HostTime now);
-  bool prove(PeerId sender);
+  bool prove(PeerId sender, HostTime now);
   void on_named(Boot& boot, const Announcement& says, const Named& us, HostTime now);
   void check(Boot& boot, const Announcement& says, HostTime now);
   void on_impersonated(HostTime now);
   void announce_early(HostTime now);
   void forget_silent(HostTime now);
+  void forget(PeerId peer);
+  void forget_short_lives(HostTime now);
+  [[nodiscard]] bool make_room_to_bind(HostTime now);
   [[nodiscard]] std::vector<Named> names(HostTime now, bool& all_proven);
 
   keys::SymmetricKey session_, announcing_, signing_;
@@ -135,7 +150,15 @@ class Sealer {
   std::uint64_t announcements_ = 0;
   std::map<PeerId, std::vector<Boot>> boots_;     // the one that was heard of last is the last
   std::set<std::pair<PeerId, BootId>> given_up_;  // they would begin anew, and records of them be heard
-  std::map<PeerId, keys::PublicKey> bound_;       // whose each number is, from its first proof on
+  struct Bound {
+    keys::PublicKey key;
+    HostTime since, heard;
+  };
+  std::map<PeerId, Bound> bound_;  // whose each number is, from its first proof on
+  // The number of the last announcement of each boot that is forgotten: an earlier one is a record.
+  std::map<std::pair<PeerId, BootId>, std::uint64_t> forgotten_;
+  std::deque<std::pair<PeerId, BootId>> forgotten_by_age_;  // the oldest makes room
+  HostTime short_lives_due_{};
   struct RefusedBoot {
     Named name;
     HostTime heard;
@@ -143,7 +166,8 @@ class Sealer {
   std::vector<RefusedBoot> refused_boots_;  // that should know it
   std::size_t named_ = 0;                   // how many boots have been named, where not all fit
   std::optional<HostTime> announced_;
-  net::TokenBucket answers_, checks_;
+  net::TokenBucket answers_;
+  net::SourceBuckets newcomers_;
   FirstHeard first_heard_;
   HostTime announce_at_{}, signs_all_until_{};
   Duration signs_all_for_;  // the next time

@@ -376,5 +376,60 @@ TEST_F(Sealing, NoKeyAndNonceComeTwice) {
   }
 }
 
+// One member makes identities without end, each of which proves itself and falls silent.
+class Newcomers : public Sealing {
+ protected:
+  // A new identity meets `a` from an address. Whether it is proven there.
+  bool comes(std::uint32_t id, const boost::asio::ip::address& from) {
+    Sealer one{key, {.peer = PeerId{id}, .identity = keys::Identity::random()}};
+    const std::size_t before = a.bound_count();
+    for (int i = 0; i < 3; ++i) {
+      if (const auto due = a.announcement_due(now)) (void)one.hear(*due, now);
+      if (const auto due = one.announcement_due(now)) (void)a.hear(*due, now, from);
+      now += milliseconds(25);
+    }
+    return a.bound_count() > before;
+  }
+  const boost::asio::ip::address bad = boost::asio::ip::make_address("192.0.2.1");
+  const boost::asio::ip::address good = boost::asio::ip::make_address("192.0.2.2");
+};
+
+TEST_F(Newcomers, AreForgottenWhereTheyWereHereForAMomentAlone) {
+  std::size_t most = 0;
+  for (std::uint32_t id = 1000; id < 4000; ++id) {
+    (void)comes(id, bad);
+    most = std::max(most, a.bound_count());
+  }
+  EXPECT_LT(most, 128 + 16 * 80) << "of the last 75 s";
+  EXPECT_TRUE(comes(5000, good));
+}
+
+TEST_F(Newcomers, OfOneAddressLeaveRoomForThoseOfAnother) {
+  for (std::uint32_t id = 1000; id < 1400; ++id) {
+    Sealer one{key, {.peer = PeerId{id}, .identity = keys::Identity::random()}};
+    (void)a.hear(must(one.announcement_due(now)), now, bad);
+  }
+  EXPECT_LE(a.heard_count(), 128u);
+  EXPECT_FALSE(comes(2000, bad));
+  EXPECT_TRUE(comes(2001, good));
+}
+
+TEST_F(Newcomers, ThatAreForgottenComeBackAndTheirRecordsDoNot) {
+  meet(a, b);
+  now += seconds(1);
+  const auto record = must(b.announcement_due(now));
+  ASSERT_EQ(a.hear(record, now), std::nullopt);
+  EXPECT_EQ(a.bound_count(), 2u);
+  for (int i = 0; i < 40; ++i) {
+    now += seconds(1);
+    (void)a.announcement_due(now);
+  }
+  EXPECT_EQ(a.bound_count(), 1u);
+  EXPECT_EQ(a.hear(record, now), Refusal::kReplayed);
+  meet(a, b);
+  EXPECT_EQ(opened(a, sealed(b, "again")), "again");
+  EXPECT_EQ(a.bound_count(), 2u);
+}
+
 }  // namespace
 }  // namespace peerd::seal
