@@ -247,7 +247,7 @@ TEST_F(Joining, WhoAsksOnePeerIsToldAtOnceHowItIsSealed) {
     return join.err();
   };
   EXPECT_THAT(why_not(14, {"--open"}), HasSubstr("it is sealed, and begins with a key: leave out --open"));
-  EXPECT_THAT(why_not(15, {}), HasSubstr("it is open: say --open"));
+  EXPECT_THAT(why_not(15, {}), HasSubstr("it is open, and does not have the key"));
   ASSERT_TRUE(keys::read_or_make_key(folder / "other.key"));
   EXPECT_THAT(why_not(14, {"--key", (folder / "other.key").string()}), HasSubstr("as who has another key does"));
 }
@@ -265,7 +265,37 @@ TEST_F(Joining, WhoComesOpenToASealedWorldIsTold) {
   EXPECT_THAT(open.err(), HasSubstr("\" is sealed"));
   Process sealed = join("sealed", world + "-open");
   EXPECT_EQ(sealed.exit_code(10), 2);
-  EXPECT_THAT(sealed.err(), HasSubstr("\" is open: say --open"));
+  EXPECT_THAT(sealed.err(), HasSubstr("\" is open: whoever reaches this network"));
+  ASSERT_TRUE(keys::read_or_make_key(folder / "own.key"));
+  Process keyed = join("keyed", world + "-open", {"--key", (folder / "own.key").string()});
+  EXPECT_EQ(keyed.exit_code(10), 2);
+  EXPECT_THAT(keyed.err(), HasSubstr("that is not the world of your key"));
+  EXPECT_THAT(keyed.err(), testing::Not(HasSubstr("--open"))) << "nobody who has a key is told to do without";
+}
+
+// Anybody can answer that he is in a world of that name.
+TEST_F(Joining, WhoHasTheKeyFindsTheOthersWhoHaveIt) {
+  folder.write("other.wrl", "#VRML V2.0 utf8\nDEF OTHER Transform { }\n");
+  ASSERT_TRUE(keys::read_or_make_key(folder / "other.key"));
+  const auto run_other = [&](const std::string& name, const Words& more) {
+    Words words{"run",
+                "--world",
+                (folder / "other.wrl").string(),
+                "--port",
+                std::to_string(own_port(16)),
+                "--world-name",
+                world,
+                "--id",
+                "1"};
+    words.insert(words.end(), more.begin(), more.end());
+    return start(name, words);
+  };
+  Process open = run_other("open", {"--open"}), keyed = run_other("keyed", {"--key", (folder / "other.key").string()});
+  Process a = run("a", world);
+  ASSERT_TRUE(is_in_session("a") && is_in_session("open")) << a.err() << open.err();
+  Process c = join("c", world);
+  ASSERT_TRUE(is_in_session("c")) << c.err();
+  EXPECT_EQ(world_of("c"), world_of("a")) << c.err();
 }
 
 TEST_F(Joining, APeerCanBeHidden) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -30,6 +31,8 @@ namespace {
 namespace asio = boost::asio;
 
 constexpr Duration kAsked = std::chrono::seconds(1);
+// So many are asked for a world that more than one session has: those that do not have its key give nothing.
+constexpr std::size_t kProvidersMax = 64;
 
 Result<snapshot::Provider> provider_at(const std::string& address) {
   const auto colon = address.rfind(':');
@@ -46,14 +49,26 @@ Result<snapshot::Provider> provider_at(const std::string& address) {
   return snapshot::Provider{address, found.begin()->endpoint()};
 }
 
-Result<std::vector<snapshot::Provider>> providers_of(const World& world) {
+// The peers that give the world to who joins, of all addresses in turn: from one of them a forger may answer for many.
+Result<std::vector<snapshot::Provider>> providers_of(const std::vector<const World*>& sessions) {
+  std::map<asio::ip::address, std::vector<snapshot::Provider>> by_address;
+  for (const World* const world : sessions) {
+    for (const discovery::Found& peer : world->peers) {
+      if (peer.beacon.snapshot_port == 0) continue;
+      by_address[peer.address].push_back({peer.beacon.name, {peer.address, peer.beacon.snapshot_port}});
+    }
+  }
   std::vector<snapshot::Provider> providers;
-  for (const discovery::Found& peer : world.peers) {
-    if (peer.beacon.snapshot_port == 0) continue;
-    providers.push_back({peer.beacon.name, {peer.address, peer.beacon.snapshot_port}});
+  for (std::size_t turn = 0; providers.size() < kProvidersMax; ++turn) {
+    const std::size_t before = providers.size();
+    for (const auto& [address, all] : by_address) {
+      if (turn < all.size() && providers.size() < kProvidersMax) providers.push_back(all[turn]);
+    }
+    if (providers.size() == before) break;
   }
   if (!providers.empty()) return providers;
-  return std::unexpected(InputError{"error: no peer of \"" + world.name + "\" gives it to who joins", kNoSuchWorld});
+  return std::unexpected(
+      InputError{"error: no peer of \"" + sessions.front()->name + "\" gives it to who joins", kNoSuchWorld});
 }
 
 // In a session by unicast without relays, a joining peer first greets the peers that gave it the world.
@@ -103,13 +118,12 @@ Result<std::optional<keys::SessionKey>> key_of(const JoinRequest& request, const
   auto key = keys::session_key(request.key, world, keys::IfMissing::kFail);
   if (key) return *std::move(key);
   const bool has_password = !request.key.password_file.empty();
-  return std::unexpected(InputError{key.error().text + (has_password ? ""
-                                                                     : "; whoever runs that world has its key: --key "
-                                                                       "FILE says a copy, and --open that there is "
-                                                                       "none"),
-                                    key.error().exit_code});
+  return std::unexpected(InputError{
+      key.error().text + (has_password ? "" : "; whoever runs that world has its key: --key FILE says a copy of it"),
+      key.error().exit_code});
 }
 
+// `session`: 0 where the providers may be of several.
 Result<JoinedWorld> joined_by_peers(const std::vector<snapshot::Provider>& providers, std::uint64_t session,
                                     const std::string& world, const JoinRequest& request, PeerOptions& peer,
                                     const SayLine& say) {
@@ -117,8 +131,9 @@ Result<JoinedWorld> joined_by_peers(const std::vector<snapshot::Provider>& provi
   if (!key) return std::unexpected(key.error());
   peer.key = *key;
   const auto began = std::chrono::steady_clock::now();
-  auto snapshot =
-      snapshot::fetch_snapshot(providers, session, {.key = *key ? std::optional((*key)->key) : std::nullopt});
+  snapshot::FetchOptions options{.key = *key ? std::optional((*key)->key) : std::nullopt};
+  if (session == 0) options.providers = std::max(options.providers, providers.size());
+  auto snapshot = snapshot::fetch_snapshot(providers, session, options);
   if (!snapshot) return std::unexpected(InputError{"error: " + snapshot.error(), kNoSuchWorld});
   for (const std::string& note : snapshot->notes) say({LogLevel::kWarning, note});
   if (auto done = greet_first(providers, snapshot->offer.settings, peer); !done) return std::unexpected(done.error());
@@ -186,6 +201,18 @@ Result<JoinedWorld> joined_by_store(const JoinRequest& request, const std::strin
                  kNoSuchWorld});
 }
 
+// The error for a world that answers open to who has not said so, or sealed to who has. Anybody can answer: who has a
+// key is not told to do without.
+InputError of_the_other_kind(const World& world, const JoinRequest& request, const SayLine& say) {
+  const std::string begin = "error: \"" + world.name + "\" ";
+  if (world.is_sealed()) return {begin + "is sealed: leave out --open", kWrongUse};
+  const auto key = key_of(request, world.name, say);
+  const std::string where = world.peers.front().address.to_string();
+  return {begin + (key && *key ? "answers from " + where + " alone, and not sealed: that is not the world of your key"
+                               : "is open: whoever reaches this network can read and change it; --open joins it"),
+          kWrongUse};
+}
+
 Result<JoinedWorld> find_world(const JoinRequest& request, PeerOptions& peer, const SayLine& say) {
   if (!request.from.empty()) {
     const auto provider = provider_at(request.from);
@@ -194,17 +221,23 @@ Result<JoinedWorld> find_world(const JoinRequest& request, PeerOptions& peer, co
   }
   const auto here = worlds_here(request.transport, kAsked);
   if (!here) return std::unexpected(here.error());
-  const auto world = choose_world(here->worlds, request.world);
-  if (!world) return std::unexpected(world.error());
-  if (*world == nullptr) return joined_by_store(request, here->where, peer, say);
-  const auto providers = providers_of(**world);
+  const auto sessions = choose_world(here->worlds, request.world, request.open);
+  if (!sessions) return std::unexpected(sessions.error());
+  if (sessions->empty()) return joined_by_store(request, here->where, peer, say);
+  const World& first = *sessions->front();
+  if (first.is_sealed() == request.open) return std::unexpected(of_the_other_kind(first, request, say));
+  const auto providers = providers_of(*sessions);
   if (!providers) return std::unexpected(providers.error());
-  if (const bool sealed = (*world)->is_sealed(); sealed == request.open) {
-    return std::unexpected(
-        InputError{"error: \"" + (*world)->name + (sealed ? "\" is sealed" : "\" is open: say --open"), kWrongUse});
+  auto joined = joined_by_peers(*providers, sessions->size() == 1 ? first.session : 0, first.name, request, peer, say);
+  if (!joined) return joined;
+  for (const World* const world : *sessions) {
+    if (world->session != joined->session) {
+      say({LogLevel::kWarning, "not used, though it has that name: " + line_of(*world)});
+    } else if (world->on_lo) {
+      peer.sets.emplace_back("transport.interface=\"lo\"");  // else it would choose another one
+    }
   }
-  if ((*world)->on_lo) peer.sets.emplace_back("transport.interface=\"lo\"");  // else it would choose another one
-  return joined_by_peers(*providers, (*world)->session, (*world)->name, request, peer, say);
+  return joined;
 }
 
 }  // namespace

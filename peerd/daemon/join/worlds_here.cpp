@@ -35,9 +35,11 @@ Result<discovery::Asked> asked_over(net::TransportSettings settings, const std::
 std::vector<World> worlds_of(std::vector<Found> found) {
   std::vector<World> worlds;
   for (Found& each : found) {
-    const bool goes_on =
-        !worlds.empty() && worlds.back().name == each.beacon.world && worlds.back().session == each.beacon.session;
-    if (!goes_on) worlds.push_back({each.beacon.world, each.beacon.session, {}});
+    const auto is_of = [&](const World& world) {
+      return world.name == each.beacon.world && world.session == each.beacon.session &&
+             world.is_sealed() == each.beacon.sealed;
+    };
+    if (worlds.empty() || !is_of(worlds.back())) worlds.push_back({each.beacon.world, each.beacon.session, {}});
     worlds.back().peers.push_back(std::move(each));
   }
   return worlds;
@@ -46,7 +48,10 @@ std::vector<World> worlds_of(std::vector<Found> found) {
 // Adds the worlds of this computer that answer on lo alone.
 void add_worlds_on_lo(std::vector<Found> found, std::vector<World>& worlds) {
   for (World& own : worlds_of(std::move(found))) {
-    if (std::ranges::find(worlds, own.session, &World::session) != worlds.end()) continue;
+    const auto is_the_same = [&](const World& world) {
+      return world.session == own.session && world.is_sealed() == own.is_sealed();
+    };
+    if (std::ranges::any_of(worlds, is_the_same)) continue;
     own.on_lo = true;
     worlds.push_back(std::move(own));
   }
@@ -96,18 +101,22 @@ std::string line_of(const World& world) {
                      peers, other);
 }
 
-Result<const World*> choose_world(const std::vector<World>& worlds, const std::string& name) {
+Result<std::vector<const World*>> choose_world(const std::vector<World>& worlds, const std::string& name, bool open) {
   std::vector<const World*> named;
   for (const World& world : worlds) {
     if (name.empty() || world.name == name) named.push_back(&world);
   }
-  if (named.size() > 1) {
+  const bool has_one_name =
+      std::ranges::all_of(named, [&](const World* world) { return world->name == named.front()->name; });
+  std::vector<const World*> chosen = named;
+  std::erase_if(chosen, [&](const World* world) { return world->is_sealed() == open; });
+  if (!has_one_name || (open && chosen.size() > 1)) {
     std::string all;
     for (const World* const world : named) all += "\n  " + line_of(*world);
     return std::unexpected(InputError{
         "error: which of these worlds? Say its name, or --from HOST:PORT of one of its peers:" + all, kNoSuchWorld});
   }
-  return named.empty() ? nullptr : named.front();
+  return chosen.empty() ? named : chosen;
 }
 
 }  // namespace peerd

@@ -34,8 +34,11 @@ struct WorldsHere {
 // Blocks meanwhile.
 [[nodiscard]] Result<WorldsHere> worlds_here(net::TransportSettings settings, Duration time);
 
-// The world of that name; with an empty name the only one. Null: there is none. Error: there are several.
-[[nodiscard]] Result<const World*> choose_world(const std::vector<World>& worlds, const std::string& name);
+// The sessions of the world of that name; with an empty name of the only one. Those that are sealed, or with `open`
+// those that are not, if there are any, else the others; none: there is no such world. Of several that are sealed the
+// key tells later who has it. Error: there are several that nothing tells apart.
+[[nodiscard]] Result<std::vector<const World*>> choose_world(const std::vector<World>& worlds, const std::string& name,
+                                                             bool open);
 
 // One line for a person: its name, its session, its peers and where they are.
 [[nodiscard]] std::string line_of(const World& world);

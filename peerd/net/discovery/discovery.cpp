@@ -16,8 +16,8 @@ constexpr std::uint16_t kPort = 47473;
 // The port is the same for all worlds and peers: another one would not do.
 constexpr const char* kIfPortIsTaken = "join by the address that the log of a peer says (peerd join --from HOST:PORT)";
 constexpr RegionId kAll{0};
-// More peers than a network has, unless a forger invents them.
-constexpr std::size_t kFoundMax = 4096;
+// More peers than a network has, and than a computer runs, unless a forger invents them.
+constexpr std::size_t kFoundMax = 4096, kFoundAtOneMax = 512;
 // A question or an answer may get lost.
 constexpr Duration kAskedAgainAfter = std::chrono::milliseconds(200);
 
@@ -59,14 +59,20 @@ std::expected<Asked, net::NetError> ask_who_is_here(const net::HostClock& clock,
   const auto socket = net::MulticastSocket::open(io, clock, options);
   if (!socket) return std::unexpected(socket.error());
   if (auto joined = (*socket)->join(kAll); !joined) return std::unexpected(joined.error());
-  std::map<std::tuple<std::string, std::uint64_t, PeerId>, Found> found;
+  // A beacon proves nothing: one from elsewhere never takes another's place.
+  std::map<std::tuple<std::string, std::uint64_t, bool, PeerId, boost::asio::ip::address>, Found> found;
+  std::map<boost::asio::ip::address, std::size_t> found_at;
   (*socket)->on_receive([&](const net::Arrival& arrival) {
     const auto beacon = decode(arrival.datagram);
     if (!beacon) return;
-    const std::tuple key(beacon->world, beacon->session, beacon->peer);
-    if (found.size() >= kFoundMax && !found.contains(key)) return;
+    const auto at = arrival.from.address();
+    const std::tuple key(beacon->world, beacon->session, !beacon->sealed, beacon->peer, at);
+    if (!found.contains(key)) {
+      if (found.size() >= kFoundMax || found_at[at] >= kFoundAtOneMax) return;
+      ++found_at[at];
+    }
     Found& known = found[key];
-    if (beacon->incarnation >= known.beacon.incarnation) known = {*beacon, arrival.from.address()};
+    if (beacon->incarnation >= known.beacon.incarnation) known = {*beacon, at};
   });
   const HostTime end = clock.now() + time;
   for (HostTime at = clock.now(); at < end; at += kAskedAgainAfter) {

@@ -57,8 +57,9 @@ struct Asked {
   std::string where;  // in words: the group and the interface
 };
 
-// Asks for so long, several times, and returns who has answered, by world and peer; of a peer that was started again in
-// the meantime the later start. `options` as for Responder.
+// Asks for so long, several times, and returns who has answered, by world, session (the sealed ones first) and peer; of
+// a peer that was started again in the meantime the later start. Anybody can answer anything. `options` as for
+// Responder.
 [[nodiscard]] std::expected<Asked, net::NetError> ask_who_is_here(const net::HostClock& clock,
                                                                   net::MulticastOptions options, Duration time);
 

@@ -323,9 +323,9 @@ class Fetch {
   }
 
   void on_failure(const ConnectionPtr& connection, const std::string& why) {
-    if (connection->stream->is_open_there()) return give_up(connection, "it is open: say --open");
+    if (connection->stream->is_open_there()) return give_up(connection, "it is open, and does not have the key");
     if (connection->is_connected && connection->stream->is_unproven()) {
-      return give_up(connection, why + ", as who has another key does; --key FILE says one, --open none");
+      return give_up(connection, why + ", as who has another key does; --key FILE says one");
     }
     drop(connection);
     note(connection->peer, why);

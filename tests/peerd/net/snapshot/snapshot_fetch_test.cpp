@@ -183,7 +183,7 @@ TEST(SnapshotFetch, GivesNothingToWhoHasAnotherKeyOrNone) {
   const auto says = [](const std::string& why) {
     return AllOf(testing::StartsWith("a at 127.0.0.1:"), testing::EndsWith(": " + why));
   };
-  EXPECT_THAT(refused(open, key), says("it is open: say --open"));
+  EXPECT_THAT(refused(open, key), says("it is open, and does not have the key"));
   EXPECT_THAT(refused(sealed, std::nullopt), says("it is sealed, and begins with a key: leave out --open"));
 }
 
