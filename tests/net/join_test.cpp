@@ -282,7 +282,7 @@ TEST_F(Joining, WhoHasTheKeyFindsTheOthersWhoHaveIt) {
                 "--world",
                 (folder / "other.wrl").string(),
                 "--port",
-                std::to_string(own_port(16)),
+                std::to_string(own_port(14)),
                 "--world-name",
                 world,
                 "--id",

@@ -54,7 +54,7 @@ Offer offer_of(const SnapshotContent& content) {
 
 }  // namespace
 
-ReplyWork::ReplyWork(std::string_view request, const SnapshotContent& content) : content_(content) {
+ReplyWork::ReplyWork(std::string_view request, const SnapshotContent& content) : content_(&content) {
   auto decoded = decode_request(request);
   if (!decoded) {
     refused_ = Refusal{decoded.error()};
@@ -67,16 +67,16 @@ ReplyWork::ReplyWork(std::string_view request, const SnapshotContent& content) :
 
 std::optional<Reply> ReplyWork::step() {
   if (refused_) return *std::move(refused_);
-  if (const auto* const part = std::get_if<PartRequest>(&request_.what)) return part_of(part->range, content_);
+  if (const auto* const part = std::get_if<PartRequest>(&request_.what)) return part_of(part->range, *content_);
   const auto* const asked = std::get_if<DigestRequest>(&request_.what);
-  if (asked == nullptr) return offer_of(content_);
+  if (asked == nullptr) return offer_of(*content_);
   if (!add_digests(*asked)) return std::nullopt;
   return std::move(digests_);
 }
 
 // Goes on with the digests. Returns whether all are made.
 bool ReplyWork::add_digests(const DigestRequest& asked) {
-  const replication::OperationLogs& logs = content_.logs();
+  const replication::OperationLogs& logs = content_->logs();
   std::size_t left_bytes = kStep_bytes;
   for (std::size_t left = kStepLogs; left > 0 && left_bytes > 0; --left) {
     if (digests_.digests.size() == asked.logs.size()) return true;

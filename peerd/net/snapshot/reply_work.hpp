@@ -46,7 +46,7 @@ class ReplyWork {
  private:
   [[nodiscard]] bool add_digests(const DigestRequest& asked);
 
-  const SnapshotContent& content_;
+  const SnapshotContent* content_;
   std::optional<Refusal> refused_;
   Request request_;
   Digests digests_;
