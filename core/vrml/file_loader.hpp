@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <expected>
 #include <functional>
@@ -24,18 +25,29 @@ struct ReadLimits {
   std::uint64_t polygons = 1u << 24;                  // polygons of one geometry, tessellated
   // The two limits below are multiplied by this: for the rare file that is meant so.
   std::uint32_t expansion = 1;
+  std::uint64_t unpacked_base_bytes = 1u << 24, swept_base = 1u << 18;  // that a short text may have, too
 
   static constexpr std::string_view kRaised = "; the option expansion allows more";
 
   // Returns the size to which a packed text may unpack. Worlds pack to a fifth or a tenth, regular grids to a
   // thirtieth.
   [[nodiscard]] std::uint64_t unpacked_bytes(std::uint64_t packed) const {
-    return expansion * ((std::uint64_t{1} << 24) + 64 * packed);
+    return expansion * (unpacked_base_bytes + 64 * packed);
   }
   // Returns the number of polygons that a world's Extrusions and ElevationGrids may have together. A grid has less than
   // one for two bytes of its heights; an Extrusion multiplies the corners of its cross-section by those of its spine.
-  [[nodiscard]] std::uint64_t swept_polygons(std::uint64_t bytes) const {
-    return expansion * ((std::uint64_t{1} << 18) + bytes);
+  [[nodiscard]] std::uint64_t swept_polygons(std::uint64_t bytes) const { return expansion * (swept_base + bytes); }
+
+  // The limits of a text of so many bytes that somebody adds to a world which runs. All peers read it between two
+  // ticks: it may ask for little more than it says.
+  [[nodiscard]] ReadLimits of_added(std::uint64_t bytes) const {
+    ReadLimits added = *this;
+    const std::uint64_t most = 4096 + bytes;
+    added.nodes = static_cast<std::uint32_t>(std::min<std::uint64_t>(nodes, most));
+    added.instances = static_cast<std::uint32_t>(std::min<std::uint64_t>(instances, most));
+    added.unpacked_base_bytes = std::uint64_t{1} << 16;
+    added.swept_base = std::uint64_t{1} << 14;
+    return added;
   }
 };
 

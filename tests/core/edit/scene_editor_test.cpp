@@ -228,6 +228,36 @@ TEST(SceneEditor, RefusesAndChangesNothing) {
   expect_like(finished(editor), text);
 }
 
+// Each prototype has the one before it twice.
+std::string doubling(int times) {
+  std::string text = kHead + "PROTO P0 [ ] { Group { } }\n";
+  for (int i = 1; i <= times; ++i) {
+    const std::string before = "P" + std::to_string(i - 1) + " { } ";
+    text += "PROTO P" + std::to_string(i) + " [ ] { Group { children [ " + before + before + "] } }\n";
+  }
+  return text + "P" + std::to_string(times) + " { }\n";
+}
+
+TEST(SceneEditor, AddsNoMoreThanALittleBeyondWhatATextSays) {
+  const Scene world = read(kHead + kWall);
+  SceneEditor editor(world);
+  EXPECT_TRUE(editor.add(doubling(10), {}, {kFirstObject, kFirstNode}, {})) << "2,047 nodes";
+  const auto refused = editor.add(doubling(18), {}, {{1, 5000}, {1, 5000}}, {});
+  ASSERT_FALSE(refused) << "524,287 nodes of " << doubling(18).size() << " bytes";
+  EXPECT_NE(refused.error().find("nodes"), std::string::npos) << refused.error();
+  const std::string extrusion = "Shape { geometry Extrusion { crossSection [ " + [] {
+    std::string corners;
+    for (int i = 0; i < 300; ++i) corners += std::to_string(i) + " 0 ";
+    return corners;
+  }() + "] spine [ " + [] {
+    std::string spine;
+    for (int i = 0; i < 300; ++i) spine += "0 " + std::to_string(i) + " 0 ";
+    return spine;
+  }() + "] } }\n";
+  EXPECT_FALSE(editor.add(kHead + extrusion, {}, {{1, 9000}, {1, 9000}}, {})) << "89,401 polygons";
+  EXPECT_TRUE(read_world(kHead + extrusion).scene) << "a world's file may";
+}
+
 TEST(SceneEditor, RemovesOneOfSeveralUses) {
   const Scene world =
       read(kHead + "DEF A Transform { children Shape { geometry Box { } } }\nDEF B Transform { children USE A }");
