@@ -43,7 +43,7 @@ struct TrafficCounters {
   std::uint64_t in_wrong_sender = 0;    // says another sender than it is sealed by
   std::uint64_t in_observer = 0;        // would change the world, by a member that may only look
   std::uint64_t in_other_epoch = 0;     // of another epoch: its sender has another roster, or none
-  std::uint64_t in_flood = 0;           // of strangers, beyond what they may cost (SourceBuckets)
+  std::uint64_t in_flood = 0;           // of strangers, or signed, beyond what that may cost
 
   std::uint64_t out_queue_full = 0;   // send buffer or interface queue full
   std::uint64_t out_unreachable = 0;  // interface down or gone, no route, no source address

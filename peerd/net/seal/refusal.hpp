@@ -18,7 +18,8 @@ enum class Refusal : std::uint8_t {
   kWrongSender,  // what it says is of another sender, or nothing that peers say
   kObserver,     // its sender may only look
   kOtherEpoch,   // of another epoch: its sender has another roster, or none
+  kUnchecked,    // a signature is to be checked, which the caller does not want now
 };
-inline constexpr std::size_t kRefusals = 12;
+inline constexpr std::size_t kRefusals = 13;
 
 }  // namespace peerd::seal

@@ -13,6 +13,14 @@ namespace {
 
 constexpr RegionId kAll{0};
 constexpr Duration kWarnedApart = std::chrono::minutes(1);
+// Signatures that had to wait are checked so many at a time.
+constexpr Duration kTurnsApart = std::chrono::milliseconds(2);
+constexpr std::size_t kTurns = 8;
+
+// Whether a signature was checked before that was found.
+bool is_after_check(Refusal why) {
+  return why == Refusal::kUnsigned || why == Refusal::kNoMember || why == Refusal::kImpostor;
+}
 
 // The predicate of a sentence for people about a datagram's sender; empty: they need not know.
 std::string_view sentence_of(Refusal why) {
@@ -37,6 +45,7 @@ std::string_view sentence_of(Refusal why) {
     case Refusal::kUnproven:
     case Refusal::kReplayed:
     case Refusal::kOtherEpoch:
+    case Refusal::kUnchecked:
       return "";
   }
   return "";
@@ -64,6 +73,7 @@ SealedTransport::SealedTransport(boost::asio::io_context& io, const net::HostClo
     : clock_(clock),
       carrier_(std::move(carrier)),
       strangers_(net::random_key(), {}),
+      checks_timer_(io),
       self_(std::move(self)),
       sealer_(session, self_),
       examine_(std::move(examine)),
@@ -78,6 +88,7 @@ SealedTransport::SealedTransport(boost::asio::io_context& io, const net::HostClo
     : clock_(clock),
       carrier_(std::move(carrier)),
       strangers_(net::random_key(), {}),
+      checks_timer_(io),
       self_(std::move(self)),
       rosters_(&rosters),
       on_roster_(std::move(on_roster)),
@@ -115,9 +126,12 @@ void SealedTransport::send(RegionId region, std::span<const std::byte> datagram)
   carrier_->send(region, sealer_.seal(clock_.now(), region, datagram, contents->must_be_signed));
 }
 
-void SealedTransport::take_announcement(const net::Arrival& arrival) {
-  const auto refused =
-      arrival.region == kAll ? sealer_.hear(arrival.datagram, clock_.now(), arrival.from.address()) : Refusal::kForged;
+void SealedTransport::take_announcement(const net::Arrival& arrival, bool may_check) {
+  const auto refused = arrival.region == kAll
+                           ? sealer_.hear(arrival.datagram, clock_.now(), arrival.from.address(), may_check)
+                           : Refusal::kForged;
+  if (refused == Refusal::kUnchecked) return examine_later(arrival);
+  if (!refused || is_after_check(*refused)) checks_.note_check(clock_.now());
   say_findings();
   if (!refused) {
     ++announcements_in_;
@@ -146,9 +160,41 @@ void SealedTransport::take(const net::Arrival& arrival) {
     ++flood_;
     return;
   }
-  if (announces) return take_announcement(arrival);
-  if (is_part) return take_roster_part(arrival);
-  const auto opened = sealer_.open(arrival.at, arrival.region, arrival.datagram);
+  examine(arrival, checks_.is_free(clock_.now()));
+}
+
+void SealedTransport::examine_later(const net::Arrival& arrival) {
+  const PeerId sender =
+      Sealer::is_announcement(arrival.datagram) ? kNobody : Sealer::claimed_sender(arrival.datagram).value_or(kNobody);
+  if (!checks_.push(arrival, sender)) ++flood_;
+  if (!awaits_checks_) await_checks();
+}
+
+void SealedTransport::await_checks() {
+  awaits_checks_ = checks_.size() > 0;
+  if (!awaits_checks_) return;
+  checks_timer_.expires_after(kTurnsApart);
+  checks_timer_.async_wait([this](const boost::system::error_code& cancelled) {
+    if (!cancelled) examine_waiting();
+  });
+}
+
+// A few at a time, so that the peer's own ticks go on between them.
+void SealedTransport::examine_waiting() {
+  for (std::size_t turn = 0; turn < kTurns; ++turn) {
+    const auto next = checks_.next(clock_.now());
+    if (!next) break;
+    examine({.region = next->region, .datagram = next->datagram, .at = next->at, .from = next->from}, true);
+  }
+  await_checks();
+}
+
+void SealedTransport::examine(const net::Arrival& arrival, bool may_check) {
+  if (Sealer::is_announcement(arrival.datagram)) return take_announcement(arrival, may_check);
+  if (RosterExchange::is_part(arrival.datagram)) return take_roster_part(arrival);
+  const auto opened = sealer_.open(arrival.at, arrival.region, arrival.datagram, may_check);
+  if (!opened && opened.error() == Refusal::kUnchecked) return examine_later(arrival);
+  if (opened ? opened->is_signed : is_after_check(opened.error())) checks_.note_check(clock_.now());
   if (!opened) {
     if (opened.error() == Refusal::kOwn) say_findings();
     return refuse(opened.error(), arrival);
@@ -217,7 +263,8 @@ void SealedTransport::wait() {
 const net::TrafficCounters& SealedTransport::counters() const {
   const auto refused = [&](Refusal why) { return refused_.at(static_cast<std::size_t>(why)); };
   counters_ = carrier_->counters();
-  counters_.packets_in -= std::accumulate(refused_.begin(), refused_.end(), announcements_in_ + flood_);
+  counters_.packets_in -=
+      std::accumulate(refused_.begin(), refused_.end(), announcements_in_ + flood_ + checks_.size());
   counters_.announcements_in = announcements_in_;
   counters_.in_open = refused(Refusal::kOpen);
   counters_.in_own = refused(Refusal::kOwn);

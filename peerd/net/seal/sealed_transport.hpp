@@ -13,6 +13,7 @@
 #include "peerd/net/greeting/source_buckets.hpp"
 #include "peerd/net/keys/roster.hpp"
 #include "peerd/net/os/host_clock.hpp"
+#include "peerd/net/seal/check_queue.hpp"
 #include "peerd/net/seal/roster_exchange.hpp"
 #include "peerd/net/seal/sealer.hpp"
 #include "peerd/net/transport/transport.hpp"
@@ -59,9 +60,13 @@ class SealedTransport final : public net::Transport {
 
  private:
   [[nodiscard]] Sealer sealer_of_roster() const;
-  void take_announcement(const net::Arrival& arrival);
+  void take_announcement(const net::Arrival& arrival, bool may_check);
   void take_roster_part(const net::Arrival& arrival);
   void take(const net::Arrival& arrival);
+  void examine(const net::Arrival& arrival, bool may_check);
+  void examine_later(const net::Arrival& arrival);
+  void await_checks();
+  void examine_waiting();
   void refuse(Refusal why, const net::Arrival& arrival);
   void send_due();
   [[nodiscard]] HostTime next_due() const;
@@ -71,6 +76,9 @@ class SealedTransport final : public net::Transport {
   const net::HostClock& clock_;
   std::unique_ptr<net::Transport> carrier_;
   net::SourceBuckets strangers_;
+  CheckQueue checks_;
+  boost::asio::steady_timer checks_timer_;
+  bool awaits_checks_ = false;  // the timer runs
   Sealer::Self self_;
   RosterExchange* rosters_ = nullptr;  // null: there is one key for all
   OnRoster on_roster_;

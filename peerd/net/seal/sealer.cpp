@@ -155,7 +155,12 @@ bool Sealer::decrypt(std::span<const std::byte> sealed, const Place& place, cons
                                                    place.associated.size(), place.nonce.data(), key.data()) == 0;
 }
 
-std::expected<Sealer::Opened, Refusal> Sealer::open(HostTime now, RegionId region, std::span<const std::byte> sealed) {
+std::optional<PeerId> Sealer::claimed_sender(std::span<const std::byte> sealed) {
+  return sealed.size() < kAdded_bytes ? std::nullopt : std::optional(header_of(sealed).sender);
+}
+
+std::expected<Sealer::Opened, Refusal> Sealer::open(HostTime now, RegionId region, std::span<const std::byte> sealed,
+                                                    bool may_check) {
   const std::uint8_t first = sealed.empty() ? 0 : std::to_integer<std::uint8_t>(sealed.front());
   if ((first & kKind) != kDatagram) return std::unexpected(Refusal::kOpen);
   if ((first & kEpochBits) != self_.epoch) return std::unexpected(Refusal::kOtherEpoch);
@@ -173,6 +178,7 @@ std::expected<Sealer::Opened, Refusal> Sealer::open(HostTime now, RegionId regio
         return std::unexpected(Refusal::kReplayed);
       }
       if (!header.is_signed && boot.heard + kUnsignedFor < now) return std::unexpected(Refusal::kUnproven);
+      if (header.is_signed && !may_check) return std::unexpected(Refusal::kUnchecked);
       if (!is_by_sender(boot, now, place, counter, header.is_signed, tag_of(sealed))) {
         return std::unexpected(Refusal::kUnsigned);
       }
@@ -228,7 +234,7 @@ bool Sealer::is_announcement(std::span<const std::byte> datagram) {
 
 // Why an announcement is not taken; none: it is.
 std::optional<Refusal> Sealer::refused(const OpenedAnnouncement& announcement, HostTime now,
-                                       const boost::asio::ip::address& from) {
+                                       const boost::asio::ip::address& from, bool may_check) {
   const Announcement& says = announcement.says();
   if (says.boot == self_.boot) return Refusal::kOwn;
   if (given_up_.contains({says.sender, says.boot})) return Refusal::kTooMany;
@@ -239,8 +245,9 @@ std::optional<Refusal> Sealer::refused(const OpenedAnnouncement& announcement, H
     if (before != forgotten_.end() && says.number <= before->second) return Refusal::kReplayed;
     first_heard_.note(says.boot, now);
     if (!has_room(says, now)) return Refusal::kUnproven;
-    if (!newcomers_.admits(from, net::SourceBuckets::Kind::kAnnouncement, now)) return Refusal::kUnproven;
+    if (may_check && !newcomers_.admits(from, net::SourceBuckets::Kind::kAnnouncement, now)) return Refusal::kUnproven;
   }
+  if (!may_check) return Refusal::kUnchecked;
   if (!announcement.is_signed()) return Refusal::kUnsigned;
   if (is_member_ && !is_member_(says.key)) return refuse(says, Named::kUnknown, now);
   const auto bound = bound_.find(says.sender);
@@ -368,13 +375,13 @@ void Sealer::announce_early(HostTime now) {
 }
 
 std::optional<Refusal> Sealer::hear(std::span<const std::byte> announcement, HostTime now,
-                                    const boost::asio::ip::address& from) {
+                                    const boost::asio::ip::address& from, bool may_check) {
   assert(is_announcement(announcement));
   const std::uint8_t first = std::to_integer<std::uint8_t>(announcement.front());
   if (first != (kAnnouncement | self_.epoch)) return Refusal::kOtherEpoch;
   const auto opened = OpenedAnnouncement::open(announcement, announcing_);
   if (!opened) return Refusal::kForged;
-  if (const auto why = refused(*opened, now, from)) return why;
+  if (const auto why = refused(*opened, now, from, may_check)) return why;
   const Announcement& says = opened->says();
   Boot* boot = &boot_of(says, now);
   boot->heard = now;

@@ -67,13 +67,17 @@ class Sealer {
     std::span<const std::byte> datagram;  // valid until the next call
     bool is_signed = false;               // by its sender's key; else by whoever has the session's
   };
-  // Nothing of what comes is read before its tag is right.
-  [[nodiscard]] std::expected<Opened, Refusal> open(HostTime now, RegionId region, std::span<const std::byte> sealed);
+  // Nothing of what comes is read before its tag is right. Without `may_check` what is signed is refused (kUnchecked),
+  // where nothing else is wrong with it, and can be opened later.
+  [[nodiscard]] std::expected<Opened, Refusal> open(HostTime now, RegionId region, std::span<const std::byte> sealed,
+                                                    bool may_check = true);
+  // Who says it of a sealed datagram, which anybody may have made; none: it is too short.
+  [[nodiscard]] static std::optional<PeerId> claimed_sender(std::span<const std::byte> sealed);
 
   [[nodiscard]] static bool is_announcement(std::span<const std::byte> datagram);
   // Takes an announcement of region 0, which came from that address; none: it is good.
   [[nodiscard]] std::optional<Refusal> hear(std::span<const std::byte> announcement, HostTime now,
-                                            const boost::asio::ip::address& from = {});
+                                            const boost::asio::ip::address& from = {}, bool may_check = true);
   // The announcement of this process's boot, if it is time for one.
   [[nodiscard]] std::optional<std::vector<std::byte>> announcement_due(HostTime now);
   [[nodiscard]] HostTime next_announcement() const { return announce_at_; }
@@ -126,7 +130,7 @@ class Sealer {
   bool decrypt(std::span<const std::byte> sealed, const Place& place, const keys::SymmetricKey& key);
   void on_own_number(HostTime now, RegionId region, std::span<const std::byte> sealed, std::uint64_t lowest);
   [[nodiscard]] std::optional<Refusal> refused(const OpenedAnnouncement& announcement, HostTime now,
-                                               const boost::asio::ip::address& from);
+                                               const boost::asio::ip::address& from, bool may_check);
   Refusal refuse(const Announcement& says, Named::Flag why, HostTime now);
   [[nodiscard]] const Boot* find(const Announcement& says) const;
   [[nodiscard]] bool has_room(const Announcement& says, HostTime now) const;

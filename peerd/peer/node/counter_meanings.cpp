@@ -76,7 +76,7 @@ constexpr std::array kTexts{
     CounterText{"net.greetings_out", "greetings sent: by unicast, to relays, on an island with a relay"},
     CounterText{"net.greetings_unopened", "greetings that the session's key does not open"},
     CounterText{"net.in_errors", "reads that failed"},
-    CounterText{"net.in_flood", "of strangers beyond what these may cost"},
+    CounterText{"net.in_flood", "of strangers, or signed, beyond what these may cost"},
     CounterText{"net.in_forged", "of another key, damaged or forged"},
     CounterText{"net.in_impostor", "announces a peer whose number is another key's"},
     CounterText{"net.in_malformed", "without the region that unicast datagrams begin with"},

@@ -117,6 +117,23 @@ TEST_F(SealedTransports, CountAndNameWhoeverSpeaksForAnother) {
   EXPECT_THAT(a.warnings, ElementsAre(HasSubstr("say another sender than they are sealed by")));
 }
 
+// Checking all that one member signs would take half a processor.
+TEST_F(SealedTransports, AFloodOfSignedDatagramsDelaysItsSenderAlone) {
+  Speaker a(io, key, 1), b(io, key, 2), c(io, key, 3);
+  meet(a, b);
+  meet(a, c);
+  for (int burst = 0; burst < 20; ++burst) {
+    for (int i = 0; i < 100; ++i) b.say(std::to_string(i));
+    for (int turn = 0; turn < 100; ++turn) io.poll();
+  }
+  c.say("by c");
+  ASSERT_TRUE(run_until(io, [&] { return !a.heard.empty() && testing::Value(a.heard, testing::Contains("by c")); }));
+  EXPECT_GT(a.transport.counters().in_flood, 0u);
+  b.say("the end");
+  ASSERT_TRUE(run_until(io, [&] { return testing::Value(a.heard, testing::Contains("the end")); })) << "it goes on";
+  EXPECT_EQ(a.transport.counters().packets_in, a.passed_on);
+}
+
 // A flood costs what strangers may cost. One of datagrams leaves the announcements of a joining peer at the same
 // address.
 TEST_F(SealedTransports, AFloodOfAStrangerIsNotOpened) {

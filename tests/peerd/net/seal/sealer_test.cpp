@@ -71,6 +71,8 @@ class Sealing : public testing::Test {
         return "<observer>";
       case Refusal::kOtherEpoch:
         return "<other epoch>";
+      case Refusal::kUnchecked:
+        return "<unchecked>";
     }
     return "";
   }
