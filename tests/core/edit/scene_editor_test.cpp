@@ -242,7 +242,7 @@ TEST(SceneEditor, AddsNoMoreThanALittleBeyondWhatATextSays) {
   const Scene world = read(kHead + kWall);
   SceneEditor editor(world);
   EXPECT_TRUE(editor.add(doubling(10), {}, {kFirstObject, kFirstNode}, {})) << "2,047 nodes";
-  const auto refused = editor.add(doubling(18), {}, {{1, 5000}, {1, 5000}}, {});
+  const auto refused = editor.add(doubling(18), {}, {ObjectId{1, 5000}, NodeId{1, 5000}}, {});
   ASSERT_FALSE(refused) << "524,287 nodes of " << doubling(18).size() << " bytes";
   EXPECT_NE(refused.error().find("nodes"), std::string::npos) << refused.error();
   const std::string extrusion = "Shape { geometry Extrusion { crossSection [ " + [] {
@@ -254,7 +254,7 @@ TEST(SceneEditor, AddsNoMoreThanALittleBeyondWhatATextSays) {
     for (int i = 0; i < 300; ++i) spine += "0 " + std::to_string(i) + " 0 ";
     return spine;
   }() + "] } }\n";
-  EXPECT_FALSE(editor.add(kHead + extrusion, {}, {{1, 9000}, {1, 9000}}, {})) << "89,401 polygons";
+  EXPECT_FALSE(editor.add(kHead + extrusion, {}, {ObjectId{1, 9000}, NodeId{1, 9000}}, {})) << "89,401 polygons";
   EXPECT_TRUE(read_world(kHead + extrusion).scene) << "a world's file may";
 }
 
