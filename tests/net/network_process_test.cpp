@@ -2,6 +2,12 @@
 // between two computers.
 #include <gmock/gmock.h>
 
+#include <boost/asio/ip/tcp.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <sstream>
+
 #include "tests/net/controlled_peers.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/wire.hpp"
@@ -48,6 +54,17 @@ class Network : public testing_support::ControlledPeers {
   [[nodiscard]] std::string troubles_of(const std::string& name) const {
     const json status = ask(name, {{"do", "status"}});
     return status.is_object() ? status.value("troubles", json::array()).dump() : "";
+  }
+  // The answer of the gateway from which a page gets what it shows.
+  [[nodiscard]] static std::string fetched(std::uint16_t port, const std::string& target) {
+    boost::asio::ip::tcp::iostream gateway;
+    gateway.expires_after(std::chrono::seconds(10));
+    gateway.connect("127.0.0.1", std::to_string(port));
+    gateway << "GET " << target << " HTTP/1.1\r\nHost: 127.0.0.1:" << port << "\r\nConnection: close\r\n\r\n"
+            << std::flush;
+    std::ostringstream answer;
+    answer << gateway.rdbuf();
+    return answer.str();
   }
 
   const std::string world = "network-" + std::to_string(getpid());
@@ -130,7 +147,25 @@ TEST_F(Network, APeerOfBeforeTheNetworkGoesOverToIt) {
 }
 
 // The left computer drops what comes from the right one's subnet, and hears nobody.
-TEST_F(Network, ALinkThatGoesOneWayIsSaid) {
+class OneWay : public Network, public testing::WithParamInterface<bool> {
+ protected:
+  // Peers are found in the folder of the test, as those of a user are; true: the sessions are open.
+  void SetUp() override {
+    std::filesystem::create_directory_symlink(".", folder / "peerd");
+    if (const char* value = std::getenv("XDG_RUNTIME_DIR")) before_ = value;
+    setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1);
+  }
+  void TearDown() override { before_ ? setenv("XDG_RUNTIME_DIR", before_->c_str(), 1) : unsetenv("XDG_RUNTIME_DIR"); }
+  Process run_here(const std::string& name, const std::string& interface, Words more = {}) const {
+    more.insert(more.begin(), {"--interface", interface});
+    if (GetParam()) more.push_back("--open");
+    return run(name, more);
+  }
+
+ private:
+  std::optional<std::string> before_;
+};
+TEST_P(OneWay, ALinkThatGoesOneWayIsSaid) {
   with_wire([&](const Wire& wire) {
     wire.left.enter();
     if (!shell("echo 1 > /proc/sys/net/ipv4/conf/va/rp_filter")) GTEST_SKIP() << "rp_filter can't be set here";
@@ -139,17 +174,21 @@ TEST_F(Network, ALinkThatGoesOneWayIsSaid) {
         shell("echo 0 > /proc/sys/net/ipv4/conf/all/rp_filter; echo 0 > /proc/sys/net/ipv4/conf/vb/rp_filter; "
               "ip addr del 192.0.2.2/24 dev vb; ip addr add 198.51.100.2/24 dev vb; ip route add 192.0.2.0/24 dev vb"));
     wire.left.enter();
-    Process a = run("a", {"--interface", "va", "--open"});
+    Process a = run_here("a", "va");
     ASSERT_TRUE(is_in_session("a")) << a.out() << a.err();
     wire.right.enter();
-    Process b = run("b", {"--interface", "vb", "--open"});
+    Process b = run_here("b", "vb", {"--set", "gateway.listen=127.0.0.1:" + std::to_string(own_port(14))});
     ASSERT_TRUE(b.says("in session", 10)) << b.out() << b.err();
-    EXPECT_TRUE(b.says("hears peer a", 4)) << b.out();
+    EXPECT_TRUE(b.says(GetParam() ? "hears peer a (id " : "hears the peer of id ", 4)) << b.out();
     EXPECT_THAT(troubles_of("b"), HasSubstr("which hears nothing of this one"));
+    EXPECT_THAT(output({"doctor", "--interface", "vb"}), HasSubstr("which hears nothing of this one"));
+    EXPECT_THAT(fetched(own_port(14), "/api/v1/status"), HasSubstr("which hears nothing of this one")) << "the page";
     wire.left.enter();
-    EXPECT_THAT(output({"doctor", "--interface", "va"}), HasSubstr("rp_filter"));
+    EXPECT_THAT(output({"doctor", "--interface", "va"}), HasSubstr("packets have been dropped so"));
   });
 }
+INSTANTIATE_TEST_SUITE_P(Sessions, OneWay, testing::Bool(),
+                         [](const auto& each) { return each.param ? "Open" : "Sealed"; });
 
 // TCP gets through, and no datagram does: none leaves a computer.
 TEST_F(Network, AJoiningPeerThatHearsNothingSaysSo) {

@@ -11,6 +11,12 @@ constexpr Duration kFollowPeriod = std::chrono::seconds(1);
 // A peer asks for a second whether it runs already, and then hears hellos, which come at least once a second.
 constexpr Duration kOthersAreHeardWithin = std::chrono::milliseconds(2700);
 
+// How far the author's last edit is stamped ahead of session time.
+Duration ahead_of(const replication::Peer& peer, replication::AuthorId author, HostTime now) {
+  if (!peer.clock().synchronised() || peer.logs().last(author).number == 0) return Duration{0};
+  return peer.logs().last_stamp(author) - peer.clock().to_session(now);
+}
+
 }  // namespace
 
 NetworkWatch::NetworkWatch(boost::asio::io_context& io, Parts parts)
@@ -35,7 +41,12 @@ void NetworkWatch::look() {
 
 void NetworkWatch::find_troubles(HostTime now) {
   const replication::Peer& peer = parts_.node.peer();
-  troubles_ = one_way_links(peer.members(), now);
+  troubles_ = one_way_links_.find(peer.members(), now);
+  for (const PeerId deaf : parts_.deaf_peers()) troubles_.push_back(one_way_link(deaf));
+  if (std::string ahead = edits_ahead(ahead_of(peer, parts_.author, now)); !ahead.empty()) {
+    if (!std::exchange(has_begun_log_, true)) parts_.begin_log();
+    troubles_.push_back(std::move(ahead));
+  }
   if (std::string here = only_here(parts_.transport.why_only_here()); !here.empty()) {
     troubles_.push_back(std::move(here));
   }

@@ -23,8 +23,12 @@ class NetworkWatch {
     const net::HostClock& clock;
     const PeerNode& node;
     const net::Transport& transport;
-    JoinService* join_service;  // null: there is none
-    std::string provider;       // that gave the world by TCP, so that others are here; empty: nobody has
+    JoinService* join_service;     // null: there is none
+    std::string provider;          // that gave the world by TCP, so that others are here; empty: nobody has
+    replication::AuthorId author;  // of this peer's edits
+    std::function<std::vector<PeerId>()> deaf_peers;  // as the seal finds them (Sealer::deaf_peers)
+    // This peer's next life begins another log; called once, when the stamps of this one's are ahead of session time.
+    std::function<void()> begin_log;
     std::function<void(const LogLine&)> log;
   };
   // Watches from now on. The objects that `parts` refers to outlive it.
@@ -39,8 +43,10 @@ class NetworkWatch {
 
   Parts parts_;
   boost::asio::steady_timer timer_;
+  OneWayLinks one_way_links_;
   SaidTroubles said_;
   std::vector<std::string> troubles_;
+  bool has_begun_log_ = false;
   HostTime opened_at_, followed_at_;
 };
 

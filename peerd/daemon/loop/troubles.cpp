@@ -1,8 +1,11 @@
 #include "peerd/daemon/loop/troubles.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <spdlog/fmt/fmt.h>
+
+#include "replication/wire/operation.hpp"
 
 namespace peerd {
 namespace {
@@ -10,21 +13,40 @@ namespace {
 // A peer that is new has the time to hear this one, which says hello several times a second until then.
 constexpr Duration kHeardWithin = std::chrono::milliseconds(1750);
 
+std::string deaf(const std::string& peer) {
+  return "hears " + peer +
+         ", which hears nothing of this one: a firewall there, or a network that carries datagrams one way; peerd "
+         "doctor --with HOST, on both computers, says more";
+}
+
 }  // namespace
 
 // In a large session hellos name others in long turns, and nothing is known so soon.
-std::vector<std::string> one_way_links(const replication::Membership& members, HostTime now) {
+std::vector<std::string> OneWayLinks::find(const replication::Membership& members, HostTime now) {
+  if (asked_at_ && now - *asked_at_ > kStoppedAfter) unheard_since_.clear();
+  asked_at_ = now;
   std::vector<std::string> all;
+  std::map<PeerId, HostTime> unheard_since;
   if (members.is_large() || members.hellos_in_a_turn() > 1) return all;
   for (const auto& [id, member] : members.all()) {
-    if (member.hello == 0 || member.echo.echoes_us || now - member.since < kHeardWithin) continue;
-    if (member.echo.hellos_without_echo == 0) continue;
-    all.push_back(fmt::format(
-        "hears peer {} (id {}), which hears nothing of this one: a firewall there, or a network that carries datagrams "
-        "one way; peerd doctor --with HOST, on both computers, says more",
-        member.name, id.value));
+    if (member.hello == 0 || member.echo.echoes_us || member.echo.hellos_without_echo == 0) continue;
+    const auto known = unheard_since_.find(id);
+    const HostTime since = known == unheard_since_.end() ? now : known->second;
+    unheard_since.emplace(id, since);
+    if (now - since < kHeardWithin) continue;
+    all.push_back(deaf(fmt::format("peer {} (id {})", member.name, id.value)));
   }
+  unheard_since_ = std::move(unheard_since);
   return all;
+}
+
+std::string one_way_link(PeerId peer) { return deaf(fmt::format("the peer of id {}", peer.value)); }
+
+std::string edits_ahead(Duration ahead) {
+  if (ahead <= replication::kStampAheadMax) return "";
+  return "has edits whose stamps are ahead of the session's time, as a clock here or there is wrong: others see them, "
+         "and new ones of this peer, only then; started again, it begins another log, and new edits take effect at "
+         "once";
 }
 
 std::string only_here(const std::string& why) {

@@ -233,9 +233,17 @@ Result<void> OpenedPeer::open_daemon(const PeerNode::Options& node) {
                                                   .transport = *reached_->transport,
                                                   .join_service = join_service_ ? &*join_service_ : nullptr,
                                                   .provider = options_.joined ? options_.joined->provided_by : "",
+                                                  .author = parts_.author.id,
+                                                  .deaf_peers = [this] { return session_seal_->deaf_peers(); },
+                                                  .begin_log = [this] { begin_log(); },
                                                   .log = say_});
   daemon_->add_to_status([this] { return control::More{{}, network_watch_->troubles()}; });
   return {};
+}
+
+// The next life of this peer writes it.
+void OpenedPeer::begin_log() {
+  if (parts_.opened.store) parts_.opened.store->begin_log(seal::fresh_author(identity_->public_key()));
 }
 
 Result<config::RunSettings> OpenedPeer::read_again() const {

@@ -51,6 +51,7 @@ class OpenedPeer {
   [[nodiscard]] Result<void> open_node();
   [[nodiscard]] Result<void> open_capture(PeerNode::Options& node);
   [[nodiscard]] Result<void> open_daemon(const PeerNode::Options& node);
+  void begin_log();
   [[nodiscard]] Result<config::RunSettings> read_again() const;
 
   PeerOptions options_;

@@ -100,8 +100,10 @@ void SessionSeal::seal(asio::io_context& io, const net::HostClock& clock, PeerId
   const auto warn = [say](const std::string& line) { say({LogLevel::kWarning, line}); };
   seal::Sealer::Self as{.peer = self, .identity = identity_};
   if (!rosters_) {
-    reached.transport = std::make_unique<seal::SealedTransport>(io, clock, std::move(reached.transport), *key_,
-                                                                std::move(as), contents_of, warn);
+    auto transport = std::make_unique<seal::SealedTransport>(io, clock, std::move(reached.transport), *key_,
+                                                             std::move(as), contents_of, warn);
+    transport_ = transport.get();
+    reached.transport = std::move(transport);
     return;
   }
   const auto on_roster = [this, say](const keys::Roster& roster) {

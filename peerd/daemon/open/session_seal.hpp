@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/ids.hpp"
 #include "peerd/input/input_error.hpp"
@@ -50,6 +51,10 @@ class SessionSeal {
   // The words for what it is sealed by: "the key FILE"; empty: it is open.
   [[nodiscard]] const std::string& by() const { return by_; }
   [[nodiscard]] LogLine line() const;  // for the log
+  // The peers that are heard and hear nothing of this one, as far as the seal knows (Sealer::deaf_peers).
+  [[nodiscard]] std::vector<PeerId> deaf_peers() const {
+    return transport_ == nullptr ? std::vector<PeerId>{} : transport_->deaf_peers();
+  }
   // The session's key at present; none: it is open.
   [[nodiscard]] const std::optional<keys::SymmetricKey>& key() const { return rosters_ ? rosters_->key() : key_; }
   // An observer owns nothing.

@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "peerd/net/greeting/source_buckets.hpp"
 #include "peerd/net/keys/roster.hpp"
@@ -43,6 +44,7 @@ class SealedTransport final : public net::Transport {
   SealedTransport(boost::asio::io_context& io, const net::HostClock& clock, std::unique_ptr<net::Transport> carrier,
                   RosterExchange& rosters, OnRoster on_roster, Sealer::Self self, Examine examine, Warn warn);
   void follow_roster();
+  [[nodiscard]] std::vector<PeerId> deaf_peers() const { return sealer_.deaf_peers(clock_.now()); }
 
   void on_receive(ReceiveHandler handler) override;
   bool receive_pending() override { return carrier_->receive_pending(); }

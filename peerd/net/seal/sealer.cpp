@@ -21,6 +21,8 @@ constexpr Duration kAnnounced = Seconds(1), kAnnouncedSoon = Milliseconds(200), 
 constexpr Duration kForgotten = Seconds(10);
 // So long without an announcement, what is not signed is not taken any more: nothing shows whose it is.
 constexpr Duration kUnsignedFor = Seconds(5);
+// A peer that is new has the time to hear this one's announcements, the next ones of which come soon.
+constexpr Duration kHeardWithin = Milliseconds(1750);
 // A peer that sends much announces itself sooner, after so many datagrams, so that most of them have a print.
 constexpr std::uint64_t kAnnouncedAfter = 128;
 // A peer says that it signs each datagram for so long after somebody has spoken in its name, and twice as long each
@@ -394,6 +396,8 @@ std::optional<Refusal> Sealer::hear(std::span<const std::byte> announcement, Hos
       boot = &boots_[says.sender].back();
     }
     on_named(*boot, says, *us, now);
+  } else if (says.names.size() < kNamesMax && !boot->unnamed) {
+    boot->unnamed = now;
   }
   if (boot->is_proven()) {
     if (const auto bound = bound_.find(says.sender); bound != bound_.end()) bound->second.heard = now;
@@ -407,6 +411,7 @@ std::optional<Refusal> Sealer::hear(std::span<const std::byte> announcement, Hos
 void Sealer::on_named(Boot& boot, const Announcement& says, const Named& us, HostTime now) {
   boot.newest = std::max(boot.newest, says.sent);
   boot.named_us = now;
+  boot.unnamed.reset();
   boot.has_proven_us = (us.flags & Named::kProven) != 0;
   if ((us.flags & Named::kForged) != 0) on_impersonated(now);
   if ((us.flags & Named::kTaken) != 0) findings_.push_back({Finding::Kind::kNumberTaken, says.sender});
@@ -475,6 +480,17 @@ std::size_t Sealer::proven_count() const {
     count += static_cast<std::size_t>(std::ranges::count_if(boots, &Boot::is_proven));
   }
   return count;
+}
+
+std::vector<PeerId> Sealer::deaf_peers(HostTime now) const {
+  const auto is_deaf = [&](const Boot& boot) {
+    return !boot.is_proven() && boot.unnamed && now - *boot.unnamed >= kHeardWithin && now - boot.heard < kUnsignedFor;
+  };
+  std::vector<PeerId> deaf;
+  for (const auto& [sender, boots] : boots_) {
+    if (sender != self_.peer && std::ranges::any_of(boots, is_deaf)) deaf.push_back(sender);
+  }
+  return deaf;
 }
 
 std::size_t Sealer::heard_count() const {

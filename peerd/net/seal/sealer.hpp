@@ -99,6 +99,9 @@ class Sealer {
   [[nodiscard]] std::size_t bound_count() const { return bound_.size(); }  // peers whose key is known
   // The key that a peer belongs to, as far as it has been proven.
   [[nodiscard]] std::optional<keys::PublicKey> key_of(PeerId peer) const;
+  // The peers whose announcements come and do not name this process though they have room for it: they hear nothing of
+  // it. So they never prove to be no record either, and nothing else of them is opened.
+  [[nodiscard]] std::vector<PeerId> deaf_peers(HostTime now) const;
   // Whether it says that it signs each datagram.
   [[nodiscard]] bool signs_all(HostTime now) const { return now < signs_all_until_; }
 
@@ -111,6 +114,7 @@ class Sealer {
     std::uint64_t announcements = 0;       // the number of the last one
     std::uint8_t flags = 0;                // those of Named
     std::optional<HostTime> named_us{};    // when it last named this process's boot
+    std::optional<HostTime> unnamed{};     // since when it has not, since the first time that it could have
     bool has_proven_us = false;            // as it said then
     bool signs_all = false;                // as it says
     std::uint64_t newest = 0, begins = 0;  // counters: the newest known, and the one at the proof, which is the first

@@ -140,6 +140,31 @@ TEST_F(Sealing, LostAnnouncementsAreMadeUpFor) {
   }
 }
 
+// The one hears the other, and is not heard.
+TEST_F(Sealing, APeerThatNamesOthersOnlyIsDeaf) {
+  const auto hear_for = [&](milliseconds time, bool both) {
+    for (const HostTime end = now + time; now < end; now += milliseconds(50)) {
+      if (const auto due = a.announcement_due(now)) (void)b.hear(*due, now);
+      if (const auto due = b.announcement_due(now); due && both) (void)a.hear(*due, now);
+    }
+  };
+  hear_for(milliseconds(1750), false);
+  EXPECT_TRUE(b.deaf_peers(now - milliseconds(1)).empty()) << "it is new";
+  EXPECT_EQ(b.deaf_peers(now), std::vector{PeerId{1}});
+  EXPECT_TRUE(a.deaf_peers(now).empty()) << "it has heard of nobody";
+  hear_for(seconds(2), true);
+  EXPECT_TRUE(b.deaf_peers(now).empty());
+  now += seconds(60);
+  EXPECT_TRUE(b.deaf_peers(now).empty()) << "it was proven, and its datagrams say the rest";
+}
+
+TEST_F(Sealing, ADeafPeerThatHasGoneIsNoneAnyMore) {
+  for (int i = 0; i < 3; ++i, now += seconds(1)) (void)b.hear(must(a.announcement_due(now)), now);
+  EXPECT_EQ(b.deaf_peers(now), std::vector{PeerId{1}});
+  now += seconds(4);
+  EXPECT_TRUE(b.deaf_peers(now).empty());
+}
+
 TEST_F(Sealing, NoFlippedByteAndNoPartOfADatagramIsOpened) {
   meet(a, b);
   const Bytes good = sealed(a, "twenty bytes of text");
