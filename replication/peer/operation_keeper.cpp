@@ -291,7 +291,10 @@ void OperationKeeper::on_message(HostTime now, PeerId sender, const Message& m) 
       ++p_.counters.operations_in;
       if (p_.replica.begun()) {
         on_request(operation, p_.to_session(now));
-        limits_.note_stamp(now, sender, operation.stamp, p_.to_session(now));
+        // After a stop this peer does not know session time, and judges nobody's.
+        if (p_.time.clock().synchronised()) {
+          limits_.note_stamp(now, sender, operation.stamp, p_.to_session(now));
+        }
       }
       p_.living.add(std::move(operation));
     }

@@ -3,11 +3,14 @@
 #include <ifaddrs.h>
 #include <net/if.h>
 #include <netinet/in.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <set>
@@ -166,10 +169,18 @@ std::expected<std::vector<Interface>, NetError> list_interfaces() {
   return interfaces;
 }
 
+// As if_nametoindex(), which says that there is no such file where no descriptor is left.
 std::expected<unsigned, int> index_of(const std::string& name) {
-  const unsigned index = if_nametoindex(name.c_str());
-  if (index == 0 && errno != ENODEV && errno != ENXIO) return std::unexpected(errno);
-  return index;
+  ifreq request{};
+  if (name.size() >= sizeof(request.ifr_name)) return 0U;
+  std::ranges::copy(name, std::begin(request.ifr_name));
+  const int any = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (any < 0) return std::unexpected(errno);
+  const int error = ioctl(any, SIOCGIFINDEX, &request) == 0 ? 0 : errno;
+  close(any);
+  if (error == 0) return static_cast<unsigned>(request.ifr_ifindex);
+  if (error == ENODEV || error == ENXIO) return 0U;
+  return std::unexpected(error);
 }
 
 bool are_of_one_interface(const asio::ip::address& a, const asio::ip::address& b) {
