@@ -334,7 +334,7 @@ void Intake::on_introduction(HostTime now, PeerId sender, Member& member, const 
   const Duration ahead = both ? *hello.session_tx - p_.to_session(now) : Duration{0};
   if (!hello.session_tx || ahead <= -kUpdateAgeMax || ahead >= kUpdateAheadMax) return;
   if (!may_claim(now, sender, introduction.owned)) return;
-  keeper_.claim(sender, introduction.owned, introduction.owned_as_founder);
+  keeper_.claim(sender, introduction.owned, introduction.owned_as_founder, *hello.session_tx);
 }
 
 bool Intake::may_claim(HostTime now, PeerId sender, std::span<const ObjectId> objects) {
@@ -506,7 +506,7 @@ void Intake::on_update(PeerId sender, std::uint32_t number, UpdateRecord& u, Sim
     if (!scene_.take_over(sender, u)) return p_.drop(sender, "not_owner");
     owner = p_.owners.of(u.object);
   } else if (owner == kNobody && !relayed) {  // its hello may have been lost
-    keeper_.claim(sender, {&u.object, 1});
+    keeper_.claim(sender, {&u.object, 1}, 0, u.at);
     owner = p_.owners.of(u.object);
   }
   if (relayed && p_.own.contains(u.object)) {

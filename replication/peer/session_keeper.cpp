@@ -226,7 +226,8 @@ void SessionKeeper::watch_all_pairs() {
   p_.decisions.watch().follow_all();
 }
 
-void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects, std::uint64_t as_founder) {
+void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects, std::uint64_t as_founder,
+                          std::optional<SimTime> at) {
   assert(peer != kNobody && peer != p_.config.id);
   std::vector<ObjectId> changed, lost;
   for (std::size_t k = 0; k < objects.size(); ++k) {
@@ -266,6 +267,7 @@ void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects, std::u
       p_.regions.forget_handovers_of(object);
     }
     p_.owners.set(object, peer, by_founder);
+    if (added && at) claimed_at_.insert_or_assign(object, *at);
     changed.push_back(object);
   }
   const bool more_moves = p_.let_move(changed);
@@ -278,7 +280,7 @@ void SessionKeeper::claim(PeerId peer, std::span<const ObjectId> objects, std::u
   more_moves ? watch_all_pairs() : p_.watch_pairs_around(changed);
 }
 
-void SessionKeeper::give(std::span<const std::pair<ObjectId, PeerId>> given, SimTime at) {
+void SessionKeeper::give(std::span<const std::pair<ObjectId, PeerId>> given, SimTime at, bool take_effect) {
   assert(p_.replica.begun());
   std::vector<ObjectId> changed;
   for (const auto& [object, to] : given) {
@@ -287,7 +289,15 @@ void SessionKeeper::give(std::span<const std::pair<ObjectId, PeerId>> given, Sim
     const bool is_here = to == p_.config.id || p_.members.contains(to);
     const PeerId owner = is_here ? to : kNobody;
     const bool is_borrowed = p_.scene.contains(object) && before != kNobody;  // until it rests
-    if (owner == before && !is_borrowed) continue;
+    const auto claimed = claimed_at_.find(object);
+    const bool is_claimed = owner != kNobody && claimed != claimed_at_.end() && claimed->second >= at;
+    if (take_effect) claimed_at_.erase(object);
+    if (owner == before && !is_borrowed) {
+      if (!is_claimed || !take_effect) continue;
+      p_.outbox.push(ObjectGiven{object, kNobody, owner, at});
+      ++p_.counters.objects_given;
+      continue;
+    }
     take_from(before, object);
     p_.owners.set(object, owner);
     changed.push_back(object);
@@ -324,7 +334,7 @@ void SessionKeeper::give_as_operations_say() {
     const bool is_here = each.second == p_.config.id || p_.members.contains(each.second);
     return !is_here && p_.scene.contains(each.first);
   });
-  give(given, std::max(p_.ticks.last_time(), p_.replica.begun_at()));
+  give(given, std::max(p_.ticks.last_time(), p_.replica.begun_at()), false);
 }
 
 // Where its owner does not know that it was gone, this peer has lost the owner's updates.

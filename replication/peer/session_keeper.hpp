@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <set>
 #include <span>
@@ -30,11 +31,13 @@ class SessionKeeper {
 
   // A peer claims these objects: those without an owner are its own from now on, and those of another owner only if its
   // claim is better. Of two owners a founder of a session gives way, then the higher id. `as_founder`, bit k: the claim
-  // of the k-th object is a founder's.
-  void claim(PeerId peer, std::span<const ObjectId> objects, std::uint64_t as_founder = 0);
+  // of the k-th object is a founder's. `at`: the session time at which the peer has said so, where that is known.
+  void claim(PeerId peer, std::span<const ObjectId> objects, std::uint64_t as_founder = 0,
+             std::optional<SimTime> at = {});
   // Operations have given these objects to these peers, at that instant of session time or since; kNobody: nobody owns
-  // them any more. One that goes to a peer that is not here is nobody's until it comes.
-  void give(std::span<const std::pair<ObjectId, PeerId>> given, SimTime at);
+  // them any more. One that goes to a peer that is not here is nobody's until it comes. `take_effect`: the operations
+  // do so with this call.
+  void give(std::span<const std::pair<ObjectId, PeerId>> given, SimTime at, bool take_effect = true);
   // This peer has entered a session, or a peer is here: operations may have given it objects before.
   void give_as_operations_say();
   // Edits have changed the scene from that instant on. Objects that are back in it are again whose they were.
@@ -71,6 +74,9 @@ class SessionKeeper {
   SceneKeeper& scene_;
   // Nodes that updates name as carriers, and that cannot be: nothing rigid moves what a driven scale distorts.
   std::set<ObjectId> not_carriers_;
+  // When a peer has claimed an object that was nobody's. An owner whose tick is earlier than this peer's claims by its
+  // first update what an operation gives it, before that operation takes effect here.
+  std::map<ObjectId, SimTime> claimed_at_;
 };
 
 }  // namespace peerd::replication

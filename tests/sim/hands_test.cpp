@@ -35,6 +35,15 @@ TEST(Hands, OneOwnerAtATimeAndTheSameForAll) {
   }
 }
 
+// Without latency the new owner's first update is there before the operation takes effect, at a peer whose tick of that
+// instant is still to come.
+TEST(Hands, GiveAlikeWithoutLatency) {
+  for (const char* latency_ms : {"0", "0.05"}) {
+    const Ran ran = run_scenario(kHands, {"network.latency_ms=" + std::string(latency_ms)}).front();
+    EXPECT_EQ(ran.summary["counters"]["objects_given"], 15) << latency_ms << " ms";
+  }
+}
+
 TEST(Hands, NobodyStealsWhereTheWorldDoesNotAllowIt) {
   const auto world = must(config::load_world(PEERD_SOURCE_DIR "/configs/worlds/keys.wrl"));
   const ObjectId red = world.scene.find("RED").value();
