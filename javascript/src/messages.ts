@@ -177,7 +177,8 @@ export interface Hit {
 }
 
 export interface Inspected {
-  readonly id: string | number;
+  /** Null: it is no instance, such as a Material, so that nobody owns it and it is nowhere. */
+  readonly id: string | number | null;
   readonly path: string;
   readonly def: string | null;
   readonly type: string;
@@ -332,7 +333,7 @@ export interface Requests {
   avatar: [{ readonly path?: string }, Nothing];
   surroundings: [Nothing, SurroundingsReply];
   hierarchy: [At & { readonly level: number }, HierarchyReply];
-  inspect: [{ readonly node: number }, Inspected];
+  inspect: [{ readonly node: number } | At, Inspected];
 }
 
 export type RequestName = keyof Requests;

@@ -1,4 +1,4 @@
-// node nodes_page_test.mjs PEERD PACKAGES OUT: what the page draws of LOD, Switch, Billboard, Text, Anchor, PixelTexture and of
+// node nodes_page_test.mjs PEERD PACKAGES OUT: the tree of all nodes, and what the page draws of LOD, Switch, Billboard, Text, Anchor, PixelTexture and of
 // ROUTEs into coordinates, scales and colours, by the colours of pixels, on a real peer in a headless Chromium.
 //
 // PEERD is the program, PACKAGES the folder whose node_modules has playwright-core, OUT where screenshots go. Exit codes: 0
@@ -97,6 +97,71 @@ async function choice(page) {
   await is('the Switch has its second choice', [2, -1.5, 0], [255, 51, 255]);
 }
 
+const edited = (page, request) =>
+  page.tab.evaluate(async (wanted) => {
+    const reply = await window.peerd.ask(wanted);
+    if (!reply.ok || !reply.done) throw new Error(`refused: ${JSON.stringify(reply)}`);
+  }, request);
+
+// The tree of all nodes is walked by keys alone, down to a Material without a name, whose field an edit changes.
+async function nodesByKeys(page) {
+  await page.panel('nodes');
+  const row = (path) => page.tab.locator(`[role=treeitem][data-path="${path}"]`);
+  const keys = async (...pressed) => {
+    for (const key of pressed) await page.tab.keyboard.press(key);
+  };
+  const [width, room] = await page.tab.evaluate(() => {
+    for (const [name, count] of [['objects', '10000'], ['peers', '10']]) document.querySelector(`[data-panel=${name}] .badge`).textContent = count;
+    const { scrollWidth, clientWidth } = document.querySelector('.dock-left .tabs');
+    return [scrollWidth, clientWidth];
+  });
+  check(width <= room, `the tabs are ${width} px wide, and have room for ${room}`);
+  await row('LEVELS').locator('.row-owner', { hasText: 'Transform' }).waitFor();
+  await page.tab.locator('[role=tree]').focus();
+  await page.tab.evaluate(() => window.peerd.select('LAMP'));
+  await page.until('the tree shows what is selected', () => document.querySelector('[data-path="LAMP"][aria-selected=true]') !== null);
+  await page.tab.locator('[role=tree]').focus();
+  await keys('ArrowRight', 'ArrowDown', 'ArrowDown', 'ArrowRight', 'ArrowRight', 'ArrowRight', 'ArrowRight', 'ArrowRight', 'ArrowRight');
+  const material = 'LAMP/BREATH/0/appearance/material';
+  await row(material).waitFor();
+  check((await page.tab.locator('[role=tree]').getAttribute('aria-activedescendant')) === (await row(material).getAttribute('id')), 'the keys have not led to the Material');
+  check((await row(material).getAttribute('aria-level')) === '5', 'the Material is not at level 5');
+  await keys('Enter');
+  await page.until('the Material is selected', (path) => window.peerd.selected === path, material);
+  await page.tab.locator('.inspector .chip', { hasText: 'Material' }).waitFor();
+  const field = page.tab.locator('.inspector [data-field="emissiveColor"]');
+  check((await field.inputValue()) === '0.5 0 1', `the Material glows ${await field.inputValue()}`);
+  await page.shot(join(out, 'tree-1280.png'));
+  await field.fill('0 1 0');
+  await field.press('Enter');
+  await page.until('the Material glows green', async (path) => (await window.peerd.ask({ do: 'inspect', path })).fields?.emissiveColor === '0 1 0', material);
+  await row(material).waitFor(); // what was open stays so
+}
+
+// What is added is in the tree at once; of ten thousand nodes only those that are seen are in the page.
+async function nodesAreMany(page) {
+  await edited(page, { do: 'add', text: `DEF MANY Group { children [ ${'Group{}'.repeat(5000)} ] }` });
+  await edited(page, { do: 'add', under: 'MANY', text: 'Group{}'.repeat(5000) });
+  await page.until('what was added is in the tree', () => window.peerd.has('MANY/9999'));
+  await page.tab.locator('[role=tree]').focus();
+  await page.tab.keyboard.press('End');
+  await page.tab.locator('[role=treeitem][data-path="MANY"]').waitFor();
+  const opened_ms = await page.tab.evaluate(() => {
+    const began = performance.now();
+    document.querySelector('[data-path="MANY"] .twisty').click();
+    void document.querySelector('[role=tree]').getBoundingClientRect();
+    return performance.now() - began;
+  });
+  await page.tab.keyboard.press('End');
+  await page.tab.locator('[role=treeitem][data-path="MANY/9999"]').waitFor();
+  const rows = await page.tab.locator('[role=treeitem]').count();
+  console.log(`10,000 nodes open in ${opened_ms.toFixed(1)} ms; ${rows} of them are in the page`);
+  check(rows < 60, `${rows} rows are in the page`);
+  await page.shot(join(out, 'tree-10000-1280.png'));
+  await edited(page, { do: 'remove', path: 'MANY' });
+  await page.until('what was removed is not in the tree', () => !window.peerd.has('MANY') && document.querySelector('[data-path="MANY"]') === null);
+}
+
 await testPages(kConfiguration, ['a'], async (browser, [address], faults) => {
   const page = await Page.open(browser, 'nodes', address, faults);
   await page.until('the world is shown', () => window.peerd.objects().length >= 1 && window.peerd.pictures > 2 && window.peerd.range_s[1] > 1);
@@ -107,6 +172,8 @@ await testPages(kConfiguration, ['a'], async (browser, [address], faults) => {
   await looksChange(page);
   await anchor(page);
   await choice(page);
+  await nodesByKeys(page);
+  await nodesAreMany(page);
   check((await page.tab.evaluate(() => window.peerd.undrawn.length)) === 0, 'something is not drawn');
   for (const [width, colorScheme] of [[800, 'dark'], [400, 'light'], [400, 'dark']]) {
     const narrow = await Page.open(browser, `${width} ${colorScheme}`, address, faults, { viewport: { width, height: 800 }, colorScheme });

@@ -20,6 +20,7 @@
 #include "peerd/view/gateway/gateway.hpp"
 #include "peerd/view/gateway/metrics.hpp"
 #include "peerd/view/picks/hierarchy_level.hpp"
+#include "peerd/view/picks/inspect.hpp"
 #include "peerd/view/picks/surroundings.hpp"
 #include "peerd/view/picture/gltf_writer.hpp"
 #include "peerd/view/picture/live_picture.hpp"
@@ -99,6 +100,7 @@ class Source : public gateway::GatewaySource {
     (void)revision();
     return picture_.inspect(*node_, node).dump();
   }
+  std::string inspect_at(const std::string& path) override { return view::inspect(*node_, path).dump(); }
   std::string surroundings() override {
     (void)revision();
     const auto at = picture_.advance(*node_, now_);

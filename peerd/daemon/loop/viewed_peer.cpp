@@ -11,6 +11,7 @@
 #include "peerd/peer/feed/json_members.hpp"
 #include "peerd/view/gateway/metrics.hpp"
 #include "peerd/view/picks/hierarchy_level.hpp"
+#include "peerd/view/picks/inspect.hpp"
 #include "peerd/view/picks/surroundings.hpp"
 
 namespace peerd {
@@ -120,5 +121,7 @@ std::string ViewedPeer::inspect(std::uint32_t node) {
   (void)revision();
   return reply_line(picture_.inspect(node_, node));
 }
+
+std::string ViewedPeer::inspect_at(const std::string& path) { return reply_line(view::inspect(node_, path)); }
 
 }  // namespace peerd

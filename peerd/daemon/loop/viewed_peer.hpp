@@ -33,6 +33,7 @@ class ViewedPeer : public gateway::GatewaySource {
   std::string pick(const Vec3& origin, const Vec3& direction) override;
   std::string walk(const view::AvatarSize& size, const view::Stride& stride, const std::string& except) override;
   std::string inspect(std::uint32_t node) override;
+  std::string inspect_at(const std::string& path) override;
   std::string surroundings() override;
   std::string hierarchy(const std::string& path, std::uint32_t level) override;
 

@@ -110,6 +110,7 @@ std::string RecordedSource::walk(const view::AvatarSize& /*size*/, const view::S
   return control::refusal(kNobodyIsHere);
 }
 std::string RecordedSource::inspect(std::uint32_t /*node*/) { return control::refusal(kNobodyIsHere); }
+std::string RecordedSource::inspect_at(const std::string& /*path*/) { return control::refusal(kNobodyIsHere); }
 
 void RecordedSource::make_scene(std::function<void(const gateway::SceneFile&)> done) {
   done({0, nullptr, "a recording has the scenes of its views"});

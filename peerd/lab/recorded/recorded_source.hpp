@@ -28,6 +28,7 @@ class RecordedSource : public gateway::GatewaySource {
   std::string pick(const Vec3& origin, const Vec3& direction) override;
   std::string walk(const view::AvatarSize& size, const view::Stride& stride, const std::string& except) override;
   std::string inspect(std::uint32_t node) override;
+  std::string inspect_at(const std::string& path) override;
   std::optional<gateway::RecordedFile> recorded_file(std::string_view name) override;
 
  private:

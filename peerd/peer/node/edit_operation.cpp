@@ -6,6 +6,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "core/vrml/document.hpp"
+#include "peerd/peer/node/node_tree.hpp"
 
 namespace peerd {
 namespace {
@@ -30,11 +31,9 @@ std::expected<std::optional<ObjectId>, std::string> find_parent(const Scene& sce
 }  // namespace
 
 std::expected<NodeId, std::string> find_node(const Scene& scene, const std::string& path) {
-  const vrml::Document& document = *scene.document;
-  if (const auto object = scene.find(path)) return document.ids.id_of(scene.at(*object).node);
-  const auto named = std::ranges::find(document.nodes, path, &vrml::Node::def);
-  if (named == document.nodes.end()) return std::unexpected("the scene has no " + path);
-  return document.ids.id_of(static_cast<std::uint32_t>(named - document.nodes.begin()));
+  const auto node = node_at(scene, path);
+  if (!node) return std::unexpected("the scene has no " + path);
+  return scene.document->ids.id_of(*node);
 }
 
 bool is_about_ownership(const SceneEdit& edit) {

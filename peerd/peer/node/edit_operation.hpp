@@ -25,7 +25,7 @@ struct EditReport {
 [[nodiscard]] bool is_undo(const config::SceneEdit& edit);  // or a redo
 // It is written as operation 7:12 (set).
 [[nodiscard]] std::string name_of(const replication::UndoneEdit& undone);
-// A node by its DEF name, or the node of an instance; the error says that there is none.
+// Finds a node as node_at() does; the error says that there is none.
 [[nodiscard]] std::expected<NodeId, std::string> find_node(const Scene& scene, const std::string& path);
 // The operation for any other edit of the scene as it is, by that peer; the error says which path names nothing.
 [[nodiscard]] std::expected<replication::OperationBody, std::string> operation_of(const config::SceneEdit& edit,

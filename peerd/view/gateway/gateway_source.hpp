@@ -56,6 +56,7 @@ class GatewaySource {
   virtual std::string pick(const Vec3& origin, const Vec3& direction) = 0;
   virtual std::string walk(const view::AvatarSize& size, const view::Stride& stride, const std::string& except) = 0;
   virtual std::string inspect(std::uint32_t node) = 0;
+  virtual std::string inspect_at(const std::string& path) = 0;
 
   // A file of the recording that it shows, by its name; "" says what it has. None: there is none of that name. A peer
   // has no recording, and says so.

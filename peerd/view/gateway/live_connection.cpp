@@ -185,7 +185,9 @@ class LiveConnection : public Connection, public std::enable_shared_from_this<Li
     avatar_ = asked.path;
     return control::done_reply();
   }
-  std::string answer(const InspectRequest& asked) { return state_->source.inspect(asked.node); }
+  std::string answer(const InspectRequest& asked) {
+    return asked.node ? state_->source.inspect(*asked.node) : state_->source.inspect_at(asked.path);
+  }
 
   std::string answer(const SurroundingsRequest& /*asked*/) { return state_->source.surroundings(); }
   std::string answer(const HierarchyRequest& asked) { return state_->source.hierarchy(asked.path, asked.level); }

@@ -80,6 +80,15 @@ WalkRequest read_walk(feed::JsonMembers& members) {
   return request;
 }
 
+InspectRequest read_inspect(feed::JsonMembers& members) {
+  InspectRequest request;
+  if (members.has("node")) request.node = static_cast<std::uint32_t>(members.whole("node", 0, 0, kNodeMax));
+  if (const auto path = members.text("path")) request.path = *path;
+  if (!request.node && !members.has("path")) members.fail("node", "is missing");
+  if (request.node && members.has("path")) members.fail("path", "stands beside \"node\": one of the two names a node");
+  return request;
+}
+
 std::expected<LiveRequest::What, std::string> read_what(const nlohmann::json& object) {
   feed::JsonMembers members(object);
   if (const auto ours = members.check_version(); !ours) return std::unexpected(ours.error());
@@ -99,8 +108,7 @@ std::expected<LiveRequest::What, std::string> read_what(const nlohmann::json& ob
   } else if (name == "avatar") {
     what = AvatarRequest{members.text("path").value_or("")};
   } else if (name == "inspect") {
-    if (!members.has("node")) members.fail("node", "is missing");
-    what = InspectRequest{static_cast<std::uint32_t>(members.whole("node", 0, 0, kNodeMax))};
+    what = read_inspect(members);
   } else if (name == "surroundings") {
     what = SurroundingsRequest{};
   } else if (name == "hierarchy") {

@@ -39,8 +39,10 @@ struct WalkRequest {
 struct AvatarRequest {
   std::string path;  // empty: the client has none any more
 };
+// An InspectRequest names a node of the picture by its number, or any node by its path.
 struct InspectRequest {
-  std::uint32_t node = 0;
+  std::optional<std::uint32_t> node;
+  std::string path;  // counts without a number
 };
 struct SurroundingsRequest {};
 struct HierarchyRequest {

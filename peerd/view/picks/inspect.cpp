@@ -8,7 +8,7 @@
 
 #include "core/vrml/document.hpp"
 #include "core/writer/text_writer.hpp"
-#include "peerd/peer/node/edit_operation.hpp"
+#include "peerd/peer/node/node_tree.hpp"
 
 namespace peerd::view {
 namespace {
@@ -52,6 +52,20 @@ std::string text_of(const vrml::Document& document, const vrml::Field& field) {
   return text;
 }
 
+// Adds what the world's text, or an edit, gives the node, and what applications keep at it.
+void add_fields_and_data(ordered_json& out, const replication::Peer& peer, const vrml::Document& document,
+                         std::uint32_t index) {
+  out["fields"] = ordered_json::object();
+  out["data"] = ordered_json::object();
+  for (const vrml::Field& field : document.nodes[index].given()) {
+    if (vrml::has_value(field.spec->access)) out["fields"][std::string(field.spec->name)] = text_of(document, field);
+  }
+  const NodeId id = document.ids.id_of(index);
+  for (const std::string& key : peer.data().keys(id)) {
+    if (const std::string* const value = peer.data().find(id, key)) out["data"][key] = *value;
+  }
+}
+
 }  // namespace
 
 ordered_json inspect(const PeerNode& node, ObjectId object) {
@@ -71,17 +85,21 @@ ordered_json inspect(const PeerNode& node, ObjectId object) {
                       {"own", own},
                       {"driven", own && node.drives(object)},
                       {"threshold_m", threshold_m ? ordered_json(*threshold_m) : ordered_json(nullptr)},
-                      {"locked_by", lock ? ordered_json(lock->by) : ordered_json(nullptr)},
-                      {"fields", ordered_json::object()},
-                      {"data", ordered_json::object()}};
-  for (const vrml::Field& field : document.nodes[instance.node].given()) {
-    if (vrml::has_value(field.spec->access)) out["fields"][std::string(field.spec->name)] = text_of(document, field);
-  }
-  if (const auto at = find_node(scene, scene.path_of(object))) {
-    for (const std::string& key : peer.data().keys(*at)) {
-      if (const std::string* const value = peer.data().find(*at, key)) out["data"][key] = *value;
-    }
-  }
+                      {"locked_by", lock ? ordered_json(lock->by) : ordered_json(nullptr)}};
+  add_fields_and_data(out, peer, document, instance.node);
+  return out;
+}
+
+ordered_json inspect(const PeerNode& node, const std::string& path) {
+  const Scene& scene = node.scene();
+  if (const auto object = scene.find(path)) return inspect(node, *object);
+  const auto index = node_at(scene, path);
+  if (!index) return {{"ok", false}, {"error", "the scene has no " + path}};
+  const vrml::Node& part = scene.document->nodes[*index];
+  ordered_json out = {{"id", nullptr},           {"path", path},           {"def", part.def},
+                      {"type", part.type->name}, {"owner", nullptr},       {"own", false},
+                      {"driven", false},         {"threshold_m", nullptr}, {"locked_by", nullptr}};
+  add_fields_and_data(out, node.peer(), *scene.document, *index);
   return out;
 }
 

@@ -188,6 +188,16 @@ struct Undrawn {
   std::uint32_t count = 1;  // of such nodes
 };
 
+// All nodes of the world, as node_tree() has them, drawn or not.
+struct DrawnTree {
+  struct Row {
+    std::uint32_t depth = 0;
+    std::string type, name, def;  // `def` may be empty
+  };
+  std::vector<Row> rows;
+  std::size_t left_out = 0;
+};
+
 struct ScenePicture {
   std::string world;
   std::uint32_t revision = 1;
@@ -209,6 +219,7 @@ struct ScenePicture {
   // The paths of the nodes, of the shapes and of the groups, and of the nodes in which sensors stand, by their order.
   std::vector<std::string> node_paths, shape_paths, group_paths, sensor_paths;
   std::vector<std::string> node_names;  // DEF names; may be empty
+  DrawnTree tree;
 };
 
 }  // namespace peerd::view

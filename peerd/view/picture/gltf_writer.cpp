@@ -10,6 +10,8 @@
 #include <limits>
 #include <numbers>
 #include <span>
+#include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -73,6 +75,7 @@ class GltfWriter {
   void write_driven(const DrivenMaterial& driven);
   void write_groups();
   void write_sensors();
+  void write_tree();
   void write_light(std::size_t light);
   void place(const NodePlace& at);
   void write_meshes();
@@ -400,6 +403,23 @@ void GltfWriter::write_lights() {
   json_.close(']').close('}').close('}');
 }
 
+// Each word stands once; a row is four numbers: its depth, and the words that are its type, its name and its DEF name.
+void GltfWriter::write_tree() {
+  std::vector<std::string_view> words;
+  std::unordered_map<std::string_view, std::size_t> number_of;
+  const auto number = [&](std::string_view word) {
+    const auto [known, is_new] = number_of.try_emplace(word, words.size());
+    if (is_new) words.push_back(word);
+    return known->second;
+  };
+  json_.key("tree").open('{').key("rows").open('[');
+  for (const DrawnTree::Row& row : picture_.tree.rows) {
+    json_.value(row.depth).value(number(row.type)).value(number(row.name)).value(number(row.def));
+  }
+  json_.close(']').list("words", words);
+  json_.member("left_out", picture_.tree.left_out).close('}');
+}
+
 // Says what a picture has beside what glTF knows.
 void GltfWriter::write_extras() {
   json_.key("extras").open('{').member("revision", picture_.revision).member("world", picture_.world);
@@ -442,6 +462,7 @@ void GltfWriter::write_extras() {
   }
   write_groups();
   write_sensors();
+  write_tree();
   json_.key("undrawn").open('[');
   for (const Undrawn& u : picture_.undrawn) {
     json_.open('{').member("path", u.path).member("what", u.what).member("why", u.why);

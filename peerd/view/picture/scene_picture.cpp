@@ -14,6 +14,7 @@
 #include "core/motion/predefined_motion.hpp"
 #include "core/scene/rotation.hpp"
 #include "core/vrml/document.hpp"
+#include "peerd/peer/node/node_tree.hpp"
 #include "peerd/view/frames/driven_looks.hpp"
 #include "peerd/view/frames/moving_forms.hpp"
 #include "peerd/view/picks/page_sensor.hpp"
@@ -93,6 +94,7 @@ class PictureMaker {
   void add_fog(const vrml::Node& node, std::uint32_t parent);
   void add_navigation(const vrml::Node& node, std::uint32_t parent);
   void name_routes();
+  void add_tree();
   void leave_out(std::uint32_t parent, std::string_view what, const std::string& why) {
     undrawn_.add([&] { return path_in(parent); }, std::string(what), why);
   }
@@ -413,6 +415,16 @@ void PictureMaker::name_routes() {
   }
 }
 
+void PictureMaker::add_tree() {
+  NodeTree tree = node_tree(scene_);
+  out_.tree.left_out = tree.left_out;
+  out_.tree.rows.reserve(tree.rows.size());
+  for (NodeRow& row : tree.rows) {
+    const vrml::Node& node = document_.nodes[row.node];
+    out_.tree.rows.push_back({row.depth, std::string(node.type->name), std::move(row.name), std::string(node.def)});
+  }
+}
+
 ScenePicture PictureMaker::make() {
   out_.world = input_.world;
   out_.revision = input_.revision;
@@ -420,6 +432,7 @@ ScenePicture PictureMaker::make() {
   visit(document_.top_level, kTop, 0, static_cast<std::uint32_t>(scene_.instances.size()));
   name_routes();
   meshes_.finish(out_);
+  add_tree();
   out_.undrawn = undrawn_.take();
   return std::move(out_);
 }

@@ -2,7 +2,7 @@ import type { Inspected } from 'peerd';
 
 import type { PeerLink } from './live/peer_link';
 import type { InspectorPanel } from './panels/inspector_panel';
-import { hasNode, type SceneFile } from './scene/scene_file';
+import { hasNode, nodeAround, type SceneFile } from './scene/scene_file';
 
 // What is selected, by its path, which outlasts edits of the scene; the inspector asks the daemon for it again and again.
 export class Selection {
@@ -19,7 +19,7 @@ export class Selection {
   get node(): number | null {
     return this.node_;
   }
-  // Where it is one of the nodes that can move: by that number its poses come. Numbers of nodes that stand mean nothing else.
+  // Where it is one of the nodes that can move: by that number its poses come.
   get movingNode(): number | null {
     return this.moves ? this.node_ : null;
   }
@@ -27,7 +27,7 @@ export class Selection {
     return this.path_;
   }
 
-  // `moves`: it is one of the nodes that can move, of which the daemon has more to say.
+  // `moves`: it is one of the nodes that can move, by whose number `node` its poses come. Else that is the node that it goes with.
   choose(node: number, path: string, moves: boolean): void {
     this.moves = moves;
     this.node_ = node;
@@ -47,25 +47,25 @@ export class Selection {
     if (this.path_ === null) return;
     this.moves = file.byPath.has(this.path_);
     if (this.moves) this.node_ = file.byPath.get(this.path_)?.index ?? null;
-    else if (hasNode(file, this.path_)) this.node_ = file.standingNode;
+    else if (hasNode(file, this.path_)) this.node_ = nodeAround(file, this.path_);
     else this.clear();
     void this.refresh();
   }
 
   async refresh(): Promise<void> {
     if (this.node_ === null || this.path_ === null || this.asking) return;
-    if (!this.moves) {
-      this.inspector.showStanding(this.path_);
-      return;
-    }
     if (this.recordedOf !== null) {
+      if (!this.moves) {
+        this.inspector.showStanding(this.path_);
+        return;
+      }
       const { owner, own, driven } = this.recordedOf(this.node_);
       this.inspector.showRecorded(this.path_, owner, own, driven);
       return;
     }
     this.asking = true;
     const path = this.path_;
-    const reply = await this.link.ask({ do: 'inspect', node: this.node_ });
+    const reply = await this.link.ask(this.moves ? { do: 'inspect', node: this.node_ } : { do: 'inspect', path });
     this.asking = false;
     if (path !== this.path_) void this.refresh();
     else if (reply.ok) this.inspector.show(reply as unknown as Inspected);

@@ -32,11 +32,12 @@ import { LogPanel, type LogKind } from './panels/log_panel';
 import { ObjectsPanel } from './panels/objects_panel';
 import { PeersPanel } from './panels/peers_panel';
 import { Speedometer } from './panels/speedometer';
+import { TreePanel } from './panels/tree_panel';
 import { WorldPanel } from './panels/world_panel';
 import { RecordedPage } from './recorded_page';
 import { ContactMarks } from './scene/contact_marks';
 import { Labels } from './scene/labels';
-import type { SceneFile } from './scene/scene_file';
+import { hasNode, nodeAround, type SceneFile } from './scene/scene_file';
 import { SceneLoader } from './scene/scene_loader';
 import { SceneView } from './scene/scene_view';
 import { SelectionBox } from './scene/selection_box';
@@ -90,6 +91,7 @@ export class Viewer {
   private readonly peersPanel = new PeersPanel();
   private readonly charts = new ChartsPanel();
   private readonly objects: ObjectsPanel;
+  private readonly tree = new TreePanel((path) => this.select(path));
   private readonly inspector: InspectorPanel;
   private readonly world: WorldPanel;
   private readonly toolbar: Toolbar;
@@ -126,7 +128,7 @@ export class Viewer {
     this.world = new WorldPanel({ edit: (request) => this.edit(request) });
     this.toolbar = new Toolbar(this.options, { visit: (viewpoint) => this.view.visit(viewpoint), fit: () => this.view.fit() });
     this.timeline = new Timeline(this.head, () => this.now_s());
-    this.layout = new Layout(this.header.element, this.timeline.element, [this.objects, this.peersPanel, this.log], [this.inspector, this.world, this.charts]);
+    this.layout = new Layout(this.header.element, this.timeline.element, [this.objects, this.tree, this.peersPanel, this.log], [this.inspector, this.world, this.charts]);
     this.contactMarks = new ContactMarks((since_s, until_s) => this.contacts.inForce(since_s, until_s));
     this.layout.stage.append(this.canvas, this.labels.element, this.contactMarks.element, this.toolbar.element, this.offline, this.anchors.element, this.notices.element);
     root.replaceChildren(this.layout.element, this.help.element);
@@ -180,9 +182,10 @@ export class Viewer {
   }
 
   select(path: string): boolean {
-    const node = this.view.file?.byPath.get(path);
-    if (node !== undefined) this.selection.choose(node.index, node.path, true);
-    return node !== undefined;
+    const { file } = this.view;
+    if (file === null || !hasNode(file, path)) return false;
+    this.selection.choose(nodeAround(file, path), path, file.byPath.has(path));
+    return true;
   }
 
   private async showRecording(recording: Recording): Promise<void> {
@@ -227,6 +230,7 @@ export class Viewer {
     this.header.setWorld(file.extras.world ?? '');
     this.toolbar.showViewpoints(file.extras.viewpoints ?? []);
     this.objects.show(file);
+    this.tree.show(file);
     this.world.show(file);
     this.selection.follow(file);
     this.view.selected = this.selection.node;
@@ -268,6 +272,7 @@ export class Viewer {
 
   private onSelected(node: number | null): void {
     this.view.selected = node;
+    this.tree.select(this.selection.path);
     void this.insight.refresh();
     this.happened('select', this.selection.path);
     void this.recorded?.select(this.view.file?.nodes.find((one) => one.index === node && one.path === this.selection.path)?.id ?? null);
@@ -344,7 +349,7 @@ export class Viewer {
 
   private lookAtSelected(): void {
     const { path } = this.selection;
-    const node = path === null ? undefined : this.view.file?.byPath.get(path);
+    const node = this.view.file?.nodes.find(({ index }) => index === this.selection.node); // what it goes with
     const place = new Vector3();
     if (node !== undefined && this.view.frames?.position(node.index, place) === true) this.view.rig.lookAt(place, this.view.radiusOf(node));
     const box = path === null || node !== undefined ? new Box3() : this.view.standingBox(path);

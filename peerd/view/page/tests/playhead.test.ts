@@ -5,13 +5,14 @@ import { PoseKind } from 'peerd';
 import type { SceneFile, SceneNode } from '../src/scene/scene_file';
 import type { Frames, KeptFrame } from '../src/time/frames';
 import { Playhead } from '../src/time/playhead';
+import { NodeTree } from '../src/scene/node_tree';
 import { frame } from './frames';
 
 // A scene whose nodes stand at x = 100, so that what no frame has moved is seen.
 function sceneOf(revision: number, ids: Record<number, string>): SceneFile {
   const nodes: SceneNode[] = Object.entries(ids).map(([index, id]) => ({ index: Number(index), id, path: id, def: id, owner: 0, pose: new Float64Array([100, 0, 0, 0, 0, 0, 1]) }));
   const byPath = new Map(nodes.map((node) => [node.path, node]));
-  return { revision, extras: {}, nodeCount: 10, nodes, byPath, standingPaths: [], standingNode: -1, shapes: [], carried: [], hasLights: false, standing: new Object3D() };
+  return { revision, extras: {}, nodeCount: 10, nodes, byPath, tree: new NodeTree(), standingNode: -1, shapes: [], carried: [], hasLights: false, standing: new Object3D() };
 }
 
 function xOf(head: Playhead, node: number, now_s: number): number {

@@ -59,13 +59,16 @@ TEST(LiveRequest, PicksAndInspections) {
   EXPECT_EQ(pick.origin, Vec3(0, 1, 2));
   EXPECT_EQ(pick.direction, Vec3(0, 0, -1));
   EXPECT_EQ(read<InspectRequest>(R"({"do":"inspect","node":7})").node, 7U);
+  EXPECT_EQ(read<InspectRequest>(R"({"do":"inspect","path":"CAR/0"})").node, std::nullopt);
+  EXPECT_EQ(read<InspectRequest>(R"({"do":"inspect","path":"CAR/0"})").path, "CAR/0");
   EXPECT_EQ(read<HierarchyRequest>(R"({"do":"hierarchy","path":"CAR","level":24})").level, 24U);
   EXPECT_EQ(read<HierarchyRequest>(R"({"do":"hierarchy","path":"CAR"})").path, "CAR");
   (void)read<SurroundingsRequest>(R"({"do":"surroundings"})");
   for (const char* wrong :
        {R"({"do":"hierarchy"})", R"({"do":"hierarchy","path":"CAR","level":25})", R"({"do":"surroundings","x":1})",
         R"({"do":"watch","looks":1})", R"({"do":"pick","origin_m":[0,1,2]})", R"({"do":"inspect"})",
-        R"({"do":"inspect","node":-1})", R"({"do":"inspect","node":4294967296})", R"({"do":"unwatch","x":1})"}) {
+        R"({"do":"inspect","node":-1})", R"({"do":"inspect","node":1,"path":"CAR"})", R"({"do":"inspect","path":1})",
+        R"({"do":"inspect","node":4294967296})", R"({"do":"unwatch","x":1})"}) {
     EXPECT_NE(error(wrong), "") << wrong;
   }
 }

@@ -33,6 +33,31 @@ DEF OTHER Transform { }
   EXPECT_TRUE(other.at("data").empty());
 }
 
+TEST(Inspect, SaysWhatStandsAnywhereInTheTree) {
+  LonePeer lone(R"(#VRML V2.0 utf8
+DEF CLOCK TimeSensor { cycleInterval 4 }
+DEF HOUSE Transform { children Shape { appearance Appearance { material Material { diffuseColor 1 0 0 } } } }
+DEF DRIVEN Transform { }
+)",
+                {"DRIVEN"});
+  PeerNode& node = lone.make();
+  lone.run(0.5);
+  EXPECT_EQ(inspect(node, std::string("HOUSE")), inspect(node, *node.scene().find("HOUSE")));
+  EXPECT_THAT(inspect(node, std::string("CLOCK")), HasMembers(R"(
+    {"id": null, "path": "CLOCK", "type": "TimeSensor", "owner": null, "fields": {"cycleInterval": "4"}})"));
+  const std::string paint = "HOUSE/0/appearance/material";
+  EXPECT_THAT(inspect(node, paint), HasMembers(R"(
+    {"id": null, "path": "HOUSE/0/appearance/material", "def": "", "type": "Material", "own": false,
+    "fields": {"diffuseColor": "1 0 0"}, "data": {}})"));
+  const config::SceneEdit edit{
+      .kind = config::SceneEdit::Kind::kSet, .path = paint, .field = "diffuseColor", .value = "0 1 0"};
+  ASSERT_EQ(node.edit(lone.now, edit).refused, "");
+  lone.run(2.0);
+  EXPECT_EQ(inspect(node, paint).at("fields").at("diffuseColor"), "0 1 0");
+  EXPECT_THAT(inspect(node, std::string("HOUSE/7")),
+              HasMembers(R"({"ok": false, "error": "the scene has no HOUSE/7"})"));
+}
+
 TEST(Inspect, LongValuesAreCut) {
   std::string hull = "DEF X Shape { convexHull [";
   for (int i = 0; i < 3000; ++i) hull += std::to_string(i) + " 0 0, ";

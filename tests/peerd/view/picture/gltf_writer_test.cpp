@@ -263,4 +263,13 @@ TEST(GltfWriter, ManyVerticesNeedWideIndices) {
   EXPECT_EQ(glb.meshes[0].corners.back(), 65999u);
 }
 
+// Four numbers a row: depth, and the words that are the type, the name in the path and the DEF name.
+TEST(GltfWriter, HasTheTreeOfAllNodes) {
+  const Glb glb = glb_of_text("DEF T TimeSensor { } DEF CAR Transform { children Group { } }");
+  const json& tree = glb.extras().at("tree");
+  EXPECT_THAT(tree.at("words"), ElementsAre("TimeSensor", "0", "T", "Transform", "CAR", "Group", ""));
+  EXPECT_THAT(tree.at("rows"), ElementsAre(0, 0, 1, 2, 0, 3, 4, 4, 1, 5, 1, 6));
+  EXPECT_EQ(tree.at("left_out"), 0);
+}
+
 }  // namespace peerd::view::gltf_writer_test

@@ -58,7 +58,7 @@ export class InspectorPanel implements Panel {
     fill(this.element, make('h2', {}, path), make('p', { class: 'note warn' }, sentence));
   }
 
-  // Of what stands the page knows the path alone; it can be owned all the same, and then moves.
+  // Of what stands in a recording the page knows the path alone.
   showStanding(path: string): void {
     this.show({ id: '', path, def: null, type: 'stands', owner: null, own: false, driven: false, threshold_m: null, fields: {}, data: {} });
   }
@@ -100,19 +100,21 @@ export class InspectorPanel implements Panel {
     return [
       make('h2', { class: 'path' }, inspected.path),
       make('p', { class: 'chips' }, make('span', { class: 'chip' }, inspected.type), make('span', { class: 'chip', 'data-owner': '' }, make('span', { class: 'dot', 'data-whose': whose }), owner), inspected.driven && make('span', { class: 'chip' }, 'driven')),
-      make('div', { class: 'buttons', role: 'group', 'aria-label': 'Actions on the object' }, ...this.buttonsOf(inspected.path)),
+      make('div', { class: 'buttons', role: 'group', 'aria-label': 'Actions on the object' }, ...this.buttonsOf(inspected)),
     ];
   }
 
-  private buttonsOf(path: string): Node[] {
+  private buttonsOf({ id, path }: Inspected): Node[] {
     const act = (title: string, request: Record<string, unknown>, hint: string, style = 'button'): Node =>
       make('button', { type: 'button', class: style, title: hint, disabled: !this.mayEdit, click: () => void this.actions.edit(request) }, title);
+    const remove = act('Remove', { do: 'remove', path }, 'Take it out of the world, for all peers', 'button danger');
+    if (id === null) return [remove]; // such as a Material, which is nowhere by itself
     return [
       make('button', { type: 'button', class: 'button', title: 'Look at it', click: () => this.actions.lookAt() }, icon('focus'), 'Look'),
       act('Own', { do: 'own', path }, 'Ask its owner to give it to this peer'),
       act('Grab', { do: 'grab', path }, 'Own it, and keep it until it is released'),
       act('Release', { do: 'release', path }, 'Let it go'),
-      act('Remove', { do: 'remove', path }, 'Take it out of the world, for all peers', 'button danger'),
+      remove,
     ];
   }
 

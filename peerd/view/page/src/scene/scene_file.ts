@@ -3,6 +3,7 @@ import { GLTFLoader, type GLTF, type GLTFParser } from 'three/addons/loaders/GLT
 
 import type { SensorExtras } from '../hand/sensor_rules';
 import { setLights } from './lights';
+import { NodeTree, type TreeExtras } from './node_tree';
 import type { TextExtras } from './text_layout';
 import { textShape } from './text_shape';
 import type { GroupExtras } from './view_groups';
@@ -51,6 +52,7 @@ export interface SceneExtras {
   readonly navigation?: { readonly type?: string | readonly string[]; readonly speed?: number; readonly headlight?: boolean; readonly avatar_size?: readonly number[] };
   readonly groups?: readonly GroupExtras[];
   readonly sensors?: readonly SensorExtras[];
+  readonly tree?: TreeExtras;
   readonly undrawn?: readonly { readonly path: string; readonly what: string; readonly why: string; readonly count?: number }[];
 }
 
@@ -60,7 +62,7 @@ export interface SceneFile {
   readonly nodeCount: number;
   readonly nodes: readonly SceneNode[];
   readonly byPath: ReadonlyMap<string, SceneNode>;
-  readonly standingPaths: readonly string[]; // of the Shapes that stand
+  readonly tree: NodeTree; // of all nodes, drawn or not
   readonly standingNode: number; // all that stands
   readonly shapes: readonly MovingShape[];
   readonly carried: readonly CarriedLights[];
@@ -108,13 +110,11 @@ function taken(gltf: GLTF): SceneFile {
   const shapes: MovingShape[] = [];
   const carried: CarriedLights[] = [];
   let standingNode = -1;
-  const standingPaths: string[] = [];
   for (const object of [...root.children]) {
     const data = object.userData as NodeExtras;
     const index = gltf.parser.associations.get(object)?.nodes;
     if (data.static === true && index !== undefined) {
       standingNode = index;
-      standingPaths.push(...pathsBelow(object));
       collectShapes(object, index, shapes, true);
       continue;
     }
@@ -130,7 +130,7 @@ function taken(gltf: GLTF): SceneFile {
   });
   const json = gltf.parser.json as { nodes?: unknown[] };
   const byPath = new Map(nodes.map((node) => [node.path, node]));
-  return { revision: extras.revision ?? 0, extras, nodeCount: json.nodes?.length ?? 0, nodes, byPath, standingPaths, standingNode, shapes, carried, hasLights: lightCount > 0, standing: root };
+  return { revision: extras.revision ?? 0, extras, nodeCount: json.nodes?.length ?? 0, nodes, byPath, tree: new NodeTree(extras.tree), standingNode, shapes, carried, hasLights: lightCount > 0, standing: root };
 }
 
 function nodeOf(object: Object3D, index: number, data: NodeExtras): SceneNode {
@@ -184,16 +184,16 @@ function keepsLightsAlone(object: Object3D): boolean {
   return setLights(object) > 0;
 }
 
-function pathsBelow(root: Object3D): string[] {
-  const paths: string[] = [];
-  root.traverse((part) => {
-    const { path } = part.userData as NodeExtras;
-    if (path !== undefined) paths.push(path);
-  });
-  return paths;
+// Whether a path names a node of the world.
+export function hasNode(file: Pick<SceneFile, 'byPath' | 'tree'>, path: string): boolean {
+  return file.byPath.has(path) || file.tree.rowOf(path) >= 0;
 }
 
-// Whether a path names a node that can move, or one that stands and has Shapes.
-export function hasNode(file: Pick<SceneFile, 'byPath' | 'standingPaths'>, path: string): boolean {
-  return file.byPath.has(path) || file.standingPaths.some((standing) => standing === path || standing.startsWith(`${path}/`));
+// The node of the file that what is at a path moves with: itself, the nearest one above it that can move, or that of all that stands.
+export function nodeAround(file: Pick<SceneFile, 'byPath' | 'standingNode'>, path: string): number {
+  for (let above = path; above !== ''; above = above.slice(0, Math.max(0, above.lastIndexOf('/')))) {
+    const node = file.byPath.get(above);
+    if (node !== undefined) return node.index;
+  }
+  return file.standingNode;
 }
