@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "replication/wire/codec.hpp"
+#include "replication/wire/operation.hpp"
 
 namespace peerd::replication {
 namespace {
@@ -22,6 +23,37 @@ constexpr int kIntroductionPatience = 3;
 
 // A clock goes back by less: a stamp that is farther ahead is of a clock that was wrong when it was made.
 constexpr Duration kBehindMax = std::chrono::hours(24 * 366);
+
+// How far ahead of its host a session begins that this peer founds: behind the stamps of the edits that it has.
+Duration first_ahead(HostTime now, SimTime last_stamp) {
+  const SimTime by_host{now.time_since_epoch()};
+  const bool is_ahead = last_stamp >= by_host && last_stamp < by_host + kBehindMax;
+  return is_ahead ? last_stamp - by_host + Duration{1} : Duration{0};
+}
+
+// How far ahead a member follows others for sure, by what can be known of it. Other sessions may have used up a quarter
+// of the bound (ClockReach). One peer alone, whose operating system does not know how right its clock is, follows
+// farther, a minute after its last company at the latest.
+Duration follows_ahead(const Member& member, bool is_alone, Duration ahead_max) {
+  const Duration left = std::min<Duration>(ahead_max - ahead_max / 4, ClockReach::kFreeAhead / 2);
+  if (!member.os_clock) return is_alone ? ClockReach::kFreeAhead / 2 : left;
+  return std::clamp(member.os_clock->minus_session, Duration{0}, ClockReach::kFreeAhead / 2) + left;
+}
+
+// Whether the member's session has not come to the time of the edits that a newcomer has, though the newcomer's clock
+// has: the clock of that session's founder is behind. In it those edits would wait for their time, and new ones of the
+// newcomer, whose stamps follow them, too. So it founds a session of its own, and the member's comes forward to it.
+// Nobody comes forward in a large session, whose leader may not be near.
+bool is_behind_edits(HostTime now, const Membership& members, const Member& member, SimTime last_stamp,
+                     Duration ahead_max) {
+  const auto bounds = member.clock.at(now, kDrift_ppm + kSlew_ppm);
+  if (last_stamp == SimTime::min() || !member.synchronised || !bounds || !members.far().empty()) return false;
+  const Duration stamps = last_stamp - SimTime{now.time_since_epoch()};
+  if (stamps > kStampAheadMax || bounds->most >= stamps - kStampAheadMax) return false;
+  const auto in_session =
+      std::ranges::count_if(members.all(), [](const auto& each) { return each.second.synchronised; });
+  return bounds->least >= first_ahead(now, last_stamp) - follows_ahead(member, in_session == 1, ahead_max);
+}
 
 }  // namespace
 
@@ -57,11 +89,12 @@ bool SessionTime::found_session(HostTime now) {
   if (std::ranges::any_of(members_.far(), [](const auto& each) { return each.second.synchronised; })) return false;
   for (const auto& [peer, member] : members_.all()) {
     const bool leads = member.synchronised ? is_within(now, member, reach) : peer < config_.id;
-    if (leads && may_respond(now, member)) return false;
+    if (!leads || !may_respond(now, member)) continue;
+    const bool is_newcomer = !reach_.has_entered();
+    if (is_newcomer && is_behind_edits(now, members_, member, behind_, config_.clock_ahead_max)) continue;
+    return false;
   }
-  const SimTime by_host{now.time_since_epoch()};
-  const bool is_ahead = behind_ >= by_host && behind_ < by_host + kBehindMax;
-  clock_.lead(now, is_ahead ? behind_ - by_host + Duration{1} : Duration{0});
+  clock_.lead(now, first_ahead(now, behind_));
   if (!reach_.has_entered()) reach_.enter(now, clock_.session_minus_host(now));
   follows_ = config_.id;
   was_suspended_ = false;
@@ -225,7 +258,10 @@ bool SessionTime::is_within(HostTime now, const Member& member, const OffsetBoun
 std::optional<PeerId> SessionTime::choose_first_leader(HostTime now) const {
   for (const OffsetBounds& reach : {reach_.preferred(now, os_minus_host(now)), reach_.at(now, os_minus_host(now))}) {
     for (const auto& [peer, member] : members_.all()) {  // ascending
-      if (member.synchronised && is_within(now, member, reach) && may_respond(now, member)) return peer;
+      if (!member.synchronised || !is_within(now, member, reach) || !may_respond(now, member)) continue;
+      const bool is_newcomer = !reach_.has_entered();
+      if (is_newcomer && is_behind_edits(now, members_, member, behind_, config_.clock_ahead_max)) continue;
+      return peer;
     }
   }
   return std::nullopt;

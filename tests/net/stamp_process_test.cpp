@@ -68,4 +68,62 @@ TEST_F(WrongClock, EditsOfAWrongClockDoNotHideNewOnes) {
   EXPECT_TRUE(wait_until([&] { return has("b", "NEWER") && has("a", "NEW"); })) << again.out();
 }
 
+// The founder's clock is behind, by what the table says, and the joining peer has an edit of the right time.
+class LateFounder : public WrongClock, public testing::WithParamInterface<std::int64_t> {};
+TEST_P(LateFounder, ComesForwardToTheEditsOfWhoJoins) {
+  leave_with(run("c"), "c", "OLD");
+  Process b = run_ahead("b", -GetParam());
+  ASSERT_TRUE(is_in_session("b") && add("b", "EARLY")) << b.out();
+  Process c = run("c");
+  ASSERT_TRUE(is_in_session("c")) << c.out() << c.err();
+  EXPECT_TRUE(wait_until([&] { return members_of("b") == 1 && has("b", "OLD") && has("c", "EARLY"); })) << b.out();
+  EXPECT_TRUE(b.says("the session clock stepped forward", 5)) << b.out();
+  ASSERT_TRUE(add("c", "NEW")) << c.out();
+  ASSERT_TRUE(add("b", "NEWER")) << b.out();
+  expect_one_world({"b", "c"}, {"OLD", "EARLY", "NEW", "NEWER"}, "the edits");
+}
+INSTANTIATE_TEST_SUITE_P(BehindBy_s, LateFounder, testing::Values(300, 7200), testing::PrintToStringParamName());
+
+// Two members share a time that is too far behind: they follow nobody, and who joins says that its edits wait.
+TEST_F(WrongClock, WhereNobodyComesForwardANewStartMakesEditsWork) {
+  leave_with(run("c"), "c", "OLD");
+  Process b = run_ahead("b", -7200), d = run_ahead("d", -7200);
+  ASSERT_TRUE(wait_until([&] { return members_of("b") == 1 && members_of("d") == 1; })) << b.out() << d.out();
+  Process c = run("c");
+  ASSERT_TRUE(is_in_session("c")) << c.out() << c.err();
+  EXPECT_TRUE(c.says("has edits whose stamps are ahead of the session's time", 5)) << c.out();
+  c.signal(SIGTERM);
+  ASSERT_EQ(c.exit_code(10), 0) << c.out();
+  Process again = run("c");
+  ASSERT_TRUE(is_in_session("c")) << again.out() << again.err();
+  ASSERT_TRUE(add("c", "NEW")) << again.out();
+  EXPECT_TRUE(wait_until([&] { return has("b", "NEW") && has("d", "NEW"); })) << b.out() << again.out();
+}
+
+// The clock of the joining peer is behind, and its store has an edit of the right time.
+TEST_F(WrongClock, OfWhoJoinsHidesNoEdits) {
+  leave_with(run("c"), "c", "OLD");
+  Process b = run("b");
+  ASSERT_TRUE(is_in_session("b") && add("b", "EARLY")) << b.out();
+  Process c = run_ahead("c", -7200);
+  ASSERT_TRUE(is_in_session("c")) << c.out() << c.err();
+  EXPECT_TRUE(c.says("begins another log", 5)) << c.out();
+  ASSERT_TRUE(wait_until([&] { return members_of("b") == 1; })) << c.out();
+  ASSERT_TRUE(add("c", "NEW")) << c.out();
+  ASSERT_TRUE(add("b", "NEWER")) << b.out();
+  expect_one_world({"b", "c"}, {"OLD", "EARLY", "NEW", "NEWER"}, "the edits");
+}
+
+// Who founds with a clock that is behind, and has edits of the right time, begins behind these.
+TEST_F(WrongClock, AFounderBeginsBehindItsOwnEdits) {
+  leave_with(run("b"), "b", "OLD");
+  Process b = run_ahead("b", -7200);
+  ASSERT_TRUE(is_in_session("b") && add("b", "NEW")) << b.out();
+  Process c = run("c");
+  ASSERT_TRUE(is_in_session("c")) << c.out() << c.err();
+  ASSERT_TRUE(wait_until([&] { return members_of("b") == 1; })) << c.out();
+  ASSERT_TRUE(add("c", "NEWER")) << c.out();
+  expect_one_world({"b", "c"}, {"OLD", "NEW", "NEWER"}, "the edits");
+}
+
 }  // namespace peerd::stamp_process_test

@@ -371,6 +371,50 @@ TEST_F(Timing, ANewcomerFoundsBesideASessionThatIsTooFarAhead) {
   EXPECT_TRUE(time.found_session(start + 4s));
 }
 
+struct LateSessionCase {
+  const char* name;
+  Duration behind;  // the session is, of the newcomer's clock, which shows the time of its last edit
+  std::size_t members;
+  std::optional<Duration> right_time;  // as the members' operating systems know it, ahead of the session
+  bool comes_forward;
+};
+class LateSession : public Timing, public testing::WithParamInterface<LateSessionCase> {};
+// The edits of a newcomer, and the new ones behind them, would wait in a session whose founder's clock is behind.
+TEST_P(LateSession, ComesForwardToTheEditsOfANewcomer) {
+  const LateSessionCase& c = GetParam();
+  const HostTime start{k2030};
+  time.begin_behind(SimTime{k2030});
+  time.start(start);
+  std::optional<OsClockNote> os_clock;
+  if (c.right_time) os_clock = OsClockNote{*c.right_time, 1ms};
+  for (HostTime now = start + 900ms; now <= start + 1s; now += 20ms) {
+    for (std::uint32_t id = 3; id < 3 + c.members; ++id) {
+      hear(id, now, -c.behind, {}, os_clock);
+      members.find(PeerId{id})->echo.echoes_us = true;
+      if (now > start + 900ms) (void)time.follow_leader(now, PeerId{id}, false);
+    }
+  }
+  EXPECT_EQ(time.found_session(start + 1s), c.comes_forward);
+  EXPECT_EQ(time.clock().session_minus_host(start + 1s), c.comes_forward ? Duration{0} : -c.behind);
+}
+INSTANTIATE_TEST_SUITE_P(Table, LateSession,
+                         testing::Values(LateSessionCase{"OfMinutes", 300s, 1, {}, true},
+                                         LateSessionCase{"OfHours", 2h, 1, {}, true},
+                                         LateSessionCase{"OfNoMoreThanStampsMayBeAhead", 10s, 1, {}, false},
+                                         LateSessionCase{"OfTwoThatFollowSoFar", 300s, 2, {}, true},
+                                         LateSessionCase{"OfTwoThatDoNot", 2h, 2, {}, false},
+                                         LateSessionCase{"OfOneThatKnowsTheTime", 2h, 1, 2h, true},
+                                         LateSessionCase{"OfOneThatIsRight", 2h, 1, 0s, false}),
+                         [](const auto& each) { return std::string(each.param.name); });
+
+TEST_F(Timing, EditsThatThisComputersClockHasNotReachedMoveNoSession) {
+  const HostTime start{k2030};
+  time.begin_behind(SimTime{k2030 + 1h});
+  time.start(start);
+  EXPECT_TRUE(hear_four(3, start + 1s, 0s, false));
+  EXPECT_EQ(time.follows(), PeerId{3});
+}
+
 TEST_F(Timing, AnErrorBeyondTheReachIsFollowedByNobody) {
   const HostTime start = found_in_2030();
   (void)hear_four(1, start + 2s, 0s, true, 24h);
