@@ -178,6 +178,8 @@ await testPages(kConfiguration, ['a'], async (browser, [address], faults) => {
   for (const [width, colorScheme] of [[800, 'dark'], [400, 'light'], [400, 'dark']]) {
     const narrow = await Page.open(browser, `${width} ${colorScheme}`, address, faults, { viewport: { width, height: 800 }, colorScheme });
     await narrow.until('the world is shown', () => window.peerd.objects().length >= 1 && window.peerd.pictures > 2);
+    const [tabs, place] = await narrow.tab.evaluate(() => [document.querySelector('.dock-right .tabs')].flatMap(({ scrollWidth, clientWidth }) => [scrollWidth, clientWidth]));
+    check(tabs <= place, `at ${width} px the tabs are ${tabs} px wide, and have room for ${place}`);
     await narrow.viewpoint('Near');
     const { x, y } = await narrow.tab.evaluate(() => window.peerd.on_window([0, 1, 0.7]));
     await narrow.tab.mouse.click(x, y);
