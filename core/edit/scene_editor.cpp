@@ -6,7 +6,7 @@
 #include <span>
 #include <utility>
 
-#include "core/number_text.hpp"
+#include "core/edit/number_text.hpp"
 #include "core/parser/parser.hpp"
 #include "core/scene/path_resolver.hpp"
 

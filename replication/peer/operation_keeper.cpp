@@ -6,8 +6,8 @@
 #include <utility>
 #include <variant>
 
+#include "core/edit/number_text.hpp"
 #include "core/edit/placement.hpp"
-#include "core/number_text.hpp"
 #include "core/vrml/document.hpp"
 #include "core/vrml/lexer.hpp"
 #include "replication/peer/contact_report.hpp"
