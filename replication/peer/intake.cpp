@@ -127,11 +127,10 @@ void Intake::count(RegionId region, const Message& m, std::size_t size_bytes) {
 std::expected<bool, Drop> Intake::admit(HostTime now, RegionId region, const Message& m) {
   const auto on_lost = [&](PeerId peer, const OtherPeer& gone) { keeper_.lose(peer, gone, now, true); };
   const bool leads = p_.time.follows() == p_.config.id;
-  p_.line.has_edits = !p_.logs.empty();
-  p_.line.in_session = p_.config.joins || p_.replica.begun();
-  const std::uint64_t line = p_.line.line;
+  p_.admission.follow(!p_.logs.empty(), p_.replica.begun());
+  const std::uint64_t line = p_.admission.line();
   const auto admission = p_.admission.admit(now, region, m, leads, p_.time.started(), on_lost);
-  if (p_.line.line != line) keeper_.reintroduce();
+  if (p_.admission.line() != line) keeper_.reintroduce();
   if (!admission) {
     if (admission.error() == Drop::kOtherLine) {  // one of the two gives way, once it knows this peer
       p_.greeter.settle_from(now);

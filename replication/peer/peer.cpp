@@ -173,7 +173,7 @@ void Peer::Impl::introduce(Hello& hello) {
   }
   Introduction& introduction =
       hello.introduction.emplace(parts.greeter.introduction(own, parts.world_time.start(), parts.world_time.zero()));
-  introduction.line = parts.line.line;
+  introduction.line = parts.admission.line();
   introduction.has_edits = !parts.logs.empty();
   for (std::size_t k = 0; k < introduction.owned.size(); ++k) {
     if (parts.owners.as_founder(introduction.owned[k])) introduction.owned_as_founder |= std::uint64_t{1} << k;
@@ -396,7 +396,6 @@ std::optional<Duration> Peer::bound(SimTime t) {
 }
 
 const Peer::Counters& Peer::counters() const { return impl_->parts.counters; }
-std::uint64_t Peer::line() const { return impl_->parts.line.line; }
 const OperationLogs& Peer::logs() const { return impl_->parts.logs; }
 OperationExchange::Counters Peer::exchange_counters() const { return impl_->parts.exchange.counters(); }
 

@@ -138,7 +138,6 @@ class Peer {
   [[nodiscard]] std::optional<Duration> bound(SimTime t);  // of BoundedLatency, at about now; none: without that mode
 
   [[nodiscard]] const Counters& counters() const;
-  [[nodiscard]] std::uint64_t line() const;         // of descent, of the logs (LineOfDescent)
   [[nodiscard]] const OperationLogs& logs() const;  // of all authors, as far as this peer holds them
   [[nodiscard]] OperationExchange::Counters exchange_counters() const;
   [[nodiscard]] MotionWorld::Counters motion_counters() const;

@@ -34,7 +34,7 @@ Writer writer_of(AuthorId author, const OperationLogs& logs, const PeerConfig& c
 }
 
 PeerConfig without_log(PeerConfig config) {
-  config.log = {};
+  config.log.parts = {};
   return config;
 }
 
@@ -76,13 +76,12 @@ PeerParts::PeerParts(PeerConfig peer_config, const WorldModel& world_model)
       living(*world_model.scene, config.rare,
              OperationBodies([this](OperationId id) { return logs.operation(id).body; }),
              [this](AuthorId of) { return writer_of(of, logs, config, of == author); }),
-      stored_until(restore(peer_config.log, logs, living, model)),
+      stored_until(restore(peer_config.log.parts, logs, living, model)),
       ticks(config.tick_hz),
       outbox(config.id, config.incarnation, counters),
-      line{config.line, !logs.empty(), config.joins},
       members(config.lost_after, config.large),
       limits(members, outbox, counters),
-      admission(config, line, members, outbox, limits),
+      admission(config, members, outbox, limits),
       time(config, members, outbox, counters, limits),
       greeter(config, members),
       exchange(logs, config.id, author, mixed_bits(author.value), {}, config.rare),

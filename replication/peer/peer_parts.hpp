@@ -22,7 +22,6 @@
 #include "replication/objects/updates/publication.hpp"
 #include "replication/session/admission.hpp"
 #include "replication/session/greeter.hpp"
-#include "replication/session/line_of_descent.hpp"
 #include "replication/session/member_limits.hpp"
 #include "replication/session/membership.hpp"
 #include "replication/session/presence.hpp"
@@ -71,7 +70,6 @@ struct PeerParts {
   TickGrid ticks;
   Outbox outbox;
   // The peers that are here, and session time.
-  LineOfDescent line;
   Membership members;
   MemberLimits limits;
   Admission admission;

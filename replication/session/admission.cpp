@@ -23,9 +23,18 @@ bool says_presence_alone(RegionId region, const Message& m) {
 
 }  // namespace
 
-Admission::Admission(const PeerConfig& config, LineOfDescent& line, Membership& members, Outbox& outbox,
-                     MemberLimits& limits)
-    : config_(config), line_(line), members_(members), outbox_(outbox), limits_(limits) {}
+Admission::Admission(const PeerConfig& config, Membership& members, Outbox& outbox, MemberLimits& limits)
+    : config_(config),
+      line_{config.log.line, false, config.log.is_of_a_session},
+      members_(members),
+      outbox_(outbox),
+      limits_(limits) {}
+
+void Admission::follow(bool has_edits, bool in_session) {
+  assert(has_edits || !line_.has_edits);
+  line_.has_edits = has_edits;
+  line_.in_session = in_session || config_.log.is_of_a_session;
+}
 
 // A far hello, or another datagram to all of a peer that is no member of this one's large session.
 std::expected<Membership::Admission, Drop> Admission::admit_far(HostTime now, const Message& m, const OnLost& on_lost) {
@@ -154,10 +163,12 @@ std::unexpected<Drop> Admission::reject_other_world(const Message& m) {
 // The message is the last word of its sender so far, which it introduces. The error is for one whose line is another,
 // unless this peer takes that.
 std::expected<void, Drop> Admission::check_line(const Message& m, const OnLost& on_lost) {
+  assert(m.introduction() != nullptr && m.sender != config_.id);
   const Introduction& introduction = *m.introduction();
   const LineOfDescent other{introduction.line, introduction.has_edits, m.hello->session_tx.has_value()};
   const LineMeeting meeting = meet(line_, other);
   if (meeting == LineMeeting::kTake) {
+    assert(!line_.has_edits);
     line_.line = other.line;
     outbox_.push(LineTaken{m.sender, other.line});
   }

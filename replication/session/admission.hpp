@@ -25,9 +25,13 @@ class Admission {
   // Called for a peer that is lost by an admission, after it has been removed.
   using OnLost = std::function<void(PeerId, const OtherPeer&)>;
 
-  // All arguments outlive this object. `line`: this peer's own, which changes where a meeting says so; whoever calls
-  // admit() keeps its state right.
-  Admission(const PeerConfig& config, LineOfDescent& line, Membership& members, Outbox& outbox, MemberLimits& limits);
+  // All arguments outlive this object.
+  Admission(const PeerConfig& config, Membership& members, Outbox& outbox, MemberLimits& limits);
+
+  // This peer's line of descent, which is another one where a meeting says so.
+  [[nodiscard]] std::uint64_t line() const { return line_.line; }
+  // What others have to know of it. To be called before admit().
+  void follow(bool has_edits, bool in_session);
 
   // Returns how the sender is known, never kStale, or why the message is dropped. `started`: when this peer was
   // started; none: not yet. `on_lost` is called for a member that turns out to have another world, before that is
@@ -60,7 +64,7 @@ class Admission {
   [[nodiscard]] std::unexpected<Drop> reject_earlier_life(HostTime now, const Message& message);
 
   const PeerConfig& config_;
-  LineOfDescent& line_;
+  LineOfDescent line_;
   Membership& members_;
   Outbox& outbox_;
   MemberLimits& limits_;

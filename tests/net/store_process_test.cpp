@@ -263,7 +263,7 @@ TEST_F(StoreProcess, APeerWithoutAConfigurationHasAStoreOfItsOwn) {
   EXPECT_THAT(wrong.err(), HasSubstr("say --store DIR"));
 }
 
-// Two who begin anew do not get the edits of one who comes by itself, with a store of before.
+// A session that was begun anew does not get the edits of a joining peer that has a store of before.
 class ASessionThatWasBegunAnew : public StoreProcess {
  protected:
   Process start_fresh(const std::string& name) const {
@@ -306,7 +306,7 @@ TEST_F(ASessionThatWasBegunAnew, TakesNoOldEdits) {
     leave(a);
     leave(b);
   }
-  {  // what goes on is the new line, whoever comes first
+  {  // the new line goes on, whichever peer is first
     Process b = start("b");
     ASSERT_TRUE(is_in_session("b"));
     Process a = start("a");
@@ -323,7 +323,7 @@ TEST_F(ASessionThatWasBegunAnew, TakesNoOldEdits) {
   expect_one_world({"a", "b"}, {"NEW1", "NEW2", "OLD"}, "the old edits were brought in");
 }
 
-TEST_F(ASessionThatWasBegunAnew, TakesNoOldEditsOfWhoJoins) {
+TEST_F(ASessionThatWasBegunAnew, TakesNoOldEditsByJoin) {
   edit_alone("b", "OLD");
   const Process a = start_fresh("a");
   ASSERT_TRUE(is_in_session("a")) << a.out() << a.err();
@@ -336,8 +336,8 @@ TEST_F(ASessionThatWasBegunAnew, TakesNoOldEditsOfWhoJoins) {
   EXPECT_TRUE(std::filesystem::exists(aside_of("b"))) << b.out();
 }
 
-// Whoever begins anew in a session that is here has its edits, not a session of one's own.
-TEST_F(ASessionThatWasBegunAnew, IsNoOtherOneForWhoComesLater) {
+// A peer that begins anew where a session is here has the session's edits.
+TEST_F(ASessionThatWasBegunAnew, IsJoinedByOneThatBeginsAnew) {
   edit_alone("b", "OLD");
   const Process a = start_fresh("a");
   ASSERT_TRUE(is_in_session("a") && add("a", "NEW")) << a.out() << a.err();

@@ -42,7 +42,8 @@ Result<Roster> changed(const std::optional<Roster>& before, const MembersOptions
                    "\" has no roster: whoever has its key is in; --begin NAME begins one, with " +
                    "this user as its administrator");
   }
-  if (!before && !keys::is_world_name(options.world)) return refused("a world with a roster has a name of 1 to 255 bytes, none of them a control character");
+  if (!before && !keys::is_world_name(options.world))
+    return refused("a world with a roster has a name of 1 to 255 bytes, none of them a control character");
   if (!before && !keys::is_member_name(options.begin)) return refused("--begin " + options.begin + ": that is no name");
   Roster roster = before ? *before : Roster::first(options.world, options.begin, identity);
   for (const std::string& text : options.add) {

@@ -342,7 +342,13 @@ void Daemon::drain() {
       exit_code_ = kSystemFailed;
       stop();
     }
-    follow_line(out);
+    if (const auto* const taken = std::get_if<replication::LineTaken>(&out); taken != nullptr && store_ != nullptr) {
+      if (const auto noted = store_->note_line(taken->line); !noted) log_({LogLevel::kWarning, noted.error().text});
+    }
+    if (node_.goes_over() && exit_code_ == 0) {  // it leaves before it enters a session that its edits are not for
+      exit_code_ = kSystemFailed;
+      boost::asio::post(io_, [this] { leave(); });
+    }
     publish(out);
     if (event_handler_) event_handler_(out);
     if (const auto line = describe(out, node_.scene())) log_(*line);
@@ -353,19 +359,6 @@ void Daemon::drain() {
   while (const auto edit = node_.poll_edit_report()) log_(describe(*edit));
   while (const auto notice = node_.poll_feed_notice()) log_(describe(*notice));
   if (capture_) keep_capture();
-}
-
-// The store is of the line of descent that its peer has taken. A peer that has edits of another line than the session
-// that it comes to has to leave before it enters that.
-void Daemon::follow_line(const replication::Output& output) {
-  if (const auto* const taken = std::get_if<replication::LineTaken>(&output); taken != nullptr && store_ != nullptr) {
-    if (const auto noted = store_->note_line(taken->line); !noted) log_({LogLevel::kWarning, noted.error().text});
-  }
-  const auto* const other = std::get_if<replication::OtherLine>(&output);
-  if (other == nullptr || !other->goes_over || goes_over_) return;
-  goes_over_ = other->line;
-  exit_code_ = kSystemFailed;
-  boost::asio::post(io_, [this] { leave(); });
 }
 
 void Daemon::publish(const replication::Output& event) {

@@ -104,9 +104,6 @@ class Daemon {
   void leave();
   [[nodiscard]] bool has_left() const { return over_; }
   [[nodiscard]] int exit_code() const { return exit_code_; }
-  // The peer has left because others are in a session of this line of descent, for which its edits are not: whoever
-  // runs it may open it anew without them. None: it has not.
-  [[nodiscard]] std::optional<std::uint64_t> goes_over() const { return goes_over_; }
 
   // The time of an input that the peer gets now.
   [[nodiscard]] HostTime now() { return forward_(clock_.now()); }
@@ -130,7 +127,6 @@ class Daemon {
   void stop();
   void drain();
   void keep_capture();
-  void follow_line(const replication::Output& output);
   void publish(const replication::Output& event);
   // Writes what has grown; there is a keeper. False: this peer must not go on.
   [[nodiscard]] bool store_growth();
@@ -162,7 +158,6 @@ class Daemon {
   std::vector<AwaitedPeer> missing_;     // as logged last
   bool logs_updates_ = false;
   bool over_ = false;
-  std::optional<std::uint64_t> goes_over_;
   int exit_code_ = 0;
 };
 

@@ -35,7 +35,7 @@ class OpenedPeer {
 
   // Runs until the peer leaves, and closes it. Returns the exit code.
   [[nodiscard]] Result<int> run();
-  [[nodiscard]] std::optional<std::uint64_t> goes_over() const { return daemon_->goes_over(); }  // as Daemon
+  [[nodiscard]] std::optional<std::uint64_t> goes_over() const { return node_->goes_over(); }  // as PeerNode
   // Closes a peer that has left: writes its last lines, and what it was to record.
   [[nodiscard]] Result<void> close();
 

@@ -31,8 +31,6 @@ constexpr std::uint64_t kAnnouncedAfter = 128;
 constexpr Duration kSignsAllLeast = Seconds(60), kSignsAllMost = std::chrono::hours(1), kSignsOn = Seconds(3);
 // Answers before their time: at once, and in the long run.
 constexpr net::TokenRate kAnswers{8.0, 4.0};
-// Identities of short lives are looked for so often.
-constexpr Duration kShortLivesDue = Seconds(5);
 constexpr std::size_t kRefusedBootsMax = 8;
 
 // The first byte: what it is, in two bits that no open datagram, region header or greeting begins with; whether it is
@@ -88,11 +86,11 @@ Sealer::Sealer(const keys::SymmetricKey& session, Self self, IsMember is_member)
       self_(std::move(self)),
       is_member_(std::move(is_member)),
       key_(datagram_key(self_.peer, self_.identity.public_key(), self_.boot)),
+      known_(self_.peer, self_.identity.public_key()),
       answers_(kAnswers),
       newcomers_(net::random_key(), kNewcomers),
       signs_all_for_(kSignsAllLeast) {
   assert(self_.epoch <= kEpochBits);
-  bound_.emplace(self_.peer, Bound{self_.identity.public_key(), HostTime{}, HostTime{Duration::max() / 2}});
 }
 
 BootId Sealer::random_boot() {
@@ -243,8 +241,7 @@ std::optional<Refusal> Sealer::refused(const OpenedAnnouncement& announcement, H
   const Boot* known = find(says);
   if (known != nullptr && says.number <= known->announcements) return Refusal::kReplayed;
   if (known == nullptr) {
-    const auto before = forgotten_.find({says.sender, says.boot});
-    if (before != forgotten_.end() && says.number <= before->second) return Refusal::kReplayed;
+    if (known_.is_record(says.sender, says.boot, says.number)) return Refusal::kReplayed;
     first_heard_.note(says.boot, now);
     if (!has_room(says, now)) return Refusal::kUnproven;
     if (may_check && !newcomers_.admits(from, net::SourceBuckets::Kind::kAnnouncement, now)) return Refusal::kUnproven;
@@ -252,8 +249,8 @@ std::optional<Refusal> Sealer::refused(const OpenedAnnouncement& announcement, H
   if (!may_check) return Refusal::kUnchecked;
   if (!announcement.is_signed()) return Refusal::kUnsigned;
   if (is_member_ && !is_member_(says.key)) return refuse(says, Named::kUnknown, now);
-  const auto bound = bound_.find(says.sender);
-  if (bound != bound_.end() && bound->second.key != says.key) return refuse(says, Named::kTaken, now);
+  const auto key = known_.key_of(says.sender);
+  if (key && *key != says.key) return refuse(says, Named::kTaken, now);
   return std::nullopt;
 }
 
@@ -310,58 +307,18 @@ bool Sealer::prove(PeerId sender, HostTime now) {
     given_up_.emplace(sender, oldest->id);
     of_sender.erase(oldest);
   }
-  if (!bound_.contains(sender)) {
-    if (bound_.size() >= kBoundMax && !make_room_to_bind(now)) return false;
-    bound_.emplace(sender, Bound{of_sender.back().owner, now, now});
-  }
+  if (!known_.key_of(sender) && !known_.bind(sender, of_sender.back().owner, now)) return false;
   of_sender.back().flags |= Named::kProven;
   return true;
 }
 
-// The numbers of the quarter of identities that have been silent for the longest time may be anybody's again. False:
-// all are heard at present.
-bool Sealer::make_room_to_bind(HostTime now) {
-  std::vector<std::pair<HostTime, PeerId>> silent;
-  for (const auto& [peer, bound] : bound_) {
-    if (bound.heard + kForgotten < now) silent.emplace_back(bound.heard, peer);
-  }
-  if (silent.empty()) return false;
-  const std::size_t most = std::min(silent.size(), kBoundMax / 4);
-  std::ranges::nth_element(silent, silent.begin() + static_cast<std::ptrdiff_t>(most - 1));
-  silent.resize(most);
-  for (const auto& [heard, peer] : silent) forget(peer);
-  return true;
-}
-
-// Its number may be anybody's again. Its boots stay known for a while, so that records of them are none.
-void Sealer::forget(PeerId peer) {
-  bound_.erase(peer);
-  const auto boots = boots_.find(peer);
-  if (boots == boots_.end()) return;
-  for (const Boot& boot : boots->second) {
-    if (forgotten_.insert_or_assign({peer, boot.id}, boot.announcements).second) {
-      forgotten_by_age_.emplace_back(peer, boot.id);
-    }
-  }
-  boots_.erase(boots);
-  for (; forgotten_by_age_.size() > kForgottenMax; forgotten_by_age_.pop_front()) {
-    forgotten_.erase(forgotten_by_age_.front());
-  }
-}
-
-// One member can make identities without end, each of which announces itself for a moment.
-void Sealer::forget_short_lives(HostTime now) {
-  if (now < short_lives_due_) return;
-  short_lives_due_ = now + kShortLivesDue;
-  std::vector<PeerId> over;
-  for (const auto& [peer, bound] : bound_) {
-    if (bound.heard - bound.since < kShortLife && bound.heard + kShortLife < now) over.push_back(peer);
-  }
-  for (const PeerId peer : over) forget(peer);
-}
-
 void Sealer::forget_silent(HostTime now) {
-  forget_short_lives(now);
+  for (const PeerId peer : known_.take_forgotten(now)) {
+    const auto boots = boots_.find(peer);
+    if (boots == boots_.end()) continue;
+    for (const Boot& boot : boots->second) known_.note_boot(peer, boot.id, boot.announcements);
+    boots_.erase(boots);
+  }
   for (auto& [sender, boots] : boots_) {
     std::erase_if(boots, [&](const Boot& boot) { return !boot.is_proven() && boot.heard + kForgotten < now; });
   }
@@ -400,7 +357,7 @@ std::optional<Refusal> Sealer::hear(std::span<const std::byte> announcement, Hos
     boot->unnamed = now;
   }
   if (boot->is_proven()) {
-    if (const auto bound = bound_.find(says.sender); bound != bound_.end()) bound->second.heard = now;
+    known_.note_heard(says.sender, now);
     check(*boot, says, now);
   }
   const bool wants_answer = !boot->named_us || *boot->named_us + kForgotten < now || !boot->has_proven_us;
@@ -497,11 +454,6 @@ std::size_t Sealer::heard_count() const {
   std::size_t count = 0;
   for (const auto& [sender, boots] : boots_) count += boots.size();
   return count;
-}
-
-std::optional<keys::PublicKey> Sealer::key_of(PeerId peer) const {
-  const auto bound = bound_.find(peer);
-  return bound == bound_.end() ? std::nullopt : std::optional(bound->second.key);
 }
 
 }  // namespace peerd::seal

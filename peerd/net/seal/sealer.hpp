@@ -1,7 +1,6 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <expected>
 #include <functional>
 #include <map>
@@ -22,6 +21,7 @@
 #include "peerd/net/seal/announcement.hpp"
 #include "peerd/net/seal/checkpoint.hpp"
 #include "peerd/net/seal/first_heard.hpp"
+#include "peerd/net/seal/known_identities.hpp"
 #include "peerd/net/seal/refusal.hpp"
 #include "peerd/net/seal/replay_window.hpp"
 
@@ -39,10 +39,6 @@ class Sealer {
   static constexpr std::size_t kAdded_bytes = kHeader_bytes + 16;  // to each datagram
   static constexpr std::size_t kBootsOfPeerMax = 8;    // of one peer, of those that are proven and of the others each
   static constexpr std::size_t kGivenUpMax = 1 << 16;  // proven boots in whose place others came
-  static constexpr std::size_t kBoundMax = 1 << 16;    // peers whose key is known
-  // An identity that was heard for less is forgotten once it has been silent for as long.
-  static constexpr Duration kShortLife = std::chrono::seconds(30);
-  static constexpr std::size_t kForgottenMax = 1 << 14;  // boots of identities that are forgotten
   // New boots, whose signatures are checked, from one address and from all.
   static constexpr net::SourceBuckets::Limits kNewcomers{{128.0, 16.0}, {500.0, 200.0}, Duration{0}};
 
@@ -96,9 +92,9 @@ class Sealer {
 
   [[nodiscard]] std::size_t proven_count() const;
   [[nodiscard]] std::size_t heard_count() const;                           // of boots, proven or not
-  [[nodiscard]] std::size_t bound_count() const { return bound_.size(); }  // peers whose key is known
+  [[nodiscard]] std::size_t bound_count() const { return known_.size(); }  // peers whose key is known
   // The key that a peer belongs to, as far as it has been proven.
-  [[nodiscard]] std::optional<keys::PublicKey> key_of(PeerId peer) const;
+  [[nodiscard]] std::optional<keys::PublicKey> key_of(PeerId peer) const { return known_.key_of(peer); }
   // The peers whose announcements come and do not name this process though they have room for it: they hear nothing of
   // it. So they never prove to be no record either, and nothing else of them is opened.
   [[nodiscard]] std::vector<PeerId> deaf_peers(HostTime now) const;
@@ -145,9 +141,6 @@ class Sealer {
   void on_impersonated(HostTime now);
   void announce_early(HostTime now);
   void forget_silent(HostTime now);
-  void forget(PeerId peer);
-  void forget_short_lives(HostTime now);
-  [[nodiscard]] bool make_room_to_bind(HostTime now);
   [[nodiscard]] std::vector<Named> names(HostTime now, bool& all_proven);
 
   keys::SymmetricKey session_, announcing_, signing_;
@@ -158,15 +151,7 @@ class Sealer {
   std::uint64_t announcements_ = 0;
   std::map<PeerId, std::vector<Boot>> boots_;     // the one that was heard of last is the last
   std::set<std::pair<PeerId, BootId>> given_up_;  // they would begin anew, and records of them be heard
-  struct Bound {
-    keys::PublicKey key;
-    HostTime since, heard;
-  };
-  std::map<PeerId, Bound> bound_;  // whose each number is, from its first proof on
-  // The number of the last announcement of each boot that is forgotten: an earlier one is a record.
-  std::map<std::pair<PeerId, BootId>, std::uint64_t> forgotten_;
-  std::deque<std::pair<PeerId, BootId>> forgotten_by_age_;  // the oldest makes room
-  HostTime short_lives_due_{};
+  KnownIdentities known_;
   struct RefusedBoot {
     Named name;
     HostTime heard;

@@ -124,9 +124,7 @@ std::unique_ptr<PeerNode> PeerNode::make(const config::PeerSettings& settings,
   config.incarnation = options.incarnation;
   config.author = options.author;
   config.rare = options.rare;
-  config.log = std::move(options.log);
-  config.line = options.line;
-  config.joins = options.joins;
+  config.log = {std::move(options.log), options.line, options.joins};
   config.signer = options.signer;
   config.world_hash = replication.session_hash(shared.world.hash);
   config.policy = replication.policy;
@@ -596,6 +594,10 @@ std::optional<replication::Output> PeerNode::poll_output() {
   if (std::holds_alternative<Join>(*out)) log_.groups_joined = std::max(log_.groups_joined, ++groups_);
   if (std::holds_alternative<Leave>(*out)) --groups_;
   if (std::holds_alternative<OtherWorld>(*out)) ++log_.other_worlds;
+  if (const auto* const taken = std::get_if<LineTaken>(&*out)) options_.line = taken->line;
+  if (const auto* const other = std::get_if<OtherLine>(&*out); other != nullptr && other->goes_over) {
+    goes_over_ = other->line;
+  }
   // Motions continue from where they are. Where the other session has begun its motions, its start is adopted later.
   const auto* stepped = std::get_if<ClockStepped>(&*out);
   if (stepped != nullptr && log_.start && !stepped->same_session) *log_.start += stepped->step;

@@ -87,6 +87,10 @@ class PeerNode {
   void note_store_failed() { ++store_failures_; }
   [[nodiscard]] bool stores() const { return options_.stores; }
   [[nodiscard]] const std::string& sealed_by() const { return options_.sealed_by; }
+  [[nodiscard]] std::uint64_t line() const { return options_.line; }  // of descent, of its edits
+  // The line of a session that others are in and that its edits are not for: whoever runs it may make it anew without
+  // them. None: it has met no such session.
+  [[nodiscard]] std::optional<std::uint64_t> goes_over() const { return goes_over_; }
   // An external program sends poses of the objects that it moves. An update of each object whose ghost is beyond its
   // threshold leaves at once. Unix time + `host_minus_wall` is the time of this host.
   // So is what this peer has grabbed, from the first pose that is taken until it is released.
@@ -167,6 +171,7 @@ class PeerNode {
   feed::PoseFeeds feeds_;
   std::set<ObjectId> fed_while_held_;  // those of `feeds_` that no configuration names
   Options options_;
+  std::optional<std::uint64_t> goes_over_;
   replication::PeerConfig config_;
   replication::Peer peer_;
   PeerLog log_;

@@ -81,18 +81,22 @@ struct SightSettings {
   std::vector<View> views;
 };
 
+// What a store, or peers that are in a session, hold of the logs of all authors.
+struct StoredLogs {
+  // Whole operations, each log from its beginning and in order. The peer begins with the scene that these make.
+  std::vector<OperationPart> parts;
+  std::uint64_t line = 0;        // of descent (LineOfDescent), also without any part
+  bool is_of_a_session = false;  // peers that are in one have given it
+};
+
 struct PeerConfig {
   PeerId id{1};
   std::string name;
   std::uint64_t incarnation = 1;  // must grow from one start of this peer to the next
   std::uint64_t world_hash = 0;   // peers with another world are ignored, and reported once
-  std::uint64_t line = 0;         // of descent, of `log` and of what comes (LineOfDescent)
-  bool joins = false;             // `log` and its line are of peers that are in a session
   // The author of this peer's operations: that of its store. None: an author of this start alone.
   std::optional<AuthorId> author;
-  // What a store holds of the logs of all authors, whole operations, each log from its beginning and in order. The peer
-  // begins with the scene that these make.
-  std::vector<OperationPart> log;
+  StoredLogs log;
   const LogSigner* signer = nullptr;  // of operations, which outlives the peer: OperationLogs
   std::vector<OwnedObject> owned;
   // Objects that the world's file gives to the founder of the session: this peer owns them from when it founds one. A

@@ -24,7 +24,7 @@ class Stores : public Peers {
     for (const std::size_t i : here) {
       PeerConfig c = config(static_cast<std::uint32_t>(i + 1));
       c.author = author(i);
-      c.log = stored[i];
+      c.log.parts = stored[i];
       if (i == 0) c.owned = {{world["BALL"]}};
       lan->add(c, clocks_ahead);
     }

@@ -34,8 +34,7 @@ class Admitting : public testing::Test {
   Membership members{own.lost_after};
   Outbox outbox{own.id, own.incarnation, counters};
   MemberLimits limits{members, outbox, counters};
-  LineOfDescent line;
-  Admission admission{own, line, members, outbox, limits};
+  Admission admission{own, members, outbox, limits};
   RegionId region = kWholeScene;  // that datagrams come to
   bool leads = false;             // this peer
   std::vector<std::pair<PeerId, std::uint64_t>> lost;
@@ -259,6 +258,12 @@ TEST_F(Admitting, OtherVersionsAreReportedOnceEachAndNoMoreThanEight) {
 
 class AdmittingLines : public Admitting {
  protected:
+  // This peer is in a session of that line from now on, and has its edits.
+  void be_in(std::uint64_t line) {
+    EXPECT_EQ(admit(of_line(9, line, true)), Known::kJoined);
+    admission.follow(true, true);
+    drain<LineTaken>(outbox);
+  }
   static Message of_line(std::uint32_t id, std::uint64_t line, bool has_edits, std::uint64_t incarnation = 100) {
     Message m = introduction(id, incarnation);
     m.hello->session_tx = SimTime{1s};
@@ -270,7 +275,7 @@ class AdmittingLines : public Admitting {
 
 TEST_F(AdmittingLines, APeerWithoutEditsTakesThatOfTheSession) {
   EXPECT_EQ(admit(of_line(2, 7, true)), Known::kJoined);
-  EXPECT_EQ(line.line, 7u);
+  EXPECT_EQ(admission.line(), 7u);
   const auto taken = drain<LineTaken>(outbox);
   ASSERT_EQ(taken.size(), 1u);
   EXPECT_EQ(taken[0].from, PeerId{2});
@@ -278,9 +283,9 @@ TEST_F(AdmittingLines, APeerWithoutEditsTakesThatOfTheSession) {
 }
 
 TEST_F(AdmittingLines, EditsOfAnotherLineAreSaidOnce) {
-  line.has_edits = true;
+  admission.follow(true, false);
   for (int i = 0; i < 3; ++i) EXPECT_EQ(admit(of_line(2, 7, false)), std::unexpected(Drop::kOtherLine));
-  EXPECT_EQ(line.line, 0u);
+  EXPECT_EQ(admission.line(), 0u);
   EXPECT_TRUE(admission.has_other_line(PeerId{2}));
   const auto said = drain<OtherLine>(outbox);
   ASSERT_EQ(said.size(), 1u);
@@ -290,7 +295,7 @@ TEST_F(AdmittingLines, EditsOfAnotherLineAreSaidOnce) {
 }
 
 TEST_F(AdmittingLines, TwoSessionsThatHaveEditsStayApart) {
-  line = {5, true, true};
+  be_in(5);
   EXPECT_EQ(admit(of_line(2, 7, true)), std::unexpected(Drop::kOtherLine));
   EXPECT_EQ(admit(of_line(3, 7, false)), std::unexpected(Drop::kOtherLine)) << "that one comes over";
   const auto said = drain<OtherLine>(outbox);
@@ -301,7 +306,7 @@ TEST_F(AdmittingLines, TwoSessionsThatHaveEditsStayApart) {
 }
 
 TEST_F(AdmittingLines, AMemberThatGoesToAnotherLineIsLost) {
-  line = {5, true, true};
+  be_in(5);
   EXPECT_EQ(admit(of_line(2, 5, true)), Known::kJoined);
   EXPECT_EQ(admit(of_line(2, 7, true, 99)), std::unexpected(Drop::kStaleIncarnation)) << "a datagram of before";
   EXPECT_TRUE(lost.empty());

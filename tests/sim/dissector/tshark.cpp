@@ -69,7 +69,7 @@ std::vector<std::string> fields_of_datagrams() {
   with("echo.", {"peer", "hello", "held_ns", "newer", "run", "absent", "loss_permille"});
   with("note.", {"collider", "collidee", "contact_ns", "held"});
   with("introduction.", {"name", "world_hash", "boot", "enslaved", "owned_as_founder", "start_ns", "world_zero_ns",
-                          "line", "has_edits"});
+                         "line", "has_edits"});
   with("viewpoint.", {"object", "field_of_view", "aspect"});
   with("record.",
        {"object", "carrier", "sequence", "kind", "time_ns", "decision_ns", "step_log2", "exact", "driven_since_ns"});
