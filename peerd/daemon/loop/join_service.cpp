@@ -39,7 +39,7 @@ void JoinService::open_server() {
                                            : SimTime::max();
            },
        .key = options_.key,
-       .line = [this] { return node_.line(); }},
+       .line = [this] { return node_.options().line; }},
       [this](const boost::asio::ip::address& at) {
         const auto session_at = options_.own_address();
         return session_at.is_unspecified() || net::are_of_one_interface(at, session_at);

@@ -89,8 +89,8 @@ ordered_json status(PeerNode& node, HostTime now, const AskMore& more) {
                                       : ordered_json(nullptr)},
       {"clock_offset_ms", clock.synchronised() ? in_ms(clock.session_minus_host(now)) : ordered_json(nullptr)},
       {"clock_error_ms", in_ms(clock.error_bound(now))},
-      {"sealed", !node.sealed_by().empty()},
-      {"sealed_by", node.sealed_by().empty() ? ordered_json(nullptr) : ordered_json(node.sealed_by())}};
+      {"sealed", !node.options().sealed_by.empty()},
+      {"sealed_by", node.options().sealed_by.empty() ? ordered_json(nullptr) : ordered_json(node.options().sealed_by)}};
   // Without the mode the reply is as it has always been.
   std::optional<Duration> bound;
   if (clock.synchronised()) bound = node.bound(clock.to_session(now));
@@ -270,7 +270,7 @@ ordered_json operation_reply(const PeerNode& node, replication::OperationId id) 
   reply["applied"] = state.applied;
   reply["held"] = state.held;
   reply["stored"] = state.stored;
-  reply["stores"] = node.stores();
+  reply["stores"] = node.options().stores;
   reply["alone"] = node.peer().members().count() == 0;
   reply["done"] = state.refused.empty();
   if (!state.refused.empty()) reply["refused"] = state.refused;

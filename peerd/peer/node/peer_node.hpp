@@ -85,9 +85,8 @@ class PeerNode {
   void note_stored(replication::OperationId last) { edits_.note_stored(last); }
   // The store could not be written: nothing of what has been made since is said to be stored.
   void note_store_failed() { ++store_failures_; }
-  [[nodiscard]] bool stores() const { return options_.stores; }
-  [[nodiscard]] const std::string& sealed_by() const { return options_.sealed_by; }
-  [[nodiscard]] std::uint64_t line() const { return options_.line; }  // of descent, of its edits
+  // What it was made of; the line is that of its edits at present.
+  [[nodiscard]] const Options& options() const { return options_; }
   // The line of a session that others are in and that its edits are not for: whoever runs it may make it anew without
   // them. None: it has met no such session.
   [[nodiscard]] std::optional<std::uint64_t> goes_over() const { return goes_over_; }
