@@ -38,7 +38,11 @@ Result<store::FolderLock> lock_store(const StoreOptions& options, const std::fil
   const auto locked = lock->folder();
   const auto aside = store::put_aside(*std::move(lock));
   if (!aside) return std::unexpected(aside.error());
-  if (*aside) lines.push_back({LogLevel::kInfo, "the store before is now " + (*aside)->string()});
+  if (*aside) {
+    lines.push_back(
+        {LogLevel::kInfo, fmt::format("the store before is now {}; `peerd store merge {} {}` brings its edits in",
+                                      (*aside)->string(), (*aside)->string(), locked.string())});
+  }
   return by_default ? lock_again() : store::lock_folder(locked);
 }
 
@@ -150,8 +154,7 @@ Result<OpenedStore> open_as_it_is(const StoreOptions& options, std::uint64_t gen
 }
 
 constexpr const char* kEditsOfBefore =
-    "this world's session was begun by itself (--fresh), and the store's edits are not of it: they are kept aside, and "
-    "`peerd store merge` brings them in";
+    "this world's session was begun by itself (--fresh), and the edits of the store do not belong there";
 
 }  // namespace
 
