@@ -109,7 +109,7 @@ TEST_F(Locks, WhoJoinsOrComesBackFindsThem) {
   run_on(1s);
   PeerConfig with_store = config(5);
   for (const LogLength& log : lan->peer(1).logs().lengths()) {
-    with_store.log.push_back({log.author, 0, lan->peer(1).log_bytes({log.author, 0, log.bytes})});
+    with_store.log.parts.push_back({log.author, 0, lan->peer(1).log_bytes({log.author, 0, log.bytes})});
   }
   const std::size_t joined = lan->add(config(4)), back = lan->add(with_store);
   EXPECT_EQ(lan->peer(back).locks().size(), 1u) << "before it has heard of anybody";
