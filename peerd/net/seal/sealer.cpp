@@ -31,6 +31,9 @@ constexpr std::uint64_t kAnnouncedAfter = 128;
 constexpr Duration kSignsAllLeast = Seconds(60), kSignsAllMost = std::chrono::hours(1), kSignsOn = Seconds(3);
 // Answers before their time: at once, and in the long run.
 constexpr net::TokenRate kAnswers{8.0, 4.0};
+// Boots that are new, whose signatures are checked, from one address and from all. Where a server lies between,
+// addresses are not known, and the limit of all is the only one.
+constexpr net::SourceBuckets::Limits kNewcomers{{128.0, 16.0}, {500.0, 200.0}, Duration{0}};
 constexpr std::size_t kRefusedBootsMax = 8;
 
 // The first byte: what it is, in two bits that no open datagram, region header or greeting begins with; whether it is
@@ -87,8 +90,9 @@ Sealer::Sealer(const keys::SymmetricKey& session, Self self, IsMember is_member)
       is_member_(std::move(is_member)),
       key_(datagram_key(self_.peer, self_.identity.public_key(), self_.boot)),
       known_(self_.peer, self_.identity.public_key()),
-      answers_(kAnswers),
       newcomers_(net::random_key(), kNewcomers),
+      answers_(kAnswers),
+      newcomers_from_nowhere_(kNewcomers.of_all),
       signs_all_for_(kSignsAllLeast) {
   assert(self_.epoch <= kEpochBits);
 }
@@ -244,7 +248,7 @@ std::optional<Refusal> Sealer::refused(const OpenedAnnouncement& announcement, H
     if (known_.is_record(says.sender, says.boot, says.number)) return Refusal::kReplayed;
     first_heard_.note(says.boot, now);
     if (!has_room(says, now)) return Refusal::kUnproven;
-    if (may_check && !newcomers_.admits(from, net::SourceBuckets::Kind::kAnnouncement, now)) return Refusal::kUnproven;
+    if (may_check && !may_come(from, now)) return Refusal::kUnproven;
   }
   if (!may_check) return Refusal::kUnchecked;
   if (!announcement.is_signed()) return Refusal::kUnsigned;
@@ -252,6 +256,12 @@ std::optional<Refusal> Sealer::refused(const OpenedAnnouncement& announcement, H
   const auto key = known_.key_of(says.sender);
   if (key && *key != says.key) return refuse(says, Named::kTaken, now);
   return std::nullopt;
+}
+
+// Whether the signature of one more boot that is new is checked.
+bool Sealer::may_come(const boost::asio::ip::address& from, HostTime now) {
+  if (from.is_unspecified()) return newcomers_from_nowhere_.take(kNewcomers.of_all, now);
+  return newcomers_.admits(from, net::SourceBuckets::Kind::kAnnouncement, now);
 }
 
 // The boot is told by the next announcements.

@@ -39,8 +39,6 @@ class Sealer {
   static constexpr std::size_t kAdded_bytes = kHeader_bytes + 16;  // to each datagram
   static constexpr std::size_t kBootsOfPeerMax = 8;    // of one peer, of those that are proven and of the others each
   static constexpr std::size_t kGivenUpMax = 1 << 16;  // proven boots in whose place others came
-  // New boots, whose signatures are checked, from one address and from all.
-  static constexpr net::SourceBuckets::Limits kNewcomers{{128.0, 16.0}, {500.0, 200.0}, Duration{0}};
 
   // Whether that key is a member's.
   using IsMember = std::function<bool(const keys::PublicKey&)>;
@@ -140,6 +138,7 @@ class Sealer {
   void check(Boot& boot, const Announcement& says, HostTime now);
   void on_impersonated(HostTime now);
   void announce_early(HostTime now);
+  [[nodiscard]] bool may_come(const boost::asio::ip::address& from, HostTime now);
   void forget_silent(HostTime now);
   [[nodiscard]] std::vector<Named> names(HostTime now, bool& all_proven);
 
@@ -159,8 +158,8 @@ class Sealer {
   std::vector<RefusedBoot> refused_boots_;  // that should know it
   std::size_t named_ = 0;                   // how many boots have been named, where not all fit
   std::optional<HostTime> announced_;
-  net::TokenBucket answers_;
   net::SourceBuckets newcomers_;
+  net::TokenBucket answers_, newcomers_from_nowhere_;
   FirstHeard first_heard_;
   HostTime announce_at_{}, signs_all_until_{};
   Duration signs_all_for_;  // the next time
