@@ -333,7 +333,7 @@ void Intake::on_introduction(HostTime now, PeerId sender, Member& member, const 
   const Duration ahead = both ? *hello.session_tx - p_.to_session(now) : Duration{0};
   if (!hello.session_tx || ahead <= -kUpdateAgeMax || ahead >= kUpdateAheadMax) return;
   if (!may_claim(now, sender, introduction.owned)) return;
-  keeper_.claim(sender, introduction.owned, introduction.owned_as_founder, *hello.session_tx);
+  keeper_.claim(sender, introduction.owned, introduction.owned_as_founder, hello.session_tx);
 }
 
 bool Intake::may_claim(HostTime now, PeerId sender, std::span<const ObjectId> objects) {
