@@ -113,7 +113,10 @@ Result<OpenedStore> open_as_it_is(const StoreOptions& options, std::uint64_t gen
   auto lock = lock_store(options, *folder, by_default, opened.lines);
   const std::filesystem::path at = lock ? lock->folder() : *folder;
   const Disk disk = disk_of(at);
-  if (disk == Disk::kReadOnly) return open_unwritable(at, genesis, disk);
+  if (disk == Disk::kReadOnly) {
+    lock = std::unexpected(InputError{});  // this one ends: reading takes one of its own
+    return open_unwritable(at, genesis, disk);
+  }
   const replication::Author fresh = seal::fresh_author(identity.public_key());
   auto store = lock ? store::OperationStore::open(*std::move(lock), genesis, fresh) : std::unexpected(lock.error());
   if (!store && store.error().exit_code == kSystemFailed && disk == Disk::kFull) {
