@@ -299,6 +299,7 @@ TEST_F(ASessionThatWasBegunAnew, TakesNoOldEdits) {
     ASSERT_TRUE(is_in_session("a")) << a.out() << a.err();
     Process b = start("b");
     ASSERT_TRUE(wait_until([&] { return members_of("a") == 1 && members_of("b") == 1; })) << b.out() << b.err();
+    ASSERT_TRUE(is_in_session("b")) << b.out();
     EXPECT_TRUE(b.says("brings its edits in", 1)) << b.out();
     ASSERT_TRUE(add("a", "NEW1") && add("b", "NEW2"));
     expect_one_world({"a", "b"}, {"NEW1", "NEW2"}, "both have edited");
