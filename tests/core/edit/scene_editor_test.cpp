@@ -241,7 +241,7 @@ std::string doubling(int times) {
 TEST(SceneEditor, AddsNoMoreThanALittleBeyondWhatATextSays) {
   const Scene world = read(kHead + kWall);
   SceneEditor editor(world);
-  EXPECT_TRUE(editor.add(doubling(10), {}, {kFirstObject, kFirstNode}, {})) << "2,047 nodes";
+  EXPECT_TRUE(editor.add(doubling(9), {}, {kFirstObject, kFirstNode}, {})) << "1,023 nodes, and those of prototypes";
   const auto refused = editor.add(doubling(18), {}, {ObjectId{1, 5000}, NodeId{1, 5000}}, {});
   ASSERT_FALSE(refused) << "524,287 nodes of " << doubling(18).size() << " bytes";
   EXPECT_NE(refused.error().find("nodes"), std::string::npos) << refused.error();
