@@ -141,6 +141,7 @@ async function nodesByKeys(page) {
 // What is added is in the tree at once; of ten thousand nodes only those that are seen are in the page.
 async function nodesAreMany(page) {
   await edited(page, { do: 'add', text: `DEF MANY Group { children [ ${'Group{}'.repeat(5000)} ] }` });
+  await page.until('the group is there', () => window.peerd.has('MANY/4999'));
   await edited(page, { do: 'add', under: 'MANY', text: 'Group{}'.repeat(5000) });
   await page.until('what was added is in the tree', () => window.peerd.has('MANY/9999'));
   await page.tab.locator('[role=tree]').focus();

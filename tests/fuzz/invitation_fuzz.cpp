@@ -23,7 +23,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string name(text.substr(0, kNameMax_bytes));
   const SymmetricKey key = SymmetricKey::random();
   const auto again = read_invitation(text_of(name, key));
-  require(again.has_value() == (!name.empty() && name.size() <= 255));
+  require(again.has_value() == is_world_name(name));
   if (again) require(again->world == name && *again->key == key);
   return 0;
 }
