@@ -266,16 +266,25 @@ TEST_F(StoreProcess, APeerWithoutAConfigurationHasAStoreOfItsOwn) {
 // A session that was begun anew does not get the edits of a joining peer that has a store of before.
 class ASessionThatWasBegunAnew : public StoreProcess {
  protected:
-  Process start_fresh(const std::string& name) const {
-    return ControlledPeers::start(name, words_of(name, {"--fresh"}));
-  }
-  std::vector<std::string> words_of(const std::string& name, std::vector<std::string> more) const {
-    std::vector<std::string> words{
-        "run", "--world", (folder / "world.wrl").string(), "--id",    std::to_string(name[0] - 'a' + 1), "--interface",
-        "lo",  "--port",  std::to_string(own_port(9)),     "--store", store_of(name).string(),           "--take-over"};
+  Process start(const std::string& name, const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words{"run",
+                                   "--world",
+                                   (folder / "world.wrl").string(),
+                                   "--world-name",
+                                   world,
+                                   "--id",
+                                   std::to_string(name[0] - 'a' + 1),
+                                   "--interface",
+                                   "lo",
+                                   "--port",
+                                   std::to_string(own_port(9)),
+                                   "--store",
+                                   store_of(name).string(),
+                                   "--take-over"};
     words.insert(words.end(), more.begin(), more.end());
-    return words;
+    return ControlledPeers::start(name, words);
   }
+  Process start_fresh(const std::string& name) const { return start(name, {"--fresh"}); }
   void leave(Process& peer) const {
     peer.signal(SIGTERM);
     EXPECT_EQ(peer.exit_code(20), 0) << peer.out() << peer.err();
@@ -290,6 +299,8 @@ class ASessionThatWasBegunAnew : public StoreProcess {
   [[nodiscard]] std::filesystem::path aside_of(const std::string& name) const {
     return store_of(name).string() + ".before";
   }
+
+  const std::string world = "anew-" + std::to_string(getpid());  // called as nobody else's on this computer
 };
 
 TEST_F(ASessionThatWasBegunAnew, TakesNoOldEdits) {
@@ -330,7 +341,7 @@ TEST_F(ASessionThatWasBegunAnew, TakesNoOldEditsByJoin) {
   ASSERT_TRUE(is_in_session("a")) << a.out() << a.err();
   ASSERT_TRUE(add("a", "NEW"));
   const Process b = ControlledPeers::start(
-      "b", {"join", "world", "--interface", "lo", "--store", store_of("b").string(), "--take-over"});
+      "b", {"join", world, "--interface", "lo", "--store", store_of("b").string(), "--take-over"});
   ASSERT_TRUE(wait_until([&] { return members_of("a") == 1 && members_of("b") == 1; })) << b.out() << b.err();
   expect_one_world({"a", "b"}, {"NEW"}, "the other one has joined");
   EXPECT_THAT(world_of("a"), Not(HasSubstr("OLD")));
