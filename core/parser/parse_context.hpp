@@ -109,8 +109,8 @@ struct ParseContext {
       return true;
     }
     if (!std::exchange(too_many_nodes, true)) {
-      problems.error(at, "with this node the world has more than " + std::to_string(options.limits.nodes) +
-                             " nodes, PROTOs expanded");
+      problems.error(
+          at, "with this node there are more than " + std::to_string(options.limits.nodes) + " nodes, PROTOs expanded");
     }
     return false;
   }

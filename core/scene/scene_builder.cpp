@@ -356,8 +356,7 @@ bool Builder::measure_instances() {
   const auto add = [&](const Child& one, std::uint32_t& total) {
     const std::uint64_t sum = std::uint64_t{total} + count[one.shared];
     if (sum > limits_.instances && !std::exchange(too_many, true)) {
-      problems_.error(one.at,
-                      "with this node the world has more than " + std::to_string(limits_.instances) + " instances");
+      problems_.error(one.at, "with this node there are more than " + std::to_string(limits_.instances) + " instances");
     }
     total = static_cast<std::uint32_t>(std::min<std::uint64_t>(sum, std::uint64_t{limits_.instances} + 1));
   };

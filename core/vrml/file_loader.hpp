@@ -23,9 +23,10 @@ struct ReadLimits {
   std::uint32_t nodes = 1u << 22;                     // after PROTOs are expanded
   std::uint32_t instances = 1u << 22;                 // a USE counts again
   std::uint64_t polygons = 1u << 24;                  // polygons of one geometry, tessellated
-  // The two limits below are multiplied by this: for the rare file that is meant so.
+  // A text of any length may unpack to so many bytes, and ask for so many polygons of Extrusions and ElevationGrids.
+  std::uint64_t unpacked_base_bytes = 1u << 24, swept_base = 1u << 18;
+  // unpacked_bytes() and swept_polygons() are multiplied by this: for the rare file that is meant so.
   std::uint32_t expansion = 1;
-  std::uint64_t unpacked_base_bytes = 1u << 24, swept_base = 1u << 18;  // that a short text may have, too
 
   static constexpr std::string_view kRaised = "; the option expansion allows more";
 
@@ -38,8 +39,8 @@ struct ReadLimits {
   // one for two bytes of its heights; an Extrusion multiplies the corners of its cross-section by those of its spine.
   [[nodiscard]] std::uint64_t swept_polygons(std::uint64_t bytes) const { return expansion * (swept_base + bytes); }
 
-  // The limits of a text of so many bytes that somebody adds to a world which runs. All peers read it between two
-  // ticks: it may ask for little more than it says.
+  // Returns the limits of a text of so many bytes that somebody adds to a world which runs. All peers read it between
+  // two ticks, so that it may expand to little more than its own length.
   [[nodiscard]] ReadLimits of_added(std::uint64_t bytes) const {
     ReadLimits added = *this;
     const std::uint64_t most = 4096 + bytes;

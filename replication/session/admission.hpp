@@ -30,7 +30,7 @@ class Admission {
 
   // This peer's line of descent, which is another one where a meeting says so.
   [[nodiscard]] std::uint64_t line() const { return line_.line; }
-  // What others have to know of it. To be called before admit().
+  // This peer holds edits, and is in a session: both decide whose line stays. To be called before admit().
   void follow(bool has_edits, bool in_session);
 
   // Returns how the sender is known, never kStale, or why the message is dropped. `started`: when this peer was

@@ -10,7 +10,7 @@ struct LineOfDescent {
   bool has_edits = false;
   bool in_session = false;  // its peer has entered one, or has it from one
 
-  // Nobody has asked for this line, and nothing would be lost with it.
+  // This peer has begun with the world's file and has no edits: nothing is lost if it takes another line.
   [[nodiscard]] bool is_blank() const { return line == 0 && !has_edits; }
 };
 
@@ -20,12 +20,12 @@ enum class LineMeeting : std::uint8_t {
   kStay,    // the other peer comes over
   kTake,    // this peer has no edits, and is of the other line from now on
   kGoOver,  // this peer has edits, which must be put aside: it begins anew, with the other line
-  kApart,   // both are in sessions that have edits: a person has to choose
+  kApart,   // both are in sessions that have edits: neither follows, until a person starts one of them again
 };
 
-// Both peers come to results that fit each other. What nobody has begun gives way to what somebody has, a newcomer to a
-// session, a session without edits to one with them, and of two equals the lower line to the higher one, which is the
-// later one.
+// The results of both peers fit each other: where one stays, the other comes over. A blank line gives way to any other,
+// a newcomer to a session, a session without edits to one with edits, and else the lower line to the higher one, which
+// was begun later.
 [[nodiscard]] LineMeeting meet(const LineOfDescent& own, const LineOfDescent& other);
 
 }  // namespace peerd::replication

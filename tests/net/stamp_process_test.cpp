@@ -114,7 +114,7 @@ TEST_F(WrongClock, OfWhoJoinsHidesNoEdits) {
   expect_one_world({"b", "c"}, {"OLD", "EARLY", "NEW", "NEWER"}, "the edits");
 }
 
-// Who founds with a clock that is behind, and has edits of the right time, begins behind these.
+// A founder whose clock is behind, and whose store has edits of the right time, begins its session behind these.
 TEST_F(WrongClock, AFounderBeginsBehindItsOwnEdits) {
   leave_with(run("b"), "b", "OLD");
   Process b = run_ahead("b", -7200);

@@ -31,7 +31,7 @@ namespace {
 namespace asio = boost::asio;
 
 constexpr Duration kAsked = std::chrono::seconds(1);
-// So many are asked for a world that more than one session has: those that do not have its key give nothing.
+// The most peers that are asked where several sessions have the world's name. Those without its key give nothing.
 constexpr std::size_t kProvidersMax = 64;
 
 Result<snapshot::Provider> provider_at(const std::string& address) {

@@ -34,9 +34,9 @@ struct WorldsHere {
 // Blocks meanwhile.
 [[nodiscard]] Result<WorldsHere> worlds_here(net::TransportSettings settings, Duration time);
 
-// The sessions of the world of that name; with an empty name of the only one. Those that are sealed, or with `open`
-// those that are not, if there are any, else the others; none: there is no such world. Of several that are sealed the
-// key tells later who has it. Error: there are several that nothing tells apart.
+// Returns the sessions of the world of that name, with an empty name of the only world: those that are sealed, or with
+// `open` those that are not. If there are only others, it returns these, and nothing where there is no such world. Of
+// several sealed ones those with the right key give the world. Error: several worlds or open sessions fit.
 [[nodiscard]] Result<std::vector<const World*>> choose_world(const std::vector<World>& worlds, const std::string& name,
                                                              bool open);
 

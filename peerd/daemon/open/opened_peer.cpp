@@ -252,13 +252,14 @@ Result<config::RunSettings> OpenedPeer::read_again() const {
   return std::move(scenario->runs.front());
 }
 
-Result<int> OpenedPeer::run() {
+Result<int> OpenedPeer::run(const net::ServiceManager& manager) {
   const bool has_file = !options_.joined && !options_.config.empty();
   service_ = std::make_unique<PeerService>(PeerService::Parts{
       .io = io_,
       .daemon = *daemon_,
       .node = *node_,
       .log = log_,
+      .manager = manager,
       .verbose = options_.verbose,
       .peer = parts_.settings->name,
       .world = parts_.scenario.world.filename().string(),

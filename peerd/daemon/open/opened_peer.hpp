@@ -33,8 +33,8 @@ class OpenedPeer {
   OpenedPeer(const OpenedPeer&) = delete;
   OpenedPeer& operator=(const OpenedPeer&) = delete;
 
-  // Runs until the peer leaves, and closes it. Returns the exit code.
-  [[nodiscard]] Result<int> run();
+  // Runs until the peer leaves, and closes it; the manager knows how it is. Returns the exit code.
+  [[nodiscard]] Result<int> run(const net::ServiceManager& manager);
   [[nodiscard]] std::optional<std::uint64_t> goes_over() const { return node_->goes_over(); }  // as PeerNode
   // Closes a peer that has left: writes its last lines, and what it was to record.
   [[nodiscard]] Result<void> close();

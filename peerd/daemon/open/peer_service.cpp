@@ -38,13 +38,15 @@ std::string refusal_in(const std::string& reply) {
 
 PeerService::PeerService(Parts parts)
     : parts_(std::move(parts)),
-      service_(parts_.io, net::ServiceManager::of_environment(),
+      service_(parts_.io, parts_.manager,
                {.status = [this] { return status(); },
                 .ticks = [this] { return parts_.node.peer().counters().ticks; },
                 .every_second = [this] { parts_.log.report_left_out(); }},
                [this](const LogLine& line) { parts_.log(line); }) {
   parts_.daemon.on_begin([this] { service_.begin(); });
-  parts_.daemon.on_leave([this] { service_.leave(); });
+  parts_.daemon.on_leave([this] {
+    if (!parts_.node.goes_over()) service_.leave();  // else this process goes on with another peer
+  });
   if (service_.manager().is_there() || !has_terminal()) {
     parts_.daemon.on_hangup([this] { service_.reload([this] { reload(); }); });
   }

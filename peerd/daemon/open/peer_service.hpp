@@ -23,6 +23,7 @@ class PeerService {
     Daemon& daemon;
     const PeerNode& node;
     Log& log;
+    net::ServiceManager manager;
     bool verbose;       // by an option, whatever the configuration says
     std::string peer;   // its name
     std::string world;  // that of its file

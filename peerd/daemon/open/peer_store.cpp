@@ -157,7 +157,7 @@ Result<OpenedStore> open_as_it_is(const StoreOptions& options, std::uint64_t gen
 }
 
 constexpr const char* kEditsOfBefore =
-    "this world's session was begun by itself (--fresh), and the edits of the store do not belong there";
+    "this world's session was begun anew (--fresh), and the edits of the store do not belong there";
 
 }  // namespace
 
@@ -228,7 +228,7 @@ Result<std::vector<replication::OperationPart>> new_parts(const std::vector<repl
       const std::string why = read ? "it is cut short or damaged" : read.error();
       return std::unexpected(
           InputError{fmt::format("error: the log of author {} {} can't be used: {}{}", part.author.value, origin, why,
-                                 before > 0 ? "; --fresh puts the store aside, which has it, too" : ""),
+                                 before > 0 ? "; the store has some of it: --fresh puts that aside" : ""),
                      1});
     }
     const auto tail = logs.bytes({part.author, before, end});

@@ -59,14 +59,15 @@ std::expected<Asked, net::NetError> ask_who_is_here(const net::HostClock& clock,
   const auto socket = net::MulticastSocket::open(io, clock, options);
   if (!socket) return std::unexpected(socket.error());
   if (auto joined = (*socket)->join(kAll); !joined) return std::unexpected(joined.error());
-  // A beacon proves nothing: one from elsewhere never takes another's place.
-  std::map<std::tuple<std::string, std::uint64_t, bool, PeerId, boost::asio::ip::address>, Found> found;
+  // A beacon proves nothing: one from elsewhere, or of another process, never takes another's place.
+  using Key = std::tuple<std::string, std::uint64_t, bool, PeerId, boost::asio::ip::address, std::uint16_t>;
+  std::map<Key, Found> found;
   std::map<boost::asio::ip::address, std::size_t> found_at;
   (*socket)->on_receive([&](const net::Arrival& arrival) {
     const auto beacon = decode(arrival.datagram);
     if (!beacon) return;
     const auto at = arrival.from.address();
-    const std::tuple key(beacon->world, beacon->session, !beacon->sealed, beacon->peer, at);
+    const Key key(beacon->world, beacon->session, !beacon->sealed, beacon->peer, at, beacon->snapshot_port);
     if (!found.contains(key)) {
       if (found.size() >= kFoundMax || found_at[at] >= kFoundAtOneMax) return;
       ++found_at[at];

@@ -1,22 +1,11 @@
 #include "peerd/net/seal/check_queue.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <utility>
 
+#include "peerd/net/os/next_after.hpp"
+
 namespace peerd::seal {
-namespace {
-
-// The entry behind that key, going round.
-template <class Map>
-auto next_after(Map& map, const typename Map::key_type& key) {
-  assert(!map.empty());
-  const auto next = map.upper_bound(key);
-  return next == map.end() ? map.begin() : next;
-}
-
-}  // namespace
-
 bool CheckQueue::push(const net::Arrival& arrival, PeerId sender) {
   bool all_stay = true;
   if (size_ >= kMost) {  // the address with the most of them loses one
@@ -34,14 +23,14 @@ bool CheckQueue::push(const net::Arrival& arrival, PeerId sender) {
 
 std::optional<CheckQueue::Waiting> CheckQueue::next(HostTime now) {
   if (size_ == 0 || checks_.tokens(kRate, now) < 1.0) return std::nullopt;
-  const auto source = next_after(sources_, served_);
+  const auto source = net::next_after(sources_, served_);
   served_ = source->first;
   return take_from(source);
 }
 
 CheckQueue::Waiting CheckQueue::take_from(std::map<boost::asio::ip::address, Source>::iterator source) {
   auto& [address, all] = *source;
-  const auto peer = next_after(all.peers, all.served);
+  const auto peer = net::next_after(all.peers, all.served);
   all.served = peer->first;
   Waiting first = std::move(peer->second.front());
   peer->second.pop_front();

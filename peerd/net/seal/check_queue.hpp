@@ -14,12 +14,12 @@
 
 namespace peerd::seal {
 
-// A signature takes long to check (80 us), so that checks have a rate, whoever sends. What comes beyond it waits here,
-// by address and by the peer that it says it is from. Addresses take turns, and so do the peers of each: who sends more
-// than a share delays and loses its own. It has no clock.
+// Limits how many signatures are checked, each of which takes 80 us, whoever sends. A datagram beyond that rate waits
+// here, by its address and by the peer that it says it is from. Addresses take turns, and so do the peers of each, so
+// that a sender of more than its share delays and loses its own datagrams. It has no clock.
 class CheckQueue {
  public:
-  // So many checks at once, and in the long run.
+  // The checks that are made at once, and in a second of the long run.
   static constexpr net::TokenRate kRate{64.0, 4000.0};
   static constexpr std::size_t kOfPeerMax = 64, kMost = 1024;  // datagrams that wait
 
@@ -34,9 +34,10 @@ class CheckQueue {
   [[nodiscard]] bool is_free(HostTime now) const { return size_ == 0 && checks_.tokens(kRate, now) >= 1.0; }
   // A check was made.
   void note_check(HostTime now) { (void)checks_.take(kRate, now); }
-  // Keeps a copy of a datagram of that peer, which may take the place of another one. False: it is lost, or another is.
+  // Keeps a copy of a datagram of that peer. False: a datagram is lost, this one or one of the address that has the
+  // most.
   [[nodiscard]] bool push(const net::Arrival& arrival, PeerId sender);
-  // Whose turn it is; none: nobody waits, or it is too early.
+  // The datagram whose turn it is; none: nothing waits, or it is too early.
   [[nodiscard]] std::optional<Waiting> next(HostTime now);
   [[nodiscard]] std::size_t size() const { return size_; }
 

@@ -6,7 +6,7 @@
 namespace peerd::seal {
 namespace {
 
-// Short lives are looked for so often.
+// The pause between two searches for identities that were heard for less than kShortLife.
 constexpr Duration kDueAfter = std::chrono::seconds(5);
 
 }  // namespace

@@ -14,8 +14,9 @@
 
 namespace peerd::seal {
 
-// Whose the number of each peer is, from its first proof on. One member can make identities without end, each of which
-// proves itself and falls silent: those are forgotten, and their numbers may be anybody's again.
+// KnownIdentities knows which key each peer's number belongs to, from that peer's first proof on. One member can make
+// identities without end, each of which proves itself and falls silent: those are forgotten, and their numbers may be
+// anybody's again.
 class KnownIdentities {
  public:
   static constexpr std::size_t kMost = 1 << 16;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr RegionId kAll{0};
 constexpr Duration kWarnedApart = std::chrono::minutes(1);
-// Signatures that had to wait are checked so many at a time.
+// Of the datagrams that wait for a check of their signature, kTurns are checked each kTurnsApart.
 constexpr Duration kTurnsApart = std::chrono::milliseconds(2);
 constexpr std::size_t kTurns = 8;
 

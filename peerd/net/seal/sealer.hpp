@@ -61,11 +61,11 @@ class Sealer {
     std::span<const std::byte> datagram;  // valid until the next call
     bool is_signed = false;               // by its sender's key; else by whoever has the session's
   };
-  // Nothing of what comes is read before its tag is right. Without `may_check` what is signed is refused (kUnchecked),
-  // where nothing else is wrong with it, and can be opened later.
+  // Nothing of what comes is read before its tag is right. Without `may_check` a signed datagram that is right so
+  // far is refused (kUnchecked), and can be opened later.
   [[nodiscard]] std::expected<Opened, Refusal> open(HostTime now, RegionId region, std::span<const std::byte> sealed,
                                                     bool may_check = true);
-  // Who says it of a sealed datagram, which anybody may have made; none: it is too short.
+  // The sender that a sealed datagram names, which anybody may have made; none: it is too short.
   [[nodiscard]] static std::optional<PeerId> claimed_sender(std::span<const std::byte> sealed);
 
   [[nodiscard]] static bool is_announcement(std::span<const std::byte> datagram);

@@ -92,7 +92,7 @@ class Digester {
  public:
   static constexpr std::size_t kWord_bytes = 8;
 
-  // Of so many bytes in all.
+  // `bytes`: so many will be added in all.
   explicit Digester(std::uint64_t bytes);
   // Adds what comes next: whole words, unless it is the last.
   void add(std::string_view bytes);

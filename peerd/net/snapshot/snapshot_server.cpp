@@ -10,6 +10,7 @@
 #include <boost/asio/steady_timer.hpp>
 
 #include "peerd/net/os/close_on_exec.hpp"
+#include "peerd/net/os/next_after.hpp"
 #include "peerd/net/snapshot/framed_stream.hpp"
 
 namespace peerd::snapshot {
@@ -123,8 +124,7 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
   }
   void take_turn() {
     if (waiting_.empty()) return;
-    auto next = waiting_.upper_bound(served_);
-    if (next == waiting_.end()) next = waiting_.begin();
+    const auto next = net::next_after(waiting_, served_);
     served_ = next->first;
     Waiting first = std::move(next->second.front());
     next->second.pop_front();

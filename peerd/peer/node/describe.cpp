@@ -149,10 +149,10 @@ struct LineOf {
   Line operator()(const OtherLine& o) const {
     return LogLine{LogLevel::kWarning,
                    o.goes_over ? named(o.peer, o.name) +
-                                     " is in a session of this world that was begun by itself (--fresh): the edits "
+                                     " is in a session of this world that was begun anew (--fresh): the edits "
                                      "that this peer begins with do not belong there"
                                : named(o.peer, o.name) +
-                                     " is in a session of this world that was begun by itself (--fresh), and has "
+                                     " is in a session of this world that was begun anew (--fresh), and has "
                                      "edits as this one has: the two stay apart; end this peer and start it again "
                                      "to go over, with its edits put aside"};
   }

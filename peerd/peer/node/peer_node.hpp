@@ -85,7 +85,7 @@ class PeerNode {
   void note_stored(replication::OperationId last) { edits_.note_stored(last); }
   // The store could not be written: nothing of what has been made since is said to be stored.
   void note_store_failed() { ++store_failures_; }
-  // What it was made of; the line is that of its edits at present.
+  // The options that it was made of; their line is that of its edits at present.
   [[nodiscard]] const Options& options() const { return options_; }
   // The line of a session that others are in and that its edits are not for: whoever runs it may make it anew without
   // them. None: it has met no such session.

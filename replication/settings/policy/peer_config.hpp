@@ -81,7 +81,7 @@ struct SightSettings {
   std::vector<View> views;
 };
 
-// What a store, or peers that are in a session, hold of the logs of all authors.
+// The logs of all authors, as far as a store has them, or the peers of a session whose world this peer got.
 struct StoredLogs {
   // Whole operations, each log from its beginning and in order. The peer begins with the scene that these make.
   std::vector<OperationPart> parts;

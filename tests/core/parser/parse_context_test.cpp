@@ -33,7 +33,7 @@ TEST(ParseContext, CountsEightReferencesAsANodeAndReportsOnce) {
   EXPECT_TRUE(t.context.room_for(0, 8, 0));
   EXPECT_FALSE(t.context.room_for(0, 1, 0));
   EXPECT_FALSE(t.context.room_for(1, 0, 0));
-  EXPECT_THAT(t.messages(), ElementsAre("with this node the world has more than 2 nodes, PROTOs expanded"));
+  EXPECT_THAT(t.messages(), ElementsAre("with this node there are more than 2 nodes, PROTOs expanded"));
 }
 
 }  // namespace peerd::vrml::parse_context_test

@@ -54,21 +54,21 @@ TEST(InstanceLimit, RefusesExplodingUse) {
     const std::string below = std::to_string(i - 1);
     body += "DEF N" + std::to_string(i) + " Group { children [ USE N" + below + " USE N" + below + " ] }\n";
   }
-  EXPECT_THAT(problems_of(body), ElementsAre(HasSubstr("the world has more than 4194304 instances")));
+  EXPECT_THAT(problems_of(body), ElementsAre(HasSubstr("there are more than 4194304 instances")));
 }
 
 TEST(InstanceLimit, IsExact) {
   const std::string body = "DEF A Group { children [ Shape { } Shape { } ] } USE A USE A";
   EXPECT_THAT(problems_of(body, {}, with_limits({.instances = 9})), IsEmpty());
   EXPECT_THAT(problems_of(body, {}, with_limits({.instances = 8})),
-              ElementsAre("2:56: with this node the world has more than 8 instances"));
+              ElementsAre("2:56: with this node there are more than 8 instances"));
 }
 
 TEST(NodeLimit, IsExact) {
   const std::string body = "Group { children [ Shape { } Shape { geometry Box { } } ] }";
   EXPECT_THAT(problems_of(body, {}, with_limits({.nodes = 4})), IsEmpty());
   EXPECT_THAT(errors_of(body, {}, with_limits({.nodes = 3})),
-              ElementsAre(HasSubstr("2:1: with this node the world has more than 3 nodes")));
+              ElementsAre(HasSubstr("2:1: with this node there are more than 3 nodes")));
 }
 
 TEST(NodeLimit, RefusesExplodingProtos) {

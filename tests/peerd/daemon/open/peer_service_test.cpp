@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <algorithm>
+
 #include "tests/net/controlled_peers.hpp"
 #include "tests/net/listener.hpp"
 #include "tests/net/process.hpp"
@@ -74,6 +76,45 @@ TEST_F(ServedPeer, SaysThatItRunsThatItIsAliveAndThatItStops) {
   a.signal(SIGTERM);
   EXPECT_TRUE(notified.gets("STOPPING=1", 5));
   EXPECT_EQ(a.exit_code(5), 0) << a.out();
+}
+
+// A service manager would end a process that says so and goes on.
+TEST_F(ServedPeer, DoesNotSayThatItStopsWhereItGoesOverToAnotherLine) {
+  const auto run = [&](const std::string& name, const std::string& id, std::vector<std::string> more) {
+    std::vector<std::string> words{"run",
+                                   "--world",
+                                   (folder / "w.wrl").string(),
+                                   "--id",
+                                   id,
+                                   "--interface",
+                                   "lo",
+                                   "--port",
+                                   std::to_string(own_port(7)),
+                                   "--store",
+                                   (folder / ("store-" + name)).string(),
+                                   "--take-over"};
+    words.insert(words.end(), more.begin(), more.end());
+    return ControlledPeers::start(name, words);
+  };
+  unsetenv("NOTIFY_SOCKET");
+  {
+    Process b = run("b", "2", {});
+    ASSERT_TRUE(is_in_session("b") && add("b", "OLD")) << b.out();
+    b.signal(SIGTERM);
+    ASSERT_EQ(b.exit_code(20), 0) << b.out();
+  }
+  Process a = run("a", "1", {"--fresh"});
+  ASSERT_TRUE(is_in_session("a")) << a.out();
+  setenv("NOTIFY_SOCKET", notified.path().c_str(), 1);
+  Process b = run("b", "2", {});
+  ASSERT_TRUE(is_in_session("b")) << b.out();
+  ASSERT_TRUE(b.says("the store before is now", 5)) << b.out();
+  const std::vector<std::string> said = notified.messages();
+  EXPECT_EQ(std::ranges::count(said, "READY=1"), 2) << "of both lives";
+  EXPECT_EQ(std::ranges::count(said, "STOPPING=1"), 0);
+  EXPECT_TRUE(notified.gets("WATCHDOG=1", 10));
+  b.signal(SIGTERM);
+  EXPECT_TRUE(notified.gets("STOPPING=1", 5));
 }
 
 TEST_F(ServedPeer, SaysInWordsWhatItDoes) {

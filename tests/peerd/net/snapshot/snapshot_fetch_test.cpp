@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <future>
@@ -311,6 +312,33 @@ TEST(SnapshotServer, SaysNothingToNonsense) {
   const Reply digests = ask(DigestRequest{{{AuthorId{5}, std::uint64_t{1} << 40}}});
   ASSERT_TRUE(std::holds_alternative<Digests>(digests));
   EXPECT_EQ(std::get<Digests>(digests).digests, std::vector<std::uint64_t>{0});
+}
+
+// A reply that takes many steps delays those of its own address alone.
+TEST(SnapshotServer, AddressesTakeTurns) {
+  const ProvidingPeer a(some_logs(2000));
+  asio::io_context io;
+  const auto connected = [&](const char* from) {
+    asio::ip::tcp::socket socket(io, {asio::ip::make_address(from), 0});
+    socket.connect(a.provider("").at);
+    return socket;
+  };
+  const auto ask = [](asio::ip::tcp::socket& socket, const Request& request) {
+    const std::string content = encode(request);
+    std::string frame;
+    for (int shift = 0; shift < 32; shift += 8) frame += static_cast<char>(content.size() >> shift & 0xff);
+    asio::write(socket, asio::buffer(frame + content));
+  };
+  std::vector<asio::ip::tcp::socket> greedy;
+  for (int i = 0; i < 64; ++i) greedy.push_back(connected("127.0.0.1"));
+  asio::ip::tcp::socket other = connected("127.0.0.2");
+  DigestRequest all;
+  for (const auto& [author, bytes] : a.bytes) all.logs.push_back({author, bytes.size()});
+  for (asio::ip::tcp::socket& each : greedy) ask(each, {kSession, all});
+  ask(other, {kSession, OfferRequest{}});
+  std::array<char, 1> byte{};
+  EXPECT_EQ(other.read_some(asio::buffer(byte)), 1u);
+  EXPECT_TRUE(std::ranges::any_of(greedy, [](const auto& each) { return each.available() == 0; }));
 }
 
 TEST(SnapshotServer, TakesFewConnectionsAndGoesOn) {
