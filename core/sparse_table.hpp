@@ -4,11 +4,76 @@
 #include <cstdint>
 #include <deque>
 #include <span>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 namespace peerd {
+
+// Small items by number, in one block of memory: a hash table with linear probing, which erases by moving back what
+// comes behind (Knuth, The Art of Computer Programming 3, 6.4, algorithm R). Items may move with any change.
+template <class T>
+class NumberMap {
+ public:
+  [[nodiscard]] std::size_t size() const { return size_; }
+  // Null where the item is not there.
+  [[nodiscard]] const T* find(std::uint32_t number) const {
+    if (size_ == 0) return nullptr;
+    for (std::size_t i = home_of(number);; i = next(i)) {
+      if (!slots_[i].is_used) return nullptr;
+      if (slots_[i].number == number) return &slots_[i].item;
+    }
+  }
+  // Puts an item where none is.
+  void add(std::uint32_t number, T item) {
+    assert(find(number) == nullptr);
+    if (2 * (size_ + 1) > slots_.size()) grow();
+    put({number, true, std::move(item)});
+    ++size_;
+  }
+  // Takes away the item that is there.
+  void erase(std::uint32_t number) {
+    assert(find(number) != nullptr);
+    std::size_t gap = home_of(number);
+    while (slots_[gap].number != number) gap = next(gap);
+    for (std::size_t i = next(gap); slots_[i].is_used; i = next(i)) {
+      const std::size_t from_home = (i - home_of(slots_[i].number)) & (slots_.size() - 1);
+      if (from_home < ((i - gap) & (slots_.size() - 1))) continue;  // its search does not pass the gap
+      slots_[gap] = std::move(slots_[i]);
+      gap = i;
+    }
+    slots_[gap] = {};
+    --size_;
+  }
+
+ private:
+  struct Slot {
+    std::uint32_t number = 0;
+    bool is_used = false;
+    T item{};
+  };
+
+  [[nodiscard]] std::size_t home_of(std::uint32_t number) const {  // Knuth's multiplicative hashing
+    return (number * 0x9E3779B97F4A7C15ULL) >> shift_;
+  }
+  [[nodiscard]] std::size_t next(std::size_t i) const { return (i + 1) & (slots_.size() - 1); }
+  void put(Slot slot) {
+    std::size_t i = home_of(slot.number);
+    while (slots_[i].is_used) i = next(i);
+    slots_[i] = std::move(slot);
+  }
+  void grow() {
+    std::vector<Slot> before = std::exchange(slots_, {});
+    shift_ = before.empty() ? 60 : shift_ - 1;
+    slots_.resize(std::size_t{1} << (64 - shift_));
+    for (Slot& slot : before) {
+      if (slot.is_used) put(std::move(slot));
+    }
+  }
+
+  std::vector<Slot> slots_;  // a power of two of them, at most half of them used
+  int shift_ = 60;           // of a hash, to an index into slots_
+  std::size_t size_ = 0;
+};
 
 // A table of items by their number, of which few are there. Items keep their addresses; what erase() takes away leaves
 // its memory, and its slot, to the next one. One that is not there costs a pointer, or nothing where numbers are
@@ -68,7 +133,7 @@ class SparseTable {
     }
     entry->place = static_cast<std::uint32_t>(numbers_.size());
     if (hashes_) {
-      by_hash_.emplace(static_cast<std::uint32_t>(number), entry);
+      by_hash_.add(static_cast<std::uint32_t>(number), entry);
     } else {
       by_list_[number] = entry;
     }
@@ -107,14 +172,14 @@ class SparseTable {
   [[nodiscard]] Entry* entry_of(std::size_t number) const {
     assert(number < size_);
     if (!hashes_) return by_list_[number];
-    const auto at = by_hash_.find(static_cast<std::uint32_t>(number));
-    return at == by_hash_.end() ? nullptr : at->second;
+    Entry* const* const at = by_hash_.find(static_cast<std::uint32_t>(number));
+    return at == nullptr ? nullptr : *at;
   }
 
   std::size_t size_ = 0;
   bool hashes_ = false;
-  std::vector<Entry*> by_list_;                        // into entries_, unless it hashes
-  std::unordered_map<std::uint32_t, Entry*> by_hash_;  // into entries_, if it hashes
+  std::vector<Entry*> by_list_;  // into entries_, unless it hashes
+  NumberMap<Entry*> by_hash_;    // into entries_, if it hashes
   std::deque<Entry> entries_;
   std::vector<Entry*> free_;  // those of no number
   std::vector<std::uint32_t> numbers_;

@@ -323,16 +323,18 @@ Vec3 PeerParts::velocity_in_world(SimTime at, ObjectId object, const Vec3& in_pa
 
 // These objects have an owner from now on: that matters to their pairs, and to those of what they are paired with.
 void PeerParts::watch_pairs_around(std::span<const ObjectId> objects) {
-  // Interests in what they carry, or in what carries them, matter, too.
-  std::vector<std::uint32_t> moved;
-  for (const ObjectId object : objects) {
-    std::ranges::copy(model->pairs_of(object), std::back_inserter(moved));
-    if (model->node(object) == nullptr) continue;
-    for (const std::uint32_t k : model->part_pairs_moved_by(model->index_of(object))) {
-      moved.push_back(model->part_pairs[k].pair);
+  if (regions.cuts()) {
+    // Interests in what they carry, or in what carries them, matter, too.
+    std::vector<std::uint32_t> moved;
+    for (const ObjectId object : objects) {
+      std::ranges::copy(model->pairs_of(object), std::back_inserter(moved));
+      if (model->node(object) == nullptr) continue;
+      for (const std::uint32_t k : model->part_pairs_moved_by(model->index_of(object))) {
+        moved.push_back(model->part_pairs[k].pair);
+      }
     }
+    regions.measure_contact_ranges(PairNumbers(without_doubles(std::move(moved))), false);
   }
-  regions.measure_contact_ranges(PairNumbers(without_doubles(std::move(moved))), false);
   decisions.watch().follow_owners_of(objects);
 }
 

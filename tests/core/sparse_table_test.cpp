@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
+#include <random>
 #include <string>
 
 namespace peerd {
@@ -90,6 +92,39 @@ TEST(SparseTable, ASlotIsTheNextOnesToo) {
   EXPECT_EQ(table.slots(), 2u);
   EXPECT_EQ(table.number_in(slot), 5u);
   EXPECT_EQ(table.number_in(table.slot_of(3)), 3u);
+}
+
+// Numbers that come and go, some of them many that follow each other: as a std::map has them.
+TEST(NumberMap, HasWhatWasAddedAndNotErased) {
+  std::mt19937 rng(3);
+  NumberMap<int> map;
+  std::map<std::uint32_t, int> expected;
+  for (int step = 0; step < 20000; ++step) {
+    const std::uint32_t number = rng() % 2 == 0 ? rng() % 300 : (rng() % 300) * 0x9E3779B9U;
+    const auto at = expected.find(number);
+    if (at == expected.end()) {
+      ASSERT_EQ(map.find(number), nullptr) << "step " << step;
+      map.add(number, step);
+      expected.emplace(number, step);
+    } else {
+      ASSERT_NE(map.find(number), nullptr) << "step " << step;
+      EXPECT_EQ(*map.find(number), at->second);
+      map.erase(number);
+      expected.erase(at);
+    }
+    ASSERT_EQ(map.size(), expected.size());
+  }
+  ASSERT_GT(expected.size(), 100U);
+  for (const auto& [number, item] : expected) EXPECT_EQ(*map.find(number), item);
+}
+
+TEST(NumberMap, IsEmptyAtFirstAndAgain) {
+  NumberMap<int> map;
+  EXPECT_EQ(map.find(0), nullptr);
+  map.add(0, 7);
+  map.erase(0);
+  EXPECT_EQ(map.find(0), nullptr);
+  EXPECT_EQ(map.size(), 0U);
 }
 
 }  // namespace peerd

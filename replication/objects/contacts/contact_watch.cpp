@@ -9,12 +9,15 @@
 
 namespace peerd::replication {
 
-bool ContactWatch::searches(ObjectId a, ObjectId b) const {
-  const bool mine = own_.contains(a) || own_.contains(b);
-  if (!owners_.have_two(a, b)) return mine;
-  if (config_.decisions.policy == DecisionPolicy::kId) return decider_by_id(owners_.of(a), owners_.of(b)) == config_.id;
+bool ContactWatch::searches(const Standing& a, const Standing& b) const {
+  const bool mine = a.is_own || b.is_own;
+  const bool have_two = a.owner != kNobody && b.owner != kNobody && a.owner != b.owner;
+  if (!have_two) return mine;
+  if (config_.decisions.policy == DecisionPolicy::kId) return decider_by_id(a.owner, b.owner) == config_.id;
   return mine || config_.is_decision_server();
 }
+
+bool ContactWatch::searches(ObjectId a, ObjectId b) const { return searches(standing_of(a), standing_of(b)); }
 
 bool ContactWatch::leaves(ObjectId a, ObjectId b) const {
   return (own_.contains(a) || own_.contains(b)) && owners_.have_two(a, b) && !searches(a, b);
@@ -29,13 +32,37 @@ void ContactWatch::set_rests(ObjectId a, ObjectId b, bool on) {
 
 void ContactWatch::forget_rests_of(ObjectId object) {
   std::erase_if(resting_, [&](const auto& two) { return two.first == object || two.second == object; });
-  if (is_up_to_date()) note_sought(model_->pairs_of(object));
+  if (is_up_to_date()) note_sought(object);
+}
+
+void ContactWatch::forget_ended_rests() {
+  assert(std::ranges::all_of(resting_, [](const auto& two) { return two.first < two.second; }));
+  std::erase_if(resting_, [&](const auto& two) { return !leaves(two.first, two.second); });
 }
 
 bool ContactWatch::is_partner(ObjectId object) const {
-  if (own_.contains(object) || owners_.of(object) == kNobody) return false;
+  const Standing own = standing_of(object);
+  if (own.is_own || own.owner == kNobody) return false;
   const auto sought = sought_of_.find(object);
-  return sought != sought_of_.end() && sought->second > 0;
+  if (sought != sought_of_.end() && sought->second > 0) return true;
+  const bool rests =
+      std::ranges::any_of(resting_, [&](const auto& two) { return two.first == object || two.second == object; });
+  if (rests) return true;
+  const ModelNode* const node = model_->node(object);
+  if (node == nullptr) return false;
+  const auto stretches = model_->node_pairs.stretches_of(model_->index_of(object));
+  return std::ranges::any_of(stretches, [&](const PairNumbers::Stretch& stretch) {
+    const auto sides = sides_.find(stretch.group);
+    if (stretch.group == nullptr || sides == sides_.end()) return false;
+    const bool meets_collidees = stretch.member.row != kNoNode;
+    const bool is_among_them = meets_collidees && stretch.member.column != kNoNode;
+    return std::ranges::any_of(meets_collidees ? sides->second.collidees : sides->second.colliders,
+                               [&](const auto& others) {
+                                 const auto& [standing, count] = others;
+                                 if (count == 1 && is_among_them && standing == own) return false;  // that is itself
+                                 return searches(own, standing);
+                               });
+  });
 }
 
 bool ContactWatch::note_partner(ObjectId object) {
@@ -43,82 +70,128 @@ bool ContactWatch::note_partner(ObjectId object) {
   return partners_.erase(object) > 0;
 }
 
-void ContactWatch::note_sought(const PairNumbers& pairs) {
-  assert(is_sought_.size() == model_->pairs.size());
-  for (const std::uint32_t number : pairs) {
-    assert(number < is_sought_.size());
-    const CollisionPair pair = model_->pairs[number];
-    const ObjectId a = pair.collider, b = pair.collidee;
-    if (!resting_.empty() && !leaves(a, b)) resting_.erase(std::minmax(a, b));
-    const bool is_sought = searches(a, b) || rests(a, b);
-    if (is_sought == is_sought_[number]) continue;
-    is_sought_[number] = is_sought;
-    for (const ObjectId end : {a, b}) {
-      assert(is_sought || sought_of_[end] > 0);
-      is_sought ? ++sought_of_[end] : --sought_of_[end];
-    }
+void ContactWatch::note_sought(std::uint32_t number, const CollisionPair& pair) {
+  const ObjectId a = pair.collider, b = pair.collidee;
+  const bool is_sought = searches(a, b) || rests(a, b);
+  if (is_sought == sought_.contains(number)) return;
+  is_sought ? void(sought_.insert(number)) : void(sought_.erase(number));
+  for (const ObjectId end : {a, b}) {
+    assert(is_sought || sought_of_[end] > 0);
+    is_sought ? ++sought_of_[end] : --sought_of_[end];
   }
+  assert(sought_.size() <= model_->pairs.size());
+}
+
+void ContactWatch::note_sought(ObjectId object) {
+  if (model_->node(object) == nullptr) return;
+  for (const std::uint32_t number : model_->node_pairs.listed_of(model_->index_of(object))) {
+    note_sought(number, model_->pairs[number]);
+  }
+}
+
+bool ContactWatch::note_standing(ObjectId object) {
+  if (model_->node(object) == nullptr) return false;
+  const auto stretches = model_->node_pairs.stretches_of(model_->index_of(object));
+  if (stretches.empty()) return false;
+  const auto [known, is_new] = standings_.try_emplace(object);
+  const Standing before = known->second, now = standing_of(object);
+  if (!is_new && before == now) return false;
+  known->second = now;
+  bool others_may_be = false;
+  const auto count = [&](std::map<Standing, std::uint32_t>& side) {
+    if (!is_new) {
+      const auto left = side.find(before);
+      assert(left != side.end() && left->second > 0);
+      if (--left->second <= 1) others_may_be = true;
+      if (left->second == 0) side.erase(left);
+    }
+    if (++side[now] <= 2) others_may_be = true;
+  };
+  for (const PairNumbers::Stretch& stretch : stretches) {
+    if (stretch.group == nullptr) continue;
+    GroupSides& sides = sides_[stretch.group];
+    if (stretch.member.row != kNoNode) count(sides.colliders);
+    if (stretch.member.column != kNoNode) count(sides.collidees);
+  }
+  return others_may_be;
 }
 
 void ContactWatch::follow_all() {
   if (!replica_.begun()) return;
   followed_ = model_.revision();
-  const PairNumbers all = PairNumbers::all_below(model_->pairs.size());
-  is_sought_.assign(all.size(), false);
+  forget_ended_rests();
+  sought_.clear();
   sought_of_.clear();
-  note_sought(all);
+  model_->pairs.for_each_listed([&](std::uint32_t number, const CollisionPair& pair) { note_sought(number, pair); });
+  standings_.clear();
+  sides_.clear();
+  for (const PairGroup& group : model_->groups) {
+    for (const PairGroup::Member& member : group.members()) {
+      static_cast<void>(note_standing(model_->nodes[member.node].object));
+    }
+  }
   partners_.clear();
   for (const auto& [object, owner] : owners_) static_cast<void>(note_partner(object));
-  follow(all);
+  replica_.truth().watch_by([this](const CollisionPair& pair) { return is_watched_in_truth(pair); });
+  replica_.ghosts().watch_by([this](const CollisionPair& pair) { return is_watched_in_ghosts(pair); });
 }
 
 void ContactWatch::follow(ObjectId object) {
   if (!is_up_to_date()) return follow_all();
-  const PairNumbers pairs = model_->pairs_of(object);
-  note_sought(pairs);
+  forget_ended_rests();
+  note_sought(object);
+  if (note_standing(object)) return follow_all();
   static_cast<void>(note_partner(object));
-  follow(pairs);
+  watch_anew(object);
 }
 
 void ContactWatch::follow_owners_of(std::span<const ObjectId> objects) {
   if (!is_up_to_date()) return follow_all();
-  std::vector<std::uint32_t> pairs;
+  forget_ended_rests();
   std::vector<ObjectId> ends(objects.begin(), objects.end());
+  bool others_may_be = false;
   for (const ObjectId object : objects) {
-    for (const std::uint32_t number : model_->pairs_of(object)) {
+    note_sought(object);
+    others_may_be = note_standing(object) || others_may_be;
+    if (model_->node(object) == nullptr) continue;
+    for (const std::uint32_t number : model_->node_pairs.listed_of(model_->index_of(object))) {
       const CollisionPair pair = model_->pairs[number];
-      pairs.push_back(number);
       ends.push_back(pair.collider);
       ends.push_back(pair.collidee);
     }
   }
-  note_sought(PairNumbers(pairs));
+  if (others_may_be) return follow_all();
   std::ranges::sort(ends);
   ends.erase(std::ranges::unique(ends).begin(), ends.end());
   for (const ObjectId end : ends) {
-    if (!note_partner(end)) continue;
-    std::ranges::copy(model_->pairs_of(end), std::back_inserter(pairs));
+    const bool is_one_of_them = std::ranges::find(objects, end) != objects.end();
+    if (note_partner(end) || is_one_of_them) watch_anew(end);
   }
-  std::ranges::sort(pairs);
-  pairs.erase(std::ranges::unique(pairs).begin(), pairs.end());
-  follow(PairNumbers(pairs));
 }
 
-void ContactWatch::follow(const PairNumbers& pairs) {
+void ContactWatch::watch_anew(ObjectId object) {
   assert(is_up_to_date());
-  for (const std::uint32_t number : pairs) {
-    assert(number < model_->pairs.size());
-    const CollisionPair& pair = model_->pairs[number];
-    const ObjectId a = pair.collider, b = pair.collidee;
-    const bool here = replica_.receives(a) && replica_.receives(b), mine = own_.contains(a) || own_.contains(b);
-    const bool of_nobody = owners_.of(a) == kNobody && owners_.of(b) == kNobody;  // that is no prediction
-    // In the truth only what is certain moves a scene object: not a remote one, before its owner has decided.
-    const bool moves_scene =
-        (scene_.answers(pair, a) && owners_.of(a) == kNobody) || (scene_.answers(pair, b) && owners_.of(b) == kNobody);
-    const bool as_partner = moves_scene ? of_nobody : is_partner(a) || is_partner(b);
-    replica_.truth().watch(number, here && (mine ? is_sought_[number] : as_partner));
-    replica_.ghosts().watch(number, here && (config_.policy.predict_collisions || of_nobody));
-  }
+  replica_.truth().watch_anew(object);
+  replica_.ghosts().watch_anew(object);
+}
+
+bool ContactWatch::is_watched_in_truth(const CollisionPair& pair) const {
+  assert(followed_ && "the rule is given once all has been followed");
+  const ObjectId a = pair.collider, b = pair.collidee;
+  if (!replica_.receives(a) || !replica_.receives(b)) return false;
+  if (own_.contains(a) || own_.contains(b)) return searches(a, b) || rests(a, b);
+  // In the truth only what is certain moves a scene object: not a remote one, before its owner has decided.
+  const bool moves_scene =
+      (scene_.answers(pair, a) && owners_.of(a) == kNobody) || (scene_.answers(pair, b) && owners_.of(b) == kNobody);
+  if (moves_scene) return owners_.of(a) == kNobody && owners_.of(b) == kNobody;
+  return is_partner(a) || is_partner(b);
+}
+
+bool ContactWatch::is_watched_in_ghosts(const CollisionPair& pair) const {
+  const ObjectId a = pair.collider, b = pair.collidee;
+  if (!replica_.receives(a) || !replica_.receives(b)) return false;
+  const bool of_nobody = owners_.of(a) == kNobody && owners_.of(b) == kNobody;  // that is no prediction
+  return config_.policy.predict_collisions || of_nobody;
 }
 
 }  // namespace peerd::replication

@@ -1,9 +1,12 @@
 #pragma once
+#include <compare>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <set>
 #include <span>
 #include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -44,16 +47,36 @@ class ContactWatch {
   void forget_rests() { resting_.clear(); }
 
  private:
+  // All that decides who looks for an object's contacts.
+  struct Standing {
+    bool is_own = false;
+    PeerId owner = kNobody;
+    friend auto operator<=>(const Standing&, const Standing&) = default;
+  };
+  // How many ends of a group have a standing, on each side.
+  struct GroupSides {
+    std::map<Standing, std::uint32_t> colliders, collidees;
+  };
+
   // Whether what it knows of pairs is of the model in force.
   [[nodiscard]] bool is_up_to_date() const { return replica_.begun() && followed_ == model_.revision(); }
+  [[nodiscard]] Standing standing_of(ObjectId object) const { return {own_.contains(object), owners_.of(object)}; }
+  [[nodiscard]] bool searches(const Standing& a, const Standing& b) const;
   // A remote object of which this peer looks for contacts with others, own ones or as the server, or that rests against
   // an own one.
   [[nodiscard]] bool is_partner(ObjectId object) const;
-  // Whether it has become a partner, or is none any more, since all its pairs were followed.
+  // Whether it has become a partner, or is none any more, since it was asked last.
   bool note_partner(ObjectId object);
-  // Notes which of these pairs this peer looks for contacts of now.
-  void note_sought(const PairNumbers& pairs);
-  void follow(const PairNumbers& pairs);
+  // Notes for which of the object's listed pairs this peer looks for contacts now.
+  void note_sought(ObjectId object);
+  void note_sought(std::uint32_t number, const CollisionPair& pair);
+  // Notes the object's standing in its groups. Returns whether others may be partners because of it, or no more.
+  bool note_standing(ObjectId object);
+  void forget_ended_rests();
+  [[nodiscard]] bool is_watched_in_truth(const CollisionPair& pair) const;
+  [[nodiscard]] bool is_watched_in_ghosts(const CollisionPair& pair) const;
+  // Asks both worlds to look again at the pairs of the object.
+  void watch_anew(ObjectId object);
 
   const PeerConfig& config_;
   const ModelInForce& model_;
@@ -63,9 +86,12 @@ class ContactWatch {
   Replica& replica_;
   std::set<std::pair<ObjectId, ObjectId>> resting_;  // the lower and the higher object of each two
   std::optional<std::uint64_t> followed_;            // the model of which all pairs were followed
-  std::vector<bool> is_sought_;                      // by pair: this peer looks for contacts of the two, or they rest
-  std::unordered_map<ObjectId, std::uint32_t> sought_of_;  // how many of an object's pairs are sought
-  std::set<ObjectId> partners_;                            // when all their pairs were followed last
+  std::unordered_set<std::uint32_t>
+      sought_;  // the pairs of no group of which this peer looks for contacts, or that rest
+  std::unordered_map<ObjectId, std::uint32_t> sought_of_;  // how many of those an object has
+  std::unordered_map<ObjectId, Standing> standings_;       // of the ends of groups, as `sides_` counts them
+  std::unordered_map<const PairGroup*, GroupSides> sides_;
+  std::set<ObjectId> partners_;
 };
 
 }  // namespace peerd::replication

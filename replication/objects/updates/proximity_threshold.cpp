@@ -60,7 +60,7 @@ double ProximityThreshold::time_to_contact_s(ObjectId object, SimTime t, double 
   std::optional<Side> mine;  // the last one: an object mostly has one part
   PartAt a;
   collision::MovingSphere sphere_a;
-  for (const auto& [number, collider_is_mine] : remote_pairs_of(model_->index_of(object))) {
+  for (const auto& [number, collider_is_mine] : near_pairs_of(model_->index_of(object), t)) {
     const PartPair& parts = model_->part_pairs[number];
     const CollisionPair& pair = model_->pairs[parts.pair];
     ++counters_.proximity_tests;
@@ -90,13 +90,13 @@ double ProximityThreshold::time_to_contact_s(ObjectId object, SimTime t, double 
 }
 
 const std::vector<ProximityThreshold::RemotePair>& ProximityThreshold::remote_pairs_of(std::uint32_t node) {
-  const std::array revisions{owners_.revision(), replica_.received_revision(), model_.revision()};
+  const std::array revisions = this->revisions();
   const auto [at, is_new] = remote_pairs_.try_emplace(node, revisions);
   RemotePairs& known = at->second;
   if (!is_new && known.revisions == revisions) return known.pairs;
   known.revisions = revisions;
   known.pairs.clear();
-  for (const std::uint32_t k : model_->part_pairs_moved_by(node)) {
+  for (const std::uint32_t k : model_->moved_part_pairs.listed_of(node)) {
     const PartPair& parts = model_->part_pairs[k];
     const bool collider_is_mine = model_->any_mover(parts, true, [&](std::uint32_t i) { return i == node; });
     if (is_anothers(parts, !collider_is_mine)) known.pairs.push_back({k, collider_is_mine});
@@ -104,17 +104,73 @@ const std::vector<ProximityThreshold::RemotePair>& ProximityThreshold::remote_pa
   return known.pairs;
 }
 
+std::array<std::uint64_t, 3> ProximityThreshold::revisions() const {
+  return {owners_.revision(), replica_.received_revision(), model_.revision()};
+}
+
+std::vector<ProximityThreshold::RemotePair> ProximityThreshold::near_pairs_of(std::uint32_t node, SimTime t) {
+  std::vector<RemotePair> pairs = remote_pairs_of(node);
+  const bool is_in_group = !model_->node_part_pairs.stretches_of(node).empty();
+  if (!is_in_group) return pairs;
+  place_others(t);
+  if (others_.nodes.empty()) return pairs;
+  const auto [low, high] = way_of(node, t);
+  assert(others_.index.size() <= others_.nodes.size());
+  others_.index.for_each_near(low, high, [&](std::uint32_t other) {
+    if (other == node) return;
+    model_->for_each_part_pair_between(node, other, [&](std::uint32_t number) {
+      if (model_->part_pairs.locate(number).group == nullptr) return;
+      pairs.push_back({number, model_->part_pairs[number].a == node});
+    });
+  });
+  std::ranges::sort(pairs, {}, &RemotePair::part_pair);
+  return pairs;
+}
+
+void ProximityThreshold::place_others(SimTime t) {
+  const std::array now = revisions();
+  const bool is_same = others_.placed_at && others_.revisions == now;
+  if (is_same && *others_.placed_at == t) return;
+  others_.placed_at = t;
+  if (!is_same) {
+    others_.revisions = now;
+    others_.nodes.clear();
+    others_.index = {};
+    for (const PairGroup& group : model_->groups) {
+      for (const PairGroup::Member& member : group.members()) {
+        if (is_owned_by_another(model_->nodes[member.node].object)) others_.nodes.push_back(member.node);
+      }
+    }
+  }
+  for (const std::uint32_t node : others_.nodes) {
+    const auto [low, high] = way_of(node, t);
+    others_.index.set(node, low, high);
+  }
+}
+
+// Two spheres that part count as close for some time, too (collision::proximity_time_s()).
+ProximityThreshold::Box ProximityThreshold::way_of(std::uint32_t node, SimTime t) const {
+  assert(node < model_->nodes.size());
+  const double close_s = config_.policy.close_proximity_s;
+  const collision::MovingSphere sphere = sphere_of_part(side_at({node, model_->nodes[node].object}, t));
+  const Vec3 from = sphere.center - 0.5 * close_s * sphere.velocity, to = sphere.center + close_s * sphere.velocity;
+  const Vec3 reach = Vec3::Constant(sphere.radius_m + 1e-9 * (from.norm() + to.norm() + sphere.radius_m));
+  return {from.cwiseMin(to) - reach, from.cwiseMax(to) + reach};
+}
+
+bool ProximityThreshold::is_owned_by_another(ObjectId object) const {
+  const PeerId owner = owners_.of(object);
+  return owner != kNobody && owner != config_.id && replica_.receives(object);
+}
+
 // Whether another peer, whose objects are received, owns that end of a pair, or moves that side of it relative to the
 // other one.
 bool ProximityThreshold::is_anothers(const PartPair& parts, bool collider) const {
-  const auto owned = [&](ObjectId id) {
-    const PeerId owner = owners_.of(id);
-    return owner != kNobody && owner != config_.id && replica_.receives(id);
-  };
   const ObjectId end = collider ? model_->pairs[parts.pair].collider : model_->pairs[parts.pair].collidee;
-  if (owned(end)) return true;
-  return replica_.receives(end) &&
-         model_->any_mover(parts, collider, [&](std::uint32_t i) { return owned(model_->nodes[i].object); });
+  if (is_owned_by_another(end)) return true;
+  return replica_.receives(end) && model_->any_mover(parts, collider, [&](std::uint32_t i) {
+    return is_owned_by_another(model_->nodes[i].object);
+  });
 }
 
 // A part; or a sphere around the world box of all parts of a whole end, as large as these can make it in the time that

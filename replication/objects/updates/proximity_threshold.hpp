@@ -1,9 +1,11 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
+#include "core/geometry/box_index.hpp"
 #include "core/ids.hpp"
 #include "core/time.hpp"
 #include "replication/objects/replica/owners.hpp"
@@ -49,9 +51,20 @@ class ProximityThreshold {
     std::array<std::uint64_t, 3> revisions;
     std::vector<RemotePair> pairs;
   };
-  // Most of what interests name stands and belongs to nobody: a tick does not ask for it.
+  // Most of what interests name stands and belongs to nobody: a tick does not ask for it. Pairs of groups are not among
+  // these.
   [[nodiscard]] const std::vector<RemotePair>& remote_pairs_of(std::uint32_t node);
+  // Ascending: those of remote_pairs_of(), and those of groups that may be in close proximity at t.
+  [[nodiscard]] std::vector<RemotePair> near_pairs_of(std::uint32_t node, SimTime t);
+  // Notes where the objects of other peers that are in groups may be within the close proximity from t on.
+  void place_others(SimTime t);
+  struct Box {
+    Vec3 low, high;
+  };
+  [[nodiscard]] Box way_of(std::uint32_t node, SimTime t) const;
   [[nodiscard]] bool is_anothers(const PartPair& parts, bool collider) const;
+  [[nodiscard]] bool is_owned_by_another(ObjectId object) const;
+  [[nodiscard]] std::array<std::uint64_t, 3> revisions() const;
   [[nodiscard]] PartAt side_at(const Side& side, SimTime t) const;
 
   const PeerConfig& config_;
@@ -60,6 +73,14 @@ class ProximityThreshold {
   const Replica& replica_;
   PeerCounters& counters_;
   std::unordered_map<std::uint32_t, RemotePairs> remote_pairs_;  // by node of the model
+  // The objects of other peers in groups, by node of the model.
+  struct Others {
+    std::array<std::uint64_t, 3> revisions{};
+    std::optional<SimTime> placed_at;
+    std::vector<std::uint32_t> nodes;
+    BoxIndex index;
+  };
+  Others others_;
 };
 
 }  // namespace peerd::replication

@@ -61,6 +61,13 @@ bool always_apart(const collision::Body& a, const Vec3& at_a, const collision::B
   return (at_a - at_b).norm() > both_m + kMargin * (at_a.norm() + at_b.norm() + both_m);
 }
 
+SweptRegion standing_region(const collision::Body& body, const Vec3& position) {
+  const double radius_m = radius_of(body), off_m = body.center.norm();
+  const double lengths = position.norm() + 2.0 * off_m + radius_m;
+  const Vec3 more = Vec3::Constant(off_m + 2.0 * (kMargin * lengths + 4.0 * collision::kAdvancementTolerance_m));
+  return {position - more, position + more, radius_m};
+}
+
 SweptBound swept_bound(const Timeline& timeline, const collision::Body& body, SimTime s, SimTime begin, SimTime end) {
   assert(begin <= s && s < end);
   SweptBound bound;
@@ -134,7 +141,7 @@ SweptBound merged(const SweptBound& a, const SweptBound& b) {
   return all;
 }
 
-bool apart(const SweptBound& a, const SweptBound& b, CollisionType type) {
+bool apart(const SweptRegion& a, const SweptRegion& b, CollisionType type) {
   const double radii_m = a.radius_m + b.radius_m;
   const double least = type == CollisionType::kBox ? kBoxReach * radii_m : radii_m;
   for (int axis = 0; axis < 3; ++axis) {

@@ -15,16 +15,24 @@ inline constexpr double kBoxReach = 1.7320508075688774;
 // Whether two bodies with their origins at these places [m] are apart, and so are their boxes, however they are turned.
 [[nodiscard]] bool always_apart(const collision::Body& a, const Vec3& at_a, const collision::Body& b, const Vec3& at_b);
 
+// A region that a body may be in: a box of the centres of a sphere around it, and the radius of the sphere.
+struct SweptRegion {
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+  double radius_m = 0.0;
+};
+
+// The region of a body that stands with its origin at this place [m], however it is turned. It holds all bounds of the
+// body there.
+[[nodiscard]] SweptRegion standing_region(const collision::Body& body, const Vec3& position);
+
 // The region in which a body can be from some instant on, as long as the piece of its timeline and the time that
 // searches look ahead last: the box of the centre of its bounding sphere, and the radius of the sphere. The region
 // contains the path at constant acceleration, the tangents that a search may take in its place, and all that rounding
 // can add.
-struct SweptBound {
+struct SweptBound : SweptRegion {
   // The bound is of the piece in force at `s`, for s in [from, until).
-  std::optional<SimTime> last_change, next_change;  // of the Timeline, at s
-  bool still = false;                               // the body neither moves nor turns nor is accelerated at s
-  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
-  double radius_m = 0.0;
+  std::optional<SimTime> last_change, next_change;        // of the Timeline, at s
+  bool still = false;                                     // the body neither moves nor turns nor is accelerated at s
   SimTime from = SimTime::max(), until = SimTime::min();  // the bound answers for the instants s in [from, until)
 
   [[nodiscard]] bool answers_for(SimTime s) const { return s >= from && s < until; }
@@ -43,8 +51,8 @@ struct SweptBound {
 // The bound of two such bounds together.
 [[nodiscard]] SweptBound merged(const SweptBound& a, const SweptBound& b);
 
-// Whether the two are certainly apart all the while that both bounds hold, so that first_contact() would answer
-// kSeparated. False where a number is NaN.
-[[nodiscard]] bool apart(const SweptBound& a, const SweptBound& b, CollisionType type);
+// Whether the two are certainly apart all the while that both are in their regions, so that first_contact() would
+// answer kSeparated. False where a number is NaN.
+[[nodiscard]] bool apart(const SweptRegion& a, const SweptRegion& b, CollisionType type);
 
 }  // namespace peerd::replication

@@ -230,6 +230,8 @@ class NodePairs {
     return stretches_[node].empty() ? PairNumbers(std::span(listed_[node])) : PairNumbers(std::span(stretches_[node]));
   }
   [[nodiscard]] std::span<const std::uint32_t> listed_of(std::size_t node) const { return listed_[node]; }
+  // All numbers of the node, where some of them are of a group; else none.
+  [[nodiscard]] std::span<const PairNumbers::Stretch> stretches_of(std::size_t node) const { return stretches_[node]; }
 
  private:
   std::vector<std::vector<std::uint32_t>> listed_;            // those of no group

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <functional>
+#include <limits>
 #include <queue>
 #include <utility>
 
@@ -15,6 +16,8 @@ namespace {
 // A place reaches so many times as far as the body goes until its bound ends, to all sides. With less it is left more
 // often, with more fewer pairs are far.
 constexpr double kPlaceWays = 2.0;
+// It reaches at least so many radii of the body: what hardly moves does not leave it at each window.
+constexpr double kPlaceRadii = 1.0;
 
 // The end of the time that a bound is for. A body that stands does so until its law changes.
 SimTime end_of(const SweptBound& bound, SimTime s) {
@@ -22,223 +25,330 @@ SimTime end_of(const SweptBound& bound, SimTime s) {
   return bound.still ? change : std::min(change, floor_to(s, MovingObjects::kLookahead) + MovingObjects::kLookahead);
 }
 
-bool holds(const SweptBound& place, const SweptBound& bound) {
+bool holds(const SweptRegion& place, const SweptRegion& bound) {
   return (place.low.array() <= bound.low.array()).all() && (bound.high.array() <= place.high.array()).all() &&
          bound.radius_m <= place.radius_m;
 }
 
 }  // namespace
 
-FarPairs::FarPairs(const WorldModel& model)
-    : model_(&model),
-      places_(model.nodes.size(), false),
-      checks_(model.nodes.size()),
-      is_far_(model.part_pairs.size(), false),
-      was_searched_(model.part_pairs.size(), false) {}
+FarPairs::FarPairs(const WorldModel& model, SimTime start, MovingObjects& objects)
+    : model_(&model), places_(model.nodes.size()), checks_(model.nodes.size()) {
+  const auto is_of_boxes = [](const PairGroup& group) { return group.type() == CollisionType::kBox; };
+  if (std::ranges::any_of(model.groups, is_of_boxes)) reach_ = kBoxReach;
+  for (std::uint32_t i = 0; i < places_.size(); ++i) {
+    if (!is_single(i)) continue;
+    places_[i] = first_place(i, start, objects);
+    note_place(i);
+  }
+}
 
 bool FarPairs::is_single(std::uint32_t object) const {
   return model_->carried_by[object].empty() && model_->nodes[object].carrier == ModelNode::kNone &&
-         model_->all_pairs_move[object];
+         model_->all_pairs_move[object] && !model_->node_part_pairs.of(object).empty();
 }
 
-bool FarPairs::may_be_far(const WatchedPair& pair) const {
-  return pair.is_plain && !pair.is_flexible && !pair.fixed && pair.has_exact_search && is_single(pair.collider) &&
-         is_single(pair.collidee);
+bool FarPairs::may_be_far(std::uint32_t pair) const {
+  const auto has_place = [&](std::uint32_t part) {
+    return part != ModelNode::kNone && !model_->is_flexible(part) && places_[part].exists;
+  };
+  const PartPair parts = model_->part_pairs[pair];
+  if (!has_place(parts.a) || !has_place(parts.b)) return false;
+  if (model_->part_pairs.locate(pair).group != nullptr) return true;
+  if (model_->part_pairs_of_pair(parts.pair).count() != 1) return false;
+  const CollisionPair& ends = model_->pairs[parts.pair];
+  return model_->nodes[parts.a].object == ends.collider && model_->nodes[parts.b].object == ends.collidee &&
+         collision::has_exact_answer(model_->bodies[parts.a], model_->bodies[parts.b]);
 }
 
-FarPairs::Place& FarPairs::place_of(std::uint32_t object) {
-  Place* const known = places_.find(object);
-  return known != nullptr ? *known : places_.add(object, {});
+// ---- places ----
+
+FarPairs::Box FarPairs::box_of(const SweptRegion& region) const {
+  const double farthest_m = region.low.cwiseAbs().cwiseMax(region.high.cwiseAbs()).maxCoeff() + region.radius_m;
+  const Vec3 reach = Vec3::Constant(reach_ * region.radius_m + 0x1p-50 * farthest_m);  // with room for rounding
+  return {region.low - reach, region.high + reach};
 }
 
 FarPairs::Place FarPairs::place_at(std::size_t object, SimTime s, MovingObjects& objects) {
+  const SweptBound& bound = objects.bound_of(object, s);
   Place place;
-  place.bound = objects.bound_of(object, s);
-  place.since = place.bound.still ? place.bound.last_change.value_or(SimTime::min()) : s;
-  place.known_until = end_of(place.bound, s);
-  if (place.bound.still) return place;
-  const double way_m = (place.bound.high - place.bound.low).maxCoeff();
-  const double wider_m = std::max(kPlaceWays * way_m, place.bound.radius_m);
-  place.bound.low -= Vec3::Constant(wider_m);
-  place.bound.high += Vec3::Constant(wider_m);
+  place.exists = true;
+  place.region = {bound.low, bound.high, bound.radius_m};
+  place.since = s;
+  place.known_until = end_of(bound, s);
+  if (bound.still) return place;
+  const double way_m = (bound.high - bound.low).maxCoeff();
+  const double wider_m = std::max(kPlaceWays * way_m, kPlaceRadii * bound.radius_m);
+  place.region.low -= Vec3::Constant(wider_m);
+  place.region.high += Vec3::Constant(wider_m);
   return place;
 }
 
-void FarPairs::enter(Place& place, const Place& next, SimTime s) {
-  place.bound = next.bound;
+FarPairs::Place FarPairs::first_place(std::uint32_t object, SimTime start, MovingObjects& objects) const {
+  if (!objects.has_never_moved(object)) {
+    Place place = place_at(object, start, objects);
+    const SweptBound& bound = objects.bound_of(object, start);
+    if (bound.still) place.since = bound.last_change.value_or(SimTime::min());
+    return place;
+  }
+  Place place;
+  place.exists = true;
+  place.region = standing_region(model_->bodies[object], objects.first_position(object));
+  place.known_until = SimTime::max();
+  return place;
+}
+
+void FarPairs::note_place(std::uint32_t object) {
+  const Place& place = places_[object];
+  assert(place.exists && place.region.radius_m >= 0.0);
+  const Box box = box_of(place.region);
+  index_.set(object, box.low, box.high);
+  checks_.set(object, place.known_until);
+}
+
+void FarPairs::enter(std::uint32_t object, const Place& next, SimTime s) {
+  Place& place = places_[object];
+  assert(place.since <= s);
+  if (place.since < s) {
+    std::uint32_t slot = 0;
+    if (free_past_.empty()) {
+      slot = static_cast<std::uint32_t>(past_.size());
+      past_.emplace_back();
+    } else {
+      slot = free_past_.back();
+      free_past_.pop_back();
+    }
+    past_[slot] = {object, place.region, place.since, s};
+    const Box box = box_of(place.region);
+    past_index_.set(slot, box.low, box.high);
+    place.before.push_back(slot);
+  }
+  place.region = next.region;
+  ++place.left;
   place.since = s;
   place.known_until = next.known_until;
-  place.last_added = std::max(place.last_added, s);
+  note_place(object);
 }
 
-void FarPairs::make_place(std::size_t object, SimTime s, MovingObjects& objects) {
+void FarPairs::erase_past(std::uint32_t slot) {
+  assert(slot < past_.size() && free_past_.size() < past_.size());
+  past_index_.erase(slot);
+  free_past_.push_back(slot);
+}
+
+void FarPairs::go_back(std::uint32_t object, SimTime t) {
   Place& place = places_[object];
-  assert(place.far == 0);
-  const Place made = place_at(object, s, objects);
-  place.bound = made.bound;
-  place.since = made.since;
-  place.known_until = made.known_until;
-}
-
-bool FarPairs::add_by_places(std::uint32_t pair, const std::array<std::uint32_t, 2>& ends, SimTime s, SimTime until,
-                             MovingObjects& objects) {
-  bool are_held = true;
-  for (const std::uint32_t object : ends) {
-    Place& place = place_of(object);
-    if (place.far == 0 && (place.since > s || place.known_until <= s)) make_place(object, s, objects);
-    are_held = are_held && place.since <= s && (place.known_until > until || stays_until(object, until, objects));
-    if (place.far == 0) checks_.set(object, SimTime::max());  // it is followed only once a pair of it is far
+  assert(place.exists && place.since > t);
+  while (place.since > t && !place.before.empty()) {
+    const std::uint32_t slot = place.before.back();
+    place.before.pop_back();
+    place.region = past_[slot].region;
+    place.since = past_[slot].since;
+    place.known_until = past_[slot].until;
+    erase_past(slot);
   }
-  if (!are_held || !apart(places_[ends[0]].bound, places_[ends[1]].bound, type_of(pair))) return false;
-  is_far_[pair] = true;
-  for (const std::uint32_t object : ends) {
-    Place& place = places_[object];
-    place.last_added = std::max(place.last_added, s);
-    if (++place.far == 1) checks_.set(object, place.known_until);
-  }
-  return true;
-}
-
-bool FarPairs::add(std::uint32_t pair, SimTime s, SimTime oldest, MovingObjects& objects, WatchedPairs& pairs) {
-  WatchedPair& p = pairs[pair];
-  if (is_far_[pair] || !may_be_far(p)) return false;
-  assert(!p.contact && !p.bears && !p.inside);
-  if (!add_by_places(pair, {p.collider, p.collidee}, s, s, objects)) return false;
-  p.clear_until = s;
-  const bool is_whole = model_->part_pairs_of_pair(p.number).count() == 1;
-  // A contact of `oldest` looks back so far.
-  if (is_whole && !p.remembers_since(std::min(s, oldest) - kSameContact)) {
-    was_searched_[pair] = p.searched;
-    pairs.erase(pair);
-  }
-  return true;
-}
-
-bool FarPairs::add_waiting(std::uint32_t pair, SimTime s, SimTime until, MovingObjects& objects) {
-  const PartPair& parts = model_->part_pairs[pair];
-  if (is_far_[pair] || !is_single(parts.a) || !is_single(parts.b)) return false;
-  was_searched_[pair] = false;
-  return add_by_places(pair, {parts.a, parts.b}, s, until, objects);
-}
-
-WatchedPair& FarPairs::known(std::uint32_t pair, SimTime apart_until, WatchedPairs& pairs) const {
-  if (WatchedPair* const there = pairs.find(pair)) return *there;
-  assert(is_far_[pair]);
-  add_pairs(pairs, *model_, model_->part_pairs[pair].pair, apart_until, true);
-  WatchedPair& made = pairs[pair];
-  made.searched = was_searched_[pair];
-  made.is_scheduled = true;
-  return made;
-}
-
-bool FarPairs::make_all_of(std::span<const std::uint32_t> objects, SimTime apart_until, WatchedPairs& pairs) const {
-  const std::size_t before = pairs.numbers().size();
-  for (const std::uint32_t object : objects) {
-    if (object == ModelNode::kNone) continue;
-    for (const std::uint32_t i : model_->part_pairs_of(object)) {
-      if (is_far_[i]) known(i, apart_until, pairs);
-    }
-  }
-  return pairs.numbers().size() > before;
+  note_place(object);
 }
 
 bool FarPairs::stays_until(std::size_t object, SimTime until, MovingObjects& objects) {
   Place& place = places_[object];
   while (place.known_until <= until) {
     const SweptBound& bound = objects.bound_of(object, place.known_until);
-    if (!holds(place.bound, bound)) return false;
+    if (!holds(place.region, bound)) return false;
     place.known_until = end_of(bound, place.known_until);
   }
   checks_.set(object, place.known_until);
   return true;
 }
 
-void FarPairs::open_pair(std::uint32_t number, SimTime apart_until, WatchedPairs& pairs,
+void FarPairs::forget_before(SimTime oldest, WatchedPairs& pairs) {
+  for (Place& place : places_) {
+    const auto first_kept =
+        std::ranges::find_if(place.before, [&](std::uint32_t slot) { return past_[slot].until >= oldest; });
+    std::for_each(place.before.begin(), first_kept, [&](std::uint32_t slot) { erase_past(slot); });
+    place.before.erase(place.before.begin(), first_kept);
+  }
+  std::ranges::sort(remembering_);
+  remembering_.erase(std::ranges::unique(remembering_).begin(), remembering_.end());
+  std::erase_if(remembering_, [&](std::uint32_t i) {
+    const WatchedPair* const pair = pairs.find(i);
+    if (pair == nullptr || !pair->is_far) return true;
+    if (pair->remembers_since(oldest - kSameContact)) return false;
+    pairs.erase(i);
+    return true;
+  });
+}
+
+// ---- pairs ----
+
+WatchedPair& FarPairs::make(std::uint32_t pair, SimTime apart_until, WatchedPairs& pairs) const {
+  const std::uint32_t number = model_->part_pairs[pair].pair;
+  add_pairs(pairs, *model_, number, apart_until, is_watched(number));
+  return pairs[pair];
+}
+
+WatchedPair& FarPairs::known(std::uint32_t pair, SimTime apart_until, WatchedPairs& pairs) {
+  if (WatchedPair* const there = pairs.find(pair)) return *there;
+  assert(may_be_far(pair));
+  WatchedPair& made = make(pair, apart_until, pairs);
+  // One that is where its first way begins, and has just left the place before, may begin in the other.
+  made.searched = places_[made.collider].left > 1 || places_[made.collidee].left > 1;
+  made.is_far = true;
+  remembering_.push_back(pair);
+  return made;
+}
+
+void FarPairs::begin(SimTime apart_until, WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
+  for (std::uint32_t object = 0; object < places_.size(); ++object) {
+    if (places_[object].exists) open_near(object, SimTime::max(), apart_until, pairs, opened);
+  }
+}
+
+bool FarPairs::add(std::uint32_t pair, SimTime s, SimTime oldest, MovingObjects& objects, WatchedPairs& pairs) {
+  WatchedPair& p = pairs[pair];
+  assert(!p.is_far);
+  if (!may_be_far(pair)) return false;
+  assert(!p.contact && !p.bears && !p.inside);
+  for (const std::uint32_t object : {p.collider, p.collidee}) {
+    const Place& place = places_[object];
+    if (place.since > s || (place.known_until <= s && !stays_until(object, s, objects))) return false;
+  }
+  if (!apart(places_[p.collider].region, places_[p.collidee].region, p.type)) return false;
+  assert(places_[p.collider].since <= s && places_[p.collidee].since <= s);
+  for (const std::uint32_t object : {p.collider, p.collidee}) {
+    places_[object].last_added = std::max(places_[object].last_added, s);
+  }
+  p.clear_until = s;
+  p.is_scheduled = false;
+  // A contact of `oldest` looks back so far.
+  if (p.remembers_since(std::min(s, oldest) - kSameContact)) {
+    p.is_far = true;
+    remembering_.push_back(pair);
+  } else {
+    pairs.erase(pair);
+  }
+  return true;
+}
+
+void FarPairs::open_pair(std::uint32_t pair, SimTime apart_until, WatchedPairs& pairs,
                          std::vector<std::uint32_t>& opened) {
-  WatchedPair& p = known(number, apart_until, pairs);
-  p.clear_until = std::max(p.clear_until, apart_until);
-  is_far_[number] = false;
-  for (const std::uint32_t end : {p.collider, p.collidee}) {
-    if (--places_[end].far == 0) checks_.set(end, SimTime::max());
-  }
-  opened.push_back(number);
-}
-
-template <class Stays>
-void FarPairs::open_unless(std::size_t object, SimTime apart_until, Stays stays, WatchedPairs& pairs,
-                           std::vector<std::uint32_t>& opened) {
-  const PairNumbers moved = model_->part_pairs_moved_by(object);
-  for (auto at = moved.begin(); at != moved.end(); ++at) {
-    const std::uint32_t i = *at;
-    if (!is_far_[i]) continue;
-    std::uint32_t other = at.partner();
-    if (other == kNoNode) {
-      const PartPair ends = model_->part_pairs[i];
-      other = ends.a == object ? ends.b : ends.a;
-    }
-    if (!stays(i, other)) open_pair(i, std::min(apart_until, places_[other].known_until), pairs, opened);
-  }
-}
-
-void FarPairs::open_all(std::size_t object, WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
-  const auto none = [](std::uint32_t, std::uint32_t) { return false; };
-  Place& place = places_[object];
-  open_unless(object, place.known_until, none, pairs, opened);
-  assert(place.far == 0);
-  place.since = SimTime::max();
-  place.last_added = SimTime::min();
-}
-
-// An opened pair counts as apart until the old law would have left the place. Where the new law comes from before that,
-// MotionWorld::reopen_pairs() says how far back its own search goes.
-void FarPairs::leave_place(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
-                           std::vector<std::uint32_t>& opened) {
-  Place& place = places_[object];
-  SimTime left = place.known_until;
-  place.known_until = std::min(left, t);
-  while (!stays_until(object, until, objects)) {
-    const SimTime s = place.known_until;
-    const Place next = place_at(object, s, objects);
-    const auto stays_far = [&](std::uint32_t i, std::uint32_t other) {
-      Place& b = places_[other];
-      const bool is_known = b.since <= std::min(s, t) && (b.known_until > s || stays_until(other, s, objects));
-      if (!is_known || !apart(next.bound, b.bound, type_of(i))) return false;
-      b.last_added = std::max(b.last_added, s);
-      return true;
-    };
-    left = std::max(left, s);
-    open_unless(object, left, stays_far, pairs, opened);
-    enter(place, next, s);
-    if (place.far == 0) {
-      place.since = SimTime::max();
-      return;
-    }
-  }
-}
-
-void FarPairs::moved(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
-                     std::vector<std::uint32_t>& opened) {
-  Place* const at = object < places_.size() ? places_.find(object) : nullptr;
-  if (at == nullptr) return;
-  Place& place = *at;
-  if (place.far > 0 && t < place.since) return open_all(object, pairs, opened);
-  if (place.far > 0 && t < place.last_added) {  // what was found to be apart after t is searched again
-    const auto since_before = [&](std::uint32_t i, std::uint32_t other) {
-      const WatchedPair* const pair = pairs.find(i);
-      return places_[other].since <= t && (pair == nullptr || pair->clear_until <= t);
-    };
-    open_unless(object, place.known_until, since_before, pairs, opened);
-  }
-  if (place.far == 0) {
-    place.since = SimTime::max();
-    return;
-  }
-  leave_place(object, t, std::max(t, until), objects, pairs, opened);
+  WatchedPair& p = known(pair, apart_until, pairs);
+  assert(p.is_far);
+  p.clear_until = apart_until;
+  p.is_far = false;
+  opened.push_back(pair);
 }
 
 void FarPairs::open(WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
-  for (const std::uint32_t i : places_.numbers()) {
-    if (places_[i].far > 0) open_all(i, pairs, opened);
+  for (const std::uint32_t i : pairs.numbers()) {
+    const WatchedPair& pair = pairs[i];
+    if (!pair.is_far) continue;
+    open_pair(i, std::min(places_[pair.collider].known_until, places_[pair.collidee].known_until), pairs, opened);
+  }
+}
+
+void FarPairs::open_between(std::uint32_t object, std::uint32_t other, const SweptRegion& place_of_other,
+                            SimTime apart_until, WatchedPairs& pairs, std::vector<std::uint32_t>& opened) {
+  model_->for_each_part_pair_between(object, other, [&](std::uint32_t pair) {
+    const WatchedPair* const there = pairs.find(pair);
+    if (there != nullptr ? !there->is_far : !may_be_far(pair)) return;
+    if (apart(places_[object].region, place_of_other, type_of(pair))) return;
+    open_pair(pair, std::min(apart_until, places_[other].known_until), pairs, opened);
+  });
+}
+
+void FarPairs::open_near(std::uint32_t object, SimTime from, SimTime apart_until, WatchedPairs& pairs,
+                         std::vector<std::uint32_t>& opened) {
+  const Box box = box_of(places_[object].region);
+  index_.for_each_near(box.low, box.high, [&](std::uint32_t other) {
+    if (other != object) open_between(object, other, places_[other].region, apart_until, pairs, opened);
+  });
+  past_index_.for_each_near(box.low, box.high, [&](std::uint32_t slot) {
+    const PastPlace& past = past_[slot];
+    if (past.object == object || past.until <= from) return;
+    open_between(object, past.object, past.region, apart_until, pairs, opened);
+  });
+}
+
+void FarPairs::open_all(std::uint32_t object, SimTime apart_until, WatchedPairs& pairs,
+                        std::vector<std::uint32_t>& opened) {
+  for (const std::uint32_t pair : model_->part_pairs_moved_by(object)) {
+    const WatchedPair* const there = pairs.find(pair);
+    if (there != nullptr ? !there->is_far : !may_be_far(pair)) continue;
+    const PartPair ends = model_->part_pairs[pair];
+    const std::uint32_t other = ends.a == object ? ends.b : ends.a;
+    open_pair(pair, std::min(apart_until, places_[other].known_until), pairs, opened);
+  }
+}
+
+bool FarPairs::make_near(std::span<const std::uint32_t> objects, double within_m, SimTime apart_until,
+                         WatchedPairs& pairs) {
+  assert(within_m >= 0.0);
+  bool has_made = false;
+  for (const std::uint32_t object : objects) {
+    if (object == ModelNode::kNone || !places_[object].exists) continue;
+    const auto make_with = [&](std::uint32_t other) {
+      if (other == object) return;
+      model_->for_each_part_pair_between(object, other, [&](std::uint32_t pair) {
+        if (pairs.contains(pair) || !may_be_far(pair)) return;
+        known(pair, apart_until, pairs);
+        has_made = true;
+      });
+    };
+    const auto make_around = [&](const SweptRegion& place) {
+      const Box box = box_of(place);
+      const Vec3 low = box.low - Vec3::Constant(within_m), high = box.high + Vec3::Constant(within_m);
+      index_.for_each_near(low, high, make_with);
+      past_index_.for_each_near(low, high, [&](std::uint32_t slot) { make_with(past_[slot].object); });
+    };
+    make_around(places_[object].region);  // the instant that is asked of may be in one of the places before
+    for (const std::uint32_t slot : places_[object].before) make_around(past_[slot].region);
+  }
+  return has_made;
+}
+
+void FarPairs::erase_unwatched(std::uint32_t object, WatchedPairs& pairs) const {
+  std::vector<std::uint32_t> gone;
+  for (const std::uint32_t i : pairs.of_end(object)) {
+    const WatchedPair& pair = pairs[i];
+    if (pair.watched || pair.is_far || pair.stopped || pair.bears || pair.inside || !may_be_far(i)) continue;
+    if (pair.remembers_since(SimTime::min() + Duration{1})) continue;
+    if (apart(places_[pair.collider].region, places_[pair.collidee].region, pair.type)) gone.push_back(i);
+  }
+  for (const std::uint32_t i : gone) pairs.erase(i);
+}
+
+// ---- motion ----
+
+// An opened pair counts as apart until the old law would have left the place. Where the new law comes from before that,
+// MotionWorld::reopen_pairs() says how far back its own search goes.
+void FarPairs::moved(std::size_t index, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
+                     std::vector<std::uint32_t>& opened) {
+  if (index >= places_.size() || !places_[index].exists) return;
+  const auto object = static_cast<std::uint32_t>(index);
+  Place& place = places_[object];
+  SimTime apart_until = place.known_until;
+  t = std::max(t, until - kWorldHistory);
+  const bool was_later = place.since > t;
+  if (was_later) go_back(object, t);
+  if (place.since > t) {  // it is not known where it was
+    open_all(object, apart_until, pairs, opened);
+    const std::uint32_t left = place.left + 1;
+    place = place_at(object, t, objects);
+    place.left = left;
+    note_place(object);
+  } else {
+    place.known_until = std::min(place.known_until, t);
+    if (was_later || t < place.last_added) open_near(object, t, apart_until, pairs, opened);
+  }
+  assert(place.since <= t && place.known_until >= place.since);
+  const SimTime last = std::max(t, until);
+  while (!stays_until(object, last, objects)) {
+    const SimTime s = place.known_until;
+    enter(object, place_at(object, s, objects), s);
+    apart_until = std::max(apart_until, s);
+    open_near(object, s, apart_until, pairs, opened);
+    erase_unwatched(object, pairs);
   }
 }
 
@@ -257,64 +367,42 @@ void FarPairs::follow(SimTime until, MovingObjects& objects, WatchedPairs& pairs
     for (left.clear(); !leaving.empty() && leaving.top().first == s; leaving.pop()) {
       left.push_back(leaving.top().second);
     }
-    for (const std::uint32_t object : left) enter(places_[object], place_at(object, s, objects), s);
+    for (const std::uint32_t object : left) enter(object, place_at(object, s, objects), s);
     for (const std::uint32_t object : left) {
-      Place& place = places_[object];
-      const auto stays_far = [&](std::uint32_t i, std::uint32_t other) {
-        Place& b = places_[other];
-        if (b.since > s || b.known_until <= s || !apart(place.bound, b.bound, type_of(i))) return false;
-        b.last_added = std::max(b.last_added, s);
-        return true;
-      };
-      open_unless(object, s, stays_far, pairs, opened);
-      if (place.far > 0) {
-        follow_one(object);
-      } else {
-        place.since = SimTime::max();
-      }
+      open_near(object, s, s, pairs, opened);
+      erase_unwatched(object, pairs);
+      follow_one(object);
     }
   }
 }
 
-// ---- those that have never moved ----
+// ---- pairs that are followed one by one ----
 
-bool WaitingPairs::may_wait(std::uint32_t number, const MovingObjects& objects) const {
-  assert(number < waits_.size());
-  const auto [first, end] = model_->part_pairs_of_pair(number);
-  if (end != first + 1) return false;
-  const CollisionPair& pair = model_->pairs[number];
-  const PartPair& parts = model_->part_pairs[first];
-  const auto stands_alone = [&](std::uint32_t part, ObjectId of) {
-    return part != ModelNode::kNone && !model_->is_flexible(part) && model_->nodes[part].object == of &&
-           model_->nodes[part].carrier == ModelNode::kNone && model_->carried_by[part].empty() &&
-           model_->bodies[part].unsupported.empty() && objects.has_never_moved(part);
-  };
-  if (parts.fixed || !stands_alone(parts.a, pair.collider) || !stands_alone(parts.b, pair.collidee)) return false;
-  const collision::Body &a = model_->bodies[parts.a], &b = model_->bodies[parts.b];
-  if (pair.type != CollisionType::kBox && !collision::has_exact_answer(a, b)) return false;
-  return always_apart(a, objects.first_position(parts.a), b, objects.first_position(parts.b));
+void KnownPairs::begin(const WorldModel& model) {
+  assert(!has_begun_ && pairs_.empty());
+  has_begun_ = true;
+  has_pair_.assign(model.part_pairs.size(), false);
+  has_pairs_of_.assign(model.nodes.size(), false);
 }
 
-void WaitingPairs::set(std::uint32_t number, bool waits) {
-  if (waits_[number] == waits) return;
-  waits_[number] = waits;
-  const PartPair& parts = model_->part_pairs[model_->part_pairs_of_pair(number).first];
-  assert(parts.a != parts.b && parts.a < of_node_.size() && parts.b < of_node_.size() && "one rigid body each");
-  assert(waits || (count_ > 0 && of_node_[parts.a] > 0 && of_node_[parts.b] > 0));
-  waits ? ++count_ : --count_;
-  for (const std::uint32_t node : {parts.a, parts.b}) waits ? ++of_node_[node] : --of_node_[node];
+void KnownPairs::note(std::uint32_t part_pair) {
+  if (!has_begun_ || has_pair_[part_pair]) return;
+  has_pair_[part_pair] = true;
+  pairs_.push_back(part_pair);
 }
 
-std::vector<std::uint32_t> WaitingPairs::take_of(std::size_t node) {
-  std::vector<std::uint32_t> taken;
-  if (node >= of_node_.size() || of_node_[node] == 0) return taken;
-  for (const std::uint32_t number : model_->pairs_of_node(node)) {
-    if (!waits_[number]) continue;
-    set(number, false);
-    taken.push_back(number);
+void KnownPairs::note_far_of(std::size_t object, const WorldModel& model, const FarPairs& far) {
+  if (!has_begun_ || object >= has_pairs_of_.size() || has_pairs_of_[object]) return;
+  has_pairs_of_[object] = true;
+  for (const std::uint32_t i : model.part_pairs_moved_by(object)) {
+    if (far.may_be_far(i) && far.is_watched(model.part_pairs[i].pair)) note(i);
   }
-  assert(of_node_[node] == 0);
-  return taken;
+}
+
+std::span<const std::uint32_t> KnownPairs::sorted() {
+  assert(has_begun_);
+  std::ranges::sort(pairs_);
+  return pairs_;
 }
 
 }  // namespace peerd::replication

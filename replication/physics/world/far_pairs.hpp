@@ -3,8 +3,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "core/geometry/box_index.hpp"
 #include "core/schedule.hpp"
 #include "replication/physics/world/moving_objects.hpp"
 #include "replication/physics/world/watched_pair.hpp"
@@ -12,16 +14,29 @@
 
 namespace peerd::replication {
 
-// The broad phase of a MotionWorld: pairs that nobody checks as long as neither of the two leaves its place, a region
-// around the way of its body that is wide enough for some time. An object that moves otherwise, or on, costs a
-// comparison with its place, however many interests name it. Where it has left that it gets another place, and its
-// pairs with what is not apart from that are opened. Pairs with a carrier or with flexible parts are always near. Most
-// far pairs have nothing to remember: they have no WatchedPair, and get a new one where they are opened.
+// The broad phase of a MotionWorld. Each body is in a place, a region around its way that is wide enough for some time,
+// and a pair is far as long as the places of its two are apart. Nobody checks a far pair, and most of them are nowhere
+// listed: a body that leaves its place finds by an index whose places are near the next one. So an object costs a
+// comparison with its place whenever it moves otherwise, however many interests name it.
+//
+// Laws of the past come late, so places are kept for kWorldHistory: what is far is apart from the instant on at which
+// it became far, and a law of before that finds by its place then what may have been near.
+//
+// Pairs with a carrier or with flexible parts, and those of which collision has no exact answer, are always near.
 class FarPairs {
  public:
-  explicit FarPairs(const WorldModel& model);
+  // All places are known from `start` on; those of what stands at its place in the file have always been.
+  FarPairs(const WorldModel& model, SimTime start, MovingObjects& objects);
 
-  [[nodiscard]] bool contains(std::size_t pair) const { return is_far_[pair]; }
+  // The rule by which pairs are watched from now on.
+  void set_rule(IsWatched is_watched) { is_watched_ = std::move(is_watched); }
+  [[nodiscard]] const IsWatched& rule() const { return is_watched_; }
+  [[nodiscard]] bool is_watched(std::uint32_t pair) const {
+    return is_watched_ == nullptr || is_watched_(model_->pairs[pair]);
+  }
+
+  // Whether the pair may be far. One that has no WatchedPair then is far.
+  [[nodiscard]] bool may_be_far(std::uint32_t pair) const;
   // The pairs that the object's own motion may change, but for far ones that have nothing to remember, ascending. Some
   // have no WatchedPair yet.
   [[nodiscard]] PairNumbers near(std::size_t object, const WatchedPairs& pairs) const {
@@ -29,93 +44,110 @@ class FarPairs {
     return are_its_own ? PairNumbers(pairs.of_end(object)) : model_->part_pairs_moved_by(object);
   }
 
+  // Opens all pairs that are near at first. Called once.
+  void begin(SimTime apart_until, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
   // The two are apart at s, by their bounds. Notes the pair as far if their places are apart, too, and returns whether
   // it has. Erases a pair that has nothing to remember; no search begins before `oldest` any more.
   bool add(std::uint32_t pair, SimTime s, SimTime oldest, MovingObjects& objects, WatchedPairs& pairs);
-  // The same for a watched pair that has waited until s (WaitingPairs::may_wait()) and has no WatchedPair. Its places
-  // have to hold the two until `until`, too.
-  bool add_waiting(std::uint32_t pair, SimTime s, SimTime until, MovingObjects& objects);
-  // The WatchedPair of a watched pair. That of a far one that has none is made: the two were apart before
+  // The WatchedPair of a pair that has one or may be far. That of a far one is made: the two were apart before
   // `apart_until`.
-  WatchedPair& known(std::uint32_t pair, SimTime apart_until, WatchedPairs& pairs) const;
-  // Makes those of all far pairs of these objects, of which some may be ModelNode::kNone. Returns whether there was any
-  // to make.
-  bool make_all_of(std::span<const std::uint32_t> objects, SimTime apart_until, WatchedPairs& pairs) const;
+  WatchedPair& known(std::uint32_t pair, SimTime apart_until, WatchedPairs& pairs);
+  // Makes those of all far pairs of which one is one of these objects, or ModelNode::kNone, and the other one may be in
+  // reach [m] of it. Returns whether there was any to make.
+  bool make_near(std::span<const std::uint32_t> objects, double within_m, SimTime apart_until, WatchedPairs& pairs);
   // The object has a new law from t on. Follows it until `until`, and appends pairs that are no longer far to `opened`.
   void moved(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
              std::vector<std::uint32_t>& opened);
-  // Appends all that is far to `opened`: nothing is far any more.
+  // Opens the far pairs that have something to remember: the others have no WatchedPair to open.
   void open(WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
   // Follows all objects until that time.
   void follow(SimTime until, MovingObjects& objects, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
   // Whether what is far is so at t.
   [[nodiscard]] bool is_known_at(SimTime t) const { return checks_.next_due(0, t) == checks_.size(); }
+  // Forgets places, and far pairs with nothing to remember, of which nobody asks from `oldest` on.
+  void forget_before(SimTime oldest, WatchedPairs& pairs);
+  // Calls `function(object)` for each object that has a place.
+  template <class Function>
+  void for_each_placed(Function function) const {
+    for (std::uint32_t i = 0; i < places_.size(); ++i) {
+      if (places_[i].exists) function(i);
+    }
+  }
 
  private:
   struct Place {
-    SweptBound bound;                      // no bound of the body leaves it
-    SimTime since = SimTime::max();        // the body is in it from then on; max(): there is no place
+    SweptRegion region;                    // no bound of the body leaves it
+    bool exists = false;                   // the object is one rigid body that nothing carries
+    std::uint32_t left = 0;                // how many places the object has left
+    SimTime since = SimTime::min();        // the body is in it from then on
     SimTime known_until = SimTime::min();  // until then, at least
-    SimTime last_added = SimTime::min();   // no far pair was added, and no far partner's place begins, after it
-    std::uint32_t far = 0;                 // the number of its pairs that are far
+    SimTime last_added = SimTime::min();   // no pair of the object became far after it
+    std::vector<std::uint32_t> before{};   // the places before, the oldest first, into past_
+  };
+  struct PastPlace {
+    std::uint32_t object = 0;
+    SweptRegion region;
+    SimTime since{}, until{};
   };
 
   [[nodiscard]] bool is_single(std::uint32_t object) const;
-  [[nodiscard]] bool may_be_far(const WatchedPair& pair) const;
-  // Whether the places of the two hold them from s to `until`, and are apart. Notes the pair as far if so.
-  bool add_by_places(std::uint32_t pair, const std::array<std::uint32_t, 2>& ends, SimTime s, SimTime until,
-                     MovingObjects& objects);
   [[nodiscard]] CollisionType type_of(std::uint32_t pair) const {
     const auto at = model_->part_pairs.locate(pair);
     return at.group != nullptr ? at.group->type() : model_->pairs[model_->part_pairs[pair].pair].type;
   }
-  [[nodiscard]] Place& place_of(std::uint32_t object);
+  // The box of a place in an index: those of two that are not apart overlap.
+  struct Box {
+    Vec3 low, high;
+  };
+  [[nodiscard]] Box box_of(const SweptRegion& region) const;
   [[nodiscard]] static Place place_at(std::size_t object, SimTime s, MovingObjects& objects);
-  void make_place(std::size_t object, SimTime s, MovingObjects& objects);
-  // The object is in `next` from s on; which of its pairs stay far is known from then on.
-  static void enter(Place& place, const Place& next, SimTime s);
-  // Follows the object, whose law is new from t on, until `until`. Where it leaves its place it gets another one, and
-  // pairs whose places are still apart stay far.
-  void leave_place(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
-                   std::vector<std::uint32_t>& opened);
-  // The two were apart until then.
-  void open_pair(std::uint32_t number, SimTime apart_until, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
-  // Opens those far pairs of the object for which `stays` (the pair, the other object) says no. The object was in the
-  // place where they are far until `apart_until`.
-  template <class Stays>
-  void open_unless(std::size_t object, SimTime apart_until, Stays stays, WatchedPairs& pairs,
-                   std::vector<std::uint32_t>& opened);
+  [[nodiscard]] Place first_place(std::uint32_t object, SimTime start, MovingObjects& objects) const;
+  void note_place(std::uint32_t object);
+  // The object leaves its place at s, and is in `next` from then on.
+  void enter(std::uint32_t object, const Place& next, SimTime s);
+  // The object goes back to the place in which it was at t.
+  void go_back(std::uint32_t object, SimTime t);
+  void erase_past(std::uint32_t slot);
+  WatchedPair& make(std::uint32_t pair, SimTime apart_until, WatchedPairs& pairs) const;
+  // Opens the far pairs of the object for whose two places, from `from` on, it does not hold that they are apart. They
+  // were until `apart_until`, as far as this object goes.
+  void open_near(std::uint32_t object, SimTime from, SimTime apart_until, WatchedPairs& pairs,
+                 std::vector<std::uint32_t>& opened);
+  void open_between(std::uint32_t object, std::uint32_t other, const SweptRegion& place_of_other, SimTime apart_until,
+                    WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
+  void open_all(std::uint32_t object, SimTime apart_until, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
+  void open_pair(std::uint32_t pair, SimTime apart_until, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
+  // Erases pairs of the object that nobody watches, and that are far now.
+  void erase_unwatched(std::uint32_t object, WatchedPairs& pairs) const;
   [[nodiscard]] bool stays_until(std::size_t object, SimTime until, MovingObjects& objects);
-  void open_all(std::size_t object, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
 
   const WorldModel* model_ = nullptr;
-  SparseTable<Place> places_;       // by the model's nodes: of those that have had a far pair
-  Schedule checks_;                 // by object: known_until, where any of its pairs is far
-  std::vector<bool> is_far_;        // by pair
-  std::vector<bool> was_searched_;  // WatchedPair::searched, of a far pair that has none
+  double reach_ = 1.0;  // how much farther than its radius a place reaches
+  IsWatched is_watched_;
+  std::vector<Place> places_;  // by the model's nodes
+  BoxIndex index_;             // by the model's nodes: their places
+  std::vector<PastPlace> past_;
+  std::vector<std::uint32_t> free_past_;    // unused ones of past_
+  BoxIndex past_index_;                     // by the indices of past_
+  Schedule checks_;                         // by the model's nodes: known_until
+  std::vector<std::uint32_t> remembering_;  // far pairs that have a WatchedPair, and some that had one
 };
 
-// The watched pairs of a MotionWorld that wait for one of their two to move: both are one rigid body that nothing
-// carries and that has never moved, and in the file they are apart. In a large world most are such pairs, and nothing
-// is kept of them but that they wait.
-class WaitingPairs {
+// The part pairs that somebody follows one by one, from when they are asked for; the order is that in which they came.
+class KnownPairs {
  public:
-  explicit WaitingPairs(const WorldModel& model)
-      : model_(&model), waits_(model.pairs.size()), of_node_(model.nodes.size()) {}
-
-  [[nodiscard]] bool contains(std::uint32_t number) const { return waits_[number]; }
-  [[nodiscard]] std::size_t count() const { return count_; }
-  // Whether the pair of that number in the model may wait.
-  [[nodiscard]] bool may_wait(std::uint32_t number, const MovingObjects& objects) const;
-  void set(std::uint32_t number, bool waits);
-  // The pairs of a node, which wait no more.
-  [[nodiscard]] std::vector<std::uint32_t> take_of(std::size_t node);
+  [[nodiscard]] bool has_begun() const { return has_begun_; }
+  void begin(const WorldModel& model);
+  // These do nothing before it has begun. Note a pair; the watched ones of an object that may be far.
+  void note(std::uint32_t part_pair);
+  void note_far_of(std::size_t object, const WorldModel& model, const FarPairs& far);
+  [[nodiscard]] std::span<const std::uint32_t> pairs() const { return pairs_; }
+  std::span<const std::uint32_t> sorted();
 
  private:
-  const WorldModel* model_;
-  std::vector<bool> waits_;             // by number
-  std::vector<std::uint32_t> of_node_;  // how many of its pairs wait
-  std::size_t count_ = 0;
+  bool has_begun_ = false;
+  std::vector<std::uint32_t> pairs_;
+  std::vector<bool> has_pair_, has_pairs_of_;  // by part pair; by the model's nodes
 };
 
 }  // namespace peerd::replication

@@ -35,10 +35,23 @@ std::optional<Vec3> rolling_off(const collision::Body& body, const KinematicStat
   return spin;
 }
 
-// Whether the part pairs of an interest are known; from need_pairs_of() on they are.
-bool has_pairs_of(std::uint32_t number, const WorldModel& model, const WatchedPairs& pairs, const FarPairs& far) {
+// Whether the pair of that number in the model may be far as a whole; whether its WatchedPairs are there.
+bool may_be_far(std::uint32_t number, const WorldModel& model, const FarPairs& far) {
   const auto [first, end] = model.part_pairs_of_pair(number);
-  return first == end || pairs.contains(first) || far.contains(first);
+  return end == first + 1 && far.may_be_far(first);
+}
+bool has_pairs_of(std::uint32_t number, const WorldModel& model, const WatchedPairs& pairs) {
+  const auto [first, end] = model.part_pairs_of_pair(number);
+  return first == end || pairs.contains(first);
+}
+
+// The highest speed at t of what may be far from others.
+double fastest_m_s(const FarPairs& far, const MovingObjects& objects, SimTime t) {
+  double fastest = 0.0;
+  far.for_each_placed([&](std::uint32_t i) {
+    if (objects.peek(i) != nullptr) fastest = std::max(fastest, objects.world_at(i, t).velocity.norm());
+  });
+  return fastest;
 }
 
 // Whether the object, or what it carries, may meet anything. The others are most.
@@ -109,11 +122,14 @@ MotionWorld::MotionWorld(const WorldModel& model, SimTime start, Watched first)
       start_(start),
       advanced_(start),
       objects_(model, start),
-      pairs_(first == Watched::kAll ? all_watched(model, start) : WatchedPairs(model)),
-      far_(model),
-      answers_to_(model.nodes.size()),
-      waiting_(model) {
-  for (const std::uint32_t i : pairs_.numbers()) reschedule(i);
+      pairs_(model),
+      far_(model, start, objects_),
+      answers_to_(model.nodes.size()) {
+  if (first == Watched::kNone) far_.set_rule([](const CollisionPair&) { return false; });
+  far_.begin(start_, pairs_, opened_);
+  for (const std::uint32_t i : opened_) reschedule(i);
+  opened_.clear();
+  watch_anew();
 }
 
 template <class ChangeObjects>
@@ -127,10 +143,8 @@ void MotionWorld::replace_model(const WorldModel& next, SimTime t, ChangeObjects
     if (pair.fixed && !pair.is_answered() && !pair.unsupported)  // it is not searched, but may be from now on
       pair.inside = search().fixed_parts_touch(pair, advanced_);
   }
-  const WorldModel& before = *model_;
-  const WaitingPairs waited = std::move(waiting_);
   WatchedPairs pairs(next);
-  const std::vector<std::uint32_t> added = carry_over(*model_, std::move(pairs_), next, start_, pairs);
+  const std::vector<std::uint32_t> added = carry_over(*model_, std::move(pairs_), next, start_, far_.rule(), pairs);
   change_objects();
   model_ = &next;
   pairs_ = std::move(pairs);
@@ -138,7 +152,9 @@ void MotionWorld::replace_model(const WorldModel& next, SimTime t, ChangeObjects
   for (const std::uint32_t i : pairs_.numbers()) {
     if (!pairs_[i].past.empty()) courses_.pairs.insert(i);
   }
-  far_ = FarPairs(next);
+  IsWatched rule = far_.rule();
+  far_ = FarPairs(next, advanced_, objects_);
+  far_.set_rule(std::move(rule));
   note_answers();
   for (const std::uint32_t i : added) {
     WatchedPair& pair = pairs_[i];
@@ -149,14 +165,12 @@ void MotionWorld::replace_model(const WorldModel& next, SimTime t, ChangeObjects
   }
   pair_checks_ = {};
   watched_ = 0;
-  waiting_ = WaitingPairs(next);
   searched_again_.clear();
-  known_.reset();
+  known_ = {};
   for (const std::uint32_t i : pairs_.numbers()) reschedule(i);
-  for (std::uint32_t number = 0; number < next.pairs.size() && waited.count() > 0; ++number) {
-    const auto number_before = before.number_of(key_of(next.pairs[number]));
-    if (number_before && waited.contains(*number_before)) watch(number, true);
-  }
+  far_.begin(advanced_, pairs_, opened_);
+  reschedule_opened();
+  watch_anew();
 }
 
 void MotionWorld::change_model(const WorldModel& next) {
@@ -209,68 +223,62 @@ void MotionWorld::declare(ObjectId object, Role role) {
   }
 }
 
-void MotionWorld::watch(ObjectId a, ObjectId b, bool on) {
-  for (const std::uint32_t number : model_->pairs_between(a, b)) watch(number, on);
+void MotionWorld::watch_by(IsWatched is_watched) {
+  far_.set_rule(std::move(is_watched));
+  watch_anew();
 }
 
-void MotionWorld::watch(std::uint32_t number, bool on) {
-  assert(number < model_->pairs.size());
-  if (on && waiting_.contains(number)) return;
-  const bool is_new = !has_pairs_of(number, *model_, pairs_, far_);
-  waiting_.set(number, on && is_new && waiting_.may_wait(number, objects_));
-  if (is_new && (!on || waiting_.contains(number))) return;
-  need_pairs_of(number);
-  const auto [first, end] = model_->part_pairs_of_pair(number);
-  for (std::uint32_t i = first; i < end; ++i) {
-    if (on && !pairs_.contains(i)) continue;  // it is far, and watched
-    WatchedPair& pair = far_.known(i, start_, pairs_);
-    if (pair.watched == on) continue;
-    pair.watched = on;
-    unstop(pairs_[i], i, stopped_);
-    pair.contact.reset();
-    if (pair.bears) lift(pair, advanced_);
-    pair.clear_until = std::max(pair.clear_until, advanced_);
-    reschedule(i);
+void MotionWorld::watch_anew(std::optional<ObjectId> object) {
+  if (object && model_->node(*object) == nullptr) return;
+  const std::span<const std::uint32_t> of = object ? pairs_.of_end(objects_.index_of(*object)) : pairs_.numbers();
+  const std::vector<std::uint32_t> near(of.begin(), of.end());
+  for (const std::uint32_t i : near) watch_pair(i);
+  const auto watch_listed = [&](std::uint32_t number) {  // what may not be far is there from the begin on
+    if (has_pairs_of(number, *model_, pairs_) || may_be_far(number, *model_, far_) || !far_.is_watched(number)) return;
+    need_pairs_of(number);
+    const auto [first, end] = model_->part_pairs_of_pair(number);
+    for (std::uint32_t i = first; i < end; ++i) watch_pair(i);
+  };
+  if (object) {
+    std::ranges::for_each(model_->node_pairs.listed_of(objects_.index_of(*object)), watch_listed);
+  } else {
+    model_->pairs.for_each_listed([&](std::uint32_t number, const CollisionPair&) { watch_listed(number); });
   }
 }
 
-// Those that are not far are as pairs that were: apart until now, and reopen_pairs() says from when on that is not
-// known any more.
-void MotionWorld::end_waits_of(std::size_t object, SimTime t) {
-  for (const std::uint32_t number : waiting_.take_of(object)) {
-    const std::uint32_t i = model_->part_pairs_of_pair(number).first;
-    if (known_) known_->push_back(i);
-    if (far_.add_waiting(i, t, std::max(t, advanced_), objects_)) {
-      ++watched_;
-    } else {
-      add_pairs(pairs_, *model_, number, SimTime::max(), true);
-      opened_.push_back(i);
-    }
-  }
+void MotionWorld::watch_pair(std::uint32_t i) {
+  WatchedPair& pair = pairs_[i];
+  const bool on = far_.is_watched(pair.number);
+  if (std::exchange(pair.watched, on) == on) return;
+  unstop(pair, i, stopped_);
+  pair.contact.reset();
+  if (pair.bears) lift(pair, advanced_);
+  pair.clear_until = std::max(pair.clear_until, advanced_);
+  reschedule(i);
 }
 
 void MotionWorld::need_pairs_of(std::uint32_t number) {
-  assert(!waiting_.contains(number));
-  if (has_pairs_of(number, *model_, pairs_, far_)) return;
+  if (has_pairs_of(number, *model_, pairs_)) return;
   add_pairs(pairs_, *model_, number, start_, false);
-  if (!known_) return;
   const auto [first, end] = model_->part_pairs_of_pair(number);
-  for (std::uint32_t i = first; i < end; ++i) known_->push_back(i);
+  for (std::uint32_t i = first; i < end; ++i) known_.note(i);
 }
 
 std::span<const std::uint32_t> MotionWorld::known_pairs() {
-  if (!known_) {
-    known_.emplace();
-    for (std::uint32_t i = 0; i < pairs_.size(); ++i) {
-      if (pairs_.contains(i) || far_.contains(i)) known_->push_back(i);
-    }
+  if (known_.has_begun()) return known_.pairs();
+  known_.begin(*model_);
+  for (const std::uint32_t i : pairs_.numbers()) known_.note(i);
+  const bool are_all = far_.rule() == nullptr;
+  for (std::uint32_t i = 0; i < model_->nodes.size(); ++i) {
+    if (are_all || !objects_.has_never_moved(i)) known_.note_far_of(i, *model_, far_);
   }
-  return *known_;
+  return known_.sorted();
 }
 
 void MotionWorld::put_off(std::uint32_t i, bool on, bool from_now) {
   assert(i < pairs_.size());
   WatchedPair& pair = far_.known(i, start_, pairs_);
+  known_.note(i);
   pair.put_off = on;
   if (on || !pair.stopped) return;
   SimTime from = advanced_;
@@ -289,12 +297,11 @@ void MotionWorld::put_off(std::uint32_t i, bool on, bool from_now) {
 void MotionWorld::reschedule(std::size_t i) {
   WatchedPair& pair = pairs_[i];
   const bool is_known = !pair.is_flexible || objects_.flexible() != nullptr;
-  const bool scheduled = pair.watched && !pair.stopped && !pair.unsupported && !pair.fixed && is_known;
+  const bool scheduled = pair.watched && !pair.is_far && !pair.stopped && !pair.unsupported && !pair.fixed && is_known;
   if (std::exchange(pair.is_scheduled, scheduled) != scheduled) scheduled ? ++watched_ : --watched_;
   assert(watched_ <= pairs_.size());
   if (pair_checks_.size() < pairs_.slots()) pair_checks_.grow(pairs_.slots());
-  pair_checks_.set(pairs_.slot_of(i),
-                   scheduled && !far_.contains(i) ? pair.contact.value_or(pair.clear_until) : SimTime::max());
+  pair_checks_.set(pairs_.slot_of(i), scheduled ? pair.contact.value_or(pair.clear_until) : SimTime::max());
 }
 
 void MotionWorld::set_flexible(FlexibleParts& flexible) {
@@ -649,6 +656,8 @@ void MotionWorld::note_answers() {
 
 void MotionWorld::reschedule_opened(const std::optional<NewLaw>& law) {
   for (const std::uint32_t i : opened_) {
+    if (!pairs_.contains(i)) continue;  // it is far again, and nobody watches it
+    known_.note(i);
     const SimTime reopened =
         law ? reopened_from(i, is_partner_lived(objects_, pairs_[i], law->object, law->from), law->from)
             : SimTime::max();
@@ -715,10 +724,10 @@ SimTime MotionWorld::reopened_from(std::uint32_t i, bool lived, SimTime t) const
 // the past anyway: a contact that it has found there may not be.
 void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
   far_.moved(object, t, advanced_, objects_, pairs_, opened_);
-  end_waits_of(object, t);
+  known_.note_far_of(object, *model_, far_);
   reschedule_opened(NewLaw{object, t});
   for (const std::uint32_t i : far_.near(object, pairs_)) {
-    if (!pairs_.contains(i) || far_.contains(i)) continue;
+    if (!pairs_.contains(i) || pairs_[i].is_far) continue;
     WatchedPair& pair = pairs_[i];
     const std::uint32_t other = is_of_collider(objects_, pair, object) ? pair.collidee : pair.collider;
     if (are_both_own(objects_, object, other)) {  // its updates after t were made without this law
@@ -758,12 +767,12 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
 
 bool MotionWorld::ends_touch(ObjectId a, ObjectId b, SimTime t) {
   return std::ranges::any_of(model_->pairs_between(a, b), [&](std::uint32_t number) {
-    if (waiting_.contains(number)) return false;
-    need_pairs_of(number);
+    if (!may_be_far(number, *model_, far_)) need_pairs_of(number);
     const auto [first, end] = model_->part_pairs_of_pair(number);
     for (std::uint32_t i = first; i < end; ++i) {
-      WatchedPair& pair = far_.known(i, start_, pairs_);
-      if (pair.unsupported) continue;
+      WatchedPair* const known = pairs_.find(i);
+      if (known == nullptr || known->is_far || known->unsupported) continue;
+      WatchedPair& pair = *known;
       // A contact that nobody answers is followed while it lasts.
       const bool followed = !pair.is_answered() && pair.is_scheduled && pair.searched;
       if (pair.fixed ? search().fixed_parts_touch(pair, t) : followed ? pair.inside : search().touch_at(pair, t)) {
@@ -992,9 +1001,10 @@ void MotionWorld::settle_velocities(WatchedPair& pair, SimTime t, Touching which
   ContactIsland island = island_of(*model_, objects_, pairs_, around, t, which, Quantity::kVelocity);
   if (which == Touching::kBearing && is_crowd(island)) {
     const AnsweredAlone alone = authority_.alone ? authority_.alone : [](ObjectId, ObjectId) { return true; };
+    const double within_m = kForeseen_s * std::max(2.0 * fastest_m_s(far_, objects_, t), kRestSpeed_m_s);
     do {  // what is foreseen may be one more of the island, and foresee more
       island = island_of(*model_, objects_, pairs_, around, t, which, Quantity::kVelocity, alone);
-    } while (far_.make_all_of(island.objects, start_, pairs_));
+    } while (far_.make_near(island.objects, within_m, start_, pairs_));
   }
   for (std::size_t i = 0; i < island.objects.size(); ++i) {
     if (island.reached_from[i] != kNone) continue;
@@ -1050,7 +1060,7 @@ void MotionWorld::let_through(std::uint32_t i, SimTime t) {
   WatchedPair& pair = pairs_[i];
   assert(pair.is_answered() && std::min(pair.touched, pair.bore_since) <= t);
   const bool lived = objects_.is_lived(pair.collider) || objects_.is_lived(pair.collidee);
-  const bool is_ahead = far_.contains(i) || (!pair.contact && pair.clear_until > reopened_from(i, lived, t));
+  const bool is_ahead = pair.is_far || (!pair.contact && pair.clear_until > reopened_from(i, lived, t));
   if (is_ahead) return;
   remember_course(i, t);
   pair.inside = true;
@@ -1232,7 +1242,7 @@ void MotionWorld::lift(WatchedPair& pair, SimTime t) {
 
 std::optional<std::size_t> MotionWorld::first_contact_until(SimTime to) {
   std::optional<std::size_t> first;
-  const std::size_t watched = watched_ + waiting_.count();
+  const std::size_t watched = watched_;
   std::size_t checked = 0;
   far_.follow(to, objects_, pairs_, opened_);
   reschedule_opened();
@@ -1246,6 +1256,7 @@ std::optional<std::size_t> MotionWorld::first_contact_until(SimTime to) {
     ++checked;
     const auto apart_at = search().search(pair, until);
     if (apart_at && far_.add(i, *apart_at, advanced_ - kHistory, objects_, pairs_)) {
+      --watched_;
       pair_checks_.set(slot, SimTime::max());
       continue;
     }
@@ -1298,6 +1309,7 @@ void MotionWorld::advance(SimTime to) {
   objects_.prune_timelines(advanced_);
   if (advanced_ >= courses_.forgotten + kHistory) {
     courses_.forgotten = advanced_;
+    far_.forget_before(advanced_ - kHistory, pairs_);
     std::erase_if(courses_.pairs, [&](std::uint32_t i) {
       if (!pairs_.contains(i)) return true;
       pairs_[i].forget_course_before(advanced_ - kHistory);

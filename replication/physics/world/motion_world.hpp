@@ -76,12 +76,15 @@ class MotionWorld {
   void set_tick_detection(TickDetection& detection) { detection_ = &detection; }
   // World time has another beginning: contacts of flexible parts from t on are searched anew.
   void reopen_flexible(SimTime t);
-  // Turns watching of a pair on or off. One that was never watched costs nothing but a few bytes.
-  void watch(ObjectId a, ObjectId b, bool on);
-  void watch(std::uint32_t number, bool on);  // in WorldModel::pairs
+  // Which pairs are watched from now on: the rule is asked as pairs come near each other. Where it says otherwise of a
+  // pair than before, watch_anew() follows.
+  void watch_by(IsWatched is_watched);
+  // Asks the rule again of all pairs, or of those of an object.
+  void watch_anew(std::optional<ObjectId> object = {});
 
-  // The part pairs that are watched and do not wait, that were so, or that somebody has asked for. From the first call
-  // on they are kept, and new ones are behind those of the last call, but for a change of the model.
+  // The part pairs that are watched and of which one of the two has moved, or that are near, that were so, or that
+  // somebody has asked for; all where there is no rule. From the first call on they are kept, and new ones are behind
+  // those of the last call, but for a change of the model.
   [[nodiscard]] std::span<const std::uint32_t> known_pairs();
 
   // Makes the world a function of the bases, whatever order they come in; called before the first of them. An object
@@ -214,9 +217,10 @@ class MotionWorld {
 
  private:
   [[nodiscard]] PairSearch search() { return {*model_, objects_, pairs_, start_, counters_, events_, detection_}; }
+  // Makes the WatchedPairs of an interest's pair that may not be far.
   void need_pairs_of(std::uint32_t number);
-  // Ends the waits of the object's pairs: it moves from t on, so that they are searched, or far.
-  void end_waits_of(std::size_t object, SimTime t);
+  // Looks again whether the pair is watched.
+  void watch_pair(std::uint32_t part_pair);
   // Goes on with the pairs of another model. `change_objects` does so with the objects. Pairs that are new are searched
   // from t on.
   template <class ChangeObjects>
@@ -313,8 +317,8 @@ class MotionWorld {
   TickDetection* detection_ = nullptr;
   SimTime start_, advanced_;
   MovingObjects objects_;
-  WatchedPairs pairs_;                               // without the far ones that have nothing to remember
-  std::optional<std::vector<std::uint32_t>> known_;  // known_pairs(), once somebody has asked for them
+  WatchedPairs pairs_;  // without the far ones that have nothing to remember
+  KnownPairs known_;    // known_pairs(), once somebody has asked for them
   RememberedCourses courses_;
   FarPairs far_;
   std::vector<std::uint32_t> opened_;  // pairs that are far no more, and not in the schedule yet
@@ -325,8 +329,7 @@ class MotionWorld {
   };
   std::vector<std::vector<Answer>> answers_to_;
   Schedule pair_checks_;             // by slot of pairs_: when the next check of one that is not far is due
-  std::size_t watched_ = 0;          // the number of pairs with a check, whenever that is due; the far ones included
-  WaitingPairs waiting_;             // of them none of the part pairs is there
+  std::size_t watched_ = 0;          // the number of pairs with a check, whenever that is due
   std::set<std::uint32_t> stopped_;  // into pairs_
   // The pairs that the next advance() is to search again from an instant of the past on, and that instant.
   std::unordered_map<std::uint32_t, SimTime> searched_again_;

@@ -143,34 +143,84 @@ void add_pairs(WatchedPairs& pairs, const WorldModel& model, std::uint32_t inter
   }
 }
 
-WatchedPairs all_watched(const WorldModel& model, SimTime start) {
-  WatchedPairs pairs(model);
-  for (std::uint32_t number = 0; number < model.pairs.size(); ++number) add_pairs(pairs, model, number, start, true);
-  return pairs;
+namespace {
+
+// Whether an object is the same end in both models: with the same body, and answering contacts alike.
+bool is_same_end(const WorldModel& before, const WorldModel& next, std::uint32_t node) {
+  const ObjectId id = next.nodes[node].object;
+  if (!before.scene->contains(id) || before.node(id) == nullptr) return false;
+  const std::uint32_t was = before.index_of(id);
+  const CollisionResponse *const answered = before.response_of(id), *const answers = next.response_of(id);
+  const bool same_answer = answered != nullptr && answers != nullptr ? *answered == *answers : answered == answers;
+  return same_answer && before.bodies[was].surface == next.bodies[node].surface &&
+         before.nodes[was].carrier == ModelNode::kNone && next.nodes[node].carrier == ModelNode::kNone &&
+         before.parts_of_node[was].size() == 1 && next.parts_of_node[node].size() == 1;
 }
 
+// The pairs of `next` that may have to be there: all listed ones, and of those of groups the ones that were there
+// before and those of members that are new, other than before, or not in the group before.
+std::vector<std::uint32_t> pairs_in_question(const WorldModel& before, const WatchedPairs& known,
+                                             const WorldModel& next) {
+  std::vector<std::uint32_t> numbers;
+  next.pairs.for_each_listed([&](std::uint32_t number, const CollisionPair&) { numbers.push_back(number); });
+  for (const std::uint32_t i : known.numbers()) {
+    const CollisionPair pair = before.pairs[known[i].number];
+    if (!next.scene->contains(pair.collider) || !next.scene->contains(pair.collidee)) continue;
+    if (const auto number = next.number_of(key_of(pair))) numbers.push_back(*number);
+  }
+  for (const PairGroup& group : next.groups) {
+    const PairGroup* was = nullptr;
+    const auto member_before = [&](const PairGroup::Member& member) -> const PairGroup::Member* {
+      const ObjectId id = next.nodes[member.node].object;
+      if (!before.scene->contains(id) || before.node(id) == nullptr) return nullptr;
+      const std::uint32_t node = before.index_of(id);
+      for (const PairNumbers::Stretch& stretch : before.node_pairs.stretches_of(node)) {
+        if (stretch.group == nullptr || stretch.group->type() != group.type()) continue;
+        if (was == nullptr) was = stretch.group;
+        if (stretch.group == was) return was->member(node);
+      }
+      return nullptr;
+    };
+    for (const PairGroup::Member& member : group.members()) {
+      const PairGroup::Member* const as = member_before(member);
+      const bool is_same = as != nullptr && (as->row == kNoNode) == (member.row == kNoNode) &&
+                           (as->column == kNoNode) == (member.column == kNoNode) &&
+                           is_same_end(before, next, member.node);
+      if (is_same) continue;
+      for (std::uint32_t k = 0; k < group.count_of(member); ++k) {
+        numbers.push_back(group.first() + group.offset_of(member, k));
+      }
+    }
+  }
+  std::ranges::sort(numbers);
+  numbers.erase(std::ranges::unique(numbers).begin(), numbers.end());
+  assert(numbers.empty() || numbers.back() < next.pairs.size());
+  return numbers;
+}
+
+}  // namespace
+
 std::vector<std::uint32_t> carry_over(const WorldModel& before, WatchedPairs known, const WorldModel& next,
-                                      SimTime start, WatchedPairs& pairs) {
+                                      SimTime start, const IsWatched& is_watched, WatchedPairs& pairs) {
   assert(known.size() == before.part_pairs.size() && pairs.size() == next.part_pairs.size());
   std::map<PairKey, WatchedPair*> same;
-  struct Known {
-    bool watched = false, inside = false;
-  };
-  std::map<std::uint32_t, Known> interests;  // by number, before: those of which a pair is there
+  std::map<std::uint32_t, bool> was_inside;  // by number, before: of those of which a pair is there, whether one was
   for (const std::uint32_t i : known.numbers()) {
     WatchedPair& pair = known[i];
-    Known& interest = interests[pair.number];
-    interest.watched = pair.watched;
-    interest.inside |= pair.inside;
+    was_inside[pair.number] |= pair.inside;
     same.emplace(key_of_pair(before, pair), &pair);
   }
   std::vector<std::uint32_t> added;
-  for (std::uint32_t number = 0; number < next.pairs.size(); ++number) {
-    const auto number_before = before.number_of(key_of(next.pairs[number]));
-    const bool is_new = !number_before;
-    const auto interest = is_new ? interests.end() : interests.find(*number_before);
-    if (!is_new && interest == interests.end()) continue;
-    add_pairs(pairs, next, number, start, is_new || interest->second.watched);
+  for (const std::uint32_t number : pairs_in_question(before, known, next)) {
+    const CollisionPair ends = next.pairs[number];
+    const auto number_before = before.number_of(key_of(ends));
+    const auto inside = number_before ? was_inside.find(*number_before) : was_inside.end();
+    if (inside == was_inside.end()) {
+      const bool was_far = number_before && is_same_end(before, next, next.index_of(ends.collider)) &&
+                           is_same_end(before, next, next.index_of(ends.collidee));
+      if (was_far || (is_watched != nullptr && !is_watched(ends))) continue;
+    }
+    add_pairs(pairs, next, number, start, is_watched == nullptr || is_watched(ends));
     const auto [first, end] = next.part_pairs_of_pair(number);
     for (std::uint32_t i = first; i < end; ++i) {
       WatchedPair& pair = pairs[i];
@@ -180,7 +230,7 @@ std::vector<std::uint32_t> carry_over(const WorldModel& before, WatchedPairs kno
                other.collidee_responds == pair.collidee_responds;
       };
       if (at == same.end() || !is_same(*at->second)) {
-        if (!is_new) pair.inside = interest->second.inside && !pair.fixed;
+        if (inside != was_inside.end()) pair.inside = inside->second && !pair.fixed;
         added.push_back(i);
         continue;
       }
@@ -194,6 +244,7 @@ std::vector<std::uint32_t> carry_over(const WorldModel& before, WatchedPairs kno
       pair.fixed = fresh.fixed;
       pair.is_plain = fresh.is_plain;
       pair.is_scheduled = false;
+      pair.is_far = false;
     }
   }
   return added;

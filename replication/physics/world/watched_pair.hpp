@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <set>
 #include <span>
@@ -42,11 +43,15 @@ struct PairCourse {
 struct PairStanding {
   bool watched = false;
   bool is_scheduled = false;  // it is searched when it is due (MotionWorld::reschedule())
+  bool is_far = false;        // nobody searches it until one of the two leaves its place (FarPairs)
   bool put_off = false;       // its searches are put off (MotionWorld::put_off())
   bool stopped = false;       // for that reason, at clear_until; it has no contact, and bears nothing
   bool unsupported = false;   // counted once, then never searched again
   bool searched = false;      // some search has been answered
 };
+
+// Whether the contacts of a pair of the model are looked for; null: those of all are.
+using IsWatched = std::function<bool(const CollisionPair&)>;
 
 // Two parts of two ends of an interest (PartPair). What answers is the end.
 struct WatchedPair : PairCourse, PairStanding {
@@ -148,14 +153,11 @@ struct RememberedCourses {
 
 // Begins with the part pairs of an interest, of which none is there: nothing is known of them from `start` on.
 void add_pairs(WatchedPairs& pairs, const WorldModel& model, std::uint32_t interest, SimTime start, bool watched);
-// All part pairs of the model, watched from `start` on.
-[[nodiscard]] WatchedPairs all_watched(const WorldModel& model, SimTime start);
-
 // Gives the pairs of `next` what is known of those of `before`, where their interest, their two parts and who answers
-// are the same. Interests without pairs in `known` stay without. Returns the indices of the other ones, ascending:
-// those of interests that `before` has not are watched from `start` on; the others are watched unless their ends were
-// not, and `inside` if another pair of their ends was.
+// are the same. Returns the other ones that have to be there, ascending: those that are new or have another part, and
+// are watched. They are `inside` if another pair of their ends was. What was far, and is the
+// same, stays without.
 std::vector<std::uint32_t> carry_over(const WorldModel& before, WatchedPairs known, const WorldModel& next,
-                                      SimTime start, WatchedPairs& pairs);
+                                      SimTime start, const IsWatched& is_watched, WatchedPairs& pairs);
 
 }  // namespace peerd::replication

@@ -109,6 +109,23 @@ struct WorldModel {
   [[nodiscard]] bool answers(ObjectId id) const;
   // The world's gravity for the object [m/s^2, world frame]: what answers no contacts would fall through all.
   [[nodiscard]] Vec3 gravity_of(ObjectId id) const { return answers(id) ? laws.gravity : Vec3(Vec3::Zero()); }
+  // Calls `function(number)` for each part pair that has these two nodes as its parts.
+  template <class Function>
+  void for_each_part_pair_between(std::uint32_t a, std::uint32_t b, Function function) const {
+    for (const PairNumbers::Stretch& of_a : node_part_pairs.stretches_of(a)) {
+      if (of_a.group == nullptr) continue;
+      for (const PairNumbers::Stretch& of_b : node_part_pairs.stretches_of(b)) {
+        if (of_b.group != of_a.group) continue;
+        const auto number = of_a.group->number_of(of_a.member, of_b.member);
+        if (number) function(*number - of_a.group->first() + of_a.group->first_part());
+      }
+    }
+    const auto listed_a = node_part_pairs.listed_of(a), listed_b = node_part_pairs.listed_of(b);
+    for (const std::uint32_t number : listed_a.size() < listed_b.size() ? listed_a : listed_b) {
+      const PartPair parts = part_pairs[number];
+      if ((parts.a == a && parts.b == b) || (parts.a == b && parts.b == a)) function(number);
+    }
+  }
   // The numbers of the pairs of the two, ascending.
   [[nodiscard]] std::vector<std::uint32_t> pairs_between(ObjectId a, ObjectId b) const;
   [[nodiscard]] std::optional<std::uint32_t> number_of(const InterestKey& interest) const;  // none: it has no such pair

@@ -124,7 +124,7 @@ struct TwoPeers {
   explicit TwoPeers(const World& w) : world(w), skips(skipper(), *w.model), computes(config(3), *w.model) {
     for (PeerParts* const p : {&skips, &computes}) {
       p->replica.begin(sim(0s));
-      for (std::uint32_t number = 0; number < w.model->pairs.size(); ++number) p->replica.ghosts().watch(number, true);
+      p->replica.ghosts().watch_by([](const CollisionPair&) { return true; });
     }
   }
   static PeerConfig skipper() {

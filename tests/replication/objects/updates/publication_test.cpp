@@ -161,7 +161,7 @@ TEST(Publication, WhatIsDrivenAndStopsUnderAnotherIsPublishedExactlyAndAtOnce) {
                        box("O2", "1 1 1", "50 0 0") + interest("O1", R"("O0")"));
   const ObjectId lift = s.world["O0"];
   for (MotionWorld* const each : {&s.p.replica.truth(), &s.p.replica.ghosts()}) {
-    each->watch(lift, s.world["O1"], true);
+    each->watch_by([](const CollisionPair&) { return true; });
     each->set_base(s.world["O1"], sim(0s), moving({0, 1, 0}, {0, 0, 0}, {0, -9.81, 0}));
   }
   (void)s.tick(1s);

@@ -5,6 +5,7 @@
 #include "replication/physics/world/moving_objects.hpp"
 #include "replication/physics/world/watched_pair.hpp"
 #include "tests/replication/peer/worlds.hpp"
+#include "tests/replication/physics/world/all_watched.hpp"
 
 namespace peerd::replication::contact_answer_test {
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/replication/peer/worlds.hpp"
+#include "tests/replication/physics/world/all_watched.hpp"
 
 namespace peerd::replication::watched_pair_test {
 
@@ -57,7 +58,7 @@ TEST(PairCourse, KnowsWhenItWasFreeBefore) {
 class CarryOver : public testing::Test {
  protected:
   [[nodiscard]] std::vector<std::uint32_t> carry_over() {
-    return replication::carry_over(*world.model, std::move(known), *next, sim(2s), pairs);
+    return replication::carry_over(*world.model, std::move(known), *next, sim(2s), is_watched, pairs);
   }
 
   static std::string car_and_curb() {
@@ -67,6 +68,7 @@ class CarryOver : public testing::Test {
 
   World world{car_and_curb() + interest("CURB", "\"BIRD\"")};
   std::unique_ptr<const WorldModel> next = extended(*world.model, std::vector{world["WHEEL"]});
+  IsWatched is_watched;
   WatchedPairs known = all_watched(*world.model, sim(1s)), pairs{*next};
 };
 
@@ -95,6 +97,7 @@ TEST_F(CarryOver, ThePairOfTheSamePartsKeepsWhatIsKnownOfIt) {
 }
 
 TEST_F(CarryOver, OtherPartsOfAnInterestAreWatchedAndInsideAsTheWholeWas) {
+  is_watched = [&](const CollisionPair& pair) { return pair.collider != world["CAR"]; };
   known[0].watched = false;
   known[0].inside = true;
   known[0].bears = true;
@@ -110,6 +113,7 @@ TEST_F(CarryOver, OtherPartsOfAnInterestAreWatchedAndInsideAsTheWholeWas) {
 TEST_F(CarryOver, WhatWasNeverWatchedIsNot) {
   known = WatchedPairs(*world.model);
   add_pairs(known, *world.model, 1, sim(1s), false);
+  is_watched = [](const CollisionPair&) { return false; };
   EXPECT_THAT(carry_over(), IsEmpty());
   EXPECT_THAT(pairs.numbers(), ElementsAre(2)) << "the car's are still not there";
   EXPECT_FALSE(pairs[2].watched);
@@ -118,7 +122,8 @@ TEST_F(CarryOver, WhatWasNeverWatchedIsNot) {
 TEST_F(CarryOver, PairsOfANewInterestAreWatched) {
   const World without{car_and_curb()};
   known = WatchedPairs(*without.model);
-  EXPECT_THAT(replication::carry_over(*without.model, std::move(known), *next, sim(2s), pairs), ElementsAre(2));
+  const auto added = replication::carry_over(*without.model, std::move(known), *next, sim(2s), {}, pairs);
+  EXPECT_THAT(added, ElementsAre(0, 1, 2)) << "the car was far, and has a part now that moves in it";
   EXPECT_TRUE(pairs[2].watched);
   EXPECT_EQ(pairs[2].clear_until, sim(2s));
 }
