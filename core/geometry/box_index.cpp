@@ -21,7 +21,8 @@ bool BoxIndex::range_of(const Vec3& low, const Vec3& high, int level, const Grid
     const double first = std::floor(std::ldexp(low[axis] - grid.half_m, -level));
     const double last = std::floor(std::ldexp(high[axis] + grid.half_m, -level));
     cells *= last - first + 1.0;
-    if (!(cells <= static_cast<double>(grid.boxes)) || std::abs(first) > kFarthest || std::abs(last) > kFarthest) {
+    if (!(cells <= static_cast<double>(grid.slots.size())) || std::abs(first) > kFarthest ||
+        std::abs(last) > kFarthest) {
       return false;
     }
     range.first[static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(first);
@@ -68,7 +69,7 @@ void BoxIndex::set(std::uint32_t number, const Vec3& low, const Vec3& high) {
   entry.level = level;
   Grid& grid = grids_[level];
   // The centre is rounded, so that the box may reach a little farther.
-  grid.half_m = std::max(grid.half_m, half_m + 0x1p-50 * center.cwiseAbs().maxCoeff());
+  grid.half_m = std::max(grid.half_m, half_m + 0x1p-50 * (half_m + center.cwiseAbs().maxCoeff()));
   ++grid.boxes;
   if (2 * (grid.used + 1) > grid.slots.size()) renew(grid);
   CellSlot& slot = grid.slots[slot_of(grid, entry.cell)];
@@ -95,7 +96,11 @@ void BoxIndex::erase(std::uint32_t number) {
     } else {
       grid->second.slots[slot_of(grid->second, entry.cell)].first = entry.next;
     }
-    if (--grid->second.boxes == 0) grids_.erase(grid);
+    if (--grid->second.boxes == 0) {
+      grids_.erase(grid);
+    } else if (grid->second.slots.size() > 16 * (grid->second.boxes + 4)) {
+      renew(grid->second);
+    }
   }
   entry.level = kAbsent;
   --size_;

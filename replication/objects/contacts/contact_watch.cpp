@@ -31,13 +31,30 @@ void ContactWatch::set_rests(ObjectId a, ObjectId b, bool on) {
 }
 
 void ContactWatch::forget_rests_of(ObjectId object) {
-  std::erase_if(resting_, [&](const auto& two) { return two.first == object || two.second == object; });
-  if (is_up_to_date()) note_sought(object);
+  std::vector<ObjectId> partners;
+  std::erase_if(resting_, [&](const auto& two) {
+    if (two.first != object && two.second != object) return false;
+    partners.push_back(two.first == object ? two.second : two.first);
+    return true;
+  });
+  if (!is_up_to_date()) return;
+  note_sought(object);
+  for (const ObjectId partner : partners) {
+    if (note_partner(partner)) watch_anew(partner);
+  }
 }
 
 void ContactWatch::forget_ended_rests() {
   assert(std::ranges::all_of(resting_, [](const auto& two) { return two.first < two.second; }));
-  std::erase_if(resting_, [&](const auto& two) { return !leaves(two.first, two.second); });
+  std::vector<ObjectId> ends;
+  std::erase_if(resting_, [&](const auto& two) {
+    if (leaves(two.first, two.second)) return false;
+    ends.insert(ends.end(), {two.first, two.second});
+    return true;
+  });
+  for (const ObjectId end : ends) {
+    if (note_partner(end)) watch_anew(end);
+  }
 }
 
 bool ContactWatch::is_partner(ObjectId object) const {
@@ -148,7 +165,9 @@ void ContactWatch::follow(ObjectId object) {
 void ContactWatch::follow_owners_of(std::span<const ObjectId> objects) {
   if (!is_up_to_date()) return follow_all();
   forget_ended_rests();
-  std::vector<ObjectId> ends(objects.begin(), objects.end());
+  std::vector<ObjectId> owned(objects.begin(), objects.end());
+  std::ranges::sort(owned);
+  std::vector<ObjectId> ends = owned;
   bool others_may_be = false;
   for (const ObjectId object : objects) {
     note_sought(object);
@@ -164,8 +183,7 @@ void ContactWatch::follow_owners_of(std::span<const ObjectId> objects) {
   std::ranges::sort(ends);
   ends.erase(std::ranges::unique(ends).begin(), ends.end());
   for (const ObjectId end : ends) {
-    const bool is_one_of_them = std::ranges::find(objects, end) != objects.end();
-    if (note_partner(end) || is_one_of_them) watch_anew(end);
+    if (note_partner(end) || std::ranges::binary_search(owned, end)) watch_anew(end);
   }
 }
 
@@ -184,7 +202,7 @@ bool ContactWatch::is_watched_in_truth(const CollisionPair& pair) const {
   const bool moves_scene =
       (scene_.answers(pair, a) && owners_.of(a) == kNobody) || (scene_.answers(pair, b) && owners_.of(b) == kNobody);
   if (moves_scene) return owners_.of(a) == kNobody && owners_.of(b) == kNobody;
-  return is_partner(a) || is_partner(b);
+  return partners_.contains(a) || partners_.contains(b);
 }
 
 bool ContactWatch::is_watched_in_ghosts(const CollisionPair& pair) const {

@@ -34,8 +34,11 @@ bool holds(const SweptRegion& place, const SweptRegion& bound) {
 
 FarPairs::FarPairs(const WorldModel& model, SimTime start, MovingObjects& objects)
     : model_(&model), places_(model.nodes.size()), checks_(model.nodes.size()) {
-  const auto is_of_boxes = [](const PairGroup& group) { return group.type() == CollisionType::kBox; };
-  if (std::ranges::any_of(model.groups, is_of_boxes)) reach_ = kBoxReach;
+  const auto note_type = [&](CollisionType type) {
+    if (type == CollisionType::kBox) reach_ = kBoxReach;
+  };
+  for (const PairGroup& group : model.groups) note_type(group.type());
+  model.pairs.for_each_listed([&](std::uint32_t, const CollisionPair& pair) { note_type(pair.type); });
   for (std::uint32_t i = 0; i < places_.size(); ++i) {
     if (!is_single(i)) continue;
     places_[i] = first_place(i, start, objects);
@@ -85,14 +88,10 @@ FarPairs::Place FarPairs::place_at(std::size_t object, SimTime s, MovingObjects&
 }
 
 FarPairs::Place FarPairs::first_place(std::uint32_t object, SimTime start, MovingObjects& objects) const {
-  if (!objects.has_never_moved(object)) {
-    Place place = place_at(object, start, objects);
-    const SweptBound& bound = objects.bound_of(object, start);
-    if (bound.still) place.since = bound.last_change.value_or(SimTime::min());
-    return place;
-  }
+  if (!objects.has_never_moved(object)) return place_at(object, start, objects);
   Place place;
   place.exists = true;
+  place.since = start;
   place.region = standing_region(model_->bodies[object], objects.first_position(object));
   place.known_until = SimTime::max();
   return place;
@@ -191,7 +190,7 @@ WatchedPair& FarPairs::known(std::uint32_t pair, SimTime apart_until, WatchedPai
   if (WatchedPair* const there = pairs.find(pair)) return *there;
   assert(may_be_far(pair));
   WatchedPair& made = make(pair, apart_until, pairs);
-  // One that is where its first way begins, and has just left the place before, may begin in the other.
+  // An object that has just left its first place may begin in the other one; that is said (BodiesOverlap).
   made.searched = places_[made.collider].left > 1 || places_[made.collidee].left > 1;
   made.is_far = true;
   remembering_.push_back(pair);
@@ -268,6 +267,13 @@ void FarPairs::open_near(std::uint32_t object, SimTime from, SimTime apart_until
     if (past.object == object || past.until <= from) return;
     open_between(object, past.object, past.region, apart_until, pairs, opened);
   });
+  for (const std::uint32_t i : pairs.of_end(object)) {  // erase_unwatched() may make it far from here on
+    const WatchedPair& pair = pairs[i];
+    if (pair.watched || !may_be_far(i)) continue;
+    Place &a = places_[pair.collider], &b = places_[pair.collidee];
+    a.last_added = std::max({a.last_added, a.since, b.since});
+    b.last_added = std::max({b.last_added, a.since, b.since});
+  }
 }
 
 void FarPairs::open_all(std::uint32_t object, SimTime apart_until, WatchedPairs& pairs,
@@ -331,17 +337,17 @@ void FarPairs::moved(std::size_t index, SimTime t, SimTime until, MovingObjects&
   t = std::max(t, until - kWorldHistory);
   const bool was_later = place.since > t;
   if (was_later) go_back(object, t);
-  if (place.since > t) {  // it is not known where it was
+  if (place.since > t) {  // before the first places nobody knows who was where
     open_all(object, apart_until, pairs, opened);
-    const std::uint32_t left = place.left + 1;
-    place = place_at(object, t, objects);
-    place.left = left;
+    Place anew = place_at(object, place.since, objects);
+    anew.left = place.left + 1;
+    place = std::move(anew);
     note_place(object);
   } else {
     place.known_until = std::min(place.known_until, t);
     if (was_later || t < place.last_added) open_near(object, t, apart_until, pairs, opened);
   }
-  assert(place.since <= t && place.known_until >= place.since);
+  assert(place.known_until >= place.since);
   const SimTime last = std::max(t, until);
   while (!stays_until(object, last, objects)) {
     const SimTime s = place.known_until;

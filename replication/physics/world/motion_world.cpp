@@ -233,6 +233,17 @@ void MotionWorld::watch_anew(std::optional<ObjectId> object) {
   const std::span<const std::uint32_t> of = object ? pairs_.of_end(objects_.index_of(*object)) : pairs_.numbers();
   const std::vector<std::uint32_t> near(of.begin(), of.end());
   for (const std::uint32_t i : near) watch_pair(i);
+  const auto note_known_of = [&](std::size_t index) {  // far ones of what has moved may be watched now
+    for (const std::uint32_t k : model_->part_pairs_moved_by(index)) {
+      if (!far_.may_be_far(k) || !far_.is_watched(model_->part_pairs[k].pair)) continue;
+      const PartPair parts = model_->part_pairs[k];
+      if (!objects_.has_never_moved(parts.a) || !objects_.has_never_moved(parts.b)) known_.note(k);
+    }
+  };
+  if (known_.has_begun() && object) note_known_of(objects_.index_of(*object));
+  if (known_.has_begun() && !object) {
+    for (std::size_t i = 0; i < model_->nodes.size(); ++i) note_known_of(i);
+  }
   const auto watch_listed = [&](std::uint32_t number) {  // what may not be far is there from the begin on
     if (has_pairs_of(number, *model_, pairs_) || may_be_far(number, *model_, far_) || !far_.is_watched(number)) return;
     need_pairs_of(number);

@@ -166,7 +166,9 @@ std::vector<std::uint32_t> pairs_in_question(const WorldModel& before, const Wat
   for (const std::uint32_t i : known.numbers()) {
     const CollisionPair pair = before.pairs[known[i].number];
     if (!next.scene->contains(pair.collider) || !next.scene->contains(pair.collidee)) continue;
-    if (const auto number = next.number_of(key_of(pair))) numbers.push_back(*number);
+    for (const std::uint32_t number : next.pairs_between(pair.collider, pair.collidee)) {
+      if (next.pairs[number].type == pair.type) numbers.push_back(number);
+    }
   }
   for (const PairGroup& group : next.groups) {
     const PairGroup* was = nullptr;

@@ -52,6 +52,23 @@ class RegisteredTheOtherWay : public Near {
  protected:
   RegisteredTheOtherWay() : Near(interest("CUBE", "\"CAR\"")) {}
 };
+// All may meet all, the two and ten others that nobody owns.
+class InAGroup : public Near {
+ protected:
+  InAGroup() : Near(all_with_all()) {}
+  static std::string all_with_all() {
+    std::string text;
+    for (int i = 0; i < 10; ++i) text += box("P" + std::to_string(i), "1 1 1", "0 100 " + std::to_string(5 * i));
+    return text + interest("*", "\"*\"");
+  }
+};
+
+TEST_F(InAGroup, TightensWithinTheCloseProximity) {
+  ASSERT_EQ(world.model->groups.size(), 1U);
+  EXPECT_EQ(threshold_with_gap(4.99), 0.01);
+}
+
+TEST_F(InAGroup, IsTheUsualOneFartherAway) { EXPECT_EQ(threshold_with_gap(5.01), 0.5); }
 
 TEST_F(Near, TightensAtOnceWithinTheCloseProximity) {
   EXPECT_EQ(threshold_with_gap(5.01), 0.5);

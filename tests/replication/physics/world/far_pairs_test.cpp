@@ -412,6 +412,18 @@ TEST(FarPairs, ThatNobodyWatchesAreNotKept) {
   EXPECT_FALSE(contacts_of(world).empty());
 }
 
+// What has moved while nobody watched it is known once somebody does.
+TEST(WaitingPairs, AreKnownOnceTheyAreWatched) {
+  const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "90 0 0") + interest("A", "\"B\""));
+  MotionWorld world(*w.model, sim(0s), MotionWorld::Watched::kNone);
+  EXPECT_TRUE(world.known_pairs().empty());
+  world.set_base(w["A"], sim(0s), moving({0, 0, 0}, {1, 0, 0}));
+  world.advance(sim(1s));
+  EXPECT_TRUE(world.known_pairs().empty());
+  watch_all(world);
+  EXPECT_EQ(world.known_pairs().size(), 1U);
+}
+
 void advance_in_ticks(MotionWorld& world, SimTime from, SimTime to) {
   for (SimTime t = from; t < to; t += 10ms) world.advance(t);
   world.advance(to);

@@ -183,6 +183,34 @@ TEST(SceneChangeOnce, EndsTheWaitOfWhatItMoves) {
   EXPECT_EQ(standing(world, contacts).size(), 1u);
 }
 
+// An edit of the past moves a wall to where BALL has come by since then, which stands elsewhere now. It is known in
+// time, or late.
+TEST(SceneChangeOnce, FindsWhatCameBySinceThen) {
+  const World w(box("BALL", "1 1 1", "0 0 0", kBounces) + box("WALL", "1 9 9", "10 50 0") +
+                interest("BALL", "\"WALL\""));
+  const ObjectId ball = w["BALL"];
+  const auto next = edited_model(*w.model, sets(w.scene, w["WALL"], "translation", "10 0 0"));
+  const auto met = [&](Duration known) {
+    MotionWorld world(*w.model, sim(0s));
+    world.replay_bases();
+    world.declare(ball, Role::kPredicted);
+    world.set_base(ball, sim(0s), moving({0, 0, 0}, {10, 0, 0}));
+    std::vector<ContactEvent> contacts;
+    for (Duration t{0}; t <= 4s; t += 50ms) {
+      if (t == 2s) world.set_base(ball, sim(2s), moving({20, 0, 0}));
+      world.advance(sim(t));
+      if (t != known) continue;
+      (void)world.change_scene(
+          *next, {sim(500ms), [&](ObjectId object) { return object == ball; }, [](ObjectId) { return Role::kScene; }});
+    }
+    return standing(world, contacts);
+  };
+  const std::vector<SimTime> in_time = met(500ms);
+  ASSERT_FALSE(in_time.empty());
+  EXPECT_NEAR(to_seconds(in_time.front() - sim(0s)), 0.9, 1e-6);
+  EXPECT_EQ(met(3s), in_time);
+}
+
 // Bodies that an edit leaves as they are are shared, so that it costs no more than what it changes.
 TEST(SceneChangeOnce, SharesTheBodiesThatStay) {
   const World w(corridor());
