@@ -34,7 +34,7 @@ class BoxIndex {
     for (const std::uint32_t number : everywhere_) offer(number);
     for (const auto& [level, grid] : grids_) {
       CellRange range;
-      if (!range_of(low, high, level, grid, range)) {  // there are more cells than boxes
+      if (!range_of(low, high, level, grid, range)) {  // there are more cells than slots
         for (const CellSlot& slot : grid.slots) offer_list(slot.first, offer);
         continue;
       }
@@ -91,9 +91,9 @@ class BoxIndex {
     while (grid.slots[i].is_used && grid.slots[i].cell != cell) i = (i + 1) & mask;
     return i;
   }
-  // Makes room for one more cell, and forgets those without boxes.
+  // Gives the table room for twice the cells that have boxes, and forgets the others.
   static void renew(Grid& grid);
-  // The cells of boxes that may be near; false where looking at all boxes is less work.
+  // Sets `range` to the cells of boxes that may be near. Returns false where to go through all slots is less work.
   [[nodiscard]] static bool range_of(const Vec3& low, const Vec3& high, int level, const Grid& grid, CellRange& range);
 
   std::vector<Entry> entries_;             // by number

@@ -75,7 +75,7 @@ class ContactWatch {
   void forget_ended_rests();
   [[nodiscard]] bool is_watched_in_truth(const CollisionPair& pair) const;
   [[nodiscard]] bool is_watched_in_ghosts(const CollisionPair& pair) const;
-  // Asks both worlds to look again at the pairs of the object.
+  // Both worlds ask again which pairs of the object are watched.
   void watch_anew(ObjectId object);
 
   const PeerConfig& config_;

@@ -16,7 +16,8 @@ namespace {
 // A place reaches so many times as far as the body goes until its bound ends, to all sides. With less it is left more
 // often, with more fewer pairs are far.
 constexpr double kPlaceWays = 2.0;
-// It reaches at least so many radii of the body: what hardly moves does not leave it at each window.
+// A place reaches at least so many radii of its body to all sides. Else a body that hardly moves would leave its place
+// at the end of each window.
 constexpr double kPlaceRadii = 1.0;
 
 // The end of the time that a bound is for. A body that stands does so until its law changes.

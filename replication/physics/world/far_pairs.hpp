@@ -25,7 +25,7 @@ namespace peerd::replication {
 // Pairs with a carrier or with flexible parts, and those of which collision has no exact answer, are always near.
 class FarPairs {
  public:
-  // All places are known from `start` on; those of what stands at its place in the file have always been.
+  // All places are known from `start` on.
   FarPairs(const WorldModel& model, SimTime start, MovingObjects& objects);
 
   // The rule by which pairs are watched from now on.
@@ -49,11 +49,11 @@ class FarPairs {
   // The two are apart at s, by their bounds. Notes the pair as far if their places are apart, too, and returns whether
   // it has. Erases a pair that has nothing to remember; no search begins before `oldest` any more.
   bool add(std::uint32_t pair, SimTime s, SimTime oldest, MovingObjects& objects, WatchedPairs& pairs);
-  // The WatchedPair of a pair that has one or may be far. That of a far one is made: the two were apart before
-  // `apart_until`.
+  // Returns the WatchedPair of a pair. Where there is none, the pair is far, and gets one that says that the two were
+  // apart before `apart_until`.
   WatchedPair& known(std::uint32_t pair, SimTime apart_until, WatchedPairs& pairs);
-  // Makes those of all far pairs of which one is one of these objects, or ModelNode::kNone, and the other one may be in
-  // reach [m] of it. Returns whether there was any to make.
+  // Makes the WatchedPairs of far pairs between one of these objects and any other one whose place is within `within_m`
+  // [m] of a place of it. ModelNode::kNone stands for no object. Returns whether there was any to make.
   bool make_near(std::span<const std::uint32_t> objects, double within_m, SimTime apart_until, WatchedPairs& pairs);
   // The object has a new law from t on. Follows it until `until`, and appends pairs that are no longer far to `opened`.
   void moved(std::size_t object, SimTime t, SimTime until, MovingObjects& objects, WatchedPairs& pairs,
@@ -109,15 +109,15 @@ class FarPairs {
   void go_back(std::uint32_t object, SimTime t);
   void erase_past(std::uint32_t slot);
   WatchedPair& make(std::uint32_t pair, SimTime apart_until, WatchedPairs& pairs) const;
-  // Opens the far pairs of the object for whose two places, from `from` on, it does not hold that they are apart. They
-  // were until `apart_until`, as far as this object goes.
+  // Opens the far pairs between the object and all that has been, at `from` or later, in a place that is not apart from
+  // the object's place. By the object's laws until now the two were apart until `apart_until`.
   void open_near(std::uint32_t object, SimTime from, SimTime apart_until, WatchedPairs& pairs,
                  std::vector<std::uint32_t>& opened);
   void open_between(std::uint32_t object, std::uint32_t other, const SweptRegion& place_of_other, SimTime apart_until,
                     WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
   void open_all(std::uint32_t object, SimTime apart_until, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
   void open_pair(std::uint32_t pair, SimTime apart_until, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
-  // Erases pairs of the object that nobody watches, and that are far now.
+  // Erases the WatchedPairs of the object that nobody watches and whose two places are apart.
   void erase_unwatched(std::uint32_t object, WatchedPairs& pairs) const;
   [[nodiscard]] bool stays_until(std::size_t object, SimTime until, MovingObjects& objects);
 
@@ -133,12 +133,13 @@ class FarPairs {
   std::vector<std::uint32_t> remembering_;  // far pairs that have a WatchedPair, and some that had one
 };
 
-// The part pairs that somebody follows one by one, from when they are asked for; the order is that in which they came.
+// The part pairs of MotionWorld::known_pairs(), in the order in which they came. It is empty until begin().
 class KnownPairs {
  public:
   [[nodiscard]] bool has_begun() const { return has_begun_; }
   void begin(const WorldModel& model);
-  // These do nothing before it has begun. Note a pair; the watched ones of an object that may be far.
+  // Both do nothing before it has begun. The first adds a pair, the second all watched pairs of an object that may be
+  // far.
   void note(std::uint32_t part_pair);
   void note_far_of(std::size_t object, const WorldModel& model, const FarPairs& far);
   [[nodiscard]] std::span<const std::uint32_t> pairs() const { return pairs_; }

@@ -233,7 +233,8 @@ void MotionWorld::watch_anew(std::optional<ObjectId> object) {
   const std::span<const std::uint32_t> of = object ? pairs_.of_end(objects_.index_of(*object)) : pairs_.numbers();
   const std::vector<std::uint32_t> near(of.begin(), of.end());
   for (const std::uint32_t i : near) watch_pair(i);
-  const auto note_known_of = [&](std::size_t index) {  // far ones of what has moved may be watched now
+  // A far pair of which an end has moved may be watched by now, and then belongs to the known ones.
+  const auto note_known_of = [&](std::size_t index) {
     for (const std::uint32_t k : model_->part_pairs_moved_by(index)) {
       if (!far_.may_be_far(k) || !far_.is_watched(model_->part_pairs[k].pair)) continue;
       const PartPair parts = model_->part_pairs[k];

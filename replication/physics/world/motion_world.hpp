@@ -82,9 +82,9 @@ class MotionWorld {
   // Asks the rule again of all pairs, or of those of an object.
   void watch_anew(std::optional<ObjectId> object = {});
 
-  // The part pairs that are watched and of which one of the two has moved, or that are near, that were so, or that
-  // somebody has asked for; all where there is no rule. From the first call on they are kept, and new ones are behind
-  // those of the last call, but for a change of the model.
+  // The part pairs that are near or put off, or were so since the first call, and all watched ones of which one of the
+  // two has moved; all pairs where there is no rule. Those of the last call come first, in the same order, unless the
+  // model has changed since.
   [[nodiscard]] std::span<const std::uint32_t> known_pairs();
 
   // Makes the world a function of the bases, whatever order they come in; called before the first of them. An object
@@ -219,7 +219,7 @@ class MotionWorld {
   [[nodiscard]] PairSearch search() { return {*model_, objects_, pairs_, start_, counters_, events_, detection_}; }
   // Makes the WatchedPairs of an interest's pair that may not be far.
   void need_pairs_of(std::uint32_t number);
-  // Looks again whether the pair is watched.
+  // Asks the rule whether the pair is watched.
   void watch_pair(std::uint32_t part_pair);
   // Goes on with the pairs of another model. `change_objects` does so with the objects. Pairs that are new are searched
   // from t on.

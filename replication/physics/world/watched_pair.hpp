@@ -115,8 +115,8 @@ inline constexpr Duration kSameContact{std::int64_t{1} << 26};
 
 [[nodiscard]] inline bool met_lately(SimTime met, SimTime t, Duration within) { return met <= t && t <= met + within; }
 
-// The model's part pairs that are watched, or have been, but for far ones (FarPairs): all of an interest, or none. The
-// numbers are those of the model.
+// The model's part pairs that are near, and the far ones that have something to remember (FarPairs): all of an
+// interest, or none. The numbers are those of the model.
 class WatchedPairs {
  public:
   explicit WatchedPairs(const WorldModel& model) : pairs_(model.part_pairs.size()), of_end_(model.nodes.size()) {}
@@ -154,9 +154,9 @@ struct RememberedCourses {
 // Begins with the part pairs of an interest, of which none is there: nothing is known of them from `start` on.
 void add_pairs(WatchedPairs& pairs, const WorldModel& model, std::uint32_t interest, SimTime start, bool watched);
 // Gives the pairs of `next` what is known of those of `before`, where their interest, their two parts and who answers
-// are the same. Returns the other ones that have to be there, ascending: those that are new or have another part, and
-// are watched. They are `inside` if another pair of their ends was. What was far, and is the
-// same, stays without.
+// are the same. Then it adds, and returns in ascending order, the watched pairs whose interest is new or of which a
+// part has changed. Such a pair is `inside` if another pair of its two ends was. A pair that was far and has not
+// changed gets no WatchedPair.
 std::vector<std::uint32_t> carry_over(const WorldModel& before, WatchedPairs known, const WorldModel& next,
                                       SimTime start, const IsWatched& is_watched, WatchedPairs& pairs);
 

@@ -102,7 +102,7 @@ TEST(FarPairs, AreNotKeptUnlessTheyHaveTouchedLately) {
   EXPECT_FALSE(pairs.contains(1)) << "nothing looks back to 1 s any more";
 }
 
-// What is far, and has touched, is forgotten once nothing looks back to that.
+// A far pair that has touched is forgotten once nothing looks back to that time.
 TEST(FarPairs, ForgetTheirTouchesInTime) {
   const World w(street(1));
   MovingObjects objects(*w.model, sim(0s));
@@ -412,7 +412,7 @@ TEST(FarPairs, ThatNobodyWatchesAreNotKept) {
   EXPECT_FALSE(contacts_of(world).empty());
 }
 
-// What has moved while nobody watched it is known once somebody does.
+// A has moved while nobody watched the pair, so the pair is known as soon as somebody watches it.
 TEST(WaitingPairs, AreKnownOnceTheyAreWatched) {
   const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "90 0 0") + interest("A", "\"B\""));
   MotionWorld world(*w.model, sim(0s), MotionWorld::Watched::kNone);
