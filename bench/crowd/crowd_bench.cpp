@@ -43,8 +43,6 @@ constexpr std::array<CrowdEngineKind, 4> kEngines{{
     {"box3d", nullptr, false},
 #endif
 }};
-// A peer keeps something of each pair of bodies: more of them do not fit into a computer's memory.
-constexpr std::size_t kMostOfPeerd = 3000;
 constexpr double kEnergyBound = 1e-6, kContactsBound = 0.2;
 constexpr double kWithinRounding_m = 1e-6;
 
@@ -131,9 +129,8 @@ class Bench : public Report {
   [[nodiscard]] static bool wants(const std::vector<std::string>& all, std::string_view one) {
     return all.empty() || std::ranges::find(all, one) != all.end();
   }
-  [[nodiscard]] bool measures(const CrowdEngineKind& kind, const CrowdScene& scene) const {
-    const std::size_t most = kind.name == "peerd" ? kMostOfPeerd : scene.bodies.size();
-    return kind.begin != nullptr && wants(engines_, kind.name) && scene.bodies.size() <= most;
+  [[nodiscard]] bool measures(const CrowdEngineKind& kind) const {
+    return kind.begin != nullptr && wants(engines_, kind.name);
   }
 
   void scene(const std::string& name, CrowdScene (*make)(std::size_t), const std::vector<std::size_t>& usual,
@@ -145,7 +142,7 @@ class Bench : public Report {
       const double seconds = options_.quick ? 0.5 : count < 3000 ? 10.0 : 4.0;
       for (int turn = 0; turn < turns; ++turn) {
         for (const CrowdEngineKind& kind : kEngines) {
-          if (measures(kind, scene)) costs[kind.name].push_back(measure(kind, scene, seconds));
+          if (measures(kind)) costs[kind.name].push_back(measure(kind, scene, seconds));
         }
       }
       for (const CrowdEngineKind& kind : kEngines) {

@@ -31,7 +31,7 @@ bool BoxIndex::range_of(const Vec3& low, const Vec3& high, int level, const Grid
   return true;
 }
 
-void BoxIndex::renew(Grid& grid) {
+void BoxIndex::rehash(Grid& grid) {
   std::size_t with_boxes = 0;
   for (const CellSlot& slot : grid.slots) with_boxes += slot.first != kNone ? 1 : 0;
   std::size_t size = 16;
@@ -71,7 +71,7 @@ void BoxIndex::set(std::uint32_t number, const Vec3& low, const Vec3& high) {
   // The centre is rounded, so that the box may reach a little farther.
   grid.half_m = std::max(grid.half_m, half_m + 0x1p-50 * (half_m + center.cwiseAbs().maxCoeff()));
   ++grid.boxes;
-  if (2 * (grid.used + 1) > grid.slots.size()) renew(grid);
+  if (2 * (grid.used + 1) > grid.slots.size()) rehash(grid);
   CellSlot& slot = grid.slots[slot_of(grid, entry.cell)];
   if (!std::exchange(slot.is_used, true)) {
     slot.cell = entry.cell;
@@ -99,7 +99,7 @@ void BoxIndex::erase(std::uint32_t number) {
     if (--grid->second.boxes == 0) {
       grids_.erase(grid);
     } else if (grid->second.slots.size() > 16 * (grid->second.boxes + 4)) {
-      renew(grid->second);
+      rehash(grid->second);
     }
   }
   entry.level = kAbsent;

@@ -92,7 +92,7 @@ class BoxIndex {
     return i;
   }
   // Gives the table room for twice the cells that have boxes, and forgets the others.
-  static void renew(Grid& grid);
+  static void rehash(Grid& grid);
   // Sets `range` to the cells of boxes that may be near. Returns false where to go through all slots is less work.
   [[nodiscard]] static bool range_of(const Vec3& low, const Vec3& high, int level, const Grid& grid, CellRange& range);
 

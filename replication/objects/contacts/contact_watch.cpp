@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cassert>
-#include <iterator>
 #include <utility>
+#include <vector>
 
 #include "replication/objects/contacts/decision.hpp"
 

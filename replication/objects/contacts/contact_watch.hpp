@@ -8,7 +8,6 @@
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
-#include <vector>
 
 #include "core/ids.hpp"
 #include "replication/objects/replica/own_objects.hpp"

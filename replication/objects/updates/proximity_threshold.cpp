@@ -108,23 +108,24 @@ std::array<std::uint64_t, 3> ProximityThreshold::revisions() const {
   return {owners_.revision(), replica_.received_revision(), model_.revision()};
 }
 
-std::vector<ProximityThreshold::RemotePair> ProximityThreshold::near_pairs_of(std::uint32_t node, SimTime t) {
-  std::vector<RemotePair> pairs = remote_pairs_of(node);
+const std::vector<ProximityThreshold::RemotePair>& ProximityThreshold::near_pairs_of(std::uint32_t node, SimTime t) {
+  const std::vector<RemotePair>& listed = remote_pairs_of(node);
   const bool is_in_group = !model_->node_part_pairs.stretches_of(node).empty();
-  if (!is_in_group) return pairs;
+  if (!is_in_group) return listed;
   place_others(t);
-  if (others_.nodes.empty()) return pairs;
+  if (others_.nodes.empty()) return listed;
+  near_pairs_ = listed;
   const auto [low, high] = way_of(node, t);
   assert(others_.index.size() <= others_.nodes.size());
   others_.index.for_each_near(low, high, [&](std::uint32_t other) {
     if (other == node) return;
     model_->for_each_part_pair_between(node, other, [&](std::uint32_t number) {
       if (model_->part_pairs.locate(number).group == nullptr) return;
-      pairs.push_back({number, model_->part_pairs[number].a == node});
+      near_pairs_.push_back({number, model_->part_pairs[number].a == node});
     });
   });
-  std::ranges::sort(pairs, {}, &RemotePair::part_pair);
-  return pairs;
+  std::ranges::sort(near_pairs_, {}, &RemotePair::part_pair);
+  return near_pairs_;
 }
 
 void ProximityThreshold::place_others(SimTime t) {
@@ -148,8 +149,9 @@ void ProximityThreshold::place_others(SimTime t) {
   }
 }
 
-// Two spheres that part count as close for some time, too (collision::proximity_time_s()).
-ProximityThreshold::Box ProximityThreshold::way_of(std::uint32_t node, SimTime t) const {
+// Two spheres that have been apart for less than half the close proximity count as close
+// (collision::proximity_time_s()).
+WorldBox ProximityThreshold::way_of(std::uint32_t node, SimTime t) const {
   assert(node < model_->nodes.size());
   const double close_s = config_.policy.close_proximity_s;
   const collision::MovingSphere sphere = sphere_of_part(side_at({node, model_->nodes[node].object}, t));

@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/box.hpp"
 #include "core/geometry/box_index.hpp"
 #include "core/ids.hpp"
 #include "core/time.hpp"
@@ -55,13 +56,11 @@ class ProximityThreshold {
   // these.
   [[nodiscard]] const std::vector<RemotePair>& remote_pairs_of(std::uint32_t node);
   // Ascending: those of remote_pairs_of(), and those of groups that may be in close proximity at t.
-  [[nodiscard]] std::vector<RemotePair> near_pairs_of(std::uint32_t node, SimTime t);
+  [[nodiscard]] const std::vector<RemotePair>& near_pairs_of(std::uint32_t node, SimTime t);
   // Notes where the objects of other peers that are in groups may be within the close proximity from t on.
   void place_others(SimTime t);
-  struct Box {
-    Vec3 low, high;
-  };
-  [[nodiscard]] Box way_of(std::uint32_t node, SimTime t) const;
+  // The box of where the node's sphere is until the close proximity is over, and was for half as long before.
+  [[nodiscard]] WorldBox way_of(std::uint32_t node, SimTime t) const;
   [[nodiscard]] bool is_anothers(const PartPair& parts, bool collider) const;
   [[nodiscard]] bool is_owned_by_another(ObjectId object) const;
   [[nodiscard]] std::array<std::uint64_t, 3> revisions() const;
@@ -81,6 +80,7 @@ class ProximityThreshold {
     BoxIndex index;
   };
   Others others_;
+  std::vector<RemotePair> near_pairs_;  // what near_pairs_of() has returned last
 };
 
 }  // namespace peerd::replication

@@ -56,11 +56,6 @@ double radius_about_origin_m(const collision::Body& body) {
   return kBoxReach * extent_m;
 }
 
-bool always_apart(const collision::Body& a, const Vec3& at_a, const collision::Body& b, const Vec3& at_b) {
-  const double both_m = radius_about_origin_m(a) + radius_about_origin_m(b);
-  return (at_a - at_b).norm() > both_m + kMargin * (at_a.norm() + at_b.norm() + both_m);
-}
-
 SweptRegion standing_region(const collision::Body& body, const Vec3& position) {
   const double radius_m = radius_of(body), off_m = body.center.norm();
   const double lengths = position.norm() + 2.0 * off_m + radius_m;

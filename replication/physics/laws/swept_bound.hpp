@@ -12,8 +12,6 @@ inline constexpr double kBoxReach = 1.7320508075688774;
 
 // However the body is turned, no point of it, nor of its box, is farther from its origin [m].
 [[nodiscard]] double radius_about_origin_m(const collision::Body& body);
-// Whether two bodies with their origins at these places [m] are apart, and so are their boxes, however they are turned.
-[[nodiscard]] bool always_apart(const collision::Body& a, const Vec3& at_a, const collision::Body& b, const Vec3& at_b);
 
 // A region that a body may be in: a box of the centres of a sphere around it, and the radius of the sphere.
 struct SweptRegion {

@@ -88,13 +88,6 @@ class PairGroup {
     if (member.row != kNoNode && k >= member.row) return row_at_[member.row] + k - member.row;
     return row_at_[k] + offset_in_row(k, member);
   }
-  // The node that the member has its kth pair with.
-  [[nodiscard]] std::uint32_t partner_of(const Member& member, std::uint32_t k) const {
-    assert(k < count_of(member));
-    const bool is_collidee = member.row == kNoNode || (colliders_are_collidees_ && k < member.row);
-    if (is_collidee) return colliders_[k].node;
-    return collidees_[colliders_are_collidees_ ? column_in_row(member.row, k - member.row) : k].node;
-  }
 
  private:
   struct Place {
@@ -149,10 +142,6 @@ class PairNumbers {
     Iterator() = default;
     Iterator(const Stretch* at, const Stretch* end) : at_(at), end_(end) { skip_empty(); }
     std::uint32_t operator*() const { return (*at_)[k_]; }
-    // The other node of that pair, where it is one of a group; else kNoNode.
-    [[nodiscard]] std::uint32_t partner() const {
-      return at_->group == nullptr ? kNoNode : at_->group->partner_of(at_->member, k_);
-    }
     Iterator& operator++() {
       if (++k_ == at_->count) {
         ++at_;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cassert>
 #include <functional>
-#include <limits>
 #include <queue>
 #include <utility>
 
@@ -67,7 +66,7 @@ bool FarPairs::may_be_far(std::uint32_t pair) const {
 
 // ---- places ----
 
-FarPairs::Box FarPairs::box_of(const SweptRegion& region) const {
+WorldBox FarPairs::box_of(const SweptRegion& region) const {
   const double farthest_m = region.low.cwiseAbs().cwiseMax(region.high.cwiseAbs()).maxCoeff() + region.radius_m;
   const Vec3 reach = Vec3::Constant(reach_ * region.radius_m + 0x1p-50 * farthest_m);  // with room for rounding
   return {region.low - reach, region.high + reach};
@@ -101,8 +100,8 @@ FarPairs::Place FarPairs::first_place(std::uint32_t object, SimTime start, Movin
 void FarPairs::note_place(std::uint32_t object) {
   const Place& place = places_[object];
   assert(place.exists && place.region.radius_m >= 0.0);
-  const Box box = box_of(place.region);
-  index_.set(object, box.low, box.high);
+  const WorldBox box = box_of(place.region);
+  index_.set(object, box.lo, box.hi);
   checks_.set(object, place.known_until);
 }
 
@@ -119,8 +118,8 @@ void FarPairs::enter(std::uint32_t object, const Place& next, SimTime s) {
       free_past_.pop_back();
     }
     past_[slot] = {object, place.region, place.since, s};
-    const Box box = box_of(place.region);
-    past_index_.set(slot, box.low, box.high);
+    const WorldBox box = box_of(place.region);
+    past_index_.set(slot, box.lo, box.hi);
     place.before.push_back(slot);
   }
   place.region = next.region;
@@ -181,16 +180,12 @@ void FarPairs::forget_before(SimTime oldest, WatchedPairs& pairs) {
 
 // ---- pairs ----
 
-WatchedPair& FarPairs::make(std::uint32_t pair, SimTime apart_until, WatchedPairs& pairs) const {
-  const std::uint32_t number = model_->part_pairs[pair].pair;
-  add_pairs(pairs, *model_, number, apart_until, is_watched(number));
-  return pairs[pair];
-}
-
 WatchedPair& FarPairs::known(std::uint32_t pair, SimTime apart_until, WatchedPairs& pairs) {
   if (WatchedPair* const there = pairs.find(pair)) return *there;
   assert(may_be_far(pair));
-  WatchedPair& made = make(pair, apart_until, pairs);
+  const std::uint32_t number = model_->part_pairs[pair].pair;
+  add_pairs(pairs, *model_, number, apart_until, is_watched(number));
+  WatchedPair& made = pairs[pair];
   // An object that has just left its first place may begin in the other one; that is said (BodiesOverlap).
   made.searched = places_[made.collider].left > 1 || places_[made.collidee].left > 1;
   made.is_far = true;
@@ -259,22 +254,15 @@ void FarPairs::open_between(std::uint32_t object, std::uint32_t other, const Swe
 
 void FarPairs::open_near(std::uint32_t object, SimTime from, SimTime apart_until, WatchedPairs& pairs,
                          std::vector<std::uint32_t>& opened) {
-  const Box box = box_of(places_[object].region);
-  index_.for_each_near(box.low, box.high, [&](std::uint32_t other) {
+  const WorldBox box = box_of(places_[object].region);
+  index_.for_each_near(box.lo, box.hi, [&](std::uint32_t other) {
     if (other != object) open_between(object, other, places_[other].region, apart_until, pairs, opened);
   });
-  past_index_.for_each_near(box.low, box.high, [&](std::uint32_t slot) {
+  past_index_.for_each_near(box.lo, box.hi, [&](std::uint32_t slot) {
     const PastPlace& past = past_[slot];
     if (past.object == object || past.until <= from) return;
     open_between(object, past.object, past.region, apart_until, pairs, opened);
   });
-  for (const std::uint32_t i : pairs.of_end(object)) {  // erase_unwatched() may make it far from here on
-    const WatchedPair& pair = pairs[i];
-    if (pair.watched || !may_be_far(i)) continue;
-    Place &a = places_[pair.collider], &b = places_[pair.collidee];
-    a.last_added = std::max({a.last_added, a.since, b.since});
-    b.last_added = std::max({b.last_added, a.since, b.since});
-  }
 }
 
 void FarPairs::open_all(std::uint32_t object, SimTime apart_until, WatchedPairs& pairs,
@@ -303,8 +291,8 @@ bool FarPairs::make_near(std::span<const std::uint32_t> objects, double within_m
       });
     };
     const auto make_around = [&](const SweptRegion& place) {
-      const Box box = box_of(place);
-      const Vec3 low = box.low - Vec3::Constant(within_m), high = box.high + Vec3::Constant(within_m);
+      const WorldBox box = box_of(place);
+      const Vec3 low = box.lo - Vec3::Constant(within_m), high = box.hi + Vec3::Constant(within_m);
       index_.for_each_near(low, high, make_with);
       past_index_.for_each_near(low, high, [&](std::uint32_t slot) { make_with(past_[slot].object); });
     };
@@ -314,13 +302,18 @@ bool FarPairs::make_near(std::span<const std::uint32_t> objects, double within_m
   return has_made;
 }
 
-void FarPairs::erase_unwatched(std::uint32_t object, WatchedPairs& pairs) const {
+void FarPairs::erase_unwatched(std::uint32_t object, SimTime s, WatchedPairs& pairs) {
+  assert(places_[object].since == s);
   std::vector<std::uint32_t> gone;
   for (const std::uint32_t i : pairs.of_end(object)) {
     const WatchedPair& pair = pairs[i];
     if (pair.watched || pair.is_far || pair.stopped || pair.bears || pair.inside || !may_be_far(i)) continue;
-    if (pair.remembers_since(SimTime::min() + Duration{1})) continue;
-    if (apart(places_[pair.collider].region, places_[pair.collidee].region, pair.type)) gone.push_back(i);
+    if (pair.remembers_since(s - kWorldHistory - kSameContact)) continue;
+    Place &a = places_[pair.collider], &b = places_[pair.collidee];
+    if (!apart(a.region, b.region, pair.type)) continue;
+    a.last_added = std::max({a.last_added, a.since, b.since});
+    b.last_added = std::max({b.last_added, a.since, b.since});
+    gone.push_back(i);
   }
   for (const std::uint32_t i : gone) pairs.erase(i);
 }
@@ -355,7 +348,7 @@ void FarPairs::moved(std::size_t index, SimTime t, SimTime until, MovingObjects&
     enter(object, place_at(object, s, objects), s);
     apart_until = std::max(apart_until, s);
     open_near(object, s, apart_until, pairs, opened);
-    erase_unwatched(object, pairs);
+    erase_unwatched(object, s, pairs);
   }
 }
 
@@ -377,7 +370,7 @@ void FarPairs::follow(SimTime until, MovingObjects& objects, WatchedPairs& pairs
     for (const std::uint32_t object : left) enter(object, place_at(object, s, objects), s);
     for (const std::uint32_t object : left) {
       open_near(object, s, s, pairs, opened);
-      erase_unwatched(object, pairs);
+      erase_unwatched(object, s, pairs);
       follow_one(object);
     }
   }

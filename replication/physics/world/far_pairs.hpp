@@ -1,11 +1,11 @@
 #pragma once
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "core/box.hpp"
 #include "core/geometry/box_index.hpp"
 #include "core/schedule.hpp"
 #include "replication/physics/world/moving_objects.hpp"
@@ -96,10 +96,7 @@ class FarPairs {
     return at.group != nullptr ? at.group->type() : model_->pairs[model_->part_pairs[pair].pair].type;
   }
   // The box of a place in an index: those of two that are not apart overlap.
-  struct Box {
-    Vec3 low, high;
-  };
-  [[nodiscard]] Box box_of(const SweptRegion& region) const;
+  [[nodiscard]] WorldBox box_of(const SweptRegion& region) const;
   [[nodiscard]] static Place place_at(std::size_t object, SimTime s, MovingObjects& objects);
   [[nodiscard]] Place first_place(std::uint32_t object, SimTime start, MovingObjects& objects) const;
   void note_place(std::uint32_t object);
@@ -108,7 +105,6 @@ class FarPairs {
   // The object goes back to the place in which it was at t.
   void go_back(std::uint32_t object, SimTime t);
   void erase_past(std::uint32_t slot);
-  WatchedPair& make(std::uint32_t pair, SimTime apart_until, WatchedPairs& pairs) const;
   // Opens the far pairs between the object and all that has been, at `from` or later, in a place that is not apart from
   // the object's place. By the object's laws until now the two were apart until `apart_until`.
   void open_near(std::uint32_t object, SimTime from, SimTime apart_until, WatchedPairs& pairs,
@@ -117,8 +113,9 @@ class FarPairs {
                     WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
   void open_all(std::uint32_t object, SimTime apart_until, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
   void open_pair(std::uint32_t pair, SimTime apart_until, WatchedPairs& pairs, std::vector<std::uint32_t>& opened);
-  // Erases the WatchedPairs of the object that nobody watches and whose two places are apart.
-  void erase_unwatched(std::uint32_t object, WatchedPairs& pairs) const;
+  // The object has entered its place at s. Erases its WatchedPairs that nobody watches, that have not touched lately,
+  // and whose two places are apart: they are far from then on.
+  void erase_unwatched(std::uint32_t object, SimTime s, WatchedPairs& pairs);
   [[nodiscard]] bool stays_until(std::size_t object, SimTime until, MovingObjects& objects);
 
   const WorldModel* model_ = nullptr;

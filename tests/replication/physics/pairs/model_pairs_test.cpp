@@ -64,7 +64,9 @@ TEST(PairGroup, HasThePairsOfItsListInTheirOrder) {
       for (std::uint32_t k = 0; k < group.count_of(member); ++k) {
         const std::uint32_t offset = group.offset_of(member, k);
         numbers.push_back(offset);
-        EXPECT_EQ(group.number_of(member, *group.member(group.partner_of(member, k))), 100 + offset);
+        const PartPair parts = group.part_pair(offset);
+        const std::uint32_t partner = parts.a == member.node ? parts.b : parts.a;
+        EXPECT_EQ(group.number_of(member, *group.member(partner)), 100 + offset);
       }
       for (std::uint32_t i = 0; i < expected.size(); ++i) {
         const ObjectId id = id_of(member.node);

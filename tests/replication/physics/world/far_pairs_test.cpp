@@ -412,6 +412,23 @@ TEST(FarPairs, ThatNobodyWatchesAreNotKept) {
   EXPECT_FALSE(contacts_of(world).empty());
 }
 
+// A passed B while nobody watched the two. An update that comes late says that B drifted towards A then, without
+// leaving its place.
+TEST(FarPairs, ThatNobodyWatchedAreFoundByALateLaw) {
+  const World w(box("A", "1 1 1", "-2 0 0", kBounces) + box("B", "1 1 1", "0 1.04 0") + interest("A", "\"B\""));
+  MotionWorld world(*w.model, sim(0s), MotionWorld::Watched::kNone);
+  for (const char* name : {"A", "B"}) world.declare(w[name], Role::kPredicted);
+  world.set_base(w["A"], sim(0s), moving({-2, 0, 0}, {4, 0, 0}));
+  world.set_base(w["B"], sim(0s), moving({0, 1.04, 0}, {0.1, 0, 0}));
+  for (Duration t{0}; t <= 3s; t += 50ms) world.advance(sim(t));
+  watch_all(world);
+  world.set_base(w["B"], sim(300ms), moving({0.03, 1.04, 0}, {0, -0.16, 0}));
+  world.advance(sim(3100ms));
+  const std::vector<SimTime> met = contact_times(world);
+  ASSERT_FALSE(met.empty());
+  EXPECT_NEAR(to_seconds(met.front() - sim(0s)), 0.55, 1e-6);
+}
+
 // A has moved while nobody watched the pair, so the pair is known as soon as somebody watches it.
 TEST(WaitingPairs, AreKnownOnceTheyAreWatched) {
   const World w(box("A", "1 1 1", "0 0 0") + box("B", "1 1 1", "90 0 0") + interest("A", "\"B\""));

@@ -117,10 +117,16 @@ void expect_same_pairs(const WorldModel& a, const WorldModel& b) {
     EXPECT_EQ(a.part_pairs_of(node).all(), b.part_pairs_of(node).all()) << node;
     EXPECT_EQ(a.part_pairs_moved_by(node).all(), b.part_pairs_moved_by(node).all()) << node;
     EXPECT_EQ(a.all_pairs_move[node], b.all_pairs_move[node]) << node;
-    const PairNumbers parts = a.part_pairs_of(node);
-    for (auto at = parts.begin(); at != parts.end(); ++at) {
-      if (at.partner() == ModelNode::kNone) continue;
-      EXPECT_EQ(at.partner(), a.part_pairs[*at].a == node ? a.part_pairs[*at].b : a.part_pairs[*at].a);
+    for (std::uint32_t other = 0; other < a.nodes.size(); ++other) {
+      std::vector<std::uint32_t> between, expected;
+      a.for_each_part_pair_between(static_cast<std::uint32_t>(node), other,
+                                   [&](std::uint32_t number) { between.push_back(number); });
+      for (std::uint32_t k = 0; k < a.part_pairs.size() && other != node; ++k) {
+        const PartPair parts = a.part_pairs[k];
+        if ((parts.a == node && parts.b == other) || (parts.a == other && parts.b == node)) expected.push_back(k);
+      }
+      std::ranges::sort(between);
+      EXPECT_EQ(between, expected) << node << ' ' << other;
     }
     for (const ModelNode& other : a.nodes) {
       EXPECT_EQ(a.pairs_between(a.nodes[node].object, other.object),
