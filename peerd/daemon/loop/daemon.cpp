@@ -37,6 +37,9 @@ constexpr Duration kAskAgainAfter = std::chrono::milliseconds(200);
 
 namespace {
 
+// Status says how many ticks ran later than each of these [ms].
+constexpr std::array kLate_ms{1, 2, 5, 10, 20, 50};
+
 // The signals on which a peer leaves: a request, a terminal that is closed, a log that nobody reads any more.
 constexpr std::array kLeaveOn{SIGINT, SIGTERM, SIGHUP, SIGPIPE};
 
@@ -103,6 +106,10 @@ control::Answer Daemon::on_control(std::string_view line) {
 
 control::More Daemon::more_status() const {
   control::More all{transport_.counters().named()};
+  for (const int late_ms : kLate_ms) {
+    all.counters.emplace(fmt::format("ticks_late_{}_ms", late_ms),
+                         lateness_.later_than(std::chrono::milliseconds(late_ms)));
+  }
   for (const control::AskMore& ask : more_status_) {
     control::More more = ask();
     all.counters.merge(more.counters);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <numeric>
 
 #include "core/time.hpp"
 
@@ -28,6 +29,11 @@ class TickLateness {
     return most_;
   }
   [[nodiscard]] Duration most() const { return most_; }
+  // How many ticks ran later than that, which is a multiple of kStep below 0.1 s.
+  [[nodiscard]] std::uint64_t later_than(Duration late) const {
+    const auto first = counts_.begin() + late / kStep;
+    return std::accumulate(first, counts_.end(), std::uint64_t{0});
+  }
   [[nodiscard]] std::uint64_t count() const { return count_; }
 
  private:

@@ -23,6 +23,15 @@ TEST(TickLateness, P99LeavesOutOneInAHundred) {
   EXPECT_EQ(lateness.count(), 101u);
 }
 
+TEST(TickLateness, CountsTheTicksThatWereLaterThanAStep) {
+  TickLateness lateness;
+  lateness.add(900us);
+  lateness.add(2500us);
+  lateness.add(3s);
+  EXPECT_EQ(lateness.later_than(1ms), 2u);
+  EXPECT_EQ(lateness.later_than(50ms), 1u);
+}
+
 TEST(TickLateness, ATickBeforeItsTimeCountsAsPunctual) {
   TickLateness lateness;
   lateness.add(-1ms);

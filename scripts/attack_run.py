@@ -1,0 +1,343 @@
+#!/usr/bin/env python3
+"""What scripts/attack runs in namespaces of its own: peers, an attacker, joining peers, and what came of it.
+
+    attack_run.py run NAME [--seconds N] [--joins N] [--rate R] [--count N] [--addresses N] [--json FILE]
+    attack_run.py delay FROM_PORT ADDRESS PORT MS     passes TCP connections on, each byte so much later
+
+a, b and c are the peers of configs/scenarios/town.toml, x is the attacker's computer, n that of those who join.
+"""
+import argparse
+import asyncio
+import concurrent.futures
+import json
+import os
+import pathlib
+import re
+import secrets
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+BIN = ROOT / "build/release/bin"
+HOSTS = {"a": 1, "b": 2, "c": 3, "x": 4, "n": 5}
+PEERS = {"a": "ada", "b": "ben", "c": "cleo"}
+LATE_MS = [1, 2, 5, 10, 20, 50]
+SNAPSHOT_PORT, DELAYED_PORT = 48100, 48200
+JOINED_WITHIN_S = 15
+# Those who join in this attack come over a path of 100 ms each way.
+FAR_JOINS = {"silent-connections", "keyed-connections"}
+LOG_BYTES = 14_500_000  # of edits, for the attack that reads them
+
+
+def ip(*words):
+    subprocess.run(["ip", *words], check=True)
+
+
+def make_network(attackers_addresses):
+    subprocess.run(["mount", "-t", "tmpfs", "none", "/run"], check=True)
+    subprocess.run(["mount", "-t", "proc", "proc", "/proc"], check=True)
+    pathlib.Path("/run/netns").mkdir()
+    ip("link", "add", "lan", "type", "bridge", "mcast_snooping", "0")
+    ip("link", "set", "lan", "up")
+    for host, number in HOSTS.items():
+        ip("netns", "add", host)
+        ip("link", "add", f"to-{host}", "type", "veth", "peer", "name", "eth0", "netns", host)
+        ip("link", "set", f"to-{host}", "master", "lan", "up")
+        for words in (["addr", "add", f"10.66.0.{number}/16", "dev", "eth0"], ["link", "set", "eth0", "up"],
+                      ["link", "set", "lo", "up"]):
+            ip("-n", host, *words)
+    for i in range(1, attackers_addresses):
+        ip("-n", "x", "addr", "add", f"10.66.{1 + i // 250}.{1 + i % 250}/16", "dev", "eth0")
+    time.sleep(0.5)
+
+
+class Program:
+    """A program on one of the hosts, whose output goes to a file."""
+
+    def __init__(self, folder, host, name, words, user=None):
+        home = folder / (user or name)
+        home.mkdir(exist_ok=True)
+        environment = {**os.environ, "XDG_CONFIG_HOME": str(home / "config"), "XDG_STATE_HOME": str(home / "state"),
+                       "XDG_RUNTIME_DIR": str(home)}
+        self.log = folder / f"{name}.log"
+        with open(self.log, "w") as out:
+            self.process = subprocess.Popen(["ip", "netns", "exec", host, *map(str, words)], stdout=out, stderr=out,
+                                            env=environment)
+        self.socket = folder / f"{name}.sock"
+
+    def ask(self, request):
+        with socket.socket(socket.AF_UNIX) as line:
+            line.settimeout(10)
+            line.connect(str(self.socket))
+            line.sendall(json.dumps(request).encode() + b"\n")
+            reply = b""
+            while not reply.endswith(b"\n"):
+                more = line.recv(1 << 16)
+                if not more:
+                    break
+                reply += more
+        return json.loads(reply)
+
+    def status(self):
+        try:
+            return self.ask({"do": "status"})
+        except (OSError, ValueError):
+            return None
+
+    def memory_kb(self):
+        status = pathlib.Path(f"/proc/{self.process.pid}/status").read_text()
+        return int(re.search(r"VmRSS:\s+(\d+)", status).group(1))
+
+    def processor_s(self):
+        fields = pathlib.Path(f"/proc/{self.process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def end(self, with_signal=signal.SIGTERM, within_s=5):
+        if self.process.poll() is None:
+            self.process.send_signal(with_signal)
+        try:
+            self.process.wait(within_s)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+
+
+class Session:
+    def __init__(self, folder):
+        self.folder = folder
+        self.key = folder / "key"
+        self.key.write_text(key_text())
+        self.key.chmod(0o600)
+        self.peers = {}
+        self.joined = 0
+
+    def begin(self):
+        for host, name in PEERS.items():
+            self.peers[host] = Program(self.folder, host, name, [
+                BIN / "peerd", "run", "-c", ROOT / "configs/scenarios/town.toml", "--peer", name, "--interface", "eth0",
+                "--key", self.key, "--control", self.folder / f"{name}.sock", "--set",
+                f"transport.snapshot_port={SNAPSHOT_PORT}"])
+        wait_for(30, lambda: all(self.sees_others(host) for host in PEERS), "the three peers do not find each other")
+
+    def sees_others(self, host):
+        status = self.peers[host].status()
+        return status is not None and set(PEERS.values()) - {PEERS[host]} <= names_in(status)
+
+    def fill_logs(self):
+        """Edits of a, by data at a node."""
+        written = 0
+        while written < LOG_BYTES:
+            value = secrets.token_hex(30_000)
+            reply = self.peers["a"].ask({"do": "data", "path": "BUS", "key": f"k{written}", "value": value})
+            if reply.get("done"):
+                written += len(value)
+            else:
+                time.sleep(0.2)
+        time.sleep(10)
+
+    def join(self, is_far):
+        """Seconds until a new peer and the others know each other; none: they did not."""
+        self.joined += 1
+        name = f"n{self.joined}"
+        words = [BIN / "peerd", "join", "town", "--name", name, "--id", 5000 + self.joined, "--store", "", "--key", self.key,
+                 "--interface", "eth0", "--control", self.folder / f"{name}.sock"]
+        if is_far:
+            words += ["--from", f"127.0.0.1:{DELAYED_PORT}"]
+        began = time.monotonic()
+        newcomer = Program(self.folder, "n", name, words)
+        took = None
+        while took is None and time.monotonic() - began < JOINED_WITHIN_S and newcomer.process.poll() is None:
+            time.sleep(0.1)
+            status = newcomer.status() if newcomer.socket.exists() else None
+            if status and status["session"]["joined"] and set(PEERS.values()) <= names_in(status) and \
+                    all(name in names_in(self.peers[host].status() or {}) for host in PEERS):
+                took = time.monotonic() - began
+        newcomer.end()
+        if took is None:
+            print(f"  {name} did not join: {newcomer.log.read_text().strip().splitlines()[-1:]}", file=sys.stderr)
+        return took
+
+    def joins(self, count, is_far):
+        with concurrent.futures.ThreadPoolExecutor(4) as four:
+            return [t for t in four.map(lambda _: self.join(is_far), range(count)) if t is not None]
+
+    def sample(self):
+        return {host: {"counters": peer.status()["counters"], "memory_kb": peer.memory_kb(), "processor_s": peer.processor_s(),
+                       "lost": len(re.findall(r"\b(?:ada|ben|cleo)\b.* (?:is lost|lost:|is silent|was lost)", peer.log.read_text())),
+                       "at": time.monotonic()} for host, peer in self.peers.items()}
+
+
+def key_text():
+    import base64
+    return "peerd-key-1:" + base64.urlsafe_b64encode(secrets.token_bytes(32)).decode().rstrip("=") + "\n"
+
+
+def names_in(status):
+    return {member["name"] for member in status.get("members", [])}
+
+
+def wait_for(seconds, holds, otherwise):
+    until = time.monotonic() + seconds
+    while not holds():
+        if time.monotonic() > until:
+            sys.exit(f"error: {otherwise}")
+        time.sleep(0.2)
+
+
+def between(before, after):
+    """How late the ticks of each peer were between two samples."""
+    rows = {}
+    for host in before:
+        counted = lambda name: after[host]["counters"][name] - before[host]["counters"][name]
+        ticks = counted("ticks") + counted("ticks_missed")
+        late = {ms: counted(f"ticks_late_{ms}_ms") + counted("ticks_missed") for ms in LATE_MS}
+        p99 = next((f"<= {ms} ms" for ms in LATE_MS if late[ms] * 100 <= ticks), f"> {LATE_MS[-1]} ms")
+        elapsed = after[host]["at"] - before[host]["at"]
+        rows[host] = {"ticks": ticks, "late_2_ms": late[2], "missed": counted("ticks_missed"), "p99": p99,
+                      "processor": round((after[host]["processor_s"] - before[host]["processor_s"]) / elapsed, 2),
+                      "memory_mb": round((after[host]["memory_kb"] - before[host]["memory_kb"]) / 1024, 1),
+                      "lost": after[host]["lost"] - before[host]["lost"]}
+    return rows
+
+
+def changed_counters(before, after):
+    """The counters of a that say that something was refused, or came in large numbers."""
+    names = [n for n in after["counters"] if re.match(r"net\.in_|dropped_|operations_in", n)]
+    return {n: after["counters"][n] - before["counters"].get(n, 0) for n in names
+            if after["counters"][n] > before["counters"].get(n, 0)}
+
+
+def edit_arrives(session):
+    """Whether an edit of b reaches c, which is still what the session is for."""
+    name = "AFTER"
+    reply = session.peers["b"].ask({"do": "add", "text": f"DEF {name} Transform {{ children Shape {{ geometry Box {{ }} }} }}"})
+    if not reply.get("done"):
+        return False
+    for _ in range(100):
+        found = session.peers["c"].ask({"do": "world"}).get("world", "")
+        if name in found:
+            return True
+        time.sleep(0.1)
+    return False
+
+
+def run(options):
+    make_network(options.addresses)
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="attack.", dir="/run"))
+    session = Session(folder)
+    session.begin()
+    if options.name == "digests":
+        session.fill_logs()
+    is_far = options.name in FAR_JOINS
+    delay = None
+    if is_far:
+        delay = subprocess.Popen(["ip", "netns", "exec", "n", sys.executable, __file__, "delay", str(DELAYED_PORT), "10.66.0.1",
+                                  str(SNAPSHOT_PORT), "100"])
+    time.sleep(5)
+    begin = session.sample()
+    time.sleep(options.seconds)
+    idle = session.sample()
+    words = [BIN / "peerd-attacker", options.name, "--world", "town", "--interface", "eth0", "--key", session.key,
+             "--seconds", options.seconds + 600]
+    if options.name in FAR_JOINS | {"digests"}:
+        words += ["--at", f"10.66.0.1:{SNAPSHOT_PORT}"]
+    if options.name == "second-process":
+        shutil.copy(folder / "ben/config/peerd/identity.key", folder / "copied")
+        words += ["--identity", folder / "copied", "--number", 2]
+    if options.name == "large-edits" and options.rate is None:
+        options.rate = 12 / options.seconds
+    for name in ("rate", "count"):
+        if getattr(options, name) is not None:
+            words += [f"--{name}", getattr(options, name)]
+    attacker = Program(folder, "x", "attacker", words)
+    time.sleep(4)  # it becomes a member first
+    start = session.sample()
+    time.sleep(options.seconds)
+    attacked = session.sample()
+    during = session.joins(options.joins, is_far)
+    if attacker.process.poll() is not None:
+        sys.exit(f"error: the attacker ended: {attacker.log.read_text()}")
+    attacker.end(signal.SIGTERM, 10)
+    sent = attacker.log.read_text().strip().splitlines()[-1:]
+    time.sleep(3)
+    end = session.sample()
+    after = session.joins(options.joins, is_far)
+    works = edit_arrives(session)
+    everybody = all(session.sees_others(host) for host in PEERS)
+    for program in session.peers.values():
+        program.end()
+    if delay:
+        delay.kill()
+        delay.wait()
+    result = {"attack": options.name, "seconds": options.seconds, "sent": sent, "idle": between(begin, idle),
+              "attacked": between(start, attacked), "whole": between(idle, end), "joins": options.joins,
+              "joined_during": len(during), "joined_after": len(after), "join_s": [round(t, 1) for t in sorted(during)],
+              "edit_arrives": works, "everybody_is_there": everybody, "counters": changed_counters(idle["a"], end["a"])}
+    print_result(result)
+    if options.json:
+        pathlib.Path(options.json).write_text(json.dumps(result, indent=1) + "\n")
+    if options.keep:
+        shutil.copytree(folder, options.keep, ignore=shutil.ignore_patterns("*.sock"), dirs_exist_ok=True)
+
+
+def print_result(result):
+    print(f"{result['attack']}, {result['seconds']} s: the attacker says {' '.join(result['sent'])}")
+    print("peer  ticks  later than 2 ms      p99                 processor    memory     peers")
+    print("             idle     attacked    idle     attacked   idle  att.   grew [MB]  lost")
+    for host in result["idle"]:
+        i, a, w = (result[part][host] for part in ("idle", "attacked", "whole"))
+        print(f"{host:5} {a['ticks']:5}  {i['late_2_ms']:5}    {a['late_2_ms']:5}       {i['p99']:8} {a['p99']:8}   "
+              f"{i['processor']:.2f}  {a['processor']:.2f}   {w['memory_mb']:6}     {w['lost']}")
+    print(f"joined during the attack: {result['joined_during']} of {result['joins']}, after it {result['joined_after']}; "
+          f"seconds: {result['join_s']}")
+    print(f"afterwards an edit of b reaches c: {result['edit_arrives']}; all three know each other: {result['everybody_is_there']}")
+    print("counters of a: " + ", ".join(f"{n} {v}" for n, v in result["counters"].items()))
+
+
+async def delay(port, address, to_port, seconds):
+    async def pass_on(reader, writer):
+        loop = asyncio.get_running_loop()
+        try:
+            while data := await reader.read(1 << 16):
+                loop.call_later(seconds, lambda data=data: writer.is_closing() or writer.write(data))
+        except OSError:
+            pass
+        loop.call_later(seconds, writer.close)
+
+    async def take(reader, writer):
+        await asyncio.sleep(seconds)
+        try:
+            there_reader, there_writer = await asyncio.open_connection(address, to_port)
+        except OSError:
+            writer.close()
+            return
+        await asyncio.gather(pass_on(reader, there_writer), pass_on(there_reader, writer))
+
+    server = await asyncio.start_server(take, "127.0.0.1", port, backlog=1024)
+    await server.serve_forever()
+
+
+def main():
+    if sys.argv[1:2] == ["delay"]:
+        port, address, to_port, ms = sys.argv[2:]
+        asyncio.run(delay(int(port), address, int(to_port), int(ms) / 1000))
+    parser = argparse.ArgumentParser(prog="scripts/attack")
+    parser.add_argument("run")
+    parser.add_argument("name")
+    parser.add_argument("--seconds", type=int, default=20)
+    parser.add_argument("--joins", type=int, default=20)
+    parser.add_argument("--rate", type=float)
+    parser.add_argument("--count", type=int)
+    parser.add_argument("--addresses", type=int, default=1)
+    parser.add_argument("--json")
+    parser.add_argument("--keep", help="a folder for the logs of all")
+    run(parser.parse_args())
+
+
+if __name__ == "__main__":
+    main()
