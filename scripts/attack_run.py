@@ -28,7 +28,7 @@ HOSTS = {"a": 1, "b": 2, "c": 3, "x": 4, "n": 5}
 PEERS = {"a": "ada", "b": "ben", "c": "cleo"}
 LATE_MS = [1, 2, 5, 10, 20, 50]
 SNAPSHOT_PORT, DELAYED_PORT = 48100, 48200
-JOINED_WITHIN_S = 15
+JOINED_WITHIN_S = 20
 # Those who join in this attack come over a path of 100 ms each way.
 FAR_JOINS = {"silent-connections", "keyed-connections"}
 LOG_BYTES = 14_500_000  # of edits, for the attack that reads them
@@ -300,23 +300,25 @@ def print_result(result):
 
 
 async def delay(port, address, to_port, seconds):
-    async def pass_on(reader, writer):
+    async def pass_on(reader, writer, first_at_once):
         loop = asyncio.get_running_loop()
         try:
             while data := await reader.read(1 << 16):
-                loop.call_later(seconds, lambda data=data: writer.is_closing() or writer.write(data))
+                loop.call_later(0 if first_at_once else seconds, lambda data=data: writer.is_closing() or writer.write(data))
+                first_at_once = False
         except OSError:
             pass
         loop.call_later(seconds, writer.close)
 
+    # The first two packets of a connection and then the third one take their time; with the third one come the first bytes.
     async def take(reader, writer):
-        await asyncio.sleep(seconds)
+        await asyncio.sleep(3 * seconds)
         try:
             there_reader, there_writer = await asyncio.open_connection(address, to_port)
         except OSError:
             writer.close()
             return
-        await asyncio.gather(pass_on(reader, there_writer), pass_on(there_reader, writer))
+        await asyncio.gather(pass_on(reader, there_writer, True), pass_on(there_reader, writer, False))
 
     server = await asyncio.start_server(take, "127.0.0.1", port, backlog=1024)
     await server.serve_forever()

@@ -222,7 +222,7 @@ TEST_F(Joining, APasswordIsAllThatTwoUsersShare) {
   };
   Process stranger = join_there("stranger", wrong, "/dev/null");
   EXPECT_EQ(stranger.exit_code(10), 3);
-  EXPECT_THAT(stranger.err(), HasSubstr("as who has another key does"));
+  EXPECT_THAT(stranger.err(), HasSubstr("it has another key; --key FILE says one"));
   Process b = join_there("b", "-", right);
   ASSERT_TRUE(is_in_session("b")) << b.err();
   ASSERT_TRUE(add("b", "BALL"));
@@ -249,7 +249,7 @@ TEST_F(Joining, WhoAsksOnePeerIsToldAtOnceHowItIsSealed) {
   EXPECT_THAT(why_not(14, {"--open"}), HasSubstr("it is sealed, and begins with a key: leave out --open"));
   EXPECT_THAT(why_not(15, {}), HasSubstr("it is open, and does not have the key"));
   ASSERT_TRUE(keys::read_or_make_key(folder / "other.key"));
-  EXPECT_THAT(why_not(14, {"--key", (folder / "other.key").string()}), HasSubstr("as who has another key does"));
+  EXPECT_THAT(why_not(14, {"--key", (folder / "other.key").string()}), HasSubstr("it has another key; --key FILE says one"));
 }
 
 // Both say how they are, so that nobody waits for what cannot be.

@@ -22,11 +22,33 @@ std::array<std::uint8_t, crypto_aead_chacha20poly1305_ietf_NPUBBYTES> nonce_of(s
   return nonce;
 }
 
+using Proof = std::array<std::uint8_t, StreamSeal::kProof_bytes>;
+
+Proof proof_of(const keys::SymmetricKey& session, std::string_view hello) {
+  const keys::SymmetricKey of_hello = session.derived("who joins", {bytes_of(hello), hello.size()});
+  Proof proof{};
+  std::copy_n(of_hello.data(), proof.size(), proof.begin());
+  return proof;
+}
+
 }  // namespace
 
 StreamSeal::StreamSeal(const keys::SymmetricKey& session, End end)
     : session_(session), secret_(keys::SymmetricKey::random()), end_(end) {
   crypto_scalarmult_base(hello_.data(), secret_.data());
+}
+
+std::string StreamSeal::proven_hello() const {
+  std::string frame(hello_.begin(), hello_.end());
+  const Proof proof = proof_of(session_, frame);
+  frame.append(proof.begin(), proof.end());
+  return frame;
+}
+
+bool StreamSeal::is_proven(const keys::SymmetricKey& session, std::string_view frame) {
+  if (!has_proof(frame)) return false;
+  const Proof right = proof_of(session, frame.substr(0, kHello_bytes));
+  return sodium_memcmp(bytes_of(frame.substr(kHello_bytes)), right.data(), right.size()) == 0;
 }
 
 bool StreamSeal::take_hello(std::string_view hello) {

@@ -18,6 +18,10 @@ namespace {
 namespace asio = boost::asio;
 using boost::system::error_code;
 
+// The first frame that a server reads, of whoever has connected: a hello with its proof, or the first request of an
+// open peer.
+constexpr std::size_t kFirstFrameMax_bytes = 256;
+
 }  // namespace
 
 FramedStream::FramedStream(Socket socket, std::size_t frame_max_bytes, Duration patience, OnFailure on_failure,
@@ -41,26 +45,47 @@ auto FramedStream::guarded(Next next) {
   };
 }
 
-void FramedStream::connect(const asio::ip::tcp::endpoint& to, OnDone done) {
+void FramedStream::connect(const asio::ip::tcp::endpoint& to, OnDone done, Proof proof) {
   error_code failed;
   socket_.open(to.protocol(), failed);
   net::close_on_exec(socket_);
   if (failed) return fail(failed.message());
-  socket_.async_connect(to, guarded([this, done = std::move(done)] { begin(done); }));
+  socket_.async_connect(to, guarded([this, proof, done = std::move(done)] { begin(proof, done); }));
 }
 
-void FramedStream::begin(OnDone done) {
+void FramedStream::begin(Proof proof, OnDone done) {
   if (!seal_) return done();
   const auto& hello = seal_->hello();
-  const std::string_view own(reinterpret_cast<const char*>(hello.data()), hello.size());
+  const std::string own = proof == Proof::kWith ? seal_->proven_hello() : std::string(hello.begin(), hello.end());
   write_frame(own, [this, done = std::move(done)] {
     // An open side answers that it does not understand, which is longer than a key.
     read_frame(std::max(frame_max_bytes_, seal::StreamSeal::kHello_bytes), [this, done](const std::string& others) {
       if (seal_->take_hello(others)) return done();
-      is_open_there_ = others.size() != seal::StreamSeal::kHello_bytes;
+      if (others == std::string{static_cast<char>(Refused::kOtherKey)}) refused_ = Refused::kOtherKey;
+      if (others == std::string{static_cast<char>(Refused::kNoPlace)}) refused_ = Refused::kNoPlace;
+      is_open_there_ = !refused_ && others.size() != seal::StreamSeal::kHello_bytes;
       fail("its first frame is no key: one side of the connection is open");
     });
   });
+}
+
+void FramedStream::read_hello(OnFrame on_frame) { read_frame(kFirstFrameMax_bytes, std::move(on_frame)); }
+
+// An open side is answered, too: by the hello it sees that this one is sealed.
+void FramedStream::answer_hello(seal::StreamSeal seal, const std::string& hello, OnDone done) {
+  assert(!seal_);
+  seal_ = std::move(seal);
+  const bool is_key = seal_->take_hello(std::string_view(hello).substr(
+      0, seal::StreamSeal::has_proof(hello) ? seal::StreamSeal::kHello_bytes : hello.size()));
+  const auto& own = seal_->hello();
+  write_frame({reinterpret_cast<const char*>(own.data()), own.size()}, [this, is_key, done = std::move(done)] {
+    if (!is_key) return fail("its first frame is no key: one side of the connection is open");
+    done();
+  });
+}
+
+void FramedStream::refuse(Refused why) {
+  write_frame(std::string{static_cast<char>(why)}, [this] { fail("it was refused"); });
 }
 
 void FramedStream::read(OnFrame on_frame) {

@@ -29,8 +29,16 @@ using replication::OperationRange;
 constexpr std::chrono::milliseconds kConnectedAgainAfter{500};
 // Another peer is waited for so long, to compare what it has; without one nothing is compared.
 constexpr Duration kComparedWithin = std::chrono::seconds(2);
-// A joining peer accepts no more of a world [bytes], so that a forger does not fill its memory.
+// A joining peer accepts no more of a world [bytes], so that a forger does not fill its memory. What it holds is
+// besides at most kUnpackedFree_bytes and so many times as much as has come: texts are packed to a twentieth, nothing
+// to less.
 constexpr std::uint64_t kSnapshotMax_bytes = std::uint64_t{1} << 30;
+constexpr std::uint64_t kUnpackedFree_bytes = std::uint64_t{64} << 20, kUnpackedTimes = 64;
+// Once the first offer has come, those of others are waited for so long: the archive that most addresses offer is
+// taken.
+constexpr Duration kOffersWithin = std::chrono::seconds(1);
+// A peer that closes connections before it has said anything in the session's key, so often in a row, is of no use.
+constexpr int kUnprovenTries = 4;
 
 // The Parts that have to be got, of the archive and of each log, and which of them are there.
 class Parts {
@@ -67,7 +75,8 @@ class Parts {
     const auto awaited = std::ranges::find(awaited_, part, &Awaited::part);
     if (awaited == awaited_.end()) return true;  // another peer was faster
     awaited_.erase(awaited);
-    std::ranges::copy(bytes, content_[part.author].begin() + static_cast<std::ptrdiff_t>(part.from));
+    content_[part.author].emplace(part.from, bytes);
+    held_bytes_ += bytes.size();
     givers_[part.author].insert(peer);
     return true;
   }
@@ -79,13 +88,22 @@ class Parts {
     unasked_.push_front(part);
   }
   [[nodiscard]] bool are_there() const { return unasked_.empty() && awaited_.empty(); }
-  [[nodiscard]] std::string& content(AuthorId author) { return content_[author]; }
+  [[nodiscard]] std::uint64_t held_bytes() const { return held_bytes_; }
+  // A log, or the archive, all of which is there. From then on it is one text.
+  [[nodiscard]] std::string& content(AuthorId author) {
+    std::map<std::uint64_t, std::string>& parts = content_[author];
+    if (parts.size() != 1) {
+      std::string whole;
+      while (!parts.empty()) whole += parts.extract(parts.begin()).mapped();
+      parts.emplace(0, std::move(whole));
+    }
+    return parts.begin()->second;
+  }
   // The peers that have given parts of a log.
   [[nodiscard]] const std::set<std::size_t>& givers(AuthorId author) { return givers_[author]; }
 
  private:
   void add(AuthorId author, std::uint64_t bytes) {
-    content_[author].resize(bytes);
     for (std::uint64_t from = 0; from < bytes; from += kPartMax_bytes) {
       unasked_.push_back({author, from, std::min<std::uint64_t>(bytes, from + kPartMax_bytes)});
     }
@@ -97,14 +115,16 @@ class Parts {
     std::size_t connections = 0;
   };
   std::vector<Awaited> awaited_;  // in the order of asking
-  std::map<AuthorId, std::string> content_;
+  // By their places. Memory is taken for what has come alone, not for what somebody has offered.
+  std::map<AuthorId, std::map<std::uint64_t, std::string>> content_;
+  std::uint64_t held_bytes_ = 0;
   std::map<AuthorId, std::set<std::size_t>> givers_;
 };
 
 class Fetch {
  public:
   Fetch(const std::vector<Provider>& providers, std::uint64_t session, const FetchOptions& options)
-      : session_(session), options_(options), patience_(io_) {
+      : session_(session), options_(options), patience_(io_), deadline_(io_), offers_due_(io_) {
     for (const Provider& provider : providers) {
       if (peers_.size() < options.providers) peers_.push_back(Peer{.provider = provider, .held = {}, .said = {}});
     }
@@ -126,16 +146,19 @@ class Fetch {
  private:
   struct Peer {
     Provider provider;
-    std::map<AuthorId, std::uint64_t> held;  // lengths; empty: it has offered nothing yet
+    std::optional<Offer> offer{};            // that it has made; whether it counts is to be decided
+    std::map<AuthorId, std::uint64_t> held;  // lengths; empty: none of its offers counts
     bool is_asked_for_offer = false;
     bool is_asked_for_digests = false;
     bool has_compared = false;  // its digests of what others gave are here
     bool is_of_use = true;
+    int unproven = 0;            // how often in a row it has closed a connection before it said anything in the key
     std::set<std::string> said;  // notes about it
   };
   struct Connection {
     std::size_t peer;
     std::shared_ptr<FramedStream> stream;
+    int attempt = 0;  // Peer::unproven as it was
     bool is_connected = false, asks_for_offer = false;
     bool has_provided = false, asks_for_digests = false;
     std::optional<OperationRange> awaits;
@@ -145,8 +168,8 @@ class Fetch {
 
   void connect(std::size_t peer) {
     if (over_ || !peers_[peer].is_of_use) return;
-    const auto connection =
-        std::make_shared<Connection>(Connection{.peer = peer, .stream = nullptr, .awaits = {}, .asked = {}});
+    const auto connection = std::make_shared<Connection>(
+        Connection{.peer = peer, .stream = nullptr, .attempt = peers_[peer].unproven, .awaits = {}, .asked = {}});
     connection->stream = std::make_shared<FramedStream>(
         FramedStream::Socket(io_), kReplyMax_bytes, options_.patience,
         [this, weak = std::weak_ptr(connection)](const std::string& why) {
@@ -154,10 +177,15 @@ class Fetch {
         },
         seal());
     connections_.insert(connection);
-    connection->stream->connect(peers_[peer].provider.at, [this, connection] {
-      connection->is_connected = true;
-      ask_next(connection);
-    });
+    // Older peers take no proof.
+    const auto proof = peers_[peer].unproven % 2 == 0 ? FramedStream::Proof::kWith : FramedStream::Proof::kWithout;
+    connection->stream->connect(
+        peers_[peer].provider.at,
+        [this, connection] {
+          connection->is_connected = true;
+          ask_next(connection);
+        },
+        proof);
   }
 
   [[nodiscard]] std::optional<seal::StreamSeal> seal() const {
@@ -169,6 +197,8 @@ class Fetch {
     connection->stream->write(encode(request), [this, connection, on_reply = std::move(on_reply)] {
       connection->stream->read([this, connection, on_reply](const std::string& frame) {
         if (over_) return;
+        received_bytes_ += frame.size();
+        peers_[connection->peer].unproven = 0;
         auto reply = decode_reply(frame);
         if (!reply && !options_.key && frame.size() == seal::StreamSeal::kHello_bytes) {
           return give_up(connection, "it is sealed, and begins with a key: leave out --open");
@@ -187,7 +217,7 @@ class Fetch {
     Peer& peer = peers_[connection->peer];
     if (!peer.held.empty()) {
       ask_for_part(connection);
-    } else if (!peer.is_asked_for_offer) {
+    } else if (!peer.is_asked_for_offer && !peer.offer) {
       peer.is_asked_for_offer = connection->asks_for_offer = true;
       ask_for_offer(connection);
     }
@@ -211,23 +241,65 @@ class Fetch {
     std::uint64_t bytes = offer.archive_bytes;
     for (const LogLength& log : offer.logs) bytes = std::min(kSnapshotMax_bytes + 1, bytes + log.bytes);
     if (bytes > kSnapshotMax_bytes) return give_up(connection, "its world is larger than 1 GiB");
-    const bool is_first = snapshot_.provided_by.empty();
-    if (!is_first && (offer.session != session_ || offer.genesis != snapshot_.offer.genesis ||
-                      offer.archive_digest != snapshot_.offer.archive_digest)) {
-      return give_up(connection, "it has packed the world's files in another way");
+    peer.offer = std::move(offer);
+    if (snapshot_.provided_by.empty()) {
+      be_patient();
+      if (std::ranges::all_of(peers_, [](const Peer& each) { return !each.is_of_use || each.offer; })) return choose();
+      if (!std::exchange(awaits_offers_, true)) {
+        offers_due_.expires_after(kOffersWithin);
+        offers_due_.async_wait([this](const boost::system::error_code& cancelled) {
+          if (!cancelled) choose();
+        });
+      }
+      return;
     }
-    peer.held = {{replication::kNoAuthor, offer.archive_bytes}};
-    for (const LogLength& log : offer.logs) peer.held[log.author] = log.bytes;
+    accept_offer(connection->peer);
     if (compares_) return ask_for_digests();
-    if (is_first) {
-      session_ = offer.session;
-      snapshot_.provided_by = peer.provider.name;
-      snapshot_.offer = std::move(offer);
-      first_ = connection->peer;
-      parts_.plan(snapshot_.offer);
+    be_patient();
+    ask_on_all();
+  }
+
+  // Takes the world that most addresses offer; of two that as many do, the one that was offered by the earlier
+  // provider. A single computer may answer for many peers.
+  void choose() {
+    if (over_ || !snapshot_.provided_by.empty()) return;
+    std::map<std::size_t, std::set<asio::ip::address>> addresses;  // by the first peer that offers it
+    for (std::size_t peer = 0; peer < peers_.size(); ++peer) {
+      if (!peers_[peer].is_of_use || !peers_[peer].offer) continue;
+      const auto same = std::ranges::find_if(
+          addresses, [&](const auto& each) { return is_same_world(*peers_[each.first].offer, *peers_[peer].offer); });
+      addresses[same == addresses.end() ? peer : same->first].insert(peers_[peer].provider.at.address());
+    }
+    if (addresses.empty()) return;
+    first_ = std::ranges::max_element(addresses, {}, [](const auto& each) { return each.second.size(); })->first;
+    const Peer& chosen = peers_[first_];
+    session_ = chosen.offer->session;
+    snapshot_.provided_by = chosen.provider.name;
+    snapshot_.offer = *chosen.offer;
+    parts_.plan(snapshot_.offer);
+    be_quick();
+    for (std::size_t peer = 0; peer < peers_.size(); ++peer) {
+      if (peers_[peer].offer && peers_[peer].is_of_use) accept_offer(peer);
     }
     be_patient();
     ask_on_all();
+  }
+
+  [[nodiscard]] static bool is_same_world(const Offer& one, const Offer& other) {
+    return one.session == other.session && one.genesis == other.genesis && one.archive_digest == other.archive_digest &&
+           one.archive_bytes == other.archive_bytes;
+  }
+
+  // Once it is known which world it is.
+  void accept_offer(std::size_t index) {
+    Peer& peer = peers_[index];
+    if (!is_same_world(*peer.offer, snapshot_.offer)) {
+      const bool is_same_genesis = peer.offer->genesis == snapshot_.offer.genesis;
+      return give_up(index, is_same_genesis ? "it has packed the world's files in another way"
+                                            : "it offers another world than most");
+    }
+    peer.held = {{replication::kNoAuthor, peer.offer->archive_bytes}};
+    for (const LogLength& log : peer.offer->logs) peer.held[log.author] = log.bytes;
   }
 
   void ask_for_part(const ConnectionPtr& connection) {
@@ -240,6 +312,9 @@ class Fetch {
       if (part == nullptr || !parts_.take(asked, part->bytes, connection->peer)) {
         parts_.give_back(asked);
         return give_up(connection, "it answers something else");
+      }
+      if (parts_.held_bytes() > kUnpackedFree_bytes + kUnpackedTimes * received_bytes_) {
+        return end(peers_[connection->peer].provider.name + " packs its world as only nonsense is packed");
       }
       be_patient();
       connection->has_provided = true;
@@ -323,12 +398,20 @@ class Fetch {
   }
 
   void on_failure(const ConnectionPtr& connection, const std::string& why) {
+    Peer& peer = peers_[connection->peer];
     if (connection->stream->is_open_there()) return give_up(connection, "it is open, and does not have the key");
-    if (connection->is_connected && connection->stream->is_unproven()) {
-      return give_up(connection, why + ", as who has another key does; --key FILE says one");
+    if (connection->stream->refused() == FramedStream::Refused::kOtherKey) {
+      return give_up(connection, "it has another key; --key FILE says one");
+    }
+    const bool is_full = connection->stream->refused() == FramedStream::Refused::kNoPlace;
+    // Its other connections of the same attempt fail likewise, and count once.
+    if (connection->is_connected && connection->stream->is_unproven() && !is_full &&
+        connection->attempt == peer.unproven && ++peer.unproven >= kUnprovenTries) {
+      return give_up(connection,
+                     why + ", as who has another key does, or no place for who joins; --key FILE says a key");
     }
     drop(connection);
-    note(connection->peer, why);
+    note(connection->peer, is_full ? "it has no place for more who join" : why);
     if (compares_) return ask_for_digests();
     const auto again = std::make_shared<asio::steady_timer>(io_, kConnectedAgainAfter);
     again->async_wait([this, again, peer = connection->peer](const boost::system::error_code&) { connect(peer); });
@@ -336,14 +419,16 @@ class Fetch {
   }
 
   // The peer is of no use: it is not asked again.
-  void give_up(const ConnectionPtr& connection, const std::string& why) {
-    peers_[connection->peer].is_of_use = false;
+  void give_up(const ConnectionPtr& connection, const std::string& why) { give_up(connection->peer, why); }
+  void give_up(std::size_t peer, const std::string& why) {
+    peers_[peer].is_of_use = false;
     for (const ConnectionPtr& each : std::set(connections_)) {
-      if (each->peer == connection->peer) drop(each);
+      if (each->peer == peer) drop(each);
     }
-    note(connection->peer, why);
+    note(peer, why);
     if (compares_) return ask_for_digests();
     if (std::ranges::none_of(peers_, &Peer::is_of_use)) return end(last_failure_);
+    if (awaits_offers_ && std::ranges::all_of(peers_, [](const Peer& p) { return !p.is_of_use || p.offer; })) choose();
     ask_on_all();
   }
 
@@ -369,6 +454,17 @@ class Fetch {
       if (cancelled) return;
       const std::string why = last_failure_.empty() ? "nothing came for too long" : last_failure_;
       end(compares_ ? "" : why);
+    });
+  }
+
+  // The whole fetch ends in time, however often something comes.
+  void be_quick() {
+    std::uint64_t bytes = snapshot_.offer.archive_bytes;
+    for (const LogLength& log : snapshot_.offer.logs) bytes += log.bytes;
+    deadline_.expires_after(options_.patience +
+                            from_seconds(static_cast<double>(bytes) / options_.slowest_bytes_per_s));
+    deadline_.async_wait([this](const boost::system::error_code& cancelled) {
+      if (!cancelled) end(compares_ ? "" : "it came too slowly: " + snapshot_.provided_by + " may hold it up");
     });
   }
 
@@ -398,7 +494,7 @@ class Fetch {
   std::uint64_t session_;
   FetchOptions options_;
   asio::io_context io_{1};
-  asio::steady_timer patience_;
+  asio::steady_timer patience_, deadline_, offers_due_;
   std::vector<Peer> peers_;
   std::set<ConnectionPtr> connections_;
   std::size_t first_ = 0;  // the peer that has made the offer
@@ -406,7 +502,8 @@ class Fetch {
   Snapshot snapshot_;
   std::map<AuthorId, std::string> differences_;  // the two peers
   std::string last_failure_, error_;
-  bool compares_ = false, over_ = false;
+  std::uint64_t received_bytes_ = 0;  // as they came
+  bool awaits_offers_ = false, compares_ = false, over_ = false;
 };
 
 }  // namespace

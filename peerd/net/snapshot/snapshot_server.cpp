@@ -1,9 +1,12 @@
 #include "peerd/net/snapshot/snapshot_server.hpp"
 
 #include <algorithm>
+#include <array>
 #include <deque>
 #include <map>
+#include <set>
 #include <utility>
+#include <variant>
 
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/v6_only.hpp>
@@ -12,6 +15,7 @@
 #include "peerd/net/os/close_on_exec.hpp"
 #include "peerd/net/os/next_after.hpp"
 #include "peerd/net/snapshot/framed_stream.hpp"
+#include "peerd/net/snapshot/places.hpp"
 
 namespace peerd::snapshot {
 namespace {
@@ -22,6 +26,8 @@ using boost::system::error_code;
 // A joining peer that asks for nothing for so long is gone.
 constexpr Duration kPatience = std::chrono::seconds(30);
 constexpr std::chrono::seconds kAcceptAgainAfter{1};  // pause after a failure, such as a lack of descriptors
+// The last hellos that were proven, so that somebody who has recorded one proves nothing by it.
+constexpr std::size_t kHellosKept = 4096;
 
 }  // namespace
 
@@ -54,7 +60,7 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
     acceptor_.close(ignored);
     again_.cancel();
     turn_.cancel();
-    waiting_.clear();
+    for (auto& waiting : waiting_) waiting.clear();
     for (const auto& [number, stream] : std::exchange(streams_, {})) stream->close();
   }
   [[nodiscard]] std::uint16_t port() const { return acceptor_.local_endpoint().port(); }
@@ -78,42 +84,61 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
   }
   void take(asio::ip::tcp::socket socket) {
     net::close_on_exec(socket);
-    if (streams_.size() >= kConnectionsMax && !make_room()) return;  // which closes it: it asks elsewhere, or again
     error_code ignored;
     if (serves_at_ && !serves_at_(socket.local_endpoint(ignored).address())) return;  // which closes it
     socket.set_option(asio::ip::tcp::no_delay(true), ignored);
     const auto number = ++taken_;
+    const auto from = socket.remote_endpoint(ignored).address();
     const auto stream = std::make_shared<FramedStream>(
         std::move(socket), kRequestMax_bytes, kPatience,
         [self = weak_from_this(), number](const std::string&) {
           if (const auto impl = self.lock()) impl->drop(number);
         },
-        seal());
+        std::nullopt);
+    if (const auto closed = places_.add(number, from)) {
+      if (*closed == number) return stream->refuse(FramedStream::Refused::kNoPlace);
+      streams_.at(*closed)->close();
+      drop(*closed);
+    }
     streams_.emplace(number, stream);
-    stream->begin([self = shared_from_this(), number, stream] {
-      if (!self->over_) self->serve(number, stream);
+    if (!content_.key()) return serve(number, stream);
+    stream->read_hello([self = shared_from_this(), number, stream](const std::string& hello) {
+      if (!self->over_) self->take_hello(number, stream, hello);
     });
   }
-  // The connection that has not proven the session's key for the longest time makes room. False: all have, or there is
-  // none.
-  [[nodiscard]] bool make_room() {
-    const auto oldest = std::ranges::find_if(streams_, [](const auto& each) { return each.second->is_unproven(); });
-    if (oldest == streams_.end()) return false;
-    oldest->second->close();
-    streams_.erase(oldest);
-    return true;
-  }
-  [[nodiscard]] std::optional<seal::StreamSeal> seal() const {
+  // Whoever has the key proves it by the hello, and comes first. The exchange of keys takes a turn as all work does.
+  void take_hello(std::uint64_t number, const StreamPtr& stream, const std::string& hello) {
     const auto key = content_.key();
-    return key ? std::optional(seal::StreamSeal(*key, seal::StreamSeal::End::kServer)) : std::nullopt;
+    if (!key) return stream->refuse(FramedStream::Refused::kOtherKey);  // it was sealed when the connection came
+    if (seal::StreamSeal::is_proven(*key, hello)) {
+      if (is_new(hello)) places_.note_proven(number);
+    } else if (seal::StreamSeal::has_proof(hello)) {
+      return stream->refuse(FramedStream::Refused::kOtherKey);
+    }
+    await_turn({number, stream, hello});
+  }
+  [[nodiscard]] bool is_new(const std::string& hello) {
+    if (!hellos_.insert(hello).second) return false;
+    hellos_in_order_.push_back(hello);
+    if (hellos_in_order_.size() > kHellosKept) {
+      hellos_.erase(hellos_in_order_.front());
+      hellos_in_order_.pop_front();
+    }
+    return true;
   }
   void serve(std::uint64_t number, const StreamPtr& stream) {
     stream->read([self = shared_from_this(), number, stream](const std::string& request) {
       if (self->over_) return;
-      const bool is_first = self->waiting_.empty();
-      self->waiting_[stream->remote()].push_back({number, stream, ReplyWork(request, self->content_)});
-      if (is_first) self->wait_for_turn();
+      self->places_.note_proven(number);  // its key has opened the request, or there is none
+      self->await_turn({number, stream, ReplyWork(request, self->content_)});
     });
+  }
+  struct Waiting;
+  // The connections that have proven the key, and the others, which wait for these.
+  void await_turn(Waiting waiting) {
+    const bool is_first = waiting_[0].empty() && waiting_[1].empty();
+    waiting_[places_.is_proven(waiting.number) ? 0 : 1][waiting.stream->remote()].push_back(std::move(waiting));
+    if (is_first) wait_for_turn();
   }
   // Turns are apart also where nobody waited in between.
   void wait_for_turn() {
@@ -123,32 +148,47 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
     });
   }
   void take_turn() {
-    if (waiting_.empty()) return;
-    const auto next = net::next_after(waiting_, served_);
+    auto& waiting = waiting_[waiting_[0].empty() ? 1 : 0];
+    if (waiting.empty()) return;
+    const auto next = net::next_after(waiting, served_);
     served_ = next->first;
     Waiting first = std::move(next->second.front());
     next->second.pop_front();
-    if (auto reply = first.work.step()) {
-      first.stream->write(encode(*reply), [self = shared_from_this(), number = first.number, stream = first.stream] {
-        if (!self->over_) self->serve(number, stream);
-      });
-    } else {
-      next->second.push_back(std::move(first));
+    if (!step(first)) next->second.push_back(std::move(first));
+    if (next->second.empty()) waiting.erase(next);
+    if (!waiting_[0].empty() || !waiting_[1].empty()) wait_for_turn();
+  }
+  // Whether that was the last step of the work.
+  bool step(Waiting& waiting) {
+    const auto then_serve = [self = shared_from_this(), number = waiting.number, stream = waiting.stream] {
+      if (!self->over_) self->serve(number, stream);
+    };
+    if (const auto* hello = std::get_if<std::string>(&waiting.work)) {
+      if (const auto key = content_.key()) {
+        waiting.stream->answer_hello({*key, seal::StreamSeal::End::kServer}, *hello, then_serve);
+      } else {
+        waiting.stream->refuse(FramedStream::Refused::kOtherKey);
+      }
+      return true;
     }
-    if (next->second.empty()) waiting_.erase(next);
-    if (!waiting_.empty()) wait_for_turn();
+    const auto reply = std::get<ReplyWork>(waiting.work).step();
+    if (reply) waiting.stream->write(encode(*reply), then_serve);
+    return reply.has_value();
   }
   void drop(std::uint64_t number) {
     streams_.erase(number);
-    for (auto& [address, all] : waiting_)
-      std::erase_if(all, [&](const Waiting& each) { return each.number == number; });
-    std::erase_if(waiting_, [](const auto& each) { return each.second.empty(); });
+    places_.remove(number);
+    for (auto& waiting : waiting_) {
+      for (auto& [address, all] : waiting)
+        std::erase_if(all, [&](const Waiting& each) { return each.number == number; });
+      std::erase_if(waiting, [](const auto& each) { return each.second.empty(); });
+    }
   }
 
   struct Waiting {
     std::uint64_t number;  // in streams_
     StreamPtr stream;
-    ReplyWork work;
+    std::variant<std::string, ReplyWork> work;  // a hello, to be answered; a request
   };
 
   asio::ip::tcp::acceptor acceptor_;
@@ -157,8 +197,12 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
   ServesAt serves_at_;
   std::map<std::uint64_t, StreamPtr> streams_;  // by the order in which they were taken
   std::uint64_t taken_ = 0;
-  std::map<asio::ip::address, std::deque<Waiting>> waiting_;  // for their turns; none is empty
-  asio::ip::address served_;                                  // last
+  Places places_{kConnectionsMax};
+  std::set<std::string> hellos_;
+  std::deque<std::string> hellos_in_order_;
+  // By address, for their turns; none is empty. First those that have proven the session's key.
+  std::array<std::map<asio::ip::address, std::deque<Waiting>>, 2> waiting_;
+  asio::ip::address served_;  // last
   bool over_ = false;
 };
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -28,6 +29,11 @@ class Connection {
   virtual ~Connection() = default;
 
   virtual void close() = 0;
+  // Which connections make room for a new one where all places are taken: first those that have asked for nothing, then
+  // those that have not shown the token, the oldest of them first. Whoever has shown it stays.
+  enum class Standing : std::uint8_t { kSilent, kStranger, kOwner };
+  [[nodiscard]] virtual Standing standing() const = 0;
+  std::uint64_t number = 0;  // in the order in which they came
   // The events that it wants, and one of those. An HTTP connection wants none.
   [[nodiscard]] virtual control::EventKinds wanted() const { return {}; }
   virtual void give(control::EventKind /*kind*/, const std::string& /*line*/) {}
@@ -60,6 +66,21 @@ class GatewayState {
     for (const auto& connection : connections) wanted_.add(connection->wanted());
   }
   [[nodiscard]] control::EventKinds wanted() const { return wanted_; }
+  void add(const std::shared_ptr<Connection>& connection) {
+    connection->number = ++taken_;
+    connections.insert(connection);
+  }
+  // Closes a connection for a new one. False: all are of owners.
+  [[nodiscard]] bool make_room() {
+    const auto order = [](const auto& each) { return std::pair(each->standing(), each->number); };
+    const auto first = std::ranges::min_element(connections, {}, order);
+    if (first == connections.end() || (*first)->standing() == Connection::Standing::kOwner) return false;
+    note(RefusalKind::kTooMany);
+    const std::shared_ptr<Connection> closed = *first;
+    closed->close();
+    drop(closed);
+    return true;
+  }
   void drop(const std::shared_ptr<Connection>& connection) {
     connections.erase(connection);
     if (!connection->wanted().empty()) find_wanted();
@@ -79,6 +100,7 @@ class GatewayState {
  private:
   std::function<void(const LogLine&)> log_;
   control::EventKinds wanted_;  // by some connection
+  std::uint64_t taken_ = 0;     // connections
 };
 
 }  // namespace peerd::gateway

@@ -70,6 +70,11 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     deadline_.cancel();
   }
 
+  [[nodiscard]] Standing standing() const override {
+    if (has_shown_token_) return Standing::kOwner;
+    return is_asked_ ? Standing::kStranger : Standing::kSilent;
+  }
+
   // Waits for the first byte of a request.
   void wait() {
     parser_.emplace();
@@ -126,7 +131,10 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
 
   void on_header() {
     ++state_->counters.requests;
+    is_asked_ = true;
     const auto& request = parser_->get();
+    const bool has_token = is_token(bearer_token(view(request[http::field::authorization])), state_->token);
+    has_shown_token_ = has_shown_token_ || has_token;
     const std::string_view host = view(request[http::field::host]);
     if (request.count(http::field::host) != 1 || !is_own_host(host, state_->port)) return refuse(RefusalKind::kHost);
     if (request.count(http::field::origin) > 0 && !let_in(host)) return refuse(RefusalKind::kOrigin);
@@ -137,7 +145,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
       if (!parser_->is_done()) return refuse(RefusalKind::kMalformed);  // a body that nobody wants
       return answer(*std::move(route));
     }
-    may_change_ = is_token(bearer_token(view(request[http::field::authorization])), state_->token);
+    may_change_ = has_token;
     if (!may_change_) {
       if (parser_->content_length().value_or(0) > kStrangersBodyMax_bytes) return refuse(RefusalKind::kBodyTooLong);
       parser_->body_limit(kStrangersBodyMax_bytes);  // of a body in chunks
@@ -274,6 +282,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
       self->deadline_.cancel();
       if (failed || !self->response_->keep_alive()) return self->finish();
       self->may_change_ = false;
+      self->is_asked_ = false;
       self->other_origin_.clear();
       self->response_.reset();
       self->reply_ = {};
@@ -310,13 +319,15 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
   std::string other_origin_;  // of the page that asks, where it is another server's and let in
   bool late_ = false;         // the request has taken too long
   bool may_change_ = false;   // the request has the token
+  bool is_asked_ = false;     // a request has come and is not answered yet
+  bool has_shown_token_ = false;
 };
 
 }  // namespace
 
 void serve_http(const std::shared_ptr<GatewayState>& state, asio::ip::tcp::socket socket) {
   const auto connection = std::make_shared<HttpConnection>(state, std::move(socket));
-  state->connections.insert(connection);
+  state->add(connection);
   connection->wait();
 }
 

@@ -70,6 +70,7 @@ class LiveConnection : public Connection, public std::enable_shared_from_this<Li
     deadline_.cancel();
     frame_timer_.cancel();
   }
+  [[nodiscard]] Standing standing() const override { return may_change_ ? Standing::kOwner : Standing::kStranger; }
   // Its client learns of other revisions by edits, too, so it wants these.
   [[nodiscard]] control::EventKinds wanted() const override { return wanted_; }
   void give(control::EventKind kind, const std::string& line) override {
@@ -313,7 +314,7 @@ class LiveConnection : public Connection, public std::enable_shared_from_this<Li
 void serve_live(const std::shared_ptr<GatewayState>& state, asio::ip::tcp::socket socket,
                 beast::http::request<beast::http::string_body> upgrade) {
   const auto connection = std::make_shared<LiveConnection>(state, std::move(socket));
-  state->connections.insert(connection);
+  state->add(connection);
   connection->begin(std::move(upgrade));
 }
 

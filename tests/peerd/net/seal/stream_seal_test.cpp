@@ -43,6 +43,20 @@ TEST_F(SealedStreams, NoFrameIsChangedRepeatedLeftOutOrTurnedBack) {
   EXPECT_EQ(server.open(second), "second");
 }
 
+TEST_F(SealedStreams, AClientProvesThatItHasTheKey) {
+  const std::string hello = client.proven_hello();
+  EXPECT_EQ(hello.substr(0, StreamSeal::kHello_bytes), text(client.hello()));
+  EXPECT_TRUE(StreamSeal::has_proof(hello));
+  EXPECT_TRUE(StreamSeal::is_proven(key, hello));
+  EXPECT_FALSE(StreamSeal::is_proven(keys::SymmetricKey::random(), hello));
+  for (std::size_t at = 0; at < hello.size(); ++at) {
+    std::string bad = hello;
+    bad[at] = static_cast<char>(bad[at] ^ 1);
+    EXPECT_FALSE(StreamSeal::is_proven(key, bad)) << at;
+    EXPECT_FALSE(StreamSeal::is_proven(key, hello.substr(0, at)));
+  }
+}
+
 TEST_F(SealedStreams, AnotherKeyOpensNothing) {
   StreamSeal outsider(keys::SymmetricKey::random(), StreamSeal::End::kClient);
   meet(outsider, server);

@@ -3,9 +3,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <fstream>
 #include <functional>
 #include <future>
 #include <map>
@@ -64,13 +67,15 @@ OperationLogs some_logs(std::uint32_t operations, std::uint64_t seed = 1) {
 class ProvidingPeer {
  public:
   explicit ProvidingPeer(OperationLogs held, std::string packed = random_bytes(1'000'000, 1),
-                         std::uint64_t session = kSession, const std::optional<keys::SymmetricKey>& key = {})
+                         std::uint64_t session = kSession, const std::optional<keys::SymmetricKey>& key = {},
+                         asio::ip::address_v4 at = asio::ip::address_v4::loopback())
       : archive(std::move(packed)), logs(std::move(held)) {
     for (const auto& [author, length] : logs.lengths()) bytes.emplace(author, logs.bytes({author, 0, length}));
     server = must(SnapshotServer::open(
-        io, asio::ip::address_v4::loopback(), 0,
+        io, at, 0,
         {session, "town", "expansion = 1\n", 9, archive, digest(archive),
          [this]() -> const OperationLogs& { return logs; }, [] { return SimTime::max(); }, [key] { return key; }}));
+    address = at;
     thread = std::thread([this] { io.run(); });
   }
   ProvidingPeer(const ProvidingPeer&) = delete;
@@ -79,10 +84,9 @@ class ProvidingPeer {
     io.stop();
     thread.join();
   }
-  [[nodiscard]] Provider provider(const std::string& name) const {
-    return {name, {asio::ip::address_v4::loopback(), server->port()}};
-  }
+  [[nodiscard]] Provider provider(const std::string& name) const { return {name, {address, server->port()}}; }
 
+  asio::ip::address address;
   std::string archive;
   OperationLogs logs;                                // the thread's: reading them unpacks
   std::map<AuthorId, std::vector<std::byte>> bytes;  // of these logs
@@ -107,8 +111,12 @@ SnapshotContent content_of(const std::string& archive, const OperationLogs& logs
 // no, the peer closes what is open, and listens no more.
 class WilfulPeer {
  public:
+  using MakeReply = std::function<Reply(const std::string&)>;
   WilfulPeer(const SnapshotContent& content, std::function<bool(const Request&)> answers)
-      : content_(content), answers_(std::move(answers)) {
+      : WilfulPeer([&content](const std::string& request) { return reply_to(request, content); }, std::move(answers)) {}
+  explicit WilfulPeer(
+      MakeReply reply, std::function<bool(const Request&)> answers = [](const Request&) { return true; })
+      : reply_(std::move(reply)), answers_(std::move(answers)) {
     acceptor_.listen();
     thread_ = std::thread([this] { serve(); });
   }
@@ -143,11 +151,11 @@ class WilfulPeer {
         for (const auto& each : streams_) each->close();
         return;
       }
-      stream->write(encode(reply_to(request, content_)), [this, stream] { answer(stream); });
+      stream->write(encode(reply_(request)), [this, stream] { answer(stream); });
     });
   }
 
-  const SnapshotContent& content_;
+  MakeReply reply_;
   std::function<bool(const Request&)> answers_;
   asio::io_context io_{1};
   asio::ip::tcp::acceptor acceptor_{io_, {asio::ip::address_v4::loopback(), 0}, false};
@@ -180,7 +188,8 @@ TEST(SnapshotFetch, GivesNothingToWhoHasAnotherKeyOrNone) {
     const auto got = fetch_snapshot({peer.provider("a")}, kSession, {.patience = 1h, .key = with});
     return got ? "" : got.error();
   };
-  EXPECT_THAT(refused(sealed, keys::SymmetricKey::random()), HasSubstr("as who has another key does"));
+  EXPECT_THAT(refused(sealed, keys::SymmetricKey::random()),
+              testing::EndsWith("it has another key; --key FILE says one"));
   const auto says = [](const std::string& why) {
     return AllOf(testing::StartsWith("a at 127.0.0.1:"), testing::EndsWith(": " + why));
   };
@@ -341,42 +350,208 @@ TEST(SnapshotServer, AddressesTakeTurns) {
   EXPECT_TRUE(std::ranges::any_of(greedy, [](const auto& each) { return each.available() == 0; }));
 }
 
+// Connections to the server that say nothing, as many as there are places and some more.
+std::vector<asio::ip::tcp::socket> silent_connections(asio::io_context& io, const asio::ip::tcp::endpoint& to) {
+  std::vector<asio::ip::tcp::socket> all;
+  for (std::size_t i = 0; i < SnapshotServer::kConnectionsMax + 50; ++i) all.emplace_back(io).connect(to);
+  return all;
+}
+
+// Waits until the other side has closed it; false: it has said something.
+bool is_closed(asio::ip::tcp::socket& socket) {
+  std::array<char, 1> byte{};
+  boost::system::error_code closed;
+  socket.read_some(asio::buffer(byte), closed);
+  return closed.failed();
+}
+bool is_open(asio::ip::tcp::socket& socket) {
+  std::array<char, 1> byte{};
+  boost::system::error_code closed;
+  socket.non_blocking(true);
+  socket.read_some(asio::buffer(byte), closed);
+  return !closed || closed == asio::error::would_block;
+}
+
 TEST(SnapshotServer, TakesFewConnectionsAndGoesOn) {
   const ProvidingPeer a(OperationLogs{});
   asio::io_context io;
-  std::vector<asio::ip::tcp::socket> idle;
-  for (std::size_t i = 0; i < 2 * SnapshotServer::kConnectionsMax; ++i) {
-    idle.emplace_back(io).connect(a.provider("").at);
-  }
-  std::array<char, 1> byte{};
-  boost::system::error_code one_too_many, still_open;
-  idle.back().read_some(asio::buffer(byte), one_too_many);
-  EXPECT_TRUE(one_too_many) << "the server closes it";
-  idle.front().non_blocking(true);
-  idle.front().read_some(asio::buffer(byte), still_open);
-  EXPECT_EQ(still_open, asio::error::would_block);
-  idle.clear();  // which makes room
+  auto silent = silent_connections(io, a.provider("").at);
+  EXPECT_TRUE(is_closed(silent.front())) << "the oldest one makes room";
+  EXPECT_TRUE(is_open(silent.back()));
   const auto snapshot = must(fetch_snapshot({a.provider("a")}, kSession));
   expect_all_of(snapshot, a);
 }
 
-// Somebody without the key holds as many connections as there can be.
-TEST(SnapshotServer, WhoProvesNoKeyMakesRoom) {
+// Passes one connection on, and what comes back only after so many others have connected to the server, as on a path
+// that takes longer than a stranger needs for that.
+class LongPath {
+ public:
+  explicit LongPath(asio::ip::tcp::endpoint to) : to_(std::move(to)) {
+    acceptor_.listen();
+    thread_ = std::thread([this] { pass_on(); });
+  }
+  LongPath(const LongPath&) = delete;
+  LongPath& operator=(const LongPath&) = delete;
+  ~LongPath() { thread_.join(); }
+  [[nodiscard]] Provider provider(const std::string& name) const { return {name, acceptor_.local_endpoint()}; }
+
+ private:
+  void pass_on() {
+    asio::ip::tcp::socket client = acceptor_.accept(), server(io_);
+    server.connect(to_);
+    std::array<char, 4 + seal::StreamSeal::kHello_bytes + seal::StreamSeal::kProof_bytes> hello{};
+    asio::write(server, asio::buffer(hello, asio::read(client, asio::buffer(hello))));
+    const auto silent = silent_connections(io_, to_);
+    std::thread back([&] { copy(server, client); });
+    copy(client, server);
+    back.join();
+  }
+  static void copy(asio::ip::tcp::socket& from, asio::ip::tcp::socket& to) {
+    std::array<char, 4096> bytes{};
+    boost::system::error_code over;
+    for (;;) {
+      const std::size_t size = from.read_some(asio::buffer(bytes), over);
+      if (!over) asio::write(to, asio::buffer(bytes, size), over);
+      if (over) break;
+    }
+    to.shutdown(asio::ip::tcp::socket::shutdown_send, over);
+  }
+
+  asio::io_context io_;
+  asio::ip::tcp::acceptor acceptor_{io_, {asio::ip::address_v4::loopback(), 0}, false};
+  asio::ip::tcp::endpoint to_;
+  std::thread thread_;
+};
+
+TEST(SnapshotServer, WhoHasTheKeyKeepsItsPlaceOnALongPath) {
   const auto key = keys::SymmetricKey::random();
   const ProvidingPeer a(OperationLogs{}, random_bytes(1'000'000, 1), kSession, key);
-  asio::io_context io;
-  std::vector<asio::ip::tcp::socket> idle;
-  for (std::size_t i = 0; i < SnapshotServer::kConnectionsMax; ++i) idle.emplace_back(io).connect(a.provider("").at);
-  // All have been accepted once the last of them has got the server's hello.
-  std::array<char, 4 + seal::StreamSeal::kHello_bytes> hello{};
-  asio::read(idle.back(), asio::buffer(hello));
-  const auto snapshot = must(fetch_snapshot({a.provider("a")}, kSession, {.patience = 1h, .key = key}));
+  const LongPath path(a.provider("").at);
+  const auto snapshot =
+      must(fetch_snapshot({path.provider("a")}, kSession, {.connections = 1, .patience = 1h, .key = key}));
   expect_all_of(snapshot, a);
-  boost::system::error_code closed;
-  asio::read(idle.front(), asio::buffer(hello), closed);
-  EXPECT_FALSE(closed) << "its hello";
-  asio::read(idle.front(), asio::buffer(hello), closed);
-  EXPECT_TRUE(closed) << "and then it made room";
+}
+
+std::string frame_of(const std::string& content) {
+  std::string frame;
+  for (int shift = 0; shift < 32; shift += 8) frame += static_cast<char>(content.size() >> shift & 0xff);
+  return frame + content;
+}
+
+TEST(SnapshotServer, ARecordedHelloKeepsNoPlace) {
+  const auto key = keys::SymmetricKey::random();
+  const ProvidingPeer a(OperationLogs{}, random_bytes(1000, 1), kSession, key);
+  asio::io_context io;
+  const std::string hello = frame_of(seal::StreamSeal(key, seal::StreamSeal::End::kClient).proven_hello());
+  const auto say = [&](asio::ip::tcp::socket& socket) {
+    socket.connect(a.provider("").at);
+    asio::write(socket, asio::buffer(hello));
+    std::array<char, 4 + seal::StreamSeal::kHello_bytes> answer{};
+    asio::read(socket, asio::buffer(answer));
+  };
+  asio::ip::tcp::socket first(io), again(io);
+  say(first);
+  say(again);
+  const auto silent = silent_connections(io, a.provider("").at);
+  EXPECT_TRUE(is_closed(again));
+  EXPECT_TRUE(is_open(first));
+}
+
+TEST(SnapshotServer, WhoHasAnotherKeyIsToldSo) {
+  const ProvidingPeer a(OperationLogs{}, random_bytes(1000, 1), kSession, keys::SymmetricKey::random());
+  asio::io_context io;
+  asio::ip::tcp::socket socket(io);
+  socket.connect(a.provider("").at);
+  const seal::StreamSeal other(keys::SymmetricKey::random(), seal::StreamSeal::End::kClient);
+  asio::write(socket, asio::buffer(frame_of(other.proven_hello())));
+  std::string answer(5, ' ');
+  asio::read(socket, asio::buffer(answer));
+  EXPECT_EQ(answer, frame_of(std::string{static_cast<char>(FramedStream::Refused::kOtherKey)}));
+  EXPECT_TRUE(is_closed(socket));
+}
+
+// All places are those of one computer, whose connections have asked for something each.
+TEST(SnapshotServer, ABusyAddressMakesRoomForAnother) {
+  const ProvidingPeer a(OperationLogs{}, random_bytes(1000, 1));
+  asio::io_context io;
+  std::vector<asio::ip::tcp::socket> busy;
+  for (std::size_t i = 0; i < SnapshotServer::kConnectionsMax; ++i) {
+    busy.emplace_back(io, asio::ip::tcp::endpoint(asio::ip::make_address("127.0.0.2"), 0)).connect(a.provider("").at);
+    asio::write(busy.back(), asio::buffer(frame_of(encode(Request{kSession, OfferRequest{}}))));
+    std::array<char, 4> answer{};
+    asio::read(busy.back(), asio::buffer(answer));
+  }
+  const auto snapshot = must(fetch_snapshot({a.provider("a")}, kSession, {.connections = 4, .patience = 1h}));
+  expect_all_of(snapshot, a);
+}
+
+// ---- providers that mean ill ----
+
+TEST(SnapshotFetch, TakesTheFilesThatMostAddressesOffer) {
+  const auto at = [](const char* address) { return asio::ip::make_address_v4(address); };
+  const std::string good = random_bytes(100'000, 1), bad = random_bytes(100'000, 2);
+  const ProvidingPeer liar(OperationLogs{}, bad), twice(OperationLogs{}, bad);
+  const ProvidingPeer a(OperationLogs{}, good, kSession, {}, at("127.0.0.2"));
+  const ProvidingPeer b(OperationLogs{}, good, kSession, {}, at("127.0.0.3"));
+  const auto snapshot = must(
+      fetch_snapshot({liar.provider("liar"), twice.provider("twice"), a.provider("a"), b.provider("b")}, kSession));
+  expect_all_of(snapshot, a);
+  EXPECT_EQ(snapshot.provided_by, "a");
+  EXPECT_THAT(snapshot.notes, testing::Contains(HasSubstr("liar at 127.0.0.1"))) << "and who";
+}
+
+std::uint64_t resident_bytes() {
+  std::uint64_t all = 0, resident = 0;
+  std::ifstream("/proc/self/statm") >> all >> resident;
+  return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+Offer offer_of(std::uint64_t archive_bytes) {
+  return {.protocol = replication::kProtocolVersion,
+          .session = kSession,
+          .world = "town",
+          .settings = "",
+          .genesis = 9,
+          .archive_bytes = archive_bytes,
+          .archive_digest = 1,
+          .logs = {},
+          .line = 0};
+}
+
+TEST(SnapshotFetch, AnOfferAloneTakesNoMemory) {
+  std::atomic<std::uint64_t> most = 0;
+  const std::uint64_t before = resident_bytes();
+  const WilfulPeer liar(WilfulPeer::MakeReply([&](const std::string& request) -> Reply {
+    if (std::holds_alternative<OfferRequest>(decode_request(request)->what)) return offer_of(std::uint64_t{1} << 30);
+    most = std::max<std::uint64_t>(most, resident_bytes() - before);
+    return Refusal{"no more"};
+  }));
+  EXPECT_THAT(error_of(fetch_snapshot({liar.provider("liar")}, kSession)), HasSubstr("no more"));
+  EXPECT_GT(most, 0u);
+  EXPECT_LT(most, 200'000'000u);
+}
+
+Reply zeros_for(const std::string& request) {
+  const Request asked = decode_request(request).value();
+  if (std::holds_alternative<OfferRequest>(asked.what)) return offer_of(std::uint64_t{1} << 30);
+  const auto& range = std::get<PartRequest>(asked.what).range;
+  return Part{std::string(range.to - range.from, '\0')};
+}
+
+TEST(SnapshotFetch, WhatComesIsNotUnpackedWithoutLimit) {
+  const std::uint64_t before = resident_bytes();
+  const WilfulPeer liar{WilfulPeer::MakeReply(zeros_for)};
+  EXPECT_THAT(error_of(fetch_snapshot({liar.provider("liar")}, kSession)), HasSubstr("only nonsense is packed"));
+  EXPECT_LT(resident_bytes() - std::min(before, resident_bytes()), 400'000'000u);
+}
+
+TEST(SnapshotFetch, NobodyHoldsItForEver) {
+  const WilfulPeer slow(WilfulPeer::MakeReply([](const std::string& request) {
+    std::this_thread::sleep_for(20ms);
+    return zeros_for(request);
+  }));
+  const FetchOptions options{.connections = 1, .patience = 300ms, .slowest_bytes_per_s = 1e12};
+  EXPECT_THAT(error_of(fetch_snapshot({slow.provider("slow")}, kSession, options)), HasSubstr("too slowly: slow"));
 }
 
 }  // namespace peerd::snapshot::snapshot_fetch_test

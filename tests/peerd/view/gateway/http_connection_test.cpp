@@ -5,6 +5,7 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <deque>
 #include <fstream>
+#include <optional>
 #include <random>
 
 #include "peerd/view/frames/pose_frame.hpp"
@@ -75,17 +76,46 @@ TEST_F(GatewayAbuse, AThousandConnectionsAreServedAndNoMore) {
     if (i % 100 < 99) continue;
     EXPECT_TRUE(ServedPeer::soon([&] { return peer.connections() == i + 1; }));
   }
-  WebClient surplus(peer);
-  const auto refused = surplus.receive();
-  EXPECT_EQ(refused.result_int(), 503U);
+  std::optional<WebClient> surplus(std::in_place, peer);
+  EXPECT_EQ(surplus->get("/api/v1/status").result_int(), 200U);
   EXPECT_EQ(peer.counter("gateway.refused_too_many"), 1U);
+  EXPECT_EQ(peer.connections(), kConnectionsMax);
+  EXPECT_EQ(clients.front().receive_all(), "") << "the oldest one that has asked for nothing made room";
+  clients.pop_front();
   for (WebClient& client : clients) EXPECT_EQ(client.get("/api/v1/status").result_int(), 200U);
   const std::size_t grown = resident_bytes() - std::min(before, resident_bytes());
   RecordProperty("grown_bytes", static_cast<int>(grown));
   EXPECT_LT(grown, std::size_t{128} << 20) << "both ends of a thousand connections are here";
   clients.clear();
+  surplus.reset();
   EXPECT_TRUE(ServedPeer::soon([&] { return peer.connections() == 0; }));
   expect_alive(peer);
+}
+
+TEST_F(GatewayAbuse, WhoHasShownTheTokenMakesNoRoom) {
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  if (limit.rlim_cur < 2 * kConnectionsMax + 300) GTEST_SKIP() << "no more than " << limit.rlim_cur << " descriptors";
+  ServedPeer peer(kWorld, {"CAR"});
+  std::deque<WebClient> clients;
+  for (std::size_t i = 0; i < kConnectionsMax; ++i) {
+    EXPECT_EQ(clients.emplace_back(peer).post({{"do", "status"}}, ServedPeer::kToken).result_int(), 200U);
+  }
+  EXPECT_EQ(WebClient(peer).receive().result_int(), 503U);
+  for (WebClient& client : clients) EXPECT_EQ(client.get("/api/v1/status").result_int(), 200U);
+}
+
+// Strangers watch by WebSockets, and one owner.
+TEST_F(GatewayAbuse, TheOwnersPageStaysWhereStrangersWatch) {
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  if (limit.rlim_cur < 2 * kConnectionsMax + 300) GTEST_SKIP() << "no more than " << limit.rlim_cur << " descriptors";
+  ServedPeer peer(kWorld, {"CAR"});
+  LiveClient owner(peer, true);
+  std::deque<LiveClient> strangers;
+  for (std::size_t i = 1; i < kConnectionsMax; ++i) strangers.emplace_back(peer, false);
+  EXPECT_EQ(WebClient(peer).get("/api/v1/status").result_int(), 200U);
+  EXPECT_EQ(owner.ask({{"do", "status"}})["ok"], true);
 }
 
 TEST_F(GatewayAbuse, MalformedRequestsAreRefused) {
