@@ -168,7 +168,7 @@ class Session:
 
     def sample(self):
         return {host: {"counters": peer.status()["counters"], "memory_kb": peer.memory_kb(), "processor_s": peer.processor_s(),
-                       "lost": len(re.findall(r"\b(?:ada|ben|cleo)\b.* (?:is lost|lost:|is silent|was lost)", peer.log.read_text())),
+                       "lost": len(re.findall(r"\((?:ada|ben|cleo)\) is lost|(?:ada|ben|cleo) \(id \d\) is lost", peer.log.read_text())),
                        "at": time.monotonic()} for host, peer in self.peers.items()}
 
 

@@ -92,8 +92,8 @@ Sent claims(const Target& target) {
       target, target.rate > 0 ? target.rate : 200,
       [&] {
         Message hello = member.hello();
-        for (std::uint32_t i = 0; i < 60; ++i) {
-          hello.hello->introduction->owned.push_back(ObjectId{static_cast<std::uint32_t>(hellos * 60 % 600) + i});
+        for (std::uint32_t i = 0; i < 50; ++i) {
+          hello.hello->introduction->owned.push_back(ObjectId{static_cast<std::uint32_t>(hellos * 50 % 200) + i});
         }
         member.send(hello);
         ++hellos;

@@ -119,7 +119,9 @@ void HostileMember::send(const Message& message, RegionId region) {
 }
 
 std::vector<std::byte> HostileMember::write(OperationBody body, SimTime stamp) {
-  auto bytes = encode_unsigned({{author_.id, ++operations_}, stamp, std::move(body)}, signed_.key_of_next(signer_));
+  last_stamp_ = std::max(stamp, last_stamp_ + Duration{1});  // those of an author ascend
+  auto bytes =
+      encode_unsigned({{author_.id, ++operations_}, last_stamp_, std::move(body)}, signed_.key_of_next(signer_));
   signed_.sign(signer_, author_.id, bytes);
   log_.insert(log_.end(), bytes.begin(), bytes.end());
   return bytes;

@@ -60,6 +60,7 @@ class HostileMember {
   replication::SignedLog signed_;
   std::vector<std::byte> log_;
   std::uint32_t operations_ = 0;
+  SimTime last_stamp_{};
   std::map<RegionId, std::uint32_t> numbers_;
   HostTime hello_at_{};
   std::optional<Duration> session_minus_host_;
