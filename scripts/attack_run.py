@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """What scripts/attack runs in namespaces of its own: peers, an attacker, joining peers, and what came of it.
 
-    attack_run.py run NAME [--seconds N] [--joins N] [--rate R] [--count N] [--addresses N] [--json FILE]
+    attack_run.py start BIN NAME [--seconds N] ..     makes the namespaces, which are gone with the last process in them
+    attack_run.py run BIN NAME [--seconds N] [--joins N] [--rate R] [--count N] [--addresses N] [--json FILE]
     attack_run.py delay FROM_PORT ADDRESS PORT MS     passes TCP connections on, each byte so much later
 
 a, b and c are the peers of configs/scenarios/town.toml, x is the attacker's computer, n that of those who join.
@@ -23,7 +24,6 @@ import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-BIN = ROOT / "build/release/bin"
 HOSTS = {"a": 1, "b": 2, "c": 3, "x": 4, "n": 5}
 PEERS = {"a": "ada", "b": "ben", "c": "cleo"}
 LATE_MS = [1, 2, 5, 10, 20, 50]
@@ -108,18 +108,19 @@ class Program:
 
 
 class Session:
-    def __init__(self, folder):
+    def __init__(self, folder, programs):
         self.folder = folder
         self.key = folder / "key"
         self.key.write_text(key_text())
         self.key.chmod(0o600)
         self.peers = {}
         self.joined = 0
+        self.bin = programs
 
     def begin(self):
         for host, name in PEERS.items():
             self.peers[host] = Program(self.folder, host, name, [
-                BIN / "peerd", "run", "-c", ROOT / "configs/scenarios/town.toml", "--peer", name, "--interface", "eth0",
+                self.bin / "peerd", "run", "-c", ROOT / "configs/scenarios/town.toml", "--peer", name, "--interface", "eth0",
                 "--key", self.key, "--control", self.folder / f"{name}.sock", "--set",
                 f"transport.snapshot_port={SNAPSHOT_PORT}"])
         wait_for(30, lambda: all(self.sees_others(host) for host in PEERS), "the three peers do not find each other")
@@ -129,22 +130,20 @@ class Session:
         return status is not None and set(PEERS.values()) - {PEERS[host]} <= names_in(status)
 
     def fill_logs(self):
-        """Edits of a, by data at a node."""
-        written = 0
-        while written < LOG_BYTES:
-            value = secrets.token_hex(30_000)
-            reply = self.peers["a"].ask({"do": "data", "path": "BUS", "key": f"k{written}", "value": value})
-            if reply.get("done"):
-                written += len(value)
-            else:
-                time.sleep(0.2)
-        time.sleep(10)
+        """Edits of a, by data at a node, which all peers get."""
+        value_bytes = 16_000
+        for number in range(LOG_BYTES // value_bytes):
+            request = {"do": "data", "path": "BUS", "key": f"k{number % 100}", "value": secrets.token_hex(value_bytes // 2)}
+            wait_for(10, lambda: self.peers["a"].ask(request).get("done"), "a does not take the edits that are to be read")
+        edits = LOG_BYTES // value_bytes
+        wait_for(60, lambda: all(self.peers[host].status()["counters"]["operations_in"] >= edits for host in "bc"),
+                 "the edits that are to be read do not reach all")
 
     def join(self, is_far):
         """Seconds until a new peer and the others know each other; none: they did not."""
         self.joined += 1
         name = f"n{self.joined}"
-        words = [BIN / "peerd", "join", "town", "--name", name, "--id", 5000 + self.joined, "--store", "", "--key", self.key,
+        words = [self.bin / "peerd", "join", "town", "--name", name, "--id", 5000 + self.joined, "--store", "", "--key", self.key,
                  "--interface", "eth0", "--control", self.folder / f"{name}.sock"]
         if is_far:
             words += ["--from", f"127.0.0.1:{DELAYED_PORT}"]
@@ -214,13 +213,11 @@ def changed_counters(before, after):
 
 def edit_arrives(session):
     """Whether an edit of b reaches c, which is still what the session is for."""
-    name = "AFTER"
-    reply = session.peers["b"].ask({"do": "add", "text": f"DEF {name} Transform {{ children Shape {{ geometry Box {{ }} }} }}"})
-    if not reply.get("done"):
+    value = secrets.token_hex(4)
+    if not session.peers["b"].ask({"do": "data", "path": "BUS", "key": "after", "value": value}).get("done"):
         return False
     for _ in range(100):
-        found = session.peers["c"].ask({"do": "world"}).get("world", "")
-        if name in found:
+        if session.peers["c"].ask({"do": "data", "path": "BUS", "key": "after"}).get("value") == value:
             return True
         time.sleep(0.1)
     return False
@@ -229,7 +226,7 @@ def edit_arrives(session):
 def run(options):
     make_network(options.addresses)
     folder = pathlib.Path(tempfile.mkdtemp(prefix="attack.", dir="/run"))
-    session = Session(folder)
+    session = Session(folder, options.bin)
     session.begin()
     if options.name == "digests":
         session.fill_logs()
@@ -242,7 +239,7 @@ def run(options):
     begin = session.sample()
     time.sleep(options.seconds)
     idle = session.sample()
-    words = [BIN / "peerd-attacker", options.name, "--world", "town", "--interface", "eth0", "--key", session.key,
+    words = [session.bin / "peerd-attacker", options.name, "--world", "town", "--interface", "eth0", "--key", session.key,
              "--seconds", options.seconds + 600]
     if options.name in FAR_JOINS | {"digests"}:
         words += ["--at", f"10.66.0.1:{SNAPSHOT_PORT}"]
@@ -283,6 +280,8 @@ def run(options):
         pathlib.Path(options.json).write_text(json.dumps(result, indent=1) + "\n")
     if options.keep:
         shutil.copytree(folder, options.keep, ignore=shutil.ignore_patterns("*.sock"), dirs_exist_ok=True)
+    lost = sum(row["lost"] for row in result["whole"].values())
+    return lost == 0 and len(during) == len(after) == options.joins and works and everybody
 
 
 def print_result(result):
@@ -297,6 +296,15 @@ def print_result(result):
           f"seconds: {result['join_s']}")
     print(f"afterwards an edit of b reaches c: {result['edit_arrives']}; all three know each other: {result['everybody_is_there']}")
     print("counters of a: " + ", ".join(f"{n} {v}" for n, v in result["counters"].items()))
+
+
+def start(words):
+    as_root = [] if os.geteuid() == 0 else ["--user", "--map-root-user"]
+    unshare = ["unshare", *as_root, "--net", "--mount", "--pid", "--fork", "--kill-child"]
+    if subprocess.run([*unshare, "ip", "link", "add", "lan", "type", "bridge"], stderr=subprocess.DEVNULL).returncode != 0:
+        print("error: no network namespaces can be made here", file=sys.stderr)
+        sys.exit(3)
+    os.execvp("unshare", [*unshare, sys.executable, __file__, "run", *words])
 
 
 async def delay(port, address, to_port, seconds):
@@ -330,6 +338,7 @@ def main():
         asyncio.run(delay(int(port), address, int(to_port), int(ms) / 1000))
     parser = argparse.ArgumentParser(prog="scripts/attack")
     parser.add_argument("run")
+    parser.add_argument("bin", type=lambda folder: pathlib.Path(folder).resolve())
     parser.add_argument("name")
     parser.add_argument("--seconds", type=int, default=20)
     parser.add_argument("--joins", type=int, default=20)
@@ -338,7 +347,10 @@ def main():
     parser.add_argument("--addresses", type=int, default=1)
     parser.add_argument("--json")
     parser.add_argument("--keep", help="a folder for the logs of all")
-    run(parser.parse_args())
+    options = parser.parse_args()
+    if options.run == "start":
+        start(sys.argv[2:])
+    sys.exit(0 if run(options) else 1)
 
 
 if __name__ == "__main__":

@@ -73,6 +73,7 @@ SealedTransport::SealedTransport(boost::asio::io_context& io, const net::HostClo
     : clock_(clock),
       carrier_(std::move(carrier)),
       strangers_(net::random_key(), {}),
+      wrong_(net::random_key()),
       checks_timer_(io),
       self_(std::move(self)),
       sealer_(session, self_),
@@ -88,6 +89,7 @@ SealedTransport::SealedTransport(boost::asio::io_context& io, const net::HostClo
     : clock_(clock),
       carrier_(std::move(carrier)),
       strangers_(net::random_key(), {}),
+      wrong_(net::random_key()),
       checks_timer_(io),
       self_(std::move(self)),
       rosters_(&rosters),
@@ -131,6 +133,7 @@ void SealedTransport::take_announcement(const net::Arrival& arrival, bool may_ch
                            ? sealer_.hear(arrival.datagram, clock_.now(), arrival.from.address(), may_check)
                            : Refusal::kForged;
   if (refused == Refusal::kUnchecked) return examine_later(arrival);
+  if (refused == Refusal::kUnsigned) wrong_.note(arrival.datagram);
   if (!refused || is_after_check(*refused)) checks_.note_check(clock_.now());
   say_findings();
   if (!refused) {
@@ -190,10 +193,12 @@ void SealedTransport::examine_waiting() {
 }
 
 void SealedTransport::examine(const net::Arrival& arrival, bool may_check) {
+  if (wrong_.contains(arrival.datagram)) return refuse(Refusal::kUnsigned, arrival);
   if (Sealer::is_announcement(arrival.datagram)) return take_announcement(arrival, may_check);
   if (RosterExchange::is_part(arrival.datagram)) return take_roster_part(arrival);
   const auto opened = sealer_.open(arrival.at, arrival.region, arrival.datagram, may_check);
   if (!opened && opened.error() == Refusal::kUnchecked) return examine_later(arrival);
+  if (!opened && opened.error() == Refusal::kUnsigned) wrong_.note(arrival.datagram);
   if (opened ? opened->is_signed : is_after_check(opened.error())) checks_.note_check(clock_.now());
   if (!opened) {
     if (opened.error() == Refusal::kOwn) say_findings();

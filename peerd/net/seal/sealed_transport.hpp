@@ -17,6 +17,7 @@
 #include "peerd/net/seal/check_queue.hpp"
 #include "peerd/net/seal/roster_exchange.hpp"
 #include "peerd/net/seal/sealer.hpp"
+#include "peerd/net/seal/wrong_datagrams.hpp"
 #include "peerd/net/transport/transport.hpp"
 
 namespace peerd::seal {
@@ -79,6 +80,7 @@ class SealedTransport final : public net::Transport {
   std::unique_ptr<net::Transport> carrier_;
   net::SourceBuckets strangers_;
   CheckQueue checks_;
+  WrongDatagrams wrong_;
   boost::asio::steady_timer checks_timer_;
   bool awaits_checks_ = false;  // the timer runs
   Sealer::Self self_;

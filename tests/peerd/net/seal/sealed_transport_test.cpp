@@ -134,6 +134,26 @@ TEST_F(SealedTransports, AFloodOfSignedDatagramsDelaysItsSenderAlone) {
   EXPECT_EQ(a.transport.counters().packets_in, a.passed_on);
 }
 
+// A member signs an announcement wrongly and sends it over and over.
+TEST_F(SealedTransports, OneWrongSignatureIsCheckedOnce) {
+  Speaker a(io, key, 1), b(io, key, 2);
+  Listener raw(io, options());
+  meet(a, b);
+  const auto somebody = keys::Identity::random(), another = keys::Identity::random();
+  const auto wrong =
+      seal_announcement({.sender = PeerId{3}, .boot = Sealer::random_boot(), .number = 1, .key = somebody.public_key()},
+                        0xC0, announcing_key(key), another);
+  constexpr std::uint64_t kTimes = 1000;  // many more than may be checked of one that is new
+  for (std::uint64_t i = 0; i < kTimes; ++i) {
+    raw.send(0, text_of(wrong));
+    if (i % 50 == 0) io.poll();
+  }
+  b.say("the end");
+  ASSERT_TRUE(run_until(io, [&] { return testing::Value(a.heard, testing::Contains("the end")); }));
+  EXPECT_EQ(a.transport.counters().in_unsigned, kTimes);
+  EXPECT_EQ(a.transport.counters().in_flood, 0u) << "nothing else waits for it";
+}
+
 // A flood costs what strangers may cost. One of datagrams leaves the announcements of a joining peer at the same
 // address.
 TEST_F(SealedTransports, AFloodOfAStrangerIsNotOpened) {
