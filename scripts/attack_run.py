@@ -246,8 +246,6 @@ def run(options):
     if options.name == "second-process":
         shutil.copy(folder / "ben/config/peerd/identity.key", folder / "copied")
         words += ["--identity", folder / "copied", "--number", 2]
-    if options.name == "large-edits" and options.rate is None:
-        options.rate = 12 / options.seconds
     for name in ("rate", "count"):
         if getattr(options, name) is not None:
             words += [f"--{name}", getattr(options, name)]

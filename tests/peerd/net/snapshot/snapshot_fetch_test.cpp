@@ -401,7 +401,8 @@ class LongPath {
     server.connect(to_);
     std::array<char, 4 + seal::StreamSeal::kHello_bytes + seal::StreamSeal::kProof_bytes> hello{};
     asio::write(server, asio::buffer(hello, asio::read(client, asio::buffer(hello))));
-    const auto silent = silent_connections(io_, to_);
+    auto silent = silent_connections(io_, to_);
+    (void)is_closed(silent.front());  // by then the server has taken so many that some had to go
     std::thread back([&] { copy(server, client); });
     copy(client, server);
     back.join();
@@ -520,14 +521,17 @@ Offer offer_of(std::uint64_t archive_bytes) {
 
 TEST(SnapshotFetch, AnOfferAloneTakesNoMemory) {
   std::atomic<std::uint64_t> most = 0;
+  std::atomic<bool> is_asked = false;
   const std::uint64_t before = resident_bytes();
   const WilfulPeer liar(WilfulPeer::MakeReply([&](const std::string& request) -> Reply {
     if (std::holds_alternative<OfferRequest>(decode_request(request)->what)) return offer_of(std::uint64_t{1} << 30);
-    most = std::max<std::uint64_t>(most, resident_bytes() - before);
+    is_asked = true;
+    const std::uint64_t now = resident_bytes();
+    most = std::max<std::uint64_t>(most, now - std::min(before, now));
     return Refusal{"no more"};
   }));
   EXPECT_THAT(error_of(fetch_snapshot({liar.provider("liar")}, kSession)), HasSubstr("no more"));
-  EXPECT_GT(most, 0u);
+  EXPECT_TRUE(is_asked);
   EXPECT_LT(most, 200'000'000u);
 }
 
@@ -542,7 +546,8 @@ TEST(SnapshotFetch, WhatComesIsNotUnpackedWithoutLimit) {
   const std::uint64_t before = resident_bytes();
   const WilfulPeer liar{WilfulPeer::MakeReply(zeros_for)};
   EXPECT_THAT(error_of(fetch_snapshot({liar.provider("liar")}, kSession)), HasSubstr("only nonsense is packed"));
-  EXPECT_LT(resident_bytes() - std::min(before, resident_bytes()), 400'000'000u);
+  const std::uint64_t now = resident_bytes();
+  EXPECT_LT(now - std::min(before, now), 400'000'000u);
 }
 
 TEST(SnapshotFetch, NobodyHoldsItForEver) {
