@@ -249,7 +249,8 @@ TEST_F(Joining, WhoAsksOnePeerIsToldAtOnceHowItIsSealed) {
   EXPECT_THAT(why_not(14, {"--open"}), HasSubstr("it is sealed, and begins with a key: leave out --open"));
   EXPECT_THAT(why_not(15, {}), HasSubstr("it is open, and does not have the key"));
   ASSERT_TRUE(keys::read_or_make_key(folder / "other.key"));
-  EXPECT_THAT(why_not(14, {"--key", (folder / "other.key").string()}), HasSubstr("it has another key; --key FILE says one"));
+  EXPECT_THAT(why_not(14, {"--key", (folder / "other.key").string()}),
+              HasSubstr("it has another key; --key FILE says one"));
 }
 
 // Both say how they are, so that nobody waits for what cannot be.
