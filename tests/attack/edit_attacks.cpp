@@ -58,9 +58,9 @@ Sent doubling_edit(const Target& target) {
   return edits(target, 1, [](std::uint64_t number) { return add(number, doubling(18), 1u << 20); });
 }
 
-// The largest that is taken: see docs/security.md.
+// The largest of these that peers take (docs/security.md).
 Sent growing_edit(const Target& target) {
-  return edits(target, 1, [](std::uint64_t number) { return add(number, doubling(10), 1u << 14); });
+  return edits(target, 1, [](std::uint64_t number) { return add(number, doubling(9), 1u << 14); });
 }
 
 Sent large_edits(const Target& target) {
@@ -155,8 +155,8 @@ Sent region_groups(const Target& target) {
 }
 
 constexpr std::array kEditAttacks{
-    Attack{"doubling-edit", "a member adds 1,101 bytes that stand for 524,287 nodes, once a second", doubling_edit},
-    Attack{"growing-edit", "a member adds 600 bytes that stand for 2,047 nodes, which is allowed, once a second",
+    Attack{"doubling-edit", "a member adds 1,048 bytes that stand for 524,287 nodes, once a second", doubling_edit},
+    Attack{"growing-edit", "a member adds 536 bytes that stand for 1,023 nodes, which is allowed, once a second",
            growing_edit},
     Attack{"large-edits", "a member adds a text of 1 MB each second", large_edits},
     Attack{"stamps-ahead", "a member writes 500 messages a second that hold from tomorrow on", stamps_ahead},
