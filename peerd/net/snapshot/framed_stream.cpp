@@ -7,6 +7,7 @@
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/completion_condition.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 
@@ -58,7 +59,7 @@ void FramedStream::begin(Proof proof, OnDone done) {
   const auto& hello = seal_->hello();
   const std::string own = proof == Proof::kWith ? seal_->proven_hello() : std::string(hello.begin(), hello.end());
   write_frame(own, [this, done = std::move(done)] {
-    // An open side answers that it does not understand, which is longer than a key.
+    // An open peer does not understand the hello and answers by a sentence, so that more than a key has to be read.
     read_frame(std::max(frame_max_bytes_, seal::StreamSeal::kHello_bytes), [this, done](const std::string& others) {
       if (seal_->take_hello(others)) return done();
       if (others == std::string{static_cast<char>(Refused::kOtherKey)}) refused_ = Refused::kOtherKey;
@@ -84,7 +85,11 @@ void FramedStream::answer_hello(seal::StreamSeal seal, const std::string& hello,
   });
 }
 
-void FramedStream::refuse(Refused why) {
+void FramedStream::refuse(Refused why, std::string_view hello) {
+  if (!seal::StreamSeal::has_proof(hello)) {
+    // Later, as whoever refuses may not expect the handler of failures yet.
+    return asio::post(socket_.get_executor(), [self = shared_from_this()] { self->fail("it was refused"); });
+  }
   write_frame(std::string{static_cast<char>(why)}, [this] { fail("it was refused"); });
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -41,8 +42,11 @@ class FramedStream : public std::enable_shared_from_this<FramedStream> {
   void read_hello(OnFrame on_frame);
   // Seals the connection from then on. The hello is what read_hello() has read.
   void answer_hello(seal::StreamSeal seal, const std::string& hello, OnDone done);
-  // Says why, and closes the connection.
-  void refuse(Refused why);
+  // Closes the connection of a client that has sent that hello. One whose hello has a proof is told why before. An
+  // older client, which sends none, would take the byte for the answer of an open peer.
+  void refuse(Refused why, std::string_view hello);
+  // Each read and each write that begins from now on has to end within that time.
+  void set_patience(Duration patience) { patience_ = patience; }
   // One read and one write may be under way at a time.
   void read(OnFrame on_frame);
   void write(const std::string& content, OnDone done);

@@ -3,33 +3,51 @@
 #include <algorithm>
 
 namespace peerd::snapshot {
+namespace {
 
-std::optional<std::uint64_t> Places::add(std::uint64_t number, const boost::asio::ip::address& from) {
-  all_.emplace(number, Connection{.from = from});
-  if (all_.size() <= most_) return std::nullopt;
+using boost::asio::ip::address;
+using boost::asio::ip::address_v6;
+
+constexpr std::ptrdiff_t kNetwork_bytes = 8;  // of an IPv6 address
+
+address network_of(const address& from) {
+  if (!from.is_v6()) return from;
+  auto bytes = from.to_v6().to_bytes();
+  std::fill(bytes.begin() + kNetwork_bytes, bytes.end(), address_v6::bytes_type::value_type{0});
+  return address_v6(bytes);
+}
+
+}  // namespace
+
+std::optional<std::uint64_t> Places::add(std::uint64_t number, const Address& from) {
+  unproven_.emplace(number, network_of(from));
+  if (unproven_.size() <= unproven_most_) return std::nullopt;
+  return unproven_.extract(unproven_.begin()).key();
+}
+
+std::optional<std::uint64_t> Places::note_proven(std::uint64_t number) {
+  auto come = unproven_.extract(number);
+  if (come.empty()) return std::nullopt;
+  ++proven_from_[come.mapped()];
+  proven_.insert(std::move(come));
+  if (proven_.size() <= proven_most_) return std::nullopt;
   const std::uint64_t closed = to_close(number);
-  all_.erase(closed);
+  remove(closed);
   return closed;
 }
 
-std::uint64_t Places::to_close(std::uint64_t added) const {
-  const auto unproven = std::ranges::find_if(all_, [](const auto& each) { return !each.second.is_proven; });
-  if (unproven != all_.end() && unproven->first != added) return unproven->first;
-  std::map<boost::asio::ip::address, std::size_t> counts;
-  for (const auto& [number, each] : all_) ++counts[each.from];
-  const auto busiest = std::ranges::max_element(counts, {}, [](const auto& each) { return each.second; });
-  if (busiest->second < counts[all_.at(added).from] + 2) return added;
-  return std::ranges::find_if(all_, [&](const auto& each) { return each.second.from == busiest->first; })->first;
+std::uint64_t Places::to_close(std::uint64_t proven) const {
+  const auto busiest = std::ranges::max_element(proven_from_, {}, [](const auto& each) { return each.second; });
+  if (busiest->second < proven_from_.at(proven_.at(proven)) + 2) return proven;
+  return std::ranges::find_if(proven_, [&](const auto& each) { return each.second == busiest->first; })->first;
 }
 
-void Places::note_proven(std::uint64_t number) {
-  const auto found = all_.find(number);
-  if (found != all_.end()) found->second.is_proven = true;
-}
-
-bool Places::is_proven(std::uint64_t number) const {
-  const auto found = all_.find(number);
-  return found != all_.end() && found->second.is_proven;
+void Places::remove(std::uint64_t number) {
+  unproven_.erase(number);
+  const auto gone = proven_.extract(number);
+  if (gone.empty()) return;
+  const auto from = proven_from_.find(gone.mapped());
+  if (--from->second == 0) proven_from_.erase(from);
 }
 
 }  // namespace peerd::snapshot

@@ -25,6 +25,9 @@ using boost::system::error_code;
 
 // A joining peer that asks for nothing for so long is gone.
 constexpr Duration kPatience = std::chrono::seconds(30);
+// A connection that has proven the key by its hello alone, which somebody may have recorded at another peer, has to
+// send its first sealed frame within this time.
+constexpr Duration kSealedWithin = std::chrono::seconds(3);
 constexpr std::chrono::seconds kAcceptAgainAfter{1};  // pause after a failure, such as a lack of descriptors
 // The last hellos that were proven, so that somebody who has recorded one proves nothing by it.
 constexpr std::size_t kHellosKept = 4096;
@@ -45,7 +48,7 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
     if (!failed) acceptor_.set_option(asio::socket_base::reuse_address(true), failed);
     if (!failed && at.address().is_v6()) acceptor_.set_option(asio::ip::v6_only(true), failed);
     if (!failed) acceptor_.bind(at, failed);
-    if (!failed) acceptor_.listen(kConnectionsMax, failed);
+    if (!failed) acceptor_.listen(kProvenMax + kUnprovenMax, failed);
     if (failed) {
       return std::unexpected(
           net::NetError{net::NetError::Kind::kOther, "can't listen for joining peers at " + address.to_string() +
@@ -95,27 +98,38 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
           if (const auto impl = self.lock()) impl->drop(number);
         },
         std::nullopt);
-    if (const auto closed = places_.add(number, from)) {
-      if (*closed == number) return stream->refuse(FramedStream::Refused::kNoPlace);
-      streams_.at(*closed)->close();
-      drop(*closed);
-    }
     streams_.emplace(number, stream);
+    if (const auto closed = places_.add(number, from)) evict(*closed);
     if (!content_.key()) return serve(number, stream);
     stream->read_hello([self = shared_from_this(), number, stream](const std::string& hello) {
       if (!self->over_) self->take_hello(number, stream, hello);
     });
   }
-  // Whoever has the key proves it by the hello, and comes first. The exchange of keys takes a turn as all work does.
+  // Whoever has the key proves it by the hello and is served first. The exchange of keys waits for its turn as all work
+  // does.
   void take_hello(std::uint64_t number, const StreamPtr& stream, const std::string& hello) {
     const auto key = content_.key();
-    if (!key) return stream->refuse(FramedStream::Refused::kOtherKey);  // it was sealed when the connection came
-    if (seal::StreamSeal::is_proven(*key, hello)) {
-      if (is_new(hello)) places_.note_proven(number);
-    } else if (seal::StreamSeal::has_proof(hello)) {
-      return stream->refuse(FramedStream::Refused::kOtherKey);
+    if (!key) return stream->refuse(FramedStream::Refused::kOtherKey, hello);  // the session was sealed before
+    const bool is_proven = seal::StreamSeal::is_proven(*key, hello);
+    if (!is_proven && seal::StreamSeal::has_proof(hello)) {
+      return stream->refuse(FramedStream::Refused::kOtherKey, hello);
+    }
+    if (is_proven) stream->set_patience(kSealedWithin);
+    if (is_proven && is_new(hello) && !keeps_place(number)) {
+      return stream->refuse(FramedStream::Refused::kNoPlace, hello);
     }
     await_turn({number, stream, hello});
+  }
+  // A connection has proven itself, and another one may have to go for it. False: it has to go itself.
+  [[nodiscard]] bool keeps_place(std::uint64_t number) {
+    const auto closed = places_.note_proven(number);
+    if (closed == number) return false;
+    if (closed) evict(*closed);
+    return true;
+  }
+  void evict(std::uint64_t number) {
+    streams_.at(number)->close();
+    drop(number);
   }
   [[nodiscard]] bool is_new(const std::string& hello) {
     if (!hellos_.insert(hello).second) return false;
@@ -129,12 +143,14 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
   void serve(std::uint64_t number, const StreamPtr& stream) {
     stream->read([self = shared_from_this(), number, stream](const std::string& request) {
       if (self->over_) return;
-      self->places_.note_proven(number);  // its key has opened the request, or there is none
+      // The session's key has opened the request, or the session is open.
+      if (!self->keeps_place(number)) return self->evict(number);
+      stream->set_patience(kPatience);
       self->await_turn({number, stream, ReplyWork(request, self->content_)});
     });
   }
   struct Waiting;
-  // The connections that have proven the key, and the others, which wait for these.
+  // Connections that have proven the key are served before all others.
   void await_turn(Waiting waiting) {
     const bool is_first = waiting_[0].empty() && waiting_[1].empty();
     waiting_[places_.is_proven(waiting.number) ? 0 : 1][waiting.stream->remote()].push_back(std::move(waiting));
@@ -148,10 +164,11 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
     });
   }
   void take_turn() {
-    auto& waiting = waiting_[waiting_[0].empty() ? 1 : 0];
+    const std::size_t kind = waiting_[0].empty() ? 1 : 0;
+    auto& waiting = waiting_.at(kind);
     if (waiting.empty()) return;
-    const auto next = net::next_after(waiting, served_);
-    served_ = next->first;
+    const auto next = net::next_after(waiting, served_.at(kind));
+    served_.at(kind) = next->first;
     Waiting first = std::move(next->second.front());
     next->second.pop_front();
     if (!step(first)) next->second.push_back(std::move(first));
@@ -167,7 +184,7 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
       if (const auto key = content_.key()) {
         waiting.stream->answer_hello({*key, seal::StreamSeal::End::kServer}, *hello, then_serve);
       } else {
-        waiting.stream->refuse(FramedStream::Refused::kOtherKey);
+        waiting.stream->refuse(FramedStream::Refused::kOtherKey, *hello);
       }
       return true;
     }
@@ -197,12 +214,12 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
   ServesAt serves_at_;
   std::map<std::uint64_t, StreamPtr> streams_;  // by the order in which they were taken
   std::uint64_t taken_ = 0;
-  Places places_{kConnectionsMax};
+  Places places_{kProvenMax, kUnprovenMax};
   std::set<std::string> hellos_;
   std::deque<std::string> hellos_in_order_;
-  // By address, for their turns; none is empty. First those that have proven the session's key.
+  // By address, for their turns; no queue is empty. The first map is of connections that have proven the key.
   std::array<std::map<asio::ip::address, std::deque<Waiting>>, 2> waiting_;
-  asio::ip::address served_;  // last
+  std::array<asio::ip::address, 2> served_;  // last, of each map
   bool over_ = false;
 };
 

@@ -22,7 +22,8 @@ namespace peerd::snapshot {
 // each. It changes nothing.
 class SnapshotServer {
  public:
-  static constexpr std::size_t kConnectionsMax = 256;
+  // The connections that have proven the session's key, and beside these the ones that have not.
+  static constexpr std::size_t kProvenMax = 256, kUnprovenMax = 64;
   static constexpr std::chrono::milliseconds kStepsApart{1};
 
   // Listens at a port that the system chooses where `port` is 0. `serves_at`: whether a connection to that address of

@@ -353,7 +353,7 @@ TEST(SnapshotServer, AddressesTakeTurns) {
 // Connections to the server that say nothing, as many as there are places and some more.
 std::vector<asio::ip::tcp::socket> silent_connections(asio::io_context& io, const asio::ip::tcp::endpoint& to) {
   std::vector<asio::ip::tcp::socket> all;
-  for (std::size_t i = 0; i < SnapshotServer::kConnectionsMax + 50; ++i) all.emplace_back(io).connect(to);
+  for (std::size_t i = 0; i < SnapshotServer::kUnprovenMax + 50; ++i) all.emplace_back(io).connect(to);
   return all;
 }
 
@@ -471,12 +471,53 @@ TEST(SnapshotServer, WhoHasAnotherKeyIsToldSo) {
   EXPECT_TRUE(is_closed(socket));
 }
 
+// Somebody may have recorded the hello at another peer.
+TEST(SnapshotServer, AHelloAloneKeepsAPlaceForThreeSeconds) {
+  const auto key = keys::SymmetricKey::random();
+  const ProvidingPeer a(OperationLogs{}, random_bytes(1000, 1), kSession, key);
+  asio::io_context io;
+  asio::ip::tcp::socket socket(io);
+  socket.connect(a.provider("").at);
+  const auto began = std::chrono::steady_clock::now();
+  asio::write(socket, asio::buffer(frame_of(seal::StreamSeal(key, seal::StreamSeal::End::kClient).proven_hello())));
+  std::array<char, 4 + seal::StreamSeal::kHello_bytes> answer{};
+  asio::read(socket, asio::buffer(answer));
+  EXPECT_TRUE(is_closed(socket));
+  const auto took = std::chrono::steady_clock::now() - began;
+  EXPECT_GT(took, 2s);
+  EXPECT_LT(took, 15s) << "whoever sends a sealed frame has 30 s for the next one";
+}
+
+// An older client would read a byte as the first one of an open peer's answer.
+TEST(FramedStream, AClientWithoutAProofIsNotToldWhyItIsRefused) {
+  const seal::StreamSeal client(keys::SymmetricKey::random(), seal::StreamSeal::End::kClient);
+  const std::string proven = client.proven_hello(), plain = proven.substr(0, seal::StreamSeal::kHello_bytes);
+  for (const auto& [hello, told] : std::map<std::string, std::string>{
+           {plain, ""}, {proven, frame_of(std::string{static_cast<char>(FramedStream::Refused::kNoPlace)})}}) {
+    asio::io_context io(1);
+    asio::ip::tcp::acceptor acceptor(io, {asio::ip::address_v4::loopback(), 0});
+    asio::ip::tcp::socket socket(io);
+    socket.connect(acceptor.local_endpoint());
+    std::string failure;
+    const auto server = std::make_shared<FramedStream>(
+        acceptor.accept(), kRequestMax_bytes, 10s, [&](const std::string& why) { failure = why; }, std::nullopt);
+    server->read_hello([&](const std::string& read) { server->refuse(FramedStream::Refused::kNoPlace, read); });
+    asio::write(socket, asio::buffer(frame_of(hello)));
+    io.run();
+    EXPECT_EQ(failure, "it was refused");
+    std::string answer;
+    boost::system::error_code closed;
+    asio::read(socket, asio::dynamic_buffer(answer), closed);
+    EXPECT_EQ(answer, told);
+  }
+}
+
 // All places are those of one computer, whose connections have asked for something each.
 TEST(SnapshotServer, ABusyAddressMakesRoomForAnother) {
   const ProvidingPeer a(OperationLogs{}, random_bytes(1000, 1));
   asio::io_context io;
   std::vector<asio::ip::tcp::socket> busy;
-  for (std::size_t i = 0; i < SnapshotServer::kConnectionsMax; ++i) {
+  for (std::size_t i = 0; i < SnapshotServer::kProvenMax; ++i) {
     busy.emplace_back(io, asio::ip::tcp::endpoint(asio::ip::make_address("127.0.0.2"), 0)).connect(a.provider("").at);
     asio::write(busy.back(), asio::buffer(frame_of(encode(Request{kSession, OfferRequest{}}))));
     std::array<char, 4> answer{};
