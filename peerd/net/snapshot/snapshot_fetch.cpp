@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cassert>
-#include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <set>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include <boost/asio/io_context.hpp>
@@ -15,6 +17,7 @@
 
 #include "peerd/net/greeting/address_text.hpp"
 #include "peerd/net/snapshot/framed_stream.hpp"
+#include "peerd/net/snapshot/parts.hpp"
 #include "replication/wire/codec.hpp"
 
 namespace peerd::snapshot {
@@ -29,9 +32,9 @@ using replication::OperationRange;
 constexpr std::chrono::milliseconds kConnectedAgainAfter{500};
 // Another peer is waited for so long, to compare what it has; without one nothing is compared.
 constexpr Duration kComparedWithin = std::chrono::seconds(2);
-// A joining peer accepts no more of a world [bytes], so that a forger does not fill its memory. What it holds is
-// besides at most kUnpackedFree_bytes and so many times as much as has come: texts are packed to a twentieth, nothing
-// to less.
+// The largest world that a joining peer accepts [bytes]. A forger may pack nonsense into very few bytes, so a joining
+// peer also holds no more than kUnpackedFree_bytes and kUnpackedTimes as many bytes as have come. Texts are packed to a
+// twentieth.
 constexpr std::uint64_t kSnapshotMax_bytes = std::uint64_t{1} << 30;
 constexpr std::uint64_t kUnpackedFree_bytes = std::uint64_t{64} << 20, kUnpackedTimes = 64;
 // Once the first offer has come, those of others are waited for so long: the archive that most addresses offer is
@@ -40,91 +43,15 @@ constexpr Duration kOffersWithin = std::chrono::seconds(1);
 // A peer that closes connections before it has said anything in the session's key, so often in a row, is of no use.
 constexpr int kUnprovenTries = 4;
 
-// The Parts that have to be got, of the archive and of each log, and which of them are there.
-class Parts {
- public:
-  void plan(const Offer& offer) {
-    add(replication::kNoAuthor, offer.archive_bytes);
-    for (const LogLength& log : offer.logs) add(log.author, log.bytes);
-  }
-  // The next part to ask a peer for that holds logs so long, over a connection that has `asked` for these already: a
-  // part that no connection awaits, else one that a single other connection does, which may be slow.
-  std::optional<OperationRange> next(const std::map<AuthorId, std::uint64_t>& held, std::set<OperationRange>& asked) {
-    const auto fits = [&](const OperationRange& part) {
-      const auto log = held.find(part.author);
-      return log != held.end() && part.to <= log->second && !asked.contains(part);
-    };
-    auto found = std::ranges::find_if(unasked_, fits);
-    if (found != unasked_.end()) {
-      const OperationRange part = *found;
-      unasked_.erase(found);
-      awaited_.push_back({part, 1});
-      asked.insert(part);
-      return part;
-    }
-    const auto again =
-        std::ranges::find_if(awaited_, [&](const Awaited& each) { return each.connections == 1 && fits(each.part); });
-    if (again == awaited_.end()) return std::nullopt;
-    ++again->connections;
-    asked.insert(again->part);
-    return again->part;
-  }
-  // False: the bytes, which that peer gives, are not what was asked for.
-  bool take(const OperationRange& part, std::string_view bytes, std::size_t peer) {
-    if (bytes.size() != part.to - part.from) return false;
-    const auto awaited = std::ranges::find(awaited_, part, &Awaited::part);
-    if (awaited == awaited_.end()) return true;  // another peer was faster
-    awaited_.erase(awaited);
-    content_[part.author].emplace(part.from, bytes);
-    held_bytes_ += bytes.size();
-    givers_[part.author].insert(peer);
-    return true;
-  }
-  // A connection has failed that was asked for the part.
-  void give_back(const OperationRange& part) {
-    const auto awaited = std::ranges::find(awaited_, part, &Awaited::part);
-    if (awaited == awaited_.end() || --awaited->connections > 0) return;
-    awaited_.erase(awaited);
-    unasked_.push_front(part);
-  }
-  [[nodiscard]] bool are_there() const { return unasked_.empty() && awaited_.empty(); }
-  [[nodiscard]] std::uint64_t held_bytes() const { return held_bytes_; }
-  // A log, or the archive, all of which is there. From then on it is one text.
-  [[nodiscard]] std::string& content(AuthorId author) {
-    std::map<std::uint64_t, std::string>& parts = content_[author];
-    if (parts.size() != 1) {
-      std::string whole;
-      while (!parts.empty()) whole += parts.extract(parts.begin()).mapped();
-      parts.emplace(0, std::move(whole));
-    }
-    return parts.begin()->second;
-  }
-  // The peers that have given parts of a log.
-  [[nodiscard]] const std::set<std::size_t>& givers(AuthorId author) { return givers_[author]; }
-
- private:
-  void add(AuthorId author, std::uint64_t bytes) {
-    for (std::uint64_t from = 0; from < bytes; from += kPartMax_bytes) {
-      unasked_.push_back({author, from, std::min<std::uint64_t>(bytes, from + kPartMax_bytes)});
-    }
-  }
-
-  std::deque<OperationRange> unasked_;
-  struct Awaited {
-    OperationRange part;
-    std::size_t connections = 0;
-  };
-  std::vector<Awaited> awaited_;  // in the order of asking
-  // By their places. Memory is taken for what has come alone, not for what somebody has offered.
-  std::map<AuthorId, std::map<std::uint64_t, std::string>> content_;
-  std::uint64_t held_bytes_ = 0;
-  std::map<AuthorId, std::set<std::size_t>> givers_;
-};
-
 class Fetch {
  public:
   Fetch(const std::vector<Provider>& providers, std::uint64_t session, const FetchOptions& options)
-      : session_(session), options_(options), patience_(io_), deadline_(io_), offers_due_(io_) {
+      : asked_session_(session),
+        session_(session),
+        options_(options),
+        patience_(io_),
+        deadline_(io_),
+        offers_due_(io_) {
     for (const Provider& provider : providers) {
       if (peers_.size() < options.providers) peers_.push_back(Peer{.provider = provider, .held = {}, .said = {}});
     }
@@ -132,11 +59,7 @@ class Fetch {
 
   std::expected<Snapshot, std::string> run() {
     if (peers_.empty()) return std::unexpected("no peer gives its world to joining peers");
-    // All connections begin at once, beside the offers: each takes a round trip, too.
-    const std::size_t share = std::max<std::size_t>(1, options_.connections / peers_.size());
-    for (std::size_t peer = 0; peer < peers_.size(); ++peer) {
-      for (std::size_t i = 0; i < share; ++i) connect(peer);
-    }
+    for (std::size_t peer = 0; peer < peers_.size(); ++peer) connect_all(peer);
     be_patient();
     io_.run();
     if (!error_.empty()) return std::unexpected(error_);
@@ -147,18 +70,21 @@ class Fetch {
   struct Peer {
     Provider provider;
     std::optional<Offer> offer{};            // that it has made; whether it counts is to be decided
-    std::map<AuthorId, std::uint64_t> held;  // lengths; empty: none of its offers counts
+    std::map<AuthorId, std::uint64_t> held;  // lengths, where it offers the chosen world; else empty
+    std::uint64_t received_bytes = 0;        // of its replies, as they came
     bool is_asked_for_offer = false;
     bool is_asked_for_digests = false;
     bool has_compared = false;  // its digests of what others gave are here
     bool is_of_use = true;
-    int unproven = 0;            // how often in a row it has closed a connection before it said anything in the key
-    std::set<std::string> said;  // notes about it
+    bool takes_no_proof = false;  // an older peer, which has answered a hello without one
+    int unproven = 0;             // how often in a row it has closed a connection before it said anything in the key
+    std::set<std::string> said;   // notes about it
   };
   struct Connection {
     std::size_t peer;
     std::shared_ptr<FramedStream> stream;
     int attempt = 0;  // Peer::unproven as it was
+    FramedStream::Proof proof = FramedStream::Proof::kWith;
     bool is_connected = false, asks_for_offer = false;
     bool has_provided = false, asks_for_digests = false;
     std::optional<OperationRange> awaits;
@@ -166,10 +92,24 @@ class Fetch {
   };
   using ConnectionPtr = std::shared_ptr<Connection>;
 
+  // A peer that offers another world than the chosen one is kept in reserve, without connections.
+  [[nodiscard]] bool is_in_reserve(std::size_t peer) const {
+    return has_chosen_ && peers_[peer].offer && peers_[peer].held.empty();
+  }
+
+  // All connections begin at once, beside the offers: each takes a round trip, too.
+  void connect_all(std::size_t peer) {
+    const std::size_t share = std::max<std::size_t>(1, options_.connections / peers_.size());
+    for (std::size_t i = 0; i < share; ++i) connect(peer);
+  }
+
   void connect(std::size_t peer) {
-    if (over_ || !peers_[peer].is_of_use) return;
-    const auto connection = std::make_shared<Connection>(
-        Connection{.peer = peer, .stream = nullptr, .attempt = peers_[peer].unproven, .awaits = {}, .asked = {}});
+    if (over_ || !peers_[peer].is_of_use || is_in_reserve(peer)) return;
+    // Older peers take no proof. Whether this is one shows by turns.
+    const bool has_proof = !peers_[peer].takes_no_proof && peers_[peer].unproven % 2 == 0;
+    const auto proof = has_proof ? FramedStream::Proof::kWith : FramedStream::Proof::kWithout;
+    const auto connection = std::make_shared<Connection>(Connection{
+        .peer = peer, .stream = nullptr, .attempt = peers_[peer].unproven, .proof = proof, .awaits = {}, .asked = {}});
     connection->stream = std::make_shared<FramedStream>(
         FramedStream::Socket(io_), kReplyMax_bytes, options_.patience,
         [this, weak = std::weak_ptr(connection)](const std::string& why) {
@@ -177,8 +117,6 @@ class Fetch {
         },
         seal());
     connections_.insert(connection);
-    // Older peers take no proof.
-    const auto proof = peers_[peer].unproven % 2 == 0 ? FramedStream::Proof::kWith : FramedStream::Proof::kWithout;
     connection->stream->connect(
         peers_[peer].provider.at,
         [this, connection] {
@@ -197,8 +135,10 @@ class Fetch {
     connection->stream->write(encode(request), [this, connection, on_reply = std::move(on_reply)] {
       connection->stream->read([this, connection, on_reply](const std::string& frame) {
         if (over_) return;
-        received_bytes_ += frame.size();
-        peers_[connection->peer].unproven = 0;
+        Peer& peer = peers_[connection->peer];
+        peer.received_bytes += frame.size();
+        peer.unproven = 0;
+        peer.takes_no_proof = peer.takes_no_proof || connection->proof == FramedStream::Proof::kWithout;
         auto reply = decode_reply(frame);
         if (!reply && !options_.key && frame.size() == seal::StreamSeal::kHello_bytes) {
           return give_up(connection, "it is sealed, and begins with a key: leave out --open");
@@ -224,7 +164,7 @@ class Fetch {
   }
 
   void ask_for_offer(const ConnectionPtr& connection) {
-    ask(connection, {session_, OfferRequest{}}, [this, connection](Reply reply) {
+    ask(connection, {asked_session_, OfferRequest{}}, [this, connection](Reply reply) {
       connection->asks_for_offer = false;
       auto* offer = std::get_if<Offer>(&reply);
       if (offer == nullptr) return on_failure(connection, "it answers something else");
@@ -238,11 +178,14 @@ class Fetch {
       return give_up(connection, "it speaks version " + std::to_string(offer.protocol) +
                                      " of the protocol, this program " + std::to_string(replication::kProtocolVersion));
     }
+    if (asked_session_ != 0 && offer.session != asked_session_) {
+      return give_up(connection, "it offers the world of another session");
+    }
     std::uint64_t bytes = offer.archive_bytes;
     for (const LogLength& log : offer.logs) bytes = std::min(kSnapshotMax_bytes + 1, bytes + log.bytes);
     if (bytes > kSnapshotMax_bytes) return give_up(connection, "its world is larger than 1 GiB");
     peer.offer = std::move(offer);
-    if (snapshot_.provided_by.empty()) {
+    if (!has_chosen_) {
       be_patient();
       if (std::ranges::all_of(peers_, [](const Peer& each) { return !each.is_of_use || each.offer; })) return choose();
       if (!std::exchange(awaits_offers_, true)) {
@@ -255,6 +198,7 @@ class Fetch {
     }
     accept_offer(connection->peer);
     if (compares_) return ask_for_digests();
+    plan();
     be_patient();
     ask_on_all();
   }
@@ -262,44 +206,93 @@ class Fetch {
   // Takes the world that most addresses offer; of two that as many do, the one that was offered by the earlier
   // provider. A single computer may answer for many peers.
   void choose() {
-    if (over_ || !snapshot_.provided_by.empty()) return;
+    awaits_offers_ = false;
+    if (over_ || has_chosen_) return;
     std::map<std::size_t, std::set<asio::ip::address>> addresses;  // by the first peer that offers it
     for (std::size_t peer = 0; peer < peers_.size(); ++peer) {
       if (!peers_[peer].is_of_use || !peers_[peer].offer) continue;
-      const auto same = std::ranges::find_if(
-          addresses, [&](const auto& each) { return is_same_world(*peers_[each.first].offer, *peers_[peer].offer); });
+      const auto same = std::ranges::find_if(addresses, [&](const auto& each) {
+        return difference(*peers_[each.first].offer, *peers_[peer].offer).empty();
+      });
       addresses[same == addresses.end() ? peer : same->first].insert(peers_[peer].provider.at.address());
     }
     if (addresses.empty()) return;
-    first_ = std::ranges::max_element(addresses, {}, [](const auto& each) { return each.second.size(); })->first;
-    const Peer& chosen = peers_[first_];
-    session_ = chosen.offer->session;
-    snapshot_.provided_by = chosen.provider.name;
-    snapshot_.offer = *chosen.offer;
-    parts_.plan(snapshot_.offer);
-    be_quick();
+    take_as_first(std::ranges::max_element(addresses, {}, [](const auto& each) { return each.second.size(); })->first);
     for (std::size_t peer = 0; peer < peers_.size(); ++peer) {
       if (peers_[peer].offer && peers_[peer].is_of_use) accept_offer(peer);
     }
+    plan();
     be_patient();
     ask_on_all();
   }
 
-  [[nodiscard]] static bool is_same_world(const Offer& one, const Offer& other) {
-    return one.session == other.session && one.genesis == other.genesis && one.archive_digest == other.archive_digest &&
-           one.archive_bytes == other.archive_bytes;
+  void take_as_first(std::size_t peer) {
+    has_chosen_ = true;
+    first_ = peer;
+    session_ = peers_[peer].offer->session;
+    snapshot_.provided_by = peers_[peer].provider.name;
+    snapshot_.offer = *peers_[peer].offer;
+  }
+
+  // How a world that a peer offers differs from the chosen one, for people; empty: it does not.
+  [[nodiscard]] static std::string_view difference(const Offer& offered, const Offer& chosen) {
+    if (offered.session != chosen.session || offered.genesis != chosen.genesis || offered.world != chosen.world) {
+      return "it offers another world than most";
+    }
+    if (offered.archive_digest != chosen.archive_digest || offered.archive_bytes != chosen.archive_bytes) {
+      return "it has packed the world's files in another way";
+    }
+    if (offered.settings != chosen.settings) return "its world has other settings than that of most";
+    if (offered.line != chosen.line) return "its edits are of another line of descent than those of most";
+    return "";
   }
 
   // Once it is known which world it is.
   void accept_offer(std::size_t index) {
     Peer& peer = peers_[index];
-    if (!is_same_world(*peer.offer, snapshot_.offer)) {
-      const bool is_same_genesis = peer.offer->genesis == snapshot_.offer.genesis;
-      return give_up(index, is_same_genesis ? "it has packed the world's files in another way"
-                                            : "it offers another world than most");
+    if (const auto differs = difference(*peer.offer, snapshot_.offer); !differs.empty()) {
+      drop_all(index);
+      return note(index, std::string(differs));
     }
     peer.held = {{replication::kNoAuthor, peer.offer->archive_bytes}};
     for (const LogLength& log : peer.offer->logs) peer.held[log.author] = log.bytes;
+    const bool was_in_reserve = std::ranges::none_of(connections_, [&](const auto& c) { return c->peer == index; });
+    if (was_in_reserve) connect_all(index);
+  }
+
+  // Plans what to fetch of the chosen world. It is planned anew where another peer offers that world or one is given
+  // up.
+  void plan() {
+    snapshot_.offer.logs = logs_to_get();
+    parts_.plan(snapshot_.offer.archive_bytes, snapshot_.offer.logs);
+    for (const ConnectionPtr& each : connections_) each->asked.clear();
+    be_quick();
+  }
+
+  // Where several addresses offer the chosen world, nobody can make a joining peer get what that one has invented: a
+  // log counts that two addresses offer, and as much of it as the second of them has. The session itself brings the
+  // rest.
+  [[nodiscard]] std::vector<LogLength> logs_to_get() const {
+    std::set<asio::ip::address> addresses;
+    std::map<AuthorId, std::map<asio::ip::address, std::uint64_t>> lengths;
+    for (const Peer& peer : peers_) {
+      if (peer.held.empty()) continue;
+      addresses.insert(peer.provider.at.address());
+      for (const auto& [author, bytes] : peer.held) {
+        std::uint64_t& longest = lengths[author][peer.provider.at.address()];
+        longest = std::max(longest, bytes);
+      }
+    }
+    if (addresses.size() < 2) return peers_[first_].offer->logs;
+    lengths.erase(replication::kNoAuthor);
+    std::vector<LogLength> logs;
+    for (const auto& [author, of_addresses] : lengths) {
+      std::vector<std::uint64_t> longest;
+      for (const auto& [address, bytes] : of_addresses) longest.push_back(bytes);
+      std::ranges::sort(longest, std::greater{});
+      if (longest.size() > 1) logs.push_back({author, longest[1]});
+    }
+    return logs;
   }
 
   void ask_for_part(const ConnectionPtr& connection) {
@@ -313,8 +306,10 @@ class Fetch {
         parts_.give_back(asked);
         return give_up(connection, "it answers something else");
       }
-      if (parts_.held_bytes() > kUnpackedFree_bytes + kUnpackedTimes * received_bytes_) {
-        return end(peers_[connection->peer].provider.name + " packs its world as only nonsense is packed");
+      const std::uint64_t free_bytes = kUnpackedFree_bytes / peers_.size();
+      if (parts_.given_bytes(connection->peer) >
+          free_bytes + kUnpackedTimes * peers_[connection->peer].received_bytes) {
+        return give_up(connection, "it packs its world as only nonsense is packed");
       }
       be_patient();
       connection->has_provided = true;
@@ -330,12 +325,24 @@ class Fetch {
 
   // Everything is here. Peers are asked whether they have the same.
   void compare() {
-    if (std::exchange(compares_, true)) return ask_for_digests();
-    if (digest(parts_.content(replication::kNoAuthor)) != snapshot_.offer.archive_digest) {
-      return end("what came is not the archive that " + snapshot_.provided_by + " has offered");
-    }
+    if (compares_) return ask_for_digests();
+    if (digest(parts_.content(replication::kNoAuthor)) != snapshot_.offer.archive_digest) return on_other_archive();
+    compares_ = true;
     be_patient();
     ask_for_digests();
+  }
+
+  // It is not known which of those that have given the archive has given something else. All of them go where others
+  // have the world, too.
+  void on_other_archive() {
+    const std::set<std::size_t> givers = parts_.givers(replication::kNoAuthor);
+    bool are_others = false;
+    for (std::size_t peer = 0; peer < peers_.size(); ++peer) {
+      are_others = are_others || (!peers_[peer].held.empty() && !givers.contains(peer));
+    }
+    if (!are_others) return end("what came is not the archive that " + snapshot_.provided_by + " has offered");
+    parts_.drop_archive();
+    for (const std::size_t peer : givers) give_up(peer, "what came from it and others is not the archive");
   }
 
   // A log that one peer has given is compared with another one; one that several have given, with each of two.
@@ -404,14 +411,18 @@ class Fetch {
       return give_up(connection, "it has another key; --key FILE says one");
     }
     const bool is_full = connection->stream->refused() == FramedStream::Refused::kNoPlace;
-    // Its other connections of the same attempt fail likewise, and count once.
-    if (connection->is_connected && connection->stream->is_unproven() && !is_full &&
-        connection->attempt == peer.unproven && ++peer.unproven >= kUnprovenTries) {
+    const bool is_asked = connection->awaits || connection->asks_for_offer || connection->asks_for_digests;
+    // Its other connections of the same attempt fail likewise, and count once. One that was asked for nothing is closed
+    // soon by any peer.
+    if (is_asked && connection->stream->is_unproven() && !is_full && connection->attempt == peer.unproven &&
+        ++peer.unproven >= kUnprovenTries) {
       return give_up(connection,
                      why + ", as who has another key does, or no place for who joins; --key FILE says a key");
     }
     drop(connection);
-    note(connection->peer, is_full ? "it has no place for more who join" : why);
+    if (is_asked || !connection->is_connected) {
+      note(connection->peer, is_full ? "it has no place for more who join" : why);
+    }
     if (compares_) return ask_for_digests();
     const auto again = std::make_shared<asio::steady_timer>(io_, kConnectedAgainAfter);
     again->async_wait([this, again, peer = connection->peer](const boost::system::error_code&) { connect(peer); });
@@ -421,15 +432,34 @@ class Fetch {
   // The peer is of no use: it is not asked again.
   void give_up(const ConnectionPtr& connection, const std::string& why) { give_up(connection->peer, why); }
   void give_up(std::size_t peer, const std::string& why) {
-    peers_[peer].is_of_use = false;
-    for (const ConnectionPtr& each : std::set(connections_)) {
-      if (each->peer == peer) drop(each);
-    }
+    if (over_ || !std::exchange(peers_[peer].is_of_use, false)) return;
+    drop_all(peer);
     note(peer, why);
     if (compares_) return ask_for_digests();
     if (std::ranges::none_of(peers_, &Peer::is_of_use)) return end(last_failure_);
-    if (awaits_offers_ && std::ranges::all_of(peers_, [](const Peer& p) { return !p.is_of_use || p.offer; })) choose();
+    if (!std::exchange(peers_[peer].held, {}).empty()) go_on_without(peer);
+    if (!has_chosen_ && std::ranges::all_of(peers_, [](const Peer& p) { return !p.is_of_use || p.offer; })) choose();
     ask_on_all();
+  }
+
+  // What it has given is got from others. Where nobody else has the chosen world, another one is chosen.
+  void go_on_without(std::size_t peer) {
+    parts_.drop(peer);
+    const auto next = std::ranges::find_if(peers_, [](const Peer& each) { return !each.held.empty(); });
+    if (next == peers_.end()) {
+      has_chosen_ = false;
+      parts_ = {};
+      choose();
+    } else {
+      if (peer == first_) take_as_first(static_cast<std::size_t>(next - peers_.begin()));
+      plan();
+    }
+  }
+
+  void drop_all(std::size_t peer) {
+    for (const ConnectionPtr& each : std::set(connections_)) {
+      if (each->peer == peer) drop(each);
+    }
   }
 
   void drop(const ConnectionPtr& connection) {
@@ -464,8 +494,20 @@ class Fetch {
     deadline_.expires_after(options_.patience +
                             from_seconds(static_cast<double>(bytes) / options_.slowest_bytes_per_s));
     deadline_.async_wait([this](const boost::system::error_code& cancelled) {
-      if (!cancelled) end(compares_ ? "" : "it came too slowly: " + snapshot_.provided_by + " may hold it up");
+      if (cancelled || over_) return;
+      if (compares_) return end("");
+      if (has_chosen_) give_up(slowest(), "what it gives comes too slowly");
     });
+  }
+
+  // The peer with the chosen world that has given least of it.
+  [[nodiscard]] std::size_t slowest() const {
+    std::size_t slowest = first_;
+    for (std::size_t peer = 0; peer < peers_.size(); ++peer) {
+      const bool is_slower = peers_[peer].received_bytes < peers_[slowest].received_bytes;
+      if (!peers_[peer].held.empty() && is_slower) slowest = peer;
+    }
+    return slowest;
   }
 
   // With an empty error it has succeeded.
@@ -491,7 +533,7 @@ class Fetch {
     }
   }
 
-  std::uint64_t session_;
+  std::uint64_t asked_session_, session_;  // the session that was asked for, 0 where none was; that of the chosen world
   FetchOptions options_;
   asio::io_context io_{1};
   asio::steady_timer patience_, deadline_, offers_due_;
@@ -502,8 +544,7 @@ class Fetch {
   Snapshot snapshot_;
   std::map<AuthorId, std::string> differences_;  // the two peers
   std::string last_failure_, error_;
-  std::uint64_t received_bytes_ = 0;  // as they came
-  bool awaits_offers_ = false, compares_ = false, over_ = false;
+  bool awaits_offers_ = false, has_chosen_ = false, compares_ = false, over_ = false;
 };
 
 }  // namespace

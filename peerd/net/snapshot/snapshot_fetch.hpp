@@ -34,14 +34,16 @@ struct FetchOptions {
   // Over so many connections in all, to so many peers at most: where packets get lost, one connection alone is slow.
   std::size_t connections = 32, providers = 4;
   Duration patience = std::chrono::seconds(15);  // without any new part; then it fails
-  // A world that comes more slowly than that on average, from all peers together, fails, too.
-  double slowest_bytes_per_s = 64.0 * 1024;
+  // Where a world comes more slowly than that on average, from all peers together, the peer is given up that has given
+  // least; without another one it fails.
+  double slowest_bytes_per_s = 4.0 * 1024;
   std::optional<keys::SymmetricKey> key{};  // of the session; none: it is open
 };
 
 // Gets a snapshot from peers of one session (0: that of the chosen world): parts from all of them at once, and those of
-// a peer that fails from the others. Where peers offer different files of the world, those count that most addresses
-// offer. What is held in memory is in proportion to what has come. The error is for people. Blocks.
+// a peer that fails from the others. Where peers offer different worlds, or different files of one, the offer counts
+// that most addresses make. Where several make it, no log is got that one of them alone offers, and of each log as much
+// as two of them have. What is held in memory is in proportion to what has come. The error is for people. Blocks.
 [[nodiscard]] std::expected<Snapshot, std::string> fetch_snapshot(const std::vector<Provider>& providers,
                                                                   std::uint64_t session,
                                                                   const FetchOptions& options = {});

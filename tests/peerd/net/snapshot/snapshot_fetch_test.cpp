@@ -18,6 +18,7 @@
 #include <utility>
 
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 
@@ -529,8 +530,9 @@ TEST(SnapshotServer, ABusyAddressMakesRoomForAnother) {
 
 // ---- providers that mean ill ----
 
+asio::ip::address_v4 at(const char* address) { return asio::ip::make_address_v4(address); }
+
 TEST(SnapshotFetch, TakesTheFilesThatMostAddressesOffer) {
-  const auto at = [](const char* address) { return asio::ip::make_address_v4(address); };
   const std::string good = random_bytes(100'000, 1), bad = random_bytes(100'000, 2);
   const ProvidingPeer liar(OperationLogs{}, bad), twice(OperationLogs{}, bad);
   const ProvidingPeer a(OperationLogs{}, good, kSession, {}, at("127.0.0.2"));
@@ -583,6 +585,226 @@ Reply zeros_for(const std::string& request) {
   return Part{std::string(range.to - range.from, '\0')};
 }
 
+// Replies as an honest peer does, but for its offer.
+WilfulPeer::MakeReply with_offer(const SnapshotContent& content, std::function<void(Offer&)> change) {
+  return [&content, change = std::move(change)](const std::string& request) {
+    Reply reply = reply_to(request, content);
+    if (auto* offer = std::get_if<Offer>(&reply)) change(*offer);
+    return reply;
+  };
+}
+
+TEST(SnapshotFetch, TheSettingsTheLineAndTheNameAreThoseOfMost) {
+  const std::string archive = random_bytes(100'000, 1);
+  const OperationLogs none;
+  const SnapshotContent content = content_of(archive, none);
+  const ProvidingPeer a(OperationLogs{}, archive, kSession, {}, at("127.0.0.2"));
+  const ProvidingPeer b(OperationLogs{}, archive, kSession, {}, at("127.0.0.3"));
+  for (void (*const change)(Offer&) :
+       {+[](Offer& offer) { offer.settings = "expansion = 2\n"; }, +[](Offer& offer) { offer.line = 7; },
+        +[](Offer& offer) { offer.world = "village"; }}) {
+    const WilfulPeer liar(with_offer(content, change));
+    const auto snapshot = must(fetch_snapshot({liar.provider("liar"), a.provider("a"), b.provider("b")}, kSession));
+    expect_all_of(snapshot, a);
+    EXPECT_EQ(snapshot.offer.line, 0u);
+    EXPECT_EQ(snapshot.provided_by, "a");
+    EXPECT_THAT(snapshot.notes, testing::Contains(HasSubstr("liar at 127.0.0.1")));
+  }
+}
+
+TEST(SnapshotFetch, ALogThatOneAddressAloneOffersIsNotFetched) {
+  const std::string archive = random_bytes(100'000, 1);
+  const OperationLogs held = some_logs(20);
+  const SnapshotContent content = content_of(archive, held);
+  std::atomic<bool> is_asked_for_invented = false;
+  const auto change = [](Offer& offer) { offer.logs.push_back({AuthorId{99}, 900'000'000}); };
+  const WilfulPeer liar(with_offer(content, change), [&](const Request& request) {
+    const auto* part = std::get_if<PartRequest>(&request.what);
+    if (part != nullptr && part->range.author == AuthorId{99}) is_asked_for_invented = true;
+    return true;
+  });
+  const ProvidingPeer a(some_logs(20), archive, kSession, {}, at("127.0.0.2"));
+  const ProvidingPeer b(some_logs(20), archive, kSession, {}, at("127.0.0.3"));
+  const auto snapshot = must(fetch_snapshot({liar.provider("liar"), a.provider("a"), b.provider("b")}, kSession));
+  expect_all_of(snapshot, a);
+  EXPECT_FALSE(is_asked_for_invented);
+}
+
+// Logs grow meanwhile, so that one of two peers may have more of one.
+TEST(SnapshotFetch, OfALogAsMuchIsFetchedAsTwoAddressesHave) {
+  const std::string archive = random_bytes(100'000, 1);
+  const ProvidingPeer a(some_logs(30), archive), b(some_logs(20), archive, kSession, {}, at("127.0.0.2"));
+  const auto snapshot = must(fetch_snapshot({a.provider("a"), b.provider("b")}, kSession));
+  expect_all_of(snapshot, b);
+}
+
+TEST(SnapshotFetch, AnotherSessionIsNotFetched) {
+  const std::string archive = random_bytes(1000, 1);
+  const OperationLogs none;
+  const SnapshotContent content = content_of(archive, none);
+  const WilfulPeer liar(with_offer(content, [](Offer& offer) { offer.session = kSession + 1; }));
+  EXPECT_THAT(error_of(fetch_snapshot({liar.provider("liar")}, kSession)), HasSubstr("of another session"));
+}
+
+TEST(SnapshotFetch, NonsenseOfOnePeerEndsNothing) {
+  const WilfulPeer liar{WilfulPeer::MakeReply(zeros_for)};
+  const ProvidingPeer a(some_logs(20), random_bytes(100'000, 1), kSession, {}, at("127.0.0.2"));
+  const auto snapshot = must(fetch_snapshot({liar.provider("liar"), a.provider("a")}, kSession));
+  expect_all_of(snapshot, a);
+  EXPECT_THAT(snapshot.notes, testing::Contains(HasSubstr("only nonsense is packed")));
+}
+
+TEST(SnapshotFetch, ASlowPeerEndsNothing) {
+  const WilfulPeer slow(WilfulPeer::MakeReply([](const std::string& request) {
+    std::this_thread::sleep_for(20ms);
+    return zeros_for(request);
+  }));
+  const ProvidingPeer a(some_logs(20), random_bytes(100'000, 1), kSession, {}, at("127.0.0.2"));
+  const FetchOptions options{.connections = 2, .patience = 2s, .slowest_bytes_per_s = 1e12};
+  const auto snapshot = must(fetch_snapshot({slow.provider("slow"), a.provider("a")}, kSession, options));
+  expect_all_of(snapshot, a);
+  EXPECT_THAT(snapshot.notes, testing::Contains(HasSubstr("comes too slowly")));
+}
+
+// The liar is faster, so that its archive is the one that is compared with what was offered.
+TEST(SnapshotFetch, AnotherArchiveThanWasOfferedIsGotFromOthers) {
+  const std::string archive = random_bytes(1000, 1), other = random_bytes(1000, 2);
+  const OperationLogs none;
+  const SnapshotContent content = content_of(archive, none);
+  std::promise<void> lied;
+  const WilfulPeer liar(WilfulPeer::MakeReply([&, is_first = true](const std::string& request) mutable -> Reply {
+    const Reply reply = reply_to(request, content);
+    if (!std::holds_alternative<Part>(reply)) return reply;
+    if (std::exchange(is_first, false)) lied.set_value();
+    return Part{other};
+  }));
+  auto has_lied = lied.get_future().share();
+  const WilfulPeer honest(content, [&](const Request& request) {
+    if (!std::holds_alternative<PartRequest>(request.what)) return true;
+    has_lied.wait();
+    std::this_thread::sleep_for(300ms);
+    return true;
+  });
+  const FetchOptions options{.connections = 2};
+  const auto snapshot = must(fetch_snapshot({liar.provider("liar"), honest.provider("honest")}, kSession, options));
+  EXPECT_EQ(snapshot.archive, archive);
+  EXPECT_THAT(snapshot.notes, testing::Contains(HasSubstr("liar at 127.0.0.1")));
+}
+
+// A sealed peer in a thread of its own that takes each hello as it likes.
+class HelloPeer {
+ public:
+  using Stream = std::shared_ptr<FramedStream>;
+  using TakeHello = std::function<void(HelloPeer& self, const Stream& stream, const std::string& hello)>;
+  HelloPeer(const SnapshotContent& content, const keys::SymmetricKey& key, TakeHello take_hello)
+      : content_(content), key_(key), take_hello_(std::move(take_hello)) {
+    acceptor_.listen();
+    thread_ = std::thread([this] {
+      accept();
+      io_.run();
+    });
+  }
+  HelloPeer(const HelloPeer&) = delete;
+  HelloPeer& operator=(const HelloPeer&) = delete;
+  ~HelloPeer() {
+    io_.stop();
+    thread_.join();
+  }
+  [[nodiscard]] Provider provider(const std::string& name) const { return {name, acceptor_.local_endpoint()}; }
+
+  void answer_hello(const Stream& stream, const std::string& hello, FramedStream::OnDone done) {
+    stream->answer_hello({key_, seal::StreamSeal::End::kServer}, hello, std::move(done));
+  }
+  void answer_request(const Stream& stream, FramedStream::OnDone done) {
+    stream->read([this, stream, done = std::move(done)](const std::string& request) {
+      stream->write(encode(reply_to(request, content_)), done);
+    });
+  }
+
+ private:
+  void accept() {
+    acceptor_.async_accept([this](const boost::system::error_code& failed, asio::ip::tcp::socket socket) {
+      if (failed) return;
+      const auto stream = std::make_shared<FramedStream>(
+          std::move(socket), kRequestMax_bytes, 10s, [](const auto&) {}, std::nullopt);
+      stream->read_hello([this, stream](const std::string& hello) { take_hello_(*this, stream, hello); });
+      accept();
+    });
+  }
+
+  const SnapshotContent& content_;
+  keys::SymmetricKey key_;
+  TakeHello take_hello_;
+  asio::io_context io_{1};
+  asio::ip::tcp::acceptor acceptor_{io_, {asio::ip::address_v4::loopback(), 0}, false};
+
+ public:
+  std::vector<Stream> kept;  // the thread's
+
+ private:
+  std::thread thread_;
+};
+
+// A peer of before proofs closes the connection of a client that sends one. This one closes each after a reply, too.
+TEST(SnapshotFetch, AnOlderPeerIsSentNoProofAgain) {
+  const auto key = keys::SymmetricKey::random();
+  const std::string archive = random_bytes(4 * kPartMax_bytes, 1);
+  const OperationLogs none;
+  const SnapshotContent content = content_of(archive, none);
+  std::atomic<bool> has_replied = false;
+  std::atomic<int> proofs_after_a_reply = 0;
+  const HelloPeer older(content, key, [&](HelloPeer& self, const HelloPeer::Stream& stream, const std::string& hello) {
+    const bool has_proof = seal::StreamSeal::has_proof(hello);
+    if (has_proof && has_replied) ++proofs_after_a_reply;
+    self.answer_hello(stream, hello, [&, stream, has_proof] {
+      if (has_proof) return stream->close();
+      self.answer_request(stream, [&, stream] {
+        has_replied = true;
+        stream->close();
+      });
+    });
+  });
+  const auto snapshot =
+      must(fetch_snapshot({older.provider("older")}, kSession, FetchOptions{.connections = 1, .key = key}));
+  EXPECT_EQ(snapshot.archive, archive);
+  EXPECT_EQ(proofs_after_a_reply, 0);
+}
+
+// The first peer makes an offer and is found out to be of no use before offers are compared; the second one makes its
+// offer after that, and the third one never does.
+TEST(SnapshotFetch, OffersAreComparedWithoutAPeerThatMakesNone) {
+  const auto key = keys::SymmetricKey::random();
+  const std::string archive = random_bytes(1000, 1);
+  const OperationLogs none;
+  const SnapshotContent content = content_of(archive, none);
+  const auto say_no_key = [](const HelloPeer::Stream& stream) { stream->write("no key", [] {}); };
+  const HelloPeer useless(content, key,
+                          [&, is_first = true, has_offered = std::make_shared<bool>(false)](
+                              HelloPeer& self, const HelloPeer::Stream& stream, const std::string& hello) mutable {
+                            if (!std::exchange(is_first, false))
+                              return *has_offered ? say_no_key(stream) : self.kept.push_back(stream);
+                            self.answer_hello(stream, hello, [&, stream, has_offered] {
+                              self.answer_request(stream, [&, has_offered] {
+                                std::this_thread::sleep_for(200ms);
+                                *has_offered = true;
+                                for (const auto& each : self.kept) say_no_key(each);
+                              });
+                            });
+                          });
+  ProvidingPeer good(OperationLogs{}, archive, kSession, key, at("127.0.0.2"));
+  asio::post(good.io, [] { std::this_thread::sleep_for(1500ms); });
+  asio::io_context io;
+  const asio::ip::tcp::acceptor mute(io, {at("127.0.0.3"), 0});
+  const FetchOptions options{.connections = 6, .patience = 8s, .key = key};
+  const auto began = std::chrono::steady_clock::now();
+  const auto snapshot =
+      must(fetch_snapshot({useless.provider("useless"), good.provider("good"), Provider{"mute", mute.local_endpoint()}},
+                          kSession, options));
+  EXPECT_EQ(snapshot.provided_by, "good");
+  EXPECT_LT(std::chrono::steady_clock::now() - began, 8s);
+  EXPECT_THAT(snapshot.notes, testing::Contains(HasSubstr("it is open, and does not have the key")));
+}
+
 TEST(SnapshotFetch, WhatComesIsNotUnpackedWithoutLimit) {
   const std::uint64_t before = resident_bytes();
   const WilfulPeer liar{WilfulPeer::MakeReply(zeros_for)};
@@ -597,7 +819,8 @@ TEST(SnapshotFetch, NobodyHoldsItForEver) {
     return zeros_for(request);
   }));
   const FetchOptions options{.connections = 1, .patience = 300ms, .slowest_bytes_per_s = 1e12};
-  EXPECT_THAT(error_of(fetch_snapshot({slow.provider("slow")}, kSession, options)), HasSubstr("too slowly: slow"));
+  EXPECT_THAT(error_of(fetch_snapshot({slow.provider("slow")}, kSession, options)),
+              AllOf(HasSubstr("slow at 127.0.0.1"), HasSubstr("comes too slowly")));
 }
 
 }  // namespace peerd::snapshot::snapshot_fetch_test

@@ -1,0 +1,61 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "replication/wire/operation.hpp"
+
+namespace peerd::snapshot {
+
+// The Parts that a joining peer has to get, of the archive and of each log, and which of them are there. Memory is
+// taken for what has come alone, not for what somebody has offered.
+class Parts {
+ public:
+  // Plans to get that archive and these logs. Of what was planned before the same parts stay as they are.
+  void plan(std::uint64_t archive_bytes, const std::vector<replication::LogLength>& logs);
+  // The next part to ask a peer for that holds logs so long, over a connection that has `asked` for these already: a
+  // part that no connection awaits, else one that a single other connection does, which may be slow.
+  [[nodiscard]] std::optional<replication::OperationRange> next(
+      const std::map<replication::AuthorId, std::uint64_t>& held, std::set<replication::OperationRange>& asked);
+  // False: the bytes, which that peer gives, are not what was asked for.
+  [[nodiscard]] bool take(const replication::OperationRange& part, std::string_view bytes, std::size_t peer);
+  // A connection has failed that was asked for the part.
+  void give_back(const replication::OperationRange& part);
+  // Forgets all parts that a peer has given. They have to be planned anew.
+  void drop(std::size_t peer);
+  // Forgets the archive, all of which was there. It has to be planned anew.
+  void drop_archive() { contents_.erase(replication::kNoAuthor); }
+
+  [[nodiscard]] bool are_there() const { return unasked_.empty() && awaited_.empty(); }
+  // The bytes that a peer has given, unpacked.
+  [[nodiscard]] std::uint64_t given_bytes(std::size_t peer) const;
+  // The peers that have given parts of a log.
+  [[nodiscard]] const std::set<std::size_t>& givers(replication::AuthorId author) { return givers_[author]; }
+  // A log, or the archive, all of which is there. From then on it is one text.
+  [[nodiscard]] std::string& content(replication::AuthorId author);
+
+ private:
+  struct Awaited {
+    replication::OperationRange part;
+    std::size_t connections = 0;
+  };
+  struct Held {
+    std::string bytes;
+    std::size_t giver;  // a peer
+  };
+
+  std::deque<replication::OperationRange> unasked_;
+  std::vector<Awaited> awaited_;  // in the order of asking
+  std::map<replication::OperationRange, Held> held_;
+  std::map<replication::AuthorId, std::string> contents_;  // those that were asked for as a whole
+  std::map<std::size_t, std::uint64_t> given_bytes_;
+  std::map<replication::AuthorId, std::set<std::size_t>> givers_;
+};
+
+}  // namespace peerd::snapshot
