@@ -129,11 +129,18 @@ void SealedTransport::send(RegionId region, std::span<const std::byte> datagram)
 }
 
 void SealedTransport::take_announcement(const net::Arrival& arrival, bool may_check) {
-  const auto refused = arrival.region == kAll
-                           ? sealer_.hear(arrival.datagram, clock_.now(), arrival.from.address(), may_check)
-                           : Refusal::kForged;
-  if (refused == Refusal::kUnchecked) return examine_later(arrival);
-  if (refused == Refusal::kUnsigned) wrong_.note(arrival.datagram);
+  const HostTime now = clock_.now();
+  const auto hear = [&](bool checks) {
+    return arrival.region == kAll ? sealer_.hear(arrival.datagram, now, arrival.from.address(), checks)
+                                  : std::optional(Refusal::kForged);
+  };
+  auto refused = hear(may_check && !wrong_.are_there(now));
+  if (refused == Refusal::kUnchecked) {
+    if (wrong_.contains(arrival.datagram, now)) return refuse(Refusal::kUnsigned, arrival);
+    if (!may_check) return examine_later(arrival);
+    refused = hear(true);
+  }
+  if (refused == Refusal::kUnsigned) wrong_.note(arrival.datagram, now);
   if (!refused || is_after_check(*refused)) checks_.note_check(clock_.now());
   say_findings();
   if (!refused) {
@@ -193,12 +200,19 @@ void SealedTransport::examine_waiting() {
 }
 
 void SealedTransport::examine(const net::Arrival& arrival, bool may_check) {
-  if (wrong_.contains(arrival.datagram)) return refuse(Refusal::kUnsigned, arrival);
   if (Sealer::is_announcement(arrival.datagram)) return take_announcement(arrival, may_check);
   if (RosterExchange::is_part(arrival.datagram)) return take_roster_part(arrival);
-  const auto opened = sealer_.open(arrival.at, arrival.region, arrival.datagram, may_check);
-  if (!opened && opened.error() == Refusal::kUnchecked) return examine_later(arrival);
-  if (!opened && opened.error() == Refusal::kUnsigned) wrong_.note(arrival.datagram);
+  const HostTime now = clock_.now();
+  const bool is_signed = Sealer::is_signed(arrival.datagram);
+  // Where wrong ones are remembered, a datagram whose signature would be checked is looked up among them before that.
+  const bool is_looked_up = is_signed && wrong_.are_there(now);
+  auto opened = sealer_.open(arrival.at, arrival.region, arrival.datagram, may_check && !is_looked_up);
+  if (!opened && opened.error() == Refusal::kUnchecked) {
+    if (wrong_.contains(arrival.datagram, now)) return refuse(Refusal::kUnsigned, arrival);
+    if (!may_check) return examine_later(arrival);
+    opened = sealer_.open(arrival.at, arrival.region, arrival.datagram);
+  }
+  if (!opened && opened.error() == Refusal::kUnsigned && is_signed) wrong_.note(arrival.datagram, now);
   if (opened ? opened->is_signed : is_after_check(opened.error())) checks_.note_check(clock_.now());
   if (!opened) {
     if (opened.error() == Refusal::kOwn) say_findings();

@@ -163,6 +163,10 @@ std::optional<PeerId> Sealer::claimed_sender(std::span<const std::byte> sealed) 
   return sealed.size() < kAdded_bytes ? std::nullopt : std::optional(header_of(sealed).sender);
 }
 
+bool Sealer::is_signed(std::span<const std::byte> sealed) {
+  return sealed.size() >= kAdded_bytes && header_of(sealed).is_signed;
+}
+
 std::expected<Sealer::Opened, Refusal> Sealer::open(HostTime now, RegionId region, std::span<const std::byte> sealed,
                                                     bool may_check) {
   const std::uint8_t first = sealed.empty() ? 0 : std::to_integer<std::uint8_t>(sealed.front());

@@ -67,6 +67,8 @@ class Sealer {
                                                     bool may_check = true);
   // The sender that a sealed datagram names, which anybody may have made; none: it is too short.
   [[nodiscard]] static std::optional<PeerId> claimed_sender(std::span<const std::byte> sealed);
+  // Whether a sealed datagram says that it is signed.
+  [[nodiscard]] static bool is_signed(std::span<const std::byte> sealed);
 
   [[nodiscard]] static bool is_announcement(std::span<const std::byte> datagram);
   // Takes an announcement of region 0, which came from that address; none: it is good.

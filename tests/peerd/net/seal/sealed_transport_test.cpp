@@ -122,8 +122,8 @@ TEST_F(SealedTransports, AFloodOfSignedDatagramsDelaysItsSenderAlone) {
   Speaker a(io, key, 1), b(io, key, 2), c(io, key, 3);
   meet(a, b);
   meet(a, c);
-  for (int burst = 0; burst < 5;
-       ++burst) {  // each waits in the socket, so that it comes at once on a slow computer, too
+  // Each burst waits in the socket before it is read, so that it comes at once on a slow computer, too.
+  for (int burst = 0; burst < 5; ++burst) {
     for (int i = 0; i < 600; ++i) b.say(std::to_string(i));
     for (int turn = 0; turn < 100; ++turn) io.poll();
   }
