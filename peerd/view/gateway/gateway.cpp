@@ -119,7 +119,7 @@ class Gateway::Impl : public std::enable_shared_from_this<Impl> {
   void take(tcp::socket socket) {
     net::close_on_exec(socket);
     ++state_->counters.connections;
-    if (state_->connections.size() >= connections_max_ && !state_->make_room()) {
+    if (state_->connections.size() >= connections_max_ && !state_->make_room(Connection::Clock::now())) {
       return refuse_connection(*state_, std::move(socket));
     }
     serve_http(state_, std::move(socket));

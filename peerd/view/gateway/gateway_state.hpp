@@ -1,10 +1,12 @@
 #pragma once
-#include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -23,23 +25,47 @@ namespace peerd::gateway {
 // A connection of either kind: HTTP, or WebSocket.
 class Connection {
  public:
+  using Clock = std::chrono::steady_clock;
+
   Connection() = default;
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
   virtual ~Connection() = default;
 
   virtual void close() = 0;
-  // Which connections make room for a new one where all places are taken: first those that have asked for nothing, then
-  // those that have not shown the token, the oldest of them first. Whoever has shown it stays.
+  // An owner has shown the token, a stranger has asked for something without it, and a silent one has asked for nothing
+  // yet.
   enum class Standing : std::uint8_t { kSilent, kStranger, kOwner };
   [[nodiscard]] virtual Standing standing() const = 0;
-  std::uint64_t number = 0;  // in the order in which they came
+  std::uint64_t number = 0;       // in the order in which they came
+  Clock::time_point active_at{};  // when it last asked for something; a silent one: when it came
   // The events that it wants, and one of those. An HTTP connection wants none.
   [[nodiscard]] virtual control::EventKinds wanted() const { return {}; }
   virtual void give(control::EventKind /*kind*/, const std::string& /*line*/) {}
   // The scene has another revision.
   virtual void note_revision(std::uint32_t /*revision*/) {}
 };
+
+// A silent connection is about to ask for so long.
+inline constexpr std::chrono::seconds kAsksWithin{1};
+
+// Which connections make room for a new one where all places are taken, the lowest first: silent ones that came more
+// than kAsksWithin ago, then strangers, then the other silent ones; of each the one first that was active longest ago.
+// None: an owner's, which stays.
+using RoomOrder = std::tuple<int, Connection::Clock::time_point, std::uint64_t>;
+[[nodiscard]] inline std::optional<RoomOrder> room_order(const Connection& connection,
+                                                         Connection::Clock::time_point now) {
+  const auto order = [&](int group) { return RoomOrder{group, connection.active_at, connection.number}; };
+  switch (connection.standing()) {
+    case Connection::Standing::kSilent:
+      return order(now - connection.active_at > kAsksWithin ? 0 : 2);
+    case Connection::Standing::kStranger:
+      return order(1);
+    case Connection::Standing::kOwner:
+      break;
+  }
+  return std::nullopt;
+}
 
 // All connections of a gateway share this. The io_context may hold handlers that outlive the gateway; `over` tells
 // them.
@@ -68,15 +94,21 @@ class GatewayState {
   [[nodiscard]] control::EventKinds wanted() const { return wanted_; }
   void add(const std::shared_ptr<Connection>& connection) {
     connection->number = ++taken_;
+    connection->active_at = Connection::Clock::now();
     connections.insert(connection);
   }
   // Closes a connection for a new one. False: all are of owners.
-  [[nodiscard]] bool make_room() {
-    const auto order = [](const auto& each) { return std::pair(each->standing(), each->number); };
-    const auto first = std::ranges::min_element(connections, {}, order);
-    if (first == connections.end() || (*first)->standing() == Connection::Standing::kOwner) return false;
+  [[nodiscard]] bool make_room(Connection::Clock::time_point now) {
+    std::optional<RoomOrder> lowest;
+    std::shared_ptr<Connection> closed;
+    for (const auto& each : connections) {
+      const auto order = room_order(*each, now);
+      if (!order || (lowest && *lowest <= *order)) continue;
+      lowest = order;
+      closed = each;
+    }
+    if (closed == nullptr) return false;
     note(RefusalKind::kTooMany);
-    const std::shared_ptr<Connection> closed = *first;
     closed->close();
     drop(closed);
     return true;

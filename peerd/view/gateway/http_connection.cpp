@@ -72,7 +72,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
 
   [[nodiscard]] Standing standing() const override {
     if (has_shown_token_) return Standing::kOwner;
-    return is_asked_ ? Standing::kStranger : Standing::kSilent;
+    return has_asked_ ? Standing::kStranger : Standing::kSilent;
   }
 
   // Waits for the first byte of a request.
@@ -131,7 +131,8 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
 
   void on_header() {
     ++state_->counters.requests;
-    is_asked_ = true;
+    has_asked_ = true;
+    active_at = Clock::now();
     const auto& request = parser_->get();
     const bool has_token = is_token(bearer_token(view(request[http::field::authorization])), state_->token);
     has_shown_token_ = has_shown_token_ || has_token;
@@ -282,7 +283,6 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
       self->deadline_.cancel();
       if (failed || !self->response_->keep_alive()) return self->finish();
       self->may_change_ = false;
-      self->is_asked_ = false;
       self->other_origin_.clear();
       self->response_.reset();
       self->reply_ = {};
@@ -319,7 +319,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
   std::string other_origin_;  // of the page that asks, where it is another server's and let in
   bool late_ = false;         // the request has taken too long
   bool may_change_ = false;   // the request has the token
-  bool is_asked_ = false;     // a request has come and is not answered yet
+  bool has_asked_ = false;    // a request has come, be it answered or not
   bool has_shown_token_ = false;
 };
 

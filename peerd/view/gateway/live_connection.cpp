@@ -118,6 +118,7 @@ class LiveConnection : public Connection, public std::enable_shared_from_this<Li
       if (self->is_over()) return;
       if (failed) return self->on_failure(failed);
       ++self->state_->counters.messages;
+      self->active_at = Clock::now();
       self->state_->turns->add([self] {
         if (!self->is_over()) self->on_message();
       });

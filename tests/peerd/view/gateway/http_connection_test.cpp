@@ -7,8 +7,10 @@
 #include <fstream>
 #include <optional>
 #include <random>
+#include <thread>
 
 #include "peerd/view/frames/pose_frame.hpp"
+#include "peerd/view/gateway/gateway_state.hpp"
 #include "peerd/view/gateway/limits.hpp"
 #include "tests/peerd/view/gateway/served_peer.hpp"
 #include "tests/peerd/view/gateway/web_client.hpp"
@@ -90,6 +92,23 @@ TEST_F(GatewayAbuse, AThousandConnectionsAreServedAndNoMore) {
   surplus.reset();
   EXPECT_TRUE(ServedPeer::soon([&] { return peer.connections() == 0; }));
   expect_alive(peer);
+}
+
+// A page keeps its connection and asks for nothing at present.
+TEST_F(GatewayAbuse, APageThatHasAskedStaysWhereOthersAreSilent) {
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  if (limit.rlim_cur < 2 * kConnectionsMax + 300) GTEST_SKIP() << "no more than " << limit.rlim_cur << " descriptors";
+  ServedPeer peer(kWorld, {"CAR"});
+  WebClient page(peer);
+  EXPECT_EQ(page.get("/api/v1/status").result_int(), 200U);
+  std::deque<WebClient> silent;
+  for (std::size_t i = 1; i < kConnectionsMax; ++i) silent.emplace_back(peer);
+  EXPECT_TRUE(ServedPeer::soon([&] { return peer.connections() == kConnectionsMax; }));
+  std::this_thread::sleep_for(kAsksWithin + std::chrono::milliseconds(100));
+  EXPECT_EQ(WebClient(peer).get("/api/v1/status").result_int(), 200U);
+  EXPECT_EQ(silent.front().receive_all(), "") << "the oldest one that is silent made room";
+  EXPECT_EQ(page.get("/api/v1/status").result_int(), 200U);
 }
 
 TEST_F(GatewayAbuse, WhoHasShownTheTokenMakesNoRoom) {
