@@ -32,6 +32,28 @@ JOINED_WITHIN_S = 20
 # Those who join in this attack come over a path of 100 ms each way.
 FAR_JOINS = {"silent-connections", "keyed-connections"}
 LOG_BYTES = 14_500_000  # of edits, for the attack that reads them
+# By attack: the counts of the attacker that must not be 0, and the counters of a that must have grown. Without these the
+# attack has not taken place, and what it cost says nothing.
+MUST_GROW = {
+    "identities": (["identities"], ["net.in_unproven"]),
+    "signatures": (["datagrams"], ["net.in_unsigned"]),
+    "many-signatures": (["datagrams"], ["net.in_unsigned", "net.in_flood"]),
+    "signed-flood": (["datagrams"], ["net.in_flood"]),
+    "doubling-edit": (["edits", "bytes"], ["operations_in"]),
+    "growing-edit": (["edits", "bytes"], ["operations_in"]),
+    "large-edits": (["edits", "bytes"], ["operations_in"]),
+    "forged-answers": (["questions", "answers"], []),
+    "silent-connections": (["connections"], []),
+    "keyed-connections": (["connections", "spoken"], []),
+    "second-process": (["starts"], []),
+    "stamps-ahead": (["edits", "bytes"], ["dropped_operation_ahead"]),
+    "locks": (["edits", "bytes"], ["operations_in"]),
+    "gives": (["edits", "bytes"], ["operations_in"]),
+    "claims": (["hellos"], []),
+    "clock-shift": (["hellos"], []),
+    "region-groups": (["datagrams"], ["dropped_subscription_rate"]),
+    "digests": (["asked", "answered"], []),
+}
 
 
 def ip(*words):
@@ -211,6 +233,21 @@ def changed_counters(before, after):
             if after["counters"][n] > before["counters"].get(n, 0)}
 
 
+def missing(name, sent, counters):
+    """The counts and counters that say that the attack has not taken place."""
+    of_attacker, of_peer = MUST_GROW[name]
+    return [n for n in of_attacker if not sent.get(n)] + [n for n in of_peer if not counters.get(n)]
+
+
+def counts_in(line):
+    """What the attacker says it has sent; nothing where it says something else."""
+    try:
+        counts = json.loads(line)
+    except ValueError:
+        return {}
+    return counts if isinstance(counts, dict) else {}
+
+
 def edit_arrives(session):
     """Whether an edit of b reaches c, which is still what the session is for."""
     value = secrets.token_hex(4)
@@ -259,6 +296,9 @@ def run(options):
         sys.exit(f"error: the attacker ended: {attacker.log.read_text()}")
     attacker.end(signal.SIGTERM, 10)
     sent = attacker.log.read_text().strip().splitlines()[-1:]
+    # A counter that says what the attack did grows while it goes on, before those who join add to it.
+    counters = changed_counters(start["a"], attacked["a"])
+    not_done = missing(options.name, counts_in("".join(sent)), counters)
     time.sleep(3)
     end = session.sample()
     after = session.joins(options.joins, is_far)
@@ -272,14 +312,15 @@ def run(options):
     result = {"attack": options.name, "seconds": options.seconds, "sent": sent, "idle": between(begin, idle),
               "attacked": between(start, attacked), "whole": between(idle, end), "joins": options.joins,
               "joined_during": len(during), "joined_after": len(after), "join_s": [round(t, 1) for t in sorted(during)],
-              "edit_arrives": works, "everybody_is_there": everybody, "counters": changed_counters(idle["a"], end["a"])}
+              "edit_arrives": works, "everybody_is_there": everybody, "counters": changed_counters(idle["a"], end["a"]),
+              "not_done": not_done}
     print_result(result)
     if options.json:
         pathlib.Path(options.json).write_text(json.dumps(result, indent=1) + "\n")
     if options.keep:
         shutil.copytree(folder, options.keep, ignore=shutil.ignore_patterns("*.sock"), dirs_exist_ok=True)
     lost = sum(row["lost"] for row in result["whole"].values())
-    return lost == 0 and len(during) == len(after) == options.joins and works and everybody
+    return not not_done and lost == 0 and len(during) == len(after) == options.joins and works and everybody
 
 
 def print_result(result):
@@ -293,6 +334,8 @@ def print_result(result):
     print(f"joined during the attack: {result['joined_during']} of {result['joins']}, after it {result['joined_after']}; "
           f"seconds: {result['join_s']}")
     print(f"afterwards an edit of b reaches c: {result['edit_arrives']}; all three know each other: {result['everybody_is_there']}")
+    if result["not_done"]:
+        print("the attack has not taken place, as these did not grow: " + ", ".join(result["not_done"]))
     print("counters of a: " + ", ".join(f"{n} {v}" for n, v in result["counters"].items()))
 
 
@@ -337,7 +380,7 @@ def main():
     parser = argparse.ArgumentParser(prog="scripts/attack")
     parser.add_argument("run")
     parser.add_argument("bin", type=lambda folder: pathlib.Path(folder).resolve())
-    parser.add_argument("name")
+    parser.add_argument("name", choices=MUST_GROW)
     parser.add_argument("--seconds", type=int, default=20)
     parser.add_argument("--joins", type=int, default=20)
     parser.add_argument("--rate", type=float)

@@ -1,6 +1,5 @@
 #include <array>
 #include <random>
-#include <thread>
 
 #include "peerd/net/seal/sealer.hpp"
 #include "tests/attack/attacks.hpp"
@@ -42,17 +41,16 @@ class Overheard {
   std::map<boost::asio::ip::address, std::vector<std::byte>> last_;
 };
 
-// Each identity names all boots by its first announcement, and is proven at once.
-Sent identities(const Target& target) {
+// Announces a start of `self()` so often. It names all boots by its first announcement, and is proven at once.
+template <class Self>
+std::uint64_t announce(const Target& target, double rate, Self self) {
   const keys::SymmetricKey key = session_key(target);
   Overheard session(target);
   session.listen(1500ms);
   if (session.last().empty()) fail("no peer announces itself");
-  std::mt19937 random(std::random_device{}());
   std::uint64_t sent = 0;
   const auto one = [&] {
-    seal::Sealer sealer(
-        key, {.peer = PeerId{static_cast<std::uint32_t>(random()) | 1u}, .identity = keys::Identity::random()});
+    seal::Sealer sealer(key, self());
     for (const auto& [address, announcement] : session.last()) {
       (void)sealer.hear(announcement, session.now(), boost::asio::ip::address());
     }
@@ -61,36 +59,27 @@ Sent identities(const Target& target) {
       ++sent;
     }
   };
-  repeat(target, target.rate > 0 ? target.rate : 195, one, [&] {
+  repeat(target, target.rate > 0 ? target.rate : rate, one, [&] {
     session.flush();
     session.listen(1ms);
   });
   session.flush();
-  return {{"identities", sent}};
+  return sent;
 }
 
-// A second start of an identity that is here, with its number: as a copy of its key file would make it.
+Sent identities(const Target& target) {
+  std::mt19937 random(std::random_device{}());
+  return {{"identities", announce(target, 195, [&] {
+             return seal::Sealer::Self{.peer = PeerId{static_cast<std::uint32_t>(random()) | 1u},
+                                       .identity = keys::Identity::random()};
+           })}};
+}
+
+// Starts of an identity that is here, with its number: as a copy of its key file would make them.
 Sent second_process(const Target& target) {
-  const keys::SymmetricKey key = session_key(target);
-  Overheard session(target);
-  session.listen(1500ms);
-  std::uint64_t sent = 0;
-  const auto one = [&] {
-    seal::Sealer sealer(key, {.peer = PeerId{target.number}, .identity = identity(target)});
-    for (const auto& [address, announcement] : session.last()) {
-      (void)sealer.hear(announcement, session.now(), boost::asio::ip::address());
-    }
-    if (const auto announcement = sealer.announcement_due(session.now())) {
-      session.send(*announcement);
-      ++sent;
-    }
-  };
-  repeat(target, target.rate > 0 ? target.rate : 20, one, [&] {
-    session.flush();
-    session.listen(1ms);
-  });
-  session.flush();
-  return {{"starts", sent}};
+  return {{"starts", announce(target, 20, [&] {
+             return seal::Sealer::Self{.peer = PeerId{target.number}, .identity = identity(target)};
+           })}};
 }
 
 constexpr std::array kIdentityAttacks{

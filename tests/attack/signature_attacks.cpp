@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <thread>
 
 #include "peerd/net/keys/little_endian.hpp"
 #include "peerd/net/seal/sealer.hpp"
