@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
@@ -122,6 +123,8 @@ TEST_F(SealedTransports, AFloodOfSignedDatagramsDelaysItsSenderAlone) {
   Speaker a(io, key, 1), b(io, key, 2), c(io, key, 3);
   meet(a, b);
   meet(a, c);
+  const std::size_t passed_on = a.passed_on;
+  const auto begin = std::chrono::steady_clock::now();
   // Each burst waits in the socket before it is read, so that it comes at once on a slow computer, too.
   for (int burst = 0; burst < 5; ++burst) {
     for (int i = 0; i < 600; ++i) b.say(std::to_string(i));
@@ -129,7 +132,10 @@ TEST_F(SealedTransports, AFloodOfSignedDatagramsDelaysItsSenderAlone) {
   }
   c.say("by c");
   ASSERT_TRUE(run_until(io, [&] { return !a.heard.empty() && testing::Value(a.heard, testing::Contains("by c")); }));
-  EXPECT_GT(a.transport.counters().in_flood, 0u);
+  // A computer that needs longer than its share for a check loses nothing.
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  EXPECT_LE(static_cast<double>(a.passed_on - passed_on),
+            CheckQueue::kRate.most + CheckQueue::kRate.per_second * took.count() + 1.0);
   b.say("the end");
   ASSERT_TRUE(run_until(io, [&] { return testing::Value(a.heard, testing::Contains("the end")); })) << "it goes on";
   EXPECT_EQ(a.transport.counters().packets_in, a.passed_on);

@@ -27,7 +27,7 @@ void give_all(Parts& parts, std::size_t peer, char letter) {
   }
 }
 
-TEST(Parts, AreGotOnceEach) {
+TEST(SnapshotParts, AreGotOnceEach) {
   Parts parts;
   parts.plan(kPartMax_bytes + 10, {{kAuthor, 5}});
   EXPECT_EQ(next(parts), (OperationRange{kNoAuthor, 0, kPartMax_bytes}));
@@ -37,7 +37,7 @@ TEST(Parts, AreGotOnceEach) {
   EXPECT_FALSE(parts.are_there());
 }
 
-TEST(Parts, WhatOnePeerGaveIsGotAgain) {
+TEST(SnapshotParts, WhatOnePeerGaveIsGotAgain) {
   Parts parts;
   parts.plan(10, {{kAuthor, 20}});
   EXPECT_TRUE(parts.take(next(parts).value(), std::string(10, 'a'), 1));
@@ -53,7 +53,7 @@ TEST(Parts, WhatOnePeerGaveIsGotAgain) {
   EXPECT_THAT(parts.givers(kAuthor), testing::ElementsAre(3));
 }
 
-TEST(Parts, AnotherPlanKeepsWhatBothHave) {
+TEST(SnapshotParts, AnotherPlanKeepsWhatBothHave) {
   Parts parts;
   parts.plan(10, {{kAuthor, 2 * kPartMax_bytes}});
   give_all(parts, 1, 'a');
@@ -64,7 +64,7 @@ TEST(Parts, AnotherPlanKeepsWhatBothHave) {
   EXPECT_EQ(parts.content(kAuthor), std::string(kPartMax_bytes, 'a') + "bbbbb");
 }
 
-TEST(Parts, AnArchiveThatIsWrongIsGotAgain) {
+TEST(SnapshotParts, AnArchiveThatIsWrongIsGotAgain) {
   Parts parts;
   parts.plan(kPartMax_bytes + 10, {});
   give_all(parts, 1, 'a');
