@@ -70,7 +70,10 @@ void CollidingObjects::change_scene(const WorldModel& next, SimTime t) {
 }
 
 void CollidingObjects::forget(SimTime t) {
-  while (!touching_.empty()) part(*touching_.begin(), t);
+  while (!touching_.empty()) {
+    const Pair pair = *touching_.begin();  // which part() erases
+    part(pair, t);
+  }
   assert(partners_.empty());
 }
 

@@ -89,6 +89,20 @@ TEST(CollidingObjects, IsReportedOnceForSeveralPartners) {
   EXPECT_THAT(of_ball(w.until(4s)), ElementsAre(Seen{ball, 3100ms, true}));
 }
 
+// Session time steps while two pairs touch, which have the ball in common.
+TEST(CollidingObjects, AllAreApartWhereTheWorldsBeginAnew) {
+  Watched w(corridor());
+  w.motion.set_base(w.world["BALL"], sim(0s), moving({0, 0, 0}, {2, 0, 0}));
+  const ObjectId ball = w.world["BALL"], left = w.world["LEFT"], right = w.world["RIGHT"];
+  ASSERT_THAT(w.until(1500ms), ElementsAre(Seen{ball, 1500ms, false}, Seen{right, 1500ms, false}));
+  w.colliding.on_contact({sim(1500ms), ball, left});
+  w.colliding.forget(sim(1600ms));
+  std::vector<Seen> seen;
+  while (const auto change = w.colliding.poll()) seen.emplace_back(change->object, change->at - sim(0s), change->value);
+  EXPECT_THAT(seen, testing::UnorderedElementsAre(Seen{left, 1500ms, false}, Seen{ball, 1600ms, true},
+                                                  Seen{left, 1600ms, true}, Seen{right, 1600ms, true}));
+}
+
 TEST(CollidingObjects, AllPeersReportTheSameForABounce) {
   const World world(corridor());
   Lan lan(world, {5ms, 0ms, 0, 0});
