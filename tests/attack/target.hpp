@@ -19,7 +19,7 @@ namespace peerd::attack {
 // The region of what is for all.
 inline constexpr RegionId kAll{0};
 
-// What the command line says.
+// The session that is attacked, and how, as the command line says.
 struct Target {
   std::string world, interface, key_file, identity_file;
   std::uint16_t port = 47474;
@@ -30,7 +30,7 @@ struct Target {
   std::string at;           // HOST:PORT of a peer that gives the world by TCP; empty: the first that answers
 };
 
-// What an attack has sent, by name.
+// How much of each kind an attack has sent, by the kind's name.
 using Sent = std::map<std::string, std::uint64_t>;
 
 // Whether somebody has asked the program to end (SIGTERM, SIGINT), from when on an attack ends as if its time were

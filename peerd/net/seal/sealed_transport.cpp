@@ -204,7 +204,7 @@ void SealedTransport::examine(const net::Arrival& arrival, bool may_check) {
   if (RosterExchange::is_part(arrival.datagram)) return take_roster_part(arrival);
   const HostTime now = clock_.now();
   const bool is_signed = Sealer::is_signed(arrival.datagram);
-  // Where wrong ones are remembered, a datagram whose signature would be checked is looked up among them before that.
+  // A datagram whose signature would be checked is first looked up among the wrong ones, if any are remembered.
   const bool is_looked_up = is_signed && wrong_.are_there(now);
   auto opened = sealer_.open(arrival.at, arrival.region, arrival.datagram, may_check && !is_looked_up);
   if (!opened && opened.error() == Refusal::kUnchecked) {

@@ -17,7 +17,7 @@ namespace peerd::seal {
 class WrongDatagrams {
  public:
   static constexpr std::size_t kKept = 1024;
-  // Once none has been noted for so long, all are forgotten, and nothing is hashed until the next one.
+  // So long after the last wrong datagram all are forgotten. Nothing is hashed while none is remembered.
   static constexpr Duration kKeptFor = std::chrono::minutes(1);
 
   explicit WrongDatagrams(const net::SipKey& key) : key_(key) {}

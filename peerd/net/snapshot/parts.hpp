@@ -17,19 +17,20 @@ namespace peerd::snapshot {
 // taken for what has come alone, not for what somebody has offered.
 class Parts {
  public:
-  // Plans to get that archive and these logs. Of what was planned before the same parts stay as they are.
+  // Plans to get that archive and these logs. A part that was planned before, too, keeps its state.
   void plan(std::uint64_t archive_bytes, const std::vector<replication::LogLength>& logs);
-  // The next part to ask a peer for that holds logs so long, over a connection that has `asked` for these already: a
-  // part that no connection awaits, else one that a single other connection does, which may be slow.
+  // The next part to ask for over a connection. `held`: how much the peer has of each log; `asked`: what the connection
+  // was asked for before. A part that no connection awaits comes first, then one that a single other connection awaits,
+  // which may be slow.
   [[nodiscard]] std::optional<replication::OperationRange> next(
       const std::map<replication::AuthorId, std::uint64_t>& held, std::set<replication::OperationRange>& asked);
-  // False: the bytes, which that peer gives, are not what was asked for.
+  // Takes the bytes of a part from that peer. False: they are more or fewer than the part has.
   [[nodiscard]] bool take(const replication::OperationRange& part, std::string_view bytes, std::size_t peer);
   // A connection has failed that was asked for the part.
   void give_back(const replication::OperationRange& part);
-  // Forgets all parts that a peer has given. They have to be planned anew.
+  // Forgets all parts that a peer has given. The caller has to call plan() after that.
   void drop(std::size_t peer);
-  // Forgets the archive, all of which was there. It has to be planned anew.
+  // Forgets the archive, which content() has returned. The caller has to call plan() after that.
   void drop_archive() { contents_.erase(replication::kNoAuthor); }
 
   [[nodiscard]] bool are_there() const { return unasked_.empty() && awaited_.empty(); }
@@ -53,7 +54,7 @@ class Parts {
   std::deque<replication::OperationRange> unasked_;
   std::vector<Awaited> awaited_;  // in the order of asking
   std::map<replication::OperationRange, Held> held_;
-  std::map<replication::AuthorId, std::string> contents_;  // those that were asked for as a whole
+  std::map<replication::AuthorId, std::string> contents_;  // those that content() has returned
   std::map<std::size_t, std::uint64_t> given_bytes_;
   std::map<replication::AuthorId, std::set<std::size_t>> givers_;
 };

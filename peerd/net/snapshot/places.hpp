@@ -9,8 +9,8 @@
 namespace peerd::snapshot {
 
 // Decides which connections a server keeps where more come than it has places for. A connection is proven once it has
-// shown that it has the session's key. Those that are proven and those that are not have places of their own, so that
-// neither takes one from the other. The addresses of one IPv6 network (/64) count as one address, as they may all be
+// shown that it has the session's key. Proven connections have places of their own, and no unproven one ever takes one
+// of these. The addresses of one IPv6 network (/64) count as one address, as they may all be
 // one computer's. It has no sockets.
 class Places {
  public:

@@ -37,10 +37,10 @@ constexpr Duration kComparedWithin = std::chrono::seconds(2);
 // twentieth.
 constexpr std::uint64_t kSnapshotMax_bytes = std::uint64_t{1} << 30;
 constexpr std::uint64_t kUnpackedFree_bytes = std::uint64_t{64} << 20, kUnpackedTimes = 64;
-// Once the first offer has come, those of others are waited for so long: the archive that most addresses offer is
-// taken.
+// A joining peer waits so long after the first offer for those of others. Then it takes the world that most addresses
+// offer.
 constexpr Duration kOffersWithin = std::chrono::seconds(1);
-// A peer that closes connections before it has said anything in the session's key, so often in a row, is of no use.
+// A peer is given up once it has closed so many connections in a row without a frame in the session's key.
 constexpr int kUnprovenTries = 4;
 
 class Fetch {
@@ -260,7 +260,7 @@ class Fetch {
     if (was_in_reserve) connect_all(index);
   }
 
-  // Plans what to fetch of the chosen world. It is planned anew where another peer offers that world or one is given
+  // Plans what to fetch of the chosen world. Called again when another peer offers that world, and when one is given
   // up.
   void plan() {
     snapshot_.offer.logs = logs_to_get();
@@ -269,9 +269,9 @@ class Fetch {
     be_quick();
   }
 
-  // Where several addresses offer the chosen world, nobody can make a joining peer get what that one has invented: a
-  // log counts that two addresses offer, and as much of it as the second of them has. The session itself brings the
-  // rest.
+  // The logs to fetch. If two addresses or more offer the chosen world, a log counts only if two of them offer it, and
+  // only as much of it as two of them have: no single member can make a joining peer fetch what it has invented. The
+  // session itself brings the rest.
   [[nodiscard]] std::vector<LogLength> logs_to_get() const {
     std::set<asio::ip::address> addresses;
     std::map<AuthorId, std::map<asio::ip::address, std::uint64_t>> lengths;
@@ -442,7 +442,7 @@ class Fetch {
     ask_on_all();
   }
 
-  // What it has given is got from others. Where nobody else has the chosen world, another one is chosen.
+  // Fetches from others what that peer has given. If nobody else has the chosen world, another one is chosen.
   void go_on_without(std::size_t peer) {
     parts_.drop(peer);
     const auto next = std::ranges::find_if(peers_, [](const Peer& each) { return !each.held.empty(); });

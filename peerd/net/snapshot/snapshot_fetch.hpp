@@ -34,8 +34,8 @@ struct FetchOptions {
   // Over so many connections in all, to so many peers at most: where packets get lost, one connection alone is slow.
   std::size_t connections = 32, providers = 4;
   Duration patience = std::chrono::seconds(15);  // without any new part; then it fails
-  // Where a world comes more slowly than that on average, from all peers together, the peer is given up that has given
-  // least; without another one it fails.
+  // If all peers together give a world more slowly than that on average, the one that has given least is given up. The
+  // fetch fails once no peer is left.
   double slowest_bytes_per_s = 4.0 * 1024;
   std::optional<keys::SymmetricKey> key{};  // of the session; none: it is open
 };

@@ -217,7 +217,7 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
   Places places_{kProvenMax, kUnprovenMax};
   std::set<std::string> hellos_;
   std::deque<std::string> hellos_in_order_;
-  // By address, for their turns; no queue is empty. The first map is of connections that have proven the key.
+  // What waits for its turn, by address; no queue is empty. The first map is of connections that have proven the key.
   std::array<std::map<asio::ip::address, std::deque<Waiting>>, 2> waiting_;
   std::array<asio::ip::address, 2> served_;  // last, of each map
   bool over_ = false;
