@@ -85,13 +85,15 @@ async function drag(pages) {
 const isRed = ([red, green, blue]) => red > 180 && green < 100 && blue < 100;
 const around = ([x, y, z], radius, angle, axis) => axis === 'y' ? [x + radius * Math.sin(angle), y, z + radius * Math.cos(angle)] : [x - radius * Math.sin(angle), y + radius * Math.cos(angle), z];
 
-// Drags a red mark from one place of the world to another one, and sees that it is drawn there before it is let go.
-async function dragMark(page, from, to, seen, picture) {
+// Drags a red mark from one place of the world to another one, and sees that it is drawn there before it is let go, whatever happens
+// `meanwhile`.
+async function dragMark(page, from, to, seen, picture, meanwhile = () => {}) {
   const { mouse } = page.tab;
   const [a, b] = [await at(page, from), await at(page, to)];
   await mouse.move(a.x, a.y);
   await mouse.down();
   for (let i = 1; i <= 8; ++i) await mouse.move(a.x + ((b.x - a.x) * i) / 8, a.y + ((b.y - a.y) * i) / 8);
+  await meanwhile();
   // On a busy computer a picture may be taken before the page has drawn the last move.
   await page.tab.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
   await page.shot(join(out, picture));
@@ -113,9 +115,16 @@ async function hasTurned(pages, name, axis, angle) {
   }
 }
 
+// Edits the world on one page, until another one shows the scene that comes of it.
+async function editAndShow(page, other) {
+  const before = await other.tab.evaluate(() => window.peerd.revision);
+  check((await page.tab.evaluate(() => window.peerd.ask({ do: 'set', path: 'LAMP', field: 'intensity', value: '0.9' }))).ok, 'an edit was refused');
+  await other.until('the edited scene is shown', (then) => window.peerd.revision > then, before);
+}
+
 async function turn(pages) {
   const drum = [-3, 5, 0];
-  await dragMark(pages[0], around(drum, 1, 0, 'y'), around(drum, 1, 1, 'y'), around(drum, 1, 1, 'y'), 'drum-1280.png');
+  await dragMark(pages[0], around(drum, 1, 0, 'y'), around(drum, 1, 1, 'y'), around(drum, 1, 1, 'y'), 'drum-1280.png', () => editAndShow(pages[1], pages[0]));
   await hasTurned(pages, 'DRUM', [0, 1, 0], 1);
   const wheel = [3, 5, 0.3];
   const angleOfCrank = (angle) => Math.abs(window.peerd.sensors.find(({ min }) => min?.length === 1 && min[0] === -1).offset[0] - angle) < 0.03;

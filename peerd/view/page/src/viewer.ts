@@ -98,6 +98,7 @@ export class Viewer {
   private timeline: Timeline | RunTimeline;
   private readonly layout: Layout;
   readonly hand: Hand;
+  private readonly sensors: Sensors;
   readonly avatar: Avatar;
   private readonly wish = new Vector3();
   private readonly proximity = new Proximity((request) => this.edit(request));
@@ -148,7 +149,7 @@ export class Viewer {
       onStays: (path) => this.say('refused', `${path} stays where it was let go: nothing pulls it down (a world has gravity by its WorldInfo)`),
     });
     this.avatar = new Avatar(this.link, this.view.rig.camera, { onChange: (path) => this.onWalks(path), onRefused: (sentence) => this.say('refused', sentence) });
-    new Sensors(this.canvas, this.view, {
+    this.sensors = new Sensors(this.canvas, this.view, {
       edit: (request) => this.edit(request),
       mayEdit: () => this.link.mayEdit.value,
       isLive: () => this.head.state === 'live',
@@ -226,6 +227,7 @@ export class Viewer {
 
   private showScene(file: SceneFile): void {
     this.view.show(file);
+    this.sensors.onScene();
     this.head.show(file);
     this.header.setWorld(file.extras.world ?? '');
     this.toolbar.showViewpoints(file.extras.viewpoints ?? []);

@@ -21,7 +21,7 @@ export interface SensorHost {
 const kClick_px = 5;
 
 interface Drag {
-  readonly sensor: SensorExtras;
+  sensor: SensorExtras; // of the scene that is shown
   readonly sensorFromWorld: Matrix4; // of the instant at which it began
   readonly motion: SensorDrag;
   hasMoved: boolean;
@@ -38,6 +38,18 @@ export class Sensors {
     surface.addEventListener('pointermove', (event) => this.onMove(event), { capture: true });
     surface.addEventListener('pointerup', (event) => this.onUp(event), { capture: true });
     surface.addEventListener('pointercancel', () => this.cancel(), { capture: true });
+  }
+
+  // Another scene is shown, as somebody has edited the world. What is being dragged is drawn in it where it is dragged.
+  onScene(): void {
+    if (this.drags.length === 0) return;
+    const sensors = new Map(this.view.file?.extras.sensors?.map((sensor) => [keyOf(sensor), sensor]));
+    this.drags = this.drags.filter((drag) => {
+      const found = sensors.get(keyOf(drag.sensor));
+      if (found !== undefined) drag.sensor = found;
+      return found !== undefined;
+    });
+    this.showWhereDragged();
   }
 
   // Whether the pointer is on the geometry of a sensor.
@@ -133,6 +145,10 @@ export class Sensors {
       drag.hasMoved ||= hasMoved;
       if (drag.hasMoved) drag.motion.follow(this.rayAt(x, y).applyMatrix4(drag.sensorFromWorld));
     }
+    this.showWhereDragged();
+  }
+
+  private showWhereDragged(): void {
     this.view.preview(this.drags.filter((drag) => drag.hasMoved).flatMap(({ sensor, motion }) => previewsOf(sensor, motion.values())));
     this.host.onPreview();
   }
