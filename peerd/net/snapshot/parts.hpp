@@ -54,7 +54,7 @@ class Parts {
   std::deque<replication::OperationRange> unasked_;
   std::vector<Awaited> awaited_;  // in the order of asking
   std::map<replication::OperationRange, Held> held_;
-  std::map<replication::AuthorId, std::string> contents_;  // those that content() has returned
+  std::map<replication::AuthorId, std::string> contents_;  // what content() has returned
   std::map<std::size_t, std::uint64_t> given_bytes_;
   std::map<replication::AuthorId, std::set<std::size_t>> givers_;
 };

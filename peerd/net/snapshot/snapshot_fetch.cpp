@@ -37,10 +37,10 @@ constexpr Duration kComparedWithin = std::chrono::seconds(2);
 // twentieth.
 constexpr std::uint64_t kSnapshotMax_bytes = std::uint64_t{1} << 30;
 constexpr std::uint64_t kUnpackedFree_bytes = std::uint64_t{64} << 20, kUnpackedTimes = 64;
-// A joining peer waits so long after the first offer for those of others. Then it takes the world that most addresses
-// offer.
+// The time for which a joining peer waits, after the first offer, for the offers of other peers. Then it takes the
+// world that most addresses offer.
 constexpr Duration kOffersWithin = std::chrono::seconds(1);
-// A peer is given up once it has closed so many connections in a row without a frame in the session's key.
+// The number of connections in a row that a peer may close without a frame in the session's key. Then it is given up.
 constexpr int kUnprovenTries = 4;
 
 class Fetch {

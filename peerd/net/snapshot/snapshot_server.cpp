@@ -217,7 +217,8 @@ class SnapshotServer::Impl : public std::enable_shared_from_this<Impl> {
   Places places_{kProvenMax, kUnprovenMax};
   std::set<std::string> hellos_;
   std::deque<std::string> hellos_in_order_;
-  // What waits for its turn, by address; no queue is empty. The first map is of connections that have proven the key.
+  // The hellos and requests that wait for their turn, by address; no queue is empty. The first map holds those of
+  // connections that have proven the key.
   std::array<std::map<asio::ip::address, std::deque<Waiting>>, 2> waiting_;
   std::array<asio::ip::address, 2> served_;  // last, of each map
   bool over_ = false;

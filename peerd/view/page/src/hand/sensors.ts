@@ -40,7 +40,7 @@ export class Sensors {
     surface.addEventListener('pointercancel', () => this.cancel(), { capture: true });
   }
 
-  // Another scene is shown, as somebody has edited the world. What is being dragged is drawn in it where it is dragged.
+  // The view shows another scene, because somebody has edited the world. It draws what is being dragged where the pointer has it.
   onScene(): void {
     if (this.drags.length === 0) return;
     const sensors = new Map(this.view.file?.extras.sensors?.map((sensor) => [keyOf(sensor), sensor]));
