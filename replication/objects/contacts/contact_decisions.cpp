@@ -49,6 +49,15 @@ bool has_outcome(const DecisionRecord& d, const ContactEvent& c) {
          d.collidee_after == (same_way ? c.collidee_after : c.collider_after);
 }
 
+// The same contact at the next time that a decision can have.
+ContactEvent a_nanosecond_later(ContactEvent c) {
+  c.at += Duration{1};
+  for (KinematicState* const s : {&c.collider_before, &c.collidee_before, &c.collider_after, &c.collidee_after}) {
+    *s = advance(*s, 1e-9);
+  }
+  return c;
+}
+
 // Whether a decision that is made now on a contact of that time reaches all peers in time.
 bool reaches_all_in_time(const TickGrid& ticks, SimTime contact) {
   return contact >= ticks.last_time() - kDecidedWithin;
@@ -219,7 +228,7 @@ void ContactDecisions::on_drive(const UpdateRecord& u) {
     if (d.collider != u.object && d.collidee != u.object) continue;
     if (drives_.after(d, e.author, u.object) == drives_.after(d, e.author, u.object, u.sequence)) continue;
     for (const ObjectId object : {d.collider, d.collidee}) {
-      if (binds(d, object)) lay_again(object, d.contact);
+      if (binds(d, e.author, object)) lay_again(object, d.contact);
     }
     changed = true;
   }
@@ -257,7 +266,7 @@ void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
     for (const ObjectId object : {c.collider, c.collidee}) rebase(object, c.at);
     return;
   }
-  for (;; c.at += Duration{1}) {
+  for (;; c = a_nanosecond_later(c)) {
     const auto* known = log_.find(c.at, config_.id, c.collider, c.collidee);
     if (known != nullptr && known->in_force && has_outcome(known->record, c)) break;  // the same once more
     if (known == nullptr && !log_.has_another(c.at, config_.id, c.collider, c.collidee)) break;
@@ -269,7 +278,7 @@ void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
   // All peers that receive the decision will do so: the own object's ghost moves, too, or this peer's copy of their
   // ghosts would differ.
   for (const ObjectId object : {c.collider, c.collidee}) {
-    if (model_->is_answered(c.collider, c.collidee) && binds(record, object)) replay_ghost(object, c.at);
+    if (model_->is_answered(c.collider, c.collidee) && binds(record, config_.id, object)) replay_ghost(object, c.at);
   }
   replica_.colliding().on_contact(c);
   replica_.name_polygons(c, true);
@@ -461,20 +470,23 @@ void ContactDecisions::apply(const std::vector<DecisionLog::Change>& changes, Si
     outbox_.push(Overruled{d.collider, d.collidee, d.contact});
     for (const ObjectId object : {d.collider, d.collidee}) {
       own_.republish(object);
-      if (binds(d, object)) replay_ghost(object, d.contact);
+      if (binds(d, change.author, object)) replay_ghost(object, d.contact);
     }
   }
   replica_.catch_up_truth();  // walls that an own object met after the contact
 }
 
-bool ContactDecisions::binds(const DecisionRecord& d, ObjectId object) const {
+// What answers no contact goes as its owner says: another peer knows it only as of a latency ago.
+bool ContactDecisions::binds(const DecisionRecord& d, PeerId author, ObjectId object) const {
   if (object != d.collider && object != d.collidee) return false;
-  return changes_motion_of(object, d) || !scene_.contains(object == d.collider ? d.collidee : d.collider);
+  if (changes_motion_of(object, d)) return true;
+  if (model_->response_of(object) == nullptr && owners_.of(object) != author) return false;
+  return !scene_.contains(object == d.collider ? d.collidee : d.collider);
 }
 
 SimTime ContactDecisions::last_binding(ObjectId object, SimTime until) const {
   for (auto e = log_.entries().rbegin(); e != log_.entries().rend(); ++e) {
-    if (e->in_force && e->record.contact <= until && binds(e->record, object)) return e->record.contact;
+    if (e->in_force && e->record.contact <= until && binds(e->record, e->author, object)) return e->record.contact;
   }
   return SimTime{};
 }
@@ -488,7 +500,7 @@ bool ContactDecisions::counts(const UpdateRecord& u, SimTime decided) const {
 void ContactDecisions::apply(const DecisionRecord& d, PeerId author, SimTime known_at) {
   std::erase_if(deferred_, [&](const Deferred& h) { return of_pair(d, h.contact.collider, h.contact.collidee); });
   for (const ObjectId object : {d.collider, d.collidee}) {
-    if (!binds(d, object)) continue;
+    if (!binds(d, author, object)) continue;
     rebase(object, d.contact);
     const OwnObject* own = own_.find(object);
     if (own != nullptr && own->last_sent && *own->last_sent > d.contact) own_.republish(object);
@@ -614,7 +626,7 @@ void ContactDecisions::replay(ObjectId object, SimTime from, bool in_truth) {
   SimTime last = from;
   for (const DecisionLog::Entry& e : log_.entries()) {
     const DecisionRecord& d = e.record;
-    if (!e.in_force || d.contact < from || !binds(d, object)) continue;
+    if (!e.in_force || d.contact < from || !binds(d, e.author, object)) continue;
     lay_updates_until(d.contact);
     decided = d.contact;
     if (!model_->is_answered(d.collider, d.collidee)) continue;

@@ -145,7 +145,7 @@ class ContactDecisions {
   };
 
   [[nodiscard]] const char* why_void(const DecisionRecord& decision) const;
-  [[nodiscard]] bool binds(const DecisionRecord& decision, ObjectId object) const;
+  [[nodiscard]] bool binds(const DecisionRecord& decision, PeerId author, ObjectId object) const;
   [[nodiscard]] bool may_have_decided(PeerId peer, const DecisionRecord& decision) const;
   [[nodiscard]] Duration lookback() const;
   [[nodiscard]] PeerId choose_decider(ObjectId a, ObjectId b, SimTime contact) const;

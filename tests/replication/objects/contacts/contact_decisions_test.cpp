@@ -194,9 +194,35 @@ TEST_F(Deciding, AContactThatIsFoundOnceMoreWithAnotherOutcomeIsAnotherDecision)
   ASSERT_EQ(decisions.entries().size(), 2u);
   EXPECT_EQ(decisions.entries().back().record.contact, sim(10s) + 1ns);
   EXPECT_EQ(decisions.entries().back().record.collider_after.velocity, Vec3(0, 0, 5)) << "which the others take";
-  EXPECT_EQ(replica.ghost(a, sim(11s) + 1ns).position, Vec3(0, 0, 5));
+  EXPECT_NEAR(replica.ghost(a, sim(11s) + 1ns).position.z(), 5.0 + 5e-9, 1e-12);
   decisions.decide(again, sim(10050ms));
   EXPECT_EQ(decisions.entries().size(), 2u) << "the same once more";
+}
+
+// The second one is a nanosecond later, and its states are of then.
+TEST_F(Deciding, TwoAtOneInstantFollowEachOther) {
+  ContactEvent with_c = contact();
+  with_c.collidee = c;
+  with_c.collider_after.acceleration = Vec3(0, 2, 0);
+  decisions.decide(contact(), sim(10s));
+  decisions.decide(with_c, sim(10s));
+  ASSERT_EQ(decisions.log().entries().size(), 2u);
+  const DecisionRecord& second = decisions.log().entries()[1].record;
+  EXPECT_EQ(second.contact, sim(10s) + Duration{1});
+  EXPECT_EQ(second.collider_after, advance(with_c.collider_after, 1e-9));
+  EXPECT_EQ(second.collidee_before, advance(with_c.collidee_before, 1e-9));
+}
+
+// B answers no contact.
+TEST_F(Deciding, WhatAnswersNothingGoesAsItsOwnerSays) {
+  decisions.decide(contact(), sim(10s));
+  EXPECT_EQ(decisions.last_binding(a), sim(10s));
+  EXPECT_EQ(decisions.last_binding(b), SimTime{});
+}
+TEST_F(Deferring, WhatAnswersNothingGoesByADecisionOfItsOwner) {
+  ASSERT_EQ(decisions.on_decision(other, 1, record(), sim(10s)), nullptr);
+  EXPECT_EQ(decisions.last_binding(a), sim(10s));
+  EXPECT_EQ(decisions.last_binding(b), sim(10s));
 }
 
 TEST_F(Deciding, CopiesAreAsManyAsTheLossAsksFor) {
