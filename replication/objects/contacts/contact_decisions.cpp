@@ -6,6 +6,7 @@
 #include <iterator>
 #include <map>
 #include <ranges>
+#include <tuple>
 #include <utility>
 
 #include "replication/physics/laws/response.hpp"
@@ -49,11 +50,17 @@ bool has_outcome(const DecisionRecord& d, const ContactEvent& c) {
          d.collidee_after == (same_way ? c.collidee_after : c.collider_after);
 }
 
-// The same contact at the next time that a decision can have.
-ContactEvent a_nanosecond_later(ContactEvent c) {
+// The same contact at the next time that a decision can have. What slides goes on sliding (law_of_outcome).
+ContactEvent a_nanosecond_later(const WorldModel& model, ContactEvent c) {
   c.at += Duration{1};
-  for (KinematicState* const s : {&c.collider_before, &c.collidee_before, &c.collider_after, &c.collidee_after}) {
-    *s = advance(*s, 1e-9);
+  for (const auto& [object, before, after] : {std::tuple{c.collider, &c.collider_before, &c.collider_after},
+                                              std::tuple{c.collidee, &c.collidee_before, &c.collidee_after}}) {
+    const CollisionResponse* const response = model.response_of(object);
+    for (KinematicState* const s : {before, after}) {
+      const MotionModel law = law_of_outcome(response, *s);
+      *s = advance(*s, 1e-9);
+      if (law.kind == MotionKind::kSliding) *s = law_after(response, law, *s).state;
+    }
   }
   return c;
 }
@@ -266,7 +273,7 @@ void ContactDecisions::decide(const ContactEvent& contact, SimTime known_at) {
     for (const ObjectId object : {c.collider, c.collidee}) rebase(object, c.at);
     return;
   }
-  for (;; c = a_nanosecond_later(c)) {
+  for (;; c = within_wire_limits(a_nanosecond_later(*model_, c))) {
     const auto* known = log_.find(c.at, config_.id, c.collider, c.collidee);
     if (known != nullptr && known->in_force && has_outcome(known->record, c)) break;  // the same once more
     if (known == nullptr && !log_.has_another(c.at, config_.id, c.collider, c.collidee)) break;

@@ -11,14 +11,18 @@ namespace {
 
 MotionModel motion_after_response(const WorldModel& model, const MovingObjects& objects, std::size_t object,
                                   const WatchedPair& pair, const MotionModel& self, const KinematicState& other,
-                                  OtherSide other_side, const Vec3& n) {
+                                  OtherSide other_side, const Vec3& n, bool is_decided_here) {
   const MovingObject& o = objects[object];
   const CollisionResponse* const response = model.response_of(o.id);
   assert(response != nullptr && pair.contact);
   const MovingObject& met = objects[pair.collider == object ? pair.collidee : pair.collider];
   KinematicState after = respond({*response, model.response_of(met.id), other_side, self.state, other, n});
   // At a contact time the object still stands where it did not collide; only an overlap leaves something to set back.
-  if (pair.overlapped && response->set_back && pair.free_at) {
+  // Where it was last known to be free depends on when this peer searched. So what an impulse moves is set back by its
+  // owner, and by whoever decides for all; a mere prediction leaves it, or peers would predict different places.
+  const bool sets_back = response->set_back && (response->type != ResponseType::kImpulse || is_decided_here ||
+                                                o.role == Role::kAuthoritative);
+  if (pair.overlapped && sets_back && pair.free_at) {
     const Vec3 back = objects.world_at(object, *pair.free_at).position;
     // An object that is set back against its weight takes the work from its speed, or stays.
     const double left = after.velocity.squaredNorm() + 2.0 * after.acceleration.dot(back - after.position);
@@ -61,15 +65,19 @@ ContactAnswer answer_to(const WorldModel& model, const MovingObjects& objects, c
     const bool takes_part = registered && (responds || is_in_later_update(o, pair));
     return takes_part ? OtherSide::kAnswers : OtherSide::kAnswersApart;
   };
+  // What an own object does to an object of the scene that nobody owns is decided here, too, once it is answered.
+  const bool is_decided_here =
+      authority == ContactAuthority::kLocal || (authority == ContactAuthority::kAsPublished &&
+                                                (a.role == Role::kAuthoritative || b.role == Role::kAuthoritative));
   if (answer.a_responds) {
     const OtherSide other = other_side(b, pair.collidee_responds, answer.b_responds);
-    answer.after_a =
-        motion_after_response(model, objects, pair.collider, pair, answer.before_a, state_b, other, pair.normal);
+    answer.after_a = motion_after_response(model, objects, pair.collider, pair, answer.before_a, state_b, other,
+                                           pair.normal, is_decided_here);
   }
   if (answer.b_responds) {
     const OtherSide other = other_side(a, pair.collider_responds, answer.a_responds);
-    answer.after_b =
-        motion_after_response(model, objects, pair.collidee, pair, answer.before_b, state_a, other, -pair.normal);
+    answer.after_b = motion_after_response(model, objects, pair.collidee, pair, answer.before_b, state_a, other,
+                                           -pair.normal, is_decided_here);
   }
   return answer;
 }

@@ -242,6 +242,100 @@ std::vector<StruckPair> struck_with(const WorldModel& model, const MovingObjects
   return struck;
 }
 
+bool DrivenJump::is_given(std::uint32_t object) const {
+  if (!driver_.spares_given) return false;
+  const Timeline::Segment& law = objects_[object].timeline.segment_at(driver_.at);
+  return law.from == driver_.at && !law.cause;
+}
+
+void DrivenJump::find_run_into(std::uint32_t object, const Pose& from, const Vec3& way) {
+  assert(!way.isZero(0.0) && way.allFinite());
+  const SimTime t = driver_.at;
+  static_cast<void>(far_.make_near({&object, 1}, way.norm(), driver_.world_start, pairs_));
+  for (const std::uint32_t i : pairs_.of_end(object)) {
+    const WatchedPair& pair = pairs_[i];
+    if (!pair.watched || !pair.is_plain || !pair.has_exact_search || pair.type == CollisionType::kBox) continue;
+    if (!objects_[pair.collider].will_respond(pair.collider_responds, t) &&
+        !objects_[pair.collidee].will_respond(pair.collidee_responds, t)) {
+      continue;
+    }
+    const bool is_collider = pair.collider == object;
+    const std::uint32_t other = is_collider ? pair.collidee : pair.collider;
+    const auto is_same = [&](const RunInto& each) {
+      return (each.object == other && each.by == object) || (each.object == object && each.by == other);
+    };
+    if (std::ranges::any_of(met_, is_same) || is_given(other)) continue;
+    KinematicState goes = at_rest(from);
+    goes.velocity = way;  // within one second
+    const KinematicState stands = at_rest(objects_.world_at(other, t).pose());
+    const collision::MovingBody here{objects_.body(object), goes}, there{objects_.body(other), stands};
+    const collision::Contact found = is_collider ? collision::first_contact(here, there, pair.type, 1.0)
+                                                 : collision::first_contact(there, here, pair.type, 1.0);
+    if (found.state != collision::ContactState::kContact) continue;
+    assert(found.time_s >= 0.0 && found.time_s <= 1.0);
+    const Vec3 normal = is_collider ? Vec3(-found.separating_normal_world) : found.separating_normal_world;
+    met_.push_back({other, object, normal, found.time_s * std::max(0.0, normal.dot(way))});
+  }
+}
+
+ContactIsland DrivenJump::solved(std::span<const std::uint32_t> around, const Vec3& of_driver,
+                                 std::span<const RunInto> met) const {
+  const std::uint32_t driver = driver_.object;
+  ContactIsland island =
+      island_of(model_, objects_, pairs_, around, driver_.at, Touching::kBearing, Quantity::kVelocity);
+  for (ConstrainedBody& body : island.bodies) body.value.setZero();
+  for (std::size_t c = island.constraints.size(); c-- > 0;) {
+    OneSided& constraint = island.constraints[c];
+    const WatchedPair& pair = pairs_[island.pairs[c]];
+    const bool has_given = std::ranges::any_of(std::array{pair.collider, pair.collidee}, [&](std::uint32_t object) {
+      return object != driver && is_given(object);
+    });
+    if (has_given) {
+      island.constraints.erase(island.constraints.begin() + static_cast<std::ptrdiff_t>(c));
+      island.pairs.erase(island.pairs.begin() + static_cast<std::ptrdiff_t>(c));
+      continue;
+    }
+    constraint.is_held = driver_.holds;
+    for (const auto& [body, object] :
+         {std::pair{constraint.a, pair.collider}, std::pair{constraint.b, pair.collidee}}) {
+      if (island.objects[body] == ContactIsland::kNone && object == driver) island.bodies[body].value = of_driver;
+    }
+  }
+  const auto body_of = [&](std::uint32_t object) {
+    const auto at = std::ranges::find(island.objects, object);
+    if (at != island.objects.end()) return static_cast<std::uint32_t>(at - island.objects.begin());
+    island.objects.push_back(ContactIsland::kNone);
+    island.reached_from.push_back(ContactIsland::kNone);
+    island.bodies.push_back({object == driver ? of_driver : Vec3(Vec3::Zero()), 0.0});
+    return static_cast<std::uint32_t>(island.bodies.size() - 1);
+  };
+  for (const RunInto& each : met) {
+    const std::uint32_t a = body_of(each.object), b = body_of(each.by);
+    island.constraints.push_back({a, b, each.normal, -each.free_m});
+    island.pairs.push_back(ContactIsland::kNone);
+  }
+  assert(island.constraints.size() == island.pairs.size());
+  static_cast<void>(solve(island));
+  return island;
+}
+
+ContactIsland DrivenJump::places(std::vector<std::uint32_t>& around, const Vec3& way) {
+  for (;;) {
+    for (const RunInto& each : met_) around.push_back(each.object);
+    std::ranges::sort(around);
+    around.erase(std::ranges::unique(around).begin(), around.end());
+    ContactIsland ways = solved(around, way, met_);
+    const std::size_t known = met_.size();
+    for (std::size_t i = 0; ways.is_solved && i < ways.objects.size(); ++i) {
+      const std::uint32_t object = ways.objects[i];
+      const Vec3& of_it = ways.bodies[i].value;
+      if (object == ContactIsland::kNone || of_it.isZero(0.0)) continue;
+      find_run_into(object, objects_.world_at(object, driver_.at).pose(), of_it);
+    }
+    if (met_.size() == known) return ways;
+  }
+}
+
 bool stands_firm(const MovingObjects& objects, const WatchedPair& pair, SimTime t) {
   const bool a_gives_way = objects[pair.collider].will_respond(pair.collider_responds, t);
   if (a_gives_way == objects[pair.collidee].will_respond(pair.collidee_responds, t)) return false;

@@ -8,6 +8,7 @@
 
 #include "core/least_change.hpp"
 #include "replication/physics/world/contact_answer.hpp"
+#include "replication/physics/world/far_pairs.hpp"
 #include "replication/physics/world/moving_objects.hpp"
 #include "replication/physics/world/watched_pair.hpp"
 
@@ -85,6 +86,52 @@ struct StruckPair {
 };
 [[nodiscard]] std::vector<StruckPair> struck_with(const WorldModel& model, const MovingObjects& objects,
                                                   const WatchedPairs& pairs, const WatchedPair& pair, SimTime t);
+
+// How a driven object jumps from one of its laws to the next, and what it takes along: what it bears, what it runs into
+// on the straight way between the two, and all that gives way behind that.
+class DrivenJump {
+ public:
+  struct Driver {
+    std::uint32_t object;
+    SimTime at, world_start;
+    bool holds;         // what bears each other stays together
+    bool spares_given;  // what has a law that was set for that instant keeps it, as such laws come in any order
+  };
+  // An object and what has run into it.
+  struct RunInto {
+    std::uint32_t object, by;
+    Vec3 normal;    // unit, world frame, facing the object
+    double free_m;  // how far `by` goes along the normal before it meets the object
+  };
+
+  // All arguments outlive this object.
+  DrivenJump(const WorldModel& model, const MovingObjects& objects, WatchedPairs& pairs, FarPairs& far,
+             const Driver& driver)
+      : model_(model), objects_(objects), pairs_(pairs), far_(far), driver_(driver) {}
+
+  [[nodiscard]] bool is_given(std::uint32_t object) const;
+  // Notes what the object meets on a straight way [m] from a place, while all else stands. One of the two gives way.
+  void find_run_into(std::uint32_t object, const Pose& from, const Vec3& way);
+  [[nodiscard]] const std::vector<RunInto>& met() const { return met_; }
+  // The ways [m] of all around these objects, as the driver goes by `way`: solved again until nothing runs into
+  // anything that is not met() yet. `around` gets what is.
+  [[nodiscard]] ContactIsland places(std::vector<std::uint32_t>& around, const Vec3& way);
+  // By how much their velocities change [m/s], as the driver's does by `change`.
+  [[nodiscard]] ContactIsland speeds(std::span<const std::uint32_t> around, const Vec3& change) const {
+    return solved(around, change, {});
+  }
+
+ private:
+  [[nodiscard]] ContactIsland solved(std::span<const std::uint32_t> around, const Vec3& of_driver,
+                                     std::span<const RunInto> met) const;
+
+  const WorldModel& model_;
+  const MovingObjects& objects_;
+  WatchedPairs& pairs_;
+  FarPairs& far_;
+  const Driver driver_;
+  std::vector<RunInto> met_;
+};
 
 // Whether one of the two gives way and the other stands: a wall, for all that this contact knows.
 [[nodiscard]] bool stands_firm(const MovingObjects& objects, const WatchedPair& pair, SimTime t);

@@ -389,6 +389,8 @@ void MotionWorld::lay_base(std::size_t index, const Base& given) {
     return;
   }
   retract_all(index, t);
+  // A base that is laid again takes along what went by the law before it, as it did the first time.
+  if (replays_bases_ && !o.is_answering()) o.timeline.truncate_from(t);
   const MotionModel model = given.model ? *given.model : o.timeline.model_at(t);
   const KinematicState before = o.timeline.at(t);
   const MotionModel world_before = objects_.world_law(index, t);
@@ -420,8 +422,8 @@ void MotionWorld::lay_base(std::size_t index, const Base& given) {
     begin_rest(index, given);
   } else if (stays && presses_another(o.id, t)) {
     settling_.objects.push_back({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index)});
-    settle(t, true);
   }
+  if (!settling_.objects.empty()) settle(t, true);  // what was pushed, too
 }
 
 bool MotionWorld::presses_another(ObjectId object, SimTime t) const {
@@ -429,52 +431,44 @@ bool MotionWorld::presses_another(ObjectId object, SimTime t) const {
                              [&](std::uint32_t i) { return pairs_.contains(i) && pairs_[i].bears_at(t); });
 }
 
-// Takes along all that rests on a driven object, from one of its laws to the next. After a kick it pushes out what it
-// has run into, and leaves what it has gone away from.
+// Takes along all that rests on a driven object, from one of its laws to the next, and pushes out what it has run into.
+// After a kick it leaves what it has gone away from.
 bool MotionWorld::carry_along(std::size_t index, SimTime t, const KinematicState& before, Duration since) {
   const KinematicState now = objects_.world_law(index, t).state;
   const GoesOn how = goes_on(before, now, since);
   if (how == GoesOn::kElsewhere) return false;
-  std::vector<std::uint32_t> borne;
+  const auto driver = static_cast<std::uint32_t>(index);
+  DrivenJump jump(*model_, objects_, pairs_, far_, {driver, t, start_, how == GoesOn::kSmoothly, replays_bases_});
+  std::vector<std::uint32_t> moved;
   for (const std::uint32_t i : far_.near(index, pairs_)) {
     if (!pairs_.contains(i) || !pairs_[i].bears_at(t)) continue;
     const WatchedPair& pair = pairs_[i];
     const bool is_collider = pair.collider == index;
     if (gives_way(index, is_collider ? pair.collider_responds : pair.collidee_responds, t)) return false;
     const std::uint32_t other = is_collider ? pair.collidee : pair.collider;
-    if (gives_way(other, is_collider ? pair.collidee_responds : pair.collider_responds, t)) borne.push_back(other);
+    if (jump.is_given(other)) continue;
+    if (gives_way(other, is_collider ? pair.collidee_responds : pair.collider_responds, t)) moved.push_back(other);
   }
-  if (borne.empty()) return false;
-  std::ranges::sort(borne);
-  const auto solved = [&](const Vec3& change) {
-    ContactIsland island = island_of(*model_, objects_, pairs_, borne, t, Touching::kBearing, Quantity::kVelocity);
-    for (ConstrainedBody& body : island.bodies) body.value.setZero();
-    for (std::size_t c = 0; c < island.constraints.size(); ++c) {
-      OneSided& constraint = island.constraints[c];
-      const WatchedPair& pair = pairs_[island.pairs[c]];
-      constraint.is_held = how == GoesOn::kSmoothly;
-      for (const auto& [body, object] :
-           {std::pair{constraint.a, pair.collider}, std::pair{constraint.b, pair.collidee}}) {
-        if (island.objects[body] == kNone && object == index) island.bodies[body].value = change;
-      }
-    }
-    static_cast<void>(solve(island));
-    return island;
-  };
-  const ContactIsland places = solved(now.position - before.position), speeds = solved(now.velocity - before.velocity);
+  const bool bears = !moved.empty();
+  const Vec3 way = now.position - before.position;
+  if (!objects_[index].is_answering() && !way.isZero(0.0)) jump.find_run_into(driver, before.pose(), way);
+  if (!bears && jump.met().empty()) return false;
+  const ContactIsland places = jump.places(moved, way);
+  const ContactIsland speeds = jump.speeds(moved, now.velocity - before.velocity);
   if (!places.is_solved || !speeds.is_solved) return false;
   // The speeds have grown by the accelerations since then, and have their rounding.
   settling_.fastest = std::max(settling_.fastest, now.velocity.norm() + to_seconds(since) * now.acceleration.norm());
-  for (std::size_t i = 0; i < places.objects.size(); ++i) {
-    if (places.objects[i] == kNone) continue;
+  for (std::size_t i = 0; i < speeds.objects.size(); ++i) {
+    if (places.objects[i] == kNone || jump.is_given(places.objects[i])) continue;
     assert(places.objects[i] == speeds.objects[i]);
+    if (!bears && places.bodies[i].value.isZero(0.0)) continue;
     MotionModel law = objects_.world_law(places.objects[i], t);
     law.state.position += places.bodies[i].value;
     law.state.velocity += speeds.bodies[i].value;
     const std::uint32_t from = places.reached_from[i];
     change_motion(places.objects[i], t, law, objects_[from != kNone ? from : index].id);
   }
-  return true;
+  return bears;
 }
 
 void MotionWorld::retract_all(std::size_t index, SimTime t) {
@@ -500,10 +494,10 @@ void MotionWorld::forget_bases(ObjectId object, SimTime t) {
 }
 
 // A base of a decision lets the object rest against its partner, whose own base may be laid later, or have been
-// replaced since. A base of an update lets it rest against all that it touches and would run into with its free
-// acceleration. The owner has published the acceleration that those supports leave of the free one, by what it knew of
-// them. Here that is solved anew, unless one of them has had no base yet, so that its own free acceleration is not
-// known.
+// replaced since; a partner that answers no contact gets none. A base of an update lets it rest against all that it
+// touches and would run into with its free acceleration. The owner has published the acceleration that those supports
+// leave of the free one, by what it knew of them. Here that is solved anew, unless one of them has had no base yet, so
+// that its own free acceleration is not known.
 void MotionWorld::begin_rest(std::size_t index, const Base& base) {
   MovingObject& o = objects_[index];
   const SimTime t = base.at;
@@ -514,7 +508,8 @@ void MotionWorld::begin_rest(std::size_t index, const Base& base) {
     if (!objects_.contains(rest.partner)) return;
     const std::size_t partner = objects_.index_of(rest.partner);
     const Timeline::Segment& law = objects_[partner].timeline.segment_at(t);
-    if (law.from != t || law.cause) return;
+    const bool has_base = law.from == t && !law.cause;
+    if (!has_base && objects_[partner].is_answering()) return;
     for (const std::uint32_t i : pairs_.of_end(index)) {
       const WatchedPair* const pair = &pairs_[i];
       if (!pair->watched || !pair->is_answered()) continue;
@@ -548,7 +543,7 @@ void MotionWorld::begin_rest(std::size_t index, const Base& base) {
     WatchedPair& pair = pairs_[i];
     remember_course(i, t);
     pair.normal = normal;
-    pair.note_touch(t, true);
+    search().note_touch(pair, t);
     pair.contact.reset();
     pair.lifts = pair.inside = false;
     set_bearing(pair, t, true);
@@ -755,6 +750,10 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
       pair.contact.reset();
       pair.lifts = false;
     }
+    // By its later bases a driven object takes this one along, or pushes it, from where it is now.
+    if (replays_bases_ && pair.is_answered() && !objects_[other].is_answering()) {
+      retract_bases(objects_[other], t + Duration{1});
+    }
     if (pair.solved >= t) pair.solved = SimTime::min();
     pair.forget_free_since(from);
     if (from < pair.clear_until) unstop(pairs_[i], i, stopped_);
@@ -797,6 +796,24 @@ bool MotionWorld::ends_touch(ObjectId a, ObjectId b, SimTime t) {
 
 // ---- answers to a contact ----
 
+namespace {
+
+// Keeps those pairs on which this peer is the one to say what a blow does. Returns false where another peer is to say
+// it of one of the others.
+bool leave_to_others(std::vector<StruckPair>& struck, const MovingObjects& objects, const WatchedPairs& pairs,
+                     const MotionWorld::AuthorityOf& authority_of, SimTime t) {
+  bool all_are_told = true;
+  std::erase_if(struck, [&](const StruckPair& each) {
+    const WatchedPair& pair = pairs[each.pair];
+    const ContactAuthority whose = authority_of(objects[pair.collider].id, objects[pair.collidee].id, t);
+    if (whose == ContactAuthority::kDeferred) all_are_told = false;
+    return whose != ContactAuthority::kLocal;
+  });
+  return all_are_told;
+}
+
+}  // namespace
+
 void MotionWorld::respond_to_contact(WatchedPair& pair) {
   assert(pair.contact);
   const SimTime t = *pair.contact;
@@ -804,9 +821,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
     lift(pair, t);
     return;
   }
-  const bool has_met_before =
-      pair.bears || met_lately(pair.touched, t, kShortestFlight);  // else it has no other normal
-  pair.note_touch(t, has_met_before && search().is_parted_by(pair, pair.normal, t));
+  search().note_touch(pair, t);
   const ObjectId collider = objects_[pair.collider].id, collidee = objects_[pair.collidee].id;
   const ContactAuthority authority =
       authority_.of ? authority_.of(collider, collidee, t) : ContactAuthority::kAsPublished;
@@ -833,22 +848,29 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
     return;
   }
   std::vector<StruckPair> struck;
+  bool is_shared = false;  // the blow is solved at once for all that it reaches, and all of it is told
+  const auto share = [&] {
+    if (authority == ContactAuthority::kLocal) struck = struck_with(*model_, objects_, pairs_, pair, t);
+    is_shared = leave_to_others(struck, objects_, pairs_, authority_.of, t);
+  };
   if (is_squeezed(*model_, objects_, pairs_, pair, t)) {
     answer_squeezed(pair, t);
   } else if (comes_to_rest_at(*model_, objects_, pair, answer)) {
     counters_.rest_energy_j += own_energy_of_parting_j(*model_, objects_, pair, answer);
+    if (!pair.overlapped && bears_another(objects_, pairs_, pair, t)) share();
     come_to_rest(pair, t);
   } else if (!pair.overlapped && exchanges_momentum(*model_, objects_, pair, answer) &&
              bears_another(objects_, pairs_, pair, t)) {
-    if (authority == ContactAuthority::kLocal) struck = struck_with(*model_, objects_, pairs_, pair, t);
+    share();
     answer_in_heap(pair, t, answer);
   } else {
     if (!pair.overlapped && !answer.changes_motion()) answer = answer_to_closing(*model_, objects_, pair, answer);
     if (answer.a_responds) change_motion(a, t, answer.after_a, objects_[b].id);
     if (answer.b_responds) change_motion(b, t, answer.after_b, objects_[a].id);
   }
+  // Of a shared blow the two may have got more than they had, from others that it reached.
   const bool is_decided = answer.authority != ContactAuthority::kAsPublished;
-  if (is_decided || !pair.bears_at(t)) remove_gain(pair, t, answer);
+  if (!is_shared && (is_decided || !pair.bears_at(t))) remove_gain(pair, t, answer);
   settle(t);
   pair.contact.reset();
   answer.after_a = objects_.world_law(a, t);
@@ -867,8 +889,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
     const WatchedPair& other = pairs_[each.pair];
     each.answer.after_a = objects_.world_law(other.collider, t);
     each.answer.after_b = objects_.world_law(other.collidee, t);
-    const bool is_ours = authority_.of(objects_[other.collider].id, objects_[other.collidee].id, t) == authority;
-    if (is_ours && each.answer.changes_motion()) report(other, t, each.answer);
+    if (each.answer.changes_motion()) report(other, t, each.answer);
   }
 }
 
@@ -1284,6 +1305,7 @@ std::optional<std::size_t> MotionWorld::first_contact_until(SimTime to) {
 }
 
 void MotionWorld::advance(SimTime to) {
+  assert(settling_.objects.empty());
   std::size_t contacts = 0;
   for (;;) {
     const bool lays = !retracted_bases_.empty() && retracted_bases_.begin()->first <= to;

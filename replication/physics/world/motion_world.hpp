@@ -129,8 +129,8 @@ class MotionWorld {
 
   // Sets the object's motion from t on, in the frame of its carrier, after an update, a sample or a decision. t may lie
   // in the past: the predictions that followed from the replaced motion are retracted, and the next advance() finds
-  // them anew. What was set for this object from t on is void. With `rest` it
-  // rests from t on against its partner, once that has such a base of t, too, if the pair is watched. With `free`
+  // them anew. What was set for this object from t on is void. With `rest` it rests from t on against its partner, if
+  // the pair is watched, once the partner has such a base of t, too, or at once if it answers no contact. With `free`
   // others bear or push the object at t, which has that acceleration where nothing does [m/s^2, world frame]: it rests
   // from then on against what it touches and would run into. Without `model` the object goes on as it moves at t, and
   // only `free` is new, if something bears it then.
@@ -232,8 +232,8 @@ class MotionWorld {
   void reschedule(std::size_t pair);
 
   void lay_base(std::size_t object, const Base& base);
-  // Takes along all that a driven object bears, where its last law led elsewhere at t than where it is now. Returns
-  // whether it did.
+  // Takes along all that a driven object bears, and pushes along what it runs into, where its last law led elsewhere at
+  // t than where it is now. Returns whether it bore anything.
   bool carry_along(std::size_t object, SimTime t, const KinematicState& before, Duration since);
   // The object rests from then on against its partner, or against what it touches and would run into.
   void begin_rest(std::size_t object, const Base& base);

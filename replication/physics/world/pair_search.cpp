@@ -190,6 +190,11 @@ void PairSearch::search_lift(WatchedPair& pair, SimTime begin, SimTime end) {
   pair.lifts = true;
 }
 
+void PairSearch::note_touch(WatchedPair& pair, SimTime t) const {
+  const bool has_other_normals = pair.bears || met_lately(pair.touched, t, kShortestFlight);
+  pair.note_touch(t, has_other_normals && is_parted_by(pair, pair.normal, t));
+}
+
 bool PairSearch::is_parted_by(const WatchedPair& pair, const Vec3& normal, SimTime t) const {
   assert(std::abs(normal.squaredNorm() - 1.0) < 1e-9);
   if (!pair.is_plain || pair.type == CollisionType::kBox) return false;

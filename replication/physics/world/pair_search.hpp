@@ -41,6 +41,9 @@ class PairSearch {
   // Whether the plane of that normal, facing the collider, has the collider on its one side and the collidee on the
   // other at t.
   [[nodiscard]] bool is_parted_by(const WatchedPair& pair, const Vec3& normal, SimTime t) const;
+  // The two touch at t along pair.normal. They keep the normals along which they touched before, unless the plane of
+  // this one lies between the two.
+  void note_touch(WatchedPair& pair, SimTime t) const;
   [[nodiscard]] bool touch_at(const WatchedPair& pair, SimTime t) const;
   // The normal in the world, facing the collider, along which the two would meet within that time, as they move at t
   // and where they touch then. None: they do not touch, or would not meet.

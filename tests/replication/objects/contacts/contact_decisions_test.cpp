@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <utility>
+
 #include "replication/peer/peer_parts.hpp"
 #include "tests/replication/peer/lan.hpp"
 #include "tests/replication/peer/parts.hpp"
@@ -13,7 +16,8 @@ using namespace test;
 // This peer owns A, peer `other` owns B, and peer 9 owns C.
 class Deciding : public testing::Test {
  protected:
-  explicit Deciding(std::uint32_t self = 2, std::uint32_t remote = 3) : other(remote), conf(config(self, {{a}})) {
+  explicit Deciding(std::uint32_t self = 2, std::uint32_t remote = 3, std::string fields = kBounces)
+      : fields_of_a(std::move(fields)), other(remote), conf(config(self, {{a}})) {
     owners.set(a, PeerId{self});
     owners.set(b, other);
     owners.set(c, PeerId{9});
@@ -61,7 +65,8 @@ class Deciding : public testing::Test {
   Duration patience() const { return 10s + 2 * members.longest_latency() + 3 * conf.hello_period; }
   std::size_t decided() { return drain<ContactSeen>(outbox).size(); }
 
-  World world{box("A", "1 1 1", "0 0 0", kBounces) + box("B", "1 1 1", "-5 0 0") + box("C", "1 1 1", "9 9 9") +
+  std::string fields_of_a;
+  World world{box("A", "1 1 1", "0 0 0", fields_of_a) + box("B", "1 1 1", "-5 0 0") + box("C", "1 1 1", "9 9 9") +
                   interest("A", "\"B\" \"C\"") + interest("B", "\"C\""),
               {"A", "B", "C"}};
   ObjectId a = world["A"], b = world["B"], c = world["C"];
@@ -211,6 +216,24 @@ TEST_F(Deciding, TwoAtOneInstantFollowEachOther) {
   EXPECT_EQ(second.contact, sim(10s) + Duration{1});
   EXPECT_EQ(second.collider_after, advance(with_c.collider_after, 1e-9));
   EXPECT_EQ(second.collidee_before, advance(with_c.collidee_before, 1e-9));
+}
+
+class DecidingWithFriction : public Deciding {
+ protected:
+  DecidingWithFriction() : Deciding(2, 3, " collisionResponse CollisionResponse { responseType 2 friction 0.3 } ") {}
+};
+TEST_F(DecidingWithFriction, WhatSlidesGoesOnSlidingANanosecondLater) {
+  const CollisionResponse* const response = (*world.in_force)->response_of(a);
+  ContactEvent with_c = contact();
+  with_c.collidee = c;
+  with_c.collider_after = sliding_to_rest(moving({0, 0, 0}, {0.7, 0.1, 0.3}), response->friction_m_s2).state;
+  ASSERT_EQ(law_of_outcome(response, with_c.collider_after).kind, MotionKind::kSliding);
+  decisions.decide(contact(), sim(10s));
+  decisions.decide(with_c, sim(10s));
+  ASSERT_EQ(decisions.log().entries().size(), 2u);
+  const KinematicState& later = decisions.log().entries()[1].record.collider_after;
+  EXPECT_LT(later.velocity.norm(), with_c.collider_after.velocity.norm());
+  EXPECT_EQ(law_of_outcome(response, later).kind, MotionKind::kSliding);
 }
 
 // B answers no contact.

@@ -432,6 +432,20 @@ TEST(MotionWorld, AnAuthoritativeObjectIsNotSearchedInItsPast) {
   EXPECT_NEAR(world.at(w["BALL"], sim(4s)).position.x(), 2.0, 1e-12);
 }
 
+// CUBE stands here, and BALL is told late to have run at it: at 2 s it is half inside. They met at 1.5 s.
+TEST(MotionWorld, WhatAnAuthoritativeObjectIsFoundInsideOfItMetBefore) {
+  auto&& [w, world] = Started(two_movers(), {{"BALL", Role::kPredicted, moving({-9, 0, 0})},
+                                             {"CUBE", Role::kAuthoritative, moving({0, 0, 0})}});
+  world.advance(sim(2s));
+  (void)events_of(world);
+  world.set_base(w["BALL"], sim(1s), moving({-1, 0, 0}, {1, 0, 0}));
+  world.advance(sim(2s));
+  const auto seen = only(contacts_of(world));
+  EXPECT_EQ(seen.at, sim(1500ms));
+  EXPECT_NEAR(seen.collider_before.position.x(), -0.5, 1e-9);
+  EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), -1.0, 1e-9) << "half a metre back";
+}
+
 TEST(MotionWorld, ALateUpdateIsSearchedFromItsOwnTime) {
   auto&& [w, world] = Started(corridor(), {{"BALL", Role::kPredicted}});
   world.advance(sim(3s));
@@ -660,6 +674,84 @@ TEST(LastingContact, FollowsWhatBearsItAsFarAsItFalls) {
   world.set_base(w["TABLE"], sim(1500ms), moving({0, -1, 0}, {0, -2, 0}, {0, -20, 0}));
   world.advance(sim(2s));
   EXPECT_NEAR(world.at(w["BOX"], sim(2s)).position.y(), -2.0 * 0.5 - 0.5 * 9.81 * 0.25, 1e-5);
+}
+
+// A driven pusher is told each 0.1 s where it is, and jumps by as much as it has sped up since. Two boxes stand in its
+// way, the first one a millimetre before it; then there is a wall.
+TEST(LastingContact, WhatADrivenObjectJumpsIntoIsPushedAlong) {
+  auto&& [w, world] = Started(box("PUSHER", "1 1 1", "0 0 0") + box("A", "1 1 1", "1.001 0 0", kDead) +
+                                  box("B", "1 1 1", "2.001 0 0", kDead) + box("WALL", "1 9 9", "3.5 0 0") +
+                                  interest("A", "\"PUSHER\" \"B\" \"WALL\"") + interest("B", "\"A\" \"WALL\""),
+                              {{"PUSHER", Role::kDriven, moving({0, 0, 0})},
+                               {"A", Role::kAuthoritative, moving({1.001, 0, 0})},
+                               {"B", Role::kAuthoritative, moving({2.001, 0, 0})}});
+  const auto x = [&](const char* name, SimTime t) { return world.at(w[name], t).position.x(); };
+  world.advance(sim(1s));
+  world.set_base(w["PUSHER"], sim(1s), moving({0.005, 0, 0}, {0.1, 0, 0}, {1, 0, 0}));
+  world.advance(sim(1s));
+  EXPECT_NEAR(x("A", sim(1s)), 1.005, 1e-9);
+  EXPECT_NEAR(x("B", sim(1s)), 2.005, 1e-9) << "what is pushed pushes others";
+  world.advance(sim(1100ms));
+  world.set_base(w["PUSHER"], sim(1100ms), moving({0.02, 0, 0}, {0.2, 0, 0}, {1, 0, 0}));
+  world.advance(sim(1200ms));
+  for (SimTime t = sim(1100ms); t <= sim(1200ms); t += 10ms) {
+    EXPECT_GE(x("A", t) - x("PUSHER", t), 1.0 - 1e-9) << to_seconds(t.time_since_epoch());
+    EXPECT_GE(x("B", t) - x("A", t), 1.0 - 1e-9) << to_seconds(t.time_since_epoch());
+  }
+  world.set_base(w["PUSHER"], sim(1200ms), moving({0.6, 0, 0}, {0.3, 0, 0}, {50, 0, 0}));
+  world.advance(sim(1200ms));
+  EXPECT_LE(x("B", sim(1200ms)), 2.5 + 1e-9) << "nothing is pushed into a wall";
+}
+
+// A pusher that stands where it has jumped to leaves nothing to settle later.
+TEST(LastingContact, WhatIsPushedByAJumpThatEndsAtRestStands) {
+  auto&& [w, world] =
+      Started(box("PUSHER", "1 1 1", "0 0 0") + box("A", "1 1 1", "1.001 0 0", kDead) + interest("A", "\"PUSHER\""),
+              {{"PUSHER", Role::kDriven, moving({-0.25, 0, 0}, {0.1, 0, 0})},
+               {"A", Role::kAuthoritative, moving({1.001, 0, 0})}});
+  world.advance(sim(2s));
+  world.set_base(w["PUSHER"], sim(2s), moving({0.005, 0, 0}));
+  world.advance(sim(3s));
+  EXPECT_NEAR(world.at(w["A"], sim(3s)).position.x(), 1.005, 1e-9);
+  EXPECT_TRUE(is_motionless(world.at(w["A"], sim(3s))));
+}
+
+// A body of 8 kg pushes one of 1 kg, which runs into another of 1 kg: all three go on together, although the two that
+// met have more energy than they had. Whoever decides tells of the pair of pusher and pushed, too.
+TEST(LastingContact, ABlowThatReachesAPusherKeepsTheMomentumOfAll) {
+  const std::string heavy = " collisionResponse CollisionResponse { responseType 2 mass 8 restitution 0 } ";
+  for (const ContactAuthority whose : {ContactAuthority::kAsPublished, ContactAuthority::kLocal}) {
+    auto&& [w, world] = Started(box("HEAVY", "1 1 1", "0 0 0", heavy) + box("A", "1 1 1", "1.5 0 0", kDead) +
+                                    box("B", "1 1 1", "3 0 0", kDead) + interest("HEAVY", "\"A\"") +
+                                    interest("A", "\"HEAVY\" \"B\"") + interest("B", "\"A\""),
+                                {{"HEAVY", Role::kAuthoritative, moving({0, 0, 0}, {2, 0, 0})},
+                                 {"A", Role::kAuthoritative, moving({1.5, 0, 0})},
+                                 {"B", Role::kAuthoritative, moving({3, 0, 0})}});
+    world.set_authority({[whose](ObjectId, ObjectId, SimTime) { return whose; }, {}});
+    world.advance(sim(1s));
+    for (const char* each : {"HEAVY", "A", "B"}) {
+      EXPECT_NEAR(world.at(w[each], sim(1s)).velocity.x(), 1.6, 1e-12) << each;
+    }
+    const auto contacts = contacts_of(world);
+    const auto is_late = [](const ContactEvent& c) { return c.at > sim(300ms); };
+    EXPECT_EQ(std::ranges::count_if(contacts, is_late), whose == ContactAuthority::kLocal ? 2 : 1);
+  }
+}
+
+// A predicted outcome leaves in each other what it finds so: where the two were free last depends on when one searched.
+TEST(LastingContact, AnImpulseSetsBackForItsOwnerAndForWhoDecides) {
+  const auto place = [](Role role, ContactAuthority authority) {
+    auto&& [w, world] = Started(box("A", "1 1 1", "0 0 0", kDead) + box("B", "1 1 1", "3 0 0") + interest("A", "\"B\""),
+                                {{"A", role, moving({0, 0, 0})}});
+    world.set_authority({[authority](ObjectId, ObjectId, SimTime) { return authority; }, {}});
+    world.advance(sim(1s));
+    world.set_base(w["A"], sim(1100ms), moving({2.2, 0, 0}, {1, 0, 0}));  // its owner puts it into the other
+    world.advance(sim(1200ms));
+    return world.at(w["A"], sim(1200ms)).position.x();
+  };
+  EXPECT_EQ(place(Role::kAuthoritative, ContactAuthority::kAsPublished), 0.0);
+  EXPECT_EQ(place(Role::kPredicted, ContactAuthority::kLocal), 0.0);
+  EXPECT_EQ(place(Role::kPredicted, ContactAuthority::kAsPublished), 2.2);
 }
 
 // A world that gets an update of what lies on a table knows by it what bears the object, and what drives it.
