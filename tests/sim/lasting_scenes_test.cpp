@@ -66,9 +66,6 @@ TEST(LastingScene, WhatLiesInACornerStaysOnTheFloor) { expect_no_faults(254, tru
 // it.
 TEST(LastingScene, ALiftGoesAsItsOwnerSays) { expect_no_faults(638, true); }
 
-// What struck two boxes that a tray pushed was told for the first one alone.
-TEST(LastingScene, ABlowIsToldForAllThatItReaches) { expect_no_faults(3, true); }
-
 TEST(LastingScene, HoldsForAsManySeedsAsAreAskedFor) {
   const char* const first = std::getenv("PEERD_SCENES_FROM");
   const char* const count = std::getenv("PEERD_SCENES");

@@ -50,7 +50,8 @@ bool has_outcome(const DecisionRecord& d, const ContactEvent& c) {
          d.collidee_after == (same_way ? c.collidee_after : c.collider_after);
 }
 
-// The same contact at the next time that a decision can have. What slides goes on sliding (law_of_outcome).
+// Returns the same contact at the next time that a decision can have, 1 ns later, with the states of then. An object
+// that slides goes on sliding (law_of_outcome).
 ContactEvent a_nanosecond_later(const WorldModel& model, ContactEvent c) {
   c.at += Duration{1};
   for (const auto& [object, before, after] : {std::tuple{c.collider, &c.collider_before, &c.collider_after},
@@ -58,7 +59,7 @@ ContactEvent a_nanosecond_later(const WorldModel& model, ContactEvent c) {
     const CollisionResponse* const response = model.response_of(object);
     for (KinematicState* const s : {before, after}) {
       const MotionModel law = law_of_outcome(response, *s);
-      *s = advance(*s, 1e-9);
+      *s = advance(*s, to_seconds(Duration{1}));
       if (law.kind == MotionKind::kSliding) *s = law_after(response, law, *s).state;
     }
   }
@@ -483,7 +484,8 @@ void ContactDecisions::apply(const std::vector<DecisionLog::Change>& changes, Si
   replica_.catch_up_truth();  // walls that an own object met after the contact
 }
 
-// What answers no contact goes as its owner says: another peer knows it only as of a latency ago.
+// An object that answers no contact follows the decisions of its owner alone: the other peers know its motion only as
+// it was a latency ago.
 bool ContactDecisions::binds(const DecisionRecord& d, PeerId author, ObjectId object) const {
   if (object != d.collider && object != d.collidee) return false;
   if (changes_motion_of(object, d)) return true;

@@ -18,8 +18,9 @@ MotionModel motion_after_response(const WorldModel& model, const MovingObjects& 
   const MovingObject& met = objects[pair.collider == object ? pair.collidee : pair.collider];
   KinematicState after = respond({*response, model.response_of(met.id), other_side, self.state, other, n});
   // At a contact time the object still stands where it did not collide; only an overlap leaves something to set back.
-  // Where it was last known to be free depends on when this peer searched. So what an impulse moves is set back by its
-  // owner, and by whoever decides for all; a mere prediction leaves it, or peers would predict different places.
+  // The place where the object was last known to be free depends on when this peer searched. So an impulse sets an
+  // object back at its owner, and at the peer that decides for all. A prediction leaves it where it is, because peers
+  // would predict different places.
   const bool sets_back = response->set_back && (response->type != ResponseType::kImpulse || is_decided_here ||
                                                 o.role == Role::kAuthoritative);
   if (pair.overlapped && sets_back && pair.free_at) {
@@ -65,7 +66,7 @@ ContactAnswer answer_to(const WorldModel& model, const MovingObjects& objects, c
     const bool takes_part = registered && (responds || is_in_later_update(o, pair));
     return takes_part ? OtherSide::kAnswers : OtherSide::kAnswersApart;
   };
-  // What an own object does to an object of the scene that nobody owns is decided here, too, once it is answered.
+  // This peer also decides what its own object does to a scene object that nobody owns.
   const bool is_decided_here =
       authority == ContactAuthority::kLocal || (authority == ContactAuthority::kAsPublished &&
                                                 (a.role == Role::kAuthoritative || b.role == Role::kAuthoritative));

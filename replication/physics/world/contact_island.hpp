@@ -109,14 +109,15 @@ class DrivenJump {
              const Driver& driver)
       : model_(model), objects_(objects), pairs_(pairs), far_(far), driver_(driver) {}
 
+  // Whether the object keeps a law that was set for that very instant (Driver::spares_given).
   [[nodiscard]] bool is_given(std::uint32_t object) const;
   // Notes what the object meets on a straight way [m] from a place, while all else stands. One of the two gives way.
   void find_run_into(std::uint32_t object, const Pose& from, const Vec3& way);
   [[nodiscard]] const std::vector<RunInto>& met() const { return met_; }
-  // The ways [m] of all around these objects, as the driver goes by `way`: solved again until nothing runs into
-  // anything that is not met() yet. `around` gets what is.
+  // Returns the ways [m] of all objects around these, as the driver goes by `way`. It solves them again until nothing
+  // runs into an object that is not in met(). The objects of met() are added to `around`.
   [[nodiscard]] ContactIsland places(std::vector<std::uint32_t>& around, const Vec3& way);
-  // By how much their velocities change [m/s], as the driver's does by `change`.
+  // Returns the changes of their velocities [m/s] as the driver's velocity changes by `change`.
   [[nodiscard]] ContactIsland speeds(std::span<const std::uint32_t> around, const Vec3& change) const {
     return solved(around, change, {});
   }

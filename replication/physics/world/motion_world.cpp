@@ -389,7 +389,7 @@ void MotionWorld::lay_base(std::size_t index, const Base& given) {
     return;
   }
   retract_all(index, t);
-  // A base that is laid again takes along what went by the law before it, as it did the first time.
+  // A base that is laid again starts from the law before it, as it did the first time, or it would take nothing along.
   if (replays_bases_ && !o.is_answering()) o.timeline.truncate_from(t);
   const MotionModel model = given.model ? *given.model : o.timeline.model_at(t);
   const KinematicState before = o.timeline.at(t);
@@ -423,7 +423,7 @@ void MotionWorld::lay_base(std::size_t index, const Base& given) {
   } else if (stays && presses_another(o.id, t)) {
     settling_.objects.push_back({static_cast<std::uint32_t>(index), static_cast<std::uint32_t>(index)});
   }
-  if (!settling_.objects.empty()) settle(t, true);  // what was pushed, too
+  if (!settling_.objects.empty()) settle(t, true);  // this object, and those that carry_along() has pushed
 }
 
 bool MotionWorld::presses_another(ObjectId object, SimTime t) const {
@@ -461,7 +461,7 @@ bool MotionWorld::carry_along(std::size_t index, SimTime t, const KinematicState
   for (std::size_t i = 0; i < speeds.objects.size(); ++i) {
     if (places.objects[i] == kNone || jump.is_given(places.objects[i])) continue;
     assert(places.objects[i] == speeds.objects[i]);
-    if (!bears && places.bodies[i].value.isZero(0.0)) continue;
+    if (!bears && places.bodies[i].value.isZero(0.0)) continue;  // the driver stops before it reaches this one
     MotionModel law = objects_.world_law(places.objects[i], t);
     law.state.position += places.bodies[i].value;
     law.state.velocity += speeds.bodies[i].value;
@@ -495,9 +495,10 @@ void MotionWorld::forget_bases(ObjectId object, SimTime t) {
 
 // A base of a decision lets the object rest against its partner, whose own base may be laid later, or have been
 // replaced since; a partner that answers no contact gets none. A base of an update lets it rest against all that it
-// touches and would run into with its free acceleration. The owner has published the acceleration that those supports
-// leave of the free one, by what it knew of them. Here that is solved anew, unless one of them has had no base yet, so
-// that its own free acceleration is not known.
+// touches and would run into with its free acceleration. The owner has published the acceleration that its supports
+// leave of the free one, by the laws of those supports that it knew. This peer solves it again by the laws that it
+// knows itself. It keeps the published one where a support has had no base yet, for then the free acceleration of the
+// support is not known.
 void MotionWorld::begin_rest(std::size_t index, const Base& base) {
   MovingObject& o = objects_[index];
   const SimTime t = base.at;
@@ -750,7 +751,7 @@ void MotionWorld::reopen_pairs(std::size_t object, SimTime t, bool elsewhere) {
       pair.contact.reset();
       pair.lifts = false;
     }
-    // By its later bases a driven object takes this one along, or pushes it, from where it is now.
+    // The later bases of a driven partner are laid again: they take this object along, or push it, from its new place.
     if (replays_bases_ && pair.is_answered() && !objects_[other].is_answering()) {
       retract_bases(objects_[other], t + Duration{1});
     }
@@ -798,8 +799,7 @@ bool MotionWorld::ends_touch(ObjectId a, ObjectId b, SimTime t) {
 
 namespace {
 
-// Keeps those pairs on which this peer is the one to say what a blow does. Returns false where another peer is to say
-// it of one of the others.
+// Keeps the pairs whose outcome this peer decides. Returns false where another peer decides one of the pairs left out.
 bool leave_to_others(std::vector<StruckPair>& struck, const MovingObjects& objects, const WatchedPairs& pairs,
                      const MotionWorld::AuthorityOf& authority_of, SimTime t) {
   bool all_are_told = true;
@@ -868,7 +868,7 @@ void MotionWorld::respond_to_contact(WatchedPair& pair) {
     if (answer.a_responds) change_motion(a, t, answer.after_a, objects_[b].id);
     if (answer.b_responds) change_motion(b, t, answer.after_b, objects_[a].id);
   }
-  // Of a shared blow the two may have got more than they had, from others that it reached.
+  // A shared blow may give the two more energy than they had, from the others that it reached: that is no gain.
   const bool is_decided = answer.authority != ContactAuthority::kAsPublished;
   if (!is_shared && (is_decided || !pair.bears_at(t))) remove_gain(pair, t, answer);
   settle(t);

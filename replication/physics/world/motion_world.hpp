@@ -129,11 +129,11 @@ class MotionWorld {
 
   // Sets the object's motion from t on, in the frame of its carrier, after an update, a sample or a decision. t may lie
   // in the past: the predictions that followed from the replaced motion are retracted, and the next advance() finds
-  // them anew. What was set for this object from t on is void. With `rest` it rests from t on against its partner, if
-  // the pair is watched, once the partner has such a base of t, too, or at once if it answers no contact. With `free`
-  // others bear or push the object at t, which has that acceleration where nothing does [m/s^2, world frame]: it rests
-  // from then on against what it touches and would run into. Without `model` the object goes on as it moves at t, and
-  // only `free` is new, if something bears it then.
+  // them anew. What was set for this object from t on is void. With `rest` it rests from t on against its partner,
+  // where the pair is watched: at once where the partner answers no contact, else from its own base of t on. With
+  // `free` others bear or push the object at t, which has that acceleration where nothing does [m/s^2, world frame]: it
+  // rests from then on against what it touches and would run into. Without `model` the object goes on as it moves at t,
+  // and only `free` is new, if something bears it then.
   void set_base(ObjectId object, SimTime t, const std::optional<MotionModel>& model,
                 const std::optional<Rest>& rest = {}, const std::optional<Vec3>& free = {});
 

@@ -432,20 +432,6 @@ TEST(MotionWorld, AnAuthoritativeObjectIsNotSearchedInItsPast) {
   EXPECT_NEAR(world.at(w["BALL"], sim(4s)).position.x(), 2.0, 1e-12);
 }
 
-// CUBE stands here, and BALL is told late to have run at it: at 2 s it is half inside. They met at 1.5 s.
-TEST(MotionWorld, WhatAnAuthoritativeObjectIsFoundInsideOfItMetBefore) {
-  auto&& [w, world] = Started(two_movers(), {{"BALL", Role::kPredicted, moving({-9, 0, 0})},
-                                             {"CUBE", Role::kAuthoritative, moving({0, 0, 0})}});
-  world.advance(sim(2s));
-  (void)events_of(world);
-  world.set_base(w["BALL"], sim(1s), moving({-1, 0, 0}, {1, 0, 0}));
-  world.advance(sim(2s));
-  const auto seen = only(contacts_of(world));
-  EXPECT_EQ(seen.at, sim(1500ms));
-  EXPECT_NEAR(seen.collider_before.position.x(), -0.5, 1e-9);
-  EXPECT_NEAR(world.at(w["BALL"], sim(2s)).position.x(), -1.0, 1e-9) << "half a metre back";
-}
-
 TEST(MotionWorld, ALateUpdateIsSearchedFromItsOwnTime) {
   auto&& [w, world] = Started(corridor(), {{"BALL", Role::kPredicted}});
   world.advance(sim(3s));
