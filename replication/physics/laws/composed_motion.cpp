@@ -179,8 +179,9 @@ ComposedPiece composed_piece(Chain chain, SimTime t, double extent_m, double err
   const Pose first = piece.state.pose(), last = state_of(levels, *piece.end).pose();
   const double m = to_seconds(half - piece.begin);
   const Vec3 to_middle = state_of(levels, half).position - first.position, to_end = last.position - first.position;
-  // The parabola through the three places, of which the second is within a nanosecond of the middle.
-  piece.state.acceleration = 2.0 * (to_end / h - to_middle / m) / (h - m);
+  // The parabola through the three places, of which the second is within a nanosecond of the middle. A piece of one
+  // nanosecond has no time in its middle, and is a straight line.
+  piece.state.acceleration = m > 0.0 ? Vec3(2.0 * (to_end / h - to_middle / m) / (h - m)) : Vec3::Zero();
   piece.state.velocity = to_end / h - (0.5 * h) * piece.state.acceleration;
   piece.state.angular_velocity_body = spin_between(first.orientation, last.orientation, h);
   piece.error_m = error_of_piece_m(bounds, extent_m, h) + kPositionRounding * (bounds.distance_m + extent_m);

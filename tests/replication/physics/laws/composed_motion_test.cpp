@@ -151,6 +151,18 @@ TEST(ComposedPiece, IsExactWhereNoCarrierTurns) {
   EXPECT_EQ(piece.state.acceleration, Vec3(0, -9.81, 0));
 }
 
+TEST(ComposedPiece, MayBeOneNanosecondLong) {
+  Rng rng{std::mt19937_64(3)};
+  const SimTime boundary = sim(Duration{std::int64_t{1} << 27});  // where a piece ends, however long
+  Carried chain;
+  for (int depth = 0; depth < 2; ++depth) chain.add(Timeline(boundary - Duration{1}, any_law(rng, 1)));
+  const ComposedPiece piece = composed_piece(chain(), boundary - Duration{1}, 1.0, 1e-3);
+  ASSERT_EQ(piece.end, boundary);
+  EXPECT_EQ(piece.begin, boundary - Duration{1});
+  const Vec3 end = advance(piece.state, 1e-9).position;
+  EXPECT_LT((end - composed_at(chain(), boundary).position).norm(), 1e-12);
+}
+
 TEST(ComposedPiece, StandsWhereNothingMoves) {
   Carried chain;
   Timeline bus(sim(0s), moving({1, 0, 0}));
