@@ -7,7 +7,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 packages=(
   g++ cmake ninja-build ccache git
   libeigen3-dev libboost-dev libprotobuf-dev protobuf-compiler libspdlog-dev nlohmann-json3-dev libcli11-dev
-  libtomlplusplus-dev libmuparser-dev libnats-dev libsqlite3-dev zlib1g-dev libzstd-dev libsodium-dev libhwy-dev libsystemd-dev libgtest-dev libgmock-dev libgmp-dev iproute2
+  libtomlplusplus-dev libmuparser-dev libnats-dev libsqlite3-dev zlib1g-dev libzstd-dev libsodium-dev libhwy-dev libtinygltf-dev libpugixml-dev libsystemd-dev libgtest-dev libgmock-dev libgmp-dev iproute2
 )
 # What scripts/package needs besides.
 packaging_packages=(debhelper dh-python dpkg-dev fakeroot lintian patchelf pkgconf pybind11-dev python3 python3-dev python3-numpy scdoc)

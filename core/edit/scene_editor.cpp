@@ -142,6 +142,7 @@ std::expected<SceneEditor::Added, std::string> SceneEditor::add(
   ReadOptions reading = options;
   reading.around = {find, first.object};
   reading.world_times = true;
+  reading.only_vrml = true;
   reading.limits = options.limits.of_added(text.size());
   const ReadResult result = read_world(text, reading);
   if (!result.scene) return std::unexpected(first_error(result));

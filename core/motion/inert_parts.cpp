@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -191,13 +192,19 @@ class NodeCheck {
       if (node.type->role != NodeRole::kCollisionInterest) continue;
       assert(interest != scene_.interests.end() && "a good world has an interest for each of these nodes");
       const vrml::Field* const list = node.find(node.find("interests") != nullptr ? "interests" : "collisionInterests");
-      for (const ObjectId collider : interest->colliders.ends) {
-        colliders_.insert(collider);
-        check_end(collider, node.find("objectPath")->at);
-      }
-      for (const ObjectId collidee : interest->collidees.ends) check_end(collidee, list->at);
+      colliders_.insert(interest->colliders.ends.begin(), interest->colliders.ends.end());
+      check_side(interest->colliders, node.find("objectPath")->at);
+      check_side(interest->collidees, list->at);
       ++interest;
     }
+  }
+
+  // A pattern may find nodes without polygons among others. They are reported only where the pattern finds no node with
+  // polygons.
+  void check_side(const InterestSide& side, Position at) {
+    const std::span<const ObjectId> ends(side.ends), found = ends.subspan(side.named);
+    const bool finds_some = std::ranges::any_of(found, [&](ObjectId end) { return collides(end); });
+    for (const ObjectId end : finds_some ? ends.first(side.named) : ends) check_end(end, at);
   }
 
   // An end of several interests is reported where it is first named.

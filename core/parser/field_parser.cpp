@@ -18,7 +18,7 @@ void FieldParser::parse(OpenNode& open) {
         text_.tokens.take();
         return;
       case kWord:
-        if (open.type->role == NodeRole::kScript && find_access(text_.tokens.peek().text)) {
+        if (open.type->role == NodeRole::kScript && text_.access_of(text_.tokens.peek().text)) {
           scripts_.parse_declaration(open);
         } else if (!grammar_.parse_statement()) {
           parse_field(open);
@@ -46,7 +46,7 @@ void FieldParser::parse(OpenNode& open) {
 
 void FieldParser::parse_field(OpenNode& open) {
   const Token name = text_.tokens.take();
-  const FieldSpec* spec = find_field_of(open, name.text);
+  const FieldSpec* spec = find_field_of(text_, open, name.text);
   Access access = spec != nullptr ? spec->access : Access::kField;
   if (spec == nullptr) {
     // An exposedField x has the events set_x and x_changed (4.7).
@@ -54,7 +54,7 @@ void FieldParser::parse_field(OpenNode& open) {
     const std::string_view base = in                                ? name.text.substr(4)
                                   : name.text.ends_with("_changed") ? name.text.substr(0, name.text.size() - 8)
                                                                     : std::string_view{};
-    spec = find_field_of(open, base);
+    spec = find_field_of(text_, open, base);
     if (spec == nullptr || spec->access != Access::kExposedField) return parse_unknown_field(open, name);
     access = in ? Access::kEventIn : Access::kEventOut;
   }
@@ -62,8 +62,8 @@ void FieldParser::parse_field(OpenNode& open) {
   if (!has_value(access)) {
     open.damaged = true;
     text_.tokens.fault(text_.tokens.position_of(name),
-                       quoted(name.text) + " is an " + std::string(name_of(access)) + " of " +
-                           std::string(open.type->name) + ": a file cannot give it a value",
+                       quoted(name.text) + " is an " + text_.name_of(access) + " of " + std::string(open.type->name) +
+                           ": a file cannot give it a value",
                        "the value is left out");
     return open_nodes_.skip_value(text_);
   }
@@ -79,7 +79,8 @@ void FieldParser::parse_field(OpenNode& open) {
                              open_nodes_.fields.end());
   }
   const Position before = text_.tokens.position();
-  if (const std::optional<Field> value = text_.values.read(*spec)) {
+  if (std::optional<Field> value = text_.values.read(*spec)) {
+    text_.convert_angles(*open.type, *value);
     // The field is constructed part by part, as it was written just before: a copy of the whole would wait for the
     // parts.
     open_nodes_.fields.emplace_back(spec, value->data, value->count, value->at);
@@ -91,8 +92,37 @@ void FieldParser::parse_field(OpenNode& open) {
   }
 }
 
+void FieldParser::pass_over_value() {
+  while (text_.tokens.at_word("DEF") || text_.tokens.at_word("USE") || text_.tokens.kind_after() == kOpenBrace) {
+    const bool def = text_.tokens.take().text == "DEF";
+    if (def && text_.tokens.at(kWord)) text_.define_unreadable(text_.tokens.take().text);
+  }
+  if (text_.tokens.at(kOpenBrace) || text_.tokens.at(kOpenBracket)) return text_.skip_balanced();
+  open_nodes_.skip_value(text_);
+}
+
+void FieldParser::pass_over(const OpenNode& open, const ExtraField& field, const Token& name) {
+  const Position at = text_.tokens.position_of(name);
+  const std::string what = quoted(name.text) + " of " + std::string(open.type->name);
+  if (text_.tokens.at_word("IS")) {
+    text_.tokens.take();
+    if (text_.tokens.at(kWord)) text_.tokens.take();
+    return text_.tokens.warning(at, what + " is a field of X3D that is not kept; the IS is left out");
+  }
+  const bool default_value = text_.tokens.at_value(field.default_value);
+  if (field.field == "metadata") {
+    if (!default_value) text_.report_metadata(at);
+  } else if (!default_value) {
+    text_.tokens.warning(at, what + " is a field of X3D that is not kept; its value has no effect");
+  }
+  pass_over_value();
+}
+
 void FieldParser::parse_unknown_field(OpenNode& open, const Token& name) {
   const std::string type(open.type->name);
+  const ExtraField* const extra = text_.unkept_field_of(*open.type, name.text);
+  if (extra != nullptr && (!extra->is_event() || text_.tokens.at_word("IS"))) return pass_over(open, *extra, name);
+  if (text_.context.unkept_fields.contains({open.type, name.text})) return pass_over_value();
   if (text_.tokens.at(kOpenBrace) && types_.find(name).type != nullptr) {
     open.damaged = true;
     text_.tokens.fault(text_.tokens.position_of(name),
@@ -108,14 +138,9 @@ void FieldParser::parse_unknown_field(OpenNode& open, const Token& name) {
   for (const FieldSpec& field : open.own_fields) suggestion.consider(field.name);
   if (open.type->role == NodeRole::kDisplay && !suggestion.best()) {
     // A field that a browser has added, as many files have them, is passed over whole, not read.
-    text_.tokens.warning(text_.tokens.position_of(name),
-                         type + " has no field " + quoted(name.text) + " in VRML97; it is passed over");
-    while (text_.tokens.at_word("DEF") || text_.tokens.at_word("USE") || text_.tokens.kind_after() == kOpenBrace) {
-      const bool def = text_.tokens.take().text == "DEF";
-      if (def && text_.tokens.at(kWord)) text_.define_unreadable(text_.tokens.take().text);
-    }
-    if (text_.tokens.at(kOpenBrace)) return text_.skip_balanced();
-    return open_nodes_.skip_value(text_);
+    text_.tokens.warning(text_.tokens.position_of(name), type + " has no field " + quoted(name.text) + " in " +
+                                                             (text_.is_x3d ? "X3D" : "VRML97") + "; it is passed over");
+    return pass_over_value();
   }
   open.damaged = true;
   text_.tokens.fault(text_.tokens.position_of(name),

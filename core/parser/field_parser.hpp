@@ -20,6 +20,10 @@ class FieldParser {
  private:
   void parse_field(OpenNode& open);
   void parse_unknown_field(OpenNode& open, const Token& name);
+  // Passes over the field of X3D that stands behind its name, and warns where what it says is lost.
+  void pass_over(const OpenNode& open, const ExtraField& field, const Token& name);
+  // Passes over the value of a field without reading it.
+  void pass_over_value();
 
   TextState& text_;
   OpenNodes& open_nodes_;

@@ -40,9 +40,13 @@ ParseContext::File* open_file(TextState& text, std::string_view url, Position at
   if (is_new) {
     Source source{it->first, {}, std::make_shared<const std::string>(std::move(loaded->bytes))};
     source.text = *source.owned;
-    const auto opened = open_text(text.context, std::move(source));
-    if (opened) {
-      file = {.begin = opened->begin, .body = opened->body, .readable = true};
+    if (text.context.read_other) {
+      file.other = text.context.read_other(source, text.problems, text.context.options);
+    }
+    if (file.other) {
+      file.readable = true;
+    } else if (const auto opened = open_text(text.context, std::move(source))) {
+      file = {.text = *opened, .readable = true};
     } else {
       file.why = opened.error().why;
     }

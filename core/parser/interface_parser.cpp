@@ -50,7 +50,7 @@ void keep(Interface& interface, Prototype& prototype, Arena& arena) {
 // Passes over tokens to the next declaration of an interface, or to its end.
 void InterfaceParser::skip_to_declaration() {
   while (!text_.tokens.at(kEnd) && !text_.tokens.at(kCloseBracket) && !text_.tokens.at(kCloseBrace)) {
-    if (text_.tokens.at(kWord) && find_access(text_.tokens.peek().text)) return;
+    if (text_.tokens.at(kWord) && text_.access_of(text_.tokens.peek().text)) return;
     if (text_.tokens.at(kOpenBracket) || text_.tokens.at(kOpenBrace)) {
       text_.skip_balanced();
     } else {
@@ -80,11 +80,24 @@ std::optional<std::pair<FieldType, Token>> InterfaceParser::parse_type_and_name(
   return std::pair(*type, text_.tokens.take());
 }
 
+bool InterfaceParser::skip_unkept(Prototype& prototype, bool has_default) {
+  if (!text_.is_x3d || !text_.tokens.at(kWord) || !is_x3d_field_type(text_.tokens.peek().text)) return false;
+  const Token type = text_.tokens.take();
+  if (!text_.tokens.at(kWord)) return true;
+  const Token name = text_.tokens.take();
+  text_.tokens.warning(text_.tokens.position_of(name), quoted(name.text) + " is left out: its type " +
+                                                           std::string(type.text) + ", of X3D, is not kept");
+  text_.context.unkept_fields.emplace(&prototype.type, text_.arena.copy(name.text));
+  if (has_default) static_cast<void>(text_.values.skip());
+  return true;
+}
+
 // The nodes of a default value stand in the body of the prototype, and are in none of its names (4.4.3).
 std::optional<Field> InterfaceParser::parse_default(const FieldSpec& spec, Prototype& prototype) {
   Scope scope{.outer = text_.scope, .body = &prototype.body};
   Scope* const outer = std::exchange(text_.scope, &scope);
-  const std::optional<Field> value = text_.values.read(spec);
+  std::optional<Field> value = text_.values.read(spec);
+  if (value) text_.convert_angles(prototype.type, *value);
   routes_.close(scope);
   text_.scope = outer;
   return value;
@@ -97,6 +110,8 @@ bool InterfaceParser::parse(std::string_view name, bool with_values, Prototype& 
     return false;
   }
   const Token bracket = text_.tokens.take();
+  const std::string accesses =
+      text_.is_x3d ? "inputOnly, outputOnly, initializeOnly, inputOutput" : "eventIn, eventOut, field, exposedField";
   Interface interface;
   bool good = true;
   while (!text_.tokens.at(kCloseBracket)) {
@@ -105,17 +120,17 @@ bool InterfaceParser::parse(std::string_view name, bool with_values, Prototype& 
       text_.tokens.report_unclosed(text_.tokens.position_of(bracket), "interface", ']');
       break;
     }
-    const auto access = text_.tokens.at(kWord) ? find_access(text_.tokens.peek().text) : std::nullopt;
+    const auto access = text_.tokens.at(kWord) ? text_.access_of(text_.tokens.peek().text) : std::nullopt;
     if (!access) {
       good = false;
-      text_.tokens.fault(text_.tokens.position(),
-                         "expected eventIn, eventOut, field, exposedField or ']' in the interface of " + quoted(name) +
-                             ", found " + described(text_.tokens.peek()));
+      text_.tokens.fault(text_.tokens.position(), "expected " + accesses + " or ']' in the interface of " +
+                                                      quoted(name) + ", found " + described(text_.tokens.peek()));
       if (text_.tokens.at(kCloseBrace) || text_.tokens.at(kOpenBrace)) break;  // the ']' is missing
       skip_to_declaration();
       continue;
     }
     text_.tokens.take();
+    if (skip_unkept(prototype, with_values && has_value(*access))) continue;
     const auto type_and_name = parse_type_and_name();
     if (!type_and_name) {
       good = false;

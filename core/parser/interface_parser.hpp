@@ -21,6 +21,8 @@ class InterfaceParser {
   std::optional<std::pair<FieldType, Token>> parse_type_and_name();
   std::optional<Field> parse_default(const FieldSpec& spec, Prototype& prototype);
   void skip_to_declaration();
+  // Passes over a declaration of a type that only X3D has, and says so, if one stands here behind its access.
+  bool skip_unkept(Prototype& prototype, bool has_default);
 
   TextState& text_;
   RouteParser& routes_;

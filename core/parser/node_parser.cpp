@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/x3d/x3d_words.hpp"
+
 namespace peerd::vrml {
 
 using enum TokenKind;
@@ -80,6 +82,14 @@ NodeRef NodeParser::parse_use() {
 
 void NodeParser::report_unknown_type(const Token& name) {
   const Position at = text_.tokens.position_of(name);
+  if (text_.is_x3d && name.text.starts_with("Metadata") && is_unkept_x3d_node(name.text)) {
+    return text_.report_metadata(at);
+  }
+  if (text_.is_x3d && is_unkept_x3d_node(name.text)) {
+    return text_.tokens.warning(at, std::string(name.text) +
+                                        " is a node of X3D that is not read; the node is left out, with all " +
+                                        "that is in it");
+  }
   for (Scope* scope = text_.scope; scope != nullptr; scope = scope->outer) {
     if (scope->prototype != nullptr && scope->prototype->type.name == name.text) {
       return text_.tokens.fault(at, quoted(name.text) + " is used inside its own PROTO: it would contain itself",
@@ -153,7 +163,7 @@ NodeRef NodeParser::parse_node_body(const Token& def, const Token& type_name, Po
 
 NodeRef NodeParser::close_node(OpenNode& open, const Token& def, Position at) {
   if (!text_.context.room_for(1, 0, at)) return {NodeRef::kNull, at};
-  if (!open.own_fields.empty()) scripts_.finish(open);
+  if (!open.own_fields.empty() || !open.unkept_fields.empty()) scripts_.finish(open);
   Body& body = *text_.scope->body;
   const auto fields = text_.arena.copy(std::span<const Field>(open_nodes_.fields).subspan(open.first_field));
   Node node{.type = open.type,
@@ -163,8 +173,10 @@ NodeRef NodeParser::close_node(OpenNode& open, const Token& def, Position at) {
             .scope = text_.scope->id,
             .field_count = static_cast<std::uint32_t>(fields.size()),
             .damaged = open.damaged};
-  if (node.type->role == NodeRole::kInline && text_.in_world_body()) inlines_.fill(node);
+  const ParseContext::File* file = nullptr;
+  if (node.type->role == NodeRole::kInline && text_.in_world_body()) file = inlines_.fill(node);
   const auto index = static_cast<std::uint32_t>(body.nodes.size());
+  if (file != nullptr && text_.is_x3d) text_.context.inlined.emplace(index, file);
   for (const PendingLink& link : open.links) {
     const FieldSpec* inner = find_field(*open.type, link.inner->name);
     text_.scope->prototype->links.push_back({link.outer, index, inner, link.at});
@@ -185,6 +197,7 @@ NodeRef NodeParser::close_instance(OpenNode& open, const Prototype& prototype, c
       copied.references + 2 * copied.routes.size() + prototype.copied_references + cost_of_values(prototype, given);
   if (!text_.context.room_for(copied.nodes.size(), references, at)) return {NodeRef::kNull, at};
   if (text_.in_world_body()) inlines_.load_all_of(prototype, given);
+  const double unit = std::exchange(text_.units.length, 1.0);  // no node may come between those of the copy
   Body& body = *text_.scope->body;
   const std::size_t first = body.nodes.size();
   const Expansion copy = expand(prototype, given, body, text_.arena, text_.problems);
@@ -192,10 +205,15 @@ NodeRef NodeParser::close_instance(OpenNode& open, const Prototype& prototype, c
     for (std::size_t i = first; i < body.nodes.size(); ++i) {
       if (body.nodes[i].type->role != NodeRole::kInline) continue;
       Node node = body.nodes[i];  // a copy, since reading a file may move all nodes
-      inlines_.fill(node);
+      const bool filled = inlines_.fill(node) != nullptr;
       body.nodes[i] = node;
+      if (filled && unit != 1.0) {
+        text_.tokens.warning(
+            at, "the UNIT of length has no effect on the file of an Inline in a PROTO: it is not converted");
+      }
     }
   }
+  text_.units.length = unit;
   for (const PendingLink& link : open.links) {
     for (const IsLink& inner : links_of(prototype.links, *link.inner)) {
       if (!text_.context.room_for(0, 4, at)) break;  // sort_links() keeps it twice

@@ -26,12 +26,13 @@ struct OpenNode {
   std::vector<const FieldSpec*> linked{};
   // The fields that a Script declares itself. A list keeps them in place, and costs the other nodes nothing.
   std::list<FieldSpec> own_fields{};
+  std::vector<std::string_view> unkept_fields{};  // that a Script declares with types that only X3D has
   Definition* definition = nullptr;
   bool damaged = false;
 };
 
 // The field of that name which a text can give to the node: one of its type, or one that a Script has declared so far.
-[[nodiscard]] const FieldSpec* find_field_of(const OpenNode& open, std::string_view name);
+[[nodiscard]] const FieldSpec* find_field_of(const TextState& text, const OpenNode& open, std::string_view name);
 
 // The nodes of one text that are open, from the innermost outwards.
 struct OpenNodes {
@@ -41,7 +42,7 @@ struct OpenNodes {
 
   // Returns whether a word among values is the name of a field of the innermost node, or a keyword of an interface
   // outside of any node.
-  [[nodiscard]] bool is_field(std::string_view word) const;
+  [[nodiscard]] bool is_field(const TextState& text, std::string_view word) const;
   // Passes over a value. The nodes in it belong to no field of a Script.
   void skip_value(TextState& text);
 };

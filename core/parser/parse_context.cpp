@@ -5,6 +5,7 @@
 
 #include "core/vrml/gzip.hpp"
 #include "core/vrml/lexer.hpp"
+#include "core/x3d/xml_reader.hpp"
 
 namespace peerd::vrml {
 
@@ -41,7 +42,13 @@ std::expected<OpenText, UnopenedText> open_text(ParseContext& context, Source so
     return std::unexpected(UnopenedText{"its files together are larger than 4 GiB, more than this reader takes"});
   }
   if (!header->remark.empty()) context.problems.warning(*begin, std::string(header->remark));
-  return OpenText{*begin, header->end};
+  OpenText text{*begin, header->end, header->dialect};
+  context.has_x3d = context.has_x3d || text.dialect != Dialect::kVrml97;
+  if (text.dialect == Dialect::kX3dXml) {
+    text.classic = std::make_shared<const ClassicText>(classic_of_xml(*begin, context.problems, limits));
+    text.body = 0;
+  }
+  return text;
 }
 
 }  // namespace peerd::vrml

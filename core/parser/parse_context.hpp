@@ -3,7 +3,9 @@
 #include <expected>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,9 +14,12 @@
 #include <vector>
 
 #include "core/vrml/document.hpp"
+#include "core/vrml/lexer.hpp"
 #include "core/vrml/name_table.hpp"
+#include "core/vrml/other_reader.hpp"
 #include "core/vrml/parse_options.hpp"
 #include "core/vrml/prototype.hpp"
+#include "core/x3d/classic_text.hpp"
 
 namespace peerd::vrml {
 
@@ -74,6 +79,8 @@ struct Scope {
 struct OpenText {
   Position begin = 0;
   std::size_t body = 0;  // offset behind its header
+  Dialect dialect = Dialect::kVrml97;
+  std::shared_ptr<const ClassicText> classic{};  // is read in its place, where it is X3D in XML
 };
 
 // All texts of a world share one ParseContext.
@@ -84,15 +91,17 @@ struct ParseContext {
   // Reads a whole text into a body and returns the PROTOs of its top level. The parser of one text calls this for the
   // others that the text names; `nesting` is how many nodes, PROTOs and files are open around it.
   std::function<Declarations(const OpenText& text, std::uint32_t nesting, Body& body)> parse_text;
+  OtherReader read_other{};  // may be empty
   Body world{};
   std::deque<Prototype> prototypes{};
   struct File {
-    Position begin = 0;
-    std::size_t body = 0;  // offset behind its header
+    OpenText text{};
     bool readable = false;
+    std::shared_ptr<const Document> other{};        // its nodes, where it is of another format: it has no PROTOs
     std::string why{};                              // the reason if it is not readable
     std::optional<std::vector<NodeRef>> content{};  // roots in `world`, once read as an Inline
     std::optional<Declarations> library{};          // PROTOs, once read for an EXTERNPROTO
+    std::map<std::string_view, Definition, std::less<>> exports{};  // nodes of `content`, by the names of its EXPORTs
   };
   std::map<std::string, File, std::less<>> files{};  // indexed by LoadedFile::name
   std::vector<std::string_view> open_files{};
@@ -100,6 +109,10 @@ struct ParseContext {
   std::uint64_t node_eighths = 0;  // eighths of nodes in all bodies
   std::uint32_t resolving = 0;     // EXTERNPROTOs that lead to one another
   bool too_many_nodes = false;
+  bool has_x3d = false;                                      // one of the texts is X3D
+  std::unordered_map<std::uint32_t, const File*> inlined{};  // files of X3D, by the nodes of their Inlines in `world`
+  // Fields that PROTOs and Scripts declare with types that only X3D has: they are reported there, and are not kept.
+  std::set<std::pair<const NodeType*, std::string_view>> unkept_fields{};
 
   // References and ROUTEs are smaller than nodes, and can be more: eight of them count as a node.
   [[nodiscard]] bool room_for(std::uint64_t nodes, std::uint64_t references, Position at) {

@@ -7,6 +7,7 @@
 
 #include "core/parser/text_parser.hpp"
 #include "core/vrml/lexer.hpp"
+#include "core/x3d/polygon_sets.hpp"
 
 namespace peerd::vrml {
 namespace {
@@ -43,16 +44,21 @@ void drop_repeated(std::vector<Route>& routes) {
 
 }  // namespace
 
-std::shared_ptr<Document> parse(Source world, Problems& problems, const ParseOptions& options) {
+std::shared_ptr<Document> parse(Source world, Problems& problems, const ParseOptions& options, OtherReader read_other) {
   auto document = std::make_shared<Document>();
-  ParseContext context{.document = *document, .problems = problems, .options = options, .parse_text = {}};
+  ParseContext context{.document = *document,
+                       .problems = problems,
+                       .options = options,
+                       .parse_text = {},
+                       .read_other = std::move(read_other)};
   context.parse_text = [&context](const OpenText& text, std::uint32_t nesting, Body& body) {
-    return TextParser(context, text.begin, text.body, nesting).parse_text(body);
+    return TextParser(context, text, nesting).parse_text(body);
   };
   const std::string name = world.name;
   if (const auto text = open_text(context, std::move(world))) {
     context.open_files.push_back(name);
-    context.world.nodes.reserve(guess_nodes(problems.text_of(text->begin), options.limits));
+    const std::string_view read = text->classic ? text->classic->text : problems.text_of(text->begin);
+    context.world.nodes.reserve(guess_nodes(read, options.limits));
     static_cast<void>(context.parse_text(*text, 0, context.world));
     document->nodes = std::move(context.world.nodes);
     document->top_level = std::move(context.world.roots);
@@ -60,6 +66,7 @@ std::shared_ptr<Document> parse(Source world, Problems& problems, const ParseOpt
     document->inner_names = std::move(context.world.inner_names);
     drop_repeated(document->routes);
     const auto is_node = [](const NodeRef& ref) { return ref.is_node(); };
+    if (context.has_x3d) keep_polygon_sets(*document, problems, options.limits);
     if (problems.lenient() && problems.faults() > 0 && std::ranges::none_of(document->top_level, is_node) &&
         !begins_with_a_node(problems.text_of(text->begin).substr(text->body))) {
       problems.error(text->begin, "no node of this text can be understood");

@@ -28,7 +28,7 @@ void RouteParser::parse() {
 void RouteParser::skip_line_of(const Token& first) {
   std::uint32_t seen = first.offset;
   while (text_.tokens.at(kWord) || text_.tokens.at(kPeriod) || text_.tokens.at(kNumber)) {
-    const std::string_view text = text_.problems.text_of(text_.tokens.position());
+    const std::string_view text = text_.tokens.text();
     const std::string_view between = text.substr(seen, text_.tokens.peek().offset - seen);
     if (between.find_first_of("\r\n") != std::string_view::npos) return;
     seen = text_.tokens.take().offset;
@@ -73,7 +73,7 @@ RouteParser::Event RouteParser::find_event(const RouteEnd& end, bool sends) {
     return sends ? sends_events(field.access) : takes_events(field.access);
   };
   const FieldSpec* found = nullptr;
-  const FieldSpec* exact = find_field(type, end.event);
+  const FieldSpec* exact = text_.field_of(type, end.event);
   if (exact != nullptr && exact->access == Access::kContent) exact = nullptr;
   if (exact != nullptr && serves(*exact)) {
     found = exact;
@@ -82,18 +82,25 @@ RouteParser::Event RouteParser::find_event(const RouteEnd& end, bool sends) {
     std::string_view base;
     if (sends && end.event.ends_with("_changed")) base = end.event.substr(0, end.event.size() - 8);
     if (!sends && end.event.starts_with("set_")) base = end.event.substr(4);
-    const FieldSpec* field = base.empty() ? nullptr : find_field(type, base);
+    const FieldSpec* field = base.empty() ? nullptr : text_.field_of(type, base);
     if (field != nullptr && field->access == Access::kExposedField) found = field;
-    if (exact == nullptr && found == nullptr) {
+    const bool in_script = text_.is_x3d && type.role == NodeRole::kScript;  // whose inputOutput x is three fields
+    if ((exact == nullptr || in_script) && found == nullptr) {
       field = find_field(type, sends ? std::string(end.event) + "_changed" : "set_" + std::string(end.event));
       if (field != nullptr && serves(*field)) found = field;
     }
   }
+  if (found == nullptr &&
+      (text_.unkept_field_of(type, end.event) != nullptr || text_.context.unkept_fields.contains({&type, end.event}))) {
+    text_.tokens.warning(end.at, quoted(end.event) + " of " + std::string(type.name) +
+                                     " is a field of X3D that is not kept; the ROUTE is left out");
+    return {};
+  }
   if (found == nullptr) {
     std::string why;
     if (exact != nullptr) {
-      why = quoted(end.event) + " is an " + std::string(name_of(exact->access)) + " of " + std::string(type.name);
-      if (exact->access == Access::kField) why.replace(why.find(" is an "), 7, " is a ");
+      why = quoted(end.event) + " is an " + text_.name_of(exact->access) + " of " + std::string(type.name);
+      if (exact->access == Access::kField && !text_.is_x3d) why.replace(why.find(" is an "), 7, " is a ");
       why += sends ? ": it sends no events" : ": it takes no events";
     } else {
       Suggestion suggestion(end.event);
@@ -124,7 +131,9 @@ void RouteParser::add_routes(const Scope& scope, const RouteEnd& from, const Rou
     return;
   }
   for (const IsLink& out : source.links()) {
+    if (!sends_events(out.inner->access)) continue;
     for (const IsLink& in : target.links()) {
+      if (!takes_events(in.inner->access)) continue;
       if (!text_.context.room_for(0, 2, from.at)) return;
       scope.body->routes.push_back({source.base + out.node, target.base + in.node, out.inner, in.inner, from.at});
     }

@@ -1,5 +1,6 @@
 #include "core/parser/script_parser.hpp"
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,13 +13,28 @@ using enum TokenKind;
 
 void ScriptParser::parse_declaration(OpenNode& open) {
   const Token keyword = text_.tokens.take();
-  Access access = *find_access(keyword.text);
+  Access access = *text_.access_of(keyword.text);
   const auto type = text_.tokens.at(kWord) ? find_field_type(text_.tokens.peek().text) : std::nullopt;
+  if (!type && text_.is_x3d && text_.tokens.at(kWord) && is_x3d_field_type(text_.tokens.peek().text)) {
+    const Token other = text_.tokens.take();
+    if (!text_.tokens.at(kWord)) return;
+    const Token name = text_.tokens.take();
+    text_.tokens.warning(text_.tokens.position_of(name), quoted(name.text) + " is left out: its type " +
+                                                             std::string(other.text) + ", of X3D, is not kept");
+    open.unkept_fields.push_back(text_.arena.copy(name.text));
+    if (text_.tokens.at_word("IS")) {
+      text_.tokens.take();
+      if (text_.tokens.at(kWord)) text_.tokens.take();
+    } else if (has_value(access)) {
+      open_nodes_.skip_value(text_);
+    }
+    return;
+  }
   if (!type) {
     open.damaged = true;
     text_.tokens.fault(text_.tokens.position(), "expected a field type, found " + described(text_.tokens.peek()));
-    if (text_.tokens.at(kWord) && !find_access(text_.tokens.peek().text)) text_.tokens.take();
-    if (text_.tokens.at(kWord) && !find_access(text_.tokens.peek().text)) text_.tokens.take();
+    if (text_.tokens.at(kWord) && !text_.access_of(text_.tokens.peek().text)) text_.tokens.take();
+    if (text_.tokens.at(kWord) && !text_.access_of(text_.tokens.peek().text)) text_.tokens.take();
     return open_nodes_.skip_value(text_);
   }
   text_.tokens.take();
@@ -26,17 +42,19 @@ void ScriptParser::parse_declaration(OpenNode& open) {
     open.damaged = true;
     text_.tokens.fault(text_.tokens.position(),
                        "expected the name of a field, found " + described(text_.tokens.peek()));
-    if (text_.tokens.at(kWord) && !find_access(text_.tokens.peek().text)) text_.tokens.take();
+    if (text_.tokens.at(kWord) && !text_.access_of(text_.tokens.peek().text)) text_.tokens.take();
     return has_value(access) ? open_nodes_.skip_value(text_) : void();
   }
   const Token name = text_.tokens.take();
-  if (access == Access::kExposedField) {
+  const bool has_events = text_.is_x3d && access == Access::kExposedField;
+  if (access == Access::kExposedField && !has_events) {
     open.damaged = true;
     text_.tokens.fault(text_.tokens.position_of(keyword),
                        "a Script declares fields, eventIns and eventOuts, no exposedFields", "it is read as a field");
     access = Access::kField;
   }
-  if (find_field_of(open, name.text) != nullptr) {
+  if (has_events) access = Access::kField;
+  if (find_field_of(text_, open, name.text) != nullptr) {
     open.damaged = true;
     text_.tokens.fault(text_.tokens.position_of(name), "this Script has " + quoted(name.text) + " already",
                        "the first one counts");
@@ -52,11 +70,17 @@ void ScriptParser::parse_declaration(OpenNode& open) {
   }
   const FieldSpec& spec =
       open.own_fields.emplace_back(FieldSpec{text_.arena.copy(name.text), *type, access, {}, Range::kAny, kAnyClass});
-  if (text_.tokens.at_word("IS")) return links_.parse(open, spec, access, text_.tokens.position_of(name));
+  std::array<const FieldSpec*, 2> events{};
+  if (has_events) events = add_events(open, spec);
+  if (text_.tokens.at_word("IS")) {
+    return links_.parse(open, spec, has_events ? Access::kExposedField : access, text_.tokens.position_of(name),
+                        events);
+  }
   if (!has_value(access)) return;
   // Scripts in the nodes of this field have lists of their own.
   std::vector<Definition*> outer_uses = std::exchange(open_nodes_.script_uses, {});
-  if (const std::optional<Field> value = text_.values.read(spec)) {
+  if (std::optional<Field> value = text_.values.read(spec)) {
+    text_.convert_angles(*open.type, *value);
     open_nodes_.fields.push_back(*value);
     auto around = open_nodes_.script_uses.begin();
     for (const NodeRef& ref : value->as<NodeRef>().first(open_nodes_.script_uses.empty() ? 0 : value->count)) {
@@ -69,6 +93,17 @@ void ScriptParser::parse_declaration(OpenNode& open) {
   open_nodes_.script_uses = std::move(outer_uses);
 }
 
+// VRML97 has no exposedFields in Scripts: an inputOutput x of X3D becomes the field x with set_x and x_changed beside
+// it.
+std::array<const FieldSpec*, 2> ScriptParser::add_events(OpenNode& open, const FieldSpec& field) {
+  const auto add = [&](const std::string& name, Access access) {
+    return &open.own_fields.emplace_back(
+        FieldSpec{text_.arena.copy(std::string_view(name)), field.type, access, {}, Range::kAny, kAnyClass});
+  };
+  const FieldSpec* const in = add("set_" + std::string(field.name), Access::kEventIn);
+  return {in, add(std::string(field.name) + "_changed", Access::kEventOut)};
+}
+
 void ScriptParser::finish(OpenNode& open) {
   std::vector<FieldSpec> specs(open.type->fields.begin(), open.type->fields.end());
   specs.insert(specs.end(), open.own_fields.begin(), open.own_fields.end());
@@ -78,6 +113,7 @@ void ScriptParser::finish(OpenNode& open) {
     open_nodes_.fields[i].spec = find_field(type, open_nodes_.fields[i].spec->name);
   open.type = &type;
   if (open.definition != nullptr) open.definition->type = &type;
+  for (const std::string_view name : open.unkept_fields) text_.context.unkept_fields.emplace(&type, name);
 }
 
 }  // namespace peerd::vrml

@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+
 #include "core/parser/link_parser.hpp"
 #include "core/parser/open_nodes.hpp"
 #include "core/parser/text_state.hpp"
@@ -17,6 +19,8 @@ class ScriptParser {
   void finish(OpenNode& open);
 
  private:
+  std::array<const FieldSpec*, 2> add_events(OpenNode& open, const FieldSpec& field);
+
   TextState& text_;
   OpenNodes& open_nodes_;
   LinkParser& links_;

@@ -1,5 +1,7 @@
 #pragma once
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -7,19 +9,24 @@
 #include "core/parser/parse_context.hpp"
 #include "core/vrml/token_stream.hpp"
 #include "core/vrml/value_reader.hpp"
+#include "core/x3d/extra_fields.hpp"
+#include "core/x3d/head_statements.hpp"
 
 namespace peerd::vrml {
 
 // A TextState is one text while it is read, as all parts of its parser see it: the tokens to come, the reader of field
 // values, and the scope that names are defined in.
 struct TextState {
-  // `text_begin` is the position of the text among all texts of the world, `begin` the offset of its first token behind
-  // the header, `nesting` how many nodes, PROTOs and files are open around it.
-  TextState(ParseContext& parse_context, Position text_begin, std::size_t begin, std::uint32_t open_around)
-      : context(parse_context),
+  // `open_around` is how many nodes, PROTOs and files are open around the text.
+  TextState(ParseContext& parse_context, const OpenText& text, std::uint32_t open_around)
+      : begin(text.begin),
+        is_x3d(text.dialect != Dialect::kVrml97),
+        classic(text.classic),
+        context(parse_context),
         arena(parse_context.document.arena),
         problems(parse_context.problems),
-        tokens(problems.text_of(text_begin), text_begin, begin, problems),
+        tokens(classic ? classic->text : problems.text_of(begin), begin, text.body, problems,
+               classic ? &classic->map : nullptr),
         values(tokens, arena, problems),
         nesting(open_around) {}
   TextState(const TextState&) = delete;
@@ -50,6 +57,21 @@ struct TextState {
   // Reports the field at `at` as one more than kMaxFields.
   void report_too_many_fields(Position at);
 
+  // The following functions know whether the text is X3D.
+  [[nodiscard]] std::optional<Access> access_of(std::string_view word) const;
+  [[nodiscard]] std::string name_of(Access access) const;
+  // Returns the field of a type that a text names so.
+  [[nodiscard]] const FieldSpec* field_of(const NodeType& type, std::string_view name) const;
+  // Returns the field of X3D that is meant, by itself or by one of its events, where no document keeps it.
+  [[nodiscard]] const ExtraField* unkept_field_of(const NodeType& type, std::string_view name) const;
+  // Says once for the text that metadata is not kept.
+  void report_metadata(Position at);
+  // Leads the angles of a value from the text's unit to radians.
+  void convert_angles(const NodeType& type, Field& value);
+
+  const Position begin;  // of the text, among all texts of the world
+  const bool is_x3d;
+  const std::shared_ptr<const ClassicText> classic;
   ParseContext& context;
   Arena& arena;
   Problems& problems;
@@ -57,6 +79,8 @@ struct TextState {
   ValueReader values;
   Scope* scope = nullptr;
   std::uint32_t nesting = 0;  // open nodes and PROTOs, through files: each is a recursion
+  FileUnits units{};
+  bool metadata_reported = false;
 };
 
 // The rules of the VRML97 grammar (ISO/IEC 14772-1, annex A) that contain each other. A part of the parser that meets

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/parser/included_file.hpp"
+#include "core/x3d/x3d_words.hpp"
 
 namespace peerd::vrml {
 
@@ -17,7 +18,7 @@ TypeFinder::Type TypeFinder::find(const Token& name) {
     const Prototype* const prototype = declaration.prototype;
     return {prototype->not_found != nullptr ? prototype->not_found : &prototype->type, prototype};
   }
-  return {find_node_type(name.text), nullptr};
+  return {text_.is_x3d ? find_x3d_type(name.text) : find_node_type(name.text), nullptr};
 }
 
 // A world may declare our own nodes, by their names or by URN, so that browsers that don't know them find a PROTO.
@@ -90,6 +91,9 @@ void TypeFinder::resolve(Declaration& declaration, std::string_view name) {
   }
   declaration.resolving = false;
   --text_.context.resolving;
+  if (declaration.prototype != nullptr && text_.units.length != 1.0) {
+    text_.tokens.warning(declaration.at, "the lengths in the PROTO of another file are taken in the UNIT of this one");
+  }
   if (declaration.prototype != nullptr || declaration.native != nullptr) return;
   if (tried.empty()) tried = "it has no URL";
   if (!misfit) {
@@ -107,9 +111,14 @@ const Declaration* TypeFinder::find_in_library(std::string_view url, Position at
   const std::size_t hash = std::min(url.find('#'), url.size());
   ParseContext::File* const file = open_file(text_, url.substr(0, hash), at, why);
   if (file == nullptr) return nullptr;
+  if (file->other) {
+    text_.context.open_files.pop_back();
+    why = "it is of a format that has no PROTOs";
+    return nullptr;
+  }
   if (!file->library) {
     Body unused;
-    file->library = text_.context.parse_text({file->begin, file->body}, text_.nesting, unused);
+    file->library = text_.context.parse_text(file->text, text_.nesting, unused);
     text_.context.node_eighths -= 8 * unused.nodes.size();
   }
   text_.context.open_files.pop_back();

@@ -99,7 +99,9 @@ std::optional<Geometry> GeometryReader::read_face_set() {
 bool GeometryReader::check_corners(const FaceSetGeometry& faces, const Field& list) {
   const auto points = static_cast<std::int64_t>(faces.points.size());
   std::optional<ElementPositions> positions;
+  const bool is_vrml = problems_.kind_of(list.at) == TextKind::kVrml;  // other lists of numbers are not cut again
   const auto position = [&](std::size_t element) {
+    if (!is_vrml) return list.at;
     if (!positions) positions.emplace(problems_.text_of(list.at), problems_.begin_of(list.at), list.at);
     return positions->at(element);
   };
@@ -123,8 +125,10 @@ bool GeometryReader::check_corners(const FaceSetGeometry& faces, const Field& li
     polygon = i + 1;
   }
   if (few > 0) {
-    ElementPositions first(problems_.text_of(list.at), problems_.begin_of(list.at), list.at);
-    problems_.warning(first.at(first_few),
+    const auto first = [&] {
+      return ElementPositions(problems_.text_of(list.at), problems_.begin_of(list.at), list.at).at(first_few);
+    };
+    problems_.warning(is_vrml ? first() : list.at,
                       std::to_string(few) + (few == 1 ? " polygon has" : " polygons have") +
                           " fewer than 3 corners, this one first: kept and numbered, without area");
   }

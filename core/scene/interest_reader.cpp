@@ -66,9 +66,12 @@ void InterestReader::add_ends(InterestSide& side, const Node& node, std::string_
   if (list == nullptr) return;
   std::unordered_set<ObjectId> seen(side.ends.begin(), side.ends.end());
   const auto names = list->as<std::string_view>();
-  ElementPositions positions(problems_.text_of(list->at), problems_.begin_of(list->at), list->at);
+  std::optional<ElementPositions> positions;
+  if (problems_.kind_of(list->at) == TextKind::kVrml) {  // a side file is not cut again
+    positions.emplace(problems_.text_of(list->at), problems_.begin_of(list->at), list->at);
+  }
   for (std::size_t i = 0; i < names.size() && !problems_.full(); ++i) {
-    const Position at = positions.at(i);
+    const Position at = positions ? positions->at(i) : list->at;
     const auto end = add_end(side, names[i], node.scope, at);
     if (!end) continue;
     if (std::ranges::find(others.ends, *end) != others.ends.end()) {

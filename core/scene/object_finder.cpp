@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/suggestion.hpp"
+#include "core/vrml/path_text.hpp"
 
 namespace peerd::vrml {
 
@@ -35,12 +36,14 @@ void ObjectFinder::gather_inner_names() {
 }
 
 std::optional<ObjectId> ObjectFinder::find(std::string_view path, std::uint32_t scope) {
+  const std::optional<std::string> in_quotes = unquoted(path);
+  const std::string_view name = in_quotes ? std::string_view(*in_quotes) : path;
   if (scope != 0) {
     if (!std::exchange(gathered_, true)) gather_inner_names();
-    if (const auto it = inner_names_.find({scope, path}); it != inner_names_.end()) return scene_.id_of(it->second);
+    if (const auto it = inner_names_.find({scope, name}); it != inner_names_.end()) return scene_.id_of(it->second);
   }
-  if (const std::uint32_t* number = name_numbers_.find(path);
-      number != nullptr && first_of_name_[*number] != Instance::kNone) {
+  if (const std::uint32_t* number = name_numbers_.find(name);
+      number != nullptr && (in_quotes || !is_index(path)) && first_of_name_[*number] != Instance::kNone) {
     return scene_.id_of(first_of_name_[*number]);
   }
   if (const auto id = paths_.find(path)) return id;

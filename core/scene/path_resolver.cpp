@@ -4,6 +4,8 @@
 #include <charconv>
 #include <utility>
 
+#include "core/vrml/path_text.hpp"
+
 namespace peerd::vrml {
 namespace {
 
@@ -31,11 +33,13 @@ bool matches(std::string_view name, std::string_view pattern) {
 
 std::optional<PatternParts> parts_of_pattern(std::string_view path) {
   if (path == "all") return PatternParts{{}, "*"};
-  const std::size_t star = path.find('*');
+  const std::size_t star = find_star(path);
   if (star == std::string_view::npos) return std::nullopt;
-  const std::size_t slash = path.rfind('/', star);
-  if (slash == std::string_view::npos) return PatternParts{{}, path};
-  return PatternParts{path.substr(0, slash), path.substr(slash + 1)};
+  std::size_t begin = 0;  // of the name with the star
+  for (std::size_t end = component_end(path); end < star; end = begin + component_end(path.substr(begin)))
+    begin = end + 1;
+  if (begin == 0) return PatternParts{{}, path};
+  return PatternParts{path.substr(0, begin - 1), path.substr(begin)};
 }
 
 const PathResolver::Siblings& PathResolver::children_of(std::int32_t parent) {
@@ -53,11 +57,15 @@ const PathResolver::Siblings& PathResolver::children_of(std::int32_t parent) {
   return it->second;
 }
 
-// Finds the first sibling that has the component as its name or number: a name may be made of digits.
+// Finds the first sibling that has the component as its name or number.
 std::optional<std::uint32_t> PathResolver::child(std::int32_t parent, std::string_view component) {
   const Siblings& siblings = children_of(parent);
   std::optional<std::uint32_t> found;
-  if (const std::uint32_t* named = siblings.by_name.find(component)) found = *named;
+  if (const auto name = unquoted(component)) {
+    if (const std::uint32_t* named = siblings.by_name.find(*name)) return *named;
+  }
+  const std::uint32_t* const named = is_index(component) ? nullptr : siblings.by_name.find(component);
+  if (named != nullptr) found = *named;
   std::uint32_t index = 0;
   const auto [end, error] = std::from_chars(component.data(), component.data() + component.size(), index);
   if (error != std::errc{} || end != component.data() + component.size()) return found;
@@ -83,12 +91,13 @@ std::optional<ObjectId> PathResolver::by_name(std::string_view name) {
 }
 
 std::optional<ObjectId> PathResolver::find(std::string_view path) {
-  if (path.find('/') == std::string_view::npos) {
-    if (const auto id = by_name(path)) return id;
+  if (component_end(path) == path.size() && !is_index(path)) {
+    const auto name = unquoted(path);
+    if (const auto id = name ? by_name(*name) : by_name(path)) return id;
   }
   std::int32_t parent = -1;
   for (std::string_view rest = path;;) {
-    const std::size_t slash = std::min(rest.find('/'), rest.size());
+    const std::size_t slash = component_end(rest);
     const std::optional<std::uint32_t> found = child(parent, rest.substr(0, slash));
     if (!found) return by_name(path);  // a DEF name may itself hold a '/'
     if (slash == rest.size()) return scene_.id_of(*found);
@@ -100,7 +109,7 @@ std::optional<ObjectId> PathResolver::find(std::string_view path) {
 std::vector<ObjectId> PathResolver::find_all(const NamePattern& pattern) {
   std::vector<std::uint32_t> found;
   const auto add_below = [&](std::int32_t parent, std::string_view component) {
-    if (component.find('*') == std::string_view::npos) {
+    if (find_star(component) == std::string_view::npos) {
       if (const auto one = child(parent, component)) found.push_back(*one);
       return;
     }
@@ -111,7 +120,7 @@ std::vector<ObjectId> PathResolver::find_all(const NamePattern& pattern) {
   };
   bool is_first = true;
   for (std::string_view rest = pattern.path;; is_first = false) {
-    const std::size_t slash = std::min(rest.find('/'), rest.size());
+    const std::size_t slash = component_end(rest);
     const std::string_view component = rest.substr(0, slash);
     if (!is_first) {
       for (const std::uint32_t parent : std::exchange(found, {})) {

@@ -9,6 +9,7 @@
 
 #include "core/animation/file_times.hpp"
 #include "core/animation/network_reader.hpp"
+#include "core/formats/document_reader.hpp"
 #include "core/parser/parser.hpp"
 #include "core/scene/mended_geometry.hpp"
 #include "core/scene/scene_builder.hpp"
@@ -54,15 +55,18 @@ std::set<std::pair<std::string, std::size_t>> needed_inlines(const Scene& scene,
 
 ReadResult read_world(std::string_view text, const ReadOptions& options) {
   ReadResult result;
-  vrml::ParseOptions parsing{options.load, options.defer_inlines, {}, options.limits};
+  vrml::ParseOptions parsing{options.load, options.defer_inlines, {}, options.limits, options.conversion};
   vrml::Problems problems(options.lenient);
   Scene scene;
   // The Inlines that collide are known when all are numbered. They are read in a second pass, and their content may
   // need others. A pass reads at least one more Inline than the pass before it.
   while (true) {
-    const std::shared_ptr<vrml::Document> document = vrml::parse({options.name, text, nullptr}, problems, parsing);
+    const std::shared_ptr<vrml::Document> document =
+        options.only_vrml ? vrml::parse({options.name, text, nullptr}, problems, parsing)
+                          : formats::read_document({options.name, text, nullptr}, problems, parsing);
     if (options.lenient) vrml::mend_geometry(*document, problems);
     if (!options.world_times) vrml::count_from_1970(*document, problems);
+    if (options.amend) options.amend(*document, problems);
     scene = vrml::build_scene(document, options.tessellation, options.limits, problems, options.around);
     const std::size_t before = parsing.undeferred_inlines.size();
     parsing.undeferred_inlines.merge(needed_inlines(scene, problems));

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -8,6 +9,7 @@
 #include "core/scene/scene.hpp"
 #include "core/vrml/diagnostics.hpp"
 #include "core/vrml/file_loader.hpp"
+#include "core/vrml/parse_options.hpp"
 
 namespace peerd {
 
@@ -21,12 +23,18 @@ struct ReadOptions {
   Tessellation tessellation{};  // fineness of curved geometry
   ReadLimits limits{};
   vrml::Around around{};  // of a text that is added to a world
+  // Neither the text nor its Inlines may be of another format, as in a text that is added to a world which runs: what
+  // such a text may expand to is limited for VRML97 alone (ReadLimits::of_added).
+  bool only_vrml = false;
   // The times of TimeSensors count from the world's beginning, as in a text that is added to a world which runs. The
   // times in a file count from 1970 (core/animation/file_times.hpp).
   bool world_times = false;
   // Departures from the standard that browsers read on from are warnings (docs/reference/lenient.md). The scene is then
   // what was understood, and write_world() says it in strict VRML97.
   bool lenient = false;
+  Conversion conversion{};  // of the lengths and axes of a file that is no VRML97
+  // Changes the document of a world before the scene is made of it (core/settings).
+  std::function<void(vrml::Document&, vrml::Problems&)> amend;
 };
 
 struct ReadResult {
@@ -36,10 +44,11 @@ struct ReadResult {
   std::vector<Source> sources;          // the world's own text first; `text` of that is the caller's unless unpacked
 };
 
-// Reads a VRML97 world (ISO/IEC 14772-1) with the extensions of appendix C of the thesis; the text may be packed with
-// gzip. The result is a pure function of the text and of what `load` gives: no file is opened here. All problems that
-// one reading finds are reported. Time is linear in the texts and in what they expand to for worlds as people write
-// them, memory a small multiple of what is kept; what both can grow to is limited (ReadLimits).
+// Reads a world of any format (core/formats/world_kind.hpp). VRML97 (ISO/IEC 14772-1) has the extensions of appendix C
+// of the thesis, and its text may be packed with gzip. The result is a pure function of the text and of what `load`
+// gives: no file is opened here. All problems that one reading finds are reported. Time is linear in the texts and in
+// what they expand to for worlds as people write them, memory a small multiple of what is kept; what both can grow to
+// is limited (ReadLimits).
 [[nodiscard]] ReadResult read_world(std::string_view text, const ReadOptions& options = {});
 
 // Reads the content of an Inline that was left for later, with options like those of its world: a scene of its own, in

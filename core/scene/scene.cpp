@@ -4,6 +4,8 @@
 #include <cassert>
 #include <charconv>
 
+#include "core/vrml/path_text.hpp"
+
 namespace peerd {
 namespace {
 
@@ -34,7 +36,11 @@ Eigen::Affine3d to_eigen(const Affine& a) {
 }
 
 bool names(const Instance& instance, std::string_view component) {
-  if (!instance.def.empty() && instance.def == component) return true;
+  if (component.starts_with('"')) {
+    const auto name = unquoted(component);
+    if (name && !name->empty() && instance.def == *name) return true;
+  }
+  if (!instance.def.empty() && instance.def == component && !is_index(component)) return true;
   std::uint32_t index = 0;
   const auto [end, error] = std::from_chars(component.data(), component.data() + component.size(), index);
   return error == std::errc{} && end == component.data() + component.size() && index == instance.child_index;
@@ -78,20 +84,21 @@ const Geometry* Scene::geometry(ObjectId id) const {
 }
 
 std::optional<ObjectId> Scene::find(std::string_view path) const {
-  const auto by_name = [&]() -> std::optional<ObjectId> {
-    if (path.empty()) return std::nullopt;
-    auto it = std::ranges::find_if(instances, [&](const Instance& i) { return !i.inner_name && i.def == path; });
-    if (it == instances.end()) it = std::ranges::find(instances, path, &Instance::def);
+  const auto by_name = [&](std::string_view name) -> std::optional<ObjectId> {
+    if (name.empty()) return std::nullopt;
+    auto it = std::ranges::find_if(instances, [&](const Instance& i) { return !i.inner_name && i.def == name; });
+    if (it == instances.end()) it = std::ranges::find(instances, name, &Instance::def);
     if (it == instances.end()) return std::nullopt;
     return id_of(static_cast<std::uint32_t>(it - instances.begin()));
   };
-  if (path.find('/') == std::string_view::npos) {
-    if (const auto id = by_name()) return id;
+  if (component_end(path) == path.size() && !is_index(path)) {
+    const auto name = unquoted(path);
+    if (const auto id = name ? by_name(*name) : by_name(path)) return id;
   }
   std::uint32_t begin = 0;
   auto end = static_cast<std::uint32_t>(instances.size());
   for (std::string_view rest = path;;) {
-    const std::size_t slash = std::min(rest.find('/'), rest.size());
+    const std::size_t slash = component_end(rest);
     const std::string_view component = rest.substr(0, slash);
     std::uint32_t i = begin;
     while (i < end && !names(instances[i], component)) i = instances[i].subtree_end;
@@ -101,16 +108,17 @@ std::optional<ObjectId> Scene::find(std::string_view path) const {
     begin = i + 1;
     end = instances[i].subtree_end;
   }
-  return by_name();  // a DEF name may itself hold a '/'
+  return by_name(path);  // a DEF name may itself hold a '/'
 }
 
 std::string Scene::path_of(ObjectId id) const {
   std::string path;
   for (const std::uint32_t i : path_below(*this, -1, id)) {
     const Instance& instance = instances[i];
-    const bool by_index = instance.def.empty() || instance.name_shadowed || instance.def.find('/') != std::string::npos;
+    const bool has_slash = instance.def.find('/') != std::string::npos && !needs_quotes(instance.def);
+    const bool by_index = instance.def.empty() || instance.name_shadowed || has_slash;
     if (!path.empty()) path += '/';
-    path += by_index ? std::to_string(instance.child_index) : instance.def;
+    path += by_index ? std::to_string(instance.child_index) : in_path(instance.def);
   }
   return path;
 }

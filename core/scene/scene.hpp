@@ -169,7 +169,8 @@ struct Scene {
   [[nodiscard]] const Geometry* geometry(ObjectId id) const;  // null where there is none
 
   // Finds an instance by its path: DEF names, or child indices where there is none, joined by '/'; a lone DEF name
-  // finds the first instance of that name, those inside PROTOs and Inlines last. Linear in the instances.
+  // finds the first instance of that name, those inside PROTOs and Inlines last. Names may be quoted
+  // (core/vrml/path_text.hpp). Linear in the instances.
   [[nodiscard]] std::optional<ObjectId> find(std::string_view path) const;
   // Returns the path of an instance from the top level down, in the same notation; find() of it is that instance again.
   [[nodiscard]] std::string path_of(ObjectId id) const;

@@ -234,7 +234,8 @@ void Builder::share_transform(const Node& node, Shared& shared) {
       t.rotation = rotation_of(field);
     } else if (name == "scale") {
       t.scale = to_vec3(field);
-      if (!(t.scale.minCoeff() > 0.0)) {
+      // glTF allows what VRML97 does not.
+      if (!(t.scale.minCoeff() > 0.0) && problems_.kind_of(field.at) == TextKind::kVrml) {
         problems_.warning(field.at, "a scale of 0 or less is outside VRML97; it is applied as written");
       }
     } else if (name == "scaleOrientation") {

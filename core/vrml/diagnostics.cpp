@@ -20,6 +20,9 @@ std::string printable(std::string_view text) {
 }  // namespace
 
 std::string render(const Diagnostic& diagnostic, std::string_view file_name, std::string_view text) {
+  const std::string_view severity = diagnostic.severity == Severity::kError ? ": error: " : ": warning: ";
+  if (diagnostic.where.line == 0)
+    return std::string(file_name) + std::string(severity) + printable(diagnostic.message) + '\n';
   const std::size_t at = std::min(diagnostic.offset, text.size());
   std::size_t begin = at;
   while (begin > 0 && text[begin - 1] != '\n' && text[begin - 1] != '\r' && at - begin < kExcerptBytes / 2) --begin;
@@ -30,8 +33,8 @@ std::string render(const Diagnostic& diagnostic, std::string_view file_name, std
 
   std::string out(file_name);
   out += ':' + std::to_string(diagnostic.where.line) + ':' + std::to_string(diagnostic.where.column);
-  out += diagnostic.severity == Severity::kError ? ": error: " : ": warning: ";
-  out += diagnostic.message + '\n' + printable(text.substr(begin, end - begin)) + '\n';
+  out += severity;
+  out += printable(diagnostic.message) + '\n' + printable(text.substr(begin, end - begin)) + '\n';
   for (const char c : text.substr(begin, at - begin)) {
     if (!is_utf8_continuation(c)) out += c == '\t' ? '\t' : ' ';
   }
@@ -62,6 +65,9 @@ std::string_view Problems::name_of(Position at) const { return sources_[source_a
 std::pair<std::string, std::size_t> Problems::place_of(Position at) const {
   const std::size_t source = source_at(at);
   return {sources_[source].name, at - begins_[source]};
+}
+TextKind Problems::kind_of(Position at) const {
+  return sources_.empty() ? TextKind::kVrml : sources_[source_at(at)].kind;
 }
 Position Problems::begin_of(Position at) const { return sources_.empty() ? at : begins_[source_at(at)]; }
 
@@ -108,6 +114,10 @@ std::vector<SourceLocation> Problems::locate(const std::vector<Position>& sorted
   std::uint32_t line = 1;
   for (const Position position : sorted) {
     const std::size_t here = source_at(position);
+    if (sources_[here].kind == TextKind::kBinary) {
+      out.push_back({});
+      continue;
+    }
     if (here != source) {
       source = here;
       at = line_begin = line_end = 0;

@@ -14,8 +14,8 @@
 namespace peerd {
 
 struct SourceLocation {
-  std::uint32_t line = 0;    // from 1
-  std::uint32_t column = 0;  // from 1, in bytes
+  std::uint32_t line = 0;    // from 1; 0 in a file without lines
+  std::uint32_t column = 0;  // from 1, in bytes; 0 in a file without lines
 };
 
 enum class Severity : std::uint8_t { kWarning, kError };
@@ -32,13 +32,19 @@ struct Diagnostic {
 // FILE:LINE:COLUMN: error: MESSAGE
 // the source line (control bytes as '?', a long line cut around the place)
 //    ^
+// In a file without lines, the result is FILE: error: MESSAGE.
 [[nodiscard]] std::string render(const Diagnostic& diagnostic, std::string_view file_name, std::string_view text);
 
-// A Source is one of the texts that a world is made of: its own, or that of an Inline or an EXTERNPROTO.
+// The kinds of text, by how a place in one is shown: by line and column, or not at all in bytes that nobody reads.
+enum class TextKind : std::uint8_t { kVrml, kLines, kBinary };
+
+// A Source is one of the files that a world is made of: its own, that of an Inline or an EXTERNPROTO, or a buffer, an
+// image or a list of materials that a world of another format names.
 struct Source {
   std::string name;                          // for people; relative URLs start from it
   std::string_view text;                     // unpacked
   std::shared_ptr<const std::string> owned;  // keeps `text`; null where the caller of the reader keeps it
+  TextKind kind = TextKind::kVrml;
 };
 
 namespace vrml {
@@ -63,6 +69,7 @@ class Problems {
   [[nodiscard]] std::string_view text_of(Position at) const;
   [[nodiscard]] Position begin_of(Position at) const;
   [[nodiscard]] std::string_view name_of(Position at) const;  // for the text that holds `at`
+  [[nodiscard]] TextKind kind_of(Position at) const;          // of the text that holds `at`
   // Returns the name of the text and the offset in it: the same in every reading of the same files.
   [[nodiscard]] std::pair<std::string, std::size_t> place_of(Position at) const;
 

@@ -90,10 +90,11 @@ struct Document {
   std::vector<NodeRef> top_level;  // null where a node could not be read
   std::vector<Route> routes;       // in file order
   std::vector<InnerName> inner_names;
-  std::vector<std::string_view> unreadable_names;  // names of nodes of the world that errors made unreadable
-  Arena arena;                                     // all values and names
-  std::deque<NodeType> own_types;                  // types of Scripts, and of EXTERNPROTOs that were not found
-  LastingIds<NodeId> ids;                          // of the nodes
+  std::vector<std::string_view> unreadable_names;   // names of nodes of the world that errors made unreadable
+  Arena arena;                                      // all values and names
+  std::vector<std::shared_ptr<const void>> arrays;  // large values that were made elsewhere than in `arena`
+  std::deque<NodeType> own_types;                   // types of Scripts, and of EXTERNPROTOs that were not found
+  LastingIds<NodeId> ids;                           // of the nodes
 
   // The following members are those of an edited document (core/edit/document_editor.hpp).
   std::vector<std::shared_ptr<const Document>> sources;  // the texts that its nodes came with

@@ -152,6 +152,13 @@ Token Lexer::string() {
   return t;
 }
 
+Token Lexer::marked_name() {
+  const std::size_t end = std::min(text_.find(kNameMark, at_ + 1), text_.size());
+  Token name{TokenKind::kWord, static_cast<std::uint32_t>(at_), text_.substr(at_ + 1, end - at_ - 1)};
+  at_ = std::min(end + 1, text_.size());
+  return name;
+}
+
 template <bool kWholeNumbers>
 Token Lexer::cut() {
   skip_white_space();
@@ -185,6 +192,9 @@ Token Lexer::cut() {
       return token(TokenKind::kPeriod, 1);
     case '"':
       return string();
+    case kNameMark:
+      if (marked_names_) return marked_name();
+      break;
     default:
       break;
   }
@@ -214,6 +224,20 @@ bool begins_as_world(std::string_view text, std::size_t begin) {
 }
 
 std::unexpected<HeaderError> no_world(std::string why) { return std::unexpected(HeaderError{std::move(why)}); }
+
+// Returns whether the first line is "#X3D V3.0 utf8", with any number of a version 3 or 4.
+bool is_x3d_header(std::string_view line) {
+  const auto next_word = [&line] {
+    line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
+    const std::string_view word = line.substr(0, line.find_first_of(" \t"));
+    line.remove_prefix(word.size());
+    return word;
+  };
+  if (next_word() != "#X3D") return false;
+  const std::string_view version = next_word();
+  const bool known = version.size() > 3 && (version.starts_with("V3.") || version.starts_with("V4."));
+  return known && version.find_first_not_of("0123456789", 3) == std::string_view::npos && next_word() == "utf8";
+}
 
 }  // namespace
 
@@ -248,9 +272,12 @@ std::expected<Header, HeaderError> read_header(std::string_view text) {
   if (first.starts_with("#VRML V1.0")) {
     return no_world("this is VRML 1.0, another language; only VRML97 ('#VRML V2.0 utf8') is read");
   }
-  if (first.starts_with("#X3D") || text.starts_with("<?xml") || text.starts_with("<X3D")) {
-    return no_world("this is X3D; only VRML97 ('#VRML V2.0 utf8') is read");
+  if (is_x3d_header(first)) return Header{end, {}, Dialect::kX3dClassic};
+  if (first.starts_with("#X3D")) {
+    return no_world("this header is none of X3D, which has '#X3D V3.0 utf8' up to '#X3D V4.0 utf8' as its first line");
   }
+  const std::size_t solid = text.find_first_not_of(" \t\r\n", begin);
+  if (solid != std::string_view::npos && text[solid] == '<') return Header{begin, {}, Dialect::kX3dXml};
   return std::unexpected(
       HeaderError{"the first line must begin with '#VRML V2.0 utf8', exactly so", begin, begins_as_world(text, begin)});
 }

@@ -29,11 +29,17 @@ struct Token {
   std::string_view text;     // into the text that is read
 };
 
+// A text that this program has made of another one may write any name at all between two of these bytes, which no world
+// may contain: XML allows names that VRML97 does not.
+inline constexpr char kNameMark = '\x01';
+
 // A Lexer cuts VRML97 text into tokens (ISO/IEC 14772-1, 4.3 and annex A). Comments and commas are white space. It
 // holds no memory of its own: a copy is a bookmark.
 class Lexer {
  public:
-  explicit Lexer(std::string_view text, std::size_t begin = 0) : text_(text), at_(begin) {}
+  // With `marked_names`, a name may stand between two kNameMarks.
+  explicit Lexer(std::string_view text, std::size_t begin = 0, bool marked_names = false)
+      : text_(text), at_(begin), marked_names_(marked_names) {}
   [[nodiscard]] Token next();
   // Works like next(), but takes nothing of a number and gives no text: for callers of take_numbers() and then next().
   [[nodiscard]] Token next_begin();
@@ -59,15 +65,22 @@ class Lexer {
   void skip_white_space();
   Token token(TokenKind kind, std::size_t size);
   Token string();
+  Token marked_name();
 
   std::string_view text_;
   std::size_t at_;
+  bool marked_names_;
 };
 
-// Checks the first line, "#VRML V2.0 utf8", and gives the offset behind it; or says what the text is instead.
+// The languages of worlds. Those of X3D (ISO/IEC 19775, 19776) say the same in two ways.
+enum class Dialect : std::uint8_t { kVrml97, kX3dClassic, kX3dXml };
+
+// Checks the first line, "#VRML V2.0 utf8" or "#X3D V3.0 utf8", and gives the offset behind it; or says what the text
+// is instead. A text whose first token is a '<' is taken for X3D in XML, which has no such line.
 struct Header {
   std::size_t end = 0;
   std::string_view remark;  // harmless deviations from the standard; may be empty
+  Dialect dialect = Dialect::kVrml97;
 };
 struct HeaderError {
   std::string why;

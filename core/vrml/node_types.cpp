@@ -547,10 +547,10 @@ const FieldSpec* find_field(const NodeType& type, std::string_view name) {
 }
 
 std::string_view name_of(FieldType type) {
-  constexpr std::string_view kNames[] = {"SFBool",     "SFColor",    "SFFloat",  "SFImage", "SFInt32",
-                                         "SFNode",     "SFRotation", "SFString", "SFTime",  "SFVec2f",
-                                         "SFVec3f",    "MFColor",    "MFFloat",  "MFInt32", "MFNode",
-                                         "MFRotation", "MFString",   "MFTime",   "MFVec2f", "MFVec3f"};
+  constexpr std::string_view kNames[] = {"SFBool",     "SFColor",  "SFFloat",    "SFImage",    "SFInt32",  "SFNode",
+                                         "SFRotation", "SFString", "SFTime",     "SFVec2f",    "SFVec3f",  "MFColor",
+                                         "MFFloat",    "MFInt32",  "MFNode",     "MFRotation", "MFString", "MFTime",
+                                         "MFVec2f",    "MFVec3f",  "MFColorRGBA"};
   return kNames[static_cast<std::size_t>(type)];
 }
 
@@ -616,6 +616,7 @@ int float_count(FieldType type) {
       return 3;
     case kSFRotation:
     case kMFRotation:
+    case kMFColorRGBA:
       return 4;
     default:
       return 0;

@@ -28,6 +28,7 @@ enum class FieldType : std::uint8_t {
   kMFTime,
   kMFVec2f,
   kMFVec3f,
+  kMFColorRGBA,  // X3D's, in nodes that no document keeps
 };
 
 enum class Access : std::uint8_t {

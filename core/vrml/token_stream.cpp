@@ -55,6 +55,24 @@ std::size_t TokenStream::count_numbers() {
   return count.numbers;
 }
 
+bool TokenStream::at_value(std::string_view value) const {
+  Lexer here = lexer_, wanted(value);
+  here.go_to(token_.offset);
+  Token mine = here.next(), other = wanted.next();
+  const bool bracketed = mine.kind == kOpenBracket;
+  if (bracketed) mine = here.next();
+  if (!bracketed && other.kind == kEnd) return false;
+  while (other.kind != kEnd) {
+    const auto number = read_double(mine.text), expected_number = read_double(other.text);
+    const bool same =
+        mine.kind == kNumber && number && expected_number ? *number == *expected_number : mine.text == other.text;
+    if (mine.kind != other.kind || !same) return false;
+    mine = here.next();
+    other = wanted.next();
+  }
+  return bracketed ? mine.kind == kCloseBracket : mine.kind != kNumber && mine.kind != kString;
+}
+
 void TokenStream::report_unclosed(Position open, const std::string& what, char missing) {
   if (!std::exchange(unclosed_reported_, true)) {
     error(open,

@@ -7,6 +7,7 @@
 
 #include "core/vrml/diagnostics.hpp"
 #include "core/vrml/lexer.hpp"
+#include "core/vrml/position_map.hpp"
 
 namespace peerd::vrml {
 
@@ -14,10 +15,13 @@ namespace peerd::vrml {
 // on behind them; it ends early once there are too many errors.
 class TokenStream {
  public:
-  TokenStream(std::string_view text, Position text_begin, std::size_t begin, Problems& problems)
-      : problems_(problems), lexer_(text, begin), text_begin_(text_begin) {
+  // Where `text` was made of the text at `text_begin`, `map` says of which parts; it must outlive the stream.
+  TokenStream(std::string_view text, Position text_begin, std::size_t begin, Problems& problems,
+              const PositionMap* map = nullptr)
+      : problems_(problems), lexer_(text, begin, map != nullptr), text_(text), text_begin_(text_begin), map_(map) {
     advance();
   }
+  [[nodiscard]] std::string_view text() const { return text_; }
 
   [[nodiscard]] const Token& peek() {
     if (is_begin()) ::new (&token_) Token(lexer_.next());
@@ -28,7 +32,9 @@ class TokenStream {
     return at(TokenKind::kWord) && token_.text.front() == word.front() && token_.text == word;
   }
   [[nodiscard]] Position position() const { return position_of(token_); }
-  [[nodiscard]] Position position_of(const Token& token) const { return text_begin_ + token.offset; }
+  [[nodiscard]] Position position_of(const Token& token) const {
+    return text_begin_ + (map_ == nullptr ? token.offset : map_->original_of(token.offset));
+  }
   // Returns the kind of the token after the next one.
   [[nodiscard]] TokenKind kind_after() {
     static_cast<void>(peek());
@@ -63,6 +69,9 @@ class TokenStream {
   // of brackets that never close is not counted over and over.
   [[nodiscard]] std::size_t count_numbers();
 
+  // Returns whether the value that stands here is `value`, which is text, too. Brackets around it do not matter.
+  [[nodiscard]] bool at_value(std::string_view value) const;
+
   // Passes over everything from '{' or '[' to its partner, and returns the names that stand behind a DEF in there.
   std::vector<std::string_view> skip_balanced();
   // Reports once that the part named `what`, opened at `open`, never ends: all parts that are open around it do not end
@@ -84,7 +93,9 @@ class TokenStream {
   Problems& problems_;
   Lexer lexer_;
   Token token_;
+  std::string_view text_;
   Position text_begin_;
+  const PositionMap* map_;
   std::size_t counted_to_ = 0;
   bool unclosed_reported_ = false;
 };

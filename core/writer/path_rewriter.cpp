@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <set>
 
+#include "core/vrml/path_text.hpp"
+
 namespace peerd::vrml {
 namespace {
 
@@ -47,7 +49,7 @@ std::optional<std::uint32_t> PathRewriter::instance_of(std::string_view path, st
     }
     if (const auto it = inner_instances_.find({scope, path}); it != inner_instances_.end()) return it->second;
   }
-  if (const auto first = first_in_world_scope(path)) return first;
+  if (const auto first = first_in_world_scope(path); first && !is_index(path)) return first;
   const auto id = paths_.find(path);
   return id ? std::optional(scene_.index_of(*id)) : std::nullopt;
 }

@@ -4,6 +4,9 @@
 #include <cassert>
 #include <ranges>
 
+#include "core/vrml/lexer.hpp"
+#include "core/vrml/path_text.hpp"
+
 namespace peerd::vrml {
 namespace {
 
@@ -288,6 +291,21 @@ std::string_view WritePlan::unused_name(std::string_view base, std::uint32_t fir
   }
 }
 
+// Returns an unused name as like to that of a file of another format as VRML97 allows.
+std::string_view WritePlan::lawful_name(std::string_view name) {
+  std::string lawful(name);
+  std::ranges::replace_if(
+      lawful,
+      [](char c) {
+        return needs_quotes(std::string{'_', c});
+      },
+      '_');
+  if (needs_quotes(lawful) || is_keyword(lawful)) lawful.insert(lawful.begin(), '_');
+  made_names_.push_back(std::move(lawful));
+  const std::string_view made = made_names_.back();
+  return used_names_.insert(made).second ? made : unused_name(made, 2);
+}
+
 void WritePlan::rename(std::uint32_t node, const std::string& why) {
   const std::string_view old = document_.nodes[node].def;
   names_[node] = unused_name(old, 2);
@@ -316,6 +334,12 @@ void WritePlan::choose_names() {
     const Node& node = document_.nodes[index];
     if (node.def.empty()) {
       if (needed_[index] > 0) names_[index] = unused_name(type_name_of(node), 1);
+      continue;
+    }
+    if (needs_quotes(node.def) || is_keyword(node.def)) {
+      names_[index] = lawful_name(node.def);
+      notes_.push_back("a node " + quoted(node.def) + " is written as " + std::string(names_[index]) +
+                       ": VRML97 has no such name");
       continue;
     }
     if (node.scope != 0) {

@@ -81,6 +81,7 @@ class WritePlan {
   void plan_routes();
   void choose_names();
   [[nodiscard]] std::string_view unused_name(std::string_view base, std::uint32_t first);
+  [[nodiscard]] std::string_view lawful_name(std::string_view name);
   void rename(std::uint32_t node, const std::string& why);
   void name_external_types();
 

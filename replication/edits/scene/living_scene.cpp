@@ -90,6 +90,7 @@ ReadOptions LivingScene::reading() const {
   ReadOptions options;
   options.name = "operation";
   options.tessellation = file_->tessellation;
+  options.only_vrml = true;
   return options;
 }
 

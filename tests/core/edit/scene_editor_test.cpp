@@ -258,6 +258,14 @@ TEST(SceneEditor, AddsNoMoreThanALittleBeyondWhatATextSays) {
   EXPECT_TRUE(read_world(kHead + extrusion).scene) << "a world's file may";
 }
 
+TEST(SceneEditor, AddsNoTextOfAnotherFormat) {
+  const Scene world = read(kHead + kWall);
+  SceneEditor editor(world);
+  const auto added = editor.add("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", {}, {kFirstObject, kFirstNode}, {});
+  ASSERT_FALSE(added);
+  EXPECT_NE(added.error().find("VRML"), std::string::npos) << added.error();
+}
+
 TEST(SceneEditor, RemovesOneOfSeveralUses) {
   const Scene world =
       read(kHead + "DEF A Transform { children Shape { geometry Box { } } }\nDEF B Transform { children USE A }");

@@ -173,6 +173,14 @@ TEST(InertParts, EndsWithoutPolygonsAreNamedOnce) {
                           "4:55 interests in 'D' find nothing: no polygons in it collide"));
 }
 
+TEST(InertParts, WhatPatternsFindMayHaveNoPolygonsAsLongAsSomeHave) {
+  const std::string world = std::string("DEF A1 Group { } DEF B1 Transform { ") + kBall + " } DEF A2 Group { }\n";
+  EXPECT_THAT(warnings(world + "CollisionInterest { objectPath \"*\" interests \"*\" }"), IsEmpty());
+  EXPECT_THAT(warnings(world + "CollisionInterest { objectPath \"B1\" interests [ \"B*\" \"A1\" ] }"),
+              testing::Contains(testing::HasSubstr("interests in 'A1' find nothing")));
+  EXPECT_THAT(warnings(world + "CollisionInterest { objectPath \"B1\" interests \"A*\" }"), testing::SizeIs(2));
+}
+
 // Copies of a PROTO stand at one place.
 TEST(InertParts, APrototypeIsCountedOnce) {
   EXPECT_THAT(warnings("PROTO P [ ] { Shape { splitThreshold 3 } } P { } P { }\nShape { splitThreshold 3 }"),

@@ -198,7 +198,7 @@ TEST(InlineErrors, OfAFileThatIsNoVrml) {
 
 TEST(InlineErrors, OfAFileThatIsNoVrmlLeaveTheNextUrl) {  // 4.5.2
   const std::string body = "Inline { url [ \"a.wrl\" \"b.wrl\" ] }";
-  const Files files = {{"a.wrl", "#X3D V3.0 utf8\n"}, {"b.wrl", "Shape { }"}};
+  const Files files = {{"a.wrl", "#X3D V2.0 utf8\n"}, {"b.wrl", "Shape { }"}};
   EXPECT_THAT(problems_of(body, files), IsEmpty());
   EXPECT_THAT(paths_of(scene_of(body, files)), ElementsAre("0", "0/0"));
 }

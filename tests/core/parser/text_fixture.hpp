@@ -13,7 +13,7 @@ namespace peerd::vrml {
 class TextFixture {
  public:
   explicit TextFixture(std::string_view text)
-      : state(context, problems.open({"text.wrl", text, nullptr}).value(), 0, 0) {
+      : state(context, OpenText{problems.open({"text.wrl", text, nullptr}).value()}, 0) {
     state.scope = &scope;
   }
 

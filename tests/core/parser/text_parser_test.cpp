@@ -12,7 +12,7 @@ struct Parsed : TextFixture {
   explicit Parsed(std::string_view text) : TextFixture("") {
     const Position begin = problems.open({"world.wrl", text, nullptr}).value();
     context.open_files.push_back("world.wrl");
-    declarations = TextParser(context, begin, 0, 0).parse_text(context.world);
+    declarations = TextParser(context, {.begin = begin}, 0).parse_text(context.world);
   }
   Declarations declarations;
 };

@@ -159,9 +159,10 @@ TEST(ExternProtoErrors, StandInTheirOwnFile) {
 }
 
 TEST(ExternProtoErrors, OfAFileThatIsNoVrml) {
-  EXPECT_THAT(problems_of("EXTERNPROTO P [ ] \"bad.wrl\"\nP { }", {{"bad.wrl", "#X3D V3.0 utf8\n"}}),
-              ElementsAre("warning 2:13: EXTERNPROTO 'P' is not found, its instances stay empty: 'bad.wrl': this is "
-                          "X3D; only VRML97 ('#VRML V2.0 utf8') is read"));
+  EXPECT_THAT(
+      problems_of("EXTERNPROTO P [ ] \"bad.wrl\"\nP { }", {{"bad.wrl", "#X3D V2.0 utf8\n"}}),
+      ElementsAre("warning 2:13: EXTERNPROTO 'P' is not found, its instances stay empty: 'bad.wrl': this "
+                  "header is none of X3D, which has '#X3D V3.0 utf8' up to '#X3D V4.0 utf8' as its first line"));
 }
 
 // Names of a library are its own; what its nodes would add to the world stays out of it.

@@ -173,8 +173,8 @@ TEST(LenientReadingOfHeaders, TakesATextThatBeginsAsAWorldDoes) {
 }
 
 TEST(LenientReadingOfHeaders, RefusesOtherLanguagesAndTexts) {
-  for (const std::string_view text : {"#VRML V1.0 ascii\nSeparator { }", "#X3D V3.0 utf8\nGroup { }", "",
-                                      "Worlds that are read or shown wrongly", "{ }",
+  for (const std::string_view text : {"#VRML V1.0 ascii\nSeparator { }", "#X3D V2.0 utf8\nGroup { }", "<html></html>",
+                                      "", "Worlds that are read or shown wrongly", "{ }",
                                       "\x7f"
                                       "ELF"}) {
     const ReadResult result = read(text, true);

@@ -116,9 +116,10 @@ INSTANTIATE_TEST_SUITE_P(
     Table, Header,
     testing::Values(HeaderCase{"#VRML V2.0 utf8", nullptr}, HeaderCase{"#VRML V2.0 utf8 comment\r\nGroup{}", nullptr},
                     HeaderCase{"#VRML V2.0 utf8\t\n", nullptr},
-                    HeaderCase{"#VRML V1.0 ascii\nSeparator {}", "VRML 1.0"}, HeaderCase{"#X3D V3.0 utf8\n", "X3D"},
-                    HeaderCase{"<?xml version='1.0'?><X3D/>", "X3D"}, HeaderCase{"#VRML V2.0 utf8\rGroup{}", nullptr},
-                    HeaderCase{"#VRML V2.0 UTF8\n", "must begin with"},
+                    HeaderCase{"#VRML V1.0 ascii\nSeparator {}", "VRML 1.0"}, HeaderCase{"#X3D V3.0 utf8\n", nullptr},
+                    HeaderCase{"#X3D V4.0 utf8x\n", "none of X3D"}, HeaderCase{"#X3D V2.0 utf8\n", "none of X3D"},
+                    HeaderCase{"#X3D V3. utf8\n", "none of X3D"}, HeaderCase{"<?xml version='1.0'?><X3D/>", nullptr},
+                    HeaderCase{"#VRML V2.0 utf8\rGroup{}", nullptr}, HeaderCase{"#VRML V2.0 UTF8\n", "must begin with"},
                     HeaderCase{"#VRML V2.1 utf8\n", "must begin with"},
 
                     HeaderCase{" #VRML V2.0 utf8\n", "must begin with"}, HeaderCase{"#VRML V1.0 utf8\n", "VRML 1.0"},

@@ -170,6 +170,8 @@ std::string other_value(const FieldSpec& field) {
       return "[ 1 0 0 0.5, 0 1 0 2 ]";
     case kMFString:
       return "[ \"one\", \"two\" ]";
+    case kMFColorRGBA:
+      return "[ 0.25 0.5 0.75 1, 1 1 0 0.5 ]";
     case kMFTime:
       return "[ 1.5 2.5 ]";
     case kMFVec2f:
