@@ -1,5 +1,6 @@
 #include "peerd/input/world_file.hpp"
 #include "core/motion/inert_parts.hpp"
+#include "core/vrml/gzip.hpp"
 #include "core/writer/writer.hpp"
 #include "peerd/input/text_file.hpp"
 
@@ -93,6 +94,51 @@ FileLoader noting(FileLoader load, std::vector<WorldFile::Load>& loads) {
   };
 }
 
+// The URL by which an archive has a world's side file: no file names it so.
+constexpr std::string_view kSideUrl = "?peerd.toml";
+
+// Reads the side file of a world, and makes `options` those that it asks for. The errors are those of the side file.
+Result<void> read_settings(const std::filesystem::path& path, bool is_archived, const WorldReading& reading,
+                           ReadOptions& options, WorldFile& file) {
+  std::string text, name = new_side_file(path).string();
+  if (is_archived) {
+    if (auto found = options.load(kSideUrl, options.name)) {
+      if (found->bytes.size() > kMiB) {
+        return std::unexpected(InputError{path.string() + ": error: its side file is larger than 1 MiB", kFinding});
+      }
+      text = std::move(found->bytes);
+      name = std::move(found->name);
+    }
+  } else {
+    const auto side = find_side_file(path);
+    if (!side) return std::unexpected(side.error());
+    if (*side) {
+      auto read = read_text_file(**side, {kMiB, "a side file says what to do with a world"});
+      if (!read) return std::unexpected(read.error());
+      text = std::move(*read);
+      name = (*side)->string();
+    }
+  }
+  auto complete = with_options(text, name, reading);
+  if (!complete) return std::unexpected(complete.error());
+  if (complete->empty()) return {};
+  auto settings = read_side_file(*complete, name);
+  if (!settings) return std::unexpected(settings.error());
+  if (formats::is_text_of_nodes(file.kind) && (settings->has_unit || settings->has_up)) {
+    return std::unexpected(InputError{
+        name + ": error: a world in VRML97 or X3D says its unit, and has +Y up: unit and up say nothing of it",
+        kFinding});
+  }
+  file.has_unit = settings->has_unit;
+  file.has_up = settings->has_up;
+  options.conversion = settings->conversion;
+  Source source{name, {}, std::make_shared<const std::string>(std::move(*complete)), TextKind::kLines};
+  source.text = *source.owned;
+  options.amend = amender_of(std::move(*settings), std::move(source), options.limits);
+  file.loads.push_back({options.name, std::string(kSideUrl), name});
+  return {};
+}
+
 // Puts what was understood of a world in the place of its files, where they depart from the standard.
 void become_strict(WorldFile& file, ReadOptions options) {
   if (!file.result.scene || file.result.faults == 0) return;
@@ -105,6 +151,7 @@ void become_strict(WorldFile& file, ReadOptions options) {
     file.text = std::move(written->text);
     options.lenient = false;
     options.load = nullptr;  // the text needs no other file
+    options.amend = nullptr;
     options.limits.text_bytes = std::max<std::uint64_t>(options.limits.text_bytes, file.text.size());
     file.result = read_world(file.text, options);
     if (file.result.scene) return;
@@ -157,6 +204,9 @@ Result<std::unique_ptr<const WorldFile>> read_world_bytes(std::string text, cons
   } else {
     options.load = files_around(path, options.limits.text_bytes);
   }
+  file->kind = formats::kind_of(text, options.name);
+  const auto settings = read_settings(path, !archive.files.empty(), reading, options, *file);
+  if (!settings) return std::unexpected(settings.error());
   options.load = noting(std::move(options.load), file->loads);
   file->text = std::move(text);
   options.lenient = reading.lenient;

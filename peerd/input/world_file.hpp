@@ -8,7 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include "core/formats/world_kind.hpp"
 #include "core/scene/reader.hpp"
+#include "core/settings/world_settings.hpp"
 #include "peerd/input/input_error.hpp"
 #include "peerd/input/world_archive.hpp"
 
@@ -30,6 +32,9 @@ struct WorldReading {
   bool keeps_archive = false;        // for somebody who passes the world on
   bool lenient = false;              // ReadOptions::lenient
   std::string name = {};             // worlds of one file and two names are two; empty: it has that of its file
+  // Values of the side file's keys that count before those in it. Empty ones say nothing.
+  std::string collide = {};  // all, none, or paths and patterns with commas between them
+  std::string unit = {}, up = {};
 };
 inline constexpr std::uint32_t kExpansionMax = 1'000'000;
 
@@ -44,7 +49,9 @@ struct WorldFile {
     std::string base, url, name;  // the file that has the URL, and the one that it led to
   };
 
-  std::string text;  // ReadResult::sources may point into it
+  formats::WorldKind kind = formats::WorldKind::kVrml;
+  bool has_unit = false, has_up = false;  // whether the side file says them
+  std::string text;                       // ReadResult::sources may point into it
   ReadResult result;
   std::vector<Load> loads;
   std::string written_text;  // as_written->sources may point into it
@@ -56,7 +63,10 @@ struct WorldFile {
 // The advice that goes with the errors of a world that is read strictly: that the option --lenient reads on from them.
 // It is empty where it would not.
 [[nodiscard]] std::string lenient_advice(const ReadResult& result);
-// Reads a VRML file, which may be packed by gzip, or an archive (WorldArchive).
+// Reads a world's file of any format, with the side file beside it, or an archive (WorldArchive).
+//
+// The side file says what the format cannot: what collides with what, responses, owners, and the unit and the axis of
+// the file's lengths (docs/reference/formats.md).
 [[nodiscard]] Result<std::unique_ptr<const WorldFile>> read_world_file(const std::filesystem::path& path,
                                                                        const WorldReading& reading = {});
 // Reads a world whose bytes, of a VRML file or an archive, are here already; `name` stands for its path.
@@ -65,6 +75,23 @@ struct WorldFile {
                                                                         const WorldReading& reading);
 // Reads a world from a stream, such as standard input. The URLs in it start from the current folder.
 [[nodiscard]] Result<std::unique_ptr<const WorldFile>> read_world_stream(std::istream& in, const WorldReading& reading);
+
+// The side file of WORLD.glb is WORLD.glb.peerd.toml, its long name, or WORLD.peerd.toml, its short one. The short name
+// is only for a world that shares it with no other world in its folder.
+inline constexpr std::string_view kSideEnding = ".peerd.toml";
+[[nodiscard]] std::filesystem::path long_side_file(const std::filesystem::path& world);
+[[nodiscard]] std::filesystem::path short_side_file(const std::filesystem::path& world);
+// Returns the side file of a world: that with the long name, or else that with the short one; nothing where there is
+// none. Error: it cannot be read, or it may be another world's.
+[[nodiscard]] Result<std::optional<std::filesystem::path>> find_side_file(const std::filesystem::path& world);
+// Returns the name for a new side file of a world.
+[[nodiscard]] std::filesystem::path new_side_file(const std::filesystem::path& world);
+
+// What a side file says; its name is that of errors.
+[[nodiscard]] Result<WorldSettings> read_side_file(const std::string& text, const std::string& name);
+// Returns the text of a side file with the values of `reading` in the place of its own.
+[[nodiscard]] Result<std::string> with_options(const std::string& text, const std::string& name,
+                                               const WorldReading& reading);
 
 // All that has been read of a world, as one archive.
 [[nodiscard]] WorldArchive archive_of(const WorldFile& world);

@@ -2,11 +2,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <boost/asio/ip/tcp.hpp>
 #include <cstdlib>
+#include <filesystem>
+#include <iterator>
 
 #include <nlohmann/json.hpp>
 
 #include "peerd/net/keys/key_file.hpp"
+#include "tests/core/formats/gltf/gltf_fixture.hpp"
 #include "tests/net/controlled_peers.hpp"
 #include "tests/net/listener.hpp"
 
@@ -57,6 +61,57 @@ TEST_F(Joining, AJoiningPeerNeedsNoFile) {
   EXPECT_EQ(world_of("c"), world_of("a"));
   ASSERT_TRUE(add("c", "CONE")) << c.err();
   EXPECT_TRUE(wait_until([&] { return world_of("a") == world_of("c"); })) << a.err() << c.err();
+}
+
+// What the viewer of a peer draws: the bytes of its scene.
+std::string picture_of(const Process& peer) {
+  constexpr std::string_view kBefore = "the viewer is at http://127.0.0.1:";
+  const std::string said = peer.out();
+  const std::size_t at = said.find(kBefore);
+  if (at == std::string::npos) return {};
+  const std::string port = said.substr(at + kBefore.size(), said.find('/', at + kBefore.size()) - at - kBefore.size());
+  boost::asio::ip::tcp::iostream stream("127.0.0.1", port);
+  stream << "GET /api/v1/scene.glb HTTP/1.0\r\nHost: 127.0.0.1:" << port << "\r\n\r\n" << std::flush;
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// The file moves the arm, by world time on both peers: it meets the crate and the post every two seconds.
+TEST_F(Joining, AJoiningPeerGetsAWorldOfAnotherFormatWithItsFiles) {
+  formats::gltf::GltfMaker maker;
+  maker.points({0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1});
+  maker.indices({0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3});
+  maker.accessor<float>({0, 0, 1, 0, 0, 1, 1, 1}, "VEC2", 5126, 4);
+  maker.accessor<float>({0, 2}, "SCALAR", 5126, 2);
+  maker.points({-4, 0, 0, 4, 0, 0});
+  const std::string mesh =
+      "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":2},\"indices\":1,\"material\":0}]}],"
+      "\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"baseColorTexture\":{\"index\":0}}}],"
+      "\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"a.png\"}],";
+  folder.write(
+      "w.gltf",
+      maker.json(mesh + "\"nodes\":[{\"name\":\"left "
+                        "arm\",\"mesh\":0},{\"name\":\"crate\",\"mesh\":0},{\"name\":\"post\",\"mesh\":0,"
+                        "\"translation\":[2,0,0]}],"
+                        "\"scenes\":[{\"nodes\":[0,1,2]}],\"animations\":[{\"channels\":[{\"sampler\":0,\"target\":{"
+                        "\"node\":0,\"path\":\"translation\"}}],\"samplers\":[{\"input\":3,\"output\":4}]}]",
+                 "b.bin"));
+  folder.write("b.bin", maker.buffer());
+  const std::string image("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\1\0\0\0\1\x8\2\0\0\0\x90wS\xde", 33);
+  folder.write("a.png", image);
+  folder.write("w.peerd.toml", "collide = \"all\"\n");
+  Process a = start("a", {"run", "--world", (folder / "w.gltf").string(), "--port", std::to_string(own_port(13)),
+                          "--world-name", world, "--own", "crate", "--view"});
+  ASSERT_TRUE(is_in_session("a")) << a.out() << a.err();
+  for (const char* const file : {"w.gltf", "b.bin", "a.png", "w.peerd.toml"}) std::filesystem::remove(folder / file);
+  Process b = join("b", world, {"--view"});
+  ASSERT_TRUE(is_in_session("b")) << b.out() << b.err();
+  EXPECT_EQ(world_of("b"), world_of("a"));
+  // Nobody owns the post, so that both find the contact by themselves; the crate's owner decides about the other one.
+  EXPECT_TRUE(b.says("\"left arm\" met post", 20)) << b.out();
+  EXPECT_TRUE(a.says("\"left arm\" met post", 20)) << a.out();
+  EXPECT_TRUE(a.says("\"left arm\" hit crate", 20)) << a.out();
+  EXPECT_THAT(picture_of(b), HasSubstr(image));
+  EXPECT_THAT(picture_of(a), HasSubstr(image));
 }
 
 TEST_F(Joining, LsSaysWhoIsHere) {

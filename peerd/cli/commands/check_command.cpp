@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "collision/contact/containment.hpp"
+#include "core/formats/world_kind.hpp"
 #include "core/geometry/tessellate.hpp"
 #include "core/motion/predefined_motion.hpp"
 #include "core/scene/scene_defects.hpp"
@@ -97,6 +98,53 @@ Enclosures enclosures_of(const replication::WorldModel& model) {
   return found;
 }
 
+// What check says about the lengths of a file that is no VRML97.
+struct Lengths {
+  std::string format;   // empty: it is VRML97
+  std::string taken;    // how its unit and axes are understood, and why
+  std::string doubted;  // what looks wrong about them; empty: nothing
+};
+
+// The largest extent of the faces of a scene [m]; 0 where it has none.
+double largest_extent_m(const Scene& scene) {
+  Eigen::AlignedBox3d box;
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    const Geometry* const geometry = scene.geometry(scene.id_of(i));
+    const auto* const faces = geometry == nullptr ? nullptr : std::get_if<FaceSetGeometry>(geometry);
+    if (faces == nullptr || faces->points.empty()) continue;
+    Eigen::AlignedBox3d local;
+    for (const Eigen::Vector3f& point : faces->points) local.extend(point.cast<double>());
+    const Eigen::Affine3d place = scene.world_from_local(scene.id_of(i));
+    for (int corner = 0; corner < 8; ++corner) {
+      box.extend(place * local.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+    }
+  }
+  return box.isEmpty() ? 0.0 : box.sizes().maxCoeff();
+}
+
+Lengths lengths_of(const WorldFile& file) {
+  Lengths lengths;
+  if (formats::is_text_of_nodes(file.kind)) return lengths;
+  lengths.format = formats::name_of(file.kind);
+  const bool says = formats::says_its_unit(file.kind);
+  lengths.taken = file.has_unit ? "the unit is as asked for"
+                  : says        ? "metres, as the format has it"
+                                : "taken as metres: the format says no unit, --unit does";
+  lengths.taken += file.has_up ? "; the axis that points up is as asked for"
+                   : says      ? "; +Y up, as the format has it"
+                               : "; taken as +Y up: the format says no axis, --up does";
+  constexpr double kLarge_m = 1000.0, kSmall_m = 0.001;
+  const double extent_m = file.result.scene ? largest_extent_m(*file.result.scene) : 0.0;
+  if (file.has_unit || extent_m == 0.0 || (extent_m <= kLarge_m && extent_m >= kSmall_m)) return lengths;
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), extent_m, std::chars_format::general, 4).ptr;
+  lengths.doubted = "it is " + std::string(text.data(), end) + " m large" +
+                    (extent_m > kLarge_m ? "; if its unit is another one, say so: --unit mm"
+                                         : ", and no unit of --unit is larger than m: an Inline of it in a Transform "
+                                           "with a scale makes it larger");
+  return lengths;
+}
+
 // All that is printed. Without a file, only the first two members count.
 struct Finding {
   std::string path;
@@ -108,6 +156,7 @@ struct Finding {
   std::optional<SceneDefects> defects{};
   std::vector<std::string> unsupported{};
   Enclosures enclosures{};
+  Lengths lengths{};
 
   [[nodiscard]] bool good() const { return result != nullptr && result->scene.has_value(); }
 };
@@ -228,6 +277,8 @@ void print_text(const Finding& finding, std::ostream& out, std::ostream& err) {
       << milliseconds(finding.read_ms) << '\n';
   err << lenient_advice(read);
   if (!finding.good()) return;
+  if (!finding.lengths.format.empty()) out << finding.lengths.format << ": " << finding.lengths.taken << '\n';
+  if (!finding.lengths.doubted.empty()) err << finding.path << ": warning: " << finding.lengths.doubted << '\n';
   for (const Row& row : rows_of(finding.statistics)) {
     if (row.count > 0) print_row(row, "", out);
   }
@@ -287,6 +338,9 @@ Json to_json(const Finding& finding) {
           {"errors", std::move(errors)},
           {"warnings", std::move(warnings)},
           {"unsupported", finding.unsupported},
+          {"format", finding.lengths.format.empty() ? "VRML97" : finding.lengths.format},
+          {"lengths", finding.lengths.taken},
+          {"lengths_doubted", finding.lengths.doubted},
           {"statistics", std::move(statistics)},
           {"defects", std::move(defects)},
           {"closed", std::move(closed)},
@@ -374,6 +428,7 @@ int run_check(const std::string& path, const CheckOptions& options, std::ostream
   if (!file) return failed_with(file.error());
   finding.result = &(*file)->result;
   finding.reported = &(*file)->reported();
+  finding.lengths = lengths_of(**file);
   if (finding.good()) examine(*finding.result->scene, finding);
   Json moving = Json::array();
   if (finding.good() && options.at_s) {

@@ -11,6 +11,9 @@ namespace peerd {
 struct NewOptions {
   std::filesystem::path folder;
   std::string name;  // of both files and of the world; empty: the folder's own
+  // A world's file of any format. The folder gets a copy of it and of the files that it names, with a side file
+  // (WORLD.peerd.toml) that shows what can be said of it. Empty: a small world is begun.
+  std::filesystem::path from;
 };
 [[nodiscard]] int run_new(const NewOptions& options, std::ostream& out);
 

@@ -26,9 +26,12 @@ void add_run_options(CLI::App& command, PeerOptions& peer, RunFlags& flags) {
       ->allow_extra_args(false)
       ->transform(installed().settings());
   command.add_option("--set", peer.sets, "KEY=VALUE over the configuration (repeatable)")->allow_extra_args(false);
-  command.add_option("--world", flags.world, "the VRML97 world, or the name of an installed one")
+  command
+      .add_option("--world", flags.world,
+                  "the world (VRML97, X3D, glTF, OBJ, STL, PLY, OFF), or the name of an installed one")
       ->transform(installed().world());
   command.add_flag("--lenient", flags.lenient, kLenientHelp);
+  add_format_options(command, flags.collide, flags.unit, flags.up);
   command.add_option("--peer", peer.peer, "which of the configuration's peers (default: its only one)");
   command.add_option("--world-name", flags.world_name,
                      "what peerd ls calls it; worlds of one file and two names are two (default: that of its file)");

@@ -182,7 +182,7 @@ Command add_store(CLI::App& app) {
   written->footer(exit_codes("it is damaged, or the world has errors"));
   written->add_option("folder", flags->written.folder, "the folder of peerd run --store")->required();
   written->add_option("--world", flags->written.world,
-                      "the VRML97 world that it began with (default: what the store keeps of it)");
+                      "the world that it began with (default: what the store keeps of it)");
   written->add_flag("--lenient", flags->written.reading.lenient, "read --world as --lenient of the peer has read it")
       ->needs("--world");
   written->add_option("--out", flags->written.file, "the file to write (default: standard output)");

@@ -14,6 +14,18 @@ constexpr std::int64_t kPeerIdMax = std::numeric_limits<std::uint32_t>::max();
 
 }  // namespace
 
+void add_format_options(CLI::App& command, std::string& collide, std::string& unit, std::string& up) {
+  command.add_option("--collide", collide,
+                     "what may meet what: all, none, or paths and patterns with commas between them, each of which may "
+                     "meet the others (default: as WORLD.peerd.toml and the world say)");
+  command
+      .add_option("--unit", unit,
+                  "of the file's lengths: m, cm, mm, in or ft (default: as WORLD.peerd.toml says, else m)")
+      ->check(CLI::IsMember({"m", "cm", "mm", "in", "ft"}));
+  command.add_option("--up", up, "the file's axis that points up: y or z (default: as WORLD.peerd.toml says, else y)")
+      ->check(CLI::IsMember({"y", "z"}));
+}
+
 void add_network_options(CLI::App& command, RunFlags& flags) {
   command.add_option("--interface", flags.interface,
                      "network interface, such as eth0 (default: the configuration's, else the only one that can "

@@ -22,6 +22,16 @@ namespace {
 // The world times that a world is asked at [s]. Beyond them a tick is lost in rounding.
 constexpr NumberRange kWorldTimes_s{-1e12, 1e12};
 constexpr NumberRange kTicksPerSecond{1e-6, 1e6};
+constexpr std::string_view kFormats =
+    "Formats (docs/reference/formats.md):\n"
+    "  VRML97  everything: movement, interests, responses, owners\n"
+    "  glTF    nodes, meshes, materials, images, cameras, lights, animations by steps and straight lines; no skins,\n"
+    "          morph targets or cubic splines\n"
+    "  OBJ     groups, polygons, lines, points, materials; no unit, no axis, no normals\n"
+    "  STL     solids and their facets; no unit, no axis, no colours\n"
+    "  PLY     faces, strips, points, colours; no unit, no axis\n"
+    "  OFF     faces and colours; no unit, no axis\n"
+    "What a format cannot say stands in WORLD.peerd.toml beside the file, or in --collide, --unit and --up.";
 constexpr std::uint32_t kTurnStepsMax = 100'000;
 
 // The command line of a command about a world, without a peer.
@@ -36,8 +46,10 @@ CLI::App* add_world_command(CLI::App& app, const char* name, const char* what, W
   CLI::App* const command = app.add_subcommand(name, what);
   command->footer(exit_codes("the world has errors"));
   command
-      ->add_option("world", flags.world,
-                   "the VRML97 world, or the name of an installed one; - reads it from standard input")
+      ->add_option(
+          "world", flags.world,
+          "the world (VRML97, X3D, glTF, OBJ, STL, PLY, OFF), or the name of an installed one; - reads it from "
+          "standard input")
       ->required()
       ->transform(installed().world());
   command->add_flag("--json", flags.options.json, "one JSON object");
@@ -46,6 +58,7 @@ CLI::App* add_world_command(CLI::App& app, const char* name, const char* what, W
                    "how many times as much as usual its files may hold, unpack and sweep to (default: 1)")
       ->transform(whole_number_in(1, kExpansionMax));
   command->add_flag("--lenient", flags.options.reading.lenient, kLenientHelp);
+  add_format_options(*command, flags.options.reading.collide, flags.options.reading.unit, flags.options.reading.up);
   return command;
 }
 
@@ -57,6 +70,10 @@ Command add_new(CLI::App& app) {
   command->footer("Exit codes: 0 good, 2 wrong use, or a file is there already, 3 the files can't be written");
   command->add_option("folder", options->folder, "where; it is made where there is none")->required();
   command->add_option("--name", options->name, "of the world and its files (default: the folder's)");
+  command->add_option(
+      "--from", options->from,
+      "a world's file of any format (VRML97, X3D, glTF, OBJ, STL, PLY, OFF): the folder gets a copy, with a side "
+      "file that says what may meet what");
   return {command, [options] { return run_new(*options, std::cout); }};
 }
 
@@ -64,6 +81,7 @@ Command add_check(CLI::App& app) {
   const auto flags = std::make_shared<WorldFlags<CheckOptions>>();
   CLI::App* const command = add_world_command(
       app, "check", "read a world; problems as FILE:LINE:COLUMN; statistics; polygons' defects", *flags);
+  command->footer(exit_codes("the world has errors") + "\n\n" + std::string(kFormats));
   command->add_option("--write", flags->options.copy, "write the world to a file, as one text that needs no other");
   command
       ->add_option("--at", flags->options.at_s, "say where its own movement has brought things after so many seconds")
@@ -142,7 +160,8 @@ Command add_export(CLI::App& app, const LabRuns& lab) {
   const auto flags = std::make_shared<WorldFlags<ExportOptions>>();
   CLI::App* const command =
       add_world_command(app, "export", "write a world, a run or a capture for other programs", *flags);
-  command->get_option("world")->description("the VRML97 world; for --mcap an output folder of peerd sim, or a capture");
+  command->get_option("world")->description(
+      "the world (VRML97, X3D, glTF, OBJ, STL, PLY, OFF); for --mcap an output folder of peerd sim, or a capture");
   auto* const gltf = command->add_option("--gltf", flags->options.gltf,
                                          "write the world as it is drawn: glTF 2.0, binary (.glb); says what is left "
                                          "out");

@@ -40,7 +40,8 @@ bool OptionValues::set(const std::string& name, const std::string& value) {
       {"world", &flags_.world}, {"world-name", &flags_.world_name},  {"name", &flags_.name},
       {"peer", &options_.peer}, {"interface", &flags_.interface},    {"group", &flags_.group},
       {"key", &flags_.key},     {"password-file", &flags_.password}, {"from", &from_},
-      {"invite", &invitation_}};
+      {"invite", &invitation_}, {"collide", &flags_.collide},        {"unit", &flags_.unit},
+      {"up", &flags_.up}};
   const std::map<std::string, std::optional<std::uint32_t>*> numbers{{"id", &flags_.id}, {"port", &flags_.port}};
   const std::map<std::string, bool*> flags{{"open", &flags_.open},
                                            {"lenient", &flags_.lenient},

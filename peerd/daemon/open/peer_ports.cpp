@@ -53,9 +53,9 @@ Result<std::unique_ptr<control::ControlServer>> open_control(asio::io_context& i
   return opened;
 }
 
-// The images of a world that came from elsewhere have not come with it.
+// Of a world that came from elsewhere, images that its files name have not come with it; those that it carries have.
 view::ImageLoader images_for(const PeerOptions& options, const config::Scenario& scenario) {
-  if (options.joined) return {};
+  if (options.joined) return view::images_of({}, {});
   return view::images_of(local_files(view::kImage_bytes), scenario.world.string());
 }
 

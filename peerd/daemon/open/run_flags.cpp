@@ -34,6 +34,9 @@ std::vector<std::string> as_settings(const RunFlags& flags, PeerOptions& options
   if (!flags.world.empty()) sets.push_back("world=" + json_line(path_text(std::filesystem::absolute(flags.world))));
   if (!flags.world_name.empty()) sets.push_back("world_name=" + json_line(flags.world_name));
   if (flags.lenient) sets.emplace_back("lenient=true");
+  if (!flags.collide.empty()) sets.push_back("collide=" + json_line(flags.collide));
+  if (!flags.unit.empty()) sets.push_back("unit=" + json_line(flags.unit));
+  if (!flags.up.empty()) sets.push_back("up=" + json_line(flags.up));
   if (options.config.empty()) {
     options.peer = flags.name.empty() ? "peer" : flags.name;
     sets.push_back("peer." + options.peer + ".id=" + std::to_string(flags.id ? *flags.id : random_number()));

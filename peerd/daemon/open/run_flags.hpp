@@ -16,6 +16,7 @@ struct RunFlags {
   std::vector<std::string> owns{}, enslaves{};  // two names of one option
   std::vector<std::string> relays{};            // HOST:PORT
   std::vector<std::string> nats{};              // URLs of servers
+  std::string collide{}, unit{}, up{};          // WorldReading's
   bool open = false;
   bool lenient = false;
   bool ipv6 = false;  // in place of a group

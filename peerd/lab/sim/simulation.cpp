@@ -10,6 +10,7 @@
 #include "peerd/lab/sim/interest_oracle.hpp"
 #include "peerd/lab/sim/network.hpp"
 #include "peerd/net/transport/transport_options.hpp"
+#include "peerd/peer/config/shown_path.hpp"
 #include "peerd/peer/record/capture.hpp"
 #include "replication/settings/output/tick_grid.hpp"
 
@@ -48,8 +49,8 @@ std::optional<InputError> why_not_simulated(const config::RunSettings& run,
   for (std::size_t i = 0; i < run.peers.size(); ++i) {
     if (objects[i].outside.empty()) continue;  // the program's poses would depend on how fast this computer simulates
     return InputError{
-        "error: peer." + run.peers[i].name + " leaves \"" + objects[i].outside.begin()->first +
-        "\" to a program outside, which runs in real time, and a simulation does not; use peerd run or peerd "
+        "error: peer." + run.peers[i].name + " leaves " + config::shown(objects[i].outside.begin()->first) +
+        " to a program outside, which runs in real time, and a simulation does not; use peerd run or peerd "
         "scenario, or move it by a formula or a recorded track"};
   }
   return std::nullopt;

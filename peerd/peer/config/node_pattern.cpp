@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "peerd/input/toml_input.hpp"
+#include "peerd/peer/config/shown_path.hpp"
 
 namespace peerd::config {
 
@@ -35,8 +36,8 @@ Result<ObjectId> find_object(const Scene& scene, const std::string& path, const 
   for (const Instance& instance : scene.instances) {
     if (!instance.def.empty()) names.emplace_back(instance.def);
   }
-  std::string sentence = "error: " + asked_by + ": the world has no object \"" + path + "\"";
-  if (const auto meant = did_you_mean(path, names)) sentence += "; did you mean \"" + *meant + "\"?";
+  std::string sentence = "error: " + asked_by + ": the world has no object " + shown(path);
+  if (const auto meant = did_you_mean(path, names)) sentence += "; did you mean " + shown(*meant) + "?";
   return std::unexpected(InputError{sentence});
 }
 
@@ -59,8 +60,8 @@ Result<std::vector<ObjectId>> find_objects(const Scene& scene, const NodePattern
     }
   }
   if (!found.empty()) return found;
-  return std::unexpected(InputError{pattern.at + "error: " + asked_by + ": no object of the world is called like \"" +
-                                    pattern.text + "\""});
+  return std::unexpected(
+      InputError{pattern.at + "error: " + asked_by + ": no object of the world is called like " + shown(pattern.text)});
 }
 
 }  // namespace peerd::config

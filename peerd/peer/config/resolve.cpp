@@ -10,6 +10,7 @@
 #include "core/motion/predefined_motion.hpp"
 #include "core/motion/viewpoint_nodes.hpp"
 #include "peerd/peer/config/events.hpp"
+#include "peerd/peer/config/shown_path.hpp"
 
 namespace peerd::config {
 namespace {
@@ -76,7 +77,7 @@ class Resolver {
         if (added) peers_[p].owned.push_back(object);
         if (at->second == p) continue;
         fail(pattern.at,
-             key + ": peer " + run_.peers[at->second].name + " owns \"" + scene_.path_of(object) + "\" too");
+             key + ": peer " + run_.peers[at->second].name + " owns " + shown(scene_.path_of(object)) + " too");
       }
     }
   }
@@ -103,11 +104,11 @@ class Resolver {
       if (only && !here) continue;
       const auto [other, added] = claimed.try_emplace(objects[n], key);
       if (!added)
-        fail(motion.at, key + ": \"" + scene_.path_of(objects[n]) + "\" is moved by " + other->second + " too");
+        fail(motion.at, key + ": " + shown(scene_.path_of(objects[n])) + " is moved by " + other->second + " too");
       if (here && !moved_.contains(objects[n])) numbers.push_back(n);
     }
     if (only && !owns_any) {
-      fail(motion.at, key + ": the peer moves only what it owns; add \"" + pattern + "\" to peer." +
+      fail(motion.at, key + ": the peer moves only what it owns; add " + shown(pattern) + " to peer." +
                           run_.peers[*only].name + ".owns");
     }
     if (error_) return;
@@ -228,7 +229,8 @@ void warn_of_idle_owned(const RunSettings& run, const Scene& scene, std::vector<
   for (const PeerSettings& peer : run.peers) {
     for (const NodePattern& pattern : peer.owns) {
       for (const ObjectId object : objects_or_none(scene, pattern)) {
-        const std::string who = pattern.at + "warning: peer." + peer.name + ".owns: \"" + scene.path_of(object) + "\" ";
+        const std::string who =
+            pattern.at + "warning: peer." + peer.name + ".owns: " + shown(scene.path_of(object)) + ' ';
         if (carriers.distorted(object)) {
           warnings.push_back(who +
                              "stays where the world has it: no owner moves what a driven scale changes, or what "

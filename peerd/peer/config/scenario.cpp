@@ -133,6 +133,9 @@ Result<RunSettings> read_run(const toml::table& root, Scenario& scenario, const 
   scenario.reading.inlines_when_needed = inlines == 1;
   reader.read("expansion", scenario.reading.expansion, 1, kExpansionMax);
   reader.read("lenient", scenario.reading.lenient);
+  reader.read("collide", scenario.reading.collide);
+  reader.read("unit", scenario.reading.unit);
+  reader.read("up", scenario.reading.up);
   reader.read("world_name", scenario.reading.name);
   if (reader.has("world_name") && !is_world_name(scenario.reading.name)) {
     reader.fail(root.get("world_name"), "world_name: it has 1 to 63 bytes, none of them a control character");
@@ -299,7 +302,9 @@ Result<toml::table> read_sweep(const ScenarioRequest& request, const Sources& so
 
 // The reason why all runs have one value of that key. It is empty where the key may be swept.
 std::string why_not_swept(std::string_view key) {
-  if (key == "world" || key == "inlines" || key == "lenient" || key == "name") return "all runs of a sweep share it";
+  if (key == "world" || key == "inlines" || key == "lenient" || key == "collide" || key == "unit" || key == "up" ||
+      key == "name")
+    return "all runs of a sweep share it";
   if (key == "repeat") return "every combination is repeated as often";
   if (key.starts_with("expect.")) return "an expectation says by `where` which runs it is about";
   return "";

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/vrml/document.hpp"
+#include "core/vrml/path_text.hpp"
 
 namespace peerd {
 namespace {
@@ -74,7 +75,7 @@ class TreeMaker {
     const Instance& instance = scene_.instances[index];
     if (instance.node == Instance::kNone) return;
     const std::string path = scene_.path_of(scene_.id_of(index));
-    add(instance.node, path.substr(path.rfind('/') + 1), depth);
+    add(instance.node, std::string(last_component(path)), depth);
     const vrml::Node& node = document_.nodes[instance.node];
     const std::string_view children = field_of_children(node.type->role);
     add_fields(node, children, node.type->role == NodeRole::kCollision ? "proxy" : "", depth + 1);
@@ -142,13 +143,13 @@ std::optional<std::uint32_t> node_at(const Scene& scene, std::string_view path) 
   if (!path.empty() && named != document.nodes.end()) {
     return static_cast<std::uint32_t>(named - document.nodes.begin());
   }
-  const std::size_t slash = path.rfind('/');
-  if (slash == std::string_view::npos) {
+  const std::size_t begin = path.size() - last_component(path).size();
+  if (begin == 0) {
     const auto place = number_in(path);
     return place ? node_in(document.top_level, *place) : std::nullopt;
   }
-  const auto holder = node_at(scene, path.substr(0, slash));
-  return holder ? held_by(document.nodes[*holder], path.substr(slash + 1)) : std::nullopt;
+  const auto holder = node_at(scene, path.substr(0, begin - 1));
+  return holder ? held_by(document.nodes[*holder], path.substr(begin)) : std::nullopt;
 }
 
 }  // namespace peerd

@@ -31,6 +31,9 @@ std::string to_text(const Rerun& rerun) {
                                     {"inlines_when_needed", rerun.reading.inlines_when_needed},
                                     {"expansion", rerun.reading.expansion},
                                     {"lenient", rerun.reading.lenient},
+                                    {"collide", rerun.reading.collide},
+                                    {"unit", rerun.reading.unit},
+                                    {"up", rerun.reading.up},
                                     {"world_name", rerun.reading.name},
                                     {"configurations", rerun.configurations}};
   // Paths may not be UTF-8. A path with a replaced character will be reported as missing.
@@ -52,6 +55,9 @@ std::expected<Rerun, std::string> rerun_from(std::string_view text) {
     rerun.reading.inlines_when_needed = json.at("inlines_when_needed").get<bool>();
     rerun.reading.expansion = json.at("expansion").get<std::uint32_t>();
     rerun.reading.lenient = json.value("lenient", false);  // older outputs have none
+    rerun.reading.collide = json.value("collide", "");     // older outputs have none
+    rerun.reading.unit = json.value("unit", "");           // older outputs have none
+    rerun.reading.up = json.value("up", "");               // older outputs have none
     rerun.reading.name = json.at("world_name").get<std::string>();
     rerun.configurations = json.at("configurations").get<std::vector<std::string>>();
   } catch (const nlohmann::json::exception& e) {

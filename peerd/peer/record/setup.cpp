@@ -56,6 +56,9 @@ std::string to_text(const Setup& s) {
                               {"inlines_when_needed", s.reading.inlines_when_needed},
                               {"expansion", s.reading.expansion},
                               {"lenient", s.reading.lenient},
+                              {"collide", s.reading.collide},
+                              {"unit", s.reading.unit},
+                              {"up", s.reading.up},
                               {"world_name", s.reading.name},
                               {"file", s.file.string()},
                               {"configuration", s.configuration}};
@@ -117,6 +120,9 @@ std::expected<Setup, std::string> setup_from(std::string_view text) {
     s.reading.expansion = json.value("expansion", 1U);  // older captures have none
     s.reading.lenient = json.value("lenient", false);   // older captures have none
     s.reading.name = json.value("world_name", "");      // older captures have none
+    s.reading.collide = json.value("collide", "");      // older captures have none
+    s.reading.unit = json.value("unit", "");            // older captures have none
+    s.reading.up = json.value("up", "");                // older captures have none
     s.file = json.at("file").get<std::string>();
     s.configuration = json.at("configuration").get<std::string>();
   } catch (const nlohmann::json::exception& e) {

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "core/formats/draft/base64.hpp"
 #include "core/motion/scene_motion.hpp"
 #include "peerd/view/frames/movers.hpp"
 
@@ -10,6 +11,12 @@ namespace peerd::view {
 ImageLoader images_of(FileLoader files, std::string world_file) {
   return [files = std::move(files),
           world_file = std::move(world_file)](std::string_view url) -> std::expected<std::string, std::string> {
+    if (url.starts_with("data:")) {
+      auto bytes = formats::bytes_of_data_url(url);
+      if (!bytes) return std::unexpected("its data: URL is no base64");
+      return std::move(*bytes);
+    }
+    if (!files) return std::unexpected("no files have come with this world");
     auto file = files(url, world_file);
     if (!file) return std::unexpected(file.error());
     return std::move(file->bytes);

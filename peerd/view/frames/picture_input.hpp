@@ -19,7 +19,8 @@ using ImageLoader = std::function<std::expected<std::string, std::string>(std::s
 
 // The longest image that a picture takes [bytes].
 inline constexpr std::size_t kImage_bytes = std::size_t{16} << 20;
-// Reads images as `files` reads them for a world whose file has that name.
+// Reads images as `files` reads them for a world whose file has that name, and those that stand in data: URLs. Without
+// `files` there are only the latter.
 [[nodiscard]] ImageLoader images_of(FileLoader files, std::string world_file);
 
 // All that a picture is made of, at one instant. It refers to nothing that changes later, so that the picture may be

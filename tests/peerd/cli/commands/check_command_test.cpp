@@ -42,8 +42,27 @@ DEF HULL Transform { children DEF SKIN Shape { geometry IndexedFaceSet {
 Transform { translation 9 0 0 children USE HULL }
 )";
 
-const auto kTopLevel = ElementsAre("world", "good", "errors", "warnings", "unsupported", "statistics", "defects",
-                                   "closed", "inside", "files", "bytes", "read_ms", "defects_ms");
+const auto kTopLevel =
+    ElementsAre("world", "good", "errors", "warnings", "unsupported", "format", "lengths", "lengths_doubted",
+                "statistics", "defects", "closed", "inside", "files", "bytes", "read_ms", "defects_ms");
+
+TEST(Check, SaysHowItUnderstandsTheLengthsOfAFile) {
+  const ScratchFolder folder;
+  const auto large = folder.write("large.off", "OFF\n3 1 0\n0 0 0\n2000 0 0\n0 1 0\n3 0 1 2\n");
+  const Outcome guessed = check(large, false);
+  EXPECT_EQ(guessed.exit_code, 0);
+  EXPECT_THAT(guessed.out, HasSubstr("OFF: taken as metres: the format says no unit, --unit does; taken as +Y up"));
+  EXPECT_THAT(guessed.err, HasSubstr("it is 2000 m large; if its unit is another one, say so: --unit mm"));
+  const Json told = check(large, {.reading = {.unit = "mm", .up = "z"}, .json = true, .copy = {}, .at_s = {}}).json();
+  EXPECT_EQ(told["format"], "OFF");
+  EXPECT_EQ(told["lengths"], "the unit is as asked for; the axis that points up is as asked for");
+  EXPECT_EQ(told["lengths_doubted"], "");
+  const auto small = folder.write("small.off", "OFF\n3 1 0\n0 0 0\n0.0002 0 0\n0 1e-5 0\n3 0 1 2\n");
+  const std::string advice = check(small, false).err;
+  EXPECT_THAT(advice, HasSubstr("it is 0.0002 m large, and no unit of --unit is larger than m: an Inline of it"));
+  EXPECT_THAT(advice, testing::Not(HasSubstr("--unit m,")));
+  EXPECT_EQ(json_of(folder, "Shape { }")["format"], "VRML97");
+}
 
 TEST(Check, JsonOfAGoodWorldCountsAll) {
   const ScratchFolder folder;

@@ -217,6 +217,14 @@ TEST_F(ResolveTest, OwnedNodesThatNobodyMovesAreNamed) {
   EXPECT_THAT(warnings(own + "[motion.LIFT]\nx = \"t\"\n"), ElementsAre(HasSubstr("BASKET")));
 }
 
+TEST_F(ResolveTest, PathsThatHaveQuotesStandInSingleOnes) {
+  folder.write("w.wrl", "v 0 0 0\nv 1 0 0\nv 0 1 0\no left arm\nf 1 2 3\n");  // an OBJ file, whatever its name
+  EXPECT_THAT(error("[peer.a]\nid = 1\nowns = [\"left arm\"]\n[peer.b]\nid = 2\nowns = [\"left arm\"]\n"),
+              HasSubstr("peer.b.owns: peer a owns '\"left arm\"' too"));
+  EXPECT_THAT(error("[peer.a]\nid = 1\nowns = [\"\\\"left arm\\\"/hand\"]\n"),
+              HasSubstr("the world has no object '\"left arm\"/hand'"));
+}
+
 class FounderTest : public ResolveTest {
  protected:
   FounderTest() {

@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
+#include <string>
+
 #include <nlohmann/json.hpp>
 
 #include "tests/must.hpp"
@@ -14,8 +17,14 @@ using nlohmann::json;
 using testing::HasSubstr;
 
 TEST(CaptureSetup, IsReadAsItWasWritten) {
-  const record::Setup s = some_setup();
+  record::Setup s = some_setup();
+  s.reading.collide = "a,b*";
+  s.reading.unit = "mm";
+  s.reading.up = "z";
   const auto read = must(setup_from(to_text(s)));
+  EXPECT_EQ(read.reading.collide, "a,b*");
+  EXPECT_EQ(read.reading.unit, "mm");
+  EXPECT_EQ(read.reading.up, "z");
   EXPECT_EQ(read.peer, s.peer);
   EXPECT_EQ(read.configuration, s.configuration);
   EXPECT_EQ(read.file, s.file);
@@ -57,14 +66,15 @@ TEST(CaptureSetup, APathThatIsNoUtf8IsStillText) {
   EXPECT_EQ(setup_from(to_text(s)).value().world, "/\uFFFD.wrl");
 }
 
+const std::set<std::string> kNewer{"late",    "watches", "datagrams", "expansion", "world_name",
+                                   "lenient", "collide", "unit",      "up"};
 TEST(CaptureSetup, EveryMemberIsNeededButThoseThatOlderCapturesLack) {
   const json whole = json::parse(to_text(some_setup()));
   for (const auto& [name, value] : whole.items()) {
     json text = whole;
     text.erase(name);
     const auto read = setup_from(text.dump());
-    const bool is_newer = name == "late" || name == "watches" || name == "datagrams" || name == "expansion" ||
-                          name == "world_name" || name == "lenient";
+    const bool is_newer = kNewer.contains(name);
     ASSERT_EQ(read.has_value(), is_newer) << name;
     if (is_newer) continue;
     EXPECT_THAT(read.error(), HasSubstr("'" + name + "'"));

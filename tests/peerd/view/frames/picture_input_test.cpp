@@ -54,4 +54,11 @@ TEST(PictureInput, ImagesAreThoseOfTheFilesAroundTheWorld) {
   EXPECT_EQ(images("b.png").error(), "there is no such file");
 }
 
+TEST(PictureInput, ImagesThatAWorldCarriesNeedNoFiles) {
+  const ImageLoader images = images_of({}, {});
+  EXPECT_EQ(images("data:image/png;base64,YWJj").value(), "abc");
+  EXPECT_EQ(images("data:image/png;base64,Y*").error(), "its data: URL is no base64");
+  EXPECT_FALSE(images("a.png"));
+}
+
 }  // namespace peerd::view::picture_input_test
