@@ -7,7 +7,7 @@
 namespace peerd::formats {
 
 // Reads a world's file and the files that it names. kind_of() decides the format; the document does not depend on it.
-// What is wrong with the file, and what of it has no place in a document, goes to `problems`.
+// `problems` gets the errors of the file, and a warning for each part of it that a document cannot keep.
 [[nodiscard]] std::shared_ptr<vrml::Document> read_document(Source world, vrml::Problems& problems,
                                                             const vrml::ParseOptions& options);
 

@@ -93,10 +93,16 @@ void FieldParser::parse_field(OpenNode& open) {
 }
 
 void FieldParser::pass_over_value() {
-  while (text_.tokens.at_word("DEF") || text_.tokens.at_word("USE") || text_.tokens.kind_after() == kOpenBrace) {
-    const bool def = text_.tokens.take().text == "DEF";
-    if (def && text_.tokens.at(kWord)) text_.define_unreadable(text_.tokens.take().text);
+  if (text_.tokens.at_word("USE")) {
+    text_.tokens.take();
+    if (text_.tokens.at(kWord)) text_.tokens.take();
+    return;
   }
+  if (text_.tokens.at_word("DEF")) {
+    text_.tokens.take();
+    if (text_.tokens.at(kWord)) text_.define_unreadable(text_.tokens.take().text);
+  }
+  if (text_.tokens.at(kWord) && text_.tokens.kind_after() == kOpenBrace) text_.tokens.take();
   if (text_.tokens.at(kOpenBrace) || text_.tokens.at(kOpenBracket)) return text_.skip_balanced();
   open_nodes_.skip_value(text_);
 }

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/x3d/x3d_defaults.hpp"
 #include "core/x3d/x3d_words.hpp"
 
 namespace peerd::vrml {
@@ -77,6 +78,7 @@ NodeRef NodeParser::parse_use() {
                        "the node is left out");
     return null;
   }
+  if (definition.node == NodeRef::kNull) text_.report_lost(definition, name.text, text_.tokens.position_of(name));
   return {definition.node, null.at};
 }
 
@@ -161,9 +163,20 @@ NodeRef NodeParser::parse_node_body(const Token& def, const Token& type_name, Po
   return ref;
 }
 
+void NodeParser::give_x3d_defaults(const OpenNode& open, Position at) {
+  for (Field value : x3d_defaults_of(*open.type)) {
+    const auto own = std::span<const Field>(open_nodes_.fields).subspan(open.first_field);
+    const bool given = std::ranges::find(own, value.spec, &Field::spec) != own.end();
+    if (given || std::ranges::find(open.linked, value.spec) != open.linked.end()) continue;
+    value.at = at;
+    open_nodes_.fields.push_back(value);
+  }
+}
+
 NodeRef NodeParser::close_node(OpenNode& open, const Token& def, Position at) {
   if (!text_.context.room_for(1, 0, at)) return {NodeRef::kNull, at};
-  if (!open.own_fields.empty() || !open.unkept_fields.empty()) scripts_.finish(open);
+  if (!open.own_fields.empty() || !open.unkept_fields.empty()) scripts_.finish(open, at);
+  if (text_.is_x3d) give_x3d_defaults(open, at);
   Body& body = *text_.scope->body;
   const auto fields = text_.arena.copy(std::span<const Field>(open_nodes_.fields).subspan(open.first_field));
   Node node{.type = open.type,

@@ -30,6 +30,8 @@ class NodeParser {
  private:
   NodeRef parse_use();
   void report_unknown_type(const Token& name);
+  // Gives a node of X3D the values that it has by default, as far as VRML97 has others.
+  void give_x3d_defaults(const OpenNode& open, Position at);
   NodeRef close_node(OpenNode& open, const Token& def, Position at);
   NodeRef close_instance(OpenNode& open, const Prototype& prototype, const Token& def, Position at);
 

@@ -40,6 +40,7 @@ struct Definition {
   std::uint32_t node = NodeRef::kNull;   // kNull while it is open, and where an error made it unreadable
   std::uint32_t base = 0;
   bool open = false;
+  bool loss_reported = false;  // that something refers to the node, which was left out
 };
 
 // A PROTO by the name that it has in a scope; an EXTERNPROTO is looked for when it is used first.
@@ -55,7 +56,7 @@ struct Declaration {
 using Declarations = std::unordered_map<std::string_view, Declaration>;
 
 struct RouteEnd {
-  const Definition* node = nullptr;
+  Definition* node = nullptr;
   std::string_view name, event;
   Position at = 0;
 };

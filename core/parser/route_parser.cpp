@@ -66,8 +66,11 @@ std::optional<RouteEnd> RouteParser::parse_end() {
 
 // Returns the field that the name of an event stands for: itself, or the exposedField behind set_x and x_changed (4.7).
 RouteParser::Event RouteParser::find_event(const RouteEnd& end, bool sends) {
-  const Definition& definition = *end.node;
-  if (definition.type == nullptr || definition.node == NodeRef::kNull) return {};  // the loss of the node is reported
+  Definition& definition = *end.node;
+  if (definition.type == nullptr || definition.node == NodeRef::kNull) {
+    text_.report_lost(definition, end.name, end.at);
+    return {};
+  }
   const NodeType& type = *definition.type;
   const auto serves = [&](const FieldSpec& field) {
     return sends ? sends_events(field.access) : takes_events(field.access);
@@ -83,7 +86,8 @@ RouteParser::Event RouteParser::find_event(const RouteEnd& end, bool sends) {
     if (sends && end.event.ends_with("_changed")) base = end.event.substr(0, end.event.size() - 8);
     if (!sends && end.event.starts_with("set_")) base = end.event.substr(4);
     const FieldSpec* field = base.empty() ? nullptr : text_.field_of(type, base);
-    if (field != nullptr && field->access == Access::kExposedField) found = field;
+    const bool other = text_.is_x3d && find_extra_field(type.name, end.event) != nullptr;  // LOD's level_changed
+    if (field != nullptr && field->access == Access::kExposedField && !other) found = field;
     const bool in_script = text_.is_x3d && type.role == NodeRole::kScript;  // whose inputOutput x is three fields
     if ((exact == nullptr || in_script) && found == nullptr) {
       field = find_field(type, sends ? std::string(end.event) + "_changed" : "set_" + std::string(end.event));

@@ -1,11 +1,14 @@
 #include "core/parser/script_parser.hpp"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "core/vrml/default_values.hpp"
 
 namespace peerd::vrml {
 
@@ -96,7 +99,10 @@ void ScriptParser::parse_declaration(OpenNode& open) {
 // VRML97 has no exposedFields in Scripts: an inputOutput x of X3D becomes the field x with set_x and x_changed beside
 // it.
 std::array<const FieldSpec*, 2> ScriptParser::add_events(OpenNode& open, const FieldSpec& field) {
-  const auto add = [&](const std::string& name, Access access) {
+  const auto add = [&](const std::string& name, Access access) -> const FieldSpec* {
+    if (const FieldSpec* const declared = find_field_of(text_, open, name)) {
+      return declared->access == access && declared->type == field.type ? declared : nullptr;
+    }
     return &open.own_fields.emplace_back(
         FieldSpec{text_.arena.copy(std::string_view(name)), field.type, access, {}, Range::kAny, kAnyClass});
   };
@@ -104,7 +110,22 @@ std::array<const FieldSpec*, 2> ScriptParser::add_events(OpenNode& open, const F
   return {in, add(std::string(field.name) + "_changed", Access::kEventOut)};
 }
 
-void ScriptParser::finish(OpenNode& open) {
+// A field has a value in a document also where the text gave none that could be read, and where its IS brings none.
+void ScriptParser::complete_values(OpenNode& open, Position at) {
+  std::vector<const FieldSpec*> valued = open.linked;
+  for (const Field& field : std::span(open_nodes_.fields).subspan(open.first_field)) valued.push_back(field.spec);
+  std::ranges::sort(valued);
+  for (const FieldSpec& spec : open.own_fields) {
+    if (!has_value(spec.access) || std::ranges::binary_search(valued, &spec)) continue;
+    Field value = default_of(spec.type);
+    value.spec = &spec;
+    value.at = at;
+    open_nodes_.fields.push_back(value);
+  }
+}
+
+void ScriptParser::finish(OpenNode& open, Position at) {
+  complete_values(open, at);
   std::vector<FieldSpec> specs(open.type->fields.begin(), open.type->fields.end());
   specs.insert(specs.end(), open.own_fields.begin(), open.own_fields.end());
   NodeType& type = text_.context.document.own_types.emplace_back(*open.type);

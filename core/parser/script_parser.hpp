@@ -16,9 +16,10 @@ class ScriptParser {
   // Reads one declaration from its keyword on.
   void parse_declaration(OpenNode& open);
   // Gives the Script a type of its own, with the fields of every Script and those that it has declared.
-  void finish(OpenNode& open);
+  void finish(OpenNode& open, Position at);
 
  private:
+  void complete_values(OpenNode& open, Position at);
   std::array<const FieldSpec*, 2> add_events(OpenNode& open, const FieldSpec& field);
 
   TextState& text_;

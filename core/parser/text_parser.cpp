@@ -33,6 +33,7 @@ Declarations TextParser::parse_text(Body& body) {
   while (!text_.tokens.at(kEnd)) {
     if (text_.tokens.at(kWord)) {
       const Position at = text_.tokens.position();
+      if (text_.is_x3d && read_head_statement(text_.tokens, text_.units)) continue;
       if (parse_statement()) continue;
       const NodeRef ref = parse_node();
       if (ref.is_node() && (body.nodes[ref.index].type->classes & kChild) == 0) {
@@ -47,13 +48,13 @@ Declarations TextParser::parse_text(Body& body) {
   }
   routes_.close(scope);
   close_exports();
+  warn_of_shared_imports();
   convert_lengths(body, first_root, first_node);
   return std::move(scope.declarations);
 }
 
 bool TextParser::parse_statement() {
   if (text_.is_x3d) {
-    if (read_head_statement(text_.tokens, text_.units)) return true;
     const bool node = text_.tokens.at(kWord) && text_.tokens.kind_after() == kOpenBrace;
     if (!node && text_.tokens.at_word("IMPORT")) return parse_import(), true;
     if (!node && text_.tokens.at_word("EXPORT")) return parse_export(), true;
@@ -104,6 +105,7 @@ void TextParser::parse_import() {
     return lost(*exported, "the file of " + quoted(inline_name->text) + " exports no " + quoted(exported->text));
   }
   text_.define(text_.arena.copy(local->text)) = found->second;
+  imports_.emplace_back(text_.tokens.position_of(*inline_name), file->second);
 }
 
 void TextParser::parse_export() {
@@ -128,6 +130,15 @@ void TextParser::close_exports() {
     }
     const auto file = text_.context.files.find(text_.context.open_files.back());
     if (file != text_.context.files.end()) file->second.exports.insert_or_assign(exported, **named);
+  }
+}
+
+// Inlines of one file show the same nodes here, where X3D has nodes of its own for each.
+void TextParser::warn_of_shared_imports() {
+  for (const auto& [at, file] : imports_) {
+    const auto shows = [&](const auto& inlined) { return inlined.second == file; };
+    if (std::ranges::count_if(text_.context.inlined, shows) < 2) continue;
+    text_.tokens.warning(at, "what this IMPORT does to the file of an Inline, it does to all Inlines of that file");
   }
 }
 

@@ -33,6 +33,7 @@ class TextParser final : private Grammar {
   void parse_import();
   void parse_export();
   void close_exports();
+  void warn_of_shared_imports();
   std::optional<Token> take_name(std::string_view statement);
   // Puts a Transform around the nodes of the world from `first` on that leads from the file's unit to metres. Its nodes
   // begin at `first_node`.
@@ -41,6 +42,7 @@ class TextParser final : private Grammar {
   std::optional<NodeRef> parse_node_value(const FieldSpec& spec);
 
   TextState text_;
+  std::vector<std::pair<Position, const ParseContext::File*>> imports_;
   std::vector<std::pair<Token, std::string_view>> exports_;  // names of nodes here, and those for other files
   OpenNodes open_nodes_;
   RouteParser routes_;

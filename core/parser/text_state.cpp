@@ -75,6 +75,11 @@ void TextState::report_metadata(Position at) {
   tokens.warning(at, "metadata is not kept, here and in the rest of this file");
 }
 
+void TextState::report_lost(Definition& definition, std::string_view name, Position at) {
+  if (!is_x3d || std::exchange(definition.loss_reported, true)) return;
+  tokens.warning(at, vrml::quoted(name) + " is a node that was left out; a USE of it is empty, a ROUTE is left out");
+}
+
 void TextState::convert_angles(const NodeType& type, Field& value) {
   constexpr std::array<std::string_view, 9> kAngles{"creaseAngle", "fieldOfView", "skyAngle",
                                                     "groundAngle", "minAngle",    "maxAngle",

@@ -64,8 +64,10 @@ struct TextState {
   [[nodiscard]] const FieldSpec* field_of(const NodeType& type, std::string_view name) const;
   // Returns the field of X3D that is meant, by itself or by one of its events, where no document keeps it.
   [[nodiscard]] const ExtraField* unkept_field_of(const NodeType& type, std::string_view name) const;
-  // Says once for the text that metadata is not kept.
+  // Warns that metadata is not kept; once for each text.
   void report_metadata(Position at);
+  // Warns that a USE or a ROUTE of X3D names a node that was left out; once for each node.
+  void report_lost(Definition& definition, std::string_view name, Position at);
   // Leads the angles of a value from the text's unit to radians.
   void convert_angles(const NodeType& type, Field& value);
 

@@ -15,7 +15,7 @@
 
 namespace peerd {
 
-// What is said of a world beside its file: in a side file, or on a command line. Paths and patterns are those of
+// Settings of a world stand beside its file, in a side file or on a command line. Paths and patterns are those of
 // CollisionInterests. `offset` is the place in the side file's text that a problem is reported at.
 struct InterestSetting {
   std::string object;

@@ -9,6 +9,10 @@ namespace peerd::vrml {
 // such value.
 [[nodiscard]] const Field& default_of(const FieldSpec& spec);
 
+// Returns the value that a Script's or a PROTO's field of that type has where its declaration gives none. Its `spec` is
+// that of no field.
+[[nodiscard]] const Field& default_of(FieldType type);
+
 // Returns the value of `field`, given or default.
 [[nodiscard]] const Field& value_of(const Node& node, std::string_view field);
 

@@ -601,6 +601,32 @@ bool sends_events(Access access) { return access == Access::kEventOut || access 
 bool takes_events(Access access) { return access == Access::kEventIn || access == Access::kExposedField; }
 bool has_value(Access access) { return access == Access::kField || access == Access::kExposedField; }
 
+std::string_view default_text_of(FieldType type) {
+  switch (type) {
+    case kSFBool:
+      return "FALSE";
+    case kSFFloat:
+    case kSFInt32:
+      return "0";
+    case kSFVec2f:
+      return "0 0";
+    case kSFColor:
+    case kSFImage:
+    case kSFVec3f:
+      return "0 0 0";
+    case kSFNode:
+      return "NULL";
+    case kSFRotation:
+      return "0 0 1 0";
+    case kSFString:
+      return "\"\"";
+    case kSFTime:
+      return "-1";
+    default:
+      return "[ ]";
+  }
+}
+
 int float_count(FieldType type) {
   switch (type) {
     case kSFFloat:

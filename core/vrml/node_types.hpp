@@ -117,6 +117,8 @@ struct NodeType {
 [[nodiscard]] bool has_value(Access access);
 // Returns the number of floats in one value; 0 where values are not made of floats.
 [[nodiscard]] int float_count(FieldType type);
+// Returns the value, as VRML text, of a field that a Script or a PROTO declares without one (ISO/IEC 19775-1, 5.3).
+[[nodiscard]] std::string_view default_text_of(FieldType type);
 [[nodiscard]] bool is_list(FieldType type);
 [[nodiscard]] bool holds_nodes(FieldType type);  // SFNode or MFNode
 

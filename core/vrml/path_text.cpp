@@ -23,7 +23,7 @@ std::size_t find_outside_quotes(std::string_view path, char wanted) {
 
 }  // namespace
 
-// The bytes are those that no identifier of VRML97 may have (annex A.3), and those that one cannot begin with.
+// A name needs quotes if it is no identifier of VRML97 (annex A.3).
 bool needs_quotes(std::string_view name) {
   const auto is_control = [](char c) { return static_cast<unsigned char>(c) <= 0x20 || c == 0x7f; };
   return name.empty() || (name.front() >= '0' && name.front() <= '9') || name.front() == '+' || name.front() == '-' ||

@@ -15,7 +15,7 @@ namespace peerd::vrml {
 // on behind them; it ends early once there are too many errors.
 class TokenStream {
  public:
-  // Where `text` was made of the text at `text_begin`, `map` says of which parts; it must outlive the stream.
+  // `map` is given where `text` was made of the text at `text_begin`, and leads back to it. It must outlive the stream.
   TokenStream(std::string_view text, Position text_begin, std::size_t begin, Problems& problems,
               const PositionMap* map = nullptr)
       : problems_(problems), lexer_(text, begin, map != nullptr), text_(text), text_begin_(text_begin), map_(map) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/vrml/lexer.hpp"
+#include "core/vrml/node_types.hpp"
 
 namespace peerd::vrml {
 namespace {
@@ -167,23 +168,12 @@ void ClassicWriter::source(std::string_view text, std::size_t at) {
 
 void ClassicWriter::default_value(std::string_view type, std::size_t at) {
   made_.map.add_place(made_.text.size(), at);
-  const auto numbers = numbers_of(type);
-  if (type.starts_with("MF")) {
+  if (const auto known = find_field_type(type)) {
+    (made_.text += default_text_of(*known)) += ' ';
+  } else if (type.starts_with("MF")) {
     made_.text += "[ ] ";
-  } else if (type == "SFRotation") {
-    made_.text += "0 0 1 0 ";
-  } else if (type == "SFTime") {
-    made_.text += "-1 ";
-  } else if (type == "SFBool") {
-    made_.text += "FALSE ";
-  } else if (type == "SFString") {
-    made_.text += "\"\" ";
-  } else if (type == "SFNode") {
-    made_.text += "NULL ";
-  } else if (type == "SFImage") {
-    made_.text += "0 0 0 ";
   } else {
-    for (std::size_t i = 0; i < numbers.value_or(1); ++i) made_.text += "0 ";
+    for (std::size_t i = 0; i < numbers_of(type).value_or(1); ++i) made_.text += "0 ";
   }
 }
 
@@ -210,9 +200,15 @@ bool ClassicWriter::strings(std::string_view field, std::string_view raw, std::s
   Lexer lexer(text);
   bool good = true;
   std::vector<std::string_view> found;
-  for (Token token = lexer.next(); token.kind != TokenKind::kEnd && good; token = lexer.next()) {
-    good = token.kind == TokenKind::kString;
-    found.push_back(token.text);
+  std::size_t end = 0;  // of the string before; the lexer takes what follows a '#' for a comment, which XML has not
+  for (bool more = true; more && good;) {
+    const Token token = lexer.next();
+    more = token.kind != TokenKind::kEnd;
+    const std::size_t begin = more ? token.offset : text.size();
+    good = (token.kind == TokenKind::kString || !more) &&
+           std::ranges::all_of(std::string_view(text).substr(end, begin - end), parts_values);
+    if (more) found.push_back(token.text);
+    end = begin + token.text.size() + 2;
   }
   if (!good) {
     fault(at, quoted(field) + " (MFString) wants strings in quotes, found " + vrml::quoted(text),
@@ -279,7 +275,11 @@ bool ClassicWriter::numbers(std::string_view type, std::string_view field, std::
   const bool list = type.starts_with("MF");
   made_.map.add_place(made_.text.size(), at);
   if (list) made_.text += "[ ";
-  encoded ? made_.map.add_place(made_.text.size(), at) : made_.map.add_copy(made_.text.size(), at);
+  if (encoded) {
+    made_.map.add_place(made_.text.size(), at);
+  } else {
+    made_.map.add_copy(made_.text.size(), at);
+  }
   made_.text += text;
   made_.map.add_place(made_.text.size(), at + raw.size());
   made_.text += list ? " ] " : " ";

@@ -4,8 +4,8 @@
 
 namespace peerd::vrml {
 
-// Gives a node the lengths that it has by default, where it does not give them itself, in a unit of so many metres. The
-// defaults of the standard are metres whatever the unit of a file is (ISO/IEC 19775-1, 4.3.6).
+// Writes the default lengths of a node into its fields, in the unit of its file. The standard's defaults are in metres
+// whatever that unit is (ISO/IEC 19775-1, 4.3.6), and the whole file is scaled to metres later.
 void give_default_lengths(Node& node, Arena& arena, double metres_per_unit);
 
 }  // namespace peerd::vrml

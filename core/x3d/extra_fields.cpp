@@ -65,6 +65,14 @@ constexpr ExtraField kExtraFields[] = {
     {"IndexedLineSet", "attrib", "MFNode", ""},
     {"IndexedLineSet", "fogCoord", "SFNode", "NULL"},
     {"IndexedLineSet", "normal", "SFNode", "NULL"},
+    {"IndexedQuadSet", "attrib", "MFNode", ""},
+    {"IndexedQuadSet", "fogCoord", "SFNode", "NULL"},
+    {"IndexedTriangleFanSet", "attrib", "MFNode", ""},
+    {"IndexedTriangleFanSet", "fogCoord", "SFNode", "NULL"},
+    {"IndexedTriangleSet", "attrib", "MFNode", ""},
+    {"IndexedTriangleSet", "fogCoord", "SFNode", "NULL"},
+    {"IndexedTriangleStripSet", "attrib", "MFNode", ""},
+    {"IndexedTriangleStripSet", "fogCoord", "SFNode", "NULL"},
     {"Inline", "autoRefresh", "SFTime", "0"},
     {"Inline", "autoRefreshTimeLimit", "SFTime", "3600"},
     {"Inline", "bboxDisplay", "SFBool", "FALSE"},
@@ -125,6 +133,8 @@ constexpr ExtraField kExtraFields[] = {
     {"PointSet", "normal", "SFNode", "NULL"},
     {"ProximitySensor", "centerOfRotation_changed", "SFVec3f", kEvent},
     {"ProximitySensor", "description", "SFString", "\"\""},
+    {"QuadSet", "attrib", "MFNode", ""},
+    {"QuadSet", "fogCoord", "SFNode", "NULL"},
     {"Script", "autoRefresh", "SFTime", "0"},
     {"Script", "autoRefreshTimeLimit", "SFTime", "3600"},
     {"Script", "description", "SFString", "\"\""},
@@ -163,6 +173,12 @@ constexpr ExtraField kExtraFields[] = {
     {"Transform", "bboxDisplay", "SFBool", "FALSE"},
     {"Transform", "name", "SFString", "\"\""},
     {"Transform", "visible", "SFBool", "TRUE"},
+    {"TriangleFanSet", "attrib", "MFNode", ""},
+    {"TriangleFanSet", "fogCoord", "SFNode", "NULL"},
+    {"TriangleSet", "attrib", "MFNode", ""},
+    {"TriangleSet", "fogCoord", "SFNode", "NULL"},
+    {"TriangleStripSet", "attrib", "MFNode", ""},
+    {"TriangleStripSet", "fogCoord", "SFNode", "NULL"},
     {"Viewpoint", "centerOfRotation", "SFVec3f", "0 0 0"},
     {"Viewpoint", "farDistance", "SFFloat", "-1"},
     {"Viewpoint", "navigationInfo", "SFNode", "NULL"},
@@ -174,7 +190,7 @@ constexpr ExtraField kExtraFields[] = {
 static_assert(std::ranges::is_sorted(kExtraFields, {}, &ExtraField::node));
 
 constexpr ExtraField kMetadata = {"", "metadata", "SFNode", "NULL"};
-// The types of fields of X3D that VRML97 does not have.
+// The types of fields that a PROTO or a Script of X3D may declare, and one of VRML97 may not.
 constexpr std::string_view kOtherTypes[] = {
     "MFBool",     "MFColorRGBA", "MFDouble", "MFImage", "MFMatrix3d",  "MFMatrix3f", "MFMatrix4d", "MFMatrix4f",
     "MFVec2d",    "MFVec3d",     "MFVec4d",  "MFVec4f", "SFColorRGBA", "SFDouble",   "SFMatrix3d", "SFMatrix3f",

@@ -141,8 +141,11 @@ class PolygonSets {
     if (const auto known = known_.find(key); known != known_.end()) return known->second.get();
     auto made = std::make_shared<Corners>();
     const Position at = list == nullptr ? node.at : list->at;
-    bool good = true;
-    if (shape.indexed) {
+    bool good = points > 0;
+    if (!good) {
+      if (list != nullptr)
+        problems_.warning(at, "this " + std::string(node.type->name) + " has no points: it has no polygons");
+    } else if (shape.indexed) {
       if (index != nullptr) {
         good = check_index(shape, index->as<std::int32_t>(), points, at) &&
                add_indexed(*made, shape, index->as<std::int32_t>(), at);
@@ -183,8 +186,10 @@ class PolygonSets {
     for (std::size_t i = 0; i < index.size(); ++i) {
       if ((ends && index[i] == -1) || (index[i] >= 0 && static_cast<std::size_t>(index[i]) < points)) continue;
       ElementPositions positions(problems_.text_of(at), problems_.begin_of(at), at);
-      problems_.error(positions.at(i), "index has " + std::to_string(index[i]) + ", but coord has " +
-                                           std::to_string(points) + " points, numbered from 0");
+      problems_.fault(positions.at(i),
+                      "index has " + std::to_string(index[i]) + ", but coord has " + std::to_string(points) +
+                          " points, numbered from 0",
+                      "this node has no polygons");
       return false;
     }
     return true;
@@ -231,12 +236,14 @@ class PolygonSets {
     Corners run;
     for (const std::int32_t count : counts) {
       if (count < 3) {
-        problems_.error(at, "a fan or a strip has at least three points, and not " + std::to_string(count));
+        problems_.fault(at, "a fan or a strip has at least three points, and not " + std::to_string(count),
+                        "this node has no polygons");
         return false;
       }
       if (static_cast<std::size_t>(count) > points - begin) {
-        problems_.error(
-            at, "there are " + std::to_string(points) + " points, fewer than the fans or strips of this node take");
+        problems_.fault(
+            at, "there are " + std::to_string(points) + " points, fewer than the fans or strips of this node take",
+            "this node has no polygons");
         return false;
       }
       run.resize(static_cast<std::size_t>(count));

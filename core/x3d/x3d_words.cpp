@@ -106,6 +106,7 @@ constexpr std::string_view kOtherNodes[] = {
     "DynamicsCompressor",
     "EaseInEaseOut",
     "EdgeEnhancementVolumeStyle",
+    "EnvironmentLight",
     "EspduTransform",
     "ExplosionEmitter",
     "FillProperties",

@@ -9,7 +9,7 @@
 namespace peerd::vrml {
 namespace {
 
-// Elements nest no deeper: a node in a node is one level, or three in a PROTO's field.
+// Elements nest no deeper. Each node is one level, and so is each ProtoDeclare, field and fieldValue.
 constexpr std::uint32_t kMaxElements = 1024;
 
 // Attributes that are no fields of a node.
@@ -144,7 +144,7 @@ void XmlTranslator::proto(Element element) {
   writer_.word("[", at(element));
   interface(element.child("ProtoInterface"), true, proto);
   writer_.word("] {", at(element));
-  protos_.emplace_back();
+  scopes_.emplace_back();
   const Element body = element.child("ProtoBody");
   content(body);
   for (const Element child : body.children()) {
@@ -154,10 +154,10 @@ void XmlTranslator::proto(Element element) {
     proto.container = container_of_element(child, {});
     break;
   }
-  protos_.pop_back();
+  scopes_.pop_back();
   writer_.word("}", at(element));
   writer_.line();
-  protos_.back().insert_or_assign(name->value(), std::move(proto));
+  scopes_.back().protos.insert_or_assign(name->value(), std::move(proto));
   --depth_;
 }
 
@@ -171,9 +171,9 @@ void XmlTranslator::extern_proto(Element element) {
   interface(element, false, proto);
   writer_.word("]", at(element));
   const pugi::xml_attribute url = element.attribute("url");
-  url ? static_cast<void>(writer_.value("MFString", "url", url.value(), at(url))) : writer_.word("[ ]", at(element));
+  if (!url || !writer_.value("MFString", "url", url.value(), at(url))) writer_.word("[ ]", at(element));
   writer_.line();
-  protos_.back().insert_or_assign(name->value(), std::move(proto));
+  scopes_.back().protos.insert_or_assign(name->value(), std::move(proto));
 }
 
 void XmlTranslator::interface(Element around, bool with_values, Proto& proto) {
@@ -229,24 +229,50 @@ void XmlTranslator::declared_value(Element field, std::string_view type) {
 }
 
 const XmlTranslator::Proto* XmlTranslator::find_proto(std::string_view name) const {
-  for (auto scope = protos_.rbegin(); scope != protos_.rend(); ++scope) {
-    if (const auto found = scope->find(name); found != scope->end()) return &found->second;
+  for (auto scope = scopes_.rbegin(); scope != scopes_.rend(); ++scope) {
+    if (const auto found = scope->protos.find(name); found != scope->protos.end()) return &found->second;
   }
   return nullptr;
 }
 
-void XmlTranslator::node(Element element) {
-  if (const pugi::xml_attribute use = element.attribute("USE"); use && !element.attribute("DEF")) {
-    writer_.word("USE", at(element));
-    writer_.name(use.value(), at(use));
-    return writer_.line();
+void XmlTranslator::use(Element element) {
+  const pugi::xml_attribute def = element.attribute("DEF");
+  if (def && *def.value() != '\0') {
+    writer_.fault(at(def), "a node with USE is another one, and has no DEF of its own", "the DEF is left out");
   }
+  const auto use = wanted(element, "USE");
+  if (!use) return;
+  if (element.first_child()) {
+    writer_.warning(at(element), "a node with USE is another one: what stands in it here is left out");
+  }
+  // A node whose DEF stands in one that is left out is written where it is used first.
+  auto& left_out = scopes_.back().left_out;
+  const auto found = left_out_around_ ? left_out.end() : left_out.find(use->value());
+  const std::string_view type = found == left_out.end() ? "" : found->second.name();
+  if (type == "ProtoInstance" || find_x3d_type(type) != nullptr) {
+    const Element first = found->second;
+    left_out.erase(found);
+    return node(first);
+  }
+  writer_.word("USE", at(element));
+  writer_.name(use->value(), at(*use));
+  writer_.line();
+}
+
+void XmlTranslator::node(Element element) {
+  if (element.attribute("USE")) return use(element);
   const bool instance = std::string_view(element.name()) == "ProtoInstance";
   const auto name = instance ? wanted(element, "name") : std::nullopt;
   if ((instance && !name) || !enter(element)) return;
   if (const pugi::xml_attribute def = element.attribute("DEF"); def && *def.value() != '\0') {
     writer_.word("DEF", at(element));
     writer_.name(def.value(), at(def));
+    auto& left_out = scopes_.back().left_out;
+    if (left_out_around_) {
+      left_out.insert_or_assign(def.value(), element);
+    } else {
+      left_out.erase(def.value());
+    }
   }
   Type type;
   if (instance) {
@@ -273,6 +299,7 @@ void XmlTranslator::names_in(Element element) {
     if (const pugi::xml_attribute def = inner.attribute("DEF"); def && *def.value() != '\0') {
       writer_.word("DEF", at(inner));
       writer_.name(def.value(), at(def));
+      scopes_.back().left_out.insert_or_assign(def.value(), inner);
     }
     if (inner.first_child()) {
       inner = inner.first_child();
@@ -295,6 +322,12 @@ std::optional<std::string_view> XmlTranslator::field_type(const Type& type, std:
   if (spec != nullptr && spec->access != Access::kContent) return name_of(spec->type);
   const ExtraField* const extra = find_extra_field(type.built_in->name, field);
   return extra == nullptr ? std::nullopt : std::optional(extra->type);
+}
+
+bool XmlTranslator::keeps(const Type& type, std::string_view field) {
+  if (type.interface != nullptr) return type.interface->contains(field);
+  const FieldSpec* const spec = find_field(*type.built_in, vrml_field_name(type.built_in->name, field));
+  return spec != nullptr && spec->access != Access::kContent;
 }
 
 XmlTranslator::Links XmlTranslator::links_of(Element element) {
@@ -384,6 +417,8 @@ std::string_view XmlTranslator::container_of_element(Element element, const Type
   if (name == "ProtoInstance") {
     if (const Proto* const proto = find_proto(element.attribute("name").value())) container = proto->container;
   }
+  const bool metadata = name.starts_with("Metadata") && is_unkept_x3d_node(name);
+  if (metadata && !field_type(around, container)) return "metadata";  // but in a MetadataSet
   if (around.built_in == nullptr || field_type(around, container)) return container;
   // A node that belongs nowhere by its name goes where nodes of its kind do: a MovieTexture to the source of a Sound.
   const std::uint16_t classes = type == nullptr ? 0 : type->classes;
@@ -441,6 +476,7 @@ void XmlTranslator::part(const Part& part, const Type& type) {
   const bool list = !field_type(type, part.field).value_or("MFNode").starts_with("SF");
   if (list) writer_.word("[", at(first));
   bool full = false;
+  const bool around = std::exchange(left_out_around_, left_out_around_ || !keeps(type, part.field));
   for (const Element element : part.elements) {
     if (statement(element)) continue;
     if (!list && std::exchange(full, true)) {
@@ -452,6 +488,7 @@ void XmlTranslator::part(const Part& part, const Type& type) {
     node(element);
     if (!list && writer_.size() == before) writer_.word("NULL", at(element));
   }
+  left_out_around_ = around;
   if (list) writer_.word("]", at(first));
 }
 

@@ -28,11 +28,16 @@ class XmlTranslator {
   // The type of an element that is a node, as far as it says what stands in it.
   struct Type {
     const NodeType* built_in = nullptr;
-    const std::map<std::string_view, std::string_view>* interface = nullptr;  // types of fields of a PROTO or a Script
+    const std::map<std::string_view, std::string_view>* interface = nullptr;  // types of fields, of a PROTO
   };
   struct Proto {
     std::map<std::string_view, std::string_view> fields;  // their types
     std::string_view container = "children";              // of its first node
+  };
+  // The names of a file or of a ProtoBody.
+  struct Scope {
+    std::map<std::string_view, Proto> protos;
+    std::map<std::string_view, Element> left_out;  // nodes that stand in others that are left out, by their DEFs
   };
   // The elements of one field, in order, or one statement.
   struct Part {
@@ -60,6 +65,7 @@ class XmlTranslator {
   void declared_value(Element field, std::string_view type);
 
   void node(Element element);
+  void use(Element element);
   void names_in(Element element);  // of a node that is left out
   void fields(Element element, const Type& type);
   void attributes(Element element, const Type& type, std::string_view& url, std::size_t& url_at);
@@ -71,8 +77,10 @@ class XmlTranslator {
   void write(const Links& links);
   [[nodiscard]] Links links_of(Element element);
 
+  // Returns whether the reader keeps a field of nodes of a node of that type.
+  [[nodiscard]] static bool keeps(const Type& type, std::string_view field);
   [[nodiscard]] const Proto* find_proto(std::string_view name) const;
-  // Returns the type of a field, for people; nothing where the node has no such field.
+  // Returns the type of a field as X3D names it; nothing where the node has no such field.
   [[nodiscard]] static std::optional<std::string_view> field_type(const Type& type, std::string_view field);
   [[nodiscard]] std::string_view container_of_element(Element element, const Type& around) const;
   // Returns the value of an attribute that an element must have; reports its lack.
@@ -83,7 +91,8 @@ class XmlTranslator {
 
   ClassicWriter writer_;
   const char* copy_;
-  std::vector<std::map<std::string_view, Proto>> protos_{1};  // by name; of the file and of each open ProtoBody
+  std::vector<Scope> scopes_{1};  // of the file and of each open ProtoBody
+  bool left_out_around_ = false;  // what is written stands in a field that the reader passes over
   std::uint32_t depth_ = 0;
   bool too_deep_ = false;
 };

@@ -87,7 +87,7 @@ inline constexpr std::string_view kSideEnding = ".peerd.toml";
 // Returns the name for a new side file of a world.
 [[nodiscard]] std::filesystem::path new_side_file(const std::filesystem::path& world);
 
-// What a side file says; its name is that of errors.
+// Reads the text of a side file. Errors begin with `name`.
 [[nodiscard]] Result<WorldSettings> read_side_file(const std::string& text, const std::string& name);
 // Returns the text of a side file with the values of `reading` in the place of its own.
 [[nodiscard]] Result<std::string> with_options(const std::string& text, const std::string& name,

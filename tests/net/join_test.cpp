@@ -98,11 +98,12 @@ TEST_F(Joining, AJoiningPeerGetsAWorldOfAnotherFormatWithItsFiles) {
   folder.write("b.bin", maker.buffer());
   const std::string image("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\1\0\0\0\1\x8\2\0\0\0\x90wS\xde", 33);
   folder.write("a.png", image);
-  folder.write("w.peerd.toml", "collide = \"all\"\n");
+  folder.write("w.gltf.peerd.toml", "collide = \"all\"\n");
   Process a = start("a", {"run", "--world", (folder / "w.gltf").string(), "--port", std::to_string(own_port(13)),
                           "--world-name", world, "--own", "crate", "--view"});
   ASSERT_TRUE(is_in_session("a")) << a.out() << a.err();
-  for (const char* const file : {"w.gltf", "b.bin", "a.png", "w.peerd.toml"}) std::filesystem::remove(folder / file);
+  for (const char* const file : {"w.gltf", "b.bin", "a.png", "w.gltf.peerd.toml"})
+    std::filesystem::remove(folder / file);
   Process b = join("b", world, {"--view"});
   ASSERT_TRUE(is_in_session("b")) << b.out() << b.err();
   EXPECT_EQ(world_of("b"), world_of("a"));

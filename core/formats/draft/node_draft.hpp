@@ -35,7 +35,7 @@ class NodeDraft {
   NodeDraft& nodes(std::string_view field, std::span<const vrml::NodeRef> refs);
   NodeDraft& node(std::string_view field, vrml::NodeRef ref);  // nothing where it is none
 
-  // Gives the fields to a node of that type which is there, in the place of those that it has.
+  // Replaces the fields of a node of that type by these.
   void give_to(vrml::Node& node);
   // Adds the node to the document, behind all nodes that it refers to.
   vrml::NodeRef add();

@@ -51,7 +51,7 @@ class Reading {
   void warn(std::size_t offset, std::string what) { problems.warning(at(offset), std::move(what)); }
   [[nodiscard]] vrml::Position at(std::size_t offset) const { return begin_ + static_cast<vrml::Position>(offset); }
 
-  // Returns whether the document may have `more` nodes besides those that it has. A node needs some hundred bytes of
+  // Returns whether the document may grow by `more` nodes. A node needs some hundred bytes of
   // memory, and the smallest part of a file that asks for one a dozen.
   [[nodiscard]] bool has_room(std::uint64_t more = 0) const {
     const std::uint64_t nodes = so_far_[static_cast<std::size_t>(Asked::kNodes)] + document.nodes.size() + more;
@@ -93,9 +93,9 @@ class Reading {
   const vrml::ParseOptions& options;
 
  private:
-  // Files of any size together may ask for `base`, and for so many more for each 64 of their bytes. A quaternion of
-  // four bytes that steps becomes fifteen values. Corners are counted as indices: a byte is one of them at most, and
-  // those that several geometries share count for each.
+  // All files of a world together may ask for `base`, whatever their size, and for `of_64_bytes` more for each 64 of
+  // their bytes. A stepping quaternion of four bytes becomes fifteen values. Corners are counted as indices. A byte is
+  // at most one index, but geometries that share indices are counted each.
   struct Rate {
     std::uint64_t base, of_64_bytes;
   };

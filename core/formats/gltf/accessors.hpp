@@ -17,7 +17,7 @@ class Accessors {
       : model_(model), buffers_(buffers), reading_(reading) {}
 
   // Returns the values one behind the other, `width` numbers each; an error where the accessor's type is another.
-  // Colours may have three or four numbers: `width` is then 0, and the result has those that the accessor has.
+  // Colours have three or four numbers: for these, `width` is 0, and the accessor's type decides.
   [[nodiscard]] std::expected<std::vector<float>, std::string> floats(int accessor, std::size_t width);
   // Returns indices, which are below `limit`.
   [[nodiscard]] std::expected<std::vector<std::uint32_t>, std::string> indices(int accessor, std::uint64_t limit);

@@ -58,7 +58,8 @@ std::string text_of(const Json& object, const char* key) {
   return it != object.end() && it->is_string() ? it->get<std::string>() : std::string();
 }
 
-// Returns the URI of an object, where it is: among those that were taken out, or in `text`, which it is then read into.
+// Returns the URI of an object. A long one was taken out of the JSON and stands in `urls`; another is copied to `text`,
+// which the result points into.
 std::string_view uri_of(const Json& object, const std::vector<std::string_view>& urls, std::string& text) {
   text = text_of(object, "uri");
   const auto it = object.find("uri");

@@ -23,7 +23,7 @@ class Buffers {
 
  private:
   std::vector<std::string_view> bytes_;  // of each, as long as its byteLength says
-  std::deque<std::string> decoded_;      // those that stood in data: URIs
+  std::deque<std::string> decoded_;      // bytes of data: URIs
 };
 
 // An image of a glTF, as its JSON has it.

@@ -94,7 +94,8 @@ bool GltfReader::check_extensions() {
   return true;
 }
 
-// The nodes at the top of the scene: of the default scene, else of the first, else all that are nobody's child.
+// Returns the roots of the default scene. A file without one has its first scene; a file without scenes has all nodes
+// that are nobody's child.
 std::optional<std::vector<int>> GltfReader::roots() {
   if (!model_.scenes.empty()) {
     const int scene = std::max(model_.defaultScene, 0);

@@ -42,7 +42,8 @@ class Materials {
   Reading& reading_;
   std::vector<vrml::NodeRef> made_;
   vrml::NodeRef usual_;
-  // By bufferView or URI, and whether it repeats along s and t. An image is large, and may be that of many materials.
+  // The keys are an image's bufferView, its URI, and whether it repeats along s and along t. Materials share images,
+  // which are large.
   std::map<std::tuple<int, std::string_view, bool, bool>, vrml::NodeRef> shown_;
 };
 

@@ -115,7 +115,7 @@ bool OffReader::read_point() {
     place[i] = *number;
   }
   if (!reading_.add_point(place[0], place[1], place[2], shape_.points)) return fail(std::string(kBadPoint));
-  // Where the header says them, a normal, a colour and two texture coordinates stand behind the coordinates.
+  // The coordinates are followed by a normal, a colour and two texture coordinates, if the header names them.
   const std::size_t color = has_normals_ ? 6 : 3;
   if (has_colors_ && !read_color(color, shape_.colors)) return fail("expected the colour of the point");
   name_surplus(color + (has_colors_ ? 4 : 0) + (has_texture_ ? 2 : 0), named_of_point_,

@@ -81,7 +81,7 @@ class Numbers {
   bool failed_ = false;
 };
 
-// What a property is for.
+// A Use is what a property gives to a mesh.
 enum class Use : std::uint8_t { kNone, kX, kY, kZ, kRed, kGreen, kBlue, kIndices };
 
 Use use_of(const PlyProperty& property, std::string_view element) {
@@ -155,7 +155,7 @@ bool PlyReader::fits(const PlyElement& element) {
                                           quoted(element.name));
 }
 
-// Finds what the properties of an element are for, and names those that are for nothing.
+// Finds the use of each property of an element, and warns of properties that have none.
 bool PlyReader::prepare(const PlyElement& element) {
   is_vertex_ = element.name == "vertex";
   is_strip_ = element.name == "tristrips";

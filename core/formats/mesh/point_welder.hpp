@@ -49,7 +49,7 @@ class PointWelder {
     return crowded_.try_emplace(place, index).first->second;
   }
 
-  // Doubles the table; all points before that index are in it anew.
+  // Doubles the table, and enters the points before `index` again.
   void grow(const std::vector<float>& points, std::int32_t index) {
     slots_.assign(std::max(2 * kProbes, 2 * slots_.size()), kFree);
     crowded_.clear();

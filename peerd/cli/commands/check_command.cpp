@@ -98,7 +98,7 @@ Enclosures enclosures_of(const replication::WorldModel& model) {
   return found;
 }
 
-// What check says about the lengths of a file that is no VRML97.
+// Lengths are the sentences of `check` about the unit and the axes of a file that is no VRML97.
 struct Lengths {
   std::string format;   // empty: it is VRML97
   std::string taken;    // how its unit and axes are understood, and why

@@ -300,7 +300,7 @@ int new_from(const NewOptions& options, const std::string& name, std::ostream& o
     return failed({"error: " + options.from.string() + " has errors; peerd check says which", 1});
   }
   const fs::path file = options.folder / options.from.filename(), scenario = options.folder / (name + ".toml");
-  // By either of its names, a side file that is there would be that of the copy.
+  // A side file that is there already, by either of its names, would be read with the copy.
   const fs::path short_side = short_side_file(file), long_side = long_side_file(file);
   for (const fs::path& one : {file, scenario, short_side, long_side}) {
     std::error_code ignored;  // what can't be asked for can't be written either, which says why

@@ -13,7 +13,7 @@ namespace peerd {
 inline constexpr const char* kLenientHelp =
     "read on where the world departs from VRML97 and browsers read on, with a warning at each place";
 
-// What no file of the world's format says, over the side file: --collide, --unit and --up.
+// Adds --collide, --unit and --up, which count before the side file of the world.
 void add_format_options(CLI::App& command, std::string& collide, std::string& unit, std::string& up);
 
 // The network of a peer. The defaults are those of net::TransportSettings.

@@ -25,6 +25,7 @@ constexpr NumberRange kTicksPerSecond{1e-6, 1e6};
 constexpr std::string_view kFormats =
     "Formats (docs/reference/formats.md):\n"
     "  VRML97  everything: movement, interests, responses, owners\n"
+    "  X3D     as VRML97, in XML and Classic VRML; nodes and fields that VRML97 has not are left out\n"
     "  glTF    nodes, meshes, materials, images, cameras, lights, animations by steps and straight lines; no skins,\n"
     "          morph targets or cubic splines\n"
     "  OBJ     groups, polygons, lines, points, materials; no unit, no axis, no normals\n"

@@ -53,7 +53,8 @@ Result<std::unique_ptr<control::ControlServer>> open_control(asio::io_context& i
   return opened;
 }
 
-// Of a world that came from elsewhere, images that its files name have not come with it; those that it carries have.
+// Returns what loads the images of the world. A world that another peer has sent comes without the images that its
+// files name, but with those that stand in its files.
 view::ImageLoader images_for(const PeerOptions& options, const config::Scenario& scenario) {
   if (options.joined) return view::images_of({}, {});
   return view::images_of(local_files(view::kImage_bytes), scenario.world.string());

@@ -75,11 +75,11 @@ inline std::string error_of(const ReadResult& result) {
   return first;
 }
 
-// FILE: MESSAGE, or FILE:LINE: MESSAGE, of each warning.
+// FILE: MESSAGE, or FILE:LINE: MESSAGE, of each warning. The file has no errors.
 inline std::vector<std::string> warnings_of(const ReadResult& result) {
   std::vector<std::string> lines;
   for (const Diagnostic& d : result.diagnostics) {
-    if (d.severity != Severity::kWarning) continue;
+    EXPECT_EQ(d.severity, Severity::kWarning) << d.message;
     lines.push_back(result.sources.at(d.source).name + (d.where.line == 0 ? "" : ":" + std::to_string(d.where.line)) +
                     ": " + d.message);
   }

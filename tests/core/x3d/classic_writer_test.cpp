@@ -79,6 +79,13 @@ TEST(ClassicWriter, TakesAStringWithoutQuotesForOne) {
   EXPECT_THAT(w.messages(), ElementsAre("'f' (MFString) wants strings in quotes, found 'a.png'"));
 }
 
+// XML has no comments in attributes.
+TEST(ClassicWriter, TakesNoSignBetweenStringsForAComment) {
+  Writing w;
+  EXPECT_EQ(w.value("MFString", "\"a\" # \"b\""), "[ \"\\\"a\\\" # \\\"b\\\"\" ] ");
+  EXPECT_THAT(w.messages(), ElementsAre("'f' (MFString) wants strings in quotes, found '\"a\" # \"b\"'"));
+}
+
 TEST(ClassicWriter, WritesAnyNameAsOneToken) {
   for (const std::string_view name : {"a", "a.b c", "x Box {", "1", "\"", "#", "-"}) {
     Writing w;

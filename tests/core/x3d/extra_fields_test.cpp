@@ -60,6 +60,34 @@ TEST(ExtraFields, OfMetadataAreNamedOnceAFile) {
       warnings_of(read_xml(
           "<MetadataString name='a'/>\n<Group><MetadataSet/><MetadataInteger containerField='metadata'/></Group>")),
       ElementsAre("a.x3d:1: metadata is not kept, here and in the rest of this file"));
+  // The default containerField of Metadata nodes is "value" in a MetadataSet, and "metadata" elsewhere.
+  EXPECT_THAT(warnings_of(read_xml("<WorldInfo><MetadataSet><MetadataString/></MetadataSet></WorldInfo>\n"
+                                   "<Shape><Box><MetadataString name='a'/></Box></Shape>")),
+              ElementsAre("a.x3d:1: metadata is not kept, here and in the rest of this file"));
+}
+
+TEST(ExtraFields, OfAllPolygonSetsAreAttribAndFogCoord) {
+  for (const std::string set : {"IndexedQuadSet", "IndexedTriangleFanSet", "IndexedTriangleSet", "QuadSet",
+                                "IndexedTriangleStripSet", "TriangleFanSet", "TriangleSet", "TriangleStripSet"}) {
+    EXPECT_THAT(
+        warnings_of(read_xml("<Shape><" + set + "><FogCoordinate depth='1'/></" + set + "></Shape>")),
+        ElementsAre("a.x3d:1: 'fogCoord' of " + set + " is a field of X3D that is not kept; its value has no effect"));
+    ASSERT_NE(find_extra_field(set, "attrib"), nullptr);
+  }
+}
+
+TEST(ExtraFields, ThatAreUsedAreNamedOnce) {
+  EXPECT_THAT(
+      warnings_of(read_classic("Shape { appearance DEF A Appearance { } }\n"
+                               "Shape { appearance Appearance { shaders USE A material Material { } } }")),
+      ElementsAre("a.x3dv:3: 'shaders' of Appearance is a field of X3D that is not kept; its value has no effect"));
+}
+
+// The field `level` of VRML97 is called `children`, and level_changed is no event of it.
+TEST(ExtraFields, OfALodIsTheNumberOfItsLevel) {
+  EXPECT_THAT(
+      warnings_of(read_classic("DEF L LOD { }\nDEF S Switch { }\nROUTE L.level_changed TO S.whichChoice")),
+      ElementsAre("a.x3dv:4: 'level_changed' of LOD is a field of X3D that is not kept; the ROUTE is left out"));
 }
 
 }  // namespace peerd::vrml::extra_fields_test

@@ -111,4 +111,13 @@ TEST(PolygonSets, ShortTextsCannotAskForManyPolygons) {
   EXPECT_THAT(error_of(read_classic(body)), HasSubstr("more polygons than a file of this size may ask for"));
 }
 
+TEST(PolygonSets, WithoutPointsHaveNoPolygons) {
+  const ReadResult result =
+      read_classic("Shape { geometry IndexedTriangleSet { index [ 0 1 2 ]\ncoord CoordinateDouble { } } }");
+  EXPECT_EQ(
+      difference_of(read_vrml97("Shape { geometry IndexedFaceSet { coord NULL creaseAngle 3.1415927 } }"), result), "");
+  EXPECT_THAT(warnings_of(result),
+              testing::Contains("a.x3dv:2: this IndexedTriangleSet has no points: it has no polygons"));
+}
+
 }  // namespace peerd::vrml::polygon_sets_test

@@ -60,6 +60,7 @@ TEST(X3dWords, KnowNodesThatAreNotKept) {
   EXPECT_THAT(
       warnings_of(left_out),
       ElementsAre("a.x3dv:2: RigidBody is a node of X3D that is not read; the node is left out, with all that is in it",
+                  "a.x3dv:2: 'R' is a node that was left out; a USE of it is empty, a ROUTE is left out",
                   HasSubstr("a.x3dv:3: KeySensor is a node of X3D")));
   EXPECT_EQ(paths_of(*left_out.scene), (std::vector<std::string>{"0", "0/2"}));
   EXPECT_THAT(error_of(read_classic("RigidBodi { }")), HasSubstr("unknown node type 'RigidBodi'"));
@@ -122,6 +123,7 @@ TEST(X3dWords, BringNodesOfInlinesIntoRoutes) {
   ASSERT_TRUE(lost.scene);
   EXPECT_THAT(warnings_of(lost), ElementsAre("a.x3dv:4: this IMPORT is left out: the file of 'I' exports no 'none'",
                                              HasSubstr("a.x3dv:5: this IMPORT is left out: 'P' is no Inline"),
+                                             HasSubstr("a.x3dv:6: 'none' is a node that was left out"),
                                              HasSubstr("b.x3dv:4: EXPORT of 'B', which no DEF names")));
 }
 
@@ -136,6 +138,50 @@ TEST(X3dWords, StandInFilesOfOtherWorlds) {
       read_vrml97("EXTERNPROTO Q [ field SFFloat s ] \"p.x3d\"\nQ { s 3 }\nInline { url \"p.x3d\" }", beside);
   EXPECT_EQ(difference_of(world, read_vrml97("Shape { geometry Sphere { radius 3 } }\nGroup { children Shape { } }")),
             "");
+}
+
+// ISO/IEC 19775-1, 23.4.4 and 17.4.3.
+TEST(X3dWords, HaveTheDefaultsOfX3d) {
+  const std::string given =
+      "NavigationInfo { type [ \"EXAMINE\" \"ANY\" ] }\n"
+      "SpotLight { beamWidth 0.7853982 cutOffAngle 1.5707964 }\n";
+  EXPECT_EQ(difference_of(read_vrml97(given), read_classic("NavigationInfo { }\nSpotLight { }")), "");
+  EXPECT_EQ(difference_of(read_vrml97(given), read_xml("<NavigationInfo/><SpotLight/>")), "");
+  EXPECT_EQ(difference_of(read_vrml97("SpotLight { beamWidth 0.5 cutOffAngle 0.25 }"),
+                          read_classic("PROTO P [ initializeOnly SFFloat a 0.5 ] { SpotLight { beamWidth IS a "
+                                       "cutOffAngle 0.25 } }\nP { }")),
+            "");
+}
+
+TEST(X3dWords, ScriptsHaveAValueWhereTheirIsBringsNone) {
+  EXPECT_EQ(difference_of(read_vrml97("Script { field SFVec3f a 0 0 0 eventIn SFVec3f set_a eventOut SFVec3f a_changed "
+                                      "field SFRotation r 0 0 1 0 }"),
+                          read_classic("PROTO P [ inputOnly SFVec3f u initializeOnly SFVec3d q 1 2 3 ] { Script { "
+                                       "inputOutput SFVec3f a IS u initializeOnly SFRotation r IS q } }\nP { }")),
+            "");
+}
+
+TEST(X3dWords, ScriptsMayDeclareTheEventsOfAnInputOutput) {
+  const ReadResult result = read_classic("Script { inputOnly SFFloat set_a inputOutput SFFloat a 1 }");
+  EXPECT_EQ(difference_of(read_vrml97("Script { eventIn SFFloat set_a field SFFloat a 1 eventOut SFFloat a_changed }"),
+                          result),
+            "");
+  EXPECT_TRUE(read_vrml97(written(result).substr(std::string("#VRML V2.0 utf8\n").size())).scene);
+}
+
+TEST(X3dWords, NameAnImportThatMovesSeveralInlines) {
+  const NamedFiles files = {{"b.x3dv", "#X3D V3.3 utf8\nDEF N Transform { }\nEXPORT N\n"}};
+  const std::string imports = "DEF I Inline { url \"b.x3dv\" }\nIMPORT I.N\n";
+  EXPECT_THAT(warnings_of(read_classic(imports, files)), testing::IsEmpty());
+  EXPECT_THAT(
+      warnings_of(read_classic(imports + "Inline { url \"b.x3dv\" }", files)),
+      testing::ElementsAre("a.x3dv:3: what this IMPORT does to the file of an Inline, it does to all Inlines of "
+                           "that file"));
+}
+
+TEST(X3dWords, OfTheHeadStandInFrontOfNodes) {
+  EXPECT_FALSE(read_classic("Group { UNIT length mm 0.001 }").scene);
+  EXPECT_FALSE(read_classic("Group { PROFILE Interchange }").scene);
 }
 
 }  // namespace peerd::vrml::x3d_words_test

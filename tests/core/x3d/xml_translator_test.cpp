@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <string>
+
 #include "tests/core/x3d/x3d_fixture.hpp"
 
 namespace peerd::vrml::xml_translator_test {
@@ -9,7 +12,7 @@ namespace peerd::vrml::xml_translator_test {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-// Where a node belongs, XML says by containerField or leaves to the kinds of nodes.
+// XML says by containerField where a node belongs, or leaves it to the kinds of nodes.
 TEST(XmlTranslator, PutsNodesWhereTheyBelong) {
   EXPECT_EQ(
       difference_of(
@@ -93,6 +96,45 @@ TEST(XmlTranslator, WrongFieldsAreNamedAtTheirLine) {
   EXPECT_EQ(error_of(result), "Transform has no field 'translaton', did you mean 'translation'?");
   EXPECT_EQ(result.diagnostics.at(0).where.line, 2U);
   EXPECT_EQ(result.diagnostics.at(0).where.column, 2U);
+}
+
+// ISO/IEC 19775-1 knows a DEF wherever it stands, also in a node that this reader leaves out.
+TEST(XmlTranslator, KeepsNodesOfLeftOutNodesForAUse) {
+  const ReadResult result = read_xml(
+      "<WorldInfo><MetadataSet containerField='metadata'><Transform DEF='T' containerField='value'>"
+      "<Shape DEF='S'><Box/></Shape></Transform></MetadataSet></WorldInfo>"
+      "<Shape><Appearance><ComposedShader DEF='C'/><PixelTexture DEF='P' "
+      "containerField='shaders'/></Appearance></Shape>"
+      "<Transform USE='T'/><Group><Shape USE='S'/><Transform USE='T'/></Group>"
+      "<Shape><Appearance><PixelTexture USE='P'/></Appearance></Shape>");
+  EXPECT_EQ(difference_of(read_vrml97("WorldInfo { }\nShape { appearance Appearance { } }\n"
+                                      "DEF T Transform { children DEF S Shape { geometry Box { } } }\n"
+                                      "Group { children [ USE S USE T ] }\n"
+                                      "Shape { appearance Appearance { texture DEF P PixelTexture { } } }"),
+                          result),
+            "");
+}
+
+TEST(XmlTranslator, NamesAUseOfWhatIsLeftOut) {
+  const ReadResult result = read_xml(
+      "<LayerSet><Layer DEF='L'/></LayerSet>\n<Layer USE='L'/><Layer USE='L'/>\n"
+      "<Layer DEF='M'/>\n<Transform DEF='T'/><ROUTE fromNode='M' fromField='x' toNode='T' toField='translation'/>");
+  EXPECT_THAT(warnings_of(result),
+              testing::IsSupersetOf(
+                  {HasSubstr("a.x3d:2: 'L' is a node that was left out"),
+                   HasSubstr("a.x3d:4: 'M' is a node that was left out; a USE of it is empty, a ROUTE is left out")}));
+  EXPECT_EQ(
+      std::ranges::count_if(warnings_of(result), [](const std::string& w) { return w.contains("'L' is a node"); }), 1);
+}
+
+TEST(XmlTranslator, AUseCountsBeforeADef) {
+  EXPECT_EQ(error_of(read_xml("<Shape DEF='A'/><Shape DEF='B' USE='A'/>")),
+            "a node with USE is another one, and has no DEF of its own");
+  EXPECT_EQ(difference_of(read_vrml97("DEF A Shape { }\nUSE A"), read_xml("<Shape DEF='A'/><Shape DEF='' USE='A'/>")),
+            "");
+  EXPECT_THAT(warnings_of(read_xml("<Shape DEF='A'/>\n<Shape USE='A'><Box/></Shape>")),
+              ElementsAre("a.x3d:2: a node with USE is another one: what stands in it here is left out"));
+  EXPECT_EQ(error_of(read_xml("<Shape USE=''/>")), "Shape wants the attribute 'USE'");
 }
 
 }  // namespace peerd::vrml::xml_translator_test
